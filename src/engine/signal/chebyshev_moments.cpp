@@ -51,7 +51,7 @@ bool ChebyshevMoments::begin(const SmoothPieces::Chunk& chunk, glm::dvec3 out_m,
     apart += most;
   }
   const double way = glm::distance(middle, out_m) + glm::distance(middle, home_m),
-               spare = 2 * glm::length(half_u + half_v) + apart;
+               spare = 2 * glm::length(half_u + half_v) + apart + 2 * extent.moved_m;
   if (way + spare < shortest_m || way - spare > longest_m) return false;
   chunk_ = &chunk;
   u_.set(nodes_.nodes_for(chunk.change_u));

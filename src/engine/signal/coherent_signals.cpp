@@ -12,6 +12,7 @@
 #include "engine/echo/quadratures.hpp"
 #include "engine/signal/bed_scatterers.hpp"
 #include "engine/signal/chebyshev_moments.hpp"
+#include "engine/signal/moving_channels.hpp"
 #include "geometry/steps/in_order.hpp"
 
 namespace tubefoot {
@@ -128,6 +129,89 @@ void in_tasks(std::size_t count, std::size_t per_task, Values& all, const Make& 
       [&](std::size_t, const Values& part) { add_up(all, part); });
 }
 
+/// The field's scatterers on one patch after the other, as channels are told of them.
+class ScatterersOnPatch {
+ public:
+  ScatterersOnPatch(const SeenPatches& patches, const CoherentReceiver& receiver, const GroundField& field,
+                    const ChebyshevNodes& nodes)
+      : patches_(patches),
+        field_(field),
+        wavenumber_(wavenumber(receiver)),
+        first_m_((receiver.times.first_s - receiver.pulse.end_s) * receiver.sound_speed_m_s),
+        last_m_((receiver.times.time_s(receiver.times.count) - receiver.pulse.begin_s) *
+                receiver.sound_speed_m_s),
+        moments_(nodes) {}
+
+  /// Calls hear(place, strength, less): channels' phases are those of their ways less the last [m].
+  template <class Hear>
+  void tell(const SeenPatch& patch, const FacetBed& bed, const SignalExtent& extent,
+            const SmoothPieces& pieces, const Hear& hear) {
+    const glm::dvec3 out = extent.transmit_m[0] - patches_.origin_m,
+                     home = extent.receive_m[0] - patches_.origin_m;
+    const double scatterer_m2 = field_.area_m2(patch.normal);
+    chunks_.clear();
+    pieces.cut(patches_, patch, chunks_);
+    for (const SmoothPieces::Chunk& chunk : chunks_) {
+      if (!moments_.begin(chunk, out, home, extent, first_m_, last_m_)) continue;
+      corners_.clear();
+      for (const glm::dvec2 p : chunk.polygon) corners_.push_back(patches_.origin_m + chunk.at(p));
+      // Few scatterers cost less each by itself than as nodes.
+      const bool few = area_of(chunk.polygon) / scatterer_m2 < double(moments_.nodes());
+      field_.for_scatterers(corners_, patch.normal, [&](glm::dvec3 place, std::complex<double> z) {
+        const glm::dvec3 at = place - patches_.origin_m;
+        if (bed.texture != nullptr) z *= std::sqrt(bed.texture->factor(place));
+        if (few)
+          hear(at, z, 0);
+        else
+          moments_.add(at,
+                       z * std::polar(1.0, wavenumber_ * (glm::distance(at, out) + glm::distance(at, home))));
+      });
+      if (few) continue;
+      moments_.tell([&](glm::dvec3 at, std::complex<double> strength) {
+        hear(at, strength, glm::distance(at, out) + glm::distance(at, home));
+      });
+    }
+  }
+
+ private:
+  const SeenPatches& patches_;
+  const GroundField& field_;
+  double wavenumber_, first_m_, last_m_;
+  ChebyshevMoments moments_;
+  std::vector<SmoothPieces::Chunk> chunks_;
+  std::vector<glm::dvec3> corners_;
+};
+
+ChannelSignals moving_signals(const SeenPatches& patches, const MovingEnds& ends, const EchoLaw& law,
+                              const GroundField& field, double tolerance) {
+  const CoherentReceiver& receiver = ends.held();
+  const SignalExtent extent = extent_of(receiver, false, tolerance);
+  const ChebyshevNodes nodes(tolerance);
+  ChannelSignals signals = silence(receiver);
+  in_tasks(patches.patches.size(), patches_per_task, signals.value,
+           [&](std::size_t begin, std::size_t end, Values& part) {
+             MovingChannels channels(ends, patches, law, extent, tolerance);
+             ScatterersOnPatch scatterers(patches, receiver, field, nodes);
+             for (std::size_t number = begin; number < end; ++number) {
+               stop_if_wanted();
+               const SeenPatch& patch = patches.patches[number];
+               if (!channels.look_at(patch)) continue;
+               // Pieces about the ends where they are while the patch is heard.
+               const SmoothPieces pieces(channels.extent(), nodes.most_change());
+               scatterers.tell(patch, channels.bed(), channels.extent(), pieces,
+                               [&](glm::dvec3 at, std::complex<double> strength, double less_m) {
+                                 channels.hear(at, strength, less_m, part.data());
+                               });
+             }
+           });
+  return signals;
+}
+
+bool has_ways(const CoherentReceiver& receiver) {
+  return std::any_of(receiver.channels.begin(), receiver.channels.end(),
+                     [](const SignalChannel& channel) { return channel.has_way(); });
+}
+
 }  // namespace
 
 void check(const CoherentReceiver& receiver, const EchoLaw& law) {
@@ -144,54 +228,31 @@ ChannelSignals element_signals(const SeenPatches& patches, const CoherentReceive
                                const EchoLaw& law, const GroundField& field, double tolerance) {
   check(receiver, law);
   check(field);
+  if (has_ways(receiver)) {
+    const MovingEnds ends(receiver, patches.origin_m);
+    return ends.move() ? moving_signals(patches, ends, law, field, tolerance)
+                       : element_signals(patches, ends.held(), law, field, tolerance);
+  }
   const PulseTable table(receiver.pulse, receiver.times);
   const SignalExtent extent = extent_of(receiver, false, tolerance);
   const ChebyshevNodes nodes(tolerance);
   const SmoothPieces pieces(extent, nodes.most_change());
-  const glm::dvec3 out = extent.transmit_m[0] - patches.origin_m,
-                   home = extent.receive_m[0] - patches.origin_m;
-  const double k = wavenumber(receiver);
-  const double first_m = (receiver.times.first_s - receiver.pulse.end_s) * receiver.sound_speed_m_s,
-               last_m = (receiver.times.time_s(receiver.times.count) - receiver.pulse.begin_s) *
-                        receiver.sound_speed_m_s;
   ChannelSignals signals = silence(receiver);
   in_tasks(patches.patches.size(), patches_per_task, signals.value,
            [&](std::size_t begin, std::size_t end, Values& part) {
              ChannelsOnPatch channels(patches, receiver, law);
-             ChebyshevMoments moments(nodes);
-             const auto hear = [&](std::size_t c, std::complex<double> amplitude, double delay) {
+             ScatterersOnPatch scatterers(patches, receiver, field, nodes);
+             const auto take = [&](std::size_t c, std::complex<double> amplitude, double delay) {
                table.add(amplitude, delay, &part[c * receiver.times.count]);
              };
-             std::vector<SmoothPieces::Chunk> chunks;
-             std::vector<glm::dvec3> corners;
              for (std::size_t number = begin; number < end; ++number) {
                stop_if_wanted();
                const SeenPatch& patch = patches.patches[number];
                if (!channels.look_at(patch)) continue;
-               const double scatterer_m2 = field.area_m2(patch.normal);
-               chunks.clear();
-               pieces.cut(patches, patch, chunks);
-               for (const SmoothPieces::Chunk& chunk : chunks) {
-                 if (!moments.begin(chunk, out, home, extent, first_m, last_m)) continue;
-                 corners.clear();
-                 for (const glm::dvec2 p : chunk.polygon) corners.push_back(patches.origin_m + chunk.at(p));
-                 // Few scatterers cost less each by itself than as nodes.
-                 const bool few = area_of(chunk.polygon) / scatterer_m2 < double(moments.nodes());
-                 field.for_scatterers(corners, patch.normal, [&](glm::dvec3 place, std::complex<double> z) {
-                   const glm::dvec3 at = place - patches.origin_m;
-                   if (channels.bed().texture != nullptr)
-                     z *= std::sqrt(channels.bed().texture->factor(place));
-                   if (few)
-                     channels.hear(at, z, 0, hear);
-                   else
-                     moments.add(at,
-                                 z * std::polar(1.0, k * (glm::distance(at, out) + glm::distance(at, home))));
-                 });
-                 if (few) continue;
-                 moments.tell([&](glm::dvec3 at, std::complex<double> strength) {
-                   channels.hear(at, strength, glm::distance(at, out) + glm::distance(at, home), hear);
-                 });
-               }
+               scatterers.tell(patch, channels.bed(), extent, pieces,
+                               [&](glm::dvec3 at, std::complex<double> strength, double less_m) {
+                                 channels.hear(at, strength, less_m, take);
+                               });
              }
            });
   return signals;
@@ -200,23 +261,39 @@ ChannelSignals element_signals(const SeenPatches& patches, const CoherentReceive
 ChannelSignals drawn_signals(const SeenPatches& patches, const CoherentReceiver& receiver, const EchoLaw& law,
                              std::uint64_t seed, std::uint32_t ping, double tolerance) {
   check(receiver, law);
+  std::optional<MovingEnds> ends;
+  if (has_ways(receiver)) {
+    ends.emplace(receiver, patches.origin_m);
+    if (!ends->move()) return drawn_signals(patches, ends->held(), law, seed, ping, tolerance);
+  }
+  SignalExtent extent = extent_of(ends ? ends->held() : receiver, true, tolerance);
+  if (ends) ends->widen(extent);
   const PulseTable table(receiver.pulse, receiver.times);
-  const std::vector<BedScatterer> bed =
-      bed_scatterers(patches, extent_of(receiver, true, tolerance), tolerance);
+  const std::vector<BedScatterer> bed = bed_scatterers(patches, extent, tolerance);
   ChannelSignals signals = silence(receiver);
+  const auto draw = [&](std::size_t n, const FacetBed& on) {
+    const SampleRandom random(seed, ping, std::uint32_t(std::uint64_t(n) >> 32), std::uint32_t(n));
+    return std::sqrt(bed[n].weight_m2 * texture_at(on, patches, bed[n].place_m)) *
+           circular_normal(random.uniform_pair(Purpose::drawn));
+  };
   in_tasks(bed.size(), scatterers_per_task, signals.value,
            [&](std::size_t begin, std::size_t end, Values& part) {
-             ChannelsOnPatch channels(patches, receiver, law);
              std::optional<std::uint32_t> patch;
              bool heard = false;
+             if (ends) {
+               MovingChannels channels(*ends, patches, law, extent, tolerance);
+               for (std::size_t n = begin; n < end; ++n) {
+                 if (patch != bed[n].patch)
+                   heard = channels.look_at(patches.patches[*(patch = bed[n].patch)]);
+                 if (heard) channels.hear(bed[n].place_m, draw(n, channels.bed()), 0, part.data());
+               }
+               return;
+             }
+             ChannelsOnPatch channels(patches, receiver, law);
              for (std::size_t n = begin; n < end; ++n) {
                if (patch != bed[n].patch) heard = channels.look_at(patches.patches[*(patch = bed[n].patch)]);
                if (!heard) continue;
-               const SampleRandom random(seed, ping, std::uint32_t(std::uint64_t(n) >> 32), std::uint32_t(n));
-               const std::complex<double> z =
-                   std::sqrt(bed[n].weight_m2 * texture_at(channels.bed(), patches, bed[n].place_m)) *
-                   circular_normal(random.uniform_pair(Purpose::drawn));
-               channels.hear(bed[n].place_m, z, 0,
+               channels.hear(bed[n].place_m, draw(n, channels.bed()), 0,
                              [&](std::size_t c, std::complex<double> amplitude, double delay) {
                                table.add(amplitude, delay, &part[c * receiver.times.count]);
                              });
@@ -229,6 +306,10 @@ CovarianceMatrix signal_covariances(const SeenPatches& patches, const CoherentRe
                                     std::span<const SignalSample> samples, const EchoLaw& law,
                                     double tolerance) {
   check(receiver, law);
+  if (has_ways(receiver))
+    throw std::invalid_argument(
+        "signal covariances are of ends at rest: leave the channels' ways out, or take element_signals() or "
+        "drawn_signals(), which know ways");
   std::vector<std::vector<std::pair<double, std::size_t>>> of_channel(receiver.channels.size());
   for (std::size_t n = 0; n < samples.size(); ++n) {
     if (samples[n].channel >= receiver.channels.size() || samples[n].sample >= receiver.times.count)

@@ -163,6 +163,10 @@ SampleCovariances gated_covariances(const SeenPatches& patches, const SignalChan
                                     const SignalChannel& b, const RangeSamples& samples,
                                     double wavenumber_rad_m, const EchoLaw& law, double tolerance) {
   check(law);
+  if (a.has_way() || b.has_way())
+    throw std::invalid_argument(
+        "gated covariances are of ends at rest: leave the channels' ways out, or take signals of "
+        "element_signals(), which knows ways");
   const std::vector<double> borders = sample_borders_m(samples);
   if (samples.count < 1 || !(samples.step_m > 0) || !(samples.first_m >= 0) || !std::isfinite(borders.back()))
     throw std::invalid_argument(fmt::format(

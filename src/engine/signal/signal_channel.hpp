@@ -8,6 +8,7 @@
 
 #include "engine/echo/path_on_facet.hpp"
 #include "engine/law/beam_pattern.hpp"
+#include "engine/signal/end_way.hpp"
 #include "engine/signal/seen_patches.hpp"
 
 // Signals are analytic with the time factor e^{-i omega t}; a way of length L has the phase e^{+ikL}.
@@ -17,6 +18,11 @@ namespace tubefoot {
 struct SignalChannel {
   glm::dvec3 transmit_m{0}, receive_m{0};  ///< local frame
   Directivity transmit{}, receive{};       ///< power patterns; amplitudes have the signs of side lobes
+  /// Of ends that move while sound is under way, in place of the places; patterns keep their axes. Asked for
+  /// from the pulse's begin to its end (transmit) and from the first sample to one after the last (receive).
+  EndWay transmit_way{}, receive_way{};
+
+  bool has_way() const { return transmit_way != nullptr || receive_way != nullptr; }
 };
 
 /// The amplitude pattern whose square is the power pattern: real, 1 on the axis, alternating in sign from
@@ -46,6 +52,9 @@ class ChannelOnPatch {
                    amplitude_pattern(channel_->receive, back / home);
     return {out + home, amplitude};
   }
+  /// The amplitude with the ends elsewhere, in these ranges of the place. 0 behind the plane.
+  double amplitude_from(glm::dvec3 place_m, glm::dvec3 transmit_m, glm::dvec3 receive_m, double out_m,
+                        double home_m) const;
 
   const PathOnFacet& path() const { return path_; }
   /// As the transmitter sees it.

@@ -112,6 +112,15 @@ void SmoothPieces::halve(const OnPlane& on, std::vector<glm::dvec2> polygon, std
   chunks.push_back(chunk_of(on, std::move(polygon)));
 }
 
+double SmoothPieces::moving_rate(double range_m) const {
+  if (extent_.moved_m == 0 && extent_.speed_share == 0) return 0;
+  // Directions to the ends turn by moved / (range - moved) at most, and the ways' growth, a sum of two, is by
+  // the transmitter's speed more than that of ways to places at rest (docs/signals.md).
+  const double turned =
+      range_m > extent_.moved_m ? std::min(2.0, extent_.moved_m / (range_m - extent_.moved_m)) : 2.0;
+  return extent_.wavenumber_rad_m * (2 * turned + 2 * extent_.speed_share) * (extent_.products ? 2 : 1);
+}
+
 SmoothPieces::Chunk SmoothPieces::chunk_of(const OnPlane& on, std::vector<glm::dvec2> polygon) const {
   glm::dvec2 centre(0);
   for (const glm::dvec2 p : polygon) centre += p / double(polygon.size());
@@ -151,7 +160,8 @@ SmoothPieces::Chunk SmoothPieces::chunk_of(const OnPlane& on, std::vector<glm::d
   const double range = std::max(nearest - radius, nearest / 2);
   const double even = extent_.wavenumber_rad_m * 2 * 3 * apart / (range * range) * radius +
                       extent_.band_rad_m * 2 * radius / range + (extent_.pattern_rad + amplitude_rad) / range;
-  const glm::dvec2 rate = extent_.wavenumber_rad_m * phase + extent_.band_rad_m * way + even;
+  const glm::dvec2 rate = extent_.wavenumber_rad_m * phase +
+                          extent_.band_rad_m * (1 + extent_.speed_share) * way + (even + moving_rate(range));
 
   const glm::dvec2 turn(glm::dot(chunk.u, on.u), glm::dot(chunk.u, on.v));
   glm::dvec2 low(std::numeric_limits<double>::infinity()), high = -low;

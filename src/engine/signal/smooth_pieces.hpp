@@ -21,6 +21,9 @@ struct SignalExtent {
   double wavenumber_rad_m = 0;  ///< of the carrier
   double band_rad_m = 0;        ///< by which ways count: 2 pi / sound speed times a bandwidth
   double pattern_rad = 0;       ///< sum over the factors of amplitude_wavenumber()
+  /// Of ends that move: how far they get from the places above, and the transmitters' speed over what sound's
+  /// is above it.
+  double moved_m = 0, speed_share = 0;
 };
 
 /// The wavenumber over directions of a pattern's amplitude: it holds, or all but holds, nothing finer.
@@ -62,6 +65,8 @@ class SmoothPieces {
   struct OnPlane;
   void halve(const OnPlane& on, std::vector<glm::dvec2> polygon, std::vector<Chunk>& chunks, int depth) const;
   Chunk chunk_of(const OnPlane& on, std::vector<glm::dvec2> polygon) const;
+  /// What moving ends add to rates of phase, in any direction.
+  double moving_rate(double range_m) const;
 
   SignalExtent extent_;
   double most_change_;

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <complex>
+#include <vector>
+
+#include "engine/signal/coherent_signals.hpp"
+#include "engine/signal/moving_pulse.hpp"
+#include "engine/signal/smooth_pieces.hpp"
+
+namespace tubefoot {
+
+/// The ways of a receiver's channels, each known once however many channels have it, and their pulse.
+class MovingEnds {
+ public:
+  /// Throws std::invalid_argument for ways that are not finite or as fast as sound. `origin_m`: of the
+  /// patches.
+  MovingEnds(const CoherentReceiver& receiver, glm::dvec3 origin_m);
+
+  /// Some end leaves its place.
+  bool move() const { return transmit_bounds_.speed_m_s > 0 || receive_bounds_.speed_m_s > 0; }
+  /// Channels without ways: where the ends are in the middle of the pulse (transmit) and of all samples.
+  const CoherentReceiver& held() const { return held_; }
+  /// How far ends get from there, for all samples together.
+  void widen(SignalExtent& extent) const;
+
+ private:
+  friend class MovingChannels;
+
+  glm::dvec3 origin_m_;
+  CoherentReceiver held_;
+  MovingPulse pulse_;
+  std::vector<TabulatedWay> transmit_, receive_;
+  std::vector<std::size_t> transmit_of_, receive_of_;  // by channel
+  MotionBounds transmit_bounds_, receive_bounds_;
+  double half_record_s_;
+};
+
+/// All channels, some of which move, on the patch at hand.
+class MovingChannels {
+ public:
+  /// `extent`: of `ends.held()`; `tolerance`: of amplitudes.
+  MovingChannels(const MovingEnds& ends, const SeenPatches& seen, const EchoLaw& law,
+                 const SignalExtent& extent, double tolerance);
+
+  /// False where nothing comes back from while there are samples.
+  bool look_at(const SeenPatch& patch);
+  const FacetBed& bed() const { return on_.front().path().bed; }
+  /// The ends where they are when the patch is heard; the first ones are the middle of all.
+  const SignalExtent& extent() const { return extent_; }
+  /// Adds what all channels hear of a place to out[channel * samples + sample].
+  void hear(glm::dvec3 place_m, std::complex<double> strength, double less_m, std::complex<double>* out);
+
+ private:
+  const MovingEnds& ends_;
+  const SeenPatches& seen_;
+  const EchoLaw& law_;
+  SignalExtent extent_;
+  double tolerance_;
+  std::vector<SignalChannel> placed_;
+  std::vector<ChannelOnPatch> on_;
+  std::vector<char> faces_;                    // by channel: some time
+  std::vector<MovingPulse::Passing> passing_;  // by transmitter's way
+  std::vector<double> heard_s_;                // by receiver's way, of the patch
+  double newton_s_ = 0;
+  bool even_ = false;
+  std::vector<MovingPulse::Echo> echoes_;
+};
+
+}  // namespace tubefoot

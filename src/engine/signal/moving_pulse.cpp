@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/signal/moving_pulse.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace tubefoot {
+namespace {
+
+/// Cubics through four values leave 0.0234 (pi / 48)^4 = 4e-7 of the highest frequency that a rate holds, and
+/// less of others.
+constexpr double cubics_per_sample = 48;
+constexpr double off_wavelengths = 1e-9;
+constexpr std::size_t most_parts = 1 << 14;
+/// Turns are multiplied up for so many samples; then their rounding is shed.
+constexpr std::size_t turns_together = 64;
+constexpr int most_steps = 100;
+/// A time that is known as well as clocks tell.
+constexpr double exact_s = 1e-14;
+
+/// e^{ix}, quickly where x is small.
+std::complex<double> turn(double x) {
+  if (std::abs(x) > 1.0 / 16) return std::polar(1.0, x);
+  const double y = x * x;
+  return {1 - y / 2 * (1 - y / 12 * (1 - y / 30 * (1 - y / 56))),
+          x * (1 - y / 6 * (1 - y / 20 * (1 - y / 42 * (1 - y / 72))))};
+}
+
+std::complex<double> product(std::complex<double> a, std::complex<double> b) {
+  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+
+/// A parabola through three values, by times.
+struct Parabola {
+  double at_0, time_0, time_1, slope, bend;
+  Parabola(double t0, double v0, double t1, double v1, double t2, double v2)
+      : at_0(v0), time_0(t0), time_1(t1), slope((v1 - v0) / (t1 - t0)) {
+    bend = ((v2 - v1) / (t2 - t1) - slope) / (t2 - t0);
+  }
+  double at(double t) const { return at_0 + (t - time_0) * (slope + (t - time_1) * bend); }
+};
+
+}  // namespace
+
+MovingPulse::MovingPulse(const BasebandPulse& pulse, const SignalTimes& times, double carrier_hz,
+                         double sound_speed_m_s)
+    : times_(times),
+      begin_s_(pulse.begin_s),
+      end_s_(pulse.end_s),
+      sound_speed_m_s_(sound_speed_m_s),
+      wavenumber_rad_m_(2 * std::numbers::pi * carrier_hz / sound_speed_m_s) {
+  // Cubics end where the pulse does, so that a pulse may jump there.
+  const double length_s = end_s_ - begin_s_;
+  const auto count =
+      std::max<std::size_t>(4, std::size_t(std::ceil(length_s * times.rate_hz * cubics_per_sample)));
+  per_s_ = double(count) / length_s;
+  std::vector<std::complex<double>> value;
+  for (std::size_t k = 0; k <= count; ++k)
+    value.push_back(pulse.envelope(std::min(begin_s_ + double(k) / per_s_, end_s_)));
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t first = std::clamp<std::size_t>(k, 1, count - 2) - 1;
+    const std::complex<double>* v = &value[first];
+    // Newton's form from the first value, moved to where the cubic begins.
+    const auto d1 = v[1] - v[0], d2 = (v[2] - 2.0 * v[1] + v[0]) / 2.0,
+               d3 = (v[3] - 3.0 * v[2] + 3.0 * v[1] - v[0]) / 6.0;
+    const double o = double(k) - double(first);
+    cubics_.push_back(
+        {v[k - first], d1 + d2 * (2 * o - 1) + d3 * (3 * o * o - 6 * o + 2), d2 + d3 * (3 * o - 3), d3});
+  }
+}
+
+MovingPulse::Steps MovingPulse::steps_for(const MotionBounds& transmit, const MotionBounds& receive,
+                                          double nearest_m) const {
+  const double c = sound_speed_m_s_, wavelength = 2 * std::numbers::pi / wavenumber_rad_m_;
+  // Of a range its second and third derivatives by time.
+  const auto second = [&](const MotionBounds& way) {
+    return way.speed_m_s * way.speed_m_s / nearest_m + way.acceleration_m_s2;
+  };
+  const auto third = [&](const MotionBounds& way) {
+    const double v = way.speed_m_s;
+    return 1.2 * v * v * v / (nearest_m * nearest_m) + 3 * v * way.acceleration_m_s2 / nearest_m +
+           way.jerk_m_s3;
+  };
+  const double beta = std::max(transmit.speed_m_s, receive.speed_m_s) / c, stretch = (1 + beta) / (1 - beta),
+               out = second(transmit), home = second(receive);
+  const double of_path = (third(transmit) * stretch * stretch * stretch + third(receive) +
+                          3 * out * stretch * (out * stretch * stretch + home) / (c * (1 - beta))) /
+                         (1 - beta);
+  Steps steps;
+  // A parabola through both ends and the middle leaves |u (u^2 - h^2)| / 6 <= 0.0642 h^3 of it.
+  if (of_path > 0) {
+    const double longest = std::cbrt(off_wavelengths * wavelength / (0.0642 * of_path));
+    const double parts = std::ceil(half_s() * stretch / longest);
+    steps.parts = std::size_t(std::clamp(parts, 1.0, double(most_parts)));
+  }
+  steps.newton_s = home > 0 ? std::sqrt(2 * 0.1 * off_wavelengths * wavelength / home) : HUGE_VAL;
+  return steps;
+}
+
+MovingPulse::Passing MovingPulse::send(const TabulatedWay& transmit, std::size_t parts) const {
+  Passing passing;
+  passing.transmit = &transmit;
+  for (std::size_t n = 0; n <= 2 * parts; ++n) {
+    const double share = double(n) / double(2 * parts);
+    passing.sent_s.push_back(n == 2 * parts ? end_s_ : begin_s_ + share * (end_s_ - begin_s_));
+    passing.from_m.push_back(transmit.at(passing.sent_s.back()).place_m);
+  }
+  for (std::size_t part = 0; part < parts; ++part)
+    passing.smooth.push_back(transmit.is_smooth(passing.sent_s[2 * part], passing.sent_s[2 * part + 2]));
+  passing.out_m.resize(passing.sent_s.size());
+  passing.there_s.resize(passing.sent_s.size());
+  return passing;
+}
+
+void MovingPulse::pass(glm::dvec3 place_m, Passing& passing) const {
+  passing.place_m = place_m;
+  for (std::size_t n = 0; n < passing.sent_s.size(); ++n) {
+    passing.out_m[n] = glm::distance(passing.from_m[n], place_m);
+    passing.there_s[n] = passing.sent_s[n] + passing.out_m[n] / sound_speed_m_s_;
+  }
+}
+
+MovingPulse::Heard MovingPulse::heard_at(const Passing& passing, std::size_t n, const TabulatedWay& receive,
+                                         double time_s, double newton_s) const {
+  for (int step = 0;; ++step) {
+    const TabulatedWay::Moment end = receive.at(time_s);
+    const glm::dvec3 way = end.place_m - passing.place_m;
+    const double home = glm::length(way),
+                 slope = 1 / (1 - glm::dot(way, end.velocity_m_s) / (home * sound_speed_m_s_)),
+                 off = (time_s - passing.there_s[n] - home / sound_speed_m_s_) * slope, before_s = time_s;
+    time_s -= off;
+    const bool done = std::abs(off) <= newton_s &&
+                      (step > 8 || receive.is_smooth(std::min(before_s, time_s), std::max(before_s, time_s)));
+    if (done || std::abs(off) <= exact_s || step == most_steps)
+      return {time_s, home - (1 - 1 / slope) * sound_speed_m_s_ * off, slope,
+              end.place_m - off * end.velocity_m_s};
+  }
+}
+
+void MovingPulse::add(const Passing& passing, const TabulatedWay& receive, std::span<const Echo> echoes,
+                      std::complex<double> strength, double less_m, const AmplitudeOf& exact,
+                      std::complex<double>* out) const {
+  const auto samples = double(times_.count);
+  const auto sample_of = [&](double time_s) { return (time_s - times_.first_s) * times_.rate_hz; };
+  if (sample_of(echoes.back().time_s) < 0 || sample_of(echoes.front().time_s) > samples - 1) return;
+  const double k = wavenumber_rad_m_, per_c = 1 / sound_speed_m_s_, step_s = 1 / times_.rate_hz;
+  for (std::size_t part = 0; 2 * part + 2 < echoes.size(); ++part) {
+    const Echo &a = echoes[2 * part], &b = echoes[2 * part + 1], &c = echoes[2 * part + 2];
+    const bool last = 2 * part + 3 == echoes.size();
+    const auto from = std::size_t(std::clamp(std::ceil(sample_of(a.time_s)), 0.0, samples)),
+               to = std::size_t(
+                   std::clamp(last ? std::floor(sample_of(c.time_s)) + 1 : std::ceil(sample_of(c.time_s)),
+                              0.0, samples));
+    if (from >= to) continue;
+    const Parabola path(a.time_s, a.path_m, b.time_s, b.path_m, c.time_s, c.path_m),
+        amplitude(a.time_s, a.amplitude, b.time_s, b.amplitude, c.time_s, c.amplitude);
+    if (passing.smooth[part] && receive.is_smooth(a.time_s, c.time_s)) {
+      const std::complex<double> bend = turn(2 * k * path.bend * step_s * step_s);
+      for (std::size_t anchor = from; anchor < to; anchor += turns_together) {
+        const double first_s = times_.time_s(anchor), first_m = path.at(first_s);
+        std::complex<double> phase = product(strength, std::polar(1.0, k * (first_m - less_m))),
+                             step = turn(k * (path.at(first_s + step_s) - first_m));
+        const std::size_t end = std::min(anchor + turns_together, to);
+        for (std::size_t n = anchor; n < end; ++n) {
+          const double time_s = times_.time_s(n);
+          const std::complex<double> g = envelope(time_s - path.at(time_s) * per_c);
+          const double size = amplitude.at(time_s);
+          out[n] += product(phase, {size * g.real(), size * g.imag()});
+          phase = product(phase, step);
+          step = product(step, bend);
+        }
+      }
+      continue;
+    }
+    for (std::size_t n = from; n < to; ++n) {
+      const double time_s = times_.time_s(n);
+      const glm::dvec3 to_m = receive.at(time_s).place_m;
+      const double home = glm::distance(to_m, passing.place_m), there_s = time_s - home * per_c;
+      double sent_s = time_s - path.at(time_s) * per_c, out_m = 0;
+      glm::dvec3 from_m;
+      for (int step = 0; step < most_steps; ++step) {
+        const TabulatedWay::Moment end = passing.transmit->at(sent_s);
+        from_m = end.place_m;
+        const glm::dvec3 way = from_m - passing.place_m;
+        out_m = glm::length(way);
+        const double off =
+            (sent_s + out_m * per_c - there_s) / (1 + glm::dot(way, end.velocity_m_s) * per_c / out_m);
+        sent_s -= off;
+        if (std::abs(off) <= exact_s) break;
+      }
+      const double size = exact.of != nullptr ? exact.at(exact.of, from_m, to_m, out_m, home) : a.amplitude;
+      out[n] += product(strength, std::polar(size, k * (out_m + home - less_m))) * envelope(sent_s);
+    }
+  }
+}
+
+}  // namespace tubefoot

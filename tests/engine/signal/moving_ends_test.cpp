@@ -1,0 +1,453 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Channels whose ends move while sound is under way, against sums over every scatterer whose times of sending
+// are found by bisection.
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <numbers>
+#include <random>
+
+#include "engine/signal/bed_scatterers.hpp"
+#include "engine/signal/coherent_signals.hpp"
+#include "engine/signal/moving_channels.hpp"
+#include "fixtures/refusal.hpp"
+#include "fixtures/world/signal_scenes.hpp"
+
+namespace tubefoot {
+namespace {
+
+using Complex = std::complex<double>;
+using test::SignalView;
+
+constexpr double pi = std::numbers::pi, c = 1500;
+
+EndWay straight(glm::dvec3 start_m, glm::dvec3 velocity_m_s) {
+  return [=](double t) { return start_m + velocity_m_s * t; };
+}
+/// A vehicle that goes on, turns and heaves; an end that sits some way from its middle.
+EndWay turning(glm::dvec3 start_m, glm::dvec3 velocity_m_s, double rad_s, glm::dvec3 lever_m) {
+  return [=](double t) {
+    const double w = rad_s * t;
+    return start_m + velocity_m_s * t +
+           glm::dvec3(std::cos(w) * lever_m.x - std::sin(w) * lever_m.y,
+                      std::sin(w) * lever_m.x + std::cos(w) * lever_m.y, lever_m.z + 0.05 * std::sin(7 * t));
+  };
+}
+/// From pose to pose, with a bend at each.
+EndWay bent(glm::dvec3 start_m, glm::dvec3 velocity_m_s, double interval_s) {
+  return [=](double t) {
+    const double n = std::floor(t / interval_s), share = t / interval_s - n;
+    const auto pose = [&](double k) {
+      return start_m + velocity_m_s * (k * interval_s) + 0.004 * glm::dvec3(std::sin(k), std::cos(3 * k), 0);
+    };
+    return (1 - share) * pose(n) + share * pose(n + 1);
+  };
+}
+
+EndWay way_of(const EndWay& way, glm::dvec3 place_m) {
+  return way ? way : [=](double) { return place_m; };
+}
+
+/// When what arrives at t was sent, by bisection.
+double sent_at(double t, glm::dvec3 x, const EndWay& transmit, const EndWay& receive) {
+  const double there = t - glm::distance(x, receive(t)) / c;
+  double low = there - 0.2, high = there;
+  for (int k = 0; k < 60; ++k) {
+    const double middle = (low + high) / 2;
+    (middle + glm::distance(x, transmit(middle)) / c < there ? low : high) = middle;
+  }
+  return (low + high) / 2;
+}
+
+/// Lambert's law, spreading, absorption and patterns, the ends being there.
+double amplitude_of(glm::dvec3 x, glm::dvec3 normal, double mu, double db_per_m, glm::dvec3 from,
+                    glm::dvec3 to, const SignalChannel& channel) {
+  const glm::dvec3 out = from - x, home = to - x;
+  const double r = glm::length(out), s = glm::length(home),
+               sines = glm::dot(out, normal) / r * glm::dot(home, normal) / s;
+  if (!(glm::dot(out, normal) > 0 && glm::dot(home, normal) > 0)) return 0;
+  return std::sqrt(mu * sines * std::pow(10, -db_per_m * (r + s) / 10)) / (r * s) *
+         amplitude_pattern(channel.transmit, -out / r) * amplitude_pattern(channel.receive, -home / s);
+}
+
+/// Every scatterer to every channel and sample.
+ChannelSignals by_every_scatterer(const SeenPatches& seen, const CoherentReceiver& receiver,
+                                  const EchoLaw& law, const GroundField& field) {
+  ChannelSignals all{receiver.channels.size(), receiver.times.count, {}};
+  all.value.assign(all.channels * all.samples, 0);
+  const double k = 2 * pi * receiver.carrier_hz / c;
+  for (const SeenPatch& patch : seen.patches) {
+    std::vector<glm::dvec3> corners;
+    for (const glm::dvec3& corner : seen.corners(patch)) corners.push_back(corner + seen.origin_m);
+    const double mu = law.material_mu[law.material[patch.facet]];
+    field.for_scatterers(corners, patch.normal, [&](glm::dvec3 x, Complex z) {
+      for (std::size_t n = 0; n < all.channels; ++n) {
+        const SignalChannel& channel = receiver.channels[n];
+        const EndWay transmit = way_of(channel.transmit_way, channel.transmit_m),
+                     receive = way_of(channel.receive_way, channel.receive_m);
+        for (std::size_t m = 0; m < all.samples; ++m) {
+          const double t = receiver.times.time_s(m);
+          // Far from any echo of the place.
+          const double about = t - (glm::distance(x, transmit(0)) + glm::distance(x, receive(t))) / c;
+          if (about < 1.1 * receiver.pulse.begin_s - 1e-4 || about > 1.1 * receiver.pulse.end_s + 1e-4)
+            continue;
+          const double s = sent_at(t, x, transmit, receive);
+          const Complex g = receiver.pulse.at(s);
+          if (g == 0.0) continue;
+          const glm::dvec3 from = transmit(s), to = receive(t);
+          all.value[n * all.samples + m] +=
+              z * g *
+              std::polar(amplitude_of(x, patch.normal, mu, law.absorption_db_per_m, from, to, channel),
+                         k * (glm::distance(x, from) + glm::distance(x, to)));
+        }
+      }
+    });
+  }
+  return all;
+}
+
+double loudest_of(const ChannelSignals& signals) {
+  double most = 0;
+  for (const Complex& v : signals.value) most = std::max(most, std::abs(v));
+  return most;
+}
+double worst_of(const ChannelSignals& a, const ChannelSignals& b) {
+  double worst = 0;
+  for (std::size_t k = 0; k < a.value.size(); ++k) worst = std::max(worst, std::abs(a.value[k] - b.value[k]));
+  return worst;
+}
+
+/// Three elements and a transmitter on one vehicle.
+CoherentReceiver receiver_on(glm::dvec3 place_m, const std::function<EndWay(glm::dvec3)>& way) {
+  CoherentReceiver receiver;
+  for (const double x : {-0.06, 0.0, 0.05})
+    receiver.channels.push_back({place_m, place_m + glm::dvec3(x, 0.01, 0)});
+  receiver.channels[1].receive = {Directivity::Kind::line, {1, 0, 0}, false, 0, 3};
+  if (way)
+    for (SignalChannel& channel : receiver.channels) {
+      channel.transmit_way = way(channel.transmit_m);
+      channel.receive_way = way(channel.receive_m);
+    }
+  receiver.pulse = gaussian_pulse(1e-4);
+  receiver.times = {5.2e-3, 25e3, 36};
+  receiver.carrier_hz = 30e3;
+  receiver.sound_speed_m_s = c;
+  return receiver;
+}
+
+TEST(MovingEnds, HearTheSumOverAllScatterersOfTheField) {
+  const std::function<EndWay(glm::dvec3)> ways[] = {[](glm::dvec3 p) {
+                                                      return straight(p, {1.5, 1, -0.2});
+                                                    },
+                                                    [](glm::dvec3 p) {
+                                                      return straight(p, {-12, 15, 5});
+                                                    },
+                                                    [](glm::dvec3 p) {
+                                                      return turning(p, {2, -1, 0.3}, 3, {0.4, -0.3, 0.1});
+                                                    },
+                                                    [](glm::dvec3 p) {
+                                                      return bent(p, {1, 2, 0}, 7e-4);
+                                                    }};
+  for (const std::size_t number : {0u, 1u, 4u}) {
+    const test::SignalScene scene = test::signal_scenes()[number];
+    const SignalView view(scene, {0.0, 0.0, 0.0});
+    const SeenPatches seen = view.patches();
+    EchoLaw law = view.law;
+    law.absorption_db_per_m = 0.1;
+    const GroundField field{7, number == 0 ? 0.035 : 0.06};
+    for (std::size_t k = 0; k < 4; ++k) {
+      const CoherentReceiver receiver = receiver_on(view.apex_m, ways[k]);
+      const ChannelSignals direct = by_every_scatterer(seen, receiver, law, field);
+      const double loudest = loudest_of(direct);
+      ASSERT_GT(loudest, 0);
+      // They are not those of ends at rest.
+      EXPECT_GT(worst_of(element_signals(seen, receiver_on(view.apex_m, {}), law, field), direct),
+                0.03 * loudest);
+      double before = 1;
+      for (const double tolerance : {1e-2, 1e-4, 1e-6}) {
+        const double worst = worst_of(element_signals(seen, receiver, law, field, tolerance), direct);
+        EXPECT_LT(worst, 3 * std::max(tolerance, 1e-6) * loudest)
+            << scene.name << ", way " << k << ' ' << tolerance;
+        EXPECT_LT(worst, before);
+        before = std::max(worst, 1e-6 * loudest);
+      }
+    }
+  }
+}
+
+TEST(MovingEnds, OneEndMayMoveAndTheOtherRest) {
+  const test::SignalScene scene = test::signal_scenes()[1];
+  const SignalView view(scene, {0.0, 0.0, 0.0});
+  const SeenPatches seen = view.patches();
+  const GroundField field{3, 0.06};
+  CoherentReceiver receiver = receiver_on(view.apex_m, {});
+  receiver.channels[0].transmit_way = straight(view.apex_m, {0, 9, -3});
+  receiver.channels[1].receive_way = turning(view.apex_m, {3, 0, 0}, 2, {0, 0.5, 0});
+  const ChannelSignals direct = by_every_scatterer(seen, receiver, view.law, field);
+  EXPECT_LT(worst_of(element_signals(seen, receiver, view.law, field, 1e-6), direct),
+            3e-6 * loudest_of(direct));
+  // Channel 2 is at rest beside them: the same as if all were, to what tables of pulses leave.
+  const ChannelSignals fixed = element_signals(seen, receiver_on(view.apex_m, {}), view.law, field, 1e-6);
+  for (std::size_t n = 0; n < fixed.samples; ++n)
+    EXPECT_LT(std::abs(fixed.at(2, n) - element_signals(seen, receiver, view.law, field, 1e-6).at(2, n)),
+              5e-6 * loudest_of(direct));
+}
+
+TEST(MovingEnds, AtRestHearTheSameBits) {
+  const test::SignalScene scene = test::signal_scenes()[1];
+  const SignalView view(scene, {0.0, 0.0, 0.0});
+  const SeenPatches seen = view.patches();
+  const GroundField field{9, 0.02};
+  const CoherentReceiver fixed = receiver_on(view.apex_m, {}),
+                         still = receiver_on(view.apex_m, [](glm::dvec3 p) { return straight(p, {}); }),
+                         creeping = receiver_on(view.apex_m, [](glm::dvec3 p) {
+                           return straight(p, {1e-7, 2e-7, 0});
+                         });
+  const ChannelSignals at_rest = element_signals(seen, fixed, view.law, field),
+                       drawn = drawn_signals(seen, fixed, view.law, 1, 0);
+  EXPECT_EQ(at_rest.value, element_signals(seen, still, view.law, field).value);
+  EXPECT_EQ(drawn.value, drawn_signals(seen, still, view.law, 1, 0).value);
+  // A tenth of a micrometre a second goes the other way through the program.
+  EXPECT_LT(worst_of(at_rest, element_signals(seen, creeping, view.law, field)), 5e-6 * loudest_of(at_rest));
+  EXPECT_LT(worst_of(drawn, drawn_signals(seen, creeping, view.law, 1, 0)), 5e-6 * loudest_of(drawn));
+}
+
+TEST(MovingEnds, HaveTheSameBitsForAnyThreads) {
+  const test::SignalScene scene = test::signal_scenes()[2];
+  const SignalView view(scene, {0.0, 0.0, 0.0});
+  const SeenPatches seen = view.patches();
+  const GroundField field{9, 0.03};
+  const CoherentReceiver receiver = receiver_on(view.apex_m, [](glm::dvec3 p) {
+    return bent(p, {1, 2, 0}, 7e-4);
+  });
+  const ChannelSignals one = element_signals(seen, receiver, view.law, field),
+                       two = drawn_signals(seen, receiver, view.law, 1, 0);
+  const tbb::global_control alone(tbb::global_control::max_allowed_parallelism, 1);
+  EXPECT_EQ(one.value, element_signals(seen, receiver, view.law, field).value);
+  EXPECT_EQ(two.value, drawn_signals(seen, receiver, view.law, 1, 0).value);
+}
+
+/// One scatterer: a patch below the field's spacing, facing up.
+struct OnePlace {
+  explicit OnePlace(glm::dvec3 about_m) {
+    const double spacing = 0.05;
+    for (std::uint64_t seed = 1;; ++seed) {
+      field = {seed, spacing};
+      seen = {};
+      seen.corners_m = {{-0.02, -0.02, 0}, {-0.02, 0.02, 0}, {0.02, 0.02, 0}, {0.02, -0.02, 0}};
+      for (glm::dvec3& corner : seen.corners_m) corner += about_m;
+      seen.patches = {{0, {0, 0, 1}, -about_m.z, 0, 4, 0, 0}};
+      int count = 0;
+      field.for_scatterers(seen.corners_m, {0, 0, 1}, [&](glm::dvec3 p, Complex s) {
+        ++count;
+        x = p;
+        z = s;
+      });
+      if (count == 1) return;
+    }
+  }
+  EchoLaw law() const {
+    EchoLaw its;
+    its.material_mu = mu;
+    its.material = material;
+    return its;
+  }
+  static constexpr std::array<double, 1> mu{0.1};
+  static constexpr std::array<std::uint16_t, 1> material{0};
+  SeenPatches seen;
+  GroundField field;
+  glm::dvec3 x{0};
+  Complex z;
+};
+
+/// Of one frequency, even.
+BasebandPulse even_pulse(double duration_s) {
+  return {[=](double) { return Complex(1 / std::sqrt(duration_s)); }, 0, duration_s, 40 / duration_s};
+}
+
+// A wavelength is a turn: 1e-9 of it, and of amplitudes, over pulses of up to 50 ms.
+TEST(MovingEnds, KeepPhasesToABillionthOfAWavelength) {
+  const OnePlace place({1, 9, -4});
+  const glm::dvec3 start(0.1, 0.2, -0.3);
+  struct Case {
+    const char* name;
+    EndWay transmit, receive;
+  };
+  const Case cases[] = {
+      {"slow", straight(start, {0, 2, 0}), straight(start + glm::dvec3(0.3, 0, 0), {0, 2, 0})},
+      {"20 m/s", straight(start, {12, 16, 0}), straight(start + glm::dvec3(0.3, 0, 0), {12, 16, 0})},
+      {"turning", turning(start, {2, 3, 0}, 1.5, {1, 0.5, 0}), turning(start, {2, 3, 0}, 1.5, {-1, 0.2, 0})},
+      {"bent", bent(start, {5, 1, 0}, 6.1e-3), bent(start + glm::dvec3(0.1, 0, 0), {5, 1, 0}, 6.1e-3)}};
+  for (const double duration_s : {1e-4, 2e-3, 50e-3})
+    for (const double carrier_hz : {30e3, 400e3})
+      for (const Case& its : cases) {
+        CoherentReceiver receiver;
+        receiver.channels = {{start, start, {}, {}, its.transmit, its.receive}};
+        receiver.pulse = even_pulse(duration_s);
+        receiver.times = {0.01, std::max(60 / duration_s, 20e3), 0};
+        receiver.times.count = std::size_t((duration_s + 0.006) * receiver.times.rate_hz);
+        receiver.carrier_hz = carrier_hz;
+        const ChannelSignals heard = element_signals(place.seen, receiver, place.law(), place.field, 1e-12);
+        int echoes = 0;
+        double worst = 0;
+        for (std::size_t n = 0; n < receiver.times.count; ++n) {
+          const double t = receiver.times.time_s(n), s = sent_at(t, place.x, its.transmit, its.receive);
+          if (s < 1e-9 || s > duration_s - 1e-9) {
+            if (s < -1e-9 || s > duration_s + 1e-9) {
+              EXPECT_EQ(heard.at(0, n), 0.0);
+            }
+            continue;
+          }
+          ++echoes;
+          const glm::dvec3 from = its.transmit(s), to = its.receive(t);
+          const double path = glm::distance(place.x, from) + glm::distance(place.x, to);
+          const Complex expected = place.z / std::sqrt(duration_s) *
+                                   std::polar(amplitude_of(place.x, {0, 0, 1}, 0.1, 0, from, to, {}),
+                                              2 * pi * carrier_hz * path / c);
+          worst = std::max(worst, std::abs(heard.at(0, n) - expected) / std::abs(expected));
+        }
+        EXPECT_GT(echoes, 2);
+        EXPECT_LT(worst, 2 * pi * 1e-9) << its.name << ", " << duration_s << " s, " << carrier_hz << " Hz";
+      }
+}
+
+TEST(MovingEnds, ShiftFrequenciesAsDopplerSays) {
+  const OnePlace place({0, 30, -6});
+  const double carrier_hz = 100e3, duration_s = 20e-3;
+  for (const double speed : {-20.0, -2.0, 0.5, 5.0, 20.0})
+    for (const double angle : {0.0, 0.6, 1.3}) {
+      // At an angle with the way to the place.
+      const glm::dvec3 towards = glm::normalize(place.x),
+                       across = glm::normalize(glm::cross(towards, glm::dvec3(0, 0, 1))),
+                       velocity = speed * (std::cos(angle) * towards + std::sin(angle) * across);
+      CoherentReceiver receiver;
+      receiver.channels = {{{}, {}, {}, {}, straight({}, velocity), straight({}, velocity)}};
+      receiver.pulse = even_pulse(duration_s);
+      receiver.times = {0.039, 20e3, 520};
+      receiver.carrier_hz = carrier_hz;
+      const ChannelSignals heard = element_signals(place.seen, receiver, place.law(), place.field);
+      const auto power = [&](double frequency_hz) {
+        Complex sum = 0;
+        // e^{-i omega t}: what is higher turns the other way.
+        for (std::size_t n = 0; n < heard.samples; ++n)
+          sum += heard.at(0, n) * std::polar(1.0, 2 * pi * frequency_hz * receiver.times.time_s(n));
+        return std::norm(sum);
+      };
+      double best = 0, step = 20;
+      for (double f = -4000; f <= 4000; f += step)
+        if (power(f) > power(best)) best = f;
+      for (; step > 1e-3; step /= 2)
+        for (const double f : {best - step, best + step})
+          if (power(f) > power(best)) best = f;
+      // The ends come nearer at v cos, and the angle opens a little on the way.
+      const double closing = speed * std::cos(angle), exact = carrier_hz * 2 * closing / (c - closing);
+      const double turned = std::abs(speed * speed * std::sin(angle) * std::sin(angle)) / 30 * 0.05;
+      EXPECT_NEAR(best, exact, 0.05 + 2.5 * carrier_hz / c * turned) << speed << ' ' << angle;
+      EXPECT_NEAR(best, 2 * closing * carrier_hz / c,
+                  0.05 + 2.5 * carrier_hz / c * turned + 0.03 * std::abs(exact));
+    }
+}
+
+// What A sends at s and B hears at t, B sends at -t and A hears at -s, on ways that are gone backwards.
+TEST(MovingEnds, AreReciprocalBackwardsInTime) {
+  const OnePlace place({1, 9, -4});
+  const EndWay a = turning({0.1, 0.2, -0.3}, {6, 9, 0}, 1.5, {1, 0.5, 0}),
+               b = straight({-0.4, 0.6, 0.2}, {-3, 8, 1});
+  CoherentReceiver receiver;
+  receiver.channels = {{{}, {}, {}, {}, a, b}};
+  receiver.pulse = even_pulse(2e-3);
+  receiver.carrier_hz = 200e3;
+  for (const double t : {0.0130, 0.0134, 0.0138}) {
+    receiver.times = {t, 40e3, 1};
+    const Complex there = element_signals(place.seen, receiver, place.law(), place.field, 1e-12).value[0];
+    const double s = sent_at(t, place.x, a, b);
+    ASSERT_GT(s, 0);
+    ASSERT_LT(s, 2e-3);
+    // The clock goes backwards from a time within the second pulse.
+    const double zero = t + 1e-3;
+    CoherentReceiver back = receiver;
+    back.channels[0].transmit_way = [=](double time) { return b(zero - time); };
+    back.channels[0].receive_way = [=](double time) { return a(zero - time); };
+    back.times.first_s = zero - s;
+    const Complex home = element_signals(place.seen, back, place.law(), place.field, 1e-12).value[0];
+    EXPECT_GT(std::abs(there), 0);
+    EXPECT_LT(std::abs(there - home), 2 * pi * 1e-9 * std::abs(there)) << t;
+  }
+}
+
+// Law Y1 of ends that move: the channels' phases at one sample, less that of the way to the middle of all.
+TEST(MovingEnds, PhasesChangeOverPiecesByLessThanTheirBounds) {
+  const unsigned seed = 5;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> share(-1, 1);
+  double tightest = 0;
+  for (const test::SignalScene& scene : test::signal_scenes()) {
+    const SignalView view(scene, {0.0, 0.0, 0.0});
+    const SeenPatches seen = view.patches();
+    const CoherentReceiver receiver = receiver_on(view.apex_m, [](glm::dvec3 p) {
+      return turning(p, {8, 14, 3}, 3, {0.4, -0.3, 0.1});
+    });
+    const MovingEnds ends(receiver, seen.origin_m);
+    SignalExtent extent;
+    extent.products = false;
+    extent.wavenumber_rad_m = 3000;  // so that phases count
+    MovingChannels channels(ends, seen, view.law, extent, 1e-3);
+    for (const SeenPatch& patch : seen.patches) {
+      if (!channels.look_at(patch)) continue;
+      const SignalExtent its = channels.extent();
+      std::vector<SmoothPieces::Chunk> chunks;
+      SmoothPieces(its, 1.5).cut(seen, patch, chunks);
+      for (const SmoothPieces::Chunk& chunk : chunks) {
+        const int i = int(std::abs(share(random)) * chunk.count_u),
+                  j = int(std::abs(share(random)) * chunk.count_v);
+        const glm::dvec3 middle = seen.origin_m + chunk.middle_m(i, j),
+                         at = middle + share(random) * chunk.size_m.x / 2 * chunk.u +
+                              share(random) * chunk.size_m.y / 2 * chunk.v;
+        for (const SignalChannel& channel : receiver.channels) {
+          // A sample that hears both.
+          const double arrives =
+              (glm::distance(at, channel.transmit_m) + glm::distance(at, channel.receive_m)) / c;
+          const double t = arrives + 3e-4 * share(random);
+          const auto path = [&](glm::dvec3 x) {
+            const double s = sent_at(t, x, channel.transmit_way, channel.receive_way);
+            return glm::distance(x, channel.transmit_way(s)) + glm::distance(x, channel.receive_way(t)) -
+                   glm::distance(x, its.transmit_m[0]) - glm::distance(x, its.receive_m[0]);
+          };
+          const double phase = 3000 * std::abs(path(at) - path(middle)),
+                       most = chunk.change_u + chunk.change_v;
+          ASSERT_LE(phase, most) << scene.name;
+          tightest = std::max(tightest, phase / most);
+        }
+      }
+    }
+  }
+  EXPECT_GT(tightest, 0.1);
+}
+
+TEST(MovingEnds, RefuseWaysThatAreNone) {
+  const test::SignalScene scene = test::signal_scenes()[0];
+  const SignalView view(scene, {0.0, 0.0, 0.0});
+  const SeenPatches seen = view.patches();
+  const auto refuses = [&](const EndWay& way, const std::string& what) {
+    CoherentReceiver receiver = receiver_on(view.apex_m, {});
+    receiver.channels[1].receive_way = way;
+    expect_refused([&] { element_signals(seen, receiver, view.law, {1, 0.05}); }, what);
+    expect_refused([&] { drawn_signals(seen, receiver, view.law, 1, 0); }, what);
+    receiver.channels[1].receive_way = nullptr;
+    receiver.channels[2].transmit_way = way;
+    EXPECT_THROW(element_signals(seen, receiver, view.law, {1, 0.05}), std::invalid_argument);
+  };
+  refuses(straight({}, {c, 0, 0}), "the receiver of channel 1 moves at");
+  refuses(straight({}, {0, -4000, 0}), "as fast as sound");
+  refuses([](double) { return glm::dvec3(NAN, 0, 0); }, "not finite");
+  refuses([](double t) { return glm::dvec3(0, t > 0.0055 || std::abs(t) < 1e-4 ? HUGE_VAL : 0, 0); },
+          "not finite");
+  refuses([](double t) { return glm::dvec3(std::floor(t * 3e3), 0, 0); }, "as fast as sound");
+  CoherentReceiver moving = receiver_on(view.apex_m, [](glm::dvec3 p) { return straight(p, {1, 0, 0}); });
+  const std::vector<SignalSample> samples{{0, 1}};
+  expect_refused([&] { signal_covariances(seen, moving, samples, view.law); }, "ends at rest");
+}
+
+}  // namespace
+}  // namespace tubefoot
