@@ -154,7 +154,7 @@ class ChannelOfSmooth {
     if (lost * (1 - share) * (1 - share) > 40) return;  // 4e-18 is left of it
     const int needed = band_.nodes_for(change + lost * share * (2 + share), pulses_.most());
     if (halvings < most_halvings && (needed > pulses_.most() || pattern_changes(piece, out_m, back_m))) {
-      halve(piece, across(piece, change, needed > pulses_.most()), pieces_);
+      halve(piece, across(piece, needed > pulses_.most()), pieces_);
       return;
     }
     const auto count = std::size_t(std::min(needed, pulses_.most()));
@@ -190,19 +190,31 @@ class ChannelOfSmooth {
     return reach * (sent_ / out_m + heard_ / back_m) > most_pattern_rad;
   }
 
-  /// The direction that a piece is cut across: in which paths grow, if that is what makes them differ, or in
-  /// which it is longest.
-  glm::dvec2 across(const PlanarPolygon& piece, double change, bool for_paths) const {
+  /// The direction that a piece is cut across: that in which paths differ most, which grow along their slope
+  /// and bend across it, or the one in which the piece is longest.
+  glm::dvec2 across(const PlanarPolygon& piece, bool for_paths) const {
     const glm::dvec2 offset = centroid_offset(piece), middle = piece.first + offset;
     glm::dvec2 longest(0);
     for (const glm::dvec2& corner : piece.offsets)
       if (glm::dot(corner - offset, corner - offset) > glm::dot(longest, longest)) longest = corner - offset;
-    const glm::dvec2 from_foot = middle - home_.foot,
-                     slope = middle / std::hypot(piece.distance, middle.x, middle.y) +
-                             from_foot / std::hypot(home_.distance, from_foot.x, from_foot.y);
-    if (for_paths && glm::length(slope) * glm::length(longest) * band_.half_rad_m > change)
-      return glm::normalize(slope);
-    return glm::normalize(longest);
+    if (!for_paths) return glm::normalize(longest);
+    const glm::dvec2 from_foot = middle - home_.foot;
+    const double out_m = std::hypot(piece.distance, middle.x, middle.y),
+                 back_m = std::hypot(home_.distance, from_foot.x, from_foot.y);
+    const glm::dvec2 slope = middle / out_m + from_foot / back_m;
+    const double steep = glm::length(slope);
+    if (!(steep > 1e-3)) return glm::normalize(longest);
+    const glm::dvec2 along = slope / steep, aside(-along.y, along.x);
+    const auto extent = [&](glm::dvec2 direction) {
+      double low = 0, high = 0;
+      for (const glm::dvec2& corner : piece.offsets) {
+        low = std::min(low, glm::dot(corner, direction));
+        high = std::max(high, glm::dot(corner, direction));
+      }
+      return high - low;
+    };
+    const double bend = (1 / out_m + 1 / back_m) / 8, length = extent(along), width = extent(aside);
+    return (steep + bend * length) * length >= bend * width * width ? along : aside;
   }
 
   /// What absorption over the middle path and patterns towards the centroid leave of the amplitude.
