@@ -117,9 +117,22 @@ std::vector<SignalChannel> signal_channels(const Shot& shot, std::size_t s) {
     if (!patterns.transmit.front().beams.empty()) channel.transmit = patterns.transmit.front().beams.front();
     channel.receive = patterns.receive.front();
   }
+  const Trajectory& track = shot.scene().trajectories[shot.scene().sensor_trajectory[s]];
+  const bool moves = !sensor.signals()->stop_and_hop && !track.is_fixed();
+  const double start_s = pings.times_s[shot.ping()];
+  /// Of a place on the sensor, by where that or its receiver is.
+  const auto way = [&](Pose (Sensor::*pose_on)(const Pose&) const, glm::dvec3 place) -> EndWay {
+    if (!moves) return {};
+    return [&sensor, &track, start_s, pose_on, place](double after_start_s) {
+      const Pose pose = (sensor.*pose_on)(track.at(start_s + after_start_s));
+      return pose.position_m + pose.attitude * place;
+    };
+  };
+  channel.transmit_way = way(&Sensor::pose_on, array.transmitter_m);
   std::vector<SignalChannel> channels;
   for (const glm::dvec3 place : array.receivers_m) {
     channel.receive_m = heard.position_m + heard.attitude * place;
+    channel.receive_way = way(&Sensor::receiver_pose_on, place);
     channels.push_back(channel);
   }
   return channels;

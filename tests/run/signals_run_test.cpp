@@ -76,6 +76,35 @@ double largest_difference(const ElementSignals& a, const ElementSignals& b) {
   return most;
 }
 
+/// As of_points(), for ends that move: the delay of every sample by the vehicle's own motion.
+ElementSignals of_points_on_the_way(const ElementSignals& like, const GroundField& field, glm::dvec3 middle_m,
+                                    double half_m) {
+  ElementSignals sum = like;
+  std::fill(sum.pressure.begin(), sum.pressure.end(), 0);
+  const double mu = std::pow(10, -2), until_s = like.sampling.end_s();
+  const std::vector<glm::dvec3> corners{
+      middle_m + glm::dvec3(-half_m, -half_m, 0), middle_m + glm::dvec3(half_m, -half_m, 0),
+      middle_m + glm::dvec3(half_m, half_m, 0), middle_m + glm::dvec3(-half_m, half_m, 0)};
+  for (std::size_t ping = 0; ping < like.pings(); ++ping) {
+    const PlaceOnTheWay sent(like.motion, ping, like.array.transmitter_m, until_s);
+    for (std::size_t e = 0; e < like.receivers(); ++e) {
+      const PlaceOnTheWay heard(like.motion, ping, like.array.receivers_m[e], until_s);
+      field.for_scatterers(corners, {0, 0, 1}, [&](glm::dvec3 place, Complex z) {
+        for (std::size_t k = 0; k < like.samples(); ++k) {
+          const double t = like.sampling.time_s(k);
+          const TwoWayPath path = path_received_at(t, sent, place, heard, like.sound_speed_m_s);
+          const double up = sent.at(path.emitted_s).z - place.z, over = heard.at(t).z - place.z;
+          sum.channel(ping, e)[k] += z * std::sqrt(mu * up / path.out_m * over / path.home_m) /
+                                     (path.out_m * path.home_m) *
+                                     baseband_at(like.waveform, like.sampling.baseband_hz, path.emitted_s) *
+                                     std::polar(1.0, 2 * pi * like.sampling.baseband_hz * path.delay_s());
+        }
+      });
+    }
+  }
+  return sum;
+}
+
 /// All scatterers of a level square of Lambert's law that nothing hides, as points: out and home along
 /// straight lines, a(x) = sqrt(mu sin sin) / (r s) in amplitude.
 ElementSignals of_points(const ElementSignals& like, const GroundField& field, glm::dvec3 middle_m,
@@ -196,6 +225,22 @@ TEST_F(SignalsRun, OfOwnSightsAreThoseOfReceiversApart) {
       ASSERT_NEAR(std::abs(own.channel(0, e)[k] - apart.channel(0, 0)[k]), 0, 1e-5 * largest(own)) << k;
   }
   EXPECT_GT(largest_difference(own, shared), 0.05 * largest(own));
+}
+
+// At 12 m/s a ping's Doppler turns its pulse by a quarter of a cycle, and a hop from ping to ping is 6 m
+// long.
+TEST_F(SignalsRun, OfAVehicleOnTheWayAreThoseOfTheGroundsScatterers) {
+  const std::string track =
+      "[trajectory]\nkind = \"line\"\nstart_m = [0.1, -3, 0]\nend_m = [0.2, 9, 0.2]\nspeed_m_s = 12\n";
+  const std::string sensor =
+      "lever_arm_m = [0.1, 0.2, 0.3]\nreceivers_m = [[0, 0, 0], [0.4, 0, -0.1]]\nsignal_tolerance = 1e-6\n"
+      "first_ping_s = 0.2\n";
+  const ElementSignals moving = signals_of(scene(sensor + "stop_and_hop = false\n", track));
+  const ElementSignals points = of_points_on_the_way(moving, ground_field_of(*survey), {0.3, 6, -6}, 0.75);
+  EXPECT_FALSE(moving.motion.stop_and_hop());
+  EXPECT_LE(largest_difference(moving, points), 1e-5 * largest(points));
+  const ElementSignals hopping = signals_of(scene(sensor, track));
+  EXPECT_GT(largest_difference(moving, hopping), 0.1 * largest(points));
 }
 
 TEST_F(SignalsRun, OfOneThatIsTurnedToLook) {
