@@ -91,6 +91,7 @@ void note_materials(const Survey& survey, std::vector<std::string>& out) {
     if (!material.relief.empty() && survey.site->relief.parent.empty())
       add("its relief, which is no facets ('tubefoot refine' and mode = \"offline\" make facets of it)");
     if (material.specular_loss_db) add("that it mirrors");
+    if (material.smooth) add("that it is smooth");
     if (!words.empty())
       out.push_back(fmt::format("material '{}': {}; what goes out is a Lambert law of {} dB", material.name,
                                 words, material.lambert_db));

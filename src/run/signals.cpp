@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <functional>
 #include <numbers>
 
+#include "engine/signal/smooth_signals.hpp"
 #include "run/echo_parts.hpp"
 #include "sensors/recordings/signal_recording.hpp"
 
@@ -187,7 +189,17 @@ class ShotSignals {
 
  private:
   ChannelSignals of(const Sight& sight, const CoherentReceiver& receiver) const {
-    return element_signals(seen_patches(sight, law_.law), receiver, law_.law, field_, model_.tolerance);
+    const auto surface_of = [&](FacetId facet) {
+      return shot_.scene().smooth_surface(law_.law.material[facet]);
+    };
+    const SplitPatches patches = split_patches(seen_patches(sight, law_.law),
+                                               [&](FacetId facet) { return surface_of(facet) != nullptr; });
+    ChannelSignals all = element_signals(patches.rough, receiver, law_.law, field_, model_.tolerance);
+    if (patches.smooth.patches.empty()) return all;
+    const ChannelSignals smooth =
+        smooth_signals(patches.smooth, receiver, law_.law, surface_of, model_.tolerance);
+    std::ranges::transform(all.value, smooth.value, all.value.begin(), std::plus<>());
+    return all;
   }
   BistaticHistory seen_with(glm::dvec3 receiver_m) const {
     const Scene& scene = shot_.scene();

@@ -16,6 +16,7 @@
 #include "scene/beds/reflectivity.hpp"
 #include "scene/beds/relief.hpp"
 #include "scene/beds/scattering.hpp"
+#include "scene/beds/smooth_materials.hpp"
 #include "scene/extent.hpp"
 #include "scene/meshes/mesh_file.hpp"
 #include "scene/meshes/mesh_materials.hpp"
@@ -237,6 +238,7 @@ class Loader {
                 .relief = {},
                 .reflectivity = {},
                 .scattering = load_scattering(description_, report_.warnings),
+                .smooth = load_smooth_surfaces(description_, report_.warnings),
                 .water = {},
                 .trajectories = std::move(trajectories_),
                 .sensor_trajectory = std::move(sensor_trajectory),

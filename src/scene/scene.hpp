@@ -2,12 +2,14 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "engine/law/reflectivity_field.hpp"
 #include "engine/law/scattering_law.hpp"
 #include "engine/relief/elevation_field.hpp"
+#include "engine/signal/smooth_surface.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
 #include "geometry/numbers/world_grid.hpp"
 #include "scene/beds/facet_fineness.hpp"
@@ -59,6 +61,7 @@ struct Scene {
   std::vector<std::shared_ptr<const ElevationField>> relief;           ///< by material; null: facets are flat
   std::vector<std::shared_ptr<const ReflectivityField>> reflectivity;  ///< by material; null: even
   std::vector<std::shared_ptr<const ScatteringLaw>> scattering;        ///< by material; null: Lambert's
+  std::vector<std::optional<SmoothSurface>> smooth;                    ///< by material; none: rough
   std::shared_ptr<const SceneWater> water;
   double sound_speed_m_s = 1500;               ///< of even water; else at the depth that [water] names
   std::vector<Trajectory> trajectories;        ///< as in the description
@@ -66,6 +69,10 @@ struct Scene {
   std::vector<TiledTerrain> tiled;             ///< by component; empty: the mesh holds all of the scene
   SceneReport report;
 
+  /// What a material reflects in phase; null: it is rough.
+  const SmoothSurface* smooth_surface(std::uint16_t material) const {
+    return smooth[material] ? &*smooth[material] : nullptr;
+  }
   /// Of the sea surface, which there must be, in grid units.
   std::int32_t surface_height() const {
     return grid.snap({grid.origin_m().x, grid.origin_m().y, description.sea_surface->height_m}).z;

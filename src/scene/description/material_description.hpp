@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -29,6 +30,13 @@ struct MaterialDescription {
   std::vector<ReliefDescription> relief;                      ///< their sum; none: facets are flat
   std::vector<ReflectivityDescription> reflectivity;          ///< their product; none: even
   std::optional<double> specular_loss_db;  ///< of what it mirrors; none: it mirrors nothing
+  bool smooth = false;                     ///< signals have its coherent amplitude; docs/smooth-surfaces.md
+  double reflection = 1;                   ///< smooth: of pressure; +1 rigid, -1 pressure release
+  double roughness_m = 0;                  ///< smooth: standard deviation of its height
+  /// smooth: a half-space of a fluid; density and sound speed over the water's, attenuation in dB a
+  /// wavelength.
+  std::optional<std::array<double, 3>> fluid;
+  std::optional<double> grain_size_phi;  ///< smooth: a fluid bed by its mean grain size
 };
 
 }  // namespace tubefoot

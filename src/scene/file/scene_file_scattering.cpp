@@ -98,4 +98,29 @@ void check_scattering(const MaterialDescription& material, const TomlTable& tabl
   }
 }
 
+std::vector<TomlField<MaterialDescription>> smooth_fields() {
+  using M = MaterialDescription;
+  constexpr ValueRange ratio{.lo = 0.01, .hi = 100}, attenuation{.lo = 0, .hi = 20};
+  return {field("smooth", &M::smooth), field("reflection", &M::reflection, {.ranges = {{.lo = -1, .hi = 1}}}),
+          field("fluid", &M::fluid, {.ranges = {ratio, ratio, attenuation}}),
+          field("grain_size_phi", &M::grain_size_phi, {.ranges = {{.lo = -1, .hi = 9}}}),
+          field("roughness_m", &M::roughness_m, {.ranges = {{.lo = 0, .hi = 10}}})};
+}
+
+void check_smooth(const MaterialDescription& material, const TomlTable& table) {
+  std::string_view first;
+  for (const std::string_view key : {"reflection", "fluid", "grain_size_phi", "roughness_m"}) {
+    if (!table.has(key)) continue;
+    if (!material.smooth)
+      throw InputError(table.place_of(key),
+                       fmt::format("'{}' belongs to smooth = true: add that, or remove '{}'", key, key));
+    if (key == "roughness_m") continue;
+    if (!first.empty())
+      throw InputError(
+          table.place_of(key),
+          fmt::format("'{}' and '{}' both say what the material reflects: keep one of them", first, key));
+    first = key;
+  }
+}
+
 }  // namespace tubefoot

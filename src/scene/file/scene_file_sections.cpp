@@ -31,6 +31,7 @@ void check_georeference(const GeoreferenceDescription& g, const TomlTable& table
 
 void check_material(const MaterialDescription& material, const TomlTable& table) {
   check_scattering(material, table);
+  check_smooth(material, table);
   if (!material.specular_loss_db || material.law != "lambert") return;  // other laws: load_scattering()
   const double scattered = std::numbers::pi * std::pow(10, material.lambert_db / 10);
   if (scattered + std::pow(10, -*material.specular_loss_db / 10) > 1)
@@ -129,6 +130,7 @@ const TomlSection<MaterialDescription>& material_section() {
           .keys({field("name", &M::name, {.required = true, .longest = limits::name_bytes})})
           .keys(scattering_fields())
           .keys({field("specular_loss_db", &M::specular_loss_db, {.ranges = {{.lo = 0, .hi = 120}}})})
+          .keys(smooth_fields())
           .tables("relief", &M::relief, relief_section())
           .tables("reflectivity", &M::reflectivity, reflectivity_section())
           .check(check_material);

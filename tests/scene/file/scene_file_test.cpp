@@ -297,6 +297,8 @@ TEST(SceneFile, FullSceneOfThisTestHasEveryKey) {
                            "\noblique_exponent = \ntransition_db = \ntransition_width_deg = "
                            "\ntable_grazing_deg = \ntable_db = \ntable_file = \nsediment = "
                            "\nsediment_khz = \nunbounded = "  // scattering_keys_test.cpp
+                           "\nsmooth = \nreflection = \nfluid = \ngrain_size_phi = "
+                           "\nroughness_m = "  // smooth_keys_test.cpp
                            "\nprofile_step_m = \nmunk_axis_m = \nmunk_scale_m = \nmunk_epsilon = "
                            "\nprofile_file = \nprofile_error_m_s = "  // water_keys_test.cpp
                            "\nslope_deg = \nslope_heading_deg = \nturn_s = \ncentre_lat_lon_deg = "

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/beds/smooth_materials.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "scene/description/scene_description.hpp"
+
+namespace tubefoot {
+
+std::vector<std::optional<SmoothSurface>> load_smooth_surfaces(const SceneDescription& scene,
+                                                               std::vector<std::string>& warnings) {
+  const bool are_heard = std::ranges::any_of(
+      scene.sensors, [](const SensorDescription& sensor) { return sensor.kind.section().name() == "array"; });
+  std::vector<std::optional<SmoothSurface>> surfaces;
+  for (const MaterialDescription& m : scene.materials) {
+    std::optional<SmoothSurface>& surface = surfaces.emplace_back();
+    if (!m.smooth) continue;
+    surface = SmoothSurface{.reflection = m.reflection, .roughness_m = m.roughness_m};
+    if (m.fluid) surface->fluid = fluid_sediment((*m.fluid)[0], (*m.fluid)[1], (*m.fluid)[2]);
+    if (m.grain_size_phi) surface->fluid = sediment_of_grain_size(*m.grain_size_phi);
+    if (!are_heard && !scene.sensors.empty())
+      warnings.push_back(fmt::format(
+          "material '{}' is smooth, which only sensors of kind \"array\" hear, and there is none: "
+          "energies go by its scattering law",
+          m.name));
+  }
+  return surfaces;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/signal/smooth_surface.hpp"
+
+namespace tubefoot {
+
+struct SceneDescription;
+
+/// What smooth materials reflect, by material; none where it is rough. Warns of smooth materials in scenes
+/// without a sensor that hears phases: energies go by the scattering law.
+std::vector<std::optional<SmoothSurface>> load_smooth_surfaces(const SceneDescription& scene,
+                                                               std::vector<std::string>& warnings);
+
+}  // namespace tubefoot
