@@ -6,6 +6,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <map>
@@ -13,6 +14,7 @@
 #include <utility>
 
 #include "geometry/arithmetic/exact_corner.hpp"
+#include "geometry/search/line_of_sight.hpp"
 #include "geometry/steps/stop.hpp"
 #include "geometry/tubes/window_tubes.hpp"
 #include "geometry/visibility/contradictions.hpp"
@@ -54,7 +56,30 @@ std::vector<glm::dvec3> upward(const std::vector<glm::dvec3>& corners) {
   return kept;
 }
 
+/// What mirrors of one plane are told apart by: energy factor and phase.
+using Reflection = std::array<double, 3>;
+
+/// Rounded images miss the edge where two mirrors meet by no more than this many grid units.
+constexpr double edge_units = 4;
+
+/// How much of the line from an image lies before its last mirror, or so near to it that a mirror which
+/// adjoins it must not hide what passes their common edge.
+double part_to_mirror(const Image& image, GridPoint to) {
+  if (!image.last) return 0;
+  const double behind = -static_cast<double>(image.last->side(image.windows.apex)),
+               before = static_cast<double>(image.last->side(to)),
+               units = edge_units *
+                       glm::length(glm::dvec3(double(image.last->normal.x), double(image.last->normal.y),
+                                              double(image.last->normal.z)));
+  return (behind + units) / (behind + before);
+}
+
 }  // namespace
+
+bool reaches(const Image& image, GridPoint place) {
+  return (!image.last || image.last->side(place) > 0) &&
+         in_sight(*image.mesh, *image.tree, image.windows.apex, place, part_to_mirror(image, place));
+}
 
 void add_to_mirror(Image& image, std::span<const glm::dvec3> corners) {
   for (std::size_t k = 0; k < corners.size(); ++k) {
@@ -128,20 +153,22 @@ struct ImageFinder::State {
     std::vector<Image> children;
     stop_if_wanted();
     if (mirrors_.surface) add_surface(image, wanted, children);
-    std::map<MirrorPlane, std::map<double, std::vector<Cone>>> facets;  // by plane and reflection
+    std::map<MirrorPlane, std::map<Reflection, std::vector<Cone>>> facets;  // by plane and reflection
     for (std::uint32_t tube = 0; tube < image.seen.size(); ++tube) {
       const TubeVisibility& seen = image.seen[tube];
       const NameContext context{*image.mesh, image.windows.apex, seen.rays};
       for (const NamedPiece& piece : seen.pieces) {
-        const double reflection =
-            mirrors_.reflection.empty() ? 0 : mirrors_.reflection[image.mesh->material[piece.facet]];
+        const std::size_t material = image.mesh->material[piece.facet];
+        const double reflection = mirrors_.reflection.empty() ? 0 : mirrors_.reflection[material];
         if (!(reflection > 0)) continue;
+        const std::complex<double> phase = mirrors_.phase.empty() ? 1 : mirrors_.phase[material];
         const FacetId origin = image.origin.empty() ? piece.facet : image.origin[piece.facet];
         Cone cone{{}, image.own_tube[tube]};
         for (std::uint32_t k = 0; k < piece.count; ++k)
           cone.corners.push_back(unit_direction(context, seen.corners[piece.first + k]));
-        facets[MirrorPlane::of_facet(mesh_, origin, image.windows.apex)][reflection].push_back(
-            std::move(cone));
+        facets[MirrorPlane::of_facet(mesh_, origin, image.windows.apex)]
+              [{reflection, phase.real(), phase.imag()}]
+                  .push_back(std::move(cone));
       }
     }
     for (const auto& [plane, by_reflection] : facets)
@@ -165,10 +192,12 @@ struct ImageFinder::State {
         if (cone.corners.size() >= 3) cones.push_back(std::move(cone));
       }
     }
-    add_child(image, plane, mirrors_.surface->reflection, cones, true, wanted, children);
+    const SeaSurface& surface = *mirrors_.surface;
+    add_child(image, plane, {surface.reflection, surface.phase.real(), surface.phase.imag()}, cones, true,
+              wanted, children);
   }
 
-  void add_child(const Image& image, const MirrorPlane& plane, double reflection,
+  void add_child(const Image& image, const MirrorPlane& plane, const Reflection& reflection,
                  const std::vector<Cone>& cones, bool is_surface, const Wanted& wanted,
                  std::vector<Image>& children) const {
     if (cones.empty()) return;
@@ -183,7 +212,8 @@ struct ImageFinder::State {
     const glm::dmat3 reflect = plane.reflection();
     child.leg.to_true = image.leg.to_true * reflect;
     child.leg.loss = image.leg.loss;
-    child.leg.loss.factor *= reflection;
+    child.leg.loss.factor *= reflection[0];
+    child.phase = image.phase * std::complex<double>(reflection[1], reflection[2]);
     for (glm::dvec3& normal : child.leg.loss.rough_normals) normal = reflect * normal;
     if (is_surface && mirrors_.surface->roughness > 0) {
       child.leg.loss.rough_normals.push_back({0, 0, 1});

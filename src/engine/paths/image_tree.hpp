@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <complex>
 #include <cstdint>
 #include <glm/mat3x3.hpp>
 #include <memory>
@@ -22,12 +23,16 @@ struct SeaSurface {
   std::int32_t height = 0;  ///< grid units
   double reflection = 1;    ///< energy factor of each reflection, without roughness
   double roughness = 0;     ///< (2 k sigma)^2, k the wave number, sigma the standard deviation of its height
+  /// What each reflection makes of a signal besides, of modulus 1: air behind it releases the pressure.
+  std::complex<double> phase = -1;
 };
 
 /// What reflects.
 struct Mirrors {
   std::optional<SeaSurface> surface;
   std::span<const double> reflection{};  ///< by material of the mesh: energy factor; 0: no mirror
+  /// By material: as SeaSurface::phase, at all angles; empty: 1, as of what is rigid.
+  std::span<const std::complex<double>> phase{};
 };
 
 /// An apex, or its image in a chain of mirrors. Straight lines from it through its windows are paths from the
@@ -40,6 +45,7 @@ struct Image {
   std::vector<std::uint32_t> own_tube;  ///< by window: the true apex's tube that it belongs to
   Leg leg;                              ///< from it, but for its place
   double largest = 1;                   ///< of the loss over all windows, at least
+  std::complex<double> phase = 1;       ///< in even water: product of its mirrors' phases
   /// Of what its parent sees of the last mirror and windows were made of: steradians, and summed lengths of
   /// the borders, radians.
   double mirror_sr = 0, border_rad = 0;
@@ -66,6 +72,10 @@ void add_to_mirror(Image& image, std::span<const glm::dvec3> corners);
 
 /// Directions that near to a window's border are taken as in it: windows are rounded to half of this.
 constexpr double window_border_rad = 4e-9;
+
+/// Whether what an image sends comes to a place unhindered: that lies in front of its last mirror, and no
+/// facet in between. Windows are not asked. In even water.
+bool reaches(const Image& image, GridPoint place);
 
 /// Finds the images of apexes over one mesh. Thread-safe; results do not depend on the threads.
 class ImageFinder {

@@ -21,7 +21,6 @@
 #include "engine/paths/patch_paths.hpp"
 #include "engine/rays/shared_hits.hpp"
 #include "engine/sight/part_label.hpp"
-#include "geometry/search/line_of_sight.hpp"
 #include "geometry/steps/steps.hpp"
 #include "geometry/tubes/window_tubes.hpp"
 
@@ -268,21 +267,6 @@ class PathTracer {
     return found;
   }
 
-  /// Rounded images miss the edge where two mirrors meet by no more than this many grid units.
-  static constexpr double edge_units = 4;
-
-  /// How much of the line from an image lies before its last mirror, or so near to it that a mirror which
-  /// adjoins it must not hide what passes their common edge.
-  static double part_to_mirror(const Image& image, GridPoint to) {
-    if (!image.last) return 0;
-    const double behind = -static_cast<double>(image.last->side(image.windows.apex)),
-                 before = static_cast<double>(image.last->side(to)),
-                 units = edge_units *
-                         glm::length(glm::dvec3(double(image.last->normal.x), double(image.last->normal.y),
-                                                double(image.last->normal.z)));
-    return (behind + units) / (behind + before);
-  }
-
   /// What comes from an image to the true receiver: straight, or in refracting water by rays. Two chains have
   /// the same image only where their windows adjoin (two mirrors at a right angle), so a place is heard once.
   void arrive(const Image& image) {
@@ -299,14 +283,13 @@ class PathTracer {
     }
     const GridPoint to = true_receive_.apex;
     const GridPoint along = to - from;
-    if (along == GridPoint{} || (image.last && image.last->side(to) <= 0)) return;
+    if (along == GridPoint{}) return;
     const glm::dvec3 path_m = difference_m(to, from, unit_m_);
     const double length = glm::length(path_m);
     const glm::dvec3 direction = path_m / length;
     arrive(image,
            {along, from - to, direction, direction, length / 2, std::exp(-beta_ * length), length * length},
-           {from, 0, 0},
-           [&] { return in_sight(*image.mesh, *image.tree, from, to, part_to_mirror(image, to)); });
+           {from, 0, 0}, [&] { return reaches(image, to); });
   }
 
   /// A way from an image to the receiver.

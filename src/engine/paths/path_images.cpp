@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 #include <utility>
 
 #include "geometry/tubes/part_corner_weights.hpp"
+#include "geometry/tubes/window_tubes.hpp"
 
 namespace tubefoot {
 
@@ -65,6 +67,28 @@ PathImages::Parts PathImages::parts_seen_by(const Image& image) const {
 FootprintSharer PathImages::sharer(const Image& sent, const Image& heard) const {
   if (bent_) return FootprintSharer(sent.look(), heard.look(), unit_m_);
   return FootprintSharer(mesh_, sent.look(), heard.look(), unit_m_);
+}
+
+std::vector<Image> PathImages::arriving() const {
+  std::vector<Image> arriving;
+  if (!settings_.arrivals || bent_) return arriving;
+  const TubeSet& receive = heard().front().windows;
+  const auto any_holds = [](const TubeSet& tubes, GridPoint along, double slack_rad) {
+    for (std::uint32_t tube = 0; tube < tubes.tubes.size(); ++tube)
+      if (holds(tubes, tube, along, slack_rad)) return true;
+    return false;
+  };
+  std::set<GridPoint> from;
+  for (Image& image : finder_->images_of(sent_.front().windows, settings_.order, {{receive.apex}})) {
+    if (image.mirrors == 0 && (one_place_ || !settings_.direct)) continue;
+    const GridPoint apex = image.windows.apex, along = receive.apex - apex;
+    if (along == GridPoint{} || from.contains(apex) || !any_holds(image.windows, along, window_border_rad) ||
+        !any_holds(receive, GridPoint{} - along, 0) || !reaches(image, receive.apex))
+      continue;
+    from.insert(apex);
+    arriving.push_back(std::move(image));
+  }
+  return arriving;
 }
 
 BistaticHistory PathImages::history(const Image& sent, const Image& heard) const {

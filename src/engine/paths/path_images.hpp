@@ -28,6 +28,9 @@ class PathImages {
   /// The very same for a sonar in one place.
   std::span<const Image> heard() const { return one_place_ ? sent_ : heard_; }
   bool one_place() const { return one_place_; }
+  double grid_unit_m() const { return unit_m_; }
+  /// The least part of the energy that paths leave (PathSettings::least()).
+  double least() const { return settings_.least(); }
   /// Of one place each two images are a pair once: sound goes both ways.
   std::vector<ImagePair> pairs() const;
 
@@ -50,6 +53,10 @@ class PathImages {
   };
   Parts parts_seen_by(const Image& image) const;
   FootprintSharer sharer(const Image& sent, const Image& heard) const;
+  /// Images in up to `settings.order` mirrors from which what is sent comes to the receiver without
+  /// scattering, and with `settings.direct` the transmitter that a receiver apart hears; of two at one place
+  /// the first. None without `settings.arrivals`. In even water.
+  std::vector<Image> arriving() const;
   /// What both see, over the way out to the one and home from the other.
   BistaticHistory history(const Image& sent, const Image& heard) const;
 

@@ -37,7 +37,7 @@ glm::dvec3 middle_of(const CoherentReceiver& receiver, glm::dvec3 SignalChannel:
 }
 
 /// `products`: of two channels; else of single ones, less the phase of a way to the middle of all ends.
-SignalExtent extent_of(const CoherentReceiver& receiver, bool products, double tolerance) {
+SignalExtent extent_of(const CoherentReceiver& receiver, const Path& path, bool products, double tolerance) {
   SignalExtent extent;
   extent.products = products;
   extent.wavenumber_rad_m = wavenumber(receiver);
@@ -61,6 +61,8 @@ SignalExtent extent_of(const CoherentReceiver& receiver, bool products, double t
     sent = std::max(sent, amplitude_wavenumber(channel.transmit));
     heard = std::max(heard, amplitude_wavenumber(channel.receive));
   }
+  sent += amplitude_wavenumber(path.out.loss);
+  heard += amplitude_wavenumber(path.back().loss);
   extent.pattern_rad = (sent + heard) * (products ? 2 : 1);
   return extent;
 }
@@ -185,7 +187,7 @@ class ScatterersOnPatch {
 ChannelSignals moving_signals(const SeenPatches& patches, const MovingEnds& ends, const EchoLaw& law,
                               const GroundField& field, double tolerance) {
   const CoherentReceiver& receiver = ends.held();
-  const SignalExtent extent = extent_of(receiver, false, tolerance);
+  const SignalExtent extent = extent_of(receiver, law.path, false, tolerance);
   const ChebyshevNodes nodes(tolerance);
   ChannelSignals signals = silence(receiver);
   in_tasks(patches.patches.size(), patches_per_task, signals.value,
@@ -234,7 +236,7 @@ ChannelSignals element_signals(const SeenPatches& patches, const CoherentReceive
                        : element_signals(patches, ends.held(), law, field, tolerance);
   }
   const PulseTable table(receiver.pulse, receiver.times);
-  const SignalExtent extent = extent_of(receiver, false, tolerance);
+  const SignalExtent extent = extent_of(receiver, law.path, false, tolerance);
   const ChebyshevNodes nodes(tolerance);
   const SmoothPieces pieces(extent, nodes.most_change());
   ChannelSignals signals = silence(receiver);
@@ -266,7 +268,7 @@ ChannelSignals drawn_signals(const SeenPatches& patches, const CoherentReceiver&
     ends.emplace(receiver, patches.origin_m);
     if (!ends->move()) return drawn_signals(patches, ends->held(), law, seed, ping, tolerance);
   }
-  SignalExtent extent = extent_of(ends ? ends->held() : receiver, true, tolerance);
+  SignalExtent extent = extent_of(ends ? ends->held() : receiver, law.path, true, tolerance);
   if (ends) ends->widen(extent);
   const PulseTable table(receiver.pulse, receiver.times);
   const std::vector<BedScatterer> bed = bed_scatterers(patches, extent, tolerance);
@@ -319,7 +321,7 @@ CovarianceMatrix signal_covariances(const SeenPatches& patches, const CoherentRe
     of_channel[samples[n].channel].emplace_back(receiver.times.time_s(samples[n].sample), n);
   }
   const std::vector<BedScatterer> bed =
-      bed_scatterers(patches, extent_of(receiver, true, tolerance), tolerance);
+      bed_scatterers(patches, extent_of(receiver, law.path, true, tolerance), tolerance);
   CovarianceMatrix matrix{samples.size(), Values(samples.size() * samples.size())};
   in_tasks(bed.size(), scatterers_per_task, matrix.value,
            [&](std::size_t begin, std::size_t end, Values& part) {

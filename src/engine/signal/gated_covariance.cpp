@@ -167,6 +167,10 @@ SampleCovariances gated_covariances(const SeenPatches& patches, const SignalChan
     throw std::invalid_argument(
         "gated covariances are of ends at rest: leave the channels' ways out, or take signals of "
         "element_signals(), which knows ways");
+  if (law.path.over_mirrors())
+    throw std::invalid_argument(
+        "gated covariances know straight ways only, none over mirrors: signal_covariances() has their "
+        "losses");
   const std::vector<double> borders = sample_borders_m(samples);
   if (samples.count < 1 || !(samples.step_m > 0) || !(samples.first_m >= 0) || !std::isfinite(borders.back()))
     throw std::invalid_argument(fmt::format(

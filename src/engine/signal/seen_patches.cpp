@@ -31,6 +31,27 @@ bool apart(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b, glm::dv
   return false;
 }
 
+SeenPatches patches_of(const Sight& sight, glm::dvec3 origin_m) {
+  if (!sight.hits().empty() || !sight.shared_hits().empty())
+    throw std::invalid_argument("signals come from visible polygons: what rays met are points");
+  SeenPatches seen;
+  seen.origin_m = origin_m;
+  for (std::size_t number = sight.first(); number < sight.end(); ++number) {
+    if (sight.paired(number) != nullptr)
+      throw std::invalid_argument("signals need a bed that both ends see where it lies, without refraction");
+    const SeenFacet facet = sight[number];
+    for (std::uint32_t k = 0; k < facet.piece_count; ++k) {
+      const SeenPart part = sight.part(number, facet.first_piece + k);
+      if (part.corners_m.size() < 3) continue;
+      seen.patches.push_back({facet.facet, facet.plane.normal, facet.plane.distance_m,
+                              std::uint32_t(seen.corners_m.size()), std::uint32_t(part.corners_m.size()),
+                              part.out_tube, part.home_tube});
+      seen.corners_m.insert(seen.corners_m.end(), part.corners_m.begin(), part.corners_m.end());
+    }
+  }
+  return seen;
+}
+
 }  // namespace
 
 double SeenPatches::area_m2() const {
@@ -50,25 +71,13 @@ SeenPatches seen_patches(const Sight& sight, const EchoLaw& law) {
     throw std::invalid_argument(
         "signals need a bed that is seen where it lies: in refracting water ways to other places are others");
   if (path.over_mirrors() || path.home || path.out.to_true != glm::dmat3(1))
-    throw std::invalid_argument("signals know straight ways only, none over mirrors");
-  if (!sight.hits().empty() || !sight.shared_hits().empty())
-    throw std::invalid_argument("signals come from visible polygons: what rays met are points");
-  SeenPatches seen;
-  seen.origin_m = path.out.apex_m;
-  for (std::size_t number = sight.first(); number < sight.end(); ++number) {
-    if (sight.paired(number) != nullptr)
-      throw std::invalid_argument("signals need a bed that both ends see where it lies, without refraction");
-    const SeenFacet facet = sight[number];
-    for (std::uint32_t k = 0; k < facet.piece_count; ++k) {
-      const SeenPart part = sight.part(number, facet.first_piece + k);
-      if (part.corners_m.size() < 3) continue;
-      seen.patches.push_back({facet.facet, facet.plane.normal, facet.plane.distance_m,
-                              std::uint32_t(seen.corners_m.size()), std::uint32_t(part.corners_m.size()),
-                              part.out_tube, part.home_tube});
-      seen.corners_m.insert(seen.corners_m.end(), part.corners_m.begin(), part.corners_m.end());
-    }
-  }
-  return seen;
+    throw std::invalid_argument(
+        "patches of straight ways are none of ways over mirrors: see for_coherent_paths()");
+  return patches_of(sight, path.out.apex_m);
+}
+
+SeenPatches patches_between(const BistaticHistory& images, glm::dvec3 out_m) {
+  return patches_of(images, out_m);
 }
 
 SplitPatches split_patches(const SeenPatches& patches, const std::function<bool(FacetId)>& is_smooth) {

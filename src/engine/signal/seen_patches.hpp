@@ -33,9 +33,10 @@ struct SeenPatches {
   double area_m2() const;
 };
 
-/// All that a sight has; its origin is the apex of the law's way out. Throws std::invalid_argument for a bed
-/// that is seen elsewhere than it lies (refracting water), for ways over mirrors, and for what rays met: none
-/// of them has polygons whose points have straight ways to any channel.
+/// All that a sight has; its origin is the apex of the law's way out. Ways over mirrors come from
+/// for_coherent_paths() (engine/paths/coherent_paths.hpp), whose channels are images, too. Throws
+/// std::invalid_argument for a bed that is seen elsewhere than it lies (refracting water), for ways over
+/// mirrors, and for what rays met: none of them has polygons whose points have straight ways to any channel.
 SeenPatches seen_patches(const Sight& sight, const EchoLaw& law);
 
 /// Patches of smooth facets and those of rough ones, which return signals of their own.
@@ -44,6 +45,10 @@ struct SplitPatches {
 };
 /// Each patch goes to one of both, in the order in which they are.
 SplitPatches split_patches(const SeenPatches& patches, const std::function<bool(FacetId)>& is_smooth);
+
+/// The same of what an apex or its image sees together with another's, both in even water: what channels make
+/// of it has to be told by their images over the same mirrors. `out_m`: of the way out.
+SeenPatches patches_between(const BistaticHistory& images, glm::dvec3 out_m);
 
 /// What two sights share: the intersections of their polygons on each facet, in doubles. Origin and tubes are
 /// those of the first one. Facets have the same numbers in both.

@@ -14,7 +14,8 @@
 // Signals are analytic with the time factor e^{-i omega t}; a way of length L has the phase e^{+ikL}.
 namespace tubefoot {
 
-/// One transmission as one receiver hears it: an element, a beam, a ping, or one of each.
+/// One transmission as one receiver hears it: an element, a beam, a ping, or one of each. Over mirrors, with
+/// a law that has their losses: the ends' images.
 struct SignalChannel {
   glm::dvec3 transmit_m{0}, receive_m{0};  ///< local frame
   Directivity transmit{}, receive{};       ///< power patterns; amplitudes have the signs of side lobes
@@ -50,6 +51,7 @@ class ChannelOnPatch {
     if (weighed_)
       amplitude *= amplitude_pattern(channel_->transmit, there / out) *
                    amplitude_pattern(channel_->receive, back / home);
+    if (path_.over_mirrors()) amplitude *= std::sqrt(path_.passed(there / out, back / home));
     return {out + home, amplitude};
   }
   /// The amplitude with the ends elsewhere, in these ranges of the place. 0 behind the plane.

@@ -45,6 +45,12 @@ double amplitude_wavenumber(const Directivity& pattern) {
   return 0;
 }
 
+double amplitude_wavenumber(const MirrorLoss& loss) {
+  // e^{-(2 k sigma)^2 s / 2}, s the sum of n squared sines: a Gaussian, nowhere narrower than if all n were
+  // one. Its spectrum is there 1e-9 of its peak.
+  return std::sqrt(2 * 9 * std::numbers::ln10 * loss.roughness * double(loss.rough_normals.size()));
+}
+
 double area_of(std::span<const glm::dvec2> polygon) {
   double twice = 0;
   for (std::size_t k = 2; k < polygon.size(); ++k)

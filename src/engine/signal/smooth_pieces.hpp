@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/law/beam_pattern.hpp"
+#include "engine/law/path.hpp"
 #include "engine/signal/seen_patches.hpp"
 
 // Patches cut so small that signals, but for a phase that all of them have, are smooth over each piece.
@@ -20,7 +21,7 @@ struct SignalExtent {
   bool products = true;
   double wavenumber_rad_m = 0;  ///< of the carrier
   double band_rad_m = 0;        ///< by which ways count: 2 pi / sound speed times a bandwidth
-  double pattern_rad = 0;       ///< sum over the factors of amplitude_wavenumber()
+  double pattern_rad = 0;       ///< sum over the factors, of both ways, of amplitude_wavenumber()
   /// Of ends that move: how far they get from the places above, and the transmitters' speed over what sound's
   /// is above it.
   double moved_m = 0, speed_share = 0;
@@ -28,6 +29,8 @@ struct SignalExtent {
 
 /// The wavenumber over directions of a pattern's amplitude: it holds, or all but holds, nothing finer.
 double amplitude_wavenumber(const Directivity& pattern);
+/// The same of what mirrors leave of an amplitude.
+double amplitude_wavenumber(const MirrorLoss& loss);
 
 /// What cuts a patch: chunks small beside their range, and of each a lattice of rectangles along and across
 /// the direction in which ways grow, as many as keep changes below a limit.

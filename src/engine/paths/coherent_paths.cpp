@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/paths/coherent_paths.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <utility>
+
+#include "geometry/steps/stop.hpp"
+
+namespace tubefoot {
+namespace {
+
+glm::dvec3 units(const Vec64& v) { return {double(v.x), double(v.y), double(v.z)}; }
+
+/// Where images are in the local frame, and what they make of channels.
+class ImageFrame {
+ public:
+  ImageFrame(const PathImages& images, const EchoLaw& law)
+      : apex_(images.sent().front().windows.apex),
+        apex_m_(law.path.out.apex_m),
+        unit_m_(images.grid_unit_m()) {}
+
+  glm::dvec3 place_m(const Image& image) const {
+    const GridPoint& at = image.windows.apex;
+    return apex_m_ +
+           glm::dvec3(double(at.x) - apex_.x, double(at.y) - apex_.y, double(at.z) - apex_.z) * unit_m_;
+  }
+  glm::dvec3 image_of(glm::dvec3 place_m, const Image& image) const {
+    return image_of_place(place_m, image.chain, apex_, apex_m_, unit_m_);
+  }
+  SignalChannel image_of(SignalChannel channel, const Image& sent, const Image& heard) const {
+    channel.transmit_m = image_of(channel.transmit_m, sent);
+    channel.receive_m = image_of(channel.receive_m, heard);
+    // As as_images_have() has it.
+    channel.transmit.axis = glm::transpose(sent.leg.to_true) * channel.transmit.axis;
+    channel.receive.axis = glm::transpose(heard.leg.to_true) * channel.receive.axis;
+    return channel;
+  }
+
+ private:
+  GridPoint apex_;
+  glm::dvec3 apex_m_;
+  double unit_m_;
+};
+
+void check_coherent(const PathImages& images, std::span<const SignalChannel> channels) {
+  if (images.is_cut())
+    throw std::invalid_argument(
+        "signals over mirrors need straight ways: in refracting water leave mirrors or signals out, or give "
+        "the "
+        "water one sound speed");
+  if (channels.empty()) throw std::invalid_argument("signals need a channel or more");
+}
+
+}  // namespace
+
+glm::dvec3 image_of_place(glm::dvec3 place_m, std::span<const MirrorPlane> chain, GridPoint apex,
+                          glm::dvec3 apex_m, double grid_unit_m) {
+  for (const MirrorPlane& plane : chain) {
+    const glm::dvec3 normal = units(plane.normal);
+    const double length = glm::length(normal);
+    const glm::dvec3 unit = normal / length;
+    // Of the grid point exactly, then of what the place is from there.
+    const double distance_m =
+        static_cast<double>(plane.side(apex)) / length * grid_unit_m + glm::dot(unit, place_m - apex_m);
+    place_m -= 2 * distance_m * unit;
+  }
+  return place_m;
+}
+
+void for_coherent_paths(const PathImages& images, const EchoLaw& law, std::span<const SignalChannel> channels,
+                        const std::function<void(const CoherentPath&)>& take) {
+  check_coherent(images, channels);
+  const ImageFrame frame(images, law);
+  EchoLaw own = law;
+  own.patterns = nullptr;
+  const auto tell = [&](const Image& sent, const Image& heard, const BistaticHistory& seen) {
+    stop_if_wanted();
+    CoherentPath path;
+    path.order = sent.mirrors + heard.mirrors + 1;
+    path.sent = &sent;
+    path.heard = &heard;
+    path.patches = patches_between(seen, frame.place_m(sent));
+    for (const SignalChannel& channel : channels)
+      path.channels.push_back(frame.image_of(channel, sent, heard));
+    path.law = images.law(sent, heard, own, {}).law;
+    path.phase = sent.phase * heard.phase;
+    take(path);
+  };
+  for (const ImagePair& pair : images.pairs()) {
+    const Image &sent = images.sent()[pair.sent], &heard = images.heard()[pair.heard];
+    BistaticHistory seen = images.history(sent, heard);
+    if (seen.shared.pieces.empty()) continue;
+    tell(sent, heard, seen);
+    if (!images.one_place() || &sent == &heard) continue;
+    std::swap(seen.transmit, seen.receive);
+    seen.shared = exchanged(std::move(seen.shared));
+    tell(heard, sent, seen);
+  }
+}
+
+void for_coherent_arrivals(const PathImages& images, const EchoLaw& law,
+                           std::span<const SignalChannel> channels,
+                           const std::function<void(const CoherentArrival&)>& take) {
+  check_coherent(images, channels);
+  const ImageFrame frame(images, law);
+  const double beta = absorption_per_m(law.absorption_db_per_m);
+  const glm::dvec3 receiver_m = frame.place_m(images.heard().front());
+  for (const Image& sent : images.arriving()) {
+    const MirrorLoss& loss = sent.leg.loss;
+    if (!(loss.at(glm::normalize(receiver_m - frame.place_m(sent))) > images.least())) continue;
+    CoherentArrival arrival{sent.mirrors, &sent, {}};
+    for (const SignalChannel& channel : channels) {
+      const glm::dvec3 way = channel.receive_m - frame.image_of(channel.transmit_m, sent);
+      const double length = glm::length(way);
+      if (!(length > 0))
+        throw std::invalid_argument(fmt::format(
+            "channel {} hears in the place where it sends: move one of its ends, or leave out the direct way",
+            arrival.waves.size()));
+      const glm::dvec3 direction = way / length;
+      arrival.waves.push_back({length, std::sqrt(loss.at(direction) * std::exp(-beta * length)) / length *
+                                           amplitude_pattern(channel.transmit, sent.leg.to_true * direction) *
+                                           amplitude_pattern(channel.receive, -direction) * sent.phase});
+    }
+    take(arrival);
+  }
+}
+
+void add_arrival(const CoherentArrival& arrival, const CoherentReceiver& receiver, ChannelSignals& signals) {
+  check(receiver.pulse, receiver.times);
+  if (arrival.waves.size() != receiver.channels.size() || signals.channels != arrival.waves.size() ||
+      signals.samples != receiver.times.count)
+    throw std::invalid_argument(fmt::format(
+        "{} arrivals do not fit {} channels of {} samples, or signals of {} channels of {} samples",
+        arrival.waves.size(), receiver.channels.size(), receiver.times.count, signals.channels,
+        signals.samples));
+  const PulseTable table(receiver.pulse, receiver.times);
+  const double k = 2 * std::numbers::pi * receiver.carrier_hz / receiver.sound_speed_m_s;
+  for (std::size_t c = 0; c < arrival.waves.size(); ++c) {
+    const ArrivingWave& wave = arrival.waves[c];
+    table.add(wave.amplitude * std::polar(1.0, k * wave.way_m), wave.way_m / receiver.sound_speed_m_s,
+              &signals.value[c * signals.samples]);
+  }
+}
+
+void superpose(const ChannelSignals& part, std::complex<double> factor, ChannelSignals& sum) {
+  if (part.channels != sum.channels || part.samples != sum.samples || part.value.size() != sum.value.size())
+    throw std::invalid_argument(
+        fmt::format("signals of {} channels of {} samples cannot be added to those of {} of {}",
+                    part.channels, part.samples, sum.channels, sum.samples));
+  for (std::size_t n = 0; n < sum.value.size(); ++n) sum.value[n] += factor * part.value[n];
+}
+
+ChannelSignals mirrored_signals(const PathImages& images, const CoherentReceiver& receiver,
+                                const EchoLaw& law, const GroundField& field, double tolerance) {
+  ChannelSignals sum{receiver.channels.size(), receiver.times.count, {}};
+  sum.value.assign(sum.channels * sum.samples, 0);
+  CoherentReceiver own = receiver;
+  for_coherent_paths(images, law, receiver.channels, [&](const CoherentPath& path) {
+    own.channels = path.channels;
+    superpose(element_signals(path.patches, own, path.law, field, tolerance), path.phase, sum);
+  });
+  for_coherent_arrivals(images, law, receiver.channels,
+                        [&](const CoherentArrival& arrival) { add_arrival(arrival, receiver, sum); });
+  return sum;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/signal_paths.hpp"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+#include "run/paths.hpp"
+#include "run/shot_images.hpp"
+
+namespace tubefoot {
+
+void for_signal_paths(const Shot& shot, std::size_t s, std::span<const SignalChannel> channels,
+                      const SignalPaths& take) {
+  const Scene& scene = shot.scene();
+  const Sensor& sensor = shot.sensor(s);
+  const auto settings = path_settings(scene, sensor.frequency_khz());
+  if (!settings) return;
+  if (settings->scatterings > 1)
+    throw InputError(scene.description.paths.place,
+                     fmt::format("signals of sensor '{}' are of what is scattered once, 'scatterings' is {}: "
+                                 "patches that scatter on keep no phase; give scatterings = 1",
+                                 sensor.description().name, settings->scatterings));
+  if (scene.water->refracts())
+    throw InputError(sensor.description().place,
+                     fmt::format("signals of sensor '{}' over mirrors need water that does not refract: give "
+                                 "profile = \"constant\", or leave out its mirrors",
+                                 sensor.description().name));
+  try {
+    const ShotImages images(shot, s, *settings, PathEnds(shot, s));
+    const SensorLaw law(shot, images.ground(), s);
+    if (take.scattered)
+      for_coherent_paths(images.images(), law.law, channels, [&](const CoherentPath& path) {
+        if (is_order_wanted(scene, path.order)) take.scattered(path);
+      });
+    if (take.arrived)
+      for_coherent_arrivals(images.images(), law.law, channels, [&](const CoherentArrival& arrival) {
+        if (is_order_wanted(scene, arrival.order)) take.arrived(arrival);
+      });
+  } catch (const std::length_error& error) {
+    throw too_many_images(sensor.description(), error);
+  }
+}
+
+}  // namespace tubefoot
