@@ -348,7 +348,7 @@ constexpr auto table = std::to_array<Row>({
      [](A a) { return a.one_ground && !a.apart && a.others && !a.rays && !a.certified; }},
     {{"out along one ray and home along another", add_crossed_ways},
      [](A a) { return a.one_ground && !a.apart && a.refracted; }},
-    {{"signals of elements", add_signals}, [](A a) { return a.signals && a.one_ground; }},
+    {{"signals of elements", add_signals}, [](A a) { return a.signals && !a.own_engine; }},
 });
 
 }  // namespace

@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <functional>
 #include <numbers>
+#include <utility>
 
 #include "engine/signal/smooth_signals.hpp"
 #include "run/echo_parts.hpp"
+#include "run/paths.hpp"
+#include "run/shot_images.hpp"
+#include "run/signal_paths.hpp"
 #include "sensors/recordings/signal_recording.hpp"
 
 namespace tubefoot {
@@ -173,32 +176,44 @@ class ShotSignals {
         receiver_(receiver_of(shot, s)),
         field_(ground_field_of(shot.survey())) {}
 
+  ChannelSignals silence() const {
+    ChannelSignals none{receiver_.channels.size(), receiver_.times.count, {}};
+    none.value.assign(none.channels * none.samples, 0);
+    return none;
+  }
   /// What all receivers hear of one sight.
-  ChannelSignals of(const Sight& sight) const { return of(sight, receiver_); }
+  ChannelSignals of(const Sight& sight) const {
+    return of(seen_patches(sight, law_.law), receiver_.channels, law_.law);
+  }
   /// What each hears of its own.
   ChannelSignals of_own_sights() const {
     ChannelSignals all{receiver_.channels.size(), receiver_.times.count, {}};
-    CoherentReceiver one = receiver_;
     for (const SignalChannel& channel : receiver_.channels) {
-      one.channels = {channel};
-      const ChannelSignals its = of(seen_with(channel.receive_m), one);
+      const ChannelSignals its =
+          of(seen_patches(seen_with(channel.receive_m), law_.law), {channel}, law_.law);
       all.value.insert(all.value.end(), its.value.begin(), its.value.end());
     }
     return all;
   }
+  /// Adds what comes over mirrors.
+  void add_mirrored(ChannelSignals& sum) const {
+    for_signal_paths(shot_, sensor_, receiver_.channels,
+                     {[&](const CoherentPath& path) {
+                        superpose(of(path.patches, path.channels, path.law), path.phase, sum);
+                      },
+                      [&](const CoherentArrival& arrival) { add_arrival(arrival, receiver_, sum); }});
+  }
 
  private:
-  ChannelSignals of(const Sight& sight, const CoherentReceiver& receiver) const {
-    const auto surface_of = [&](FacetId facet) {
-      return shot_.scene().smooth_surface(law_.law.material[facet]);
-    };
-    const SplitPatches patches = split_patches(seen_patches(sight, law_.law),
-                                               [&](FacetId facet) { return surface_of(facet) != nullptr; });
-    ChannelSignals all = element_signals(patches.rough, receiver, law_.law, field_, model_.tolerance);
-    if (patches.smooth.patches.empty()) return all;
-    const ChannelSignals smooth =
-        smooth_signals(patches.smooth, receiver, law_.law, surface_of, model_.tolerance);
-    std::ranges::transform(all.value, smooth.value, all.value.begin(), std::plus<>());
+  ChannelSignals of(const SeenPatches& seen, std::vector<SignalChannel> channels, const EchoLaw& law) const {
+    CoherentReceiver receiver = receiver_;
+    receiver.channels = std::move(channels);
+    const auto surface_of = [&](FacetId facet) { return shot_.scene().smooth_surface(law.material[facet]); };
+    const SplitPatches patches =
+        split_patches(seen, [&](FacetId facet) { return surface_of(facet) != nullptr; });
+    ChannelSignals all = element_signals(patches.rough, receiver, law, field_, model_.tolerance);
+    if (!patches.smooth.patches.empty())
+      superpose(smooth_signals(patches.smooth, receiver, law, surface_of, model_.tolerance), 1, all);
     return all;
   }
   BistaticHistory seen_with(glm::dvec3 receiver_m) const {
@@ -222,8 +237,12 @@ class ShotSignals {
 
 ChannelSignals signals_heard(const Shot& shot, std::size_t s, const History& history) {
   const ShotSignals heard(shot, s);
-  if (shot.sensor(s).signals()->own_sights) return heard.of_own_sights();
-  return shot.has_receiver_apart() ? heard.of(shot.trace_both()) : heard.of(history);
+  ChannelSignals all = !is_order_wanted(shot.scene(), 1)      ? heard.silence()
+                       : shot.sensor(s).signals()->own_sights ? heard.of_own_sights()
+                       : shot.has_receiver_apart()            ? heard.of(shot.trace_both())
+                                                              : heard.of(history);
+  heard.add_mirrored(all);
+  return all;
 }
 
 void add_signals(const Shot& shot, PingSums& sums) {

@@ -268,6 +268,13 @@ void check_signals(const Scene& scene, const SensorPings& pings, const SignalMod
   } catch (const std::invalid_argument& error) {
     throw InputError(description.place, fmt::format("sensor '{}': {}", description.name, error.what()));
   }
+  if (!model.stop_and_hop && path_settings(scene, pings.sensor->frequency_khz()))
+    throw InputError(
+        description.place,
+        fmt::format(
+            "sensor '{}' moves while it listens (stop_and_hop = false), and ways over mirrors are known "
+            "between places at rest: give stop_and_hop = true, or leave out its mirrors",
+            description.name));
   const double end_s = pings.times_s.back() + model.sampling.end_s();
   if (!model.stop_and_hop && !trajectory.is_fixed() && !trajectory.holds(end_s))
     throw InputError(

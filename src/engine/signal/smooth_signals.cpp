@@ -94,15 +94,16 @@ void halve(const PlanarPolygon& polygon, glm::dvec2 along, std::vector<PlanarPol
 class ChannelOfSmooth {
  public:
   ChannelOfSmooth(const SignalChannel& channel, const CoherentReceiver& receiver, const Band& band,
-                  const ChebyshevPulses& pulses, double absorption_per_m)
+                  const ChebyshevPulses& pulses, const EchoLaw& law)
       : channel_(channel),
         receiver_(receiver),
         band_(band),
         pulses_(pulses),
-        absorption_per_m_(absorption_per_m),
+        path_(law.path),
+        absorption_per_m_(absorption_per_m(law.absorption_db_per_m)),
         nodes_(std::size_t(pulses.most())),
-        sent_(amplitude_wavenumber(channel.transmit)),
-        heard_(amplitude_wavenumber(channel.receive)) {
+        sent_(amplitude_wavenumber(channel.transmit) + amplitude_wavenumber(law.path.out.loss)),
+        heard_(amplitude_wavenumber(channel.receive) + amplitude_wavenumber(law.path.back().loss)) {
     const double reach = receiver.pulse.end_s - receiver.pulse.begin_s;
     first_m_ = (receiver.times.first_s - receiver.pulse.end_s - reach) * receiver.sound_speed_m_s;
     last_m_ = (receiver.times.time_s(receiver.times.count) - receiver.pulse.begin_s + reach) *
@@ -217,22 +218,25 @@ class ChannelOfSmooth {
     return (steep + bend * length) * length >= bend * width * width ? along : aside;
   }
 
-  /// What absorption over the middle path and patterns towards the centroid leave of the amplitude.
+  /// What absorption over the middle path, and patterns and mirrors towards the centroid leave of the
+  /// amplitude.
   double received_part(const PlanarPolygon& piece, double path_m) const {
     const double left = std::exp(-absorption_per_m_ * path_m / 2);
     if (channel_.transmit.kind == Directivity::Kind::uniform &&
-        channel_.receive.kind == Directivity::Kind::uniform)
+        channel_.receive.kind == Directivity::Kind::uniform && !path_.over_mirrors())
       return left;
     const glm::dvec2 place = piece.first + centroid_offset(piece);
     const glm::dvec3 there = -plane_.distance_m * plane_.normal + place.x * frame_->u + place.y * frame_->v;
-    return left * amplitude_pattern(channel_.transmit, glm::normalize(there)) *
-           amplitude_pattern(channel_.receive, glm::normalize(there - back_m_));
+    const glm::dvec3 out = glm::normalize(there), home = glm::normalize(there - back_m_);
+    return left * std::sqrt(path_.out.loss.at(out) * path_.back().loss.at(home)) *
+           amplitude_pattern(channel_.transmit, out) * amplitude_pattern(channel_.receive, home);
   }
 
   const SignalChannel& channel_;
   const CoherentReceiver& receiver_;
   const Band& band_;
   const ChebyshevPulses& pulses_;
+  const Path& path_;
   double absorption_per_m_;
   std::vector<std::optional<BandNodes>> nodes_;  // by their number, less one
   std::vector<std::complex<double>> values_, coefficients_;
@@ -280,8 +284,7 @@ ChannelSignals smooth_signals(const SeenPatches& patches, const CoherentReceiver
       0, signals.channels * tasks, 16 * signals.samples,
       [&](std::size_t task) {
         std::vector<std::complex<double>> part(signals.samples);
-        ChannelOfSmooth channel(receiver.channels[task / tasks], receiver, band, pulses,
-                                absorption_per_m(law.absorption_db_per_m));
+        ChannelOfSmooth channel(receiver.channels[task / tasks], receiver, band, pulses, law);
         const std::size_t begin = task % tasks * patches_per_task,
                           end = std::min(begin + patches_per_task, smooth.size());
         for (std::size_t n = begin; n < end; ++n)
