@@ -53,6 +53,7 @@ Scene with_tiles(const Scene& scene, const TileChoice& choice) {
              .relief = scene.relief,
              .reflectivity = scene.reflectivity,
              .scattering = scene.scattering,
+             .smooth = scene.smooth,
              .water = scene.water,
              .sound_speed_m_s = scene.sound_speed_m_s,
              .trajectories = scene.trajectories,
