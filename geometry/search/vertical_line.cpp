@@ -128,4 +128,19 @@ std::vector<VerticalCrossings> vertical_crossings(const FacetMesh& mesh, std::sp
   return all;
 }
 
+bool is_enclosed(const FacetMesh& mesh, const ClosedShells& shells, std::span<const FacetId> near,
+                 GridPoint point) {
+  std::vector<std::uint32_t> crossed;
+  for (const FacetId id : near)
+    if (const auto shell = shells.shell_of(id); shell && vertical_side(mesh, id, point) > 0)
+      crossed.push_back(*shell);
+  std::ranges::sort(crossed);
+  for (auto first = crossed.begin(); first != crossed.end();) {
+    const auto end = std::upper_bound(first, crossed.end(), *first);
+    if ((end - first) % 2 == 1) return true;
+    first = end;
+  }
+  return false;
+}
+
 }  // namespace tubefoot

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "geometry/mesh/closed_shells.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
 #include "geometry/search/scene_tree.hpp"
 
@@ -43,5 +44,12 @@ std::optional<FacetContact> contact_at(const FacetMesh& mesh, std::span<const Fa
 /// facets_near_vertical().
 std::vector<VerticalCrossings> vertical_crossings(const FacetMesh& mesh, std::span<const FacetId> near,
                                                   GridPoint point);
+
+/// Whether a closed shell goes all round a point that lies on none of its facets: exactly, by the crossings
+/// of each shell above the point. A point in a hollow of a body is enclosed. `near`: from
+/// facets_near_vertical(), of the mesh that the shells are of. Law F4 (enclosed): no way out of there misses
+/// the shell; one on a facet's other side does.
+bool is_enclosed(const FacetMesh& mesh, const ClosedShells& shells, std::span<const FacetId> near,
+                 GridPoint point);
 
 }  // namespace tubefoot

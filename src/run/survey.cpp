@@ -4,26 +4,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
-#include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
-#include <limits>
-#include <numeric>
 #include <optional>
 #include <set>
-#include <span>
 
 #include "engine/ground/ground.hpp"
 #include "files/memory_at_hand.hpp"
 #include "geometry/mesh/merged_planes.hpp"
-#include "geometry/search/vertical_line.hpp"
 #include "geometry/steps/steps.hpp"
 #include "geometry/tubes/mirror.hpp"
 #include "run/coarsening.hpp"
 #include "run/paths.hpp"
 #include "run/refraction.hpp"
+#include "run/sensor_places.hpp"
 #include "run/shot_ground.hpp"
 #include "run/site_below.hpp"
 #include "scene/ping_times.hpp"
@@ -118,102 +113,35 @@ void warn_of_aperture(const SensorPings& pings, std::vector<std::string>& warnin
         figures.frequency_khz, antenna_m));
 }
 
-std::vector<FacetId> facets_above_and_below(const ShotGround& ground, GridPoint point) {
-  std::vector<FacetId> near;
-  facets_near_vertical(ground.tree(), point, near);
-  return near;
-}
-
-/// A place of a sensor's transmitter or receiver at a ping, and what it is called.
-struct PingPlace {
-  const SensorPings& pings;
-  std::size_t ping;
-  glm::dvec3 at_m;
-  std::string what;
-};
-
-/// A surface through the apex has no side that could be seen, hides nothing, and returns nothing: that is no
-/// limit of what a sensor beside it hears, so it is no place for one.
-void refuse_on_facet(const Scene& scene, const ShotGround& ground, std::span<const FacetId> near,
-                     const PingPlace& place) {
-  const auto& [pings, ping, at_m, what] = place;
-  const std::optional<FacetContact> contact = contact_at(ground.mesh(), near, scene.grid.snap(at_m));
-  if (!contact) return;
-  constexpr std::array<const char*, 3> parts{"a vertex", "an edge", "a facet"};
-  throw InputError(
-      pings.sensor->description().place,
-      fmt::format(
-          "{} lies exactly on {} of '{}' at ping {} (t = {:.3f} s, east {:.6f}, north {:.6f}, up {:.6f} "
-          "m), from where it shows no side: move it off by as much as its housing keeps it off, a "
-          "millimetre will do ('lever_arm_m', or the trajectory)",
-          what, parts[static_cast<std::size_t>(contact->part)],
-          scene.report.components[contact->component].name, ping, pings.times_s[ping], at_m.x, at_m.y,
-          at_m.z));
-}
-
-/// Looks straight up and down from a place of a sensor's transmitter or receiver. One under the
-/// terrain is a mistake in the scene; one inside an object may be in its own housing. Returns the altitude
-/// over the terrain, not a number where there is none.
-double check_place(Scene& scene, SiteBelow& below, const PingPlace& where, std::set<std::uint16_t>& inside) {
-  const auto& [pings, ping, at_m, what] = where;
-  double altitude_m = std::numeric_limits<double>::quiet_NaN();
-  const SourcePlace& place = pings.sensor->description().place;
-  const ShotGround ground = ground_in_line_with(below.in_line_with(at_m), at_m);
-  const std::vector<FacetId> near = facets_above_and_below(ground, scene.grid.snap(at_m));
-  refuse_on_facet(scene, ground, near, where);
-  for (const VerticalCrossings& c : vertical_crossings(ground.mesh(), near, scene.grid.snap(at_m))) {
-    const std::string& name = scene.report.components[c.component].name;
-    if (c.component < scene.description.terrains.size()) {
-      if (c.above > 0 && c.below == 0)
-        throw InputError(
-            place, fmt::format("{} is {:.3g} m below the seabed ('{}') at ping {} (t = {:.3f} s, "
-                               "east {:.2f}, north {:.2f}, up {:.2f} m): raise its trajectory or lever "
-                               "arm",
-                               what, c.lowest_above * scene.grid.unit_m(), name, ping, pings.times_s[ping],
-                               at_m.x, at_m.y, at_m.z));
-      if (c.below > 0) altitude_m = std::fmin(altitude_m, c.highest_below * scene.grid.unit_m());
-    } else if (c.above % 2 == 1 && inside.insert(c.component).second) {
-      scene.report.warnings.push_back(fmt::format(
-          "{}: {} is inside object '{}' at ping {} (t = {:.3f} s): it sees the object's inner side",
-          to_string(place), what, name, ping, pings.times_s[ping]));
-    }
-  }
-  return altitude_m;
-}
-
 void check_places(Site& site, Fleet& fleet) {
-  Scene& scene = site.scene;
-  SiteBelow below(site);
+  SensorPlaces places(site);
   for (SensorPings& pings : fleet.sensors) {
     const Sensor& sensor = *pings.sensor;
     std::set<std::uint16_t> inside, receiver_inside;
     const std::string what = fmt::format("sensor '{}'", sensor.description().name),
                       receiver = "the receiver of " + what;
+    const auto at = [&](std::size_t ping, glm::dvec3 at_m, const std::string& called) {
+      return PingPlace{sensor.description().place, ping, pings.times_s[ping], at_m, called};
+    };
     pings.altitudes_m.reserve(pings.poses.size());
     Steps seen("pings held against the bed", pings.poses.size());
     for (std::size_t ping = 0; ping < pings.poses.size(); ++ping) {
       seen.done();
-      const glm::dvec3 at_m = pings.poses[ping].position_m;
-      pings.altitudes_m.push_back(check_place(scene, below, {pings, ping, at_m, what}, inside));
+      pings.altitudes_m.push_back(places.check(at(ping, pings.poses[ping].position_m, what), inside));
       if (sensor.has_receiver_apart())
-        check_place(scene, below, {pings, ping, pings.receiver_pose(ping, 0).position_m, receiver},
-                    receiver_inside);
+        places.check(at(ping, pings.receiver_pose(ping, 0).position_m, receiver), receiver_inside);
       if (sensor.has_staff())
         for (const Fringe& staff :
              sensor.patterns(pings.receiver_pose(ping, 0), pings.sound_speed_m_s, 0).fringes)
           for (const double end : {1.0, -1.0})
-            check_place(scene, below,
-                        {pings, ping,
-                         pings.receiver_pose(ping, 0).position_m + end * staff.baseline_m / 2 * staff.axis,
-                         fmt::format("the {} receiver of {}", end > 0 ? "upper" : "lower", what)},
-                        receiver_inside);
+            places.check(
+                at(ping, pings.receiver_pose(ping, 0).position_m + end * staff.baseline_m / 2 * staff.axis,
+                   fmt::format("the {} receiver of {}", end > 0 ? "upper" : "lower", what)),
+                receiver_inside);
       // Of the later shots of a ping only what would spoil them.
       for (std::size_t shot = 1; shot < sensor.shots(); ++shot) {
         const auto check = [&](const Pose& now, const Pose& before, const std::string& who) {
-          if (now.position_m == before.position_m) return;
-          const ShotGround ground = ground_in_line_with(below.in_line_with(now.position_m), now.position_m);
-          refuse_on_facet(scene, ground, facets_above_and_below(ground, scene.grid.snap(now.position_m)),
-                          {pings, ping, now.position_m, who});
+          if (now.position_m != before.position_m) places.refuse_on_facet(at(ping, now.position_m, who));
         };
         check(pings.shot_pose(ping, shot), pings.shot_pose(ping, shot - 1), what);
         if (sensor.has_receiver_apart())
