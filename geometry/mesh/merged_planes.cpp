@@ -334,7 +334,7 @@ class PlaneMerger {
     for (const FacetId facet : plane.facets) before += twice_area(mesh_.facets[facet]);
     for (const Triangle& t : *triangles) after += twice_area(t);
     if (before != after) return false;
-    for (Triangle& t : *triangles) std::ranges::rotate(t, std::ranges::min_element(t));
+    for (Triangle& t : *triangles) std::rotate(t.begin(), std::ranges::min_element(t), t.end());
     std::ranges::sort(*triangles);
     plane.triangles = std::move(*triangles);
     return true;

@@ -274,7 +274,7 @@ void write_signals(const fs::path& path, const ElementSignals& signals, const Pr
   root.attribute("Conventions", "tubefoot-signals-1.0");
   for (const auto& [name, value] : attributes_of(provenance))
     if (std::string_view(name) != "Conventions")  // which is of echoes
-      std::visit([&](const auto& v) { root.attribute(name, v); }, value);
+      std::visit([&, name = name](const auto& v) { root.attribute(name, v); }, value);
   define(root, signals);
   Steps steps("pings of signals.nc", signals.pings());
   const std::vector<PingVariable> variables{

@@ -37,7 +37,7 @@ PairedPieces::OnFacet PairedPieces::on(FacetId facet, const PairedFacet& paired,
 void PairedPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm::dvec3 receiver_m,
                        std::uint32_t receive_tube, std::pair<std::uint32_t, std::uint32_t> beams,
                        BinsBetween& bins) const {
-  const auto [first, end] = beams;
+  const std::uint32_t first = beams.first, end = beams.second;
   if (first == end) return;
   const PairedFacet& paired = on.paired;
   const CertifiedPolygon polygon = laid_out(corners_m, receiver_m, paired);
@@ -56,7 +56,7 @@ void PairedPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm::
   // About a border between samples all may be missing anyway.
   const auto allowance = [&](double relative, double parts) {
     return CertifiedPathIntegrator::Allowance{
-        relative, [this, row, first = first, parts](std::size_t beam, std::size_t sample) {
+        relative, [this, row, first, parts](std::size_t beam, std::size_t sample) {
           const std::size_t bin = (first + beam) * row + std::min(sample / 2, row - 1);
           return std::max(target_[bin] / (sample % 2 == 1 ? parts : parts / 8), 1e-300);
         }};

@@ -294,7 +294,7 @@ class PairedReference {
     for (const auto& [beam, weight] :
          heard_of(about, heard_beside(facet, about[1], e == 0 ? *there : here))) {
       const double energy = doubt.energy_j * weight * (1 + slack);
-      each_sample(half_from, half_to, [&](std::size_t sample) {
+      each_sample(half_from, half_to, [&, beam = beam](std::size_t sample) {
         Between& bin = bins[beam * (borders_.size() - 1) + sample];
         if (less) bin.lo -= energy;
         bin.hi += energy;

@@ -77,8 +77,11 @@ CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const H
   Steps steps("tubes", tubes.tubes.size());
   tbb::parallel_for(std::uint32_t{0}, std::uint32_t(tubes.tubes.size()), [&](std::uint32_t tube) {
     steps.done();
-    auto& [visibility, seen, in_doubles, parts] = threads.local();
-    see(mesh, tree, tubes, tube, options, visibility, seen);
+    Buffers& buffers = threads.local();
+    TubeVisibility& seen = buffers.seen;
+    IntervalPolygon& in_doubles = buffers.polygon;
+    std::vector<IntervalIntegrator::SamplePart>& parts = buffers.parts;
+    see(mesh, tree, tubes, tube, options, buffers.visibility, seen);
     const NameContext context{mesh, tubes.apex, seen.rays};
     CertifiedIntegrator integrator(borders, beta);
     IntervalIntegrator interval_integrator(borders, {beta.lo(), beta.hi()});
