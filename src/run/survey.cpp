@@ -113,6 +113,29 @@ void warn_of_aperture(const SensorPings& pings, std::vector<std::string>& warnin
         figures.frequency_khz, antenna_m));
 }
 
+/// Elements of an array hear from where they are: in the water, and in nothing else.
+void refuse_hidden_elements(const Scene& scene, const SensorPings& pings, std::size_t ping,
+                            SensorPlaces& places) {
+  const SensorDescription& description = pings.sensor->description();
+  const ElementArray& array = pings.sensor->signals()->array;
+  const Pose &sent = pings.shot_pose(ping, 0), &heard = pings.receiver_pose(ping, 0);
+  const std::array transmitters_m{sent.position_m + sent.attitude * array.transmitter_m};
+  std::vector<glm::dvec3> receivers_m;
+  for (const glm::dvec3 place : array.receivers_m)
+    receivers_m.push_back(heard.position_m + heard.attitude * place);
+  places.refuse_hidden(
+      {description.place, description.name, ping, pings.times_s[ping], transmitters_m, receivers_m});
+  if (!scene.description.sea_surface) return;
+  const double height_m = scene.description.sea_surface->height_m;
+  for (std::size_t k = 0; k < receivers_m.size(); ++k)
+    if (receivers_m[k].z >= height_m)
+      throw InputError(
+          description.place,
+          fmt::format("receiver {} of sensor '{}' is {:.3g} m above the sea surface at ping {} "
+                      "(t = {:.3f} s): lower its trajectory or lever arm, or move the receiver",
+                      k, description.name, receivers_m[k].z - height_m, ping, pings.times_s[ping]));
+}
+
 void check_places(Site& site, Fleet& fleet) {
   SensorPlaces places(site);
   for (SensorPings& pings : fleet.sensors) {
@@ -138,6 +161,7 @@ void check_places(Site& site, Fleet& fleet) {
                 at(ping, pings.receiver_pose(ping, 0).position_m + end * staff.baseline_m / 2 * staff.axis,
                    fmt::format("the {} receiver of {}", end > 0 ? "upper" : "lower", what)),
                 receiver_inside);
+      if (sensor.signals() != nullptr) refuse_hidden_elements(site.scene, pings, ping, places);
       // Of the later shots of a ping only what would spoil them.
       for (std::size_t shot = 1; shot < sensor.shots(); ++shot) {
         const auto check = [&](const Pose& now, const Pose& before, const std::string& who) {
