@@ -46,16 +46,6 @@ const std::vector<Asked> of_commands{
     {Feature::refine, {"refine", "-o", "bed.ply"}},
     {Feature::trial, {"advise", "--tolerance", "10%"}}};
 
-/// What the table says of a scene and a command that have these features and no others.
-std::optional<std::string> reason_of_the_table(const std::set<Feature>& features) {
-  for (const Refusal& r : refusals())
-    if (features.contains(r.first) && features.contains(r.second) &&
-        std::ranges::all_of(r.more,
-                            [&](const auto& feature) { return !feature || features.contains(*feature); }))
-      return std::string(r.reason);
-  return std::nullopt;
-}
-
 struct AbilitiesWalk : testing::Test {
   AbilitiesWalk() { folder.write("bed.asc", bed_of_steps()); }
 
