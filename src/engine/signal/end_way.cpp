@@ -44,33 +44,17 @@ struct TabulatedWay::Source {
     return place - origin_m;
   }
   [[noreturn]] void refuse(double time_s) const {
-    throw std::invalid_argument(
-        fmt::format("{} moves at {} m/s or more, as fast as sound, about {} s after the ping's start: the way of sound "
-                    "has no end; slow it down",
-                    what, limit_m_s, time_s));
+    throw std::invalid_argument(fmt::format(
+        "{} moves at {} m/s or more, as fast as sound, about {} s after the ping's start: the way of sound "
+        "has no end; slow it down",
+        what, limit_m_s, time_s));
   }
 };
 
-TabulatedWay::Moment TabulatedWay::Piece::at(double share) const {
-  const double within = std::clamp(share, -1.0, 1.0);
-  glm::dvec3 place = power[std::size_t(degree)], slope(0);
-  for (int k = degree - 1; k >= 0; --k) {
-    slope = slope * within + place;
-    place = place * within + power[std::size_t(k)];
-  }
-  return {place + (share - within) * slope, slope / half_s};
-}
-
 const TabulatedWay::Piece& TabulatedWay::piece_at(double time_s) const {
-  if (piece_.size() == 1) return piece_.front();
   return *(std::upper_bound(piece_.begin() + 1, piece_.end(), time_s,
                             [](double time, const Piece& piece) { return time < piece.begin_s; }) -
            1);
-}
-
-TabulatedWay::Moment TabulatedWay::at(double time_s) const {
-  const Piece& piece = piece_at(time_s);
-  return piece.at((time_s - piece.middle_s) / piece.half_s);
 }
 
 TabulatedWay::TabulatedWay(glm::dvec3 place_m)
@@ -85,18 +69,19 @@ TabulatedWay::TabulatedWay(const EndWay& way, double begin_s, double end_s, glm:
 }
 
 void TabulatedWay::fit(const Source& source, double begin_s, double end_s, int depth) {
-  Piece piece{begin_s, (begin_s + end_s) / 2, (end_s - begin_s) / 2, 0, {}};
+  const double half_s = (end_s - begin_s) / 2;
+  Piece piece{begin_s, (begin_s + end_s) / 2, 1 / half_s, 0, {}};
   constexpr int nodes = degree + 1;
   std::array<glm::dvec3, nodes> value;
   for (int a = 0; a < nodes; ++a)
     value[std::size_t(a)] =
-        source.at(piece.middle_s + piece.half_s * std::cos(std::numbers::pi * (a + 0.5) / nodes));
+        source.at(piece.middle_s + half_s * std::cos(std::numbers::pi * (a + 0.5) / nodes));
   std::array<glm::dvec3, first_checks> check;
   const int count = depth < first_depths ? first_checks : checks;
   const auto share_of = [&](int n) { return 2.0 * n / (count - 1) - 1; };
   double farthest = 0;
   for (int n = 0; n < count; ++n) {
-    check[std::size_t(n)] = source.at(piece.middle_s + piece.half_s * share_of(n));
+    check[std::size_t(n)] = source.at(piece.middle_s + half_s * share_of(n));
     farthest = std::max(farthest, glm::length(check[std::size_t(n)] + source.origin_m));
   }
   // Chebyshev's series of the nodes, as powers, of as low a degree as will do.
@@ -135,14 +120,14 @@ void TabulatedWay::fit(const Source& source, double begin_s, double end_s, int d
     if (bounds_.speed_m_s >= source.limit_m_s) source.refuse(piece.middle_s);
     return;
   }
-  if (piece.half_s < jump_s * (1 + std::abs(piece.middle_s))) source.refuse(piece.middle_s);
+  if (half_s < jump_s * (1 + std::abs(piece.middle_s))) source.refuse(piece.middle_s);
   fit(source, begin_s, piece.middle_s, depth + 1);
   fit(source, piece.middle_s, end_s, depth + 1);
 }
 
 void TabulatedWay::take(const Piece& piece) {
   piece_.push_back(piece);
-  const double half = piece.half_s;
+  const double half = 1 / piece.per_s;
   double acceleration = 0, jerk = 0;
   for (int k = 2; k <= piece.degree; ++k) {
     const double size = k * (k - 1) * glm::length(piece.power[std::size_t(k)]) / (half * half);

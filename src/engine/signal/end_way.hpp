@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <functional>
@@ -35,7 +36,10 @@ class TabulatedWay {
   struct Moment {
     glm::dvec3 place_m, velocity_m_s;
   };
-  Moment at(double time_s) const;
+  Moment at(double time_s) const {
+    const Piece& piece = piece_.size() == 1 ? piece_.front() : piece_at(time_s);
+    return piece.at((time_s - piece.middle_s) * piece.per_s);
+  }
   /// One polynomial holds between both times.
   bool is_smooth(double from_s, double to_s) const {
     return from_s >= begin_s_ && to_s <= end_s_ &&
@@ -49,10 +53,19 @@ class TabulatedWay {
  private:
   static constexpr int degree = 7;
   struct Piece {
-    double begin_s = 0, middle_s = 0, half_s = 1;
+    double begin_s = 0, middle_s = 0, per_s = 1;
     int degree = 0;
-    std::array<glm::dvec3, TabulatedWay::degree + 1> power{};  ///< of (time - middle) / half
-    Moment at(double share) const;
+    std::array<glm::dvec3, TabulatedWay::degree + 1> power{};  ///< of (time - middle) * per_s
+    /// `share`: from -1 to 1.
+    Moment at(double share) const {
+      const double within = std::clamp(share, -1.0, 1.0);
+      glm::dvec3 place = power[std::size_t(degree)], slope(0);
+      for (int k = degree - 1; k >= 0; --k) {
+        slope = slope * within + place;
+        place = place * within + power[std::size_t(k)];
+      }
+      return {place + (share - within) * slope, slope * per_s};
+    }
     bool operator==(const Piece& other) const = default;
   };
   struct Source;

@@ -81,8 +81,7 @@ MovingChannels::MovingChannels(const MovingEnds& ends, const SeenPatches& seen, 
       extent_(extent),
       tolerance_(tolerance),
       placed_(ends.held_.channels),
-      faces_(placed_.size()),
-      heard_s_(ends.receive_.size()) {
+      faces_(placed_.size()) {
   ends_.widen(extent_);
 }
 
@@ -100,7 +99,9 @@ bool MovingChannels::look_at(const SeenPatch& patch) {
 
   // Where the ends are when the middle of the pulse comes by the centre, and how long before and after that
   // the patch is heard.
-  std::vector<glm::dvec3> senders, receivers;
+  std::vector<glm::dvec3> senders;
+  std::vector<glm::dvec3>& receivers = near_m_;
+  receivers.clear();
   double spread = 0;
   for (const TabulatedWay& way : ends_.transmit_) {
     senders.push_back(way.at(pulse.middle_s()).place_m);
@@ -113,7 +114,6 @@ bool MovingChannels::look_at(const SeenPatch& patch) {
     double time_s = there_s;
     for (int step = 0; step < 8; ++step)
       time_s = there_s + glm::distance(ends_.receive_[w].at(time_s).place_m, centre) / c;
-    heard_s_[w] = time_s;
     receivers.push_back(ends_.receive_[w].at(time_s).place_m);
     in_time = in_time || (time_s + half_s >= times.first_s && time_s - half_s <= times.time_s(times.count));
   }
@@ -157,7 +157,7 @@ void MovingChannels::hear(glm::dvec3 place_m, std::complex<double> strength, dou
     if (!faces_[k]) continue;
     const std::size_t w = ends_.receive_of_[k];
     ends_.pulse_.add(
-        passing_[ends_.transmit_of_[k]], ends_.receive_[w], heard_s_[w], newton_s_, strength, less_m, even_,
+        passing_[ends_.transmit_of_[k]], ends_.receive_[w], near_m_[w], newton_s_, strength, less_m, even_,
         [&](glm::dvec3 from_m, glm::dvec3 to_m, double out_m, double home_m) {
           return on_[k].amplitude_from(place_m, from_m, to_m, out_m, home_m);
         },

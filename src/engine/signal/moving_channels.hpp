@@ -61,7 +61,7 @@ class MovingChannels {
   std::vector<ChannelOnPatch> on_;
   std::vector<char> faces_;                    // by channel: some time
   std::vector<MovingPulse::Passing> passing_;  // by transmitter's way
-  std::vector<double> heard_s_;                // by receiver's way, of the patch
+  std::vector<glm::dvec3> near_m_;             // by receiver's way, when the patch is heard
   double newton_s_ = 0;
   bool even_ = false;
   std::vector<MovingPulse::Echo> echoes_;

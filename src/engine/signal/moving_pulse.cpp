@@ -16,8 +16,6 @@ constexpr std::size_t most_parts = 1 << 14;
 /// Turns are multiplied up for so many samples; then their rounding is shed.
 constexpr std::size_t turns_together = 64;
 constexpr int most_steps = 100;
-/// A time that is known as well as clocks tell.
-constexpr double exact_s = 1e-14;
 
 /// e^{ix}, quickly where x is small.
 std::complex<double> turn(double x) {
@@ -34,11 +32,12 @@ std::complex<double> product(std::complex<double> a, std::complex<double> b) {
 /// A parabola through three values, by times.
 struct Parabola {
   double at_0, time_0, time_1, slope, bend;
-  Parabola(double t0, double v0, double t1, double v1, double t2, double v2)
-      : at_0(v0), time_0(t0), time_1(t1), slope((v1 - v0) / (t1 - t0)) {
-    bend = ((v2 - v1) / (t2 - t1) - slope) / (t2 - t0);
+  Parabola(const double (&time)[3], const double (&per)[3], double v0, double v1, double v2)
+      : at_0(v0), time_0(time[0]), time_1(time[1]), slope((v1 - v0) * per[0]) {
+    bend = ((v2 - v1) * per[1] - slope) * per[2];
   }
   double at(double t) const { return at_0 + (t - time_0) * (slope + (t - time_1) * bend); }
+  double slope_at(double t) const { return slope + (2 * t - time_0 - time_1) * bend; }
 };
 
 }  // namespace
@@ -49,12 +48,14 @@ MovingPulse::MovingPulse(const BasebandPulse& pulse, const SignalTimes& times, d
       begin_s_(pulse.begin_s),
       end_s_(pulse.end_s),
       sound_speed_m_s_(sound_speed_m_s),
+      per_c_(1 / sound_speed_m_s),
       wavenumber_rad_m_(2 * std::numbers::pi * carrier_hz / sound_speed_m_s) {
   // Cubics end where the pulse does, so that a pulse may jump there.
   const double length_s = end_s_ - begin_s_;
   const auto count =
       std::max<std::size_t>(4, std::size_t(std::ceil(length_s * times.rate_hz * cubics_per_sample)));
   per_s_ = double(count) / length_s;
+  last_ = double(count);
   std::vector<std::complex<double>> value;
   for (std::size_t k = 0; k <= count; ++k)
     value.push_back(pulse.envelope(std::min(begin_s_ + double(k) / per_s_, end_s_)));
@@ -121,30 +122,15 @@ void MovingPulse::pass(glm::dvec3 place_m, Passing& passing) const {
   }
 }
 
-MovingPulse::Heard MovingPulse::heard_at(const Passing& passing, std::size_t n, const TabulatedWay& receive,
-                                         double time_s, double newton_s) const {
-  for (int step = 0;; ++step) {
-    const TabulatedWay::Moment end = receive.at(time_s);
-    const glm::dvec3 way = end.place_m - passing.place_m;
-    const double home = glm::length(way),
-                 slope = 1 / (1 - glm::dot(way, end.velocity_m_s) / (home * sound_speed_m_s_)),
-                 off = (time_s - passing.there_s[n] - home / sound_speed_m_s_) * slope, before_s = time_s;
-    time_s -= off;
-    const bool done = std::abs(off) <= newton_s &&
-                      (step > 8 || receive.is_smooth(std::min(before_s, time_s), std::max(before_s, time_s)));
-    if (done || std::abs(off) <= exact_s || step == most_steps)
-      return {time_s, home - (1 - 1 / slope) * sound_speed_m_s_ * off, slope,
-              end.place_m - off * end.velocity_m_s};
-  }
-}
-
 void MovingPulse::add(const Passing& passing, const TabulatedWay& receive, std::span<const Echo> echoes,
                       std::complex<double> strength, double less_m, const AmplitudeOf& exact,
                       std::complex<double>* out) const {
   const auto samples = double(times_.count);
   const auto sample_of = [&](double time_s) { return (time_s - times_.first_s) * times_.rate_hz; };
   if (sample_of(echoes.back().time_s) < 0 || sample_of(echoes.front().time_s) > samples - 1) return;
-  const double k = wavenumber_rad_m_, per_c = 1 / sound_speed_m_s_, step_s = 1 / times_.rate_hz;
+  const double k = wavenumber_rad_m_, step_s = 1 / times_.rate_hz;
+  const bool even = exact.of == nullptr;
+  const double even_size = echoes[echoes.size() / 2].amplitude;
   for (std::size_t part = 0; 2 * part + 2 < echoes.size(); ++part) {
     const Echo &a = echoes[2 * part], &b = echoes[2 * part + 1], &c = echoes[2 * part + 2];
     const bool last = 2 * part + 3 == echoes.size();
@@ -153,20 +139,29 @@ void MovingPulse::add(const Passing& passing, const TabulatedWay& receive, std::
                    std::clamp(last ? std::floor(sample_of(c.time_s)) + 1 : std::ceil(sample_of(c.time_s)),
                               0.0, samples));
     if (from >= to) continue;
-    const Parabola path(a.time_s, a.path_m, b.time_s, b.path_m, c.time_s, c.path_m),
-        amplitude(a.time_s, a.amplitude, b.time_s, b.amplitude, c.time_s, c.amplitude);
+    const double time[3] = {a.time_s, b.time_s, c.time_s},
+                 per[3] = {1 / (time[1] - time[0]), 1 / (time[2] - time[1]), 1 / (time[2] - time[0])};
+    const Parabola path(time, per, a.path_m, b.path_m, c.path_m);
     if (passing.smooth[part] && receive.is_smooth(a.time_s, c.time_s)) {
-      const std::complex<double> bend = turn(2 * k * path.bend * step_s * step_s);
+      const Parabola amplitude(time, per, a.amplitude, b.amplitude, c.amplitude);
+      // By samples n after the anchor the path is first + n (step + n bend).
+      const double bend_m = path.bend * step_s * step_s;
+      const std::complex<double> bend = turn(2 * k * bend_m);
       for (std::size_t anchor = from; anchor < to; anchor += turns_together) {
-        const double first_s = times_.time_s(anchor), first_m = path.at(first_s);
+        const double first_s = times_.time_s(anchor), first_m = path.at(first_s),
+                     step_m = path.slope_at(first_s) * step_s;
         std::complex<double> phase = product(strength, std::polar(1.0, k * (first_m - less_m))),
-                             step = turn(k * (path.at(first_s + step_s) - first_m));
-        const std::size_t end = std::min(anchor + turns_together, to);
-        for (std::size_t n = anchor; n < end; ++n) {
-          const double time_s = times_.time_s(n);
-          const std::complex<double> g = envelope(time_s - path.at(time_s) * per_c);
-          const double size = amplitude.at(time_s);
-          out[n] += product(phase, {size * g.real(), size * g.imag()});
+                             step = turn(k * (step_m + bend_m));
+        if (even) phase *= even_size;
+        const double first = (first_s - first_m * per_c_ - begin_s_) * per_s_,
+                     per_sample = (step_s - step_m * per_c_) * per_s_, bent = -bend_m * per_c_ * per_s_;
+        const std::size_t count = std::min(turns_together, to - anchor);
+        std::complex<double>* sample = out + anchor;
+        for (std::size_t m = 0; m < count; ++m) {
+          const double n = double(std::ptrdiff_t(m));
+          std::complex<double> g = envelope(first + n * (per_sample + n * bent));
+          if (!even) g *= amplitude.at(times_.time_s(anchor + m));
+          sample[m] += product(phase, g);
           phase = product(phase, step);
           step = product(step, bend);
         }
@@ -176,8 +171,8 @@ void MovingPulse::add(const Passing& passing, const TabulatedWay& receive, std::
     for (std::size_t n = from; n < to; ++n) {
       const double time_s = times_.time_s(n);
       const glm::dvec3 to_m = receive.at(time_s).place_m;
-      const double home = glm::distance(to_m, passing.place_m), there_s = time_s - home * per_c;
-      double sent_s = time_s - path.at(time_s) * per_c, out_m = 0;
+      const double home = glm::distance(to_m, passing.place_m), there_s = time_s - home * per_c_;
+      double sent_s = time_s - path.at(time_s) * per_c_, out_m = 0;
       glm::dvec3 from_m;
       for (int step = 0; step < most_steps; ++step) {
         const TabulatedWay::Moment end = passing.transmit->at(sent_s);
@@ -185,12 +180,13 @@ void MovingPulse::add(const Passing& passing, const TabulatedWay& receive, std::
         const glm::dvec3 way = from_m - passing.place_m;
         out_m = glm::length(way);
         const double off =
-            (sent_s + out_m * per_c - there_s) / (1 + glm::dot(way, end.velocity_m_s) * per_c / out_m);
+            (sent_s + out_m * per_c_ - there_s) / (1 + glm::dot(way, end.velocity_m_s) * per_c_ / out_m);
         sent_s -= off;
         if (std::abs(off) <= exact_s) break;
       }
-      const double size = exact.of != nullptr ? exact.at(exact.of, from_m, to_m, out_m, home) : a.amplitude;
-      out[n] += product(strength, std::polar(size, k * (out_m + home - less_m))) * envelope(sent_s);
+      const double size = !even ? exact.at(exact.of, from_m, to_m, out_m, home) : even_size;
+      out[n] += product(strength, std::polar(size, k * (out_m + home - less_m))) *
+                envelope((sent_s - begin_s_) * per_s_);
     }
   }
 }

@@ -47,18 +47,16 @@ class MovingPulse {
   struct Echo {
     double time_s = 0, path_m = 0, amplitude = 0;
   };
-  /// Adds strength A g e^{ik(L - less)} to out[sample]. `near_s`: about when it is heard.
+  /// Adds strength A g e^{ik(L - less)} to out[sample]. `near_m`: where the receiver is about then.
   /// `amplitude(from_m, to_m, out_m, home_m)`: A, the ends being there; `even`: one for all of the pulse will
   /// do. `echoes` is room to work in.
   template <class Amplitude>
-  void add(const Passing& passing, const TabulatedWay& receive, double near_s, double newton_s,
+  void add(const Passing& passing, const TabulatedWay& receive, glm::dvec3 near_m, double newton_s,
            std::complex<double> strength, double less_m, bool even, const Amplitude& amplitude,
            std::vector<Echo>& echoes, std::complex<double>* out) const {
     const std::size_t count = passing.sent_s.size();
     echoes.resize(count);
-    double time_s = passing.there_s[0] +
-                    glm::distance(receive.at(near_s).place_m, passing.place_m) / sound_speed_m_s_,
-           slope = 1;
+    double time_s = passing.there_s[0] + glm::distance(near_m, passing.place_m) * per_c_, slope = 1;
     for (std::size_t n = 0; n < count; ++n) {
       if (n > 0) time_s += (passing.there_s[n] - passing.there_s[n - 1]) * slope;
       const Heard heard = heard_at(passing, n, receive, time_s, newton_s);
@@ -67,10 +65,6 @@ class MovingPulse {
       echoes[n] = {time_s, passing.out_m[n] + heard.home_m, 0};
       if (!even || n == count / 2)
         echoes[n].amplitude = amplitude(passing.from_m[n], heard.to_m, passing.out_m[n], heard.home_m);
-    }
-    if (even) {
-      const double its = echoes[count / 2].amplitude;
-      for (Echo& echo : echoes) echo.amplitude = its;
     }
     const AmplitudeOf its{
         &amplitude, [](const void* of, glm::dvec3 from_m, glm::dvec3 to_m, double out_m, double home_m) {
@@ -83,12 +77,30 @@ class MovingPulse {
   double half_s() const { return (end_s_ - begin_s_) / 2; }
 
  private:
+  /// A time that is known as well as clocks tell.
+  static constexpr double exact_s = 1e-14;
   struct Heard {
     double time_s, home_m, slope;  ///< slope: of times of hearing by times at the place
     glm::dvec3 to_m;
   };
   Heard heard_at(const Passing& passing, std::size_t n, const TabulatedWay& receive, double time_s,
-                 double newton_s) const;
+                 double newton_s) const {
+    constexpr int hopeful_steps = 8, most_steps = 100;
+    for (int step = 0;; ++step) {
+      const TabulatedWay::Moment end = receive.at(time_s);
+      const glm::dvec3 way = end.place_m - passing.place_m;
+      const double home = glm::length(way), rate = glm::dot(way, end.velocity_m_s) / home,
+                   slope = 1 / (1 - rate * per_c_),
+                   off = (time_s - passing.there_s[n] - home * per_c_) * slope, before_s = time_s;
+      time_s -= off;
+      // A step that comes over a bend is none of Newton's.
+      const bool done =
+          std::abs(off) <= newton_s &&
+          (step > hopeful_steps || receive.is_smooth(std::min(before_s, time_s), std::max(before_s, time_s)));
+      if (done || std::abs(off) <= exact_s || step == most_steps)
+        return {time_s, home - rate * off, slope, end.place_m - off * end.velocity_m_s};
+    }
+  }
   /// Who can tell the amplitude, ends being where they are; none: it is even.
   struct AmplitudeOf {
     const void* of = nullptr;
@@ -97,18 +109,18 @@ class MovingPulse {
   void add(const Passing& passing, const TabulatedWay& receive, std::span<const Echo> echoes,
            std::complex<double> strength, double less_m, const AmplitudeOf& amplitude,
            std::complex<double>* out) const;
-  /// By the time when it was sent.
-  std::complex<double> envelope(double sent_s) const {
-    const double place = std::clamp((sent_s - begin_s_) * per_s_, 0.0, double(cubics_.size()));
-    const std::size_t k = std::min(std::size_t(place), cubics_.size() - 1);
-    const double x = place - double(k);
-    const auto& c = cubics_[k];
+  /// By the time when it was sent, from the pulse's begin on, in cubics.
+  std::complex<double> envelope(double place) const {
+    const double x_all = std::min(std::max(place, 0.0), last_);
+    const auto k = std::min(std::ptrdiff_t(x_all), std::ptrdiff_t(cubics_.size()) - 1);
+    const double x = x_all - double(k);
+    const auto& c = cubics_[std::size_t(k)];
     return {c[0].real() + x * (c[1].real() + x * (c[2].real() + x * c[3].real())),
             c[0].imag() + x * (c[1].imag() + x * (c[2].imag() + x * c[3].imag()))};
   }
 
   SignalTimes times_;
-  double begin_s_, end_s_, sound_speed_m_s_, wavenumber_rad_m_, per_s_ = 0;
+  double begin_s_, end_s_, sound_speed_m_s_, per_c_, wavenumber_rad_m_, per_s_ = 0, last_ = 0;
   std::vector<std::array<std::complex<double>, 4>> cubics_;
 };
 
