@@ -244,8 +244,8 @@ Canvas Waterfall::draw(const Heard* heard) const {
                          margin;
   Canvas canvas(page_width, bottom + axis_height + margin + 10, palette.background, font_);
 
-  tbb::parallel_for(std::size_t{0}, strips.size(), [&](std::size_t s) {  // the first ping is the lowest
-    for (std::size_t beam = 0; beam < sides; ++beam)                     // port, starboard
+  const auto draw_strip = [&, side = side, &strips = strips, &columns = columns](std::size_t s) {
+    for (std::size_t beam = 0; beam < sides; ++beam)  // port, starboard
       for (int x = 0; x < side; ++x) {
         const auto column = static_cast<std::size_t>(x);
         if (columns[column].weights.empty()) continue;
@@ -255,7 +255,8 @@ Canvas Waterfall::draw(const Heard* heard) const {
           canvas.blend(beam == 0 ? middle - 1 - x : middle + x, bottom - 1 - row, colour,
                        columns[column].covered);
       }
-  });
+  };
+  tbb::parallel_for(std::size_t{0}, strips.size(), draw_strip);  // the first ping is the lowest
 
   canvas.fill(left - 1, top - 1, right + 1, top, palette.grid, 0.55);
   canvas.fill(left - 1, bottom, right + 1, bottom + 1, palette.grid, 0.55);

@@ -181,7 +181,7 @@ void write_echoes(const fs::path& path, const std::vector<Recording>& recordings
   EchoNetcdf file(path, bytes <= most_bytes_in_memory, small_bytes);
   EchoGroup root = file.root();
   for (const auto& [name, value] : attributes_of(provenance))
-    std::visit([&](const auto& v) { root.attribute(name, v); }, value);
+    std::visit([&, name = name](const auto& v) { root.attribute(name, v); }, value);
   const bool grouped = recordings.size() > 1;
   for (const Recording& recording : recordings) {
     EchoGroup group = grouped ? root.group(recording.sensor->description().name) : root;

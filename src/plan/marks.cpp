@@ -69,7 +69,7 @@ void add_sectors(const Survey& survey, std::vector<SectorMark>& sectors) {
     std::vector<std::size_t> chosen{0, count - 1, middle};
     if (survey.sensors.size() > many) chosen = {middle};
     std::ranges::sort(chosen);
-    chosen.erase(std::ranges::unique(chosen).begin(), chosen.end());
+    chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
     for (const std::size_t ping : chosen) {
       sectors.push_back(sector_of(survey.scene, pings, s, ping));
       sectors.back().chosen = ping == middle;

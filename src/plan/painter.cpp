@@ -271,7 +271,8 @@ void Painter::draw_objects(const Panel& panel, const Extent* about_m, Labels& la
       sheet_.rectangle(drawn, style);
     } else {
       Silhouette outline(grown(common(box, grown(panel.box(), 3)), 1));
-      const auto [first, last] = std::ranges::equal_range(scene.mesh.component, object.component);
+      const auto [first, last] =
+          std::equal_range(scene.mesh.component.begin(), scene.mesh.component.end(), object.component);
       for (auto at = first; at != last; ++at) {
         std::array<glm::dvec2, 3> corners;
         for (std::size_t k = 0; k < 3; ++k)

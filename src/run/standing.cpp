@@ -46,7 +46,8 @@ class Bed {
 /// Some of a component's vertices: the outermost, and others in between.
 std::vector<glm::dvec3> places_of(const Scene& scene, std::size_t component, std::size_t most) {
   std::vector<VertexId> vertices;
-  const auto [first, last] = std::ranges::equal_range(scene.mesh.component, component);
+  const auto [first, last] =
+      std::equal_range(scene.mesh.component.begin(), scene.mesh.component.end(), component);
   for (auto at = first; at != last; ++at)
     for (const VertexId v : scene.mesh.facets[static_cast<std::size_t>(at - scene.mesh.component.begin())])
       vertices.push_back(v);

@@ -357,7 +357,7 @@ class Loader {
       for (std::size_t k = 0; k < places.size(); ++k)
         by_tiles[terrain.tiles->at(places[k].x, places[k].y)].push_back(k);
       for (const auto& [tiles, here] : by_tiles) {
-        const ComponentMesh patch = named_at(who, [&] { return terrain.tiles->read(tiles); });
+        const ComponentMesh patch = named_at(who, [&, &tiles = tiles] { return terrain.tiles->read(tiles); });
         std::vector<glm::dvec2> some;
         for (const std::size_t k : here) some.push_back(places[k]);
         const auto of_patch = terrain_heights_m({&patch, 1}, some);

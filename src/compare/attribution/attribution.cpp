@@ -71,9 +71,11 @@ class Attributor {
       bool by_silhouette = false;
       for (std::size_t sample = 0; sample < samples; ++sample) {
         const auto in_scene = static_cast<std::uint32_t>(place.beams[beam] * samples + sample);
-        const auto [first, last] = std::ranges::equal_range(origins.parts, in_scene, {}, &BinPart::bin);
-        const std::span<const BinPart> parts(first, last);
-        const auto edges = std::ranges::equal_range(origins.casters, in_scene, {}, &BinPart::bin);
+        const auto of_bin = [&](const std::vector<BinPart>& all) {
+          return std::span<const BinPart>(std::ranges::lower_bound(all, in_scene, {}, &BinPart::bin),
+                                          std::ranges::upper_bound(all, in_scene, {}, &BinPart::bin));
+        };
+        const std::span<const BinPart> parts = of_bin(origins.parts), edges = of_bin(origins.casters);
         if (!edges.empty()) caster = edges.front();
         by_silhouette = by_silhouette || !edges.empty();
         if (!by_silhouette && !parts.empty()) caster = parts.front();

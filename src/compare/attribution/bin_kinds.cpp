@@ -199,7 +199,7 @@ class Edges {
     for (std::size_t t = 0; t < set.tubes.size(); ++t) {
       const ImagePlane plane(set, set.tubes[t]);
       for (std::size_t k = 0; k < 4; ++k) {
-        const auto [first, last] = std::ranges::equal_range(sides, side_of(t, k));
+        const auto [first, last] = std::equal_range(sides.begin(), sides.end(), side_of(t, k));
         const double height = plane.height_over(k), beside = plane.height_over((k + 1) % 4);
         if (last - first > 1 || std::abs(height) <= std::abs(beside)) continue;
         walls_[t][k] = height > 0 ? Wall::lower_end : Wall::upper_end;
