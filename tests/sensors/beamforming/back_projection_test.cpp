@@ -97,6 +97,35 @@ TEST(BackProjection, LooksAbeamOnlyWhereItIsAskedTo) {
   EXPECT_EQ(at(10, 0.005), 0);  // no ping lies abeam of it
 }
 
+TEST(BackProjection, IsARealApertureOfThePingNearestAbeam) {
+  const SignalInterpolator interpolator(0.6, 1e-5);
+  const ElementSignals signals = recorded(rail(1, true), linear_chirp(90e3, 110e3, 3e-3, 1));
+  const PixelPlane along{target - glm::dvec3(0, 1.5, 0), {0, 0.02, 0}, {}, 150, 1};
+  BackProjection how;
+  how.nearest_abeam_only = true;
+  const std::vector<Complex> real = back_projected(signals, along, interpolator, how);
+  // Pings are at 0.01, 0.03, ... and a pixel at 0.02 k is as near to two of them, but for rounding: take
+  // those a little forward of it.
+  const PixelPlane beside{along.first_m + glm::dvec3(0, 0.004, 0), along.column_step_m, {}, 149, 1};
+  const std::vector<Complex> own = back_projected(signals, beside, interpolator, how);
+  for (const std::size_t k : {0u, 40u, 75u, 148u}) {
+    ElementSignals one = signals;
+    one.motion = {signals.motion.track(), {signals.motion.ping_start_s()[k]}};
+    one.pressure.assign(signals.channel(k, 0).begin(), signals.channel(k, 0).end());
+    EXPECT_EQ(own[k], back_projected(one, {beside.at(k, 0), {}, {}, 1, 1}, interpolator)[0]);
+  }
+  // One element hears all around: its picture does not fall off within the metre in which a synthetic
+  // aperture's has.
+  const std::vector<Complex> focused = back_projected(signals, along, interpolator);
+  EXPECT_NEAR(std::abs(real[75]), 0.5, 1e-3);
+  EXPECT_NEAR(std::abs(focused[75]), 0.5, 1e-3);
+  EXPECT_GT(std::abs(real[50]), 0.25);
+  EXPECT_LT(std::abs(focused[50]), 0.1);
+  // Beyond the beam that is asked for it shows nothing.
+  how.half_beam_rad = 0.005;
+  EXPECT_EQ(std::abs(back_projected(signals, {{50, 10, -10}, {}, {}, 1, 1}, interpolator, how)[0]), 0);
+}
+
 TEST(BackProjection, IsOneOfFourPicturesOfOneRecord) {
   // 32 receivers to starboard, pings northwards; one point that is not abeam of any of them.
   const ElementArray array = line_array(32, {wavelength_m / 2, 0, 0});
