@@ -63,6 +63,13 @@ struct LineSums {
 
 }  // namespace
 
+double level_bed_bend(double range_m, double sine, double step_m) {
+  // s = sqrt(1 - h^2 / r^2): half of s'' / s'. Straight below there is no line.
+  constexpr double least_sine = 0.05;
+  const double cosine2 = 1 - sine * sine, bounded = std::max(sine, least_sine);
+  return -0.5 * (3 + cosine2 / (bounded * bounded)) / range_m * step_m;
+}
+
 std::optional<SplitBeamDetection> split_beam_zero(std::span<const Complex> product,
                                                   const SplitBeamSearch& search) {
   if (!(search.half_window >= 0 && search.samples_a_look >= 1 && search.edge_rad > 0 &&
@@ -82,8 +89,9 @@ std::optional<SplitBeamDetection> split_beam_zero(std::span<const Complex> produ
     const auto each = [&](auto use) {
       for (std::ptrdiff_t k = span.begin; k < span.end; ++k) {
         const Complex value = product[static_cast<std::size_t>(k)];
-        const double weight = std::abs(value), away = static_cast<double>(k) - origin;
+        const double weight = std::abs(value), straight = static_cast<double>(k) - origin;
         if (!(weight > 0)) continue;
+        const double away = straight * (1 + search.bend * straight);
         const double expected = line->slope_rad * away;
         use(weight, away, expected + wrapped(std::arg(value) - expected));
       }

@@ -13,8 +13,13 @@ struct SplitBeamSearch {
   double from = 0;            ///< where the echo is by its amplitude
   double half_window = 0;     ///< samples on either side that may hold the main lobe's echo
   double edge_rad = 0;        ///< phase at the border of the main lobe: beyond it nothing counts
+  double bend = 0;            ///< the phase goes as x + bend x^2, x the samples from its zero
   double samples_a_look = 1;  ///< sampling rate over bandwidth: how many samples are one independent look
 };
+
+/// Of a level bed the line is a bow: sines of angles do not grow evenly with range.
+/// SplitBeamSearch::bend of one that is met at a sine across (0 to 1), by samples of that length.
+double level_bed_bend(double range_m, double sine, double step_m);
 
 struct SplitBeamDetection {
   double sample = 0;        ///< where the phase is zero

@@ -32,7 +32,7 @@ TEST(SplitBeam, FindsTheZeroOfALineToTheLastBits) {
   for (const double slope : {0.05, -0.12, 0.6})
     for (const double from : {90.0, 101.5, 108.0}) {
       if (std::abs(slope * (from - 101.37)) > 3) continue;  // another zero is nearer
-      const auto found = split_beam_zero(line(101.37, slope, 0), {from, 25, 1.4, 1});
+      const auto found = split_beam_zero(line(101.37, slope, 0), {from, 25, 1.4, 0, 1});
       ASSERT_TRUE(found);
       EXPECT_NEAR(found->sample, 101.37, 1e-9);
       EXPECT_NEAR(found->slope_rad, slope, 1e-10);
@@ -46,7 +46,7 @@ TEST(SplitBeam, KnowsItsOwnError) {
   double squares = 0, said = 0;
   constexpr int draws = 2000;
   for (int draw = 0; draw < draws; ++draw) {
-    const auto found = split_beam_zero(line(101.37, 0.08, 0.3, 100u + unsigned(draw)), {100, 15, 1.4, 1});
+    const auto found = split_beam_zero(line(101.37, 0.08, 0.3, 100u + unsigned(draw)), {100, 15, 1.4, 0, 1});
     ASSERT_TRUE(found);
     squares += std::pow(found->sample - 101.37, 2);
     said += found->sigma * found->sigma;
@@ -58,26 +58,43 @@ TEST(SplitBeam, KnowsItsOwnError) {
   const std::vector<Complex> once = line(50.2, 0.08, 0.3);
   std::vector<Complex> held;
   for (std::size_t k = 0; k < 4 * once.size(); ++k) held.push_back(once[k / 4]);
-  const auto slow = split_beam_zero(once, {50, 15, 1.4, 1}),
-             fast = split_beam_zero(held, {201.5, 60, 1.4, 4});
+  const auto slow = split_beam_zero(once, {50, 15, 1.4, 0, 1}),
+             fast = split_beam_zero(held, {201.5, 60, 1.4, 0, 4});
   ASSERT_TRUE(slow && fast);
   EXPECT_NEAR((fast->sample - 1.5) / 4, slow->sample, 0.3 * slow->sigma);
   EXPECT_NEAR(fast->sigma / 4, slow->sigma, 0.1 * slow->sigma);
 }
 
+TEST(SplitBeam, FollowsTheBowOfALevelBed) {
+  // 10 m below, met at 60 degrees: phases of sines about the one at 20 m.
+  constexpr double step_m = 0.02, range_m = 20.0045, turn_rad = 80;
+  std::vector<Complex> product;
+  const auto sine = [](double r) { return std::sqrt(1 - 100 / (r * r)); };
+  for (int k = 0; k < 200; ++k)
+    product.push_back(std::polar(1.0, turn_rad * (sine(18 + k * step_m) - sine(range_m))));
+  SplitBeamSearch search{100, 60, 1.4, 0, 1};
+  const double truth = (range_m - 18) / step_m;
+  const auto straight = split_beam_zero(product, search);
+  search.bend = level_bed_bend(20, std::sqrt(0.75), step_m);
+  const auto bent = split_beam_zero(product, search);
+  ASSERT_TRUE(straight && bent);
+  EXPECT_GT(std::abs(straight->sample - truth), 1);
+  EXPECT_LT(std::abs(bent->sample - truth), 0.05);
+}
+
 TEST(SplitBeam, FindsNothingWhereThereIsNoLine) {
-  EXPECT_FALSE(split_beam_zero({}, {0, 10, 1, 1}));
-  EXPECT_FALSE(split_beam_zero(std::vector<Complex>(200), {100, 10, 1, 1}));
+  EXPECT_FALSE(split_beam_zero({}, {0, 10, 1, 0, 1}));
+  EXPECT_FALSE(split_beam_zero(std::vector<Complex>(200), {100, 10, 1, 0, 1}));
   // Of a point beside the axis the phase is the same in all samples.
-  EXPECT_FALSE(split_beam_zero(std::vector<Complex>(200, std::polar(1.0, 0.4)), {100, 10, 1, 1}));
-  EXPECT_FALSE(split_beam_zero(line(100, 1e-3, 0), {100, 10, 1, 1}));    // turns by 0.02
-  EXPECT_FALSE(split_beam_zero(line(140, 0.05, 0), {100, 20, 1.4, 1}));  // beyond the window
-  EXPECT_FALSE(split_beam_zero(line(100, 0.8, 0), {100, 20, 1, 1}));     // two samples in the lobe
-  EXPECT_FALSE(split_beam_zero(line(100, 0.05, 0), {100, 20, 1, 12}));   // three looks
-  EXPECT_TRUE(split_beam_zero(line(100, 0.05, 0), {100, 20, 1, 8}));
-  EXPECT_FALSE(split_beam_zero(line(100, 0.05, 0), {900, 20, 1, 1}));
-  expect_refused([] { split_beam_zero(line(0, 1, 0), {1, 1, 4, 1}); }, "between phases of 0 and pi");
-  expect_refused([] { split_beam_zero(line(0, 1, 0), {1, -1, 1, 1}); }, "0 samples or more");
+  EXPECT_FALSE(split_beam_zero(std::vector<Complex>(200, std::polar(1.0, 0.4)), {100, 10, 1, 0, 1}));
+  EXPECT_FALSE(split_beam_zero(line(100, 1e-3, 0), {100, 10, 1, 0, 1}));    // turns by 0.02
+  EXPECT_FALSE(split_beam_zero(line(140, 0.05, 0), {100, 20, 1.4, 0, 1}));  // beyond the window
+  EXPECT_FALSE(split_beam_zero(line(100, 0.8, 0), {100, 20, 1, 0, 1}));     // two samples in the lobe
+  EXPECT_FALSE(split_beam_zero(line(100, 0.05, 0), {100, 20, 1, 0, 12}));   // three looks
+  EXPECT_TRUE(split_beam_zero(line(100, 0.05, 0), {100, 20, 1, 0, 8}));
+  EXPECT_FALSE(split_beam_zero(line(100, 0.05, 0), {900, 20, 1, 0, 1}));
+  expect_refused([] { split_beam_zero(line(0, 1, 0), {1, 1, 4, 0, 1}); }, "between phases of 0 and pi");
+  expect_refused([] { split_beam_zero(line(0, 1, 0), {1, -1, 1, 0, 1}); }, "0 samples or more");
 }
 
 }  // namespace
