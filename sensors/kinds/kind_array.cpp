@@ -284,6 +284,9 @@ class ArrayKind : public SensorKind {
   WritingCost writing_cost(const Recording& recording, const RunContext& run) const override {
     return cost_of_array_files(recording, run, products_of(recording.sensor->description()));
   }
+  std::vector<std::string> files_left_out(const Recording& recording, const RunContext&) const override {
+    return array_files_left_out(recording, products_of(recording.sensor->description()));
+  }
 
  private:
   static SignalProducts products_of(const SensorDescription& sensor);

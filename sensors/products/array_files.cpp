@@ -22,6 +22,32 @@ double bytes_of(const SignalCounts& counts) {
          static_cast<double>(counts.samples);
 }
 
+/// Leaves out what cannot be made of so many pings, receivers and samples, and says why.
+std::vector<std::string> leave_out(SignalProducts& products, const Recording& recording) {
+  const ElementArray& array = recording.sensor->signals()->array;
+  const SignalCounts counts = counts_of(recording);
+  std::vector<std::string> why;
+  const auto keep_if_made = [&](auto SignalProducts::*product, const char* name) {
+    if (!(products.*product)) return;
+    SignalProducts alone;
+    alone.*product = products.*product;
+    try {
+      check(alone, array, counts);
+    } catch (const std::invalid_argument& error) {
+      why.push_back(fmt::format("'{}': no {}: {}", recording.sensor->description().name, name, error.what()));
+      (products.*product).reset();
+    }
+  };
+  keep_if_made(&SignalProducts::fan, "fan");
+  keep_if_made(&SignalProducts::sidescan, "sidescan");
+  keep_if_made(&SignalProducts::multibeam, "multibeam");
+  keep_if_made(&SignalProducts::aperture, "synthetic aperture");
+  keep_if_made(&SignalProducts::interferogram, "interferogram");
+  products.jsf = products.jsf && products.sidescan;
+  products.sonar_netcdf = products.sonar_netcdf && (products.fan || products.multibeam);
+  return why;
+}
+
 }  // namespace
 
 ElementSignals element_signals_of(const Recording& recording) {
@@ -64,6 +90,8 @@ std::vector<std::filesystem::path> write_array_files(const std::filesystem::path
     return {};
   }
   const SignalCounts counts = counts_of(recording);
+  const std::vector<std::string> left_out = leave_out(products, recording);
+  warnings.insert(warnings.end(), left_out.begin(), left_out.end());
   require_memory(
       2 * bytes_of(counts) + memory_of_signal_files(products, counts), description.place,
       fmt::format("the files of {} pings' signals of {} receivers", counts.pings, counts.receivers),
@@ -77,8 +105,12 @@ std::vector<std::filesystem::path> write_array_files(const std::filesystem::path
   }
 }
 
-WritingCost cost_of_array_files(const Recording& recording, const RunContext& run,
-                                const SignalProducts& products) {
+std::vector<std::string> array_files_left_out(const Recording& recording, SignalProducts products) {
+  return leave_out(products, recording);
+}
+
+WritingCost cost_of_array_files(const Recording& recording, const RunContext& run, SignalProducts products) {
+  leave_out(products, recording);
   return cost_of_signal_files(products, counts_of(recording), run.pictures);
 }
 

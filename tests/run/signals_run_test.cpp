@@ -251,6 +251,24 @@ TEST_F(SignalsRun, OfOneThatIsTurnedToLook) {
   EXPECT_LE(largest_difference(signals, points), 1e-5 * largest(points));
 }
 
+// What cannot be made of few pings is left out and told, before the run and after it; the rest is there.
+TEST_F(SignalsRun, ProductsThatCannotBeMadeAreLeftOut) {
+  const auto file = folder.write(
+      "scene.toml", scene("receivers = 2\nproducts = [\"interferogram\", \"fan\"]\nupper = [0]\nlower = [1]\n"
+                          "pings = 6\n",
+                          at_rest));
+  const auto out = folder / "out";
+  const Outcome check = run_program({"check", file.string()}),
+                run = run_program({"run", file.string(), "-o", out.string(), "--pings", "0:2"});
+  EXPECT_EQ(check.exit_code, 0) << check.err;
+  EXPECT_THAT(check.err, testing::Not(HasSubstr("interferogram")));
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("'sonar': no interferogram: "));
+  EXPECT_TRUE(std::filesystem::exists(out / "sonar-signals.nc"));
+  EXPECT_TRUE(std::filesystem::exists(out / "sonar-fan.png"));
+  EXPECT_FALSE(std::filesystem::exists(out / "sonar-interferogram.png"));
+}
+
 struct SignalRefusals : testing::Test {
   TestFolder folder;
   std::string said(const std::string& text) {
