@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <numbers>
 #include <string>
+#include <utility>
 
 #include "engine/sight/tube_engine.hpp"
 #include "engine/signal/bed_scatterers.hpp"
@@ -44,6 +45,24 @@ CoherentReceiver array_of(int elements, double bandwidth_hz, glm::dvec3 place_m,
   receiver.times = {0, 1.25 * bandwidth_hz, std::size_t(2 * reach_m / sound_speed * 1.25 * bandwidth_hz)};
   receiver.carrier_hz = carrier_hz;
   receiver.sound_speed_m_s = sound_speed;
+  return receiver;
+}
+
+/// The same on a vehicle that goes along y and turns.
+CoherentReceiver on_the_way(CoherentReceiver receiver, double speed_m_s, double rad_s) {
+  const glm::dvec3 middle = receiver.channels[0].transmit_m;
+  const auto way = [&](glm::dvec3 place_m) -> EndWay {
+    return [=, lever = place_m - middle](double t) {
+      const double turn = rad_s * t;
+      return middle + glm::dvec3(std::cos(turn) * lever.x - std::sin(turn) * lever.y,
+                                 std::sin(turn) * lever.x + std::cos(turn) * lever.y + speed_m_s * t,
+                                 lever.z);
+    };
+  };
+  for (SignalChannel& channel : receiver.channels) {
+    channel.transmit_way = way(channel.transmit_m);
+    channel.receive_way = way(channel.receive_m);
+  }
   return receiver;
 }
 
@@ -146,6 +165,10 @@ void run(double reach_m, int most_elements, bool direct) {
     measure(place, array_of(elements, 10e3, apex, reach_m), 10e3, 1e-3);
   for (const double bandwidth : {2.5e3, 5e3, 20e3})
     measure(place, array_of(64, bandwidth, apex, reach_m), bandwidth, 1e-3);
+  for (const auto& [speed, turn] : {std::pair(2.0, 0.0), {2.0, 0.2}, {20.0, 0.0}}) {
+    fmt::print("at {} m/s, turning by {} rad/s:\n", speed, turn);
+    measure(place, on_the_way(array_of(64, 10e3, apex, reach_m), speed, turn), 10e3, 1e-3);
+  }
   for (const double tolerance : {1e-2, 1e-4})
     measure(place, array_of(64, 10e3, apex, reach_m), 10e3, tolerance);
   for (const int part : {2, 4}) {
