@@ -8,11 +8,11 @@
 
 namespace tubefoot {
 
-/// What channels receive of smooth facets, in the Kirchhoff approximation: of each patch
-///     y_a(t) = a e^{-i omega_c t}-free part of p(t),  p the pressure of smooth_amplitude.hpp at each of the
-/// pulse's frequencies, with the joules and phases of element_signals(): both add up. `a` is what patterns
-/// and absorption leave, taken where the piece's path is shortest; patches are cut where patterns change much
-/// over them. Patches whose facet has no surface (null) are silent.
+/// What channels receive of smooth facets, in the Kirchhoff approximation: the pressure of
+/// smooth_amplitude.hpp at each of the pulse's frequencies, at baseband about the carrier, in the joules and
+/// phases of element_signals(), so that both add up. Patterns and absorption are factors of a piece, taken at
+/// its centroid and middle path; patches are cut where patterns change much over them. Patches whose facet
+/// has no surface (null) are silent.
 ///
 /// Over the pulse's band a piece's amplitude, less the phase of its middle path, is a polynomial of few
 /// nodes; pieces whose paths differ by more than those resolve are cut, which changes nothing (law Q7).
