@@ -154,6 +154,16 @@ void add_strength(CLI::App& app, Asked& asked) {
                       "(default: rigid)");
   command->add_option("--roughness", strength.roughness_m, "standard deviation of its height, m (default: 0)")
       ->check(finite_number(0, false));
+  CLI::Option* reference =
+      command->add_flag("--reference", strength.reference,
+                        "certify every length: a bound beside each, from balls (docs/smooth-surfaces.md)");
+  command
+      ->add_option("--tolerance", strength.tolerance,
+                   "with --reference: the bound asked for, relative, 1e-12 to 0.1; wider ones are told "
+                   "(default: 1e-3)")
+      ->check(finite_number(0, true))
+      ->check(CLI::Range(1e-12, 0.1))
+      ->needs(reference);
   command
       ->add_option("--unit", strength.unit_m, "metres of the mesh's unit (default: as the file says, else 1)")
       ->check(finite_number(0, true));

@@ -18,7 +18,8 @@ StrengthRequest request_of(const StrengthOptions& options) {
                           frequencies_of(options.frequencies),
                           options.sound_speed,
                           surface_of(options.reflection, options.roughness_m),
-                          options.reflection};
+                          options.reflection,
+                          options.reference ? std::optional(options.tolerance) : std::nullopt};
   if (request.elevations_deg.front() < -90 || request.elevations_deg.back() > 90)
     throw UsageError(
         fmt::format("--elevation '{}': elevations are from -90 to 90 degrees", options.elevations));
@@ -48,7 +49,7 @@ int strength_command(const StrengthOptions& options) {
   if (const auto small = too_small_for(mesh, request.frequencies_hz.front(), request.sound_speed))
     warnings.push_back(options.mesh.string() + ": " + *small);
   print_warnings(warnings, options.quiet);
-  constexpr double bytes_a_cell = 160;  // numbers, and their text
+  const double bytes_a_cell = options.reference ? 300 : 160;  // numbers, and their text
   require_memory(bytes_a_cell * static_cast<double>(request.azimuths_deg.size()) *
                      static_cast<double>(request.elevations_deg.size()) *
                      static_cast<double>(request.frequencies_hz.size()),
@@ -61,6 +62,7 @@ int strength_command(const StrengthOptions& options) {
   tell("directions     {}\n", table.directions());
   tell("frequencies    {}\n", request.frequencies_hz.size());
   tell("strength       {:.2f} to {:.2f} dB re 1 m2\n", weakest, strongest);
+  if (table.certified()) tell("{}", in_words(bounds_held(table), table));
   tell("wrote {}\n", options.output.string());
   return 0;
 }

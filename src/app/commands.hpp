@@ -47,6 +47,8 @@ struct StrengthOptions {
   std::filesystem::path mesh, output;
   std::string azimuths = "0:359:1", elevations = "0", frequencies, reflection = "rigid";
   double sound_speed = 1500, roughness_m = 0;
+  bool reference = false;
+  double tolerance = 1e-3;  ///< of the reference
   std::optional<double> unit_m;
   std::optional<std::string> up;
   std::optional<int> threads;

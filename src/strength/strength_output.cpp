@@ -5,6 +5,7 @@
 
 #include <iterator>
 
+#include "engine/signal/certified_strength.hpp"
 #include "engine/signal/target_strength.hpp"
 #include "files/checked_file.hpp"
 #include "files/usage_error.hpp"
@@ -13,6 +14,14 @@
 namespace tubefoot {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+double strength_bound_db(const StrengthTable& table, std::size_t k) {
+  return target_strength_bound_db({table.length_m[k], table.bound_m[k], table.grid_bound_m[k]});
+}
+
+}  // namespace
 
 StrengthOutput::StrengthOutput(const fs::path& place, const Inputs& inputs)
     : ending_(place.extension().string()) {
@@ -45,23 +54,35 @@ void StrengthOutput::write(const StrengthTable& table) {
 
 std::string to_csv(const StrengthTable& table) {
   std::string text =
-      "elevation_deg,azimuth_deg,frequency_hz,target_strength_db,length_re_m,length_im_m,silhouette_m2\n";
+      "elevation_deg,azimuth_deg,frequency_hz,target_strength_db,length_re_m,length_im_m,silhouette_m2";
+  text += table.certified() ? ",length_bound_m,target_strength_bound_db\n" : "\n";
   const StrengthRequest& request = table.request;
+  // Certified numbers are written with all digits: what is left out of them would have to be in the bound.
+  const auto number = [&](double value) {
+    return table.certified() ? fmt::format("{:.16e}", value) : fmt::format("{:.9e}", value);
+  };
   for (std::size_t e = 0; e < request.elevations_deg.size(); ++e)
     for (std::size_t a = 0; a < request.azimuths_deg.size(); ++a)
       for (std::size_t f = 0; f < request.frequencies_hz.size(); ++f) {
-        const std::complex<double> length = table.at(e, a, f);
-        fmt::format_to(std::back_inserter(text), "{:.10g},{:.10g},{:.10g},{:.6f},{:.9e},{:.9e},{:.9e}\n",
+        const std::size_t k = table.index(e, a, f);
+        const std::complex<double> length = table.length_m[k];
+        fmt::format_to(std::back_inserter(text), "{:.10g},{:.10g},{:.10g},{},{},{},{:.9e}",
                        request.elevations_deg[e], request.azimuths_deg[a], request.frequencies_hz[f],
-                       target_strength_db(length), length.real(), length.imag(),
+                       table.certified() ? fmt::format("{:.16g}", target_strength_db(length))
+                                         : fmt::format("{:.6f}", target_strength_db(length)),
+                       number(length.real()), number(length.imag()),
                        table.silhouette_m2[e * request.azimuths_deg.size() + a]);
+        if (table.certified())
+          fmt::format_to(std::back_inserter(text), ",{:.16e},{:.16e}", table.bound_m[k],
+                         strength_bound_db(table, k));
+        text += '\n';
       }
   return text;
 }
 
 void write_netcdf(const StrengthTable& table, const fs::path& file) {
   NetcdfStream stream(file);
-  stream.reserve(table.length_m.size() * 24 + table.silhouette_m2.size() * 8);
+  stream.reserve(table.length_m.size() * (table.certified() ? 48 : 24) + table.silhouette_m2.size() * 8);
   const NetcdfGroup group(stream, stream.id());
   const StrengthRequest& request = table.request;
   group.attribute("Conventions", "CF-1.8");
@@ -92,6 +113,17 @@ void write_netcdf(const StrengthTable& table, const fs::path& file) {
   group.put({"length_im", NC_DOUBLE, all, "m", "backscattering length, imaginary part"}, imaginary);
   group.put({"silhouette", NC_DOUBLE, {elevation, azimuth}, "m2", "area across the line of sight"},
             table.silhouette_m2);
+  if (table.certified()) {
+    std::vector<double> bounds_db;
+    for (std::size_t k = 0; k < table.bound_m.size(); ++k) bounds_db.push_back(strength_bound_db(table, k));
+    group.attribute(NC_GLOBAL, "reference_tolerance", NC_DOUBLE, {request.tolerance.value_or(0)});
+    group.put({"length_bound", NC_DOUBLE, all, "m", "certified half-width of the backscattering length"},
+              table.bound_m);
+    group.put({"length_grid_bound", NC_DOUBLE, all, "m", "what of length_bound is for the view's grid"},
+              table.grid_bound_m);
+    group.put({"target_strength_bound", NC_DOUBLE, all, "dB", "certified half-width of the target strength"},
+              bounds_db);
+  }
   stream.finish();
 }
 

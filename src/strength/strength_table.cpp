@@ -10,9 +10,10 @@
 #include <glm/geometric.hpp>
 #include <limits>
 #include <numbers>
-#include <numeric>
 
 #include "engine/sight/far_view.hpp"
+#include "engine/signal/certified_strength.hpp"
+#include "engine/signal/placed_edges.hpp"
 #include "engine/signal/target_strength.hpp"
 #include "files/input_error.hpp"
 #include "geometry/steps/in_order.hpp"
@@ -22,24 +23,11 @@
 namespace tubefoot {
 namespace {
 
-/// An edge, and the facets on it: formats without shared vertices repeat them, so corners go by place.
+/// An edge, and a facet on it; corners go by place.
 struct EdgeOfFacet {
   std::array<std::uint32_t, 2> ends;  ///< the smaller first
   std::uint32_t facet, opposite;      ///< the corner across
 };
-
-std::vector<std::uint32_t> first_of_same_place(const std::vector<glm::dvec3>& points) {
-  std::vector<std::uint32_t> order(points.size()), first(points.size());
-  std::iota(order.begin(), order.end(), 0U);
-  const auto less = [&](std::uint32_t a, std::uint32_t b) {
-    const glm::dvec3 &p = points[a], &q = points[b];
-    return std::array{p.x, p.y, p.z} < std::array{q.x, q.y, q.z};
-  };
-  std::stable_sort(order.begin(), order.end(), less);
-  for (std::size_t k = 0; k < order.size(); ++k)
-    first[order[k]] = k > 0 && points[order[k]] == points[order[k - 1]] ? first[order[k - 1]] : order[k];
-  return first;
-}
 
 std::vector<EdgeOfFacet> edges_of(const ComponentMesh& mesh) {
   const std::vector<std::uint32_t> place = first_of_same_place(mesh.points_m);
@@ -107,6 +95,54 @@ std::pair<double, double> spread_db(const StrengthTable& table) {
     strongest = std::max(strongest, target_strength_db(length));
   }
   return {weakest, strongest};
+}
+
+BoundsHeld bounds_held(const StrengthTable& table) {
+  const StrengthRequest& request = table.request;
+  const std::size_t frequencies = request.frequencies_hz.size(), azimuths = request.azimuths_deg.size();
+  std::vector<double> strongest(frequencies, 0);
+  for (std::size_t k = 0; k < table.length_m.size(); ++k)
+    strongest[k % frequencies] = std::max(strongest[k % frequencies], std::abs(table.length_m[k]));
+  BoundsHeld held;
+  for (std::size_t k = 0; k < table.bound_m.size(); ++k) {
+    const double bound = table.bound_m[k];
+    const double asked = request.tolerance.value_or(0) *
+                         std::max(std::abs(table.length_m[k]), strength_floor * strongest[k % frequencies]);
+    held.most_m = std::max(held.most_m, bound);
+    if (bound > 0) held.most_grid = std::max(held.most_grid, table.grid_bound_m[k] / bound);
+    if (bound <= asked && asked > 0) {
+      held.worst_ratio = std::max(held.worst_ratio, bound / asked);
+      continue;
+    }
+    if (bound == 0) continue;  // nothing is there, and nothing was asked of it
+    ++held.over;
+    const double ratio = asked > 0 ? bound / asked : std::numeric_limits<double>::infinity();
+    if (ratio <= held.worst_ratio) continue;
+    held.worst_ratio = ratio;
+    held.worst_elevation = k / frequencies / azimuths;
+    held.worst_azimuth = k / frequencies % azimuths;
+    held.worst_frequency = k % frequencies;
+  }
+  return held;
+}
+
+std::string in_words(const BoundsHeld& held, const StrengthTable& table) {
+  const StrengthRequest& request = table.request;
+  const double tolerance = request.tolerance.value_or(0);
+  std::string words =
+      held.over == 0
+          ? fmt::format(
+                "reference: every length within {:g} of itself, or of {:g} of its frequency's "
+                "strongest, certified\n",
+                tolerance, strength_floor)
+          : fmt::format(
+                "reference: {} of {} lengths have wider bounds than {:g}; the widest is {:.3g} times "
+                "what was asked, at elevation {:g}, azimuth {:g}, {:g} Hz\n",
+                held.over, table.bound_m.size(), tolerance, held.worst_ratio,
+                request.elevations_deg[held.worst_elevation], request.azimuths_deg[held.worst_azimuth],
+                request.frequencies_hz[held.worst_frequency]);
+  return words + fmt::format("bounds         up to {:.3g} m, of which up to {:.3g} % for the view's grid\n",
+                             held.most_m, 100 * held.most_grid);
 }
 
 std::optional<std::string> too_small_for(const ComponentMesh& mesh, double lowest_frequency_hz,
@@ -177,14 +213,23 @@ StrengthTable strength_of(const ComponentMesh& mesh, const std::string& name, co
   struct Seen {
     std::vector<std::complex<double>> length_m;
     double silhouette_m2;
+    std::vector<CertifiedLength> certified{};
   };
+  std::optional<CertifiedStrength> reference;
+  if (request.tolerance) reference.emplace(mesh.points_m, mesh.triangles);
   Progress progress("directions", table.directions(), quiet);
   const std::size_t azimuths = request.azimuths_deg.size();
   in_order(
       0, table.directions(), mesh.triangles.size() * 400 + wave_numbers.size() * 16,
       [&](std::size_t direction) {
-        const glm::dvec3 towards = sonar_direction(request.azimuths_deg[direction % azimuths],
-                                                   request.elevations_deg[direction / azimuths]);
+        const double azimuth = request.azimuths_deg[direction % azimuths],
+                     elevation = request.elevations_deg[direction / azimuths];
+        if (reference) {
+          CertifiedStrength::Seen seen = reference->towards(azimuth, elevation, request.surface,
+                                                            request.sound_speed, request.frequencies_hz);
+          return Seen{{}, seen.silhouette_m2, std::move(seen.lengths)};
+        }
+        const glm::dvec3 towards = sonar_direction(azimuth, elevation);
         const FarView view = far_view(mesh.points_m, mesh.triangles, towards);
         return Seen{backscattering_lengths(view, mesh.points_m, mesh.triangles, towards, request.surface,
                                            wave_numbers),
@@ -192,6 +237,11 @@ StrengthTable strength_of(const ComponentMesh& mesh, const std::string& name, co
       },
       [&](std::size_t, const Seen& seen) {
         table.length_m.insert(table.length_m.end(), seen.length_m.begin(), seen.length_m.end());
+        for (const CertifiedLength& certified : seen.certified) {
+          table.length_m.push_back(certified.length_m);
+          table.bound_m.push_back(certified.bound_m);
+          table.grid_bound_m.push_back(certified.grid_m);
+        }
         table.silhouette_m2.push_back(seen.silhouette_m2);
         progress.step();
       });

@@ -19,6 +19,8 @@ struct StrengthRequest {
   double sound_speed = 1500;  ///< m/s
   SmoothSurface surface;
   std::string surface_name;
+  /// Lengths are certified, and bounds held against this (bounds_held()).
+  std::optional<double> tolerance{};
 };
 
 /// Backscattering lengths by elevation, azimuth and frequency, the last running fastest; and the silhouette's
@@ -28,11 +30,17 @@ struct StrengthTable {
   std::string mesh_name;
   std::vector<std::complex<double>> length_m;
   std::vector<double> silhouette_m2;
+  /// As the lengths; empty where they are not certified: how far they may be from the mesh's true ones, and
+  /// what of that is because a view puts vertices on a grid (CertifiedLength).
+  std::vector<double> bound_m{}, grid_bound_m{};
 
+  bool certified() const { return !bound_m.empty(); }
   std::size_t directions() const { return request.elevations_deg.size() * request.azimuths_deg.size(); }
+  std::size_t index(std::size_t elevation, std::size_t azimuth, std::size_t frequency) const {
+    return (elevation * request.azimuths_deg.size() + azimuth) * request.frequencies_hz.size() + frequency;
+  }
   std::complex<double> at(std::size_t elevation, std::size_t azimuth, std::size_t frequency) const {
-    return length_m[(elevation * request.azimuths_deg.size() + azimuth) * request.frequencies_hz.size() +
-                    frequency];
+    return length_m[index(elevation, azimuth, frequency)];
   }
 };
 
@@ -52,6 +60,23 @@ std::vector<std::string> warnings_of(const ComponentMesh& mesh, double highest_f
 /// Looks at the mesh from all directions. The result does not depend on the threads.
 StrengthTable strength_of(const ComponentMesh& mesh, const std::string& name, const StrengthRequest& request,
                           bool quiet);
+
+/// A length weaker than this, relative to the strongest of its frequency, is held to the tolerance as if it
+/// were as strong: the nulls of a pattern have no digits to keep. Squared it is the floor of energies
+/// (reference_floor).
+constexpr double strength_floor = 1e-3;
+
+/// How a table's bounds compare with what was asked for: tolerance times the length, or times the floor.
+struct BoundsHeld {
+  std::size_t over = 0;    ///< lengths with a wider bound
+  double worst_ratio = 0;  ///< of a bound over what it should be
+  std::size_t worst_elevation = 0, worst_azimuth = 0, worst_frequency = 0;
+  double most_m = 0;     ///< the widest bound
+  double most_grid = 0;  ///< the grid's largest part of any bound, of 1
+};
+BoundsHeld bounds_held(const StrengthTable& table);
+/// What bounds_held() found, for people: the first line says whether the tolerance was kept.
+std::string in_words(const BoundsHeld& held, const StrengthTable& table);
 
 /// The weakest and the strongest of a table, dB re 1 m^2.
 std::pair<double, double> spread_db(const StrengthTable& table);

@@ -125,6 +125,88 @@ TEST(StrengthFiles, HoldTheTable) {
   EXPECT_GT(std::filesystem::file_size(folder / "map.png"), 1000U);
 }
 
+// Bounds stand beside the numbers, in both files, and doubles lie within them.
+TEST(StrengthFiles, HoldBounds) {
+  const TestFolder folder;
+  StrengthRequest certified = request;
+  certified.tolerance = 1e-3;
+  const ComponentMesh box = box_facets({{1, 2, 3}}, {});
+  const StrengthTable table = strength_of(box, "box.obj", certified, true),
+                      doubles = strength_of(box, "box.obj", request, true);
+  ASSERT_EQ(table.bound_m.size(), 18U);
+  EXPECT_FALSE(doubles.certified());
+  std::istringstream lines(to_csv(table));
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_THAT(line, testing::EndsWith(",silhouette_m2,length_bound_m,target_strength_bound_db"));
+  for (std::size_t k = 0; k < 18; ++k) {
+    EXPECT_LE(std::abs(table.length_m[k] - doubles.length_m[k]), table.bound_m[k]);
+    EXPECT_GT(table.bound_m[k], 0);
+    ASSERT_TRUE(std::getline(lines, line));
+    double e = 0, a = 0, f = 0, db = 0, re = 0, im = 0, area = 0, bound = 0, bound_db = 0;
+    ASSERT_EQ(std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf", &e, &a, &f, &db, &re, &im,
+                          &area, &bound, &bound_db),
+              9);
+    // All digits: nothing of the bound is lost by writing.
+    EXPECT_EQ(std::complex(re, im), table.length_m[k]);
+    EXPECT_EQ(bound, table.bound_m[k]);
+    EXPECT_NEAR(bound_db, -20 * std::log10(1 - bound / std::hypot(re, im)), 1e-9);
+    EXPECT_NEAR(db, 20 * std::log10(std::hypot(re, im)), 1e-12);
+  }
+  const auto read = [](const std::filesystem::path& file, const char* name) {
+    int id = 0, variable = 0;
+    EXPECT_EQ(nc_open(file.c_str(), NC_NOWRITE, &id), NC_NOERR);
+    std::vector<double> values;
+    if (nc_inq_varid(id, name, &variable) == NC_NOERR) {
+      values.resize(18);
+      EXPECT_EQ(nc_get_var_double(id, variable, values.data()), NC_NOERR) << name;
+    }
+    nc_close(id);
+    return values;
+  };
+  write_netcdf(table, folder / "strength.nc");
+  EXPECT_EQ(read(folder / "strength.nc", "length_bound"), table.bound_m);
+  EXPECT_EQ(read(folder / "strength.nc", "length_grid_bound"), table.grid_bound_m);
+  const std::vector<double> bound_db = read(folder / "strength.nc", "target_strength_bound");
+  ASSERT_EQ(bound_db.size(), 18U);
+  for (const double bound : bound_db) EXPECT_GT(bound, 0);
+  write_netcdf(doubles, folder / "doubles.nc");
+  EXPECT_TRUE(read(folder / "doubles.nc", "length_bound").empty());
+}
+
+// A bound counts against the length, and against the floor where that is higher.
+TEST(StrengthBounds, AreHeldAgainstTheTolerance) {
+  StrengthTable table{request, "box.obj", {}, {}};
+  table.request.azimuths_deg = {0, 90};
+  table.request.elevations_deg = {5};
+  table.request.frequencies_hz = {1e3, 2e3};
+  table.request.tolerance = 0.01;
+  using Length = std::complex<double>;
+  table.length_m = {100, Length(0, 1), Length(0, 1e-4), 2};
+  table.bound_m = {0.5, 0.002, 0.0009, 0.02};
+  table.grid_bound_m = {0.25, 0.001, 0.0009, 0.01};
+  BoundsHeld held = bounds_held(table);
+  EXPECT_EQ(held.over, 0U);
+  EXPECT_NEAR(held.worst_ratio, 1, 1e-12);  // of 2
+  EXPECT_EQ(held.most_m, 0.5);
+  EXPECT_EQ(held.most_grid, 1);
+  EXPECT_THAT(in_words(held, table), HasSubstr("every length within 0.01 of itself"));
+  // 1e-4 counts as 0.1, of which 0.01 is 0.001.
+  table.bound_m[2] = 0.003;
+  table.bound_m[1] = 0.011;
+  held = bounds_held(table);
+  EXPECT_EQ(held.over, 2U);
+  EXPECT_NEAR(held.worst_ratio, 3, 1e-12);
+  EXPECT_THAT(in_words(held, table), HasSubstr("2 of 4 lengths have wider bounds than 0.01; the widest is 3 "
+                                               "times what was asked, at elevation 5, azimuth 90, 1000 Hz"));
+  table.bound_m[3] = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(in_words(bounds_held(table), table), HasSubstr("the widest is inf times"));
+  // Where nothing is and nothing was left open, nothing was asked.
+  table.length_m.assign(4, 0);
+  table.bound_m.assign(4, 0);
+  EXPECT_EQ(bounds_held(table).over, 0U);
+}
+
 TEST(StrengthCommand, WritesAFolderAndRefusesWhatIsWrong) {
   const TestFolder folder;
   const std::filesystem::path mesh = folder / "plate.obj";
@@ -150,6 +232,19 @@ TEST(StrengthCommand, WritesAFolderAndRefusesWhatIsWrong) {
   EXPECT_EQ(run("--frequency 100kHz -o " + mesh.string()).exit_code, 2);
   EXPECT_EQ(run("-o " + (folder / "x.csv").string()).exit_code, 2);
   EXPECT_EQ(run("--frequency 1:1e5:1 --azimuth 0:359:0.1 -o " + (folder / "x.csv").string()).exit_code, 2);
+  // Certified, the tolerance kept and not.
+  const std::string plate = "--frequency 100kHz --elevation 90 --azimuth 0 --reference ";
+  const auto kept = run(plate + "-o " + (folder / "kept.csv").string());
+  EXPECT_EQ(kept.exit_code, 0) << kept.err;
+  EXPECT_THAT(kept.out,
+              AllOf(HasSubstr("reference: every length within 0.001 of itself"), HasSubstr("bounds")));
+  EXPECT_THAT(run(plate + "--tolerance 1e-12 -o " + (folder / "wide.csv").string()).out,
+              HasSubstr("1 of 1 lengths have wider bounds than 1e-12"));
+  for (const char* wrong : {"1", "1e-13", "nan", "0.1dB"})
+    EXPECT_EQ(run(plate + "--tolerance " + wrong + " -o " + (folder / "x.csv").string()).exit_code, 2)
+        << wrong;
+  EXPECT_EQ(
+      run("--frequency 100kHz --azimuth 0 --tolerance 1e-3 -o " + (folder / "x.csv").string()).exit_code, 2);
   const std::filesystem::path point = folder.write("point.obj", "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n");
   const auto none =
       run_program({"strength", point.string(), "--frequency", "1kHz", "-o", (folder / "x.csv").string()});

@@ -15,18 +15,17 @@ namespace {
 
 // In radii of the bounding sphere. Mapped points lie within 4/3 of the middle, 16/3 of the apex: with a unit
 // of 2^-27 that fits 30 bits.
-constexpr double apex_height = 4;
-constexpr int grid_exponent = 27;
+constexpr double apex_height = FarViewGrid::apex_height;
 
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
 /// Right, up and towards the viewer.
 struct ViewFrame {
-  glm::dvec3 u, v, w;
+  glm::dvec3 upwards, u, v, w;
   explicit ViewFrame(glm::dvec3 towards) : w(towards) {
     const glm::dvec3 size = glm::abs(w);
-    const glm::dvec3 other = size.z <= size.x || size.z <= size.y ? glm::dvec3(0, 0, 1) : glm::dvec3(0, 1, 0);
-    u = glm::normalize(glm::cross(other, w));
+    upwards = size.z <= size.x || size.z <= size.y ? glm::dvec3(0, 0, 1) : glm::dvec3(0, 1, 0);
+    u = glm::normalize(glm::cross(upwards, w));
     v = glm::cross(w, u);
   }
 };
@@ -66,7 +65,8 @@ double FarView::area_m2() const {
 }
 
 FarView far_view(std::span<const glm::dvec3> points_m,
-                 std::span<const std::array<std::uint32_t, 3>> triangles, glm::dvec3 towards) {
+                 std::span<const std::array<std::uint32_t, 3>> triangles, glm::dvec3 towards,
+                 FarViewGrid* exact) {
   if (points_m.empty() || triangles.empty()) return {};
   glm::dvec3 lo = points_m[0], hi = lo;
   for (const glm::dvec3& p : points_m) {
@@ -89,7 +89,7 @@ FarView far_view(std::span<const glm::dvec3> points_m,
     most = glm::max(most, glm::dvec2(seen));
     mapped.push_back(seen / (1 + seen.z / apex_height));
   }
-  const WorldGrid grid(grid_exponent, glm::dvec3(0));
+  const WorldGrid grid(FarViewGrid::exponent, glm::dvec3(0));
   MeshBuilder builder(grid);
   builder.add(mapped, {triangles.begin(), triangles.end()}, 0, 0);
   MeshReport report;
@@ -100,6 +100,10 @@ FarView far_view(std::span<const glm::dvec3> points_m,
       TubeEngine(mesh, tree, grid.unit_m(), {})
           .trace(window(grid, least - margin, most + margin, triangles.size()), nullptr, false);
 
+  if (exact != nullptr) {
+    *exact = {middle, radius, frame.upwards, {}, {}};
+    for (const glm::dvec3& m : mapped) exact->vertices.push_back(grid.snap(m));
+  }
   FarView view;
   const FootprintSet& set = history.footprints;
   const glm::dvec3 origin{glm::dot(middle, frame.u), glm::dot(middle, frame.v), glm::dot(middle, frame.w)};
@@ -113,6 +117,7 @@ FarView far_view(std::span<const glm::dvec3> points_m,
         const double scale = -apex_height / c.z;
         view.across_m.push_back(glm::dvec2(origin) + radius * scale * glm::dvec2(c));
         view.towards_m.push_back(origin.z + radius * scale * (apex_height + c.z));
+        if (exact != nullptr) exact->corners.push_back(c);
       }
     }
   return view;

@@ -39,10 +39,27 @@ struct FarView {
   double area_m2() const;
 };
 
+/// The mesh that a view is the exact one of, and its corners before they were mapped back: what a bound of
+/// what a view tells is made of. Lengths in radii of the bounding sphere, apex at (0, 0, apex_height): a
+/// mapped place m stands for middle + radius m / (1 - m.z / apex_height), in the axes right, up and towards
+/// the viewer.
+struct FarViewGrid {
+  static constexpr double apex_height = 4;
+  static constexpr int exponent = 27;  ///< of the unit, 2^-exponent radii
+
+  glm::dvec3 middle_m{0};
+  double radius_m = 0;
+  glm::dvec3 upwards{0};            ///< right is its cross product with the line of sight
+  std::vector<GridPoint> vertices;  ///< of the mesh's points, mapped, in units from the middle
+  /// As FarView's, mapped and from the apex: each coordinate within 4 units in the last place (law E1).
+  std::vector<glm::dvec3> corners;
+};
+
 /// `towards`: unit, from the mesh to the viewer. Throws std::invalid_argument for points that are not finite
-/// or all the same. Facets are seen from either side.
+/// or all the same. Facets are seen from either side. `grid`, if given, receives what the view is exact of.
 /// Law O5 (far view): parts of the view have together the area of the silhouette.
 FarView far_view(std::span<const glm::dvec3> points_m,
-                 std::span<const std::array<std::uint32_t, 3>> triangles, glm::dvec3 towards);
+                 std::span<const std::array<std::uint32_t, 3>> triangles, glm::dvec3 towards,
+                 FarViewGrid* grid = nullptr);
 
 }  // namespace tubefoot
