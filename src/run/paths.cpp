@@ -28,6 +28,7 @@ std::optional<PathSettings> path_settings(const Scene& scene, double frequency_k
   settings.scatterings = d.paths.scatterings;
   settings.patch_m = d.paths.patch_m;
   settings.mirrors.reflection = reflection;
+  settings.mirrors.phase = scene.mirror_phase;
   if (d.sea_surface) {
     // At the surface, where it is rough.
     const double speed =

@@ -239,6 +239,7 @@ class Loader {
                 .reflectivity = {},
                 .scattering = load_scattering(description_, report_.warnings),
                 .smooth = load_smooth_surfaces(description_, report_.warnings),
+                .mirror_phase = {},
                 .water = {},
                 .trajectories = std::move(trajectories_),
                 .sensor_trajectory = std::move(sensor_trajectory),
@@ -249,6 +250,11 @@ class Loader {
       scene.reflectivity.push_back(load_reflectivity(m, frame_.value_or(LocalFrame()), report_.warnings));
       scene.material_reflection.push_back(m.specular_loss_db ? std::pow(10.0, -*m.specular_loss_db / 10) : 0);
     }
+    // What a fluid makes of a phase depends on the angle, which mirrors do not know: as of what is rigid.
+    for (const std::optional<SmoothSurface>& surface : scene.smooth)
+      scene.mirror_phase.push_back(surface && !surface->fluid && surface->reflection != 0.0
+                                       ? surface->reflection / std::abs(surface->reflection)
+                                       : 1.0);
     scene.water = std::make_shared<const SceneWater>(description_.water);
     scene.sound_speed_m_s = scene.water->profile().at(description_.water.depth_m);
     scene.frame = frame_.value_or(LocalFrame());

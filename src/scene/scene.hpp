@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <complex>
 #include <memory>
 #include <optional>
 #include <string>
@@ -62,6 +63,8 @@ struct Scene {
   std::vector<std::shared_ptr<const ReflectivityField>> reflectivity;  ///< by material; null: even
   std::vector<std::shared_ptr<const ScatteringLaw>> scattering;        ///< by material; null: Lambert's
   std::vector<std::optional<SmoothSurface>> smooth;                    ///< by material; none: rough
+  /// By material, what a reflection at it makes of a signal besides its loss: of modulus 1, at all angles.
+  std::vector<std::complex<double>> mirror_phase;
   std::shared_ptr<const SceneWater> water;
   double sound_speed_m_s = 1500;               ///< of even water; else at the depth that [water] names
   std::vector<Trajectory> trajectories;        ///< as in the description

@@ -54,6 +54,7 @@ Scene with_tiles(const Scene& scene, const TileChoice& choice) {
              .reflectivity = scene.reflectivity,
              .scattering = scene.scattering,
              .smooth = scene.smooth,
+             .mirror_phase = scene.mirror_phase,
              .water = scene.water,
              .sound_speed_m_s = scene.sound_speed_m_s,
              .trajectories = scene.trajectories,
