@@ -251,6 +251,40 @@ TEST_F(SignalsRun, OfOneThatIsTurnedToLook) {
   EXPECT_LE(largest_difference(signals, points), 1e-5 * largest(points));
 }
 
+// A smooth plane is an image of the transmitter, in what comes before its edges and the sector's do: R / 2h,
+// with its sign; a rough one would be speckle.
+TEST_F(SignalsRun, OfASmoothPlaneAreItsImage) {
+  const double height_m = 3, reflection = -0.5;
+  const ElementSignals signals = signals_of(
+      "[water]\nsound_speed_m_s = 1500\nabsorption_db_per_km = 0\n"
+      "[[materials]]\nname = \"foam\"\nsmooth = true\nreflection = -0.5\n"
+      "[[terrain]]\nkind = \"flat\"\ncentre_m = [0.3, 0.1, -3]\nwidth_m = 16\nlength_m = 16\n" +
+      at_rest +
+      "[[sensors]]\nname = \"sonar\"\nkind = \"array\"\ntilt_deg = 90\nfrequency_khz = 30\nbandwidth_khz = "
+      "6\n"
+      "pulse_length_us = 500\npulse_taper = 0.6\nrange_min_m = 2.5\nrange_max_m = 3.6\nhorizontal_deg = 110\n"
+      "vertical_deg = 110\nreceivers_m = [[0, 0, 0], [0.1, 0.05, 0.02]]\nsampling_frequency_khz = 40\n");
+  for (std::size_t e = 0; e < 2; ++e) {
+    // On the vehicle's axes.
+    const glm::dvec3 receiver = signals.array.receivers_m[e];
+    const double way_m = std::hypot(receiver.x, receiver.y, 2 * height_m + receiver.z),
+                 tau = way_m / sound_speed;
+    double peak = 0;
+    for (std::size_t k = 0; k < signals.samples(); ++k) {
+      const Complex image =
+          reflection / way_m *
+          baseband_at(signals.waveform, signals.sampling.baseband_hz, signals.sampling.time_s(k) - tau) *
+          std::polar(1.0, 2 * pi * signals.sampling.baseband_hz * tau);
+      peak = std::max(peak, std::abs(image));
+      EXPECT_NEAR(std::abs(signals.channel(0, e)[k] - image), 0,
+                  2e-3 * std::abs(reflection) / way_m *
+                      envelope_at(signals.waveform, signals.waveform.duration_s / 2))
+          << e << ' ' << k;
+    }
+    EXPECT_GT(peak, 0);
+  }
+}
+
 // What cannot be made of few pings is left out and told, before the run and after it; the rest is there.
 TEST_F(SignalsRun, ProductsThatCannotBeMadeAreLeftOut) {
   const auto file = folder.write(
