@@ -162,7 +162,6 @@ void add_strength(CLI::App& app, Asked& asked) {
                    "with --reference: the bound asked for, relative, 1e-12 to 0.1; wider ones are told "
                    "(default: 1e-3)")
       ->check(finite_number(0, true))
-      ->check(CLI::Range(1e-12, 0.1))
       ->needs(reference);
   command
       ->add_option("--unit", strength.unit_m, "metres of the mesh's unit (default: as the file says, else 1)")

@@ -23,6 +23,9 @@ StrengthRequest request_of(const StrengthOptions& options) {
   if (request.elevations_deg.front() < -90 || request.elevations_deg.back() > 90)
     throw UsageError(
         fmt::format("--elevation '{}': elevations are from -90 to 90 degrees", options.elevations));
+  if (!(options.tolerance >= 1e-12 && options.tolerance <= 0.1))
+    throw UsageError(fmt::format("--tolerance of a --reference is a relative bound, 1e-12 to 0.1, not '{:g}'",
+                                 options.tolerance));
   if (options.roughness_m > 0) request.surface_name += fmt::format(", {:g} m rough", options.roughness_m);
   constexpr double most_cells = 5e7;
   const double cells = static_cast<double>(request.azimuths_deg.size()) *
