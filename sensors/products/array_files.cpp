@@ -40,7 +40,7 @@ std::vector<std::string> leave_out(SignalProducts& products, const Recording& re
   };
   keep_if_made(&SignalProducts::fan, "fan");
   keep_if_made(&SignalProducts::sidescan, "sidescan");
-  keep_if_made(&SignalProducts::multibeam, "multibeam");
+  keep_if_made(&SignalProducts::multibeam, "soundings across the track");
   keep_if_made(&SignalProducts::aperture, "synthetic aperture");
   keep_if_made(&SignalProducts::interferogram, "interferogram");
   products.jsf = products.jsf && products.sidescan;

@@ -56,7 +56,7 @@ void check(const SignalSidescan& sidescan, const ElementArray& array) {
 }
 
 void check(const SignalMultibeam& multibeam, const ElementArray& array) {
-  check(multibeam.fan, "multibeam", array);
+  check(multibeam.fan, "fan of soundings", array);
   require(multibeam.fan.plane == SignalFan::Plane::across_track,
           "the multibeam's fan looks forward: soundings need one across the track");
   if (!multibeam.split_beam) return;

@@ -61,7 +61,7 @@ struct SignalInterferogram {
 
 /// Which files and pictures signals become. What is not set is not made.
 struct SignalProducts {
-  std::string name = "array";  ///< files are called <name>-...
+  std::string name = "sonar";  ///< files are called <name>-...
   bool elements = true;        ///< picture of what the elements receive
   std::optional<SignalFan> fan{};
   std::optional<SignalSidescan> sidescan{};

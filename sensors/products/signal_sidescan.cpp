@@ -26,9 +26,9 @@ JsfSubsystem subsystem_of(double frequency_hz) {
                                        : JsfSubsystem::sidescan_very_high;
 }
 
-class Sidescan : public SignalMaker {
+class BeamsAbeam : public SignalMaker {
  public:
-  explicit Sidescan(const SignalJob& job)
+  explicit BeamsAbeam(const SignalJob& job)
       : job_(job),
         sidescan_(*job.products.sidescan),
         ranges_(ranges_of(job.signals.sampling, job.signals.sound_speed_m_s)) {
@@ -221,7 +221,7 @@ class Interferogram : public SignalMaker {
 
 }  // namespace
 
-std::unique_ptr<SignalMaker> make_sidescan(const SignalJob& job) { return std::make_unique<Sidescan>(job); }
+std::unique_ptr<SignalMaker> make_sidescan(const SignalJob& job) { return std::make_unique<BeamsAbeam>(job); }
 std::unique_ptr<SignalMaker> make_interferogram(const SignalJob& job) {
   return std::make_unique<Interferogram>(job);
 }

@@ -12,7 +12,7 @@ namespace tubefoot {
 std::vector<std::optional<SmoothSurface>> load_smooth_surfaces(const SceneDescription& scene,
                                                                std::vector<std::string>& warnings) {
   const bool are_heard = std::ranges::any_of(
-      scene.sensors, [](const SensorDescription& sensor) { return sensor.kind.section().name() == "array"; });
+      scene.sensors, [](const SensorDescription& sensor) { return sensor.kind.section().hears_phases(); });
   std::vector<std::optional<SmoothSurface>> surfaces;
   for (const MaterialDescription& m : scene.materials) {
     std::optional<SmoothSurface>& surface = surfaces.emplace_back();
@@ -22,7 +22,7 @@ std::vector<std::optional<SmoothSurface>> load_smooth_surfaces(const SceneDescri
     if (m.grain_size_phi) surface->fluid = sediment_of_grain_size(*m.grain_size_phi);
     if (!are_heard && !scene.sensors.empty())
       warnings.push_back(fmt::format(
-          "material '{}' is smooth, which only sensors of kind \"array\" hear, and there is none: "
+          "material '{}' is smooth, which only sensors that record signals hear, and there is none: "
           "energies go by its scattering law",
           m.name));
   }

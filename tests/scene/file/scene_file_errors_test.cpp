@@ -176,8 +176,7 @@ TEST(SceneFileErrors, KeysOfAnotherKindSaySo) {
       {length, "length_m = 30\nhurst = 0.5", "7:1",
        "'hurst' goes with kind = \"fractal\" and not with kind = \"flat\""},
       {didson, "kind = \"didson\"\nrange_max_m = 5", "12:1",
-       "'range_max_m' goes with kind = \"echosounder\", kind = \"imaging\", kind = \"interferometric\", kind "
-       "= "},
+       "'range_max_m' goes with kind = \"array\", kind = \"echosounder\", kind = \"imaging\", kind = "},
       {didson, "kind = \"didson\"\n[[objects]]\nname = \"o\"\nshape = \"box\"\nradius_m = 1", "15:1",
        "'radius_m' goes with shape = \"sphere\", shape = \"cylinder\", shape = \"cone\" and not with shape = "
        "\"box\""},

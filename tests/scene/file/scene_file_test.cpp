@@ -299,6 +299,14 @@ TEST(SceneFile, FullSceneOfThisTestHasEveryKey) {
                            "\nsediment_khz = \nunbounded = "  // scattering_keys_test.cpp
                            "\nsmooth = \nreflection = \nfluid = \ngrain_size_phi = "
                            "\nroughness_m = "  // smooth_keys_test.cpp
+                           "\nbandwidth_khz = \npulse_taper = \nbaseband_khz = \nreceivers = "
+                           "\nreceiver_spacing_m = \nreceivers_m = \nstop_and_hop = \nown_sights = "
+                           "\nsignal_tolerance = \nproducts = \nformats = \nbeams_deg = "
+                           "\nbeams_depression_deg = \nbeams_plane = \nsides = \nbeam_window = "
+                           "\nrange_window = \nping_window = \npicture_m = \npicture_up_m = "
+                           "\npixel_m = \nhalf_beam_deg = \nupper = \nlower = \nlooks_range = "
+                           "\nlooks_pings = \ntexture = \ntexture_shape = "
+                           "\ntexture_cell_m = "  // array_keys_test.cpp
                            "\nprofile_step_m = \nmunk_axis_m = \nmunk_scale_m = \nmunk_epsilon = "
                            "\nprofile_file = \nprofile_error_m_s = "  // water_keys_test.cpp
                            "\nslope_deg = \nslope_heading_deg = \nturn_s = \ncentre_lat_lon_deg = "

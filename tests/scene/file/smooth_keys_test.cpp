@@ -78,7 +78,7 @@ TEST(SmoothKeys, AreWarnedOfWhereNobodyHearsPhases) {
   ASSERT_NE(scene.smooth_surface(0), nullptr);
   EXPECT_THAT(
       scene.report.warnings,
-      ElementsAre("material 'sand' is smooth, which only sensors of kind \"array\" hear, and there is "
+      ElementsAre("material 'sand' is smooth, which only sensors that record signals hear, and there is "
                   "none: energies go by its scattering law"));
   const Scene rough = load_scene(read_scene(folder, smallest_scene));
   EXPECT_EQ(rough.smooth_surface(0), nullptr);
