@@ -33,11 +33,11 @@ double carrier_hz(const SignalModel& model) { return model.waveform.centre_hz();
 CoherentReceiver receiver_of(const Shot& shot, std::size_t s) {
   const SignalModel& model = *shot.sensor(s).signals();
   const FrequencyBand band = band_of(model.waveform);
-  // Flanks have tails beyond the waveform's band: what samples hold of them counts, up to twice the band, and
-  // above frequency 0.
+  // Flanks have tails beyond the waveform's band: what samples hold of them counts, up to four times the
+  // band, and above frequency 0.
   const double band_hz = band.high_hz - band.low_hz,
                held_hz = std::max(band_hz,
-                                  std::min({model.sampling.rate_hz, 2 * band_hz, 1.9 * carrier_hz(model)}));
+                                  std::min({model.sampling.rate_hz, 4 * band_hz, 1.9 * carrier_hz(model)}));
   CoherentReceiver receiver;
   receiver.channels = signal_channels(shot, s);
   receiver.pulse = {[waveform = model.waveform, carrier = carrier_hz(model)](double time_s) {

@@ -262,7 +262,7 @@ TEST_F(SignalsRun, OfASmoothPlaneAreItsImage) {
       at_rest +
       "[[sensors]]\nname = \"sonar\"\nkind = \"array\"\ntilt_deg = 90\nfrequency_khz = 30\nbandwidth_khz = "
       "6\n"
-      "pulse_length_us = 500\npulse_taper = 0.6\nrange_min_m = 2.5\nrange_max_m = 3.6\nhorizontal_deg = 110\n"
+      "pulse_length_us = 500\npulse_taper = 1\nrange_min_m = 2.5\nrange_max_m = 3.6\nhorizontal_deg = 110\n"
       "vertical_deg = 110\nreceivers_m = [[0, 0, 0], [0.1, 0.05, 0.02]]\nsampling_frequency_khz = 40\n");
   for (std::size_t e = 0; e < 2; ++e) {
     // On the vehicle's axes.

@@ -80,8 +80,8 @@ BasebandPulse ChebyshevPulses::filtered(int order) const {
   transform.column(z.data());
   std::size_t first = 0, last = count - 1;
   const double faint = left_out_ * peak;
-  while (first < last && double(std::abs(z[first])) <= faint) ++first;
-  while (last > first && double(std::abs(z[last])) <= faint) --last;
+  while (first < last && std::abs(std::complex<double>(z[first])) <= faint) ++first;
+  while (last > first && std::abs(std::complex<double>(z[last])) <= faint) --last;
   auto sampled = std::make_shared<Sampled>();
   sampled->begin_s = begin + double(first) / rate;
   sampled->rate_hz = rate;
