@@ -277,7 +277,8 @@ TEST(SignalProducts, WritesWhatIsAskedFor) {
         most = own;
         best = k;
       }
-    const glm::dvec3 away = (starboard ? all.point : all.port) - glm::dvec3(0, 0.02 * double(messages / 2), 0);
+    const glm::dvec3 away =
+        (starboard ? all.point : all.port) - glm::dvec3(0, 0.02 * double(messages / 2), 0);
     EXPECT_NEAR((160 + double(best)) / 40e3 * c / 2, glm::length(away), 0.02) << messages;
     begin += message.size();
   }

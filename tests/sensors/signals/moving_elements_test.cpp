@@ -27,8 +27,9 @@ TEST(MovingElements, HearAScattererOfTheGroundAsAPoint) {
   std::vector<PointScatterer> points;
   for (; points.size() != 1; ++field.seed) {
     points.clear();
-    field.for_scatterers(seen.corners_m, {0, 0, 1},
-                         [&](glm::dvec3 place, Complex z) { points.push_back({place, z}); });
+    field.for_scatterers(seen.corners_m, {0, 0, 1}, [&](glm::dvec3 place, Complex z) {
+      points.push_back({place, z});
+    });
     if (points.size() == 1) break;
   }
 
