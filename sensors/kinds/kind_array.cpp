@@ -110,9 +110,15 @@ void check_products(const ArrayDescription& own, const TomlTable& table) {
             fmt::format("'{}' is read for products = [\"{}\"]{} alone: add that, or remove the key", key,
                         fmt::join(any, "\"] or [\""), list));
   };
-  needs({"beams", "beams_deg", "beams_depression_deg"}, {"fan", "multibeam", "sidescan"}, "");
+  needs({"beams", "beams_deg"}, {"fan", "multibeam"}, "");
+  needs({"beams_depression_deg"}, {"fan", "sidescan"}, "");
+  needs({"beam_window"}, {"fan", "multibeam", "sidescan"}, "");
+  needs({"range_window"}, {"fan", "multibeam", "sidescan", "aperture", "interferogram"}, "");
   needs({"beams_plane"}, {"fan"}, "");
-  needs({"sides"}, {"sidescan"}, "");
+  needs({"sides"}, {"sidescan", "interferogram"}, "");
+  if (own.sides == "both" && !has(own.products, "sidescan"))
+    throw InputError(table.place_of("sides"),
+                     "an interferogram's beams look to one side: sides = \"port\" or \"starboard\"");
   needs({"picture_m", "picture_up_m", "pixel_m", "half_beam_deg", "ping_window"}, {"aperture"}, "");
   needs({"upper", "lower", "looks_range", "looks_pings"}, {"interferogram"}, "");
   if (has(own.products, "aperture") && !own.picture_m)
@@ -131,9 +137,12 @@ void check_products(const ArrayDescription& own, const TomlTable& table) {
   if (has(own.formats, "jsf") && !has(own.products, "sidescan"))
     throw InputError(table.place_of("formats"),
                      "\"jsf\" is of a sidescan's beams: add products = [\"sidescan\"]");
-  if (has(own.formats, "sonar_netcdf") && !has(own.products, "fan") && !has(own.products, "multibeam"))
-    throw InputError(table.place_of("formats"),
-                     "\"sonar_netcdf\" is of a fan's beams: add products = [\"fan\"] or [\"multibeam\"]");
+  const bool fan_across = has(own.products, "fan") && own.beams_plane == "across_track";
+  if (has(own.formats, "sonar_netcdf") && !fan_across && !has(own.products, "multibeam"))
+    throw InputError(
+        table.place_of("formats"),
+        "\"sonar_netcdf\" is of beams across the track: add products = [\"multibeam\"], or [\"fan\"] "
+        "with beams_plane = \"across_track\"");
 }
 
 constexpr std::size_t most_receivers = 4096;
@@ -195,6 +204,14 @@ class ArrayKind : public SensorKind {
       throw InputError(
           table.place_of("kind"),
           "kind = \"array\" records the pulse that is sent: say how long it is, 'pulse_length_us'");
+    for (const char* key :
+         {"source_level_db", "noise_level_db", "speckle", "speckle_looks", "speckle_shape", "tvg_spreading",
+          "tvg_absorption_db_per_km", "tvg_gain_db", "tvg_fixed_below_m", "display_gain_db"})
+      if (table.has(key))
+        throw InputError(table.place_of(key),
+                         fmt::format("'{}' is of what a receiver makes of energies: signals are as elements "
+                                     "receive them; remove the key",
+                                     key));
     for (const char* key : {"receivers", "receiver_spacing_m"})
       if (!own.receivers_m.empty() && table.has(key))
         throw InputError(
@@ -252,6 +269,14 @@ class ArrayKind : public SensorKind {
           fmt::format("at {:.6g} complex samples a second and {:.1f} m/s a sample is {:.4g} m long, and "
                       "range_min_m to range_max_m hold {:.0f} of them: choose 1 to {:.0f}",
                       rate_hz, sound_speed_m_s, step_m, whole, most));
+    const double receivers = static_cast<double>(
+        own.receivers_m.empty() ? static_cast<std::size_t>(own.receivers) : own.receivers_m.size());
+    constexpr double most_bytes = 512e6;  // of a ping in signals.nc
+    if (16 * whole * receivers > most_bytes)
+      fail(
+          fmt::format("a ping of {:.0f} receivers and {:.0f} samples has {:.3g} MB, must be 512 MB at most: "
+                      "record fewer samples, or share the receivers among several sensors",
+                      receivers, whole, 16e-6 * whole * receivers));
     own.samples = static_cast<int>(whole);
     own.range_max_m = own.range_min_m + whole * step_m;
     if (own.receivers_m.empty()) {

@@ -3,10 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <stdexcept>
 
 #include "files/memory_at_hand.hpp"
-#include "sensors/recordings/navigation.hpp"
 #include "sensors/recordings/signal_recording.hpp"
 
 namespace tubefoot {
@@ -22,9 +22,27 @@ double bytes_of(const SignalCounts& counts) {
          static_cast<double>(counts.samples);
 }
 
+/// Where its elements sit on the vehicle; of one that is turned to look at something, which carries itself,
+/// on its own axes.
+ElementArray array_on_vehicle(const Sensor& sensor) {
+  const SensorDescription& description = sensor.description();
+  const ElementArray& own = sensor.signals()->array;
+  const auto place_on = [&](const std::array<double, 3>& arm) {
+    return description.look_at_m ? glm::dvec3(0) : glm::dvec3(arm[0], arm[1], arm[2]);
+  };
+  const glm::dvec3 transmitter_m = place_on(description.lever_arm_m),
+                   receivers_m = place_on(description.receiver_arm_m.value_or(description.lever_arm_m));
+  const glm::dquat mounting = sensor.mounting();
+  ElementArray array;
+  array.transmitter_m = transmitter_m + mounting * own.transmitter_m;
+  for (const glm::dvec3 place : own.receivers_m) array.receivers_m.push_back(receivers_m + mounting * place);
+  return array;
+}
+
 /// Leaves out what cannot be made of so many pings, receivers and samples, and says why.
 std::vector<std::string> leave_out(SignalProducts& products, const Recording& recording) {
-  const ElementArray& array = recording.sensor->signals()->array;
+  const SignalModel& model = *recording.sensor->signals();
+  const ElementArray array = array_on_vehicle(*recording.sensor);
   const SignalCounts counts = counts_of(recording);
   std::vector<std::string> why;
   const auto keep_if_made = [&](auto SignalProducts::*product, const char* name) {
@@ -33,6 +51,8 @@ std::vector<std::string> leave_out(SignalProducts& products, const Recording& re
     alone.*product = products.*product;
     try {
       check(alone, array, counts);
+      interpolator_for(model.waveform, model.sampling, products.interpolation_error)
+          .check_holds(model.waveform, model.sampling);
     } catch (const std::invalid_argument& error) {
       why.push_back(fmt::format("'{}': no {}: {}", recording.sensor->description().name, name, error.what()));
       (products.*product).reset();
@@ -44,8 +64,17 @@ std::vector<std::string> leave_out(SignalProducts& products, const Recording& re
   keep_if_made(&SignalProducts::aperture, "synthetic aperture");
   keep_if_made(&SignalProducts::interferogram, "interferogram");
   products.jsf = products.jsf && products.sidescan;
-  products.sonar_netcdf = products.sonar_netcdf && (products.fan || products.multibeam);
+  products.sonar_netcdf = products.sonar_netcdf && fan_of_complex_beams(products) != nullptr;
   return why;
+}
+
+/// All of a recording's pings are in memory while their files are made.
+void require_memory_of(const SignalProducts& products, const Recording& recording) {
+  const SignalCounts counts = counts_of(recording);
+  require_memory(
+      2 * bytes_of(counts) + memory_of_signal_files(products, counts), recording.sensor->description().place,
+      fmt::format("the files of {} pings' signals of {} receivers", counts.pings, counts.receivers),
+      "ask for fewer pings at a time (--pings), or leave out products");
 }
 
 }  // namespace
@@ -54,19 +83,8 @@ ElementSignals element_signals_of(const Recording& recording) {
   const Sensor& sensor = *recording.sensor;
   const SignalModel& model = *sensor.signals();
   const SignalRecording& recorded = *recording.signals;
-  const SensorDescription& description = sensor.description();
-  const auto place_on = [](const std::array<double, 3>& arm) { return glm::dvec3(arm[0], arm[1], arm[2]); };
-  const glm::dvec3 transmitter_m = place_on(description.lever_arm_m),
-                   receivers_m = place_on(description.receiver_arm_m.value_or(description.lever_arm_m));
-  // One that is turned to look at something carries itself.
-  const bool turned = description.look_at_m.has_value();
-  const glm::dquat mounting = sensor.mounting();
-  ElementArray array;
-  array.transmitter_m = (turned ? glm::dvec3(0) : transmitter_m) + mounting * model.array.transmitter_m;
-  for (const glm::dvec3 place : model.array.receivers_m)
-    array.receivers_m.push_back((turned ? glm::dvec3(0) : receivers_m) + mounting * place);
   ElementSignals signals = silent_signals(
-      array, model.waveform, model.sampling,
+      array_on_vehicle(sensor), model.waveform, model.sampling,
       VehicleMotion(recorded.track, recording.ping_time_s, model.stop_and_hop), recording.sound_speed_m_s);
   const std::size_t values = 2 * signals.receivers() * signals.samples();
   for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
@@ -89,15 +107,10 @@ std::vector<std::filesystem::path> write_array_files(const std::filesystem::path
         "'{}': energies alone do not tell phases: there are no files of its signals", description.name));
     return {};
   }
-  const SignalCounts counts = counts_of(recording);
   const std::vector<std::string> left_out = leave_out(products, recording);
   warnings.insert(warnings.end(), left_out.begin(), left_out.end());
-  require_memory(
-      2 * bytes_of(counts) + memory_of_signal_files(products, counts), description.place,
-      fmt::format("the files of {} pings' signals of {} receivers", counts.pings, counts.receivers),
-      "ask for fewer pings at a time (--pings), or leave out products");
+  require_memory_of(products, recording);
   products.ping_numbers = recording.ping_numbers;
-  if (run.frame.is_georeferenced()) products.fixes = navigation(recording, run, 0, recording.pings());
   try {
     return write_signal_files(folder, element_signals_of(recording), products, run, warnings);
   } catch (const std::invalid_argument& error) {
@@ -106,7 +119,9 @@ std::vector<std::filesystem::path> write_array_files(const std::filesystem::path
 }
 
 std::vector<std::string> array_files_left_out(const Recording& recording, SignalProducts products) {
-  return leave_out(products, recording);
+  std::vector<std::string> why = leave_out(products, recording);
+  require_memory_of(products, recording);
+  return why;
 }
 
 WritingCost cost_of_array_files(const Recording& recording, const RunContext& run, SignalProducts products) {

@@ -22,7 +22,7 @@ std::vector<std::filesystem::path> write_array_files(const std::filesystem::path
                                                      const Recording& recording, const RunContext& run,
                                                      SignalProducts products,
                                                      std::vector<std::string>& warnings);
-/// Those products, and why.
+/// Those products, and why. Throws InputError where there is no memory for the rest.
 std::vector<std::string> array_files_left_out(const Recording& recording, SignalProducts products);
 WritingCost cost_of_array_files(const Recording& recording, const RunContext& run, SignalProducts products);
 

@@ -19,15 +19,14 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Of the vehicle at each ping, in a scene without a place on Earth.
-std::vector<NavigationFix> local_fixes(const ElementSignals& signals, const RunContext& run) {
+/// Of the vehicle at each ping.
+std::vector<NavigationFix> fixes_of(const ElementSignals& signals, const RunContext& run) {
   Recording poses;
   for (std::size_t ping = 0; ping < signals.pings(); ++ping) {
     poses.ping_time_s.push_back(signals.motion.ping_start_s()[ping]);
     poses.ping_pose.push_back(signals.motion.ping_pose(ping));
   }
-  RunContext local = run;
-  local.frame = {};
-  return navigation(poses, local, 0, signals.pings());
+  return navigation(poses, run, 0, signals.pings());
 }
 
 Provenance provenance_of(const SignalProducts& products, const RunContext& run) {
@@ -73,7 +72,7 @@ std::vector<fs::path> write_signal_files(const fs::path& folder, const ElementSi
                       products,
                       run,
                       interpolator,
-                      products.fixes.empty() ? local_fixes(signals, run) : products.fixes,
+                      fixes_of(signals, run),
                       pictures ? font_for(products.name, warnings) : std::string(),
                       files};
   std::vector<std::unique_ptr<SignalMaker>> makers;
@@ -150,10 +149,8 @@ WritingCost cost_of_signal_files(const SignalProducts& products, const SignalCou
     draw();
   }
   if (products.sonar_netcdf) {
-    const double count =
-        static_cast<double>(products.fan && products.fan->plane == SignalFan::Plane::across_track
-                                ? products.fan->beams
-                                : products.multibeam->fan.beams);
+    const SignalFan* fan = fan_of_complex_beams(products);
+    const double count = fan != nullptr ? static_cast<double>(fan->beams) : 0;
     beams(count, pings);
     cost += {writing_s * 8 * count * samples * pings, 0, 8 * count * samples * pings};
   }

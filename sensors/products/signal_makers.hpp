@@ -29,6 +29,7 @@ struct SignalJob {
   std::uint32_t number_of(std::size_t ping) const {
     return products.ping_numbers.empty() ? static_cast<std::uint32_t>(ping) : products.ping_numbers[ping];
   }
+  bool on_earth() const { return run.frame.is_georeferenced(); }
   /// Where <name><ending> is to be written; it is one of the files from now on.
   std::filesystem::path new_file(const std::string& ending) const;
   bool pictures() const { return run.pictures.wants(PictureSettings::Which::sequence); }

@@ -15,6 +15,9 @@
 namespace tubefoot {
 namespace {
 
+/// Less is rounding: of mountings, which turn places.
+constexpr double least_extent_m = 1e-6;
+
 using std::numbers::pi;
 
 void require(bool holds, const std::string& what) {
@@ -39,10 +42,10 @@ void check(const SignalFan& fan, const char* of, const ElementArray& array) {
 
 /// Whether an array hears port and starboard alike: elements on a line forward do.
 bool knows_sides(const ElementArray& array) {
-  constexpr double least_m = 1e-6;
   const auto away = [](glm::dvec3 a) { return glm::length(glm::dvec3(a.x, 0, a.z)); };
-  return std::ranges::any_of(array.receivers_m,
-                             [&](glm::dvec3 place) { return away(place - array.receivers_m[0]) > least_m; });
+  return std::ranges::any_of(array.receivers_m, [&](glm::dvec3 place) {
+    return away(place - array.receivers_m[0]) > least_extent_m;
+  });
 }
 
 void check(const SignalSidescan& sidescan, const ElementArray& array) {
@@ -63,7 +66,7 @@ void check(const SignalMultibeam& multibeam, const ElementArray& array) {
   const auto [first, last] =
       std::ranges::minmax(array.receivers_m, {}, [](const glm::dvec3& place) { return place.x; });
   require(
-      array.receivers_m.size() >= 2 && last.x > first.x,
+      array.receivers_m.size() >= 2 && last.x - first.x > least_extent_m,
       fmt::format("a split beam needs two halves of an array, and the {} receiver{} not extend across the "
                   "track: place more of them to starboard of each other, or detect by amplitude alone",
                   array.receivers_m.size(), array.receivers_m.size() == 1 ? " does" : "s do"));
@@ -135,7 +138,7 @@ std::vector<double> weights_along(const ElementArray& array, glm::dvec3 axis, co
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, {}, [&](std::size_t k) { return places[k]; });
   const double first = places[order.front()], extent = places[order.back()] - first;
-  require(extent > 0,
+  require(extent > least_extent_m,
           "a window other than uniform weighs receivers along an axis on which these do not extend: "
           "take a uniform one, or place receivers along it");
   const double step = extent / static_cast<double>(count - 1);
@@ -164,6 +167,11 @@ SignalInterpolator interpolator_for(const TransmitWaveform& waveform, const Sign
   return SignalInterpolator(std::clamp(2 * widest_hz / sampling.rate_hz, least, most), error);
 }
 
+const SignalFan* fan_of_complex_beams(const SignalProducts& products) {
+  if (products.fan && products.fan->plane == SignalFan::Plane::across_track) return &*products.fan;
+  return products.multibeam ? &products.multibeam->fan : nullptr;
+}
+
 void check(const SignalProducts& products, const ElementArray& array, const SignalCounts& counts) {
   require(!products.name.empty() && products.name != "." && products.name != ".." &&
               products.name.find('/') == std::string::npos,
@@ -175,8 +183,6 @@ void check(const SignalProducts& products, const ElementArray& array, const Sign
           fmt::format("ping {} is to be drawn, there are {}", products.picture_ping, counts.pings));
   require(products.ping_numbers.empty() || products.ping_numbers.size() == counts.pings,
           fmt::format("there are {} numbers for {} pings", products.ping_numbers.size(), counts.pings));
-  require(products.fixes.empty() || products.fixes.size() == counts.pings,
-          fmt::format("there are {} places on Earth for {} pings", products.fixes.size(), counts.pings));
   if (products.fan) check(*products.fan, "fan", array);
   if (products.sidescan) check(*products.sidescan, array);
   if (products.multibeam) check(*products.multibeam, array);
@@ -185,8 +191,7 @@ void check(const SignalProducts& products, const ElementArray& array, const Sign
   require(!products.jsf || products.sidescan,
           "a JSF file is of a sidescan's beams: ask for a sidescan as well");
   require(
-      !products.sonar_netcdf || products.multibeam ||
-          (products.fan && products.fan->plane == SignalFan::Plane::across_track),
+      !products.sonar_netcdf || fan_of_complex_beams(products) != nullptr,
       "a SONAR-netCDF4 file of complex beams is of a fan across the track: ask for one, or for a multibeam");
 }
 

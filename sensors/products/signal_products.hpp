@@ -75,14 +75,16 @@ struct SignalProducts {
   double interpolation_error = 1e-4;          ///< SignalInterpolator
   std::size_t picture_ping = 0;               ///< of pictures of one ping
   std::vector<std::uint32_t> ping_numbers{};  ///< what pings are called; empty: from 0
-  /// Where the vehicle is on Earth at each ping; empty: the scene has no place on Earth.
-  std::vector<NavigationFix> fixes{};
 };
 
 /// What there is of signals, without them.
 struct SignalCounts {
   std::size_t pings = 0, receivers = 0, samples = 0;
 };
+
+/// The fan whose complex beams go into SONAR-netCDF4: across the track, the fan's own, else the soundings'.
+/// Null where there is none.
+const SignalFan* fan_of_complex_beams(const SignalProducts& products);
 
 /// Throws std::invalid_argument, saying what to do, for products that such signals do not make: no beams,
 /// fans beyond a half circle, one receiver where halves are asked for, receivers that are not there, windows

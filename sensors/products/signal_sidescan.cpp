@@ -113,7 +113,7 @@ class BeamsAbeam : public SignalMaker {
     said.starboard = starboard;
     said.number = job_.number_of(ping);
     said.unix_time_s = fix.unix_time_s;
-    said.degrees = !job_.products.fixes.empty();
+    said.degrees = job_.on_earth();
     const glm::dvec3 position = one.motion.ping_pose(0).position_m;
     said.x = said.degrees ? fix.place.lon_lat_height.x : position.x;
     said.y = said.degrees ? fix.place.lon_lat_height.y : position.y;

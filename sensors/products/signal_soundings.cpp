@@ -172,7 +172,7 @@ double half_lobe_sine(const ElementSignals& signals, const std::vector<double>& 
   const double half = std::sqrt(0.5);
   double sine = step;
   while (sine < 1 && level(sine) > half) sine += step;
-  return sine;
+  return std::min(sine, 1.0);
 }
 
 SignalSoundings signal_soundings(const ElementSignals& compressed, const SignalMultibeam& multibeam,

@@ -81,15 +81,9 @@ class SoundingsMaker : public SignalMaker {
   std::vector<std::unique_ptr<SoundingsFile>> tables_;
 };
 
-/// The fan across the track that complex beams are of.
-const SignalFan& beams_fan(const SignalProducts& products) {
-  const bool own = products.fan && products.fan->plane == SignalFan::Plane::across_track;
-  return own ? *products.fan : products.multibeam->fan;
-}
-
 SonarNetcdfHeader header_of(const SignalJob& job) {
   const ElementSignals& signals = job.signals;
-  const SignalFan& fan = beams_fan(job.products);
+  const SignalFan& fan = *fan_of_complex_beams(job.products);
   SonarNetcdfHeader header;
   header.title = job.run.title.empty() ? job.products.name : job.run.title;
   header.summary =
@@ -126,14 +120,16 @@ SonarNetcdfHeader header_of(const SignalJob& job) {
 class ComplexBeams : public SignalMaker {
  public:
   explicit ComplexBeams(const SignalJob& job)
-      : job_(job), fan_(beams_fan(job.products)), file_(job.new_file("-sonar.nc"), header_of(job)) {}
+      : job_(job),
+        fan_(*fan_of_complex_beams(job.products)),
+        file_(job.new_file("-sonar.nc"), header_of(job)) {}
 
   void add(std::size_t ping, const ElementSignals& one) override {
     const std::vector<Complex> beams = focused_beams(one, fan_, job_.interpolator);
     const NavigationFix& fix = job_.fixes[ping];
     SonarNetcdfPing said;
     said.unix_time_ns = std::llround(fix.unix_time_s * 1e9);
-    if (!job_.products.fixes.empty()) {
+    if (job_.on_earth()) {
       said.longitude_deg = fix.place.lon_lat_height.x;
       said.latitude_deg = fix.place.lon_lat_height.y;
     }

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "run/signals.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <glm/geometric.hpp>
+#include <memory>
 #include <numbers>
+#include <stdexcept>
 #include <utility>
 
 #include "engine/signal/smooth_signals.hpp"
@@ -48,6 +53,19 @@ CoherentReceiver receiver_of(const Shot& shot, std::size_t s) {
   receiver.carrier_hz = carrier_hz(model);
   receiver.sound_speed_m_s = shot.survey().sensors[s].sound_speed_m_s;
   return receiver;
+}
+
+/// What a ping needs of a track, with times from its start on: clocks that count seconds of years would round
+/// times within a ping to steps, on which nothing can be told to move.
+Trajectory track_from(const Trajectory& track, double start_s, double until_s) {
+  std::vector<Trajectory::Sample> samples;
+  for (const Trajectory::Sample& sample : track.samples()) {
+    const double after_s = sample.time_s - start_s;
+    if (after_s <= 0) samples.clear();
+    samples.push_back({after_s, sample.pose});
+    if (after_s >= until_s) break;
+  }
+  return Trajectory(std::move(samples));
 }
 
 /// What a sensor's elements record, [receiver][sample][real, imaginary]: about the frequency that the sonar
@@ -128,13 +146,15 @@ std::vector<SignalChannel> signal_channels(const Shot& shot, std::size_t s) {
     channel.receive = patterns.receive.front();
   }
   const Trajectory& track = shot.scene().trajectories[shot.scene().sensor_trajectory[s]];
-  const bool moves = !sensor.signals()->stop_and_hop && !track.is_fixed();
-  const double start_s = pings.times_s[shot.ping()];
+  std::shared_ptr<const Trajectory> on_the_way;
+  if (!sensor.signals()->stop_and_hop && !track.is_fixed())
+    on_the_way = std::make_shared<const Trajectory>(
+        track_from(track, pings.times_s[shot.ping()], sensor.signals()->sampling.end_s()));
   /// Of a place on the sensor, by where that or its receiver is.
   const auto way = [&](Pose (Sensor::*pose_on)(const Pose&) const, glm::dvec3 place) -> EndWay {
-    if (!moves) return {};
-    return [&sensor, &track, start_s, pose_on, place](double after_start_s) {
-      const Pose pose = (sensor.*pose_on)(track.at(start_s + after_start_s));
+    if (!on_the_way) return {};
+    return [&sensor, on_the_way, pose_on, place](double after_start_s) {
+      const Pose pose = (sensor.*pose_on)(on_the_way->at(after_start_s));
       return pose.position_m + pose.attitude * place;
     };
   };
@@ -225,9 +245,14 @@ class ShotSignals {
     const Scene& scene = shot_.scene();
     Pose pose = shot_.receiver_pose();
     pose.position_m = receiver_m;
+    TubeSet sent = shot_.tubes_of(sensor_),
+            heard = shot_.sensor(sensor_).tubes(pose, scene.grid, shot_.number());
+    // Half of a path is no less than the range from either end, less half of the way between them.
+    const double apart = glm::distance(receiver_m, shot_.pose().position_m) / (2 * scene.grid.unit_m());
+    sent.reach += apart;
+    heard.reach += apart;
     return trace_bistatic(shot_.ground().mesh(), shot_.ground().tree(), scene.grid.unit_m(),
-                          shot_.request().visibility, shot_.tubes_of(sensor_),
-                          shot_.sensor(sensor_).tubes(pose, scene.grid, shot_.number()));
+                          shot_.request().visibility, sent, heard);
   }
 
   const Shot& shot_;
@@ -254,10 +279,15 @@ void add_signals(const Shot& shot, PingSums& sums) {
   for (const std::size_t s : shot.group().sensors) {
     const SignalModel* model = shot.sensor(s).signals();
     if (model == nullptr || sums.chosen(s).pings == 0) continue;
-    const bool sees_again = model->own_sights || shot.has_receiver_apart();
+    const bool sees_itself =
+        model->own_sights || shot.has_receiver_apart() || !is_order_wanted(shot.scene(), 1);
     const History nothing{};
-    const History& history = sees_again ? nothing : traced(shot, sums);
-    sums.as_echo([&] { sums.add_signals(shot, s, recorded(signals_heard(shot, s, history), *model)); });
+    const History& history = sees_itself ? nothing : traced(shot, sums);
+    try {
+      sums.as_echo([&] { sums.add_signals(shot, s, recorded(signals_heard(shot, s, history), *model)); });
+    } catch (const std::invalid_argument& error) {
+      throw InputError(shot.sensor(s).description().place, fmt::format("{}: {}", shot.name(), error.what()));
+    }
   }
 }
 

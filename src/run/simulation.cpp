@@ -85,9 +85,10 @@ void for_each_ping(const Survey& survey, const StoreLayout& layout, const IsLeft
   Progress progress("pings", all, onlookers.quiet);
   const auto take = [&](std::size_t g, std::size_t ping) {
     if (!left(g, ping) || stop_wanted()) return;
-    // A thread that waits for others must not begin a second ping: each holds the ground of its shot.
+    // A thread that waits for others must not begin a second ping: each holds the ground of its shot, or the
+    // signals of all its elements.
     try {
-      if (survey.site->ground || survey.site->is_tiled())
+      if (survey.site->ground || survey.site->is_tiled() || places_of_signals(survey) > 0)
         tbb::this_task_arena::isolate([&] { keep(g, ping); });
       else
         keep(g, ping);

@@ -243,6 +243,35 @@ TEST_F(SignalsRun, OfAVehicleOnTheWayAreThoseOfTheGroundsScatterers) {
   EXPECT_GT(largest_difference(moving, hopping), 0.1 * largest(points));
 }
 
+// Clocks count seconds since 1970, which doubles round to a quarter of a microsecond: within a ping nobody
+// hops.
+TEST_F(SignalsRun, OfAVehicleOnTheWayLateOnItsClock) {
+  constexpr double epoch_s = 1.7e9;
+  const auto at = [&](double start_s) {
+    folder.write("track.csv",
+                 fmt::format("time_s,east_m,north_m,up_m,heading_deg,pitch_deg,roll_deg\n{:.17g},0.1,0,0,0,"
+                             "0,0\n{:.17g},0.1,8,0,0,0,0\n",
+                             start_s, start_s + 2));
+    return signals_of(scene(fmt::format("receivers = 2\nsignal_tolerance = 1e-5\nstop_and_hop = false\n"
+                                        "first_ping_s = {:.17g}\n",
+                                        start_s + 0.5),
+                            "[trajectory]\nkind = \"waypoints\"\nfile = \"track.csv\"\n"));
+  };
+  const ElementSignals early = at(0), late = at(epoch_s);
+  EXPECT_GT(largest(early), 0);
+  // A quarter of a microsecond of the ping's start is a micrometre of the way.
+  EXPECT_LE(largest_difference(early, late), 1e-3 * largest(early));
+}
+
+// The reach of what a receiver far away hears is that of its own way.
+TEST_F(SignalsRun, OfOwnSightsReachAsFarAsThoseOfReceiversApart) {
+  const std::string far = replaced(scene("receiver_arm_m = [9, 0, 0]\nreceivers_m = [[0, 0, 0]]\n", at_rest),
+                                   "range_max_m = 11", "range_max_m = 10");
+  const ElementSignals apart = signals_of(far), own = signals_of(far + "own_sights = true\n");
+  EXPECT_GT(largest(apart), 0);
+  EXPECT_LE(largest_difference(apart, own), 1e-9 * largest(apart));
+}
+
 TEST_F(SignalsRun, OfOneThatIsTurnedToLook) {
   const ElementSignals signals = signals_of(
       replaced(scene("look_at_m = [0.3, 6, -6]\nreceivers = 2\nsignal_tolerance = 1e-6\n", at_rest),
@@ -303,6 +332,17 @@ TEST_F(SignalsRun, ProductsThatCannotBeMadeAreLeftOut) {
   EXPECT_FALSE(std::filesystem::exists(out / "sonar-interferogram.png"));
 }
 
+// Products are of arrays as they are mounted: four elements along the keel make a sidescan's beam, and no
+// fan.
+TEST_F(SignalsRun, ProductsAreOfArraysAsTheyAreMounted) {
+  const auto file = folder.write(
+      "scene.toml", scene("yaw_deg = 90\nreceivers = 4\nproducts = [\"sidescan\", \"fan\"]\n", at_rest));
+  const Outcome outcome = run_program({"check", file.string()});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err + outcome.out, HasSubstr("no fan"));
+  EXPECT_THAT(outcome.err + outcome.out, testing::Not(HasSubstr("no sidescan")));
+}
+
 struct SignalRefusals : testing::Test {
   TestFolder folder;
   std::string said(const std::string& text) {
@@ -323,6 +363,16 @@ TEST_F(SignalRefusals, SayWhatIsWrongAndWhatToDo) {
   EXPECT_THAT(said(scene("products = [\"aperture\"]\n", at_rest)), HasSubstr("'picture_m'"));
   EXPECT_THAT(said(scene("pixel_m = 0.1\n", at_rest)), HasSubstr("'pixel_m'"));
   EXPECT_THAT(said(scene("formats = [\"jsf\"]\n", at_rest)), HasSubstr("sidescan"));
+  EXPECT_THAT(said(scene("products = [\"fan\"]\nformats = [\"sonar_netcdf\"]\n", at_rest)),
+              HasSubstr("across the track"));
+  EXPECT_THAT(said(scene("noise_level_db = 60\n", at_rest)), HasSubstr("'noise_level_db'"));
+  EXPECT_THAT(said(scene("products = [\"sidescan\"]\nbeams = 5\n", at_rest)), HasSubstr("'beams'"));
+  EXPECT_THAT(
+      said(scene("products = [\"interferogram\"]\nupper = [0]\nlower = [1]\nsides = \"both\"\n", at_rest)),
+      HasSubstr("one side"));
+  EXPECT_THAT(said(replaced(scene("receivers = 4096\nsampling_frequency_khz = 3000\n", at_rest),
+                            "frequency_khz = 30\n", "frequency_khz = 2900\n")),
+              HasSubstr("512 MB"));
   EXPECT_THAT(said(scene("products = [\"interferogram\"]\nupper = [0]\nlower = [40]\n", at_rest)),
               HasSubstr("receiver 40"));
   EXPECT_THAT(said(replaced(scene("", at_rest + "[run]\ngrid_exponent = 4\n"), "frequency_khz = 30\n",
