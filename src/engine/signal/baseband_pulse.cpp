@@ -3,8 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <bit>
 #include <numbers>
+#include <numeric>
 #include <stdexcept>
+
+#include "engine/relief/fourier.hpp"
 
 namespace tubefoot {
 
@@ -44,39 +49,30 @@ double weighed_bandwidth_hz(const BasebandPulse& pulse, int order) {
 
 double resolved_bandwidth_hz(const BasebandPulse& pulse, int order, double tolerance) {
   constexpr double farthest = 8;   // in halves of the bandwidth
-  constexpr int a_bandwidth = 64;  // frequencies, or as many as lobes
   constexpr double margin = 1.25;  // what lies beyond comes back outside of what is looked at
-  const double half = pulse.bandwidth_hz / 2, reach_hz = farthest * half,
-               interval_s = 1 / (2 * margin * reach_hz), length_s = pulse.end_s - pulse.begin_s;
-  const int count = int(std::ceil(length_s / interval_s)) + 1,
-            frequencies = int(farthest) * std::max(a_bandwidth, int(std::ceil(length_s * half)));
-  std::vector<std::complex<double>> values;
-  for (int k = 0; k < count; ++k) values.push_back(pulse.at(pulse.begin_s + k * interval_s));
-  std::vector<double> energies;  // of f and -f
-  double all = 0;
-  for (int n = 0; n < frequencies; ++n) {
-    const double turn = 2 * std::numbers::pi * (n + 0.5) / frequencies * reach_hz * interval_s;
-    const std::complex<double> step = std::polar(1.0, turn);
-    std::complex<double> above = 0, below = 0, phase = 1;
-    for (const std::complex<double>& value : values) {
-      above += value * phase;
-      below += value * std::conj(phase);
-      phase *= step;
-    }
-    energies.push_back(std::norm(above) + std::norm(below));
-    all += energies.back();
-  }
+  constexpr std::size_t least_samples = 1024;
+  const double reach_hz = farthest * pulse.bandwidth_hz / 2, rate_hz = 2 * margin * reach_hz;
+  const auto held = std::size_t(std::ceil((pulse.end_s - pulse.begin_s) * rate_hz)) + 1;
+  const std::size_t count = std::bit_ceil(std::max(2 * held, least_samples));
+  std::vector<std::complex<long double>> spectrum(count);
+  for (std::size_t k = 0; k < held; ++k) spectrum[k] = pulse.at(pulse.begin_s + double(k) / rate_hz);
+  InverseTransforms(count).column(spectrum.data());
+  const auto energy = [&](std::size_t n) { return std::norm(std::complex<double>(spectrum[n])); };
+  std::vector<double> energies{energy(0)};  // of f and -f
+  for (std::size_t n = 1; n < count / 2 && double(n) / double(count) * rate_hz <= reach_hz; ++n)
+    energies.push_back(energy(n) + energy(count - n));
+  const double all = std::reduce(energies.begin(), energies.end());
   if (!(all > 0)) return pulse.bandwidth_hz;
-  const double most = 4 / (tolerance * tolerance);
-  const auto resolves = [&](double share) {  // a band of that share of the reach
+  const double most = 4 / (tolerance * tolerance), step = rate_hz / double(count);
+  const auto resolves = [&](double band_hz) {
     double sum = 0;
-    for (int n = 0; n < frequencies; ++n)
-      sum += energies[std::size_t(n)] * std::min(std::pow((n + 0.5) / frequencies / share, 2 * order), most);
+    for (std::size_t n = 0; n < energies.size(); ++n)
+      sum += energies[n] * std::min(std::pow(2 * double(n) * step / band_hz, 2 * order), most);
     return sum <= all;
   };
-  double low = 0, high = 1;
-  for (int halving = 0; halving < 12; ++halving) (resolves((low + high) / 2) ? high : low) = (low + high) / 2;
-  return 2 * reach_hz * high;
+  double low = 0, high = 2 * reach_hz;
+  for (int halving = 0; halving < 20; ++halving) (resolves((low + high) / 2) ? high : low) = (low + high) / 2;
+  return high;
 }
 
 void check(const BasebandPulse& pulse, const SignalTimes& times) {

@@ -59,6 +59,25 @@ TEST(BasebandPulse, ItsWeighedBandIsThatOfItsSpectrum) {
   EXPECT_NEAR(weighed_bandwidth_hz(even, 12), 1e4 * std::pow(13, -1.0 / 12), 100);
 }
 
+// E|x|^24 of a normal x is 23!!; short flanks have tails, which finer tolerances ask for.
+TEST(BasebandPulse, ItsResolvedBandLeavesTheTolerance) {
+  const double sigma_s = 1e-4, sigma_hz = 1 / (2 * std::sqrt(2.0) * pi * sigma_s);
+  const double wide = 2 * sigma_hz * std::pow(316234143225.0, 1.0 / 24);
+  EXPECT_NEAR(resolved_bandwidth_hz(gaussian_pulse(sigma_s), 12, 1e-6), wide, 1e-3 * wide);
+  // Where the tolerance is coarse, errors of tails count no more than twice what they are.
+  const double coarse = resolved_bandwidth_hz(gaussian_pulse(sigma_s), 12, 1e-2);
+  EXPECT_LT(coarse, wide);
+  EXPECT_GT(coarse, 0.9 * wide);
+  const BasebandPulse rectangle{[](double) { return 1; }, 0, 1e-3, 2e3};
+  double before = 5 * rectangle.bandwidth_hz;
+  for (const double tolerance : {0.1, 1e-2, 1e-3}) {
+    const double band = resolved_bandwidth_hz(rectangle, 12, tolerance);
+    EXPECT_GE(band, before) << tolerance;
+    before = band;
+  }
+  EXPECT_LE(before, 16e3);  // as far as is looked
+}
+
 // Law Y1.
 TEST(SmoothPieces, PhasesChangeByLessThanTheirBounds) {
   const unsigned seed = 8;
