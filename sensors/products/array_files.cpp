@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <stdexcept>
 
@@ -45,6 +46,8 @@ std::vector<std::string> leave_out(SignalProducts& products, const Recording& re
   const ElementArray array = array_on_vehicle(*recording.sensor);
   const SignalCounts counts = counts_of(recording);
   std::vector<std::string> why;
+  if (products.interferogram)  // of fewer pings than a cell averages, all
+    products.interferogram->looks_pings = std::min(products.interferogram->looks_pings, counts.pings);
   const auto keep_if_made = [&](auto SignalProducts::*product, const char* name) {
     if (!(products.*product)) return;
     SignalProducts alone;
@@ -59,7 +62,7 @@ std::vector<std::string> leave_out(SignalProducts& products, const Recording& re
     }
   };
   keep_if_made(&SignalProducts::fan, "fan");
-  keep_if_made(&SignalProducts::sidescan, "sidescan");
+  keep_if_made(&SignalProducts::sidescan, "beams abeam");
   keep_if_made(&SignalProducts::multibeam, "soundings across the track");
   keep_if_made(&SignalProducts::aperture, "synthetic aperture");
   keep_if_made(&SignalProducts::interferogram, "interferogram");

@@ -234,11 +234,15 @@ class ShotSignals {
     CoherentReceiver receiver = receiver_;
     receiver.channels = std::move(channels);
     const auto surface_of = [&](FacetId facet) { return shot_.scene().smooth_surface(law.material[facet]); };
+    // What mirrors is heard by its images, which have the echo of its plane.
+    const auto heard_of = [&](FacetId facet) {
+      return shot_.scene().material_reflection[law.material[facet]] > 0 ? nullptr : surface_of(facet);
+    };
     const SplitPatches patches =
         split_patches(seen, [&](FacetId facet) { return surface_of(facet) != nullptr; });
     ChannelSignals all = element_signals(patches.rough, receiver, law, field_, model_.tolerance);
     if (!patches.smooth.patches.empty())
-      superpose(smooth_signals(patches.smooth, receiver, law, surface_of, model_.tolerance), 1, all);
+      superpose(smooth_signals(patches.smooth, receiver, law, heard_of, model_.tolerance), 1, all);
     return all;
   }
   BistaticHistory seen_with(glm::dvec3 receiver_m) const {

@@ -227,6 +227,14 @@ void check_signals(const Scene& scene, const SensorPings& pings, const SignalMod
             "sensor '{}' moves while it listens (stop_and_hop = false), and ways over mirrors are known "
             "between places at rest: give stop_and_hop = true, or leave out its mirrors",
             description.name));
+  if (!model.stop_and_hop &&
+      std::ranges::any_of(scene.smooth, [](const auto& surface) { return surface.has_value(); }))
+    throw InputError(
+        description.place,
+        fmt::format(
+            "sensor '{}' moves while it listens (stop_and_hop = false), and smooth materials are known to "
+            "places at rest: give stop_and_hop = true, or leave out 'smooth'",
+            description.name));
   const double end_s = pings.times_s.back() + model.sampling.end_s();
   if (!model.stop_and_hop && !trajectory.is_fixed() && !trajectory.holds(end_s))
     throw InputError(

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -52,6 +53,9 @@ void check_coherent(const PathImages& images, std::span<const SignalChannel> cha
         "signals over mirrors need straight ways: in refracting water leave mirrors or signals out, or give "
         "the "
         "water one sound speed");
+  if (std::ranges::any_of(channels, [](const SignalChannel& channel) { return channel.has_way(); }))
+    throw std::invalid_argument(
+        "signals over mirrors are of ends at rest: leave the channels' ways out, or the mirrors");
   if (channels.empty()) throw std::invalid_argument("signals need a channel or more");
 }
 
