@@ -15,7 +15,7 @@ namespace tubefoot {
 struct ArrayDescription {
   double frequency_khz = 100;                    ///< in the middle of the pulse's band
   double bandwidth_khz = 0;                      ///< swept from below to above; 0: a pulse of one frequency
-  double pulse_taper = 0.1;                      ///< share of the pulse in both its raised-cosine flanks
+  double pulse_taper = 0.5;                      ///< share of the pulse in both its raised-cosine flanks
   std::optional<double> sampling_frequency_khz;  ///< complex samples; else 1.25 times the pulse's band
   std::optional<double> baseband_khz;            ///< else frequency_khz
   double range_min_m = 0.5, range_max_m = 50;
