@@ -194,7 +194,7 @@ def test_other_threads_run_meanwhile(scene):
     other = threading.Thread(target=tick)
     other.start()
     start = time.perf_counter()
-    tubefoot.run(scene, engine="ray", rays=400_000, threads=1)
+    tubefoot.run(scene, engine="ray", rays=10_000_000, threads=1)
     end = time.perf_counter()
     over.set()
     other.join()
@@ -244,7 +244,8 @@ scene = tubefoot.load({str(folder / 'scene.toml')!r})
 def told(done, total):
     print(done, flush=True)
 try:
-    tubefoot.run(scene, engine="ray", rays=1_000_000, threads=1, output={str(folder / 'out')!r}, progress=told)
+    # Four more pings, of the better part of a second each, to be interrupted in.
+    tubefoot.run(scene, engine="ray", rays=20_000_000, threads=1, output={str(folder / 'out')!r}, progress=told)
 except KeyboardInterrupt:
     tubefoot.run(scene)  # and another one works
     sys.exit(42)
