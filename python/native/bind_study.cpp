@@ -118,7 +118,9 @@ std::vector<py::dict> chart_from_python(const py::dict& asked, const py::object&
     row["setting"] = t.setting;
     row["l1_error"] = t.l1_error;
     row["rms_db_error"] = t.rms_db_error;
-    row["seconds"] = t.seconds;
+    row["seconds"] = t.work.seconds;
+    row["processor_seconds"] = t.work.processor_seconds;
+    row["instructions"] = t.work.instructions > 0 ? py::cast(t.work.instructions) : py::object(py::none());
     row["bound"] = t.bound;
     row["rays"] = t.samples;
   }

@@ -252,7 +252,8 @@ def test_charts_have_ones_own_engines_beside_the_built_in_ones(folder, scene):
     own = by_engine["centroids"][0]
     assert own["l1_error"] == pytest.approx(built_in["l1_error"], rel=1e-6)
     assert 0 < own["l1_error"] < 2  # of energy in other samples, in which it misses and is too much
-    assert own["seconds"] > 0 and own["setting"] == "Python"
+    assert own["seconds"] > 0 and own["processor_seconds"] > 0 and own["setting"] == "Python"
+    assert own["instructions"] is None or own["instructions"] > 0
     page = (folder / "chart" / "index.html").read_text()
     table = (folder / "chart" / "chart.csv").read_text()
     assert "centroids" in page and "centroids,Python" in table and "tubes, exact cuts" in page

@@ -102,7 +102,8 @@ def chart(scenes: Union[Scene, PathLike, Sequence[Union[Scene, PathLike]]],
 
     Returns:
         One dict a trial: ``scene``, ``engine``, ``setting``, ``l1_error`` (relative), ``rms_db_error`` (dB),
-        ``seconds`` (a ping), ``bound`` (of the reference, relative) and ``rays`` (a ping).
+        ``seconds`` (a ping), ``processor_seconds`` (of those, that its thread was running), ``instructions``
+        (None where the machine does not count them), ``bound`` (of the reference, relative) and ``rays`` (a ping).
     """
     several = [scenes] if isinstance(scenes, (Scene, str, os.PathLike)) else scenes
     known = [a_scene(s) for s in several]

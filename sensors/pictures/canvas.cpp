@@ -11,8 +11,8 @@
 #include <string_view>
 
 #include "files/checked_file.hpp"
-#include "sensors/pictures/image_file.hpp"
 #include "sensors/pictures/png_bytes.hpp"
+#include "sensors/pictures/text_mask.hpp"
 
 namespace tubefoot {
 
@@ -117,11 +117,11 @@ void Canvas::text(int x, int y, const std::string& line, int size, Colour colour
   x = box.left;
   const int baseline =
       y + static_cast<int>(std::lround(0.365 * size));  // half the height of DejaVu's capitals
-  const float components[] = {colour.red, colour.green, colour.blue};
-  OIIO::ImageBuf image(OIIO::ImageSpec(width_, height_, 3, OIIO::TypeDesc::FLOAT),
-                       components_.values().data());
-  if (!OIIO::ImageBufAlgo::render_text(image, x, baseline, drawable(line), size, font_, components))
-    throw std::runtime_error("cannot draw a label: " + reason_in_words(image.geterror()));
+  const TextMask& mask = text_mask(drawable(line), size, font_);
+  auto coverage = mask.coverage.begin();
+  for (int row = 0; row < mask.height; ++row)
+    for (int column = 0; column < mask.width; ++column, ++coverage)
+      if (*coverage > 0) blend(x + mask.left + column, baseline + mask.top + row, colour, *coverage / 255.0);
   if (!line.ends_with(degree_sign)) return;
   const double radius = ring_width(size) / 2.0 - 1.5, centre_x = x + length - 1 - radius,
                centre_y = y - 0.27 * size;
@@ -187,8 +187,8 @@ const std::string& label_font() {
 
 int text_width(const std::string& line, int size, const std::string& font) {
   if (font.empty() || line.empty()) return 0;
-  const OIIO::ROI box = OIIO::ImageBufAlgo::text_size(drawable(line), size, font);
-  return (box.defined() ? box.width() : 0) + (line.ends_with(degree_sign) ? ring_width(size) + 1 : 0);
+  return text_mask(drawable(line), size, font).length +
+         (line.ends_with(degree_sign) ? ring_width(size) + 1 : 0);
 }
 
 int widest_text(const std::vector<std::string>& lines, int size, const std::string& font) {

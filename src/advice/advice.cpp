@@ -35,11 +35,11 @@ constexpr int most_refinements = 6;
 /// Seconds of `samples` samples, by the line through the last two rungs.
 double seconds_for(const std::vector<Trial>& ladder, double samples) {
   const Trial& last = ladder.back();
-  const double in_proportion = last.seconds * samples / last.samples;
+  const double in_proportion = last.work.seconds * samples / last.samples;
   if (ladder.size() < 2) return in_proportion;
   const Trial& before = ladder[ladder.size() - 2];
-  const double slope = (last.seconds - before.seconds) / (last.samples - before.samples);
-  return slope > 0 ? last.seconds + slope * (samples - last.samples) : in_proportion;
+  const double slope = (last.work.seconds - before.work.seconds) / (last.samples - before.samples);
+  return slope > 0 ? last.work.seconds + slope * (samples - last.samples) : in_proportion;
 }
 
 /// The probe pings, and what they say of all others.
@@ -58,7 +58,7 @@ class Probes {
     for (std::size_t s = 0; s < sensors_.size(); ++s)
       candidate.predicted_error =
           std::max(candidate.predicted_error, error_limit(trial.pings[s], sensors_[s].pings, measure_));
-    candidate.predicted_seconds = trial.seconds;
+    candidate.predicted_seconds = trial.work.seconds;
     (measure_ == ErrorMeasure::l1 ? trial.l1_error : trial.rms_db_error) = candidate.predicted_error;
     return trial;
   }

@@ -9,6 +9,7 @@
 #include <span>
 #include <stdexcept>
 
+#include "advice/work_meter.hpp"
 #include "compare/measures/echo_errors.hpp"
 #include "files/json_text.hpp"
 #include "geometry/steps/stop.hpp"
@@ -130,7 +131,7 @@ TrialScene::TrialScene(const SceneDescription& scene, const Choice& choice,
     if (given) as_given_.push_back({given, pings});
   }
   for (double& w : weight_) w /= all;
-  double ignored = 0;
+  PingWork ignored;
   reference_ = record(request, ignored);
   for (const Recording& r : reference_) {
     const double total = sum(heard(r, r.energy));
@@ -162,31 +163,50 @@ const std::vector<Survey>& TrialScene::surveys_of(const RunRequest& request) con
   return facets_for(request) == Facets::as_given && !as_given_.empty() ? as_given_ : surveys_;
 }
 
-std::vector<Recording> TrialScene::record(const RunRequest& request, double& seconds_a_ping) const {
-  // One sensor at a time, so that each one's seconds are known.
+std::vector<Recording> TrialScene::record(const RunRequest& request, PingWork& of_a_ping) const {
+  // One sensor and one ping at a time, so that it is known what each one takes.
   std::vector<Recording> recordings;
-  seconds_a_ping = 0;
+  of_a_ping = {};
   const std::vector<Survey>& surveys = surveys_of(request);
   for (std::size_t s = 0; s < surveys.size(); ++s) {
-    SimulationStats stats;
-    recordings.push_back(std::move(simulate(surveys[s], request, stats).front()));
-    seconds_a_ping +=
-        weight_[s] * (stats.visibility_seconds + stats.echo_seconds) / static_cast<double>(stats.pings);
+    const PingSimulation simulation(surveys[s], request);
+    const StoreLayout layout = layout_of(surveys[s], request);
+    const auto store = std::make_shared<PingStore>(layout);
+    PingValues values;
+    WorkMeter meter;
+    for (std::size_t group = 0; group < layout.groups.size(); ++group)
+      for (std::size_t ping = 0; ping < layout.groups[group].pings; ++ping) {
+        stop_if_wanted();
+        meter.start();
+        const PingCounts counts = simulation.run({group, ping}, values);
+        const PingWork work = meter.since_start();
+        const double share = weight_[s] / static_cast<double>(layout.groups[group].pings);
+        of_a_ping.seconds += share * work.seconds;
+        of_a_ping.processor_seconds += share * work.processor_seconds;
+        of_a_ping.instructions += share * work.instructions;
+        store->finish(group, ping, counts, values);
+      }
+    recordings.push_back(std::move(recordings_of(surveys[s], store).front()));
   }
   return recordings;
 }
 
 Trial TrialScene::run(const EngineSetting& setting, int repeats) const {
-  std::vector<double> seconds(static_cast<std::size_t>(repeats));
-  const std::vector<Recording> candidate = record(setting.run, seconds.front());
-  for (std::size_t r = 1; r < seconds.size(); ++r) record(setting.run, seconds[r]);
-  const auto middle = seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2);
-  std::nth_element(seconds.begin(), middle, seconds.end());
+  std::vector<PingWork> works(static_cast<std::size_t>(repeats));
+  const std::vector<Recording> candidate = record(setting.run, works.front());
+  for (std::size_t r = 1; r < works.size(); ++r) record(setting.run, works[r]);
+  const auto median = [&works](double PingWork::*amount) {
+    const auto middle = works.begin() + static_cast<std::ptrdiff_t>(works.size() / 2);
+    std::nth_element(works.begin(), middle, works.end(),
+                     [&](const PingWork& a, const PingWork& b) { return a.*amount < b.*amount; });
+    return *middle.*amount;
+  };
   Trial trial;
   trial.scene = name_;
   trial.engine = setting.engine;
   trial.setting = setting.setting;
-  trial.seconds = *middle;
+  trial.work = {median(&PingWork::seconds), median(&PingWork::processor_seconds),
+                median(&PingWork::instructions)};
   trial.bound = bound_;
   trial.samples = setting.rays;
   trial.counts = setting.run.visibility.arithmetic != Arithmetic::plain_double;
@@ -235,7 +255,7 @@ std::vector<Trial> all_trials(const TrialScene& scene, const std::vector<EngineS
     }
     if (setting.rays == 0 || (setting.rays <= end.rays && next_rung * last <= end.seconds)) {
       trials.push_back(scene.run(setting, last > slow_seconds ? 1 : repeats));
-      last = trials.back().seconds;
+      last = trials.back().work.seconds;
     } else {
       last = end.seconds;  // nor any finer one
     }

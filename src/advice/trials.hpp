@@ -63,11 +63,13 @@ class TrialScene {
   /// Why a setting cannot compute this scene (abilities.hpp); empty if it can.
   std::string refusal_of(const EngineSetting& setting) const;
   /// Runs a setting `repeats` times. The first run's energies count, and the worst sensor's errors; the
-  /// median of the times, which is that of a ping, a sensor's weight being the pings it has in the scene.
+  /// medians of the work, which is that of a ping, a sensor's weight being the pings it has in the scene.
+  /// Work is that of the calling thread: where others help, in processor's seconds and instructions only its
+  /// own.
   Trial run(const EngineSetting& setting, int repeats) const;
 
  private:
-  std::vector<Recording> record(const RunRequest& request, double& seconds_a_ping) const;
+  std::vector<Recording> record(const RunRequest& request, PingWork& of_a_ping) const;
   const std::vector<Survey>& surveys_of(const RunRequest& request) const;
 
   std::string name_;

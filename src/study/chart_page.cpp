@@ -47,22 +47,35 @@ std::vector<Trial> of_scene(std::span<const Trial> trials, const std::string& sc
   return some;
 }
 
-SceneVerdict verdict_of(const std::string& scene, std::span<const Trial> trials) {
+std::string name_of(WorkMeasure work) {
+  switch (work) {
+    case WorkMeasure::seconds:
+      return "seconds";
+    case WorkMeasure::processor_seconds:
+      return "processor time";
+    case WorkMeasure::instructions:
+      break;
+  }
+  return "instructions";
+}
+
+SceneVerdict verdict_of(const std::string& scene, std::span<const Trial> trials, WorkMeasure work) {
   const std::vector<Trial> all = of_scene(trials, scene), exact = filtered(all, false),
                            sampling = filtered(all, true);
   SceneVerdict verdict;
   verdict.scene = scene;
+  verdict.work = work;
   const auto compare = [&](ErrorMeasure measure, double error, std::optional<double>& ratio_out,
                            bool& extrapolated) {
-    const std::optional<Cost> ours = cost_of(exact, measure, error),
-                              theirs = cost_of(sampling, measure, error);
+    const std::optional<Cost> ours = cost_of(exact, measure, error, work),
+                              theirs = cost_of(sampling, measure, error, work);
     if (!ours || !theirs) return;
-    ratio_out = theirs->seconds / ours->seconds;
+    ratio_out = theirs->amount / ours->amount;
     extrapolated = theirs->extrapolated;
   };
   compare(ErrorMeasure::rms_db, asked_db, verdict.ray_over_tube_at_db, verdict.db_extrapolated);
   compare(ErrorMeasure::l1, asked_l1, verdict.ray_over_tube_at_l1, verdict.l1_extrapolated);
-  verdict.crossing_l1 = crossing_error(exact, sampling, ErrorMeasure::l1);
+  verdict.crossing_l1 = crossing_error(exact, sampling, ErrorMeasure::l1, work);
   return verdict;
 }
 
@@ -84,8 +97,9 @@ Diagram work_precision_plot(const std::string& scene, std::span<const Trial> tri
     std::vector<Trial> own;
     for (const Trial& t : all)
       if (t.engine == engine) own.push_back(t);
-    std::sort(own.begin(), own.end(), [](const Trial& a, const Trial& b) { return a.seconds < b.seconds; });
-    for (const Trial& t : own) series.points.emplace_back(t.seconds, error_of(t, measure));
+    std::sort(own.begin(), own.end(),
+              [](const Trial& a, const Trial& b) { return a.work.seconds < b.work.seconds; });
+    for (const Trial& t : own) series.points.emplace_back(t.work.seconds, error_of(t, measure));
     series.joined = own.front().samples > 0;
     if (const auto order = convergence_order(own, measure, 2 * plot.floor))
       series.note = fmt::format("order {:.2f} in rays", *order);
@@ -95,10 +109,13 @@ Diagram work_precision_plot(const std::string& scene, std::span<const Trial> tri
 }
 
 std::string to_csv(std::span<const Trial> trials) {
-  std::string csv = "scene,engine,setting,l1_error,rms_db_error,seconds,bound\n";
+  std::string csv =
+      "scene,engine,setting,l1_error,rms_db_error,seconds,bound,processor_seconds,instructions\n";
   for (const Trial& t : trials)
-    csv += fmt::format("{},{},{},{:.6g},{:.6g},{:.6g},{:.6g}\n", csv_text(t.scene), csv_text(t.engine),
-                       csv_text(t.setting), t.l1_error, t.rms_db_error, t.seconds, t.bound);
+    csv += fmt::format("{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{}\n", csv_text(t.scene),
+                       csv_text(t.engine), csv_text(t.setting), t.l1_error, t.rms_db_error, t.work.seconds,
+                       t.bound, t.work.processor_seconds,
+                       t.work.instructions > 0 ? fmt::format("{:.0f}", t.work.instructions) : "");
   return csv;
 }
 
@@ -114,19 +131,24 @@ std::string to_html(std::span<const Trial> trials, const std::string& about) {
       "</style>\n</head>\n<body>\n<h1>Accuracy against speed</h1>\n<p>{}</p>\n",
       about);
   html += fmt::format(
-      "<h2>What it says</h2>\n<table>\n<tr><th>scene</th><th>rays / tubes at {} dB RMS</th>"
-      "<th>rays / tubes at {} L1</th><th>rays cheaper above L1 of</th></tr>\n",
+      "<h2>What it says</h2>\n<table>\n<tr><th>scene</th><th class=\"left\">in</th>"
+      "<th>rays / tubes at {} dB RMS</th><th>rays / tubes at {} L1</th><th>rays cheaper above L1 "
+      "of</th></tr>\n",
       asked_db, asked_l1);
-  for (const std::string& scene : scenes_of(trials)) {
-    const SceneVerdict v = verdict_of(scene, trials);
-    html += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{:.2g} %</td></tr>\n", shown_markup(scene),
-                        ratio(v.ray_over_tube_at_db, v.db_extrapolated),
-                        ratio(v.ray_over_tube_at_l1, v.l1_extrapolated), 100 * v.crossing_l1);
-  }
-  html +=
-      "</table>\n<p>Seconds of the best ray setting over those of the best tube setting that reach the "
-      "error. "
-      "* : no ray setting tried reaches it; extrapolated along its fitted order.</p>\n";
+  const WorkMeasure steadiest = steadiest_measure(trials);
+  for (const std::string& scene : scenes_of(trials))
+    for (const WorkMeasure work : {WorkMeasure::seconds, steadiest}) {
+      const SceneVerdict v = verdict_of(scene, trials, work);
+      html += fmt::format(
+          "<tr><td>{}</td><td class=\"left\">{}</td><td>{}</td><td>{}</td><td>{:.2g} %</td></tr>\n",
+          shown_markup(scene), name_of(work), ratio(v.ray_over_tube_at_db, v.db_extrapolated),
+          ratio(v.ray_over_tube_at_l1, v.l1_extrapolated), 100 * v.crossing_l1);
+    }
+  html += fmt::format(
+      "</table>\n<p>Work of the best ray setting over that of the best tube setting that reach the error, by "
+      "the clock and in {}, which depends less on what else the machine does. "
+      "* : no ray setting tried reaches it; extrapolated along its fitted order.</p>\n",
+      name_of(steadiest));
   for (const std::string& scene : scenes_of(trials))
     html += fmt::format("<h2>{}</h2>\n<div class=\"pair\">\n{}{}</div>\n", shown_markup(scene),
                         to_svg(work_precision_plot(scene, trials, ErrorMeasure::l1)),
@@ -134,13 +156,14 @@ std::string to_html(std::span<const Trial> trials, const std::string& about) {
   html +=
       "<h2>All runs</h2>\n<table>\n<tr><th>scene</th><th class=\"left\">engine</th><th "
       "class=\"left\">setting</th><th>L1 error</th><th>RMS error, dB</th><th>seconds a ping</th>"
-      "<th>reference's bound</th></tr>\n";
+      "<th>of processor</th><th>instructions</th><th>reference's bound</th></tr>\n";
   for (const Trial& t : trials)
     html += fmt::format(
         "<tr><td>{}</td><td class=\"left\">{}</td><td class=\"left\">{}</td><td>{:.3g}</td><td>{:.3g}</td>"
-        "<td>{:.3g}</td><td>{:.2g}</td></tr>\n",
+        "<td>{:.3g}</td><td>{:.3g}</td><td>{}</td><td>{:.2g}</td></tr>\n",
         shown_markup(t.scene), shown_markup(t.engine), shown_markup(t.setting), t.l1_error, t.rms_db_error,
-        t.seconds, t.bound);
+        t.work.seconds, t.work.processor_seconds,
+        t.work.instructions > 0 ? fmt::format("{:.3g}", t.work.instructions) : "not counted", t.bound);
   return html + "</table>\n</body>\n</html>\n";
 }
 

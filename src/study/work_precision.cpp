@@ -9,7 +9,7 @@ namespace tubefoot {
 namespace {
 
 struct Point {
-  double samples, seconds, error;
+  double samples, work, error;
 };
 
 /// Least squares through (x, y); none if all x are equal.
@@ -32,10 +32,11 @@ std::optional<Line> fit(const std::vector<std::pair<double, double>>& points) {
 }
 
 /// Sampling trials by engine, by number of samples.
-std::map<std::string, std::vector<Point>> ladders(std::span<const Trial> trials, ErrorMeasure measure) {
+std::map<std::string, std::vector<Point>> ladders(std::span<const Trial> trials, ErrorMeasure measure,
+                                                  WorkMeasure work) {
   std::map<std::string, std::vector<Point>> all;
   for (const Trial& t : trials)
-    if (t.samples > 0) all[t.engine].push_back({t.samples, t.seconds, error_of(t, measure)});
+    if (t.samples > 0) all[t.engine].push_back({t.samples, amount_of(t.work, work), error_of(t, measure)});
   for (auto& [engine, points] : all)
     std::sort(points.begin(), points.end(),
               [](const Point& a, const Point& b) { return a.samples < b.samples; });
@@ -49,24 +50,42 @@ std::optional<Cost> cost_on(const std::vector<Point>& ladder, double error) {
   while (first > 0 && ladder[first - 1].error <= error) --first;
   if (first < ladder.size()) {
     const Point& good = ladder[first];
-    if (first == 0 || !(good.error > 0)) return Cost{good.seconds, false};
+    if (first == 0 || !(good.error > 0)) return Cost{good.work, false};
     const Point& bad = ladder[first - 1];
     const double part = std::log(bad.error / error) / std::log(bad.error / good.error);
-    return Cost{bad.seconds * std::pow(good.seconds / bad.seconds, part), false};
+    return Cost{bad.work * std::pow(good.work / bad.work, part), false};
   }
   std::vector<std::pair<double, double>> tail;  // the finer half: the coarse end has not converged yet
   for (std::size_t k = ladder.size() / 2; k < ladder.size(); ++k)
-    if (ladder[k].error > 0 && ladder[k].seconds > 0)
+    if (ladder[k].error > 0 && ladder[k].work > 0)
       tail.emplace_back(std::log(ladder[k].samples), std::log(ladder[k].error));
   if (tail.size() < 2) return std::nullopt;
   const std::optional<Line> line = fit(tail);
   if (!line || !(line->slope < -0.1)) return std::nullopt;
   const Point& best = ladder.back();
-  // Seconds grow with the samples at the far end of the ladder.
-  return Cost{best.seconds * std::pow(error / best.error, 1 / line->slope), true};
+  // Work grows with the samples at the far end of the ladder.
+  return Cost{best.work * std::pow(error / best.error, 1 / line->slope), true};
 }
 
 }  // namespace
+
+double amount_of(const PingWork& work, WorkMeasure measure) {
+  switch (measure) {
+    case WorkMeasure::seconds:
+      return work.seconds;
+    case WorkMeasure::processor_seconds:
+      return work.processor_seconds;
+    case WorkMeasure::instructions:
+      break;
+  }
+  return work.instructions;
+}
+
+WorkMeasure steadiest_measure(std::span<const Trial> trials) {
+  return std::all_of(trials.begin(), trials.end(), [](const Trial& t) { return t.work.instructions > 0; })
+             ? WorkMeasure::instructions
+             : WorkMeasure::processor_seconds;
+}
 
 double error_of(const Trial& trial, ErrorMeasure measure) {
   return measure == ErrorMeasure::l1 ? trial.l1_error : trial.rms_db_error;
@@ -110,24 +129,26 @@ std::optional<double> samples_for(std::span<const Trial> ladder, ErrorMeasure me
   return std::exp((std::log(error) - line->intercept) / line->slope);
 }
 
-std::optional<Cost> cost_of(std::span<const Trial> trials, ErrorMeasure measure, double error) {
+std::optional<Cost> cost_of(std::span<const Trial> trials, ErrorMeasure measure, double error,
+                            WorkMeasure work) {
   std::optional<Cost> least;
   const auto offer = [&](const std::optional<Cost>& cost) {
-    if (cost && (!least || cost->seconds < least->seconds)) least = cost;
+    if (cost && (!least || cost->amount < least->amount)) least = cost;
   };
   for (const Trial& t : trials)
-    if (!(t.samples > 0) && error_of(t, measure) <= error) offer(Cost{t.seconds, false});
-  for (const auto& [engine, ladder] : ladders(trials, measure)) offer(cost_on(ladder, error));
+    if (!(t.samples > 0) && error_of(t, measure) <= error) offer(Cost{amount_of(t.work, work), false});
+  for (const auto& [engine, ladder] : ladders(trials, measure, work)) offer(cost_on(ladder, error));
   return least;
 }
 
-double crossing_error(std::span<const Trial> exact, std::span<const Trial> sampling, ErrorMeasure measure) {
+double crossing_error(std::span<const Trial> exact, std::span<const Trial> sampling, ErrorMeasure measure,
+                      WorkMeasure work) {
   constexpr int steps_per_decade = 50, decades = 6;
   for (int k = 0; k <= steps_per_decade * decades; ++k) {
     const double error = std::pow(10.0, -static_cast<double>(k) / steps_per_decade);
-    const std::optional<Cost> ours = cost_of(exact, measure, error),
-                              theirs = cost_of(sampling, measure, error);
-    if (ours && (!theirs || ours->seconds <= theirs->seconds)) return error;
+    const std::optional<Cost> ours = cost_of(exact, measure, error, work),
+                              theirs = cost_of(sampling, measure, error, work);
+    if (ours && (!theirs || ours->amount <= theirs->amount)) return error;
   }
   return 0;
 }

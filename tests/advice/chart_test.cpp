@@ -51,7 +51,8 @@ window_length_m = 7
 
 struct Row {
   std::string engine, setting;
-  double l1 = 0, db = 0, seconds = 0, bound = 0;
+  double l1 = 0, db = 0, seconds = 0, bound = 0, processor_seconds = 0;
+  std::string instructions;
 };
 
 /// A line of CSV, quotes taken off.
@@ -96,9 +97,10 @@ struct Chart : testing::Test {
     std::getline(csv, header);
     for (std::string line; std::getline(csv, line);) {
       const std::vector<std::string> f = fields_of(line);
-      ASSERT_EQ(f.size(), 7u) << line;
+      ASSERT_EQ(f.size(), 9u) << line;
       EXPECT_EQ(f[0], "step");
-      rows[f[1]].push_back({f[1], f[2], std::stod(f[3]), std::stod(f[4]), std::stod(f[5]), std::stod(f[6])});
+      rows[f[1]].push_back({f[1], f[2], std::stod(f[3]), std::stod(f[4]), std::stod(f[5]), std::stod(f[6]),
+                            std::stod(f[7]), f[8]});
     }
   }
   static void TearDownTestSuite() { folder.reset(); }
@@ -115,7 +117,8 @@ std::string Chart::header;
 std::map<std::string, std::vector<Row>> Chart::rows;
 
 TEST_F(Chart, WritesEveryEngineInARowASetting) {
-  EXPECT_EQ(header, "scene,engine,setting,l1_error,rms_db_error,seconds,bound");
+  EXPECT_EQ(header,
+            "scene,engine,setting,l1_error,rms_db_error,seconds,bound,processor_seconds,instructions");
   std::map<std::string, std::size_t> settings;
   for (const auto& [engine, own] : rows) settings[engine] = own.size();
   EXPECT_THAT(settings,
@@ -132,6 +135,10 @@ TEST_F(Chart, WritesEveryEngineInARowASetting) {
   for (const auto& [engine, own] : rows)
     for (const Row& row : own) {
       EXPECT_GT(row.seconds, 0) << engine << ", " << row.setting;
+      EXPECT_GT(row.processor_seconds, 0) << engine << ", " << row.setting;
+      // One thread; the processor's clock ticks more coarsely on some machines.
+      EXPECT_LT(row.processor_seconds, 1.05 * row.seconds + 0.01) << engine << ", " << row.setting;
+      if (!row.instructions.empty()) EXPECT_GT(std::stod(row.instructions), 0) << row.setting;
       EXPECT_GE(row.l1, 0) << engine << ", " << row.setting;
       EXPECT_LE(row.db, 30) << engine << ", " << row.setting;
       EXPECT_GT(row.bound, 0);
@@ -183,6 +190,8 @@ TEST_F(Chart, WritesPageAndPictures) {
   for (const char* png : {"step-l1.png", "step-rms-db.png"})
     EXPECT_EQ(bytes_of(*folder / "out" / png).substr(0, 8), "\x89PNG\r\n\x1a\n");
   EXPECT_THAT(outcome.out, HasSubstr("rays/tubes"));
+  EXPECT_THAT(outcome.out, testing::ContainsRegex("\nstep +seconds "));
+  EXPECT_THAT(outcome.out, testing::ContainsRegex("\nstep +(processor time|instructions) "));
   EXPECT_THAT(outcome.out, HasSubstr("chart.csv"));
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/work_precision.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -22,7 +23,7 @@ std::vector<Trial> ladder(const std::string& engine, double scale, double order,
     t.engine = engine;
     t.setting = "N";
     t.samples = n;
-    t.seconds = 1e-6 * n;
+    t.work = {1e-6 * n, 0.8e-6 * n, 4000 * n};
     t.l1_error = scale * std::pow(n, order);
     t.rms_db_error = 20 * t.l1_error;
     t.bound = 1e-9;
@@ -36,7 +37,7 @@ Trial exact(double seconds, double l1) {
   t.scene = "bed";
   t.engine = "tube";
   t.setting = "fixed";
-  t.seconds = seconds;
+  t.work = {seconds, 0.8 * seconds, 4e9 * seconds};
   t.l1_error = l1;
   t.rms_db_error = 20 * l1;
   t.bound = 1e-9;
@@ -57,17 +58,47 @@ TEST(WorkPrecision, CostFollowsThePowerLawBetweenAndBeyondTrials) {
   for (const double error : {0.2, 0.05, 0.003, 1e-4}) {
     const auto cost = cost_of(rays, ErrorMeasure::l1, error);
     ASSERT_TRUE(cost);
-    EXPECT_NEAR(cost->seconds / (1e-6 * std::pow(3 / error, 2)), 1, 1e-9) << error;
+    EXPECT_NEAR(cost->amount / (1e-6 * std::pow(3 / error, 2)), 1, 1e-9) << error;
     EXPECT_EQ(cost->extrapolated, error < 0.003);
   }
-  EXPECT_DOUBLE_EQ(cost_of(rays, ErrorMeasure::l1, 0.9)->seconds, 1e-4)
+  EXPECT_DOUBLE_EQ(cost_of(rays, ErrorMeasure::l1, 0.9)->amount, 1e-4)
       << "the coarsest setting is good enough";
+}
+
+TEST(WorkPrecision, WorkIsTheClocksTheProcessorsOrInstructionsAsAsked) {
+  const auto rays = ladder("rays", 3, -0.5);
+  const double clock = cost_of(rays, ErrorMeasure::l1, 0.01)->amount;
+  EXPECT_NEAR(cost_of(rays, ErrorMeasure::l1, 0.01, WorkMeasure::processor_seconds)->amount, 0.8 * clock,
+              1e-9 * clock);
+  EXPECT_NEAR(cost_of(rays, ErrorMeasure::l1, 0.01, WorkMeasure::instructions)->amount, 4e9 * clock,
+              1 * clock);
+
+  // A machine that was busy while the tubes ran: its clock says twice what they took.
+  std::vector<Trial> all = rays;
+  all.push_back(exact(0.02, 0));
+  all.back().work.seconds *= 2;
+  const SceneVerdict busy = verdict_of("bed", all), steady = verdict_of("bed", all, steadiest_measure(all));
+  EXPECT_NEAR(*steady.ray_over_tube_at_l1 / *busy.ray_over_tube_at_l1, 2, 1e-9);
+  EXPECT_GT(busy.crossing_l1, 0);
+  EXPECT_GT(steady.crossing_l1, busy.crossing_l1) << "rays are the cheaper choice for fewer errors";
+  EXPECT_EQ(steady.work, WorkMeasure::instructions);
+}
+
+TEST(WorkPrecision, InstructionsAreTheMeasureWhereAllTrialsHaveThem) {
+  std::vector<Trial> all = ladder("rays", 3, -0.5);
+  EXPECT_EQ(steadiest_measure(all), WorkMeasure::instructions);
+  EXPECT_EQ(name_of(steadiest_measure(all)), "instructions");
+  EXPECT_THAT(to_csv(all), testing::HasSubstr(",8e-05,400000\n"));
+  all.front().work.instructions = 0;
+  EXPECT_EQ(steadiest_measure(all), WorkMeasure::processor_seconds);
+  EXPECT_THAT(to_csv(all), testing::HasSubstr(",8e-05,\n"));
+  EXPECT_THAT(to_html(all, ""), testing::HasSubstr("processor time"));
 }
 
 TEST(WorkPrecision, ALuckyCoarseSettingDoesNotCount) {
   auto rays = ladder("rays", 3, -0.5);
   rays[0].l1_error = 1e-6;
-  EXPECT_NEAR(cost_of(rays, ErrorMeasure::l1, 0.01)->seconds, 0.09, 1e-9);
+  EXPECT_NEAR(cost_of(rays, ErrorMeasure::l1, 0.01)->amount, 0.09, 1e-9);
 }
 
 TEST(WorkPrecision, AnEngineThatDoesNotConvergeReachesNothing) {
@@ -79,7 +110,7 @@ TEST(WorkPrecision, TheCheapestEngineCounts) {
   auto trials = ladder("slow", 30, -0.5);
   const auto fast = ladder("fast", 3, -0.75);
   trials.insert(trials.end(), fast.begin(), fast.end());
-  EXPECT_NEAR(cost_of(trials, ErrorMeasure::l1, 0.01)->seconds, 1e-6 * std::pow(300, 4 / 3.0), 1e-9);
+  EXPECT_NEAR(cost_of(trials, ErrorMeasure::l1, 0.01)->amount, 1e-6 * std::pow(300, 4 / 3.0), 1e-9);
 }
 
 TEST(WorkPrecision, CrossingIsWhereTheCostsMeet) {
