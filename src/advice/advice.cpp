@@ -205,7 +205,7 @@ bool Advice::holds(const Candidate& candidate) const {
 }
 
 double Advice::seconds(const Candidate& candidate) const {
-  return candidate.others ? candidate.others->seconds : candidate.predicted_seconds;
+  return candidate.others ? candidate.others->work.seconds : candidate.predicted_seconds;
 }
 
 std::size_t cheapest(const Advice& advice) {

@@ -190,7 +190,7 @@ TEST(Cheapest, IsTheFastestThatHoldsByPredictionAndMeasurement) {
     c.predicted_seconds = 1;
     c.others.emplace();
     c.others->l1_error = measured;
-    c.others->seconds = seconds;
+    c.others->work.seconds = seconds;
   };
   add(0, 0, 10);
   add(0.02, 0.001, 1);   // predicted not to hold
@@ -200,9 +200,9 @@ TEST(Cheapest, IsTheFastestThatHoldsByPredictionAndMeasurement) {
   add(0.001, 0.001, 3);
   advice.candidates.back().tried = false;
   EXPECT_EQ(cheapest(advice), 3u);
-  advice.candidates[3].others->seconds = 11;
+  advice.candidates[3].others->work.seconds = 11;
   EXPECT_EQ(cheapest(advice), 4u);
-  advice.candidates[4].others->seconds = 12;
+  advice.candidates[4].others->work.seconds = 12;
   EXPECT_EQ(cheapest(advice), 0u);
 }
 
