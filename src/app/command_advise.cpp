@@ -40,8 +40,8 @@ void print_advice(const Advice& advice) {
     }
     tell("{:<44} {:>10} {:>10.3g} ", name, error_text(measure, c.predicted_error), c.predicted_seconds);
     if (c.others)
-      tell("{:>10} {:>10.3g}  {}\n", error_text(measure, error_of(*c.others, measure)), c.others->work.seconds,
-           advice.holds(c) ? "yes" : "no");
+      tell("{:>10} {:>10.3g}  {}\n", error_text(measure, error_of(*c.others, measure)),
+           c.others->work.seconds, advice.holds(c) ? "yes" : "no");
     else
       tell("{:>10} {:>10}  no: {}\n", "-", "-", c.note);
   }
