@@ -162,6 +162,35 @@ TEST(GroundField, TexturesHaveTheirMoments) {
     }
 }
 
+// E[I^2] / E[I]^2 of N scatterers of one strength is 2 - 1/N, which the field's own, of circular amplitudes,
+// is not: it is 2 for any number of them.
+TEST(GroundField, FewScatterersAreAsManyForTheSecondMoment) {
+  const std::uint64_t seed = 77;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  constexpr int draws = 20000;
+  for (const int side : {1, 2, 3}) {
+    const double n = side * side;
+    const std::vector<glm::dvec3> corners{
+        {0, 0, -3}, {0.1 * side, 0, -3}, {0.1 * side, 0.1 * side, -3}, {0, 0.1 * side, -3}};
+    std::vector<double> own, even;
+    for (int draw = 0; draw < draws; ++draw) {
+      Complex sum = 0, of_one_strength = 0;
+      int count = 0;
+      GroundField{seed + std::uint64_t(draw), 0.1}.for_scatterers(corners, {0, 0, 1},
+                                                                  [&](glm::dvec3, Complex z) {
+                                                                    sum += z;
+                                                                    of_one_strength += z / std::abs(z);
+                                                                    ++count;
+                                                                  });
+      ASSERT_EQ(count, n);
+      own.push_back(std::norm(sum));
+      even.push_back(std::norm(of_one_strength));
+    }
+    EXPECT_NEAR(statistics::scintillation(own), 2, 0.15) << n;
+    EXPECT_NEAR(statistics::scintillation(even), 2 - 1 / n, 0.1) << n;
+  }
+}
+
 TEST(GroundField, RefusesWhatIsNone) {
   EXPECT_THROW(check(GroundField{1, 0}), std::invalid_argument);
   EXPECT_THROW(check(GroundField{1, HUGE_VAL}), std::invalid_argument);

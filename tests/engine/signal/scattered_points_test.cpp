@@ -80,7 +80,11 @@ TEST(ScatteredPoints, HaveTheCovariancesOfThePolygonsTheyLieOn) {
     const double area = places.area_m2();
 
     // Draws: fresh places each time, circular amplitudes.
-    constexpr int draws = 700, each = 1500;
+    constexpr int draws = 300, each = 4000;
+    // Denser than whoever looks over the sector's width by gates of this length can tell apart.
+    const double wavelength = sound_speed / carrier_hz, bandwidth_hz = sound_speed / (2 * gates.step_m);
+    ASSERT_GT(each / area, 2 * bandwidth_hz / sound_speed * (2 * SignalView::width / wavelength))
+        << scene.name;
     const std::size_t gated = std::size_t(gates.count) * channels.size(), timed = times * channels.size();
     Draws by_gate(gated), by_time(timed);
     std::size_t hidden = 0, in_sector = 0;

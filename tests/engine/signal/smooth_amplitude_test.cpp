@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -64,6 +65,43 @@ TEST(FarAmplitude, ErrorFallsWithRange) {
       EXPECT_NEAR(std::abs(far.pressure) * range * range, 0.4, 1e-5);
     }
   }
+}
+
+// The signals sheet's k D^2 / 4R of 0.05, as lengths, and that plane waves are that good there: across a
+// square of this diameter, on its axis and off it.
+TEST(FarAmplitude, IsGoodAsFarAsTheSheetSays) {
+  for (const auto& [hertz, range, millimetres] :
+       {std::array{100e3, 20.0, 98.0}, {455e3, 10.0, 32.0}, {1.8e6, 5.0, 11.5}}) {
+    const double k = 2 * pi * hertz / 1500, diameter = std::sqrt(4 * range * 0.05 / k);
+    EXPECT_NEAR(1e3 * diameter, millimetres, millimetres < 20 ? 0.05 : 0.5);
+    const double side = diameter / std::sqrt(2.0);
+    const Polygon2 square{{0, 0}, {side, 0}, {side, side}, {0, side}};
+    for (const glm::dvec2 middle : {glm::dvec2(0), glm::dvec2(0.5 * range, 0.2 * range)}) {
+      const double height = std::sqrt(range * range - glm::dot(middle, middle));
+      const PlanarPolygon polygon = planar(test::shifted(square, middle - side / 2), height);
+      const FarAmplitude far = far_amplitude(polygon, {height, {0, 0}}, k);
+      EXPECT_LE(far.error, 0.05 * far.most) << hertz;
+      EXPECT_LE(std::abs(far.pressure - amplitude(polygon, {height, {0, 0}}, k, 0)), 0.05 * far.most)
+          << hertz;
+    }
+  }
+}
+
+// The signals sheet's price of the world's grid, 2k times half a unit: 0.007 rad at 1.8 MHz for a unit of
+// 2^-20 m.
+TEST(SmoothAmplitude, TheWorldsGridTurnsPhasesAsTheSheetSays) {
+  const double k = 2 * pi * 1.8e6 / 1500, unit = 0x1p-20;
+  EXPECT_NEAR(2 * k * 0.48e-6, 0.007, 5e-4);
+  double most = 0;
+  for (int n = 0; n < 200; ++n) {
+    const double height = 2 + n * 0.00137, snapped = std::round(height / unit) * unit;
+    const Polygon2 square{{-.003, -.003}, {.003, -.003}, {.003, .003}, {-.003, .003}};
+    const Complex exact = amplitude(planar(square, height), {height, {0, 0}}, k, 0),
+                  got = amplitude(planar(square, snapped), {snapped, {0, 0}}, k, 0);
+    most = std::max(most, std::abs(std::arg(got / exact)));
+  }
+  EXPECT_LT(most, 2 * k * 0.48e-6);
+  EXPECT_GT(most, 0.9 * 0.007);
 }
 
 // Two apexes far away: the sheet's bistatic value, -0.0306517890946051 i.

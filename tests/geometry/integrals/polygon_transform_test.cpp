@@ -74,6 +74,37 @@ TEST(PolygonTransform, RectangleIsAProductOfSincs) {
           << qx << " " << qy;
 }
 
+// The signals sheet's rectangle of 0.10 m by 0.06 m, from three directions to where the sound came from and
+// from one to another: f = (ik / 4 pi) (i - s).n I(k (i - s)), rigid.
+TEST(PolygonTransform, RectangleHasTheSheetsDigits) {
+  const double k = 2 * std::numbers::pi * 100e3 / 1500, degree = std::numbers::pi / 180;
+  EXPECT_NEAR(k, 418.879020479, 5e-10);
+  const std::vector<glm::dvec3> rectangle{{-.05, -.03, 0}, {.05, -.03, 0}, {.05, .03, 0}, {-.05, .03, 0}};
+  const auto towards = [&](double theta, double phi) {
+    return glm::dvec3(std::sin(theta * degree) * std::cos(phi * degree),
+                      std::sin(theta * degree) * std::sin(phi * degree), std::cos(theta * degree));
+  };
+  const auto length = [&](glm::dvec3 in, glm::dvec3 out) {
+    return Complex(0, k / (4 * std::numbers::pi)) * (in - out).z *
+           polygon_transform(rectangle, {0, 0, 1}, k * (in - out));
+  };
+  const auto check = [&](double theta, double phi, double rigid, double within, double strength_db,
+                         double within_db) {
+    const Complex f = length(-towards(theta, phi), towards(theta, phi));
+    EXPECT_NEAR(f.imag(), rigid, within) << theta;
+    EXPECT_NEAR(f.real(), 0, 1e-16) << theta;
+    EXPECT_NEAR(20 * std::log10(std::abs(f)), strength_db, within_db) << theta;
+  };
+  check(0, 0, -0.4, 1e-15, -7.958800173, 5e-10);
+  check(5, 0, 0.0532057710108715, 1e-15, -25.48082518, 5e-9);
+  check(20, 30, -0.00102316471765103, 1e-16, -59.80108889, 5e-9);
+  // Incidence at 30 degrees in the plane of x and z, out at 40 degrees, 15 degrees beside it.
+  const Complex beside =
+      length(glm::dvec3(std::sin(30 * degree), 0, -std::cos(30 * degree)), towards(40, 15));
+  EXPECT_NEAR(beside.imag(), -0.0306517890946051, 1e-15);
+  EXPECT_NEAR(beside.real(), 0, 1e-16);
+}
+
 // Values of the signals sheet, two corners of the wave vector.
 TEST(PolygonTransform, TriangleInSpaceHasTheSheetsDigits) {
   const double k = 2 * std::numbers::pi * 100e3 / 1500;
