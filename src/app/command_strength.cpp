@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "app/commands.hpp"
 #include "files/memory_at_hand.hpp"
 #include "files/usage_error.hpp"
@@ -23,6 +25,16 @@ StrengthRequest request_of(const StrengthOptions& options) {
   if (request.elevations_deg.front() < -90 || request.elevations_deg.back() > 90)
     throw UsageError(
         fmt::format("--elevation '{}': elevations are from -90 to 90 degrees", options.elevations));
+  if (request.azimuths_deg.front() < -360 || request.azimuths_deg.back() > 360)
+    throw UsageError(fmt::format("--azimuth '{}': azimuths are from -360 to 360 degrees", options.azimuths));
+  for (const double hertz : {request.frequencies_hz.front(), request.frequencies_hz.back()}) {
+    constexpr double shortest_m = 1e-9, longest_m = 1e9;
+    const double wavelength_m = request.sound_speed / hertz;
+    if (!(wavelength_m >= shortest_m && wavelength_m <= longest_m))
+      throw UsageError(fmt::format(
+          "--frequency '{}': at {:g} m/s the wavelength of {:g} Hz is {:g} m, must be {:g} to {:g} m",
+          options.frequencies, request.sound_speed, hertz, wavelength_m, shortest_m, longest_m));
+  }
   if (!(options.tolerance >= 1e-12 && options.tolerance <= 0.1))
     throw UsageError(fmt::format("--tolerance of a --reference is a relative bound, 1e-12 to 0.1, not '{:g}'",
                                  options.tolerance));
@@ -59,6 +71,12 @@ int strength_command(const StrengthOptions& options) {
                  {options.mesh.string()}, "so many target strengths", "widen the steps of the ranges");
   const StrengthTable table = strength_of(mesh, options.mesh.filename().string(), request, options.quiet);
   output.write(table);
+  if (std::ranges::all_of(table.silhouette_m2, [](double area) { return area == 0; }))
+    print_warnings(
+        {fmt::format("{}: from none of these directions is anything of it seen: its facets have no area, "
+                     "or all stand on edge",
+                     options.mesh.string())},
+        options.quiet);
 
   const auto [weakest, strongest] = spread_db(table);
   tell("facets         {}\n", mesh.triangles.size());

@@ -232,6 +232,23 @@ TEST(StrengthCommand, WritesAFolderAndRefusesWhatIsWrong) {
   EXPECT_EQ(run("--frequency 100kHz -o " + mesh.string()).exit_code, 2);
   EXPECT_EQ(run("-o " + (folder / "x.csv").string()).exit_code, 2);
   EXPECT_EQ(run("--frequency 1:1e5:1 --azimuth 0:359:0.1 -o " + (folder / "x.csv").string()).exit_code, 2);
+  // Beyond all numbers, and directions that are none.
+  for (const char* wrong :
+       {"--frequency 1e300", "--frequency 1e-300", "--frequency 1kHz --sound-speed 1e-300",
+        "--frequency 1kHz --azimuth 1e18", "--frequency 1kHz --azimuth -400:0:10"}) {
+    const auto outcome = run(std::string(wrong) + " -o " + (folder / "x.csv").string());
+    EXPECT_EQ(outcome.exit_code, 2) << wrong;
+    EXPECT_THAT(outcome.err, testing::AnyOf(HasSubstr("wavelength"), HasSubstr("-360 to 360"))) << wrong;
+  }
+  // Nothing to see is told.
+  const std::filesystem::path line = folder.write("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+  EXPECT_THAT(
+      run_program({"strength", line.string(), "--frequency", "10kHz", "-o", (folder / "line.csv").string()})
+          .err,
+      HasSubstr("anything of it seen"));
+  EXPECT_THAT(run("--frequency 100kHz --elevation 0 --azimuth 0 -o " + (folder / "edge.csv").string()).err,
+              HasSubstr("anything of it seen"));
+  EXPECT_THAT(good.err, testing::Not(HasSubstr("anything of it seen")));
   // Certified, the tolerance kept and not.
   const std::string plate = "--frequency 100kHz --elevation 90 --azimuth 0 --reference ";
   const auto kept = run(plate + "-o " + (folder / "kept.csv").string());
