@@ -264,9 +264,14 @@ std::vector<const toml::node*> array_of_any_length(const toml::node& node, const
 
 TomlKey element_key(const TomlKey& key, std::size_t index) {
   TomlKey element = key;
-  const std::size_t count =
-      std::isdigit(static_cast<unsigned char>(key.type.front())) ? 2 : 0;  // "3 numbers"
-  element.type = key.type.substr(count, key.type.size() - 1 - count);
+  constexpr std::string_view lists = "lists of ";  // "lists of 3 numbers"
+  if (key.type.starts_with(lists)) {
+    element.type = key.type.substr(lists.size());
+  } else {
+    const std::size_t count =
+        std::isdigit(static_cast<unsigned char>(key.type.front())) ? 2 : 0;  // "3 numbers"
+    element.type = key.type.substr(count, key.type.size() - 1 - count);
+  }
   if (!key.ranges.empty()) {
     element.ranges = {key.ranges.size() == 1 ? key.ranges.front() : key.ranges.at(index)};
     element.range = to_string(element.ranges.front());

@@ -74,6 +74,25 @@ TEST(ArrayKeys, AllAreRead) {
               ElementsAre(std::array{1.0, 2.0, 3.0}, std::array{4.0, 5.0, 6.0}));
 }
 
+// Lists of lists are told as what they are, each of them and each number in it.
+TEST(ArrayKeys, WrongListsSayWhatIsExpected) {
+  const auto said = [](const std::string& keys) -> std::string {
+    try {
+      keys_of(keys);
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+    return "nothing was wrong";
+  };
+  EXPECT_THAT(said("receivers_m = [[0, 0]]\n"),
+              HasSubstr("must be an array of 3 numbers in metres (-1000 to 1000), not of 2"));
+  EXPECT_THAT(said("receivers_m = [[0, nan, 0]]\n"),
+              HasSubstr("must be a number in metres (-1000 to 1000), not nan: it must be finite"));
+  EXPECT_THAT(said("receivers_m = [0, 0, 0]\n"),
+              HasSubstr("must be an array of 3 numbers in metres (-1000 to 1000), not an integer"));
+  EXPECT_THAT(said("receivers_m = 3\n"), HasSubstr("must be an array of lists of 3 numbers in metres"));
+}
+
 TEST(ArrayKeys, OfTheScatterers) {
   const ScatterersDescription s = scene_with("",
                                              "[scatterers]\nspacing_m = 0.02\ntexture = \"gamma\"\n"
