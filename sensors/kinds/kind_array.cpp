@@ -98,6 +98,11 @@ bool has(const std::vector<std::string>& names, std::string_view name) {
   return std::ranges::find(names, name) != names.end();
 }
 
+/// Of an aperture's picture, from one border to the other.
+double pixels_between(double from_m, double to_m, const ArrayDescription& own) {
+  return std::max(1.0, std::round((to_m - from_m) / own.pixel_m));
+}
+
 /// Keys that only some products read.
 void check_products(const ArrayDescription& own, const TomlTable& table) {
   const auto needs = [&](std::initializer_list<const char*> keys, const std::vector<const char*>& any,
@@ -130,10 +135,23 @@ void check_products(const ArrayDescription& own, const TomlTable& table) {
       !((*own.picture_m)[2] > (*own.picture_m)[0] && (*own.picture_m)[3] > (*own.picture_m)[1]))
     throw InputError(table.place_of("picture_m"),
                      "'picture_m' is [east, north, east, north], the lower of each first");
+  if (own.picture_m) {
+    const auto& [west, south, east, north] = *own.picture_m;
+    const double columns = pixels_between(west, east, own), rows = pixels_between(south, north, own);
+    if (!(columns >= 2 && rows >= 2 && columns * rows <= SignalAperture::most_pixels))
+      throw InputError(
+          table.place_of(table.has("pixel_m") ? "pixel_m" : "picture_m"),
+          fmt::format("'picture_m' by 'pixel_m' are {:.6g} x {:.6g} pixels, must be 2 x 2 or more, and {} at "
+                      "most in all: choose pixels of another size, or another part of the ground",
+                      columns, rows, SignalAperture::most_pixels));
+  }
   if (has(own.products, "interferogram") && (own.upper.empty() || own.lower.empty()))
     throw InputError(
         table.place_of("products"),
         "\"interferogram\" needs 'upper' and 'lower', the numbers of the receivers of two groups");
+  if (has(own.products, "interferogram") && own.upper == own.lower)
+    throw InputError(table.place_of("lower"),
+                     "'upper' and 'lower' name the same receivers, whose phase is 0 everywhere: name others");
   if (has(own.formats, "jsf") && !has(own.products, "sidescan"))
     throw InputError(table.place_of("formats"),
                      "\"jsf\" is of a sidescan's beams: add products = [\"sidescan\"]");
@@ -146,6 +164,7 @@ void check_products(const ArrayDescription& own, const TomlTable& table) {
 }
 
 constexpr std::size_t most_receivers = 4096;
+constexpr double most_samples = 65536;  // of a ping
 
 class ArrayKind : public SensorKind {
  public:
@@ -180,7 +199,7 @@ class ArrayKind : public SensorKind {
          field("products", &A::products,
                {.choices = {"fan", "sidescan", "multibeam", "aperture", "interferogram"}}),
          field("formats", &A::formats, {.choices = {"jsf", "sonar_netcdf"}}),
-         field("beams", &A::beams, {.ranges = {{.lo = 1, .hi = 4096}}}),
+         field("beams", &A::beams, {.ranges = {{.lo = 2, .hi = 4096}}}),
          field("beams_deg", &A::beams_deg, {.ranges = {sector(180, true)}}),
          field("beams_depression_deg", &A::beams_depression_deg, {.ranges = {pitch}}),
          field("beams_plane", &A::beams_plane, {.choices = {"forward", "across_track"}}),
@@ -236,6 +255,15 @@ class ArrayKind : public SensorKind {
     } catch (const std::invalid_argument& error) {
       throw InputError(table.place_of("pulse_length_us"), error.what());
     }
+    // How many there are exactly depends on the water's sound speed: in_water() says.
+    if (const double samples = (own.range_max_m - own.range_min_m) / figures(sensor).sample_m;
+        samples > 2 * most_samples)
+      throw InputError(
+          place_of_pair(table, "range_max_m", "sampling_frequency_khz"),
+          fmt::format(
+              "range_min_m to range_max_m hold some {:.3g} samples at {:.6g} kHz, {:.0f} are the most: "
+              "record less of a ping, or sample slower",
+              samples, sampling_hz(sensor) / 1000, most_samples));
     check_products(own, table);
   }
   bool looks_ahead() const override { return true; }
@@ -260,15 +288,14 @@ class ArrayKind : public SensorKind {
     own.sound_speed_m_s = sound_speed_m_s;
     const double rate_hz = sampling_hz(sensor), step_m = sound_speed_m_s / (2 * rate_hz),
                  whole = std::floor((own.range_max_m - own.range_min_m) / step_m * (1 + 1e-12));
-    constexpr double most = 65536;
     const auto fail = [&](const std::string& what) {
       throw InputError(sensor.place, fmt::format("sensor '{}': {}", sensor.name, what));
     };
-    if (!(whole >= 1 && whole <= most))
+    if (!(whole >= 1 && whole <= most_samples))
       fail(
           fmt::format("at {:.6g} complex samples a second and {:.1f} m/s a sample is {:.4g} m long, and "
                       "range_min_m to range_max_m hold {:.0f} of them: choose 1 to {:.0f}",
-                      rate_hz, sound_speed_m_s, step_m, whole, most));
+                      rate_hz, sound_speed_m_s, step_m, whole, most_samples));
     const double receivers = static_cast<double>(
         own.receivers_m.empty() ? static_cast<std::size_t>(own.receivers) : own.receivers_m.size());
     constexpr double most_bytes = 512e6;  // of a ping in signals.nc
@@ -356,8 +383,8 @@ SignalProducts ArrayKind::products_of(const SensorDescription& sensor) {
     aperture.plane = {{west + own.pixel_m / 2, south + own.pixel_m / 2, own.picture_up_m},
                       {own.pixel_m, 0, 0},
                       {0, own.pixel_m, 0},
-                      static_cast<std::size_t>(std::max(1.0, std::round((east - west) / own.pixel_m))),
-                      static_cast<std::size_t>(std::max(1.0, std::round((north - south) / own.pixel_m)))};
+                      static_cast<std::size_t>(pixels_between(west, east, own)),
+                      static_cast<std::size_t>(pixels_between(south, north, own))};
     aperture.ping_window = window_named(own.ping_window);
     if (own.half_beam_deg) aperture.half_beam_rad = radians(*own.half_beam_deg);
   }

@@ -18,7 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of the vehicle at each ping, in a scene without a place on Earth.
 /// Of the vehicle at each ping.
 std::vector<NavigationFix> fixes_of(const ElementSignals& signals, const RunContext& run) {
   Recording poses;

@@ -73,7 +73,7 @@ void check(const SignalMultibeam& multibeam, const ElementArray& array) {
 }
 
 void check(const SignalAperture& aperture, const ElementArray& array, std::size_t pings) {
-  constexpr std::size_t most = std::size_t{1} << 22;
+  constexpr std::size_t most = SignalAperture::most_pixels;
   const PixelPlane& plane = aperture.plane;
   require(plane.columns >= 2 && plane.rows >= 2,
           fmt::format("the aperture's picture has {} x {} pixels: must have 2 x 2 or more", plane.columns,

@@ -45,6 +45,7 @@ struct SignalMultibeam {
 
 /// A synthetic aperture, beside what the same pings give without one.
 struct SignalAperture {
+  static constexpr std::size_t most_pixels = std::size_t{1} << 22;
   PixelPlane plane;
   ApertureWindow ping_window{};           ///< across all pings
   ApertureWindow receiver_window{};       ///< across the receivers, forward

@@ -64,10 +64,12 @@ void check(const TransmitWaveform& waveform) {
       waveform.taper >= 0 && waveform.taper <= 1,
       fmt::format("the waveform's taper is {}, must be within 0 (rectangle) and 1 (Hann)", waveform.taper));
   const FrequencyBand band = band_of(waveform);
-  require(band.low_hz > 0,
-          fmt::format("the waveform of {} s is too short for {} Hz: its band reaches down to {} Hz; make it "
-                      "longer or its frequency higher",
-                      waveform.duration_s, std::min(waveform.start_hz, waveform.stop_hz), band.low_hz));
+  require(
+      band.low_hz > 0,
+      fmt::format(
+          "the waveform of {:.6g} s is too short for {:.6g} Hz: its band reaches down to {:.6g} Hz; make it "
+          "longer or its frequency higher",
+          waveform.duration_s, std::min(waveform.start_hz, waveform.stop_hz), band.low_hz));
 }
 
 void check(const SignalSampling& sampling) {

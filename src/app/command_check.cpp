@@ -6,11 +6,13 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <optional>
 
 #include "app/commands.hpp"
 #include "files/outlet.hpp"
 #include "files/shown.hpp"
 #include "files/usage_error.hpp"
+#include "geometry/steps/steps.hpp"
 #include "plan/scene_drawing.hpp"
 #include "run/abilities.hpp"
 #include "run/console/amounts.hpp"
@@ -179,27 +181,33 @@ void probe(const Shots& shots, const SharedShots& group, std::size_t ping, Probe
 }
 
 /// Measures a few pings of each group of sensors, spread over their track, and extrapolates.
-void print_cost(const Survey& survey, RunRequest request, int threads) {
+void print_cost(const Survey& survey, RunRequest request, int threads, bool quiet) {
   const Scene& scene = survey.scene;
   request.binning = Binning::exact;
   const Shots shots(survey, request);
   const WritingCost writing = expected_writing(survey, request, {});
   double seconds = 0, largest_gap_m = 0;
+  std::string told;  // once nothing is drawn any more
+  auto measuring = std::make_optional<Progress>("measuring", quiet);
+  Steps sonars("sonars", survey.shots.size());
   for (const SharedShots& group : survey.shots) {
     const std::size_t pings = survey.fleet->pings(group), probes = std::min<std::size_t>(pings, 3);
     Probe sum;
     constexpr double enough_s = 5;  // one ping that takes as long tells enough
     for (std::size_t k = 0; k < probes && sum.seconds < enough_s; ++k)
       probe(shots, group, (2 * k + 1) * pings / (2 * probes), sum);
+    sonars.done();
     const double per_ping = sum.seconds / static_cast<double>(sum.pings);
     std::string names;
     for (const std::size_t s : group.sensors)
       names += (names.empty() ? "" : ", ") + survey.sensors[s].sensor->description().name;
-    tell("  {}: about {} candidates and {} footprints a ping, {:.3g} ms\n", names, sum.candidates / sum.pings,
-         sum.footprints / sum.pings, per_ping * 1e3);
+    told += fmt::format("  {}: about {} candidates and {} footprints a ping, {:.3g} ms\n", names,
+                        sum.candidates / sum.pings, sum.footprints / sum.pings, per_ping * 1e3);
     seconds += per_ping * static_cast<double>(pings);
     largest_gap_m = std::max(largest_gap_m, sum.largest_gap_m);
   }
+  measuring.reset();
+  tell("{}", told);
   if (scene.water->refracts()) {
     const std::optional<double> asked_m = scene.description.water.refraction_gap_m;
     tell("refraction     in these pings facets are within {} of where they are seen{}\n",
@@ -309,7 +317,7 @@ int check_command(const CheckOptions& options) {
     print_places(scene, pings, scene.trajectories[scene.sensor_trajectory[s]]);
     if (pings.water) tell("               {:.2f} m/s where it is first\n", pings.sound_speed_m_s);
   }
-  print_cost(*survey, request, limit.threads());
+  print_cost(*survey, request, limit.threads(), options.quiet);
   if (picture) tell("wrote {}\n", options.picture->string());
   return 0;
 }

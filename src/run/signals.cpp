@@ -28,6 +28,28 @@ const SignalModel* model_of(const Survey& survey, std::size_t s) {
   return survey.sensors[s].sensor->signals();
 }
 
+/// As many in one sight take most of an hour, and a slip of the pen soon asks for a million times as many.
+constexpr double most_scatterers = 1e10;
+
+/// Throws std::invalid_argument for a field that has too many scatterers on what is seen.
+void check_number(const SeenPatches& seen, const GroundField& field) {
+  double count = 0;
+  for (const SeenPatch& patch : seen.patches) {
+    const std::span<const glm::dvec3> corners = seen.corners(patch);
+    glm::dvec3 twice(0);
+    for (std::size_t k = 2; k < corners.size(); ++k)
+      twice += glm::cross(corners[k - 1] - corners[0], corners[k] - corners[0]);
+    count += glm::length(twice) / 2 / field.area_m2(patch.normal);
+  }
+  if (count > most_scatterers)
+    throw std::invalid_argument(
+        fmt::format("{:.2g} scatterers {:.3g} m apart lie on what it sees, {:g} are the most: give a "
+                    "'spacing_m' of {:.2g} m "
+                    "or more in [scatterers], or let it look at less",
+                    count, field.spacing_m, most_scatterers,
+                    1.05 * field.spacing_m * std::sqrt(count / most_scatterers)));
+}
+
 std::size_t values_of(const SignalModel& model) {
   return 2 * model.array.receivers_m.size() * model.sampling.samples;
 }
@@ -240,6 +262,7 @@ class ShotSignals {
     };
     const SplitPatches patches =
         split_patches(seen, [&](FacetId facet) { return surface_of(facet) != nullptr; });
+    check_number(patches.rough, field_);
     ChannelSignals all = element_signals(patches.rough, receiver, law, field_, model_.tolerance);
     if (!patches.smooth.patches.empty())
       superpose(smooth_signals(patches.smooth, receiver, law, heard_of, model_.tolerance), 1, all);
@@ -270,13 +293,17 @@ class ShotSignals {
 }  // namespace
 
 ChannelSignals signals_heard(const Shot& shot, std::size_t s, const History& history) {
-  const ShotSignals heard(shot, s);
-  ChannelSignals all = !is_order_wanted(shot.scene(), 1)      ? heard.silence()
-                       : shot.sensor(s).signals()->own_sights ? heard.of_own_sights()
-                       : shot.has_receiver_apart()            ? heard.of(shot.trace_both())
-                                                              : heard.of(history);
-  heard.add_mirrored(all);
-  return all;
+  try {
+    const ShotSignals heard(shot, s);
+    ChannelSignals all = !is_order_wanted(shot.scene(), 1)      ? heard.silence()
+                         : shot.sensor(s).signals()->own_sights ? heard.of_own_sights()
+                         : shot.has_receiver_apart()            ? heard.of(shot.trace_both())
+                                                                : heard.of(history);
+    heard.add_mirrored(all);
+    return all;
+  } catch (const std::invalid_argument& error) {
+    throw InputError(shot.sensor(s).description().place, fmt::format("{}: {}", shot.name(), error.what()));
+  }
 }
 
 void add_signals(const Shot& shot, PingSums& sums) {
@@ -287,11 +314,7 @@ void add_signals(const Shot& shot, PingSums& sums) {
         model->own_sights || shot.has_receiver_apart() || !is_order_wanted(shot.scene(), 1);
     const History nothing{};
     const History& history = sees_itself ? nothing : traced(shot, sums);
-    try {
-      sums.as_echo([&] { sums.add_signals(shot, s, recorded(signals_heard(shot, s, history), *model)); });
-    } catch (const std::invalid_argument& error) {
-      throw InputError(shot.sensor(s).description().place, fmt::format("{}: {}", shot.name(), error.what()));
-    }
+    sums.as_echo([&] { sums.add_signals(shot, s, recorded(signals_heard(shot, s, history), *model)); });
   }
 }
 

@@ -31,7 +31,8 @@ void attach_signals(std::vector<Recording>& recordings, const Survey& survey,
                     const std::vector<ChosenEchoes>& chosen, const std::shared_ptr<PingStore>& store);
 
 /// What the elements of a sensor hear of a shot, about the middle of their pulse's band. `history`: what its
-/// tubes see; not read of those that see for themselves, or whose receiver is apart.
+/// tubes see; not read of those that see for themselves, or whose receiver is apart. Throws InputError for
+/// what has no phases, and for grounds of too many scatterers.
 ChannelSignals signals_heard(const Shot& shot, std::size_t sensor, const History& history);
 
 /// The part of a shot's echoes that its elements record.

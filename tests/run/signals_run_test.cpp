@@ -28,6 +28,7 @@ namespace tubefoot {
 namespace {
 
 using std::numbers::pi;
+using testing::AllOf;
 using testing::HasSubstr;
 using Complex = std::complex<double>;
 
@@ -381,6 +382,34 @@ TEST_F(SignalRefusals, SayWhatIsWrongAndWhatToDo) {
   EXPECT_THAT(said(replaced(scene("", at_rest + "[run]\ngrid_exponent = 4\n"), "frequency_khz = 30\n",
                             "frequency_khz = 300\n")),
               HasSubstr("wavelength"));
+  // What no run can make is told by the key's place, not left out.
+  EXPECT_THAT(said(scene("products = [\"fan\"]\nbeams = 1\n", at_rest)),
+              HasSubstr("'beams' must be 2 to 4096"));
+  EXPECT_THAT(said(scene("products = [\"interferogram\"]\nupper = [1]\nlower = [1]\n", at_rest)),
+              HasSubstr("same receivers"));
+  for (const char* pixels : {"picture_m = [-1e7, -1e7, 1e7, 1e7]\npixel_m = 1e-4\n",
+                             "picture_m = [0, 0, 0.01, 0.01]\n", "picture_m = [0, 0, 0.04, 9]\n"})
+    EXPECT_THAT(said(scene("pings = 2\nproducts = [\"aperture\"]\n" + std::string(pixels), at_rest)),
+                HasSubstr("pixels, must be 2 x 2 or more, and 4194304 at most"))
+        << pixels;
+  // Pulses and samplings of absurd sizes, in words of the array's own keys.
+  for (const char* length : {"1e-9", "1e-300"})
+    EXPECT_THAT(said(replaced(scene("", at_rest), "pulse_length_us = 500\n",
+                              fmt::format("pulse_length_us = {}\n", length))),
+                HasSubstr("too short for 27000 Hz"));
+  EXPECT_THAT(said(replaced(scene("sampling_frequency_khz = 10000\n", at_rest), "range_max_m = 11",
+                            "range_max_m = 100000")),
+              HasSubstr("samples at 10000 kHz, 65536 are the most"));
+  // Grounds of more scatterers than there is time for, and beyond the lattice's reach: at once, with the
+  // place.
+  const std::string dense = "[scatterers]\nspacing_m = 0.0001\n";
+  EXPECT_THAT(
+      said(replaced(scene("receivers = 1\n", at_rest + dense, 60), "range_max_m = 11", "range_max_m = 60")),
+      AllOf(HasSubstr("scene.toml:"), HasSubstr("scatterers 0.0001 m apart"), HasSubstr("'spacing_m' of")));
+  EXPECT_THAT(
+      said(replaced(scene("", "[trajectory]\nkind = \"fixed\"\nposition_m = [900000, 0, 0]\n" + dense),
+                    "[0.3, 6, -6]", "[900000.3, 6, -6]")),
+      AllOf(HasSubstr("scene.toml:"), HasSubstr("wider spacing")));
   EXPECT_THAT(
       said(scene("stop_and_hop = false\npings = 2\nping_interval_s = 0.5\n",
                  "[trajectory]\nkind = \"line\"\nstart_m = [0, 0, 0]\nend_m = [1, 0, 0]\nspeed_m_s = 2\n")),

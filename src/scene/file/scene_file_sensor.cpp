@@ -81,7 +81,6 @@ void check_amounts(const SensorDescription& sensor, const TomlTable& table) {
 }
 
 void check_sensor(const SensorDescription& sensor, const TomlTable& table) {
-  check_amounts(sensor, table);
   check_pattern(sensor.transmit, "transmit", table);
   check_pattern(sensor.receive, "receive", table);
   check_signal(sensor.signal, table);
@@ -108,6 +107,7 @@ void check_sensor(const SensorDescription& sensor, const TomlTable& table) {
             fmt::format("'look_at_m' turns the sensor already: remove '{}' or 'look_at_m'", key));
   }
   sensor.kind.section().check(sensor, table);
+  check_amounts(sensor, table);
 }
 
 /// The keys of a transmit or receive pattern, as keys of the sensor.
