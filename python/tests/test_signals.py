@@ -133,6 +133,15 @@ def test_what_makes_no_signals(change, text):
 def test_what_makes_no_beams(signals):
     with pytest.raises(ValueError, match="ping 3 is asked for, there are 3"):
         signals.beams([[0, 0, -1]], [3])
+    for wrong in [-1, 0.5]:
+        with pytest.raises(ValueError, match="a ping's number must be a whole number of 0 or more, not"):
+            signals.beams([[0, 0, -1]], [wrong])
+        with pytest.raises(ValueError, match="columns must be a whole number"):
+            signals.matched_filtered().back_projected([0, 0, -5], [1, 0, 0], [0, 1, 0], wrong, 1)
+    with pytest.raises(ValueError, match="not finite"):
+        signals.beams([[0, 0, -1]], reference=[0, 0, np.nan])
+    with pytest.raises(ValueError, match="at most pi / 2"):
+        signals.matched_filtered().back_projected([0, 0, -5], [1, 0, 0], [0, 1, 0], 1, 1, half_beam_rad=np.nan)
     with pytest.raises(ValueError, match="window 'han' is not known"):
         tubefoot.window_weights("han", 4)
     with pytest.raises(TypeError, match="did you mean 'weights'"):

@@ -132,7 +132,7 @@ class Signals:
         Raises ValueError for what makes no beams.
         """
         chosen = range(len(self.ping_times)) if pings is None else pings
-        return self._native.beams([int(p) for p in chosen], np.asarray(directions, float), _reals(weights),
+        return self._native.beams([_count(p, "a ping's number") for p in chosen], np.asarray(directions, float), _reals(weights),
                                   _vector(reference), near_field, by_phase, band, error)
 
     @with_named_arguments
@@ -153,7 +153,8 @@ class Signals:
 
         Raises ValueError for what makes no picture.
         """
-        return self._native.focused(_vector(first), _vector(column_step), _vector(row_step), columns, rows,
+        return self._native.focused(_vector(first), _vector(column_step), _vector(row_step),
+                                    _count(columns, "columns"), _count(rows, "rows"),
                                     _reals(ping_weights), _reals(receiver_weights), half_beam_rad, spreading_undone,
                                     band, error)
 
@@ -172,6 +173,12 @@ def _reals(values: Optional[Vector]) -> np.ndarray:
 
 def _vector(values: Vector) -> list[float]:
     return [float(v) for v in values]
+
+
+def _count(value: int, what: str) -> int:
+    if value != int(value) or value < 0:
+        raise ValueError(f"{what} must be a whole number of 0 or more, not {value}")
+    return int(value)
 
 
 @with_named_arguments
@@ -211,7 +218,7 @@ def point_signals(targets: Vector, strengths: Vector, *, receivers: Vector, tran
     turns = np.tile([1.0, 0, 0, 0], (len(way), 1)) if attitudes is None else np.asarray(attitudes, float)
     return Signals(_native.point_signals(
         np.asarray(targets, float), np.asarray(strengths, complex), _vector(transmitter), np.asarray(receivers, float),
-        _vector(waveform), baseband_frequency, sample_rate, first_sample, samples, np.asarray(track_times, float), way,
+        _vector(waveform), baseband_frequency, sample_rate, first_sample, _count(samples, "samples"), np.asarray(track_times, float), way,
         turns, np.asarray(ping_times, float), stop_and_hop, sound_speed))
 
 
@@ -225,4 +232,4 @@ def window_weights(window: str, elements: int, *, side_lobe_db: float = 30, near
         side_lobe_db: of the last two, below the main lobe.
         nearly_equal: of Taylor's: how many side lobes, less one, are near that.
     """
-    return _native.window_weights(window, elements, side_lobe_db, nearly_equal)
+    return _native.window_weights(window, _count(elements, "elements"), side_lobe_db, nearly_equal)

@@ -20,6 +20,9 @@ std::vector<double> all_weights(const std::vector<double>& asked, std::size_t co
   if (asked.empty()) return std::vector<double>(count, 1);
   if (asked.size() != count)
     throw std::invalid_argument(fmt::format("there are {} weights for {} {}", asked.size(), count, of));
+  for (std::size_t k = 0; k < count; ++k)
+    if (!std::isfinite(asked[k]))
+      throw std::invalid_argument(fmt::format("weight {} of the {} is not finite", k, of));
   return asked;
 }
 
@@ -125,6 +128,12 @@ std::vector<Complex> back_projected(const ElementSignals& signals, const PixelPl
   if (plane.columns > (std::size_t{1} << 31) / plane.rows)
     throw std::invalid_argument(
         fmt::format("a picture of {} x {} pixels: must have 2^31 at most", plane.columns, plane.rows));
+  const glm::dvec3 last_m = plane.at(plane.columns - 1, plane.rows - 1);
+  if (!std::isfinite(glm::length(plane.first_m)) || !std::isfinite(glm::length(last_m)))
+    throw std::invalid_argument("the picture's first pixel or last one lies at no finite place");
+  if (how.half_beam_rad && !(*how.half_beam_rad > 0 && *how.half_beam_rad <= std::numbers::pi / 2))
+    throw std::invalid_argument(fmt::format(
+        "a half beam of {} rad: must be above 0 and at most pi / 2, or left out", *how.half_beam_rad));
   interpolator.check_holds(signals.waveform, signals.sampling);
   const Projector projector(signals, interpolator, how);
   std::vector<Complex> picture(plane.columns * plane.rows);

@@ -28,6 +28,7 @@ BeamSteering normalised(const ElementSignals& signals, std::size_t ping, BeamSte
   check(signals);
   require(ping < signals.pings(), fmt::format("ping {} is asked for, there are {}", ping, signals.pings()));
   require(!steering.directions.empty(), "no beams are asked for: give at least one direction");
+  require(std::isfinite(glm::length(steering.reference_m)), "the reference place of the beams is not finite");
   for (std::size_t beam = 0; beam < steering.directions.size(); ++beam) {
     const double length = glm::length(steering.directions[beam]);
     require(length > 0 && std::isfinite(length),

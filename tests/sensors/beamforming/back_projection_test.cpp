@@ -175,6 +175,22 @@ TEST(BackProjection, RefusesWhatMakesNoPicture) {
         back_projected(signals, {target, {}, {}, 1, 1}, interpolator, {{1, 2}});
       },
       "2 weights for 150 pings");
+  for (const PixelPlane& plane :
+       {PixelPlane{{NAN, 0, 0}, {}, {}, 1, 1}, PixelPlane{target, {HUGE_VAL, 0, 0}, {}, 2, 1}})
+    expect_refused([&] { back_projected(signals, plane, interpolator); }, "at no finite place");
+  for (const double half : {0.0, -1.0, 2.0, double(NAN)})
+    expect_refused(
+        [&] {
+          back_projected(signals, {target, {}, {}, 1, 1}, interpolator, {{}, {}, half});
+        },
+        "must be above 0 and at most pi / 2");
+  std::vector<double> weights(150, 1);
+  weights[7] = NAN;
+  expect_refused(
+      [&] {
+        back_projected(signals, {target, {}, {}, 1, 1}, interpolator, {weights});
+      },
+      "weight 7 of the pings is not finite");
   ElementSignals cut = signals;
   cut.pressure.pop_back();
   expect_refused(

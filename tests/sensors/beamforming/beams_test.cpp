@@ -188,6 +188,7 @@ TEST(Beams, RefuseWhatMakesNone) {
   refused({{{0, 0, -1}, {0, 0, 0}}}, 0, "direction of beam 1 has no length");
   refused({{{0, 0, -1}}, {1, 2}}, 0, "2 weights for 4 receivers");
   refused({{{0, 0, -1}}, {1, -1, 1, -1}}, 0, "sum to 0");
+  refused({{{0, 0, -1}}, {}, {0, NAN, 0}}, 0, "reference place of the beams is not finite");
   expect_refused([&] { phase_and_sum(signals, 0, {{{0, 0, -1}}, {}, {0, 0, 0}, true}); }, "plane waves");
   expect_refused([&] { beam_energies({1, 2, 3}, signals.sampling, c, {0, 1, 1}); }, "no whole beams");
 }
