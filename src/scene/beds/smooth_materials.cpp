@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "files/input_error.hpp"
 #include "scene/description/scene_description.hpp"
 
 namespace tubefoot {
@@ -26,6 +27,12 @@ std::vector<std::optional<SmoothSurface>> load_smooth_surfaces(const SceneDescri
           "energies go by its scattering law",
           m.name));
   }
+  if (!are_heard && !scene.sensors.empty() && scene.scatterers.place.line > 0)
+    warnings.push_back(
+        fmt::format("{}: [scatterers] are what sensors that record signals (kind = \"array\") hear, and "
+                    "there is none: nothing "
+                    "reads it",
+                    to_string(scene.scatterers.place)));
   return surfaces;
 }
 

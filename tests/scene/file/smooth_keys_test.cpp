@@ -12,6 +12,7 @@
 namespace tubefoot {
 namespace {
 
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
@@ -80,6 +81,11 @@ TEST(SmoothKeys, AreWarnedOfWhereNobodyHearsPhases) {
       scene.report.warnings,
       ElementsAre("material 'sand' is smooth, which only sensors that record signals hear, and there is "
                   "none: energies go by its scattering law"));
+  const Scene scattered =
+      load_scene(read_scene(folder, std::string(smallest_scene) + "\n[scatterers]\nspacing_m = 0.1\n"));
+  EXPECT_THAT(
+      scattered.report.warnings,
+      ElementsAre(AllOf(HasSubstr("scene.toml:"), HasSubstr("[scatterers] are what sensors that record"))));
   const Scene rough = load_scene(read_scene(folder, smallest_scene));
   EXPECT_EQ(rough.smooth_surface(0), nullptr);
   EXPECT_TRUE(rough.report.warnings.empty());
