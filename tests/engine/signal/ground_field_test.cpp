@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <boost/math/special_functions/bessel.hpp>
+#include <cmath>
 #include <map>
 #include <random>
 #include <vector>
@@ -160,6 +163,40 @@ TEST(GroundField, TexturesHaveTheirMoments) {
           << int(texture) << ' ' << shape;
       EXPECT_NEAR(statistics::mean(intensities), 0.01, 0.01 * 5 * std::sqrt((1 + 2 * variance) / draws));
     }
+}
+
+// Not only their moments: intensities over their mean are exponential, or of the K law, by Kolmogorov's
+// distance. P(I > x) = 2 / Gamma(nu) (nu x)^(nu/2) K_nu(2 sqrt(nu x)).
+TEST(GroundField, GammaTexturesMakeIntensitiesOfTheKLaw) {
+  const std::uint64_t seed = 5000;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  const std::vector<glm::dvec3> square{{1, 1, -3}, {1.1, 1, -3}, {1.1, 1.1, -3}, {1, 1.1, -3}};  // 25 cells
+  constexpr int draws = 8000;
+  const auto distance = [&](GroundTexture texture, double shape, const auto& above) {
+    std::vector<double> drawn;
+    for (int n = 0; n < draws; ++n) {
+      Complex y = 0;
+      GroundField{seed + std::uint64_t(n) * 104729, 0.02, texture, shape, 10}.for_scatterers(
+          square, {0, 0, 1}, [&](glm::dvec3, Complex z) { y += z; });
+      drawn.push_back(std::norm(y) / 0.01);
+    }
+    std::sort(drawn.begin(), drawn.end());
+    double most = 0;
+    for (int n = 0; n < draws; ++n)
+      most = std::max(most, std::abs(1 - above(drawn[std::size_t(n)]) - (n + 0.5) / draws));
+    return most * std::sqrt(double(draws));
+  };
+  constexpr double one_in_a_thousand = 1.95;
+  const auto exponential = [](double x) { return std::exp(-x); };
+  EXPECT_LT(distance(GroundTexture::none, 1, exponential), one_in_a_thousand);
+  for (const double nu : {0.5, 1.0, 4.0}) {
+    const auto k_law = [nu](double x) {
+      const double root = std::sqrt(nu * x);
+      return 2 / std::tgamma(nu) * std::pow(root, nu) * boost::math::cyl_bessel_k(nu, 2 * root);
+    };
+    EXPECT_LT(distance(GroundTexture::gamma, nu, k_law), one_in_a_thousand) << nu;
+    EXPECT_GT(distance(GroundTexture::gamma, nu, exponential), 2 * one_in_a_thousand) << nu;
+  }
 }
 
 // E[I^2] / E[I]^2 of N scatterers of one strength is 2 - 1/N, which the field's own, of circular amplitudes,
