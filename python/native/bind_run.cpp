@@ -25,8 +25,10 @@
 #include "run_apart.hpp"
 #include "scene.hpp"
 #include "sensors/model/angles.hpp"
+#include "sensors/products/array_files.hpp"
 #include "sensors/recordings/pose_angles.hpp"
 #include "sensors/recordings/sensor_kind.hpp"
+#include "signals.hpp"
 
 namespace tubefoot::python {
 namespace py = pybind11;
@@ -239,6 +241,14 @@ py::object truth_of(const py::object& result, std::size_t sensor) {
   return arrays;
 }
 
+/// What the elements of a sensor received; None of a file, and of sensors that record energies alone.
+py::object signals_of(const NativeResult& self, std::size_t sensor) {
+  if (self.read) return py::none();
+  const Recording& r = self.recordings.at(sensor);
+  if (!r.signals) return py::none();
+  return py::cast(std::make_shared<NativeSignals>(NativeSignals{element_signals_of(r)}));
+}
+
 py::dict axes_of(const NativeResult& self, std::size_t sensor) {
   if (self.read) return {};  // among its arrays
   const Recording& r = self.recordings.at(sensor);
@@ -311,6 +321,7 @@ void bind_run(py::module_& module) {
       .def("arrays", &arrays_of)
       .def("axes", &axes_of)
       .def("truth", &truth_of)
+      .def("signals", &signals_of)
       .def("attributes", &attributes_of)
       .def("file_attributes", &file_attributes)
       .def("dimensions", &dimensions_of);

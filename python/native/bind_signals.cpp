@@ -12,6 +12,7 @@
 #include "sensors/formats/signals_netcdf.hpp"
 #include "sensors/signals/matched_filter.hpp"
 #include "sensors/signals/point_signals.hpp"
+#include "signals.hpp"
 
 namespace tubefoot::python {
 namespace py = pybind11;
@@ -21,9 +22,6 @@ using Complex = std::complex<double>;
 using Reals = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Complexes = py::array_t<Complex, py::array::c_style | py::array::forcecast>;
 
-struct NativeSignals {
-  ElementSignals signals;
-};
 using Shared = std::shared_ptr<NativeSignals>;
 
 /// Values of an array of that shape, in a row; `what` opens the message about another.

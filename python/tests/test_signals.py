@@ -146,3 +146,51 @@ def test_what_makes_no_beams(signals):
         tubefoot.window_weights("han", 4)
     with pytest.raises(TypeError, match="did you mean 'weights'"):
         signals.beams([[0, 0, -1]], weigths=[1])
+
+
+def test_a_run_hands_out_what_its_arrays_record(tmp_path):
+    scene = tmp_path / "scene.toml"
+    scene.write_text("""
+[water]
+sound_speed_m_s = 1500
+[[materials]]
+name = "sand"
+[[terrain]]
+kind = "flat"
+centre_m = [0, 6, -6]
+width_m = 2
+length_m = 2
+[trajectory]
+kind = "line"
+start_m = [0, 0, 0]
+end_m = [0, 1, 0]
+[[sensors]]
+name = "elements"
+kind = "array"
+tilt_deg = 45
+frequency_khz = 30
+bandwidth_khz = 6
+pulse_length_us = 500
+range_min_m = 7
+range_max_m = 11
+horizontal_deg = 40
+vertical_deg = 40
+receivers = 3
+pings = 2
+ping_interval_s = 0.5
+[[sensors]]
+name = "camera"
+kind = "imaging"
+tilt_deg = 45
+""")
+    result = tubefoot.run(scene, output=tmp_path / "out")
+    ours, files = result["elements"].signals, tubefoot.signals(tmp_path / "out" / "elements-signals.nc")
+    assert ours.pressure.shape[:2] == (2, 3) and np.abs(ours.pressure).max() > 0
+    assert ours.pressure.tobytes() == files.pressure.tobytes() and ours.waveform == files.waveform
+    assert (ours.positions == files.positions).all() and (ours.receivers == files.receivers).all()
+    assert result["elements"].signals is ours and not ours.pressure.flags.owndata
+    assert result["elements"][1].signals is ours
+    assert result["camera"].signals is None and tubefoot.open(tmp_path / "out")["elements"].signals is None
+    pressure = ours.pressure
+    del result, ours
+    assert np.isfinite(pressure).all()

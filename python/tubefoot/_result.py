@@ -16,6 +16,7 @@ from ._engines import Engine, own_engine
 from ._errors import InputError, UsageError, warn, whole
 from ._picture import Picture, as_html, drawn, plural
 from ._scene import PathLike, Scene, a_scene
+from ._signals import Signals
 from ._words import CHOICES, in_python, meant, one_of, with_named_arguments
 
 if TYPE_CHECKING:
@@ -82,6 +83,7 @@ class SensorResult:
         self._index = index
         self._pings: Optional[np.ndarray] = None  # of a slice: their places in what it is a slice of
         self._truth: Optional[dict[str, Any]] = None  # once it was asked for
+        self._signals: Optional[Signals] = None  # the same
         self._values: dict[str, np.ndarray] = {**native.arrays(index), **native.axes(index)}
         self._altitude: Optional[np.ndarray] = self._values.pop("altitude", None)
         self._attributes: dict[str, Any] = native.attributes(index)
@@ -227,6 +229,19 @@ class SensorResult:
                 truth = {name: value if isinstance(value, list) else value[self._pings] for name, value in truth.items()}
             self._truth = truth
         return self._truth
+
+    @property
+    def signals(self) -> Optional[Signals]:
+        """What the elements of a sensor of kind "array" received, with phase (docs/sensors.md#array): of all pings of
+        the run, also where this is some of them. None for other sensors, and for files: those of signals are opened by
+        :func:`tubefoot.signals`.
+
+        Made when this is first asked for; what its arrays show is the program's own memory.
+        """
+        if self._signals is None:
+            native = self._native.signals(self._index)
+            self._signals = None if native is None else Signals(native)
+        return self._signals
 
     @property
     def times(self) -> np.ndarray:
