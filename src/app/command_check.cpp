@@ -12,7 +12,6 @@
 #include "files/outlet.hpp"
 #include "files/shown.hpp"
 #include "files/usage_error.hpp"
-#include "geometry/steps/steps.hpp"
 #include "plan/scene_drawing.hpp"
 #include "run/abilities.hpp"
 #include "run/console/amounts.hpp"
@@ -189,14 +188,12 @@ void print_cost(const Survey& survey, RunRequest request, int threads, bool quie
   double seconds = 0, largest_gap_m = 0;
   std::string told;  // once nothing is drawn any more
   auto measuring = std::make_optional<Progress>("measuring", quiet);
-  Steps sonars("sonars", survey.shots.size());
   for (const SharedShots& group : survey.shots) {
     const std::size_t pings = survey.fleet->pings(group), probes = std::min<std::size_t>(pings, 3);
     Probe sum;
     constexpr double enough_s = 5;  // one ping that takes as long tells enough
     for (std::size_t k = 0; k < probes && sum.seconds < enough_s; ++k)
       probe(shots, group, (2 * k + 1) * pings / (2 * probes), sum);
-    sonars.done();
     const double per_ping = sum.seconds / static_cast<double>(sum.pings);
     std::string names;
     for (const std::size_t s : group.sensors)
