@@ -104,6 +104,9 @@ void append_cells(std::vector<Cell>& cells, double lo, double hi, std::size_t sa
 
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
+/// Fewer stretches than these are integrated one by one.
+constexpr std::size_t few = 3;
+
 /// Two nodes of a quadrature at once, each reckoned as one double would be.
 using Pair = double __attribute__((vector_size(16)));
 
@@ -112,12 +115,13 @@ template <unsigned n>
 struct PairedRule {
   static constexpr std::size_t pairs = (n + 1) / 2;
   std::array<Pair, pairs> x{}, weight{};
+  std::array<double, n> each_x{}, each_weight{};  ///< one by one
   PairedRule() {
     using Rule = boost::math::quadrature::gauss<double, n>;
     std::size_t k = 0;
     const auto put = [&](double position, double w) {
-      x[k / 2][k % 2] = position;
-      weight[k / 2][k % 2] = w;
+      x[k / 2][k % 2] = each_x[k] = position;
+      weight[k / 2][k % 2] = each_weight[k] = w;
       ++k;
     };
     for (std::size_t i = 0; i < Rule::abscissa().size(); ++i) {
@@ -130,6 +134,16 @@ const PairedRule<3> rule_of_3;
 const PairedRule<4> rule_of_4;
 const PairedRule<5> rule_of_5;
 const PairedRule<8> rule_of_8;
+
+RuleOfStretches rule_of(double count) {
+  const auto rule = []<unsigned n>(const PairedRule<n>& pairs) {
+    return RuleOfStretches{n, pairs.each_x.data(), pairs.each_weight.data()};
+  };
+  return count == 3   ? rule(rule_of_3)
+         : count == 4 ? rule(rule_of_4)
+         : count == 5 ? rule(rule_of_5)
+                      : rule(rule_of_8);
+}
 
 }  // namespace
 
@@ -160,6 +174,27 @@ RadialIntegral::RadialIntegral(std::span<const double> borders_m, const std::fun
     cell.whole = from_front_.back().over(cell.hi - cell.lo);
   }
   cells_per_m_ = static_cast<double>(cells_.size()) / (back() - front());
+  lanes_.resize((5 + From{}.quotient_.size()) * cells_.size());
+  for (std::size_t k = 0; k < cells_.size(); ++k) {
+    const From& from = from_front_[k];
+    double* at = lanes_.data() + k;
+    const auto put = [&](double value) {
+      *at = value;
+      at += cells_.size();
+    };
+    put(cells_[k].lo);
+    put(cells_[k].hi);
+    put(from.x0_);
+    put(from.per_half_);
+    put(from.degree_);
+    for (int i = 0; i < from.degree_; ++i) put(from.quotient_[std::size_t(i)]);
+  }
+}
+
+CellsOfStretches RadialIntegral::cells_from(std::size_t cell, std::size_t count) const {
+  const double* degrees = lane(4) + cell;
+  const double degree = *std::max_element(degrees, degrees + count);
+  return {lane(0) + cell, lane(2) + cell, lane(3) + cell, lane(5) + cell, cells_.size(), int(degree)};
 }
 
 std::size_t RadialIntegral::cell_at(double range_m) const {
@@ -196,19 +231,19 @@ struct RangeCutter::Edge {
 
 RangeCutter::RangeCutter(const RadialIntegral& radial) : radial_(radial) {}
 
-void RangeCutter::add(std::span<const glm::dvec3> corners_m, const FacetPlane& plane, double factor,
-                      std::span<double> out) {
+SampleSpan RangeCutter::add(std::span<const glm::dvec3> corners_m, const FacetPlane& plane, double factor,
+                            std::span<double> out) {
   polygon_.assign(corners_m, plane, PlaneFrame(plane));
-  add(polygon_, factor, out);
+  return add(polygon_, factor, out);
 }
 
-void RangeCutter::add(const PlanarPolygon& polygon, double factor, std::span<double> out) {
+SampleSpan RangeCutter::add(const PlanarPolygon& polygon, double factor, std::span<double> out) {
   const std::size_t n = polygon.offsets.size();
-  if (n < 3) return;
+  if (n < 3) return {};
   nearest_ = nearest_point(polygon);
   nearest_from_foot_ = polygon.first + nearest_.offset;
   const double farthest = farthest_range(polygon);
-  if (!(farthest > radial_.front() && nearest_.range < radial_.back())) return;
+  if (!(farthest > radial_.front() && nearest_.range < radial_.back())) return {};
 
   // F counts from the polygon's nearest point instead of the sample's border. That changes nothing (either
   // the foot is outside, and the angles add up to zero, or it is inside and is itself the nearest point), and
@@ -243,6 +278,7 @@ void RangeCutter::add(const PlanarPolygon& polygon, double factor, std::span<dou
     out[cell.sample] += factor * (inside_[k - first_] + beyond * all);
     beyond += angle_[k - first_];
   }
+  return {cells[first_].sample, cells[end - 1].sample + 1};
 }
 
 void RangeCutter::walk(const Edge& edge) {
@@ -272,15 +308,67 @@ void RangeCutter::walk_outwards(const Edge& edge, double from, double to) {
     range = radial_.front();
   }
   // Rounding may put these ranges a whisker outside of the polygon's own.
-  for (std::size_t k = std::clamp(radial_.cell_at(range), first_, last_); k < cells.size(); ++k) {
-    const bool ends = range_to <= cells[k].hi || k == last_;
-    const double end = ends ? to : crossing(cells[k].hi, y);
-    integrate(edge, k, y, end);
+  const std::size_t first = std::clamp(radial_.cell_at(range), first_, last_);
+  const double* highs = radial_.highs();
+  std::size_t last = first;
+  while (last < cells.size() && !(range_to <= highs[last] || last == last_)) ++last;
+  const bool ends = last < cells.size();
+  const std::size_t crossed = last - first;
+  if (crossed < few) {
+    for (std::size_t k = first; k < last; ++k) {
+      const double end = crossing(highs[k], y);
+      integrate(edge, k, y, end);
+      y = end;
+    }
+    if (ends) return integrate(edge, last, y, to);
+  } else {
+    ends_.resize(crossed + 2);
+    ends_[0] = y;
+    distances_to_borders(edge.range, crossed, highs + first, ends_.data() + 1);
+    for (std::size_t k = 1; k <= crossed; ++k) {
+      const double at = direction * ends_[k] - edge.start;
+      y = ends_[k] = std::clamp(at, std::min(y, to), std::max(y, to));
+    }
+    ends_[crossed + 1] = to;
+    integrate_along(edge, direction, first, ends ? crossed + 1 : crossed);
     if (ends) return;
-    y = end;
   }
   const glm::dvec2 a = edge.from_foot + y * edge.along, b = edge.from_foot + to * edge.along;
   angle_.back() += direction * std::atan2(cross(a, b), glm::dot(a, b));
+}
+
+/// Adds the stretches of ends_, each in its cell: those that take the same rule together.
+void RangeCutter::integrate_along(const Edge& edge, double direction, std::size_t first, std::size_t count) {
+  const EdgeWalk walk{.start = edge.start,
+                      .height = edge.height,
+                      .height2 = edge.height * edge.height,
+                      .range2 = edge.range2,
+                      .direction = direction,
+                      .along = edge.along,
+                      .from_foot = edge.from_foot,
+                      .from_nearest_point = edge.from - nearest_.offset,
+                      .nearest_from_foot = nearest_from_foot_,
+                      .near_range = nearest_.range};
+  step_.resize(count);
+  rule_.resize(count);
+  nodes_of_stretches(walk, count, ends_.data(), step_.data(), rule_.data());
+  std::array<double, most_stretches> angle, inside;
+  for (std::size_t k = 0; k < count;) {
+    const bool alone = rule_[k] == 0 || nearest_.range > radial_.lows()[first + k];
+    std::size_t end = k + 1;
+    while (!alone && end < count && end - k < most_stretches && rule_[end] == rule_[k]) ++end;
+    if (end - k < few) {
+      for (; k < end; ++k) integrate(edge, first + k, ends_[k], ends_[k + 1]);
+      continue;
+    }
+    integrate_stretches(walk, end - k, ends_.data() + k, step_.data() + k,
+                        radial_.cells_from(first + k, end - k), rule_of(rule_[k]), angle.data(),
+                        inside.data());
+    for (std::size_t i = 0; k < end; ++i, ++k) {
+      inside_[first + k - first_] += inside[i];
+      angle_[first + k - first_] += angle[i];
+    }
+  }
 }
 
 /// Adds one stretch of an edge that lies in one cell. The integrand's singularities nearest to the stretch

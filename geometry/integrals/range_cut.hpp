@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "geometry/integrals/measure.hpp"
+#include "geometry/integrals/range_lanes.hpp"
 
 namespace tubefoot {
 
@@ -60,6 +61,7 @@ class RadialIntegral {
     double over(double length_m) const { return over(std::array{length_m})[0]; }
 
    private:
+    friend class RadialIntegral;
     double x0_ = 0, per_half_ = 0;
     int degree_ = 0;
     std::array<double, 12> quotient_{};  ///< of (P(x) - P(x0)) / (x - x0), P being the primitive
@@ -82,6 +84,11 @@ class RadialIntegral {
   const std::vector<Cell>& cells() const { return cells_; }
   /// From a cell's near end on.
   const From& from_front(std::size_t cell) const { return from_front_[cell]; }
+  /// The same by number, cell after cell, for loops over several cells: near and far ends, and what From has.
+  const double* lows() const { return lane(0); }
+  const double* highs() const { return lane(1); }
+  CellsOfStretches cells_from(std::size_t cell, std::size_t count) const;
+
   double front() const { return cells_.front().lo; }
   double back() const { return cells_.back().hi; }
 
@@ -94,10 +101,18 @@ class RadialIntegral {
   }
 
  private:
+  const double* lane(std::size_t row) const { return lanes_.data() + row * cells_.size(); }
+
   std::size_t samples_;
   std::vector<Cell> cells_;
   std::vector<From> from_front_;
+  std::vector<double> lanes_;  ///< rows by cell: low, high, x0, per_half, degree, quotient[0], ...
   double cells_per_m_ = 0;
+};
+
+/// Samples [first, end).
+struct SampleSpan {
+  std::size_t first = 0, end = 0;
 };
 
 /// Cuts polygons by the range samples of a RadialIntegral. Holds scratch memory: one per thread.
@@ -112,17 +127,19 @@ class RangeCutter {
 
   /// Adds factor * (integral of g dA over polygon and sample k) to out[k], for every sample.
   /// `corners_m`: a polygon on `plane`, relative to the apex, turning as pieces do (footprint.hpp): the other
-  /// turn gives the negative. It need not be convex. `out` holds radial.samples() numbers.
-  void add(std::span<const glm::dvec3> corners_m, const FacetPlane& plane, double factor,
-           std::span<double> out);
+  /// turn gives the negative. It need not be convex. `out` holds radial.samples() numbers. Returns the
+  /// samples that it has added to; it leaves the others alone.
+  SampleSpan add(std::span<const glm::dvec3> corners_m, const FacetPlane& plane, double factor,
+                 std::span<double> out);
 
   /// The same for a polygon in its plane's coordinates.
-  void add(const PlanarPolygon& polygon, double factor, std::span<double> out);
+  SampleSpan add(const PlanarPolygon& polygon, double factor, std::span<double> out);
 
  private:
   struct Edge;
   void walk(const Edge& edge);
   void walk_outwards(const Edge& edge, double from, double to);
+  void integrate_along(const Edge& edge, double direction, std::size_t first_cell, std::size_t count);
   void integrate(const Edge& edge, std::size_t cell, double from, double to);
 
   const RadialIntegral& radial_;
@@ -134,6 +151,8 @@ class RangeCutter {
   std::vector<double> inside_;  ///< by cell from first_: integral of F dphi over the boundary inside the cell
   std::vector<double>
       angle_;  ///< by cell from first_: angle of the boundary inside; one more for beyond all cells
+  std::vector<double> ends_;         ///< of the walk at hand: its stretches, one from each to the next
+  std::vector<double> step_, rule_;  ///< of these stretches (nodes_of_stretches())
 };
 
 }  // namespace tubefoot

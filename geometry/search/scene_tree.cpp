@@ -201,7 +201,8 @@ void SceneTree::query_sides(GridPoint apex, std::span<const Side> sides, double 
     else
       return box.nearest(side.first).sum() >= 0 || box.nearest(side.last).sum() >= 0;
   };
-  const auto meets = [&](const Box& box, unsigned& checks) {
+  // `has_inner`: whether to leave in `checks` what boxes inside are to be asked.
+  const auto meets = [&]<bool has_inner>(const Box& box, unsigned& checks, std::bool_constant<has_inner>) {
     const double lx = double(box.lo.x) - apex.x - margin, hx = double(box.hi.x) - apex.x + margin,
                  ly = double(box.lo.y) - apex.y - margin, hy = double(box.hi.y) - apex.y + margin,
                  lz = double(box.lo.z) - apex.z - margin, hz = double(box.hi.z) - apex.z + margin;
@@ -209,13 +210,16 @@ void SceneTree::query_sides(GridPoint apex, std::span<const Side> sides, double 
     if (checks & reach_bit) {
       const double dx = gap(lx, hx), dy = gap(ly, hy), dz = gap(lz, hz);
       if (dx * dx + dy * dy + dz * dz > reach2) return false;
-      const double fx = std::max(-lx, hx), fy = std::max(-ly, hy), fz = std::max(-lz, hz);
-      if (fx * fx + fy * fy + fz * fz <= reach2) checks &= ~reach_bit;
+      if constexpr (has_inner) {
+        const double fx = std::max(-lx, hx), fy = std::max(-ly, hy), fz = std::max(-lz, hz);
+        if (fx * fx + fy * fy + fz * fz <= reach2) checks &= ~reach_bit;
+      }
     }
     for (std::size_t k = 0; k < sides.size(); ++k) {
       if (!(checks >> k & 1u)) continue;
       if (!may_meet(own, sides[k])) return false;
-      if (keeps(own, sides[k])) checks &= ~(1u << k);
+      if constexpr (has_inner)
+        if (keeps(own, sides[k])) checks &= ~(1u << k);
     }
     return true;
   };
@@ -229,7 +233,7 @@ void SceneTree::query_sides(GridPoint apex, std::span<const Side> sides, double 
   while (depth > 0) {
     auto [index, checks] = stack[--depth];
     const Node& node = nodes_[index];
-    if (!meets(node.box, checks)) continue;
+    if (!meets(node.box, checks, std::true_type())) continue;
     if (node.count == 0) {
       stack[depth++] = {node.link, checks};
       stack[depth++] = {index + 1, checks};
@@ -241,7 +245,8 @@ void SceneTree::query_sides(GridPoint apex, std::span<const Side> sides, double 
       const auto& facet = mesh_->facets[order_[k]];
       const GridPoint a = mesh_->vertices[facet[0]], b = mesh_->vertices[facet[1]],
                       c = mesh_->vertices[facet[2]];
-      if (own == 0 || meets({min(min(a, b), c), max(max(a, b), c)}, own)) out.push_back(order_[k]);
+      if (own == 0 || meets({min(min(a, b), c), max(max(a, b), c)}, own, std::false_type()))
+        out.push_back(order_[k]);
     }
   }
 }
