@@ -210,7 +210,7 @@ void add_history(const Shot& shot, const History& history, PingSums& sums, const
     for (const std::size_t s : shot.group().sensors)
       if (sums.chosen(s).pings > 0 && !(staffs_are_apart(shot.request()) && shot.sensor(s).has_staff())) {
         const SensorLaw law = shot.law(s);
-        add(s, law.law, shot.echo(history, s, law.law));
+        sums.with_echo(shot, history, s, law.law, [&](const LitEcho& made) { add(s, law.law, made); });
         add_truth(shot, s, law.law, shot.ground().mesh(), history, sums);
       }
     sums.add_finer_relief(shot, history, shot.ground().mesh(), shot.sample_length_m());
@@ -243,19 +243,20 @@ std::vector<bool> wanted_tubes(const Shot& shot, const PingSums& sums) {
 void add_measured(const Shot& shot, PingSums& sums) {
   const History& history = traced(shot, sums);
   sums.counts.candidates += sums.seen->candidates;
-  add_history(shot, history, sums,
-              [&](std::size_t s, const EchoLaw&, const Echo& echo) { sums.add(shot, s, 1, echo.energy); });
+  add_history(shot, history, sums, [&](std::size_t s, const EchoLaw&, const LitEcho& made) {
+    sums.add(shot, s, 1, made.echo.energy, made.lit);
+  });
 }
 
 void add_certified(const Shot& shot, PingSums& sums) {
   const History& history = traced(shot, sums);
   sums.counts.candidates += sums.seen->candidates;
   const RunRequest& request = shot.request();
-  add_history(shot, history, sums, [&](std::size_t s, const EchoLaw& law, const Echo& echo) {
+  add_history(shot, history, sums, [&](std::size_t s, const EchoLaw& law, const LitEcho& made) {
     const Sensor& sensor = shot.sensor(s);
     sums.add(shot, s,
              certify_echo(shot.ground().mesh(), shot.ground().tree(), history, request.visibility,
-                          sensor.beam_of_tube(shot.number()), sensor.samples(), law, echo,
+                          sensor.beam_of_tube(shot.number()), sensor.samples(), law, made.echo,
                           *request.reference_tolerance));
   });
 }
@@ -282,8 +283,8 @@ void add_sampled(const Shot& shot, PingSums& sums) {
   History history;
   history.tubes = shot.tubes();
   history.grid_unit_m = scene.grid.unit_m();
-  const auto add = [&](std::size_t s, const EchoLaw&, const Echo& echo) {
-    sums.add(shot, s, 1, echo.energy);
+  const auto add = [&](std::size_t s, const EchoLaw&, const LitEcho& made) {
+    sums.add(shot, s, 1, made.echo.energy, made.lit);
   };
   trace_rays(*RayGround(shot), history, rays_of(shot), shot.sensor(shot.first()).beam_of_tube(shot.number()),
              [&] { add_history(shot, history, sums, add); });

@@ -14,18 +14,27 @@
 namespace tubefoot {
 namespace {
 
+void add_to(std::span<double> sums, std::span<const double> values) {
+  std::transform(values.begin(), values.end(), sums.begin(), sums.begin(), std::plus<>());
+}
+
+/// Calls visit(row, first place of its beam) for `rows` rows [channel][beam of the shot], of those beams that
+/// are chosen.
+template <class Visit>
+void each_chosen_row(std::size_t rows, const std::vector<std::uint32_t>& beams, const ChosenEchoes& chosen,
+                     const Visit& visit) {
+  for (std::size_t row = 0; row < rows; ++row)
+    if (const std::optional<std::size_t> beam = chosen.place_of(beams[row % beams.size()]))
+      visit(row, row / beams.size() * chosen.beams.size() + *beam);
+}
+
 /// `rows`: [channel][beam of the shot][sample]; `all`: of the sensor's beams that are chosen.
 void add_rows(std::span<const double> rows, const std::vector<std::uint32_t>& beams, std::size_t channels,
               const ChosenEchoes& chosen, std::span<double> all) {
   const std::size_t samples = rows.size() / (beams.size() * channels);
-  for (std::size_t row = 0; row < beams.size() * channels; ++row) {
-    const std::optional<std::size_t> beam = chosen.place_of(beams[row % beams.size()]);
-    if (!beam) continue;
-    const std::size_t place = row / beams.size() * chosen.beams.size() + *beam;
-    const std::span<double> to = all.subspan(place * samples, samples);
-    const std::span<const double> from = rows.subspan(row * samples, samples);
-    std::transform(from.begin(), from.end(), to.begin(), to.begin(), std::plus<>());
-  }
+  each_chosen_row(beams.size() * channels, beams, chosen, [&](std::size_t row, std::size_t place) {
+    add_to(all.subspan(place * samples, samples), rows.subspan(row * samples, samples));
+  });
 }
 
 /// What bounds are worth where not all of a shot's beams are chosen: of those that are, the targets being the
@@ -86,19 +95,29 @@ void PingSums::add_signals(const Shot& shot, std::size_t s, std::span<const doub
   std::transform(values.begin(), values.end(), kept.begin(), kept.begin(), std::plus<>());
 }
 
-void PingSums::add(const Shot& shot, std::size_t s, std::size_t order, std::span<const double> energy) {
+void PingSums::with_echo(const Shot& shot, const Sight& sight, std::size_t s, const EchoLaw& law,
+                         const std::function<void(const LitEcho&)>& use) {
+  const std::vector<std::uint32_t> fans = shot.sensor(s).fan_of_tube(shot.number());
+  LitEcho made = integrate_lit_echo(sight, shot.beams_by_fans(s, fans), shot.sensor(s).samples(), law,
+                                    shot.request().binning, values_.take_echo_room());
+  use(made);
+  values_.give_back_echo_room(cleared_room(std::move(made)));
+}
+
+void PingSums::add(const Shot& shot, std::size_t s, std::size_t order, std::span<const double> energy,
+                   std::span<const SampleSpan> lit) {
   if (chosen(s).pings == 0) return;
   const std::vector<std::uint32_t>& beams = shot.sensor(s).beams_of_shot(shot.number());
   const auto samples = static_cast<std::size_t>(shot.sensor(s).samples().count);
-  const std::size_t cells = beams.size() * samples;
+  // 0 changes no sum: what is not lit need not be looked at.
   double sum = 0;
-  for (std::size_t row = 0; row < beams.size(); ++row) {
-    if (!chosen(s).place_of(beams[row])) continue;
-    const auto first = energy.begin() + std::ptrdiff_t(row * samples);
-    sum = std::accumulate(first, first + std::ptrdiff_t(samples), sum);
-  }
+  each_chosen_row(energy.size() / samples, beams, chosen(s), [&](std::size_t row, std::size_t place) {
+    const auto [first, end] = lit.empty() ? SampleSpan{0, samples} : lit[row];
+    const std::span<const double> values = energy.subspan(row * samples + first, end - first);
+    if (row < beams.size()) sum = std::accumulate(values.begin(), values.end(), sum);
+    add_to(values_.energy(s, place * samples + first, values.size()), values);
+  });
   counts.energy_of_order[order] += sum;
-  add_rows(energy, beams, energy.size() / cells, chosen(s), values_.energy(s));
 }
 
 void PingSums::add(const Shot& shot, std::size_t s, const CertifiedEcho& certified, std::size_t order) {

@@ -3,12 +3,14 @@
 
 #include <chrono>
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "engine/certified/reference.hpp"
 #include "engine/echo/finer_relief.hpp"
+#include "engine/echo/lit_echo.hpp"
 #include "run/kept/ping_store.hpp"
 #include "run/shot.hpp"
 
@@ -28,7 +30,9 @@ class PingSums {
 
   /// Energies of paths with `order` interactions that a sensor hears of a shot:
   /// [channel][beam of the shot][sample].
-  void add(const Shot& shot, std::size_t sensor, std::size_t order, std::span<const double> energy);
+  /// `lit`, by row of samples: those outside are 0; none: any may be lit.
+  void add(const Shot& shot, std::size_t sensor, std::size_t order, std::span<const double> energy,
+           std::span<const SampleSpan> lit = {});
   /// The same with their bounds.
   void add(const Shot& shot, std::size_t sensor, const CertifiedEcho& certified, std::size_t order = 1);
   /// To a channel of the truth of what a sensor hears (Truth::channels()): [beam of the shot][sample], and
@@ -38,6 +42,9 @@ class PingSums {
   void add_signals(const Shot& shot, std::size_t sensor, std::span<const double> values);
   /// What finer relief than the facets that are seen would change of it.
   void add_finer_relief(const Shot& shot, const Sight& sight, const FacetMesh& mesh, double sample_m);
+  /// Shot::echo(), in memory that pings share one after the other, and `use` of it.
+  void with_echo(const Shot& shot, const Sight& sight, std::size_t sensor, const EchoLaw& law,
+                 const std::function<void(const LitEcho&)>& use);
   /// Does a part of the work whose seconds are the echo's, not those of what is seen.
   template <class Work>
   void as_echo(const Work& work) {

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -110,7 +111,8 @@ void integrate(const Sight& sight, const ReceiveBeams& beams, const RangeSamples
                const Quadrature& how, const Sink<double>& sink) {
   check(sight, beams, samples, law, how);
   if (!sight.one_apex()) return between_two_apexes(sight, beams, samples, law, how, sink);
-  const std::vector<double> energy = integrate_one_apex(sight, beams, samples, law, how, sink);
+  const std::vector<double> energy =
+      integrate_one_apex(sight, beams, samples, law, how, sink, {}).echo.energy;
   if (how.by_owner && sight.hits().empty()) return;  // all of it has been told
   const auto count = std::size_t(samples.count);
   for (std::size_t bin = 0; bin < energy.size(); ++bin)
@@ -119,20 +121,33 @@ void integrate(const Sight& sight, const ReceiveBeams& beams, const RangeSamples
 
 Echo integrate_echo(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
                     const EchoLaw& law, Quadrature how) {
+  return integrate_lit_echo(sight, beams, samples, law, how, {}).echo;
+}
+
+LitEcho integrate_lit_echo(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
+                           const EchoLaw& law, Quadrature how, std::vector<double> room) {
   how.by_owner = false;
   check(sight, beams, samples, law, how);
-  Echo echo;
-  echo.beams = beams.count;
-  echo.samples = samples.count;
-  if (sight.one_apex()) {  // no sink between: pings of many bins are mostly that
-    echo.energy = integrate_one_apex(sight, beams, samples, law, how, {});
-    return echo;
-  }
-  echo.energy.assign(std::size_t(beams.count) * std::size_t(samples.count), 0);
+  // No sink between: pings of many bins are mostly that.
+  if (sight.one_apex()) return integrate_one_apex(sight, beams, samples, law, how, {}, std::move(room));
+  LitEcho made{{beams.count, samples.count, std::move(room)}, {}};
+  Echo& echo = made.echo;
+  echo.energy.resize(std::size_t(beams.count) * std::size_t(samples.count));
   between_two_apexes(sight, beams, samples, law, how, [&](const Part<double>& part) {
     echo.energy[part.beam * std::size_t(samples.count) + part.sample] += part.value;
   });
-  return echo;
+  return made;
+}
+
+std::vector<double> cleared_room(LitEcho made) {
+  std::vector<double> room = std::move(made.echo.energy);
+  const auto samples = std::size_t(made.echo.samples);
+  if (made.lit.empty()) std::fill(room.begin(), room.end(), 0.0);
+  for (std::size_t row = 0; row < made.lit.size(); ++row) {
+    const auto begin = room.begin() + std::ptrdiff_t(row * samples);
+    std::fill(begin + std::ptrdiff_t(made.lit[row].first), begin + std::ptrdiff_t(made.lit[row].end), 0.0);
+  }
+  return room;
 }
 
 }  // namespace tubefoot

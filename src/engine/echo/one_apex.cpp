@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -38,7 +39,7 @@ BeamPatterns ideal_beams(const ReceiveBeams& beams) {
 class OneApex {
  public:
   OneApex(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
-          const Quadrature& how, const Sink<double>& sink)
+          const Quadrature& how, const Sink<double>& sink, std::vector<double> room)
       : sight_(sight),
         beams_(beams),
         samples_(samples),
@@ -47,21 +48,30 @@ class OneApex {
         sink_(sink),
         finder_(samples),
         beta_(absorption_per_m(law.absorption_db_per_m)),
-        energy_(std::size_t(law.patterns != nullptr ? law.patterns->channels() : 1) *
-                std::size_t(beams.count) * std::size_t(samples.count)) {
+        energy_(std::move(room)) {
+    const std::size_t rows =
+        std::size_t(law.patterns != nullptr ? law.patterns->channels() : 1) * std::size_t(beams.count);
+    energy_.resize(rows * std::size_t(samples.count));
+    lit_.resize(rows);
     if (law.patterns == nullptr) return;
     for (const Fringe& fringe : law.patterns->fringes) spread_m_ = std::max(spread_m_, fringe.baseline_m);
   }
 
-  std::vector<double> integrate() {
-    if (how_.binning != Binning::exact)
+  LitEcho integrate() {
+    bool by_samples = sight_.hits().empty();  // whether lit_ says it all
+    if (how_.binning != Binning::exact) {
       whole();
-    else if (law_.patterns != nullptr)
+      by_samples = false;
+    } else if (law_.patterns != nullptr) {
       weighed(*law_.patterns, false);
-    else if (!even())
+      by_samples = false;
+    } else if (!even()) {
       weighed(ideal_beams(beams_), true);
+      by_samples = false;
+    }
     hits();
-    return std::move(energy_);
+    if (!by_samples) lit_.clear();
+    return {{beams_.count, samples_.count, std::move(energy_)}, std::move(lit_)};
   }
 
  private:
@@ -92,6 +102,13 @@ class OneApex {
             sink_({std::uint32_t(row / samples), std::uint32_t(k), energy, std::uint32_t(number), tube});
       }
   }
+  void light(std::size_t row, SampleSpan samples) {
+    if (samples.first >= samples.end) return;
+    SampleSpan& lit = lit_[row];
+    lit = lit.first >= lit.end
+              ? samples
+              : SampleSpan{std::min(lit.first, samples.first), std::max(lit.end, samples.end)};
+  }
   void begin_footprint() {
     near_m_ = finder_.borders().back();
     far_m_ = 0;
@@ -105,15 +122,17 @@ class OneApex {
 
   /// All but those of facets with micro-texture; false if there are some.
   bool even() {
-    const RadialIntegral radial = lambert_radial_integral(samples_, law_.absorption_db_per_m);
-    RangeCutter cutter(radial);
-    ScatteringCutter scattering_cutter(samples_, law_.absorption_db_per_m);
+    const std::shared_ptr<const RadialIntegral> radial =
+        lambert_radial_integral(samples_, law_.absorption_db_per_m);
+    RangeCutter cutter(*radial);
+    std::optional<ScatteringCutter> scattering_cutter;
     bool all = true;
     for (std::size_t number = sight_.first(); number < sight_.end(); ++number) {
       stop_if_wanted();
       const SeenFacet facet = sight_[number];
-      const std::span<double> row = std::span(energy_).subspan(
-          beam_of(tube_of(number)) * std::size_t(samples_.count), std::size_t(samples_.count));
+      const std::uint32_t beam = beam_of(tube_of(number));
+      const std::span<double> row =
+          std::span(energy_).subspan(beam * std::size_t(samples_.count), std::size_t(samples_.count));
       const FacetBed bed = law_.bed(facet.facet);
       if (bed.texture != nullptr) {
         all = false;
@@ -125,10 +144,12 @@ class OneApex {
       begin_footprint();
       for (std::uint32_t p = 0; p < facet.piece_count; ++p) {
         assign(facet, number, p, frame);
-        if (bed.scattering != nullptr)
-          scattering_cutter.add(polygon_, *bed.scattering, row, bed.factor);
-        else
-          cutter.add(polygon_, factor, row);
+        if (bed.scattering != nullptr) {
+          if (!scattering_cutter) scattering_cutter.emplace(samples_, law_.absorption_db_per_m);
+          light(beam, scattering_cutter->add(polygon_, *bed.scattering, row, bed.factor));
+        } else {
+          light(beam, cutter.add(polygon_, factor, row));
+        }
       }
       told(number);
     }
@@ -304,16 +325,17 @@ class OneApex {
   SampleFinder finder_;
   double beta_, spread_m_ = 0;
   std::vector<double> energy_;
+  std::vector<SampleSpan> lit_;  ///< by row of it: what even() has added to
   PlanarPolygon polygon_;
   double near_m_ = 0, far_m_ = 0;  // of the footprint at hand, for its owner
 };
 
 }  // namespace
 
-std::vector<double> integrate_one_apex(const Sight& sight, const ReceiveBeams& beams,
-                                       const RangeSamples& samples, const EchoLaw& law, const Quadrature& how,
-                                       const Sink<double>& sink) {
-  return OneApex(sight, beams, samples, law, how, sink).integrate();
+LitEcho integrate_one_apex(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
+                           const EchoLaw& law, const Quadrature& how, const Sink<double>& sink,
+                           std::vector<double> room) {
+  return OneApex(sight, beams, samples, law, how, sink, std::move(room)).integrate();
 }
 
 }  // namespace tubefoot

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "engine/echo/echo.hpp"
+#include "engine/echo/lit_echo.hpp"
 
 // The quadratures behind integrate() (echo.hpp), which has looked at what they are given.
 namespace tubefoot {
@@ -9,10 +9,10 @@ namespace tubefoot {
 /// Nothing comes back from there.
 inline bool is_silent(const FacetBed& bed) { return bed.scattering == nullptr && bed.mu == 0; }
 
-/// Laid out as Echo::energy. Parts whose owner is asked for go to the sink instead.
-std::vector<double> integrate_one_apex(const Sight& sight, const ReceiveBeams& beams,
-                                       const RangeSamples& samples, const EchoLaw& law, const Quadrature& how,
-                                       const Sink<double>& sink);
+/// Parts whose owner is asked for go to the sink instead. `room`: as integrate_lit_echo() has it.
+LitEcho integrate_one_apex(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
+                           const EchoLaw& law, const Quadrature& how, const Sink<double>& sink,
+                           std::vector<double> room);
 void integrate_two_apexes(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
                           const EchoLaw& law, const Quadrature& how, const Sink<double>& sink);
 /// Of two apexes, by a binning that is not exact.

@@ -38,11 +38,11 @@ void ScatteringCutter::prepare(const ScatteringLaw& law, double distance_m, std:
   cutter_ = std::make_unique<RangeCutter>(*radial_);
 }
 
-void ScatteringCutter::add(const PlanarPolygon& polygon, const ScatteringLaw& law, std::span<double> row,
-                           double factor) {
-  if (polygon.offsets.size() < 3 || !(polygon.distance > 0)) return;
+SampleSpan ScatteringCutter::add(const PlanarPolygon& polygon, const ScatteringLaw& law,
+                                 std::span<double> row, double factor) {
+  if (polygon.offsets.size() < 3 || !(polygon.distance > 0)) return {};
   const double near = nearest_point(polygon).range, far = farthest_range(polygon);
-  if (!(far > borders_.front() && near < borders_.back())) return;
+  if (!(far > borders_.front() && near < borders_.back())) return {};
   const auto first = std::upper_bound(borders_.begin(), borders_.end(), near);
   const auto end = std::lower_bound(borders_.begin(), borders_.end(), far);
   const auto samples = std::ptrdiff_t(borders_.size()) - 1;
@@ -50,7 +50,8 @@ void ScatteringCutter::add(const PlanarPolygon& polygon, const ScatteringLaw& la
   const auto k0 = std::clamp<std::ptrdiff_t>(first - borders_.begin() - 2, 0, samples - 1);
   const auto k1 = std::clamp<std::ptrdiff_t>(end - borders_.begin() + 1, k0 + 1, samples);
   prepare(law, polygon.distance, std::size_t(k0), std::size_t(k1));
-  cutter_->add(polygon, factor, row.subspan(first_, end_ - first_));
+  const SampleSpan lit = cutter_->add(polygon, factor, row.subspan(first_, end_ - first_));
+  return {first_ + lit.first, first_ + lit.end};
 }
 
 }  // namespace tubefoot

@@ -22,8 +22,10 @@ class ScatteringCutter {
  public:
   ScatteringCutter(const RangeSamples& samples, double absorption_db_per_m);
 
-  /// Adds `factor` times the integral over polygon and sample k to row[k].
-  void add(const PlanarPolygon& polygon, const ScatteringLaw& law, std::span<double> row, double factor = 1);
+  /// Adds `factor` times the integral over polygon and sample k to row[k]. Returns the samples that it has
+  /// added to; it leaves the others alone.
+  SampleSpan add(const PlanarPolygon& polygon, const ScatteringLaw& law, std::span<double> row,
+                 double factor = 1);
 
  private:
   void prepare(const ScatteringLaw& law, double distance_m, std::size_t first, std::size_t end);

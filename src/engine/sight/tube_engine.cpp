@@ -34,9 +34,9 @@ TubeEngine::~TubeEngine() = default;
 
 History TubeEngine::trace(TubeSet tubes, std::size_t* candidates, bool measured,
                           const std::vector<bool>& wanted) const {
-  std::vector<FootprintSet> per_tube(tubes.tubes.size());
-  std::vector<std::size_t> looked_at(tubes.tubes.size());
   const std::vector<TubeRun> runs = runs_of(tubes);
+  std::vector<FootprintSet> per_run(runs.size());
+  std::vector<std::size_t> looked_at(runs.size());
   Steps steps("tubes", tubes.tubes.size());
   const auto is_wanted = [&](std::uint32_t tube) { return wanted.empty() || wanted[tube]; };
   tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t run) {
@@ -47,14 +47,14 @@ History TubeEngine::trace(TubeSet tubes, std::size_t* candidates, bool measured,
     const TubeVisibility& seen = sees;  // a lambda may refer to it by this name
     see_run(mesh_, tree_, tubes, runs[run], options_, visibility, sees, [&](std::uint32_t tube) {
       if (!is_wanted(tube)) return;
-      append_footprints(mesh_, tubes, tube, seen, grid_unit_m_, per_tube[tube]);
-      if (measured) measure(per_tube[tube]);
-      looked_at[tube] = seen.candidates;
+      append_footprints(mesh_, tubes, tube, seen, grid_unit_m_, per_run[run]);
+      looked_at[run] += seen.candidates;
       steps.done();
     });
+    if (measured) measure(per_run[run]);
   });
   History history;
-  history.footprints = joined(per_tube);
+  history.footprints = joined(per_run);
   if (candidates)
     for (const std::size_t n : looked_at) *candidates += n;
   history.tubes = std::move(tubes);
