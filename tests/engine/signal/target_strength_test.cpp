@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <boost/math/special_functions/bessel.hpp>
 #include <cmath>
@@ -279,6 +280,80 @@ TEST(TargetStrength, HiddenPartsReturnNothing) {
   EXPECT_LT(std::abs(length(plates, {0, 0, 1}, k) - Complex(0, -k / (2 * pi)) * (3.0 + front)), 1e-6);
   // From below the larger one hides all of the smaller one.
   EXPECT_LT(std::abs(length(plates, {0, 0, -1}, k) - Complex(0, -k / (2 * pi)) * 4.0), 1e-6);
+}
+
+/// The integral over what is nearest to the viewer, by a raster of n places across the larger side: knows no
+/// polygons.
+std::vector<Complex> by_raster(const ComponentMesh& mesh, glm::dvec3 towards, std::span<const double> k,
+                               int n) {
+  const glm::dvec3 u = glm::normalize(glm::cross(glm::dvec3(0.3, 0.2, 1), towards)),
+                   v = glm::cross(towards, u);
+  std::vector<glm::dvec3> points;
+  glm::dvec2 low(HUGE_VAL), high(-HUGE_VAL);
+  for (const glm::dvec3& p : mesh.points_m) {
+    points.emplace_back(glm::dot(p, u), glm::dot(p, v), glm::dot(p, towards));
+    low = glm::min(low, glm::dvec2(points.back()));
+    high = glm::max(high, glm::dvec2(points.back()));
+  }
+  const double step = std::max(high.x - low.x, high.y - low.y) / n;
+  std::vector<double> nearest(std::size_t(n) * std::size_t(n), -HUGE_VAL);
+  for (const auto& [i, j, l] : mesh.triangles) {
+    const glm::dvec3 a = points[i], d = points[j] - a, e = points[l] - a;
+    const double turn = d.x * e.y - d.y * e.x;
+    if (turn == 0) continue;
+    const auto place = [&](double value, double from) {
+      return std::clamp(int((value - from) / step), 0, n - 1);
+    };
+    const auto [x0, x1] = std::minmax({a.x, a.x + d.x, a.x + e.x});
+    const auto [y0, y1] = std::minmax({a.y, a.y + d.y, a.y + e.y});
+    for (int y = place(y0, low.y); y <= place(y1, low.y); ++y)
+      for (int x = place(x0, low.x); x <= place(x1, low.x); ++x) {
+        const double px = low.x + (x + 0.5) * step - a.x, py = low.y + (y + 0.5) * step - a.y;
+        const double s = (px * e.y - py * e.x) / turn, t = (py * d.x - px * d.y) / turn;
+        if (s < 0 || t < 0 || s + t > 1) continue;
+        double& z = nearest[std::size_t(y) * std::size_t(n) + std::size_t(x)];
+        z = std::max(z, a.z + s * d.z + t * e.z);
+      }
+  }
+  std::vector<Complex> sums(k.size());
+  for (const double z : nearest)
+    if (z > -HUGE_VAL)
+      for (std::size_t m = 0; m < k.size(); ++m) sums[m] += std::polar(step * step, -2 * k[m] * z);
+  for (std::size_t m = 0; m < k.size(); ++m) sums[m] *= Complex(0, -k[m] / (2 * pi));
+  return sums;
+}
+
+// Bodies that hide parts of themselves and of each other, and go through each other, from all around.
+TEST(TargetStrength, OfBodiesThatHideEachOtherIsWhatARasterSees) {
+  ComponentMesh bodies;
+  const auto add = [&](const ComponentMesh& mesh, glm::dvec3 at, double turn) {
+    const auto first = static_cast<std::uint32_t>(bodies.points_m.size());
+    for (const glm::dvec3& p : mesh.points_m)
+      bodies.points_m.push_back(at + glm::dvec3(std::cos(turn) * p.x - std::sin(turn) * p.z, p.y,
+                                                std::sin(turn) * p.x + std::cos(turn) * p.z));
+    for (const auto& [a, b, c] : mesh.triangles)
+      bodies.triangles.push_back({first + a, first + b, first + c});
+  };
+  add(box_facets({{2.4, 0.8, 0.5}}, {}), {0, 0, 0}, 0.2);
+  add(cylinder_facets({0.35, 1.5}, 2e-3, {}), {0.5, 0.1, 0.2}, 0.5);
+  add(sphere_facets({0.4}, 4e-3, {}), {-0.8, 0.5, 0.3}, 0);
+  add(box_facets({{0.1, 1.8, 1.8}}, {}), {-0.2, 0, 0.3}, -0.3);
+  const std::vector<double> k{1.5, 5, 12};
+  for (const glm::dvec3 raw : {glm::dvec3(1, 0.2, 0.1),
+                               {0.3, 1, 0.4},
+                               {-0.5, -0.6, 0.9},
+                               {-1, 0.4, -0.3},
+                               {0.2, -0.3, -1},
+                               {0.7, -0.9, 0.5}}) {
+    const glm::dvec3 towards = glm::normalize(raw);
+    const std::vector<Complex> got = lengths(bodies, towards, k),
+                               raster = by_raster(bodies, towards, k, 1500);
+    const double silhouette = far_view(bodies.points_m, bodies.triangles, towards).area_m2();
+    for (std::size_t m = 0; m < k.size(); ++m) {
+      const double in_phase = k[m] / (2 * pi) * silhouette;
+      EXPECT_LT(std::abs(got[m] - raster[m]), 1.5e-3 * in_phase) << raw.x << ' ' << k[m];
+    }
+  }
 }
 
 }  // namespace
