@@ -198,12 +198,13 @@ CellsOfStretches RadialIntegral::cells_from(std::size_t cell, std::size_t count)
 }
 
 std::size_t RadialIntegral::cell_at(double range_m) const {
-  if (!(range_m >= cells_.front().hi)) return 0;
-  if (range_m >= cells_.back().hi) return cells_.size();
+  const double* high = highs();
+  if (!(range_m >= high[0])) return 0;
+  if (range_m >= high[cells_.size() - 1]) return cells_.size();
   // Samples are even and most of them one cell: the guess is nearly always right.
   auto k = std::min(static_cast<std::size_t>((range_m - front()) * cells_per_m_), cells_.size() - 1);
-  while (range_m >= cells_[k].hi) ++k;
-  while (k > 0 && range_m < cells_[k - 1].hi) --k;
+  while (range_m >= high[k]) ++k;
+  while (k > 0 && range_m < high[k - 1]) --k;
   return k;
 }
 
