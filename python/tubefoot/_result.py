@@ -399,7 +399,7 @@ def run(scene: Union[Scene, PathLike], *, engine: Union[str, Engine, None] = Non
             the least that any of them asks for.
         arithmetic: ``"fixed"``, ``"filtered"``, ``"rational"`` or ``"double"``.
         binning: tube engine: ``"exact"``, ``"spread"`` or ``"centroid"``.
-        sampling: ray engine: ``"stratified"``, ``"sobol"``, ``"regular"``, ``"random"`` or ``"column"``.
+        sampling: ray engine: ``"stratified"``, ``"sobol"``, ``"adaptive"``, ``"regular"``, ``"random"`` or ``"column"``.
         rays: ray engine: rays a ping.
         rays_per_beam: ray engine: rays a beam, instead.
         seed: ray engine: seed of the sampling.

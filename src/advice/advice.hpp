@@ -19,8 +19,8 @@ struct AdviceOptions {
   double largest_cost = 3;  ///< rays that take longer than this many exact tube runs are not tried
   std::uint64_t seed = 1;   ///< of the rays
   /// Of rays, to try.
-  std::vector<RaySampling> samplings{RaySampling::stratified, RaySampling::sobol, RaySampling::regular,
-                                     RaySampling::column};
+  std::vector<RaySampling> samplings{RaySampling::stratified, RaySampling::sobol, RaySampling::adaptive,
+                                     RaySampling::regular, RaySampling::column};
   bool quiet = false;
 };
 

@@ -47,8 +47,10 @@ void add_run(CLI::App& app, Asked& asked) {
                    "tube engine: cut footprints at the samples' borders (exact), or use their centroid's "
                    "energy, spread over their ranges or not")
       ->check(CLI::IsMember({"exact", "spread", "centroid"}));
-  command->add_option("--sampling", run.sampling, "ray engine: stratified, sobol, regular, random or column")
-      ->check(CLI::IsMember({"stratified", "sobol", "regular", "random", "column"}));
+  command
+      ->add_option("--sampling", run.sampling,
+                   "ray engine: stratified, sobol, adaptive, regular, random or column")
+      ->check(CLI::IsMember({"stratified", "sobol", "adaptive", "regular", "random", "column"}));
   CLI::Option* rays = command->add_option("--rays", run.rays, "ray engine: rays per ping")
                           ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000'000}));
   command->add_option("--rays-per-beam", run.rays_per_beam, "ray engine: rays per beam instead")

@@ -286,8 +286,10 @@ void add_sampled(const Shot& shot, PingSums& sums) {
   const auto add = [&](std::size_t s, const EchoLaw&, const LitEcho& made) {
     sums.add(shot, s, 1, made.echo.energy, made.lit);
   };
-  trace_rays(*RayGround(shot), history, rays_of(shot), shot.sensor(shot.first()).beam_of_tube(shot.number()),
-             [&] { add_history(shot, history, sums, add); });
+  const RayGuide guide = guide_of(shot);
+  trace_rays(
+      *RayGround(shot), history, rays_of(shot), shot.sensor(shot.first()).beam_of_tube(shot.number()),
+      [&] { add_history(shot, history, sums, add); }, nullptr, &guide);
 }
 
 /// What decides between the parts.

@@ -68,8 +68,9 @@ void add_paths_of(const Shot& shot, std::size_t s, const PathSettings& asked, Pi
   const SensorLaw law(shot, *bed, s);
   std::optional<RayGround> rays;
   if (shot.request().engine == Engine::ray)
-    settings.sampled = SampledPaths{bed.water() != nullptr ? nullptr : &*rays.emplace(shot),
-                                    shot.scene().grid, rays_of(shot), sensor.beam_of_tube(shot.number())};
+    settings.sampled =
+        SampledPaths{bed.water() != nullptr ? nullptr : &*rays.emplace(shot), shot.scene().grid,
+                     rays_of(shot), sensor.beam_of_tube(shot.number()), guide_of(shot)};
   const auto trace_by = [&](const FacetMesh& mesh, const EchoLaw& by, const PathSettings& how,
                             const PathWater* water) {
     return path_echo(mesh, (*bed).tree(), shot.scene().grid.unit_m(), shot.request().visibility,

@@ -12,6 +12,7 @@
 
 #include "engine/rays/shared_hits.hpp"
 #include "run/paths.hpp"
+#include "run/shot_rays.hpp"
 #include "run/simulation.hpp"
 #include "scene/ping_times.hpp"
 #include "scene/scene_water.hpp"
@@ -341,14 +342,17 @@ void trace_rays_of_both(const Shot& shot, const RefractedPair& pair, const RaySe
   History history;
   history.tubes = pair.transmit_tubes;
   history.grid_unit_m = grid.unit_m();
-  trace_rays(sent_to, history, settings, shot.sensor(shot.first()).beam_of_tube(shot.number()), [&] {
+  const RayGuide guide = guide_of(shot);
+  const auto take_shared = [&] {
     BistaticHistory both = shared_hits(history, sent, heard, seen.mesh, &there);
     both.paired = made_for(shot, [&] {
       return paired_facets(both.shared, seen, grid, pair.transmit_water, pair.receive_water,
                            pair.absorption_db_per_m);
     });
     take(both);
-  });
+  };
+  trace_rays(sent_to, history, settings, shot.sensor(shot.first()).beam_of_tube(shot.number()), take_shared,
+             nullptr, &guide);
 }
 
 void add_counts(StraighteningCounts& counts, const ApparentGround& ground, const Shot& shot) {

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "engine/rays/shared_hits.hpp"
+#include "run/shot_rays.hpp"
 #include "run/truth.hpp"
 
 namespace tubefoot {
@@ -115,8 +116,10 @@ void Shot::trace_rays_of_both(const RayScene& rays, const RaySettings& settings,
   history.grid_unit_m = scene().grid.unit_m();
   const TubeFinder sent_tubes(history.tubes), heard_tubes(receive);
   const SampledEnd sent{rays, history.tubes, sent_tubes}, heard{rays, receive, heard_tubes};
-  trace_rays(rays, history, settings, sensor(first()).beam_of_tube(number_),
-             [&] { take(shared_hits(history, sent, heard, ground().mesh())); });
+  const RayGuide guide = guide_of(*this);
+  trace_rays(
+      rays, history, settings, sensor(first()).beam_of_tube(number_),
+      [&] { take(shared_hits(history, sent, heard, ground().mesh())); }, nullptr, &guide);
 }
 
 StaffHistory Shot::trace_staff(std::size_t s, std::uint32_t fan, const Fringe& staff) const {

@@ -11,6 +11,10 @@ namespace tubefoot {
 /// The rays of a shot: every ping draws its own sample, so that errors of neighbours are independent.
 RaySettings rays_of(const Shot& shot);
 
+/// What adaptive rays of a shot go by: the shortest range samples of its sensors, and how bright its
+/// materials are, whatever their law, at 45 degrees.
+RayGuide guide_of(const Shot& shot);
+
 /// A shot's ground, made ready for rays.
 class RayGround {
  public:

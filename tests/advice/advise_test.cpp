@@ -250,9 +250,10 @@ TEST_F(AdviseProgram, PrintsATableAndNamesTheCheapest) {
   const Outcome outcome = run_program({"advise", scene, "--tolerance", "1e-5", "--quiet"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.err, IsEmpty());
-  for (const char* words : {"tubes, exact cuts, fixed", "tubes, spread", "tubes, centroid",
-                            "rays, stratified", "rays, sobol", "rays, regular", "rays, one column a beam",
-                            "options        --engine tube --arithmetic fixed --binning exact\n"})
+  for (const char* words :
+       {"tubes, exact cuts, fixed", "tubes, spread", "tubes, centroid", "rays, stratified", "rays, sobol",
+        "rays, adaptive", "rays, regular", "rays, one column a beam",
+        "options        --engine tube --arithmetic fixed --binning exact\n"})
     EXPECT_THAT(outcome.out, HasSubstr(words));
 }
 
@@ -265,7 +266,7 @@ TEST_F(AdviseProgram, JsonHasEveryCandidate) {
   EXPECT_EQ(json["measure"], "l1_error");
   EXPECT_EQ(json["sensors"][0]["probe_pings"].size(), 3u);
   EXPECT_EQ(json["sensors"][0]["measured_pings"].size(), 3u);
-  EXPECT_EQ(json["candidates"].size(), 7u);
+  EXPECT_EQ(json["candidates"].size(), 8u);
   EXPECT_EQ(json["candidates"][0]["measured"]["error"], 0);
   EXPECT_TRUE(json["cheapest"]["holds"]);
   for (const auto& c : json["candidates"]) {

@@ -121,12 +121,12 @@ TEST_F(Chart, WritesEveryEngineInARowASetting) {
             "scene,engine,setting,l1_error,rms_db_error,seconds,bound,processor_seconds,instructions");
   std::map<std::string, std::size_t> settings;
   for (const auto& [engine, own] : rows) settings[engine] = own.size();
-  EXPECT_THAT(settings,
-              UnorderedElementsAre(std::pair{"tubes, exact cuts", 4u}, std::pair{"tubes, double", 2u},
-                                   std::pair{"tubes, spread", 1u}, std::pair{"tubes, centroid", 1u},
-                                   std::pair{"rays, stratified", 11u}, std::pair{"rays, sobol", 11u},
-                                   std::pair{"rays, regular", 11u}, std::pair{"rays, random", 11u},
-                                   std::pair{"rays, one column a beam", 11u}));
+  EXPECT_THAT(settings, UnorderedElementsAre(
+                            std::pair{"tubes, exact cuts", 4u}, std::pair{"tubes, double", 2u},
+                            std::pair{"tubes, spread", 1u}, std::pair{"tubes, centroid", 1u},
+                            std::pair{"rays, stratified", 11u}, std::pair{"rays, sobol", 11u},
+                            std::pair{"rays, adaptive", 11u}, std::pair{"rays, regular", 11u},
+                            std::pair{"rays, random", 11u}, std::pair{"rays, one column a beam", 11u}));
   // What existing simulators use is among the rungs.
   std::set<std::string> rungs;
   for (const Row& row : rows["rays, random"]) rungs.insert(row.setting);
@@ -177,6 +177,11 @@ TEST_F(Chart, StratifiedRaysConvergeFaster) {
 TEST_F(Chart, SobolRaysConvergeFaster) {
   EXPECT_LT(order(rows["rays, sobol"], 100), order(rows["rays, random"], 100) - 0.1);
   EXPECT_LT(rows["rays, sobol"].back().l1, rows["rays, random"].back().l1 / 3);
+}
+
+TEST_F(Chart, AdaptiveRaysAreAheadOfStratifiedOnes) {
+  EXPECT_LT(order(rows["rays, adaptive"], 100), order(rows["rays, random"], 100) - 0.1);
+  EXPECT_LT(rows["rays, adaptive"].back().l1, 0.8 * rows["rays, stratified"].back().l1);
 }
 
 TEST_F(Chart, WritesPageAndPictures) {

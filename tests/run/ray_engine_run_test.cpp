@@ -109,7 +109,7 @@ TEST(RayRun, EverySamplingTakesEveryCountPerBeam) {
   // What existing simulators spend on a beam, from one ray to seventeen thousand.
   const TestFolder folder;
   const double exact = echoes_of(scene).total();
-  for (const std::string sampling : {"stratified", "sobol", "regular", "random", "column"})
+  for (const std::string sampling : {"stratified", "sobol", "adaptive", "regular", "random", "column"})
     for (const int count : {1, 11, 23, 114, 1500, 17000}) {
       SCOPED_TRACE(sampling + ", " + std::to_string(count) + " rays per beam");
       const std::string run = sampling == "column" ? "[run]\nrays_per_beam = 3\n" : "";

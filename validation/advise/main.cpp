@@ -39,8 +39,8 @@ std::vector<Measured> all_measured(UnseenPings& unseen) {
   for (const Binning binning : {Binning::exact, Binning::spread, Binning::centroid})
     all.push_back({tube_setting(binning), unseen.run(tube_setting(binning), repeats)});
   const double exact_seconds = all.front().trial.work.seconds;
-  for (const RaySampling sampling :
-       {RaySampling::stratified, RaySampling::sobol, RaySampling::regular, RaySampling::column})
+  for (const RaySampling sampling : {RaySampling::stratified, RaySampling::sobol, RaySampling::adaptive,
+                                     RaySampling::regular, RaySampling::column})
     for (Measured& m : fine_ladder(unseen, sampling, repeats, exact_seconds, most_rays))
       all.push_back(std::move(m));
   return all;
@@ -122,7 +122,8 @@ int run(const std::filesystem::path& page, const std::vector<std::filesystem::pa
       "{} other "
       "places and directions nearby. *Cheapest* is the one that takes\nthe fewest seconds there of all that "
       "hold there: "
-      "tubes with their three binnings, and stratified, sobol, regular and column rays in\nsteps of 1.25 up "
+      "tubes with their three binnings, and stratified, sobol, adaptive, regular and column rays in\nsteps "
+      "of 1.25 up "
       "to the "
       "cost of exact "
       "cuts. It is chosen with hindsight, so chance may favour it. Seconds are those of one\nthread, both "

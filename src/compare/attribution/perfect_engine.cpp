@@ -112,8 +112,11 @@ void run_columns(const Survey& survey, const SensorPlace& place, const BeamSampl
       History parts{cut.set, shot.scene().grid.unit_m(), {}, {}};
       trace_rays(*rays, parts, {RaySampling::column, sampling.rays, RaySettings::Per::beam, 1}, cut.column,
                  [&] {
-                   History history{whole, parts.grid_unit_m, {}, parts.hits};
-                   for (RayHit& hit : history.hits) hit.tube = cut.whole[hit.tube];
+                   History history{whole, parts.grid_unit_m, {}, {}};
+                   for (RayHit hit : parts.hits) {
+                     hit.tube = cut.whole[hit.tube];
+                     history.hits.push_back(hit);
+                   }
                    const Echo echo = shot.echo(history, place.sensor, law.law);
                    const auto& beams = sensor.beams_of_shot(number);
                    for (std::size_t b = 0; b < beams.size(); ++b)
@@ -130,10 +133,13 @@ void run_columns(const Survey& survey, const SensorPlace& place, const BeamSampl
 std::vector<double> energies_of_hits(const Shot& shot, std::size_t s, const EchoLaw& law,
                                      const History& history) {
   const RangeSamples& samples = shot.sensor(s).samples();
-  History alone{{}, history.grid_unit_m, {}, history.hits};
-  std::vector<std::uint32_t> beams(alone.hits.size());
+  History alone{{}, history.grid_unit_m, {}, {}};
+  std::vector<std::uint32_t> beams(history.hits.size());
   std::iota(beams.begin(), beams.end(), 0U);
-  for (std::size_t k = 0; k < beams.size(); ++k) alone.hits[k].tube = beams[k];
+  for (RayHit hit : history.hits) {
+    hit.tube = static_cast<std::uint32_t>(alone.hits.size());
+    alone.hits.push_back(hit);
+  }
   const RangeSamples as_one{samples.first_m, samples.step_m * samples.count, 1};
   return integrate_echo(alone, {static_cast<int>(beams.size()), beams}, as_one, law).energy;
 }
@@ -163,12 +169,13 @@ SecondMoments second_moments(const Shots& near, std::size_t s, std::size_t ping)
     trace_rays(*rays, history, {RaySampling::stratified, rays_a_beam, RaySettings::Per::beam, 1},
                beam_of_tube, [&] {
                  const std::vector<double> energy = energies_of_hits(shot, s, law.law, history);
-                 for (std::size_t k = 0; k < energy.size(); ++k) {
-                   const RayHit& hit = history.hits[k];
+                 std::size_t number_of_hit = 0;
+                 for (const RayHit hit : history.hits) {
+                   const double own = energy[number_of_hit++];
                    const double place = std::floor((hit.slant_range_m - samples.first_m) / samples.step_m);
                    if (!(place >= 0 && place < samples.count && hit.solid_angle_sr > 0)) continue;
                    moments.of_bin[beams[beam_of_tube[hit.tube]] * count + static_cast<std::size_t>(place)] +=
-                       energy[k] * energy[k] / hit.solid_angle_sr;
+                       own * own / hit.solid_angle_sr;
                  }
                });
   }

@@ -81,9 +81,12 @@ FinerRelief finer_relief(const Sight& sight, const FacetMesh& mesh, const Omitte
     const double range = glm::length(h.at_m);
     add(f, left_out(f.facet), h.at_m, h.solid_angle_sr * (range * range) * range / f.plane.distance_m);
   }
-  for (const RayHit& h : sight.hits())
-    all += change_at(left_out(h.facet), h.sine_grazing, h.sine_grazing, sample_m,
-                     h.solid_angle_sr * h.sine_grazing / (h.slant_range_m * h.slant_range_m));
+  for (const HitBlock& block : sight.hits())
+    for (std::size_t k = 0; k < block.count; ++k) {
+      const RayHit h = block[k];
+      all += change_at(left_out(h.facet), h.sine_grazing, h.sine_grazing, sample_m,
+                       h.solid_angle_sr * h.sine_grazing / (h.slant_range_m * h.slant_range_m));
+    }
   return all;
 }
 

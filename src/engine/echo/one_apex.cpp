@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
@@ -35,6 +36,33 @@ BeamPatterns ideal_beams(const ReceiveBeams& beams) {
   return patterns;
 }
 
+/// Sums by bin while many hits are added to few of them: four for each bin, of every fourth lane, as an
+/// addition would have to wait for the one before where neighbours fall into the same bin. They are joined in
+/// one order at the end. Where bins are many it is one sum, the energy itself.
+class LaneSums {
+ public:
+  LaneSums(std::span<const HitBlock> hits, std::vector<double>& energy) {
+    constexpr std::size_t few = 1 << 13;  // that four times as many stay in a cache
+    const std::size_t bins = energy.size();
+    if (bins > few || HitBlock::size * hits.size() < 8 * bins) {
+      sum_.fill(energy.data());
+      return;
+    }
+    own_.resize(sum_.size() * bins);
+    for (std::size_t k = 0; k < sum_.size(); ++k) sum_[k] = own_.data() + k * bins;
+  }
+  void add(std::size_t lane, std::size_t bin, double energy) const { sum_[lane % 4][bin] += energy; }
+  void finish(std::vector<double>& energy) const {
+    if (own_.empty()) return;
+    for (std::size_t bin = 0; bin < energy.size(); ++bin)
+      energy[bin] += (sum_[0][bin] + sum_[1][bin]) + (sum_[2][bin] + sum_[3][bin]);
+  }
+
+ private:
+  std::vector<double> own_;
+  std::array<double*, 4> sum_{};
+};
+
 /// Energies of all bins while they are summed up, and what they are summed up from.
 class OneApex {
  public:
@@ -59,7 +87,9 @@ class OneApex {
 
   LitEcho integrate() {
     bool by_samples = sight_.hits().empty();  // whether lit_ says it all
-    if (how_.binning != Binning::exact) {
+    if (sight_.first() == sight_.end()) {
+      // No footprints: nothing is prepared for them.
+    } else if (how_.binning != Binning::exact) {
       whole();
       by_samples = false;
     } else if (law_.patterns != nullptr) {
@@ -221,40 +251,58 @@ class OneApex {
 
   /// A hit stands for the area solid_angle r^2 / sin(grazing).
   void hits() {
-    const bool staffs = law_.patterns != nullptr && !law_.patterns->fringes.empty();
     const std::vector<double> even_mu = mu_of_even_materials();
-    LambertHits even;
-    std::uint32_t tube = nowhere, beam = 0;
-    for (const RayHit& hit : sight_.hits()) {
-      const double r = hit.slant_range_m, sine = hit.sine_grazing;
-      if (hit.tube != tube) {
-        beam = beam_of(hit.tube);  // refuses a tube that has no beam
-        tube = hit.tube;
-      }
-      if (const std::size_t material = hit.facet < law_.material.size() ? law_.material[hit.facet] : nowhere;
-          material < even_mu.size() && even_mu[material] >= 0) {
-        if (!(r > 0 && sine > 0 && finder_.holds(r))) continue;
-        even.range_m[even.count] = r;
-        even.sine[even.count] = sine;
-        even.solid_angle_sr[even.count] = hit.solid_angle_sr;
-        even.mu[even.count] = even_mu[material];
-        even.row[even.count] = beam * std::size_t(samples_.count);
-        if (++even.count == LambertHits::size) add(even);
+    const LaneSums sums(sight_.hits(), energy_);
+    alignas(64) HitBlock::Lanes<double> mu;
+    std::uint32_t tube = nowhere;
+    std::size_t row = 0;
+    for (const HitBlock& block : sight_.hits()) {
+      if (even_mu.empty()) {
+        for (std::size_t k = 0; k < block.count; ++k) {
+          beam_of(block.tube[k]);  // refuses a tube that has no beam
+          hit(block[k]);
+        }
         continue;
       }
-      add(even);  // energies are added in the order of the hits
-      const FacetBed bed = law_.bed(hit.facet);
-      if (!(r > 0 && sine > 0 && (staffs || finder_.holds(r)))) continue;
-      const double cosine = std::sqrt(std::max((1 - sine) * (1 + sine), 0.0));
-      const auto direction = [&] { return glm::normalize(glm::dvec3(hit.direction)); };
-      const double texture = bed.texture == nullptr ? 1 : texture_at(bed, hit.facet, r * direction());
-      const double energy = density(bed.cross_section(sine, cosine), Way<double>::of(r), beta_) * texture *
-                            (hit.solid_angle_sr * (r * r) / sine);
-      share(hit.tube, energy, r, r, r, direction);
+      const bool even = find_mu(block, law_.material, even_mu, mu) >= 0;
+      const LambertEchoes echoes = echoes_of(block, mu, beta_, finder_);
+      if (block.tube[0] != tube) {
+        tube = block.tube[0];
+        row = beam_of(tube) * std::size_t(samples_.count);  // refuses a tube that has no beam
+      }
+      if (even && echoes.whole) {
+        for (std::size_t k = 0; k < HitBlock::size; ++k)
+          sums.add(k, row + std::size_t(echoes.sample[k]), echoes.energy[k]);
+        continue;
+      }
+      for (std::size_t k = 0; k < block.count; ++k) {
+        if (block.tube[k] != tube) {
+          tube = block.tube[k];
+          row = beam_of(tube) * std::size_t(samples_.count);
+        }
+        if (mu[k] < 0)
+          hit(block[k]);
+        else if (echoes.sample[k] != LambertEchoes::no_sample)
+          sums.add(k, row + std::size_t(echoes.sample[k]), echoes.energy[k]);
+      }
     }
-    add(even);
+    sums.finish(energy_);
   }
-  /// By material: Lambert's parameter where nothing else is to be known of a hit; negative for others.
+  /// One that is on no even Lambert bed.
+  void hit(const RayHit& hit) {
+    const bool staffs = law_.patterns != nullptr && !law_.patterns->fringes.empty();
+    const double r = hit.slant_range_m, sine = hit.sine_grazing;
+    const FacetBed bed = law_.bed(hit.facet);
+    if (!(r > 0 && sine > 0 && (staffs || finder_.holds(r)))) return;
+    const double cosine = std::sqrt(std::max((1 - sine) * (1 + sine), 0.0));
+    const auto direction = [&] { return glm::normalize(glm::dvec3(hit.direction)); };
+    const double texture = bed.texture == nullptr ? 1 : texture_at(bed, hit.facet, r * direction());
+    const double energy = density(bed.cross_section(sine, cosine), Way<double>::of(r), beta_) * texture *
+                          (hit.solid_angle_sr * (r * r) / sine);
+    share(hit.tube, energy, r, r, r, direction);
+  }
+  /// By material: Lambert's parameter where nothing else is to be known of a hit; negative for others, and at
+  /// the end for those that are none. Empty: there are no such materials.
   std::vector<double> mu_of_even_materials() const {
     if (law_.patterns != nullptr || !law_.path.facet_factor.empty() || !law_.path.out.facet_map.empty())
       return {};
@@ -263,16 +311,9 @@ class OneApex {
       if ((!law_.scattering.empty() && law_.scattering[m] != nullptr) ||
           (!law_.reflectivity.empty() && law_.reflectivity[m] != nullptr))
         mu[m] = -1;
+    mu.push_back(-1);
     return mu;
   }
-  void add(LambertHits& hits) {
-    if (hits.count == 0) return;
-    const LambertEchoes echoes = echoes_of(hits, beta_, finder_);
-    for (std::size_t k = 0; k < hits.count; ++k)
-      energy_[hits.row[k] + finder_.from(std::size_t(echoes.sample[k]), hits.range_m[k])] += echoes.energy[k];
-    hits.count = 0;
-  }
-
   /// Puts energy that comes from one direction, evenly from slant ranges near to far (or all from one), into
   /// the rows of the beams that hear the tube. The direction, a unit vector, is asked for only where there
   /// are patterns. The receivers of a staff have ranges of their own; visibility and loss are the

@@ -15,8 +15,10 @@ namespace tubefoot {
 class SampleFinder {
  public:
   explicit SampleFinder(const RangeSamples& samples)
-      : borders_(sample_borders_m(samples)),
+      : samples_(samples),
+        borders_(sample_borders_m(samples)),
         samples_per_m_(samples.count / (borders_.back() - borders_.front())) {}
+  const RangeSamples& samples() const { return samples_; }
   const std::vector<double>& borders() const { return borders_; }
   double samples_per_m() const { return samples_per_m_; }
   bool holds(double range_m) const { return range_m >= borders_.front() && range_m < borders_.back(); }
@@ -60,6 +62,7 @@ class SampleFinder {
   }
 
  private:
+  RangeSamples samples_;
   std::vector<double> borders_;
   double samples_per_m_;
 };

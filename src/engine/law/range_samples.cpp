@@ -6,7 +6,7 @@ namespace tubefoot {
 std::vector<double> sample_borders_m(const RangeSamples& samples) {
   std::vector<double> borders;
   if (samples.count >= 0) borders.reserve(std::size_t(samples.count) + 1);
-  for (int k = 0; k <= samples.count; ++k) borders.push_back(samples.first_m + k * samples.step_m);
+  for (int k = 0; k <= samples.count; ++k) borders.push_back(samples.border_m(k));
   return borders;
 }
 

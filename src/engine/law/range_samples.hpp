@@ -10,9 +10,12 @@ struct RangeSamples {
   double first_m = 0;
   double step_m = 0;
   int count = 0;
+
+  /// Where sample k begins; the only way to say it, so that everybody has the same digits.
+  double border_m(double k) const { return first_m + k * step_m; }
 };
 
-/// Borders of the range samples: first + k step, one more than samples.
+/// Borders of the range samples, one more than samples.
 std::vector<double> sample_borders_m(const RangeSamples& samples);
 
 }  // namespace tubefoot

@@ -198,7 +198,7 @@ class PathTracer {
               add(parts[i], sent.mirrors + heard.mirrors + 1, scattered(sent, heard, std::move(shared)), 0);
             }
           },
-          sent.mirrors > 0 ? &onwards : nullptr);
+          sent.mirrors > 0 ? &onwards : nullptr, &settings_.sampled->guide);
     });
     for (const Part& part : parts) take(part);
   }

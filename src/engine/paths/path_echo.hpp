@@ -23,6 +23,7 @@ struct SampledPaths {
   WorldGrid grid;                   ///< its grid
   RaySettings rays;
   std::vector<std::uint32_t> beam_of_tube;  ///< of the transmitter, as RayPlan takes it
+  RayGuide guide{};                         ///< of adaptive rays
 };
 
 /// Which paths, and what they meet.

@@ -7,6 +7,7 @@
 #include <memory>
 #include <span>
 
+#include "engine/rays/ray_guide.hpp"
 #include "engine/rays/ray_sampling.hpp"
 #include "engine/sight/history.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
@@ -37,11 +38,11 @@ class RayScene {
   bool reaches(GridPoint apex, glm::dvec3 direction, double range_m,
                const std::function<bool(FacetId)>& same) const;
 
- private:
   struct State;
+  const State& state() const { return *state_; }  ///< ray_tracing.hpp
+
+ private:
   std::unique_ptr<State> state_;
-  friend void trace_rays(const RayScene&, const RayPlan&, std::int64_t, std::int64_t, History&,
-                         const RaysOnwards*);
 };
 
 /// Rays that mirrors send on, as they come from an image of their apex: turned, and only those that lie in
@@ -53,18 +54,19 @@ struct RaysOnwards {
 };
 
 /// The sampling engine: traces the rays that `settings` ask for and fills History::hits, in the order of
-/// their tubes (columns: of their beams). `grid_unit_m` is the unit of the scene's grid; `beam_of_tube` as in
-/// RayPlan. Nothing is met beyond tubes.reach; facets whose plane contains the apex are passed through. The
-/// result is the same for any number of threads. Throws std::invalid_argument as RayPlan.
+/// their tubes (columns: of their beams; adaptive: first the pilots of all tubes, then the others).
+/// `grid_unit_m` is the unit of the scene's grid; `beam_of_tube` as in RayPlan. Nothing is met beyond
+/// tubes.reach; facets whose plane contains the apex are passed through. The result is the same for any
+/// number of threads. Throws std::invalid_argument as RayPlan.
 History trace_rays(const RayScene& scene, TubeSet tubes, double grid_unit_m, const RaySettings& settings,
-                   std::span<const std::uint32_t> beam_of_tube = {});
+                   std::span<const std::uint32_t> beam_of_tube = {}, const RayGuide* guide = nullptr);
 
 /// The same in portions, for any number of rays in little memory: `history` has tubes and grid unit already;
 /// its hits are filled with the next portion before each call of `take`. `onwards`: of rays over mirrors,
 /// `scene` being what the image sees.
 void trace_rays(const RayScene& scene, History& history, const RaySettings& settings,
                 std::span<const std::uint32_t> beam_of_tube, const std::function<void()>& take,
-                const RaysOnwards* onwards = nullptr);
+                const RaysOnwards* onwards = nullptr, const RayGuide* guide = nullptr);
 
 /// The rays [first, end) of a plan for history.tubes: fills history.hits.
 void trace_rays(const RayScene& scene, const RayPlan& plan, std::int64_t first, std::int64_t end,

@@ -51,7 +51,7 @@ void aim_into(const RayPatch& patch, const RayCells& cells, std::uint64_t key, s
   for (int k = 0; k < lanes; ++k) bits[k] = mixed(key + golden * (first + std::uint64_t(k)));
   alignas(64) Numbers u, v;
   for (int k = 0; k < lanes; ++k) {
-    u[k] = (cells.column[k] + uniform_of(bits[k] >> 32)) * cells.u_step[k];
+    u[k] = ((cells.first_column + cells.column[k]) + uniform_of(bits[k] >> 32)) * cells.u_step[k];
     v[k] = (cells.begin[k] + uniform_of(bits[k] & 0xffffffffu) * cells.count[k]) * cells.share;
   }
   aim_at(patch, u, v, cells.weight, packet);
@@ -69,27 +69,105 @@ void aim_at_net(const RayPatch& patch, const NetBlock& points, double weight, Ra
 }
 
 TUBEFOOT_VECTOR_CLONES
-MetPlanes meet_planes(const RayPlanes16& planes, const glm::dvec3& place, double place_length,
-                      const RayPacket& rays, const float* embree_range_m) {
+int met_facets(const unsigned* __restrict geometry, const unsigned* __restrict primitive, unsigned none,
+               int count, std::array<FacetId, RayPacket::size>& facet) {
+  FacetId* __restrict out = facet.data();
+  int met = 0;
+  for (int k = 0; k < lanes; ++k) {
+    const bool is_met = (geometry[k] != none) & (k < count);
+    out[k] = is_met ? primitive[k] : 0;
+    met += int(is_met);
+  }
+  return met;
+}
+
+TUBEFOOT_VECTOR_CLONES
+void round_directions(const RayPacket& packet, float* __restrict x, float* __restrict y,
+                      float* __restrict z) {
+  for (int k = 0; k < lanes; ++k) {
+    x[k] = float(packet.x[k]);
+    y[k] = float(packet.y[k]);
+    z[k] = float(packet.z[k]);
+  }
+}
+
+namespace {
+
+/// Four lanes; in place of loops where the lanes' numbers lie one plane after the other.
+using Four = double __attribute__((vector_size(32)));
+using FourBits = std::int64_t __attribute__((vector_size(32)));
+
+__attribute__((always_inline)) inline Four four_at(const double* from) {
+  Four four;
+  __builtin_memcpy(&four, from, sizeof four);
+  return four;
+}
+__attribute__((always_inline)) inline void put(const Four& four, double* to) {
+  __builtin_memcpy(to, &four, sizeof four);
+}
+__attribute__((always_inline)) inline Four magnitude(const Four& four) {
+  constexpr std::int64_t all_but_sign = 0x7fffffffffffffff;
+  return Four(FourBits(four) & all_but_sign);
+}
+
+}  // namespace
+
+TUBEFOOT_VECTOR_CLONES
+void meet_planes(const RayPlane* planes, const std::array<FacetId, RayPacket::size>& facet,
+                 const glm::dvec3& place, double place_length, const RayPacket& rays,
+                 const float* embree_range_m, MetPlanes& met) {
   // A hundred times what rounding can do to the offset; beyond, the exact sign is not in doubt.
   constexpr double uncertain_offset = 1e-13;
   // Below, a ray may meet the plane away from the facet, where Embree's float saw a hit.
   constexpr double grazing_sine = 0.01, uncertain_range = 1e-6;
-  MetPlanes met;
-  for (int k = 0; k < lanes; ++k) {
+  FourBits any{};
+  for (int k = 0; k < lanes; k += 4) {
+    const Four a = four_at(&planes[facet[k]].x), b = four_at(&planes[facet[k + 1]].x),
+               c = four_at(&planes[facet[k + 2]].x), d = four_at(&planes[facet[k + 3]].x);
+    const Four ab_xz = __builtin_shufflevector(a, b, 0, 4, 2, 6),
+               ab_yd = __builtin_shufflevector(a, b, 1, 5, 3, 7),
+               cd_xz = __builtin_shufflevector(c, d, 0, 4, 2, 6),
+               cd_yd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+    const Four x = __builtin_shufflevector(ab_xz, cd_xz, 0, 1, 4, 5),
+               y = __builtin_shufflevector(ab_yd, cd_yd, 0, 1, 4, 5),
+               z = __builtin_shufflevector(ab_xz, cd_xz, 2, 3, 6, 7),
+               distance = __builtin_shufflevector(ab_yd, cd_yd, 2, 3, 6, 7);
     // Added as glm::dot does, so that a ray alone has the same digits.
-    const double across = planes.x[k] * place.x + planes.y[k] * place.y + planes.z[k] * place.z;
-    const double offset = planes.distance_m[k] - across;
-    const double descent = planes.x[k] * rays.x[k] + planes.y[k] * rays.y[k] + planes.z[k] * rays.z[k];
-    const double range = offset / descent, sine = std::abs(descent), embree = double(embree_range_m[k]);
-    met.range_m[k] = range;
-    met.sine_grazing[k] = sine;
-    const bool sure_offset =
-        std::abs(offset) > uncertain_offset * (std::abs(planes.distance_m[k]) + place_length);
-    const bool sure_range = std::abs(range - embree) <= uncertain_range * embree;
-    met.doubtful[k] = std::int64_t(!(sure_offset & (sine >= grazing_sine) & sure_range));
+    const Four across = x * place.x + y * place.y + z * place.z;
+    const Four offset = distance - across;
+    const Four descent = x * four_at(&rays.x[k]) + y * four_at(&rays.y[k]) + z * four_at(&rays.z[k]);
+    const Four range = offset / descent, sine = magnitude(descent);
+    const Four embree{double(embree_range_m[k]), double(embree_range_m[k + 1]), double(embree_range_m[k + 2]),
+                      double(embree_range_m[k + 3])};
+    put(range, &met.range_m[k]);
+    put(sine, &met.sine_grazing[k]);
+    const FourBits sure = (magnitude(offset) > uncertain_offset * (magnitude(distance) + place_length)) &
+                          (sine >= grazing_sine) & (magnitude(range - embree) <= uncertain_range * embree);
+    const FourBits doubtful = ~sure;
+    __builtin_memcpy(&met.doubtful[k], &doubtful, sizeof doubtful);
+    any |= doubtful;
   }
-  return met;
+  met.any_doubtful = any[0] | any[1] | any[2] | any[3];
+}
+
+TUBEFOOT_VECTOR_CLONES
+void write_hits(const RayPacket& packet, const MetPlanes& met,
+                const std::array<FacetId, RayPacket::size>& facet, const float* __restrict x,
+                const float* __restrict y, const float* __restrict z, HitBlock& block) {
+  HitBlock& __restrict to = block;
+  to.count = HitBlock::size;
+  for (int k = 0; k < lanes; ++k) {
+    to.slant_range_m[k] = met.range_m[k];
+    to.sine_grazing[k] = met.sine_grazing[k];
+    to.solid_angle_sr[k] = packet.weight[k];
+  }
+  for (int k = 0; k < lanes; ++k) {
+    to.x[k] = x[k];
+    to.y[k] = y[k];
+    to.z[k] = z[k];
+    to.facet[k] = facet[k];
+    to.tube[k] = packet.tube[k];
+  }
 }
 
 }  // namespace tubefoot

@@ -6,6 +6,7 @@
 #include <glm/vec3.hpp>
 
 #include "engine/rays/ray_patch.hpp"
+#include "engine/sight/ray_hits.hpp"
 
 // Arithmetic on sixteen rays side by side. ray_lanes.cpp is compiled so that it becomes vector code
 // (src/engine/CMakeLists.txt); the digits are those of one ray after the other.
@@ -33,10 +34,12 @@ constexpr double upper_uniform(std::uint64_t bits) { return (double(bits >> 32) 
 constexpr double lower_uniform(std::uint64_t bits) { return (double(std::uint32_t(bits)) + 0.5) * 0x1p-32; }
 }  // namespace splitmix
 
-/// Cells of a patch in rows, one for each lane.
+/// Cells of a patch in rows, one for each lane. What changes from block to block of a band is one number:
+/// what is written lane by lane would have to reach the cache before it can be read as a vector.
 struct RayCells {
   alignas(64) RayPacket::Numbers column, u_step, begin, count, weight;
-  double share = 1;  ///< of a cell in the patch's u v
+  double first_column = 0;  ///< of the lanes': added to `column`
+  double share = 1;         ///< of a cell in the patch's u v
 };
 
 /// Directions and weights (`weight` times density of solid angle) at places of a patch.
@@ -55,18 +58,33 @@ struct NetBlock {
 /// The same at the points of a net, all of one weight.
 void aim_at_net(const RayPatch& patch, const NetBlock& points, double weight, RayPacket& packet);
 
-/// Planes of facets, one for each lane: normal . x = distance, from the grid's origin.
-struct RayPlanes16 {
-  alignas(64) RayPacket::Numbers x, y, z, distance_m;
+/// The facets that rays met, 0 for those that met none by the numbers of geometries; returns how many did.
+int met_facets(const unsigned* geometry, const unsigned* primitive, unsigned none, int count,
+               std::array<FacetId, RayPacket::size>& facet);
+
+/// The directions of a packet, rounded.
+void round_directions(const RayPacket& packet, float* x, float* y, float* z);
+
+/// normal . x = distance, metres from the grid's origin; the normal has unit length, or is 0 for a facet of
+/// no area.
+struct alignas(32) RayPlane {
+  double x, y, z, distance_m;
 };
 
 struct MetPlanes {
   alignas(64) RayPacket::Numbers range_m, sine_grazing;
   std::array<std::int64_t, RayPacket::size> doubtful;  ///< not 0: within what rounding can do
+  std::int64_t any_doubtful;                           ///< the same of all lanes together
 };
 
-/// Where the rays of a packet meet planes, from a place at `place_length` from the origin.
-MetPlanes meet_planes(const RayPlanes16& planes, const glm::dvec3& place, double place_length,
-                      const RayPacket& rays, const float* embree_range_m);
+/// Where the rays of a packet meet the planes of facets, from a place at `place_length` from the origin.
+void meet_planes(const RayPlane* planes, const std::array<FacetId, RayPacket::size>& facet,
+                 const glm::dvec3& place, double place_length, const RayPacket& rays,
+                 const float* embree_range_m, MetPlanes& met);
+
+/// Hits of all sixteen rays.
+void write_hits(const RayPacket& packet, const MetPlanes& met,
+                const std::array<FacetId, RayPacket::size>& facet, const float* x, const float* y,
+                const float* z, HitBlock& block);
 
 }  // namespace tubefoot

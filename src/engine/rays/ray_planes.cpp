@@ -23,23 +23,25 @@ RayPlanes::RayPlanes(const FacetMesh& mesh, double unit_m) : mesh_(&mesh), unit_
   for (FacetId facet = 0; facet < planes_.size(); ++facet) planes_[facet] = plane_of(facet);
 }
 
-RayPlanes::Plane RayPlanes::plane_of(FacetId facet) const {
+RayPlane RayPlanes::plane_of(FacetId facet) const {
   const auto& [a, b, c] = mesh_->facets[facet];
   const GridPoint &p = mesh_->vertices[a], &q = mesh_->vertices[b], &r = mesh_->vertices[c];
   const Int128 qx = Int128(q.x) - p.x, qy = Int128(q.y) - p.y, qz = Int128(q.z) - p.z;
   const Int128 rx = Int128(r.x) - p.x, ry = Int128(r.y) - p.y, rz = Int128(r.z) - p.z;
   const Int128 nx = qy * rz - qz * ry, ny = qz * rx - qx * rz, nz = qx * ry - qy * rx;
-  if (nx == 0 && ny == 0 && nz == 0) return {glm::dvec3(0), 0};
+  if (nx == 0 && ny == 0 && nz == 0) return {0, 0, 0, 0};
   const glm::dvec3 normal{double(nx), double(ny), double(nz)};
   const double length = glm::length(normal);
-  return {normal / length, double(nx * p.x + ny * p.y + nz * p.z) / length * unit_m_};
+  const glm::dvec3 unit = normal / length;
+  return {unit.x, unit.y, unit.z, double(nx * p.x + ny * p.y + nz * p.z) / length * unit_m_};
 }
 
 bool RayPlanes::meet(GridPoint apex, glm::dvec3 direction, double embree_range_m, RayHit& hit) const {
-  const Plane& plane = planes_[hit.facet];
+  const RayPlane& plane = planes_[hit.facet];
+  const glm::dvec3 normal(plane.x, plane.y, plane.z);
   const glm::dvec3 place = unit_m_ * glm::dvec3(apex.x, apex.y, apex.z);
-  const double across = glm::dot(plane.normal, place), offset = plane.distance_m - across;
-  const double descent = glm::dot(plane.normal, direction), range = offset / descent;
+  const double across = glm::dot(normal, place), offset = plane.distance_m - across;
+  const double descent = glm::dot(normal, direction), range = offset / descent;
   hit.slant_range_m = range;
   hit.sine_grazing = std::abs(descent);
   const auto corners = [&] {
@@ -65,19 +67,10 @@ bool RayPlanes::meet(GridPoint apex, glm::dvec3 direction, double embree_range_m
   return true;
 }
 
-MetPlanes RayPlanes::meet(GridPoint apex, const RayPacket& rays,
-                          const std::array<FacetId, RayPacket::size>& facet,
-                          const float* embree_range_m) const {
+void RayPlanes::meet(GridPoint apex, const RayPacket& rays, const std::array<FacetId, RayPacket::size>& facet,
+                     const float* embree_range_m, MetPlanes& met) const {
   const glm::dvec3 place = unit_m_ * glm::dvec3(apex.x, apex.y, apex.z);
-  RayPlanes16 planes;
-  for (int k = 0; k < RayPacket::size; ++k) {
-    const Plane& plane = planes_[facet[k]];
-    planes.x[k] = plane.normal.x;
-    planes.y[k] = plane.normal.y;
-    planes.z[k] = plane.normal.z;
-    planes.distance_m[k] = plane.distance_m;
-  }
-  return meet_planes(planes, place, glm::length(place), rays, embree_range_m);
+  meet_planes(planes_.data(), facet, place, glm::length(place), rays, embree_range_m, met);
 }
 
 }  // namespace tubefoot

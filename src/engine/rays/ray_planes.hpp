@@ -22,21 +22,16 @@ class RayPlanes {
   bool meet(GridPoint apex, glm::dvec3 direction, double embree_range_m, RayHit& hit) const;
   /// The same of a packet, but for rays that are in doubt: those have to be asked for alone. Of lanes that
   /// met nothing, `facet` must be the number of some facet all the same.
-  MetPlanes meet(GridPoint apex, const RayPacket& rays, const std::array<FacetId, RayPacket::size>& facet,
-                 const float* embree_range_m) const;
+  void meet(GridPoint apex, const RayPacket& rays, const std::array<FacetId, RayPacket::size>& facet,
+            const float* embree_range_m, MetPlanes& met) const;
 
  private:
-  /// normal . x = distance, metres from the grid's origin; the normal has unit length, or is 0 for a facet of
-  /// no area. Rounded from the exact integers.
-  struct Plane {
-    glm::dvec3 normal;
-    double distance_m;
-  };
-  Plane plane_of(FacetId facet) const;
+  /// Rounded from the exact integers.
+  RayPlane plane_of(FacetId facet) const;
 
   const FacetMesh* mesh_ = nullptr;
   double unit_m_ = 1;
-  std::vector<Plane> planes_;
+  std::vector<RayPlane> planes_;
 };
 
 }  // namespace tubefoot

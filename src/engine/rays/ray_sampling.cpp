@@ -10,10 +10,10 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
-#include <map>
 #include <stdexcept>
 #include <string>
 
+#include "engine/rays/ray_shares.hpp"
 #include "geometry/numbers/int128.hpp"
 
 namespace tubefoot {
@@ -21,41 +21,9 @@ namespace {
 
 using namespace splitmix;
 
-/// Twice the mean lengths of a patch's sides.
-struct Sides {
-  double width, height;
-  explicit Sides(const RayPatch& patch) {
-    const auto& c = patch.corners();
-    width = glm::length(c[1] - c[0]) + glm::length(c[2] - c[3]);
-    height = glm::length(c[3] - c[0]) + glm::length(c[2] - c[1]);
-  }
-};
-
 /// First ray of a row when `rays` are dealt to `rows`.
 std::int64_t row_begin(std::int64_t row, std::int64_t rays, std::int64_t rows) {
   return std::int64_t(Int128(row) * rays / rows);
-}
-
-std::vector<std::vector<std::uint32_t>> tubes_of_beams(std::span<const std::uint32_t> beam_of_tube) {
-  std::map<std::uint32_t, std::vector<std::uint32_t>> beams;
-  for (std::uint32_t t = 0; t < beam_of_tube.size(); ++t) beams[beam_of_tube[t]].push_back(t);
-  std::vector<std::vector<std::uint32_t>> lists;
-  for (auto& [beam, list] : beams) lists.push_back(std::move(list));
-  return lists;
-}
-
-/// Deals `rays` in proportion, at least one each.
-std::vector<std::int64_t> dealt(const std::vector<double>& parts, std::int64_t rays) {
-  double total = 0, before = 0;
-  for (const double part : parts) total += part;
-  // Rounding the running total, not each share, keeps the sum at `rays`.
-  const auto share = [&](double sum) { return std::int64_t(std::llround(double(rays) * (sum / total))); };
-  std::vector<std::int64_t> counts;
-  for (const double part : parts) {
-    counts.push_back(rays == 0 ? 0 : std::max<std::int64_t>(share(before + part) - share(before), 1));
-    before += part;
-  }
-  return counts;
 }
 
 /// The numbers of `rays` independent rays that fall into each part.
@@ -73,19 +41,13 @@ std::vector<std::int64_t> drawn(const std::vector<double>& parts, std::int64_t r
   return counts;
 }
 
-/// Directions and weights of some lanes.
-void take(const RayPacket& from, int first, RayPacket& to, int lane, int count) {
-  for (const auto numbers : {&RayPacket::x, &RayPacket::y, &RayPacket::z, &RayPacket::weight})
-    std::copy_n((from.*numbers).begin() + first, count, (to.*numbers).begin() + lane);
-}
-
 }  // namespace
 
 RaySampling ray_sampling_from_name(std::string_view name) {
   for (const RaySampling sampling : all_samplings)
     if (name_of(sampling) == name) return sampling;
   throw std::invalid_argument(
-      fmt::format("there is no sampling '{}': stratified, sobol, regular, random or column", name));
+      fmt::format("there is no sampling '{}': stratified, sobol, adaptive, regular, random or column", name));
 }
 
 std::string_view name_of(RaySampling sampling) {
@@ -98,6 +60,8 @@ std::string_view name_of(RaySampling sampling) {
       return "column";
     case RaySampling::sobol:
       return "sobol";
+    case RaySampling::adaptive:
+      return "adaptive";
     case RaySampling::stratified:
       break;
   }
@@ -107,26 +71,16 @@ std::string_view name_of(RaySampling sampling) {
 RayPlan::RayPlan(const TubeSet& tubes, const RaySettings& settings,
                  std::span<const std::uint32_t> beam_of_tube)
     : settings_(settings) {
-  const std::size_t count = tubes.tubes.size();
-  if (settings.rays < 0)
-    throw std::invalid_argument(
-        fmt::format("the number of rays must not be negative, not {}", settings.rays));
+  if (settings.sampling == RaySampling::adaptive)
+    throw std::invalid_argument("adaptive rays depend on what is met: trace_rays() plans them itself");
   const bool in_columns = settings.sampling == RaySampling::column;
   const bool by_beam = settings.per == RaySettings::Per::beam;
-  if ((in_columns || by_beam) && beam_of_tube.size() != count)
-    throw std::invalid_argument(fmt::format("rays by beam need a beam for each of the {} tubes, not for {}",
-                                            count, beam_of_tube.size()));
+  patches_ = ray_patches(tubes, settings, beam_of_tube);
   std::vector<double> solid_angles;
-  for (std::size_t t = 0; t < count; ++t) {
-    patches_.emplace_back(tubes, tubes.tubes[t]);
-    if (!patches_[t].is_convex())
-      throw std::invalid_argument(
-          fmt::format("tube {} is not a convex pyramid with a solid angle: no rays can be drawn from it", t));
-    solid_angles.push_back(patches_[t].solid_angle(0, 1, 0, 1));
-  }
-  if (count == 0 || settings.rays == 0) return;
+  for (const RayPatch& patch : patches_) solid_angles.push_back(patch.solid_angle(0, 1, 0, 1));
+  if (patches_.empty() || settings.rays == 0) return;
   if (!in_columns) {
-    share_out(solid_angles, by_beam ? beam_of_tube : std::span<const std::uint32_t>());
+    share_out(solid_angles, ray_groups(patches_.size(), settings, beam_of_tube));
     return;
   }
   std::vector<double> parts;
@@ -142,11 +96,11 @@ RayPlan::RayPlan(const TubeSet& tubes, const RaySettings& settings,
   }
 }
 
-void RayPlan::share_out(std::span<const double> solid_angles, std::span<const std::uint32_t> beam_of_tube) {
-  const std::vector<std::uint32_t> one_group(solid_angles.size(), 0);
+void RayPlan::share_out(std::span<const double> solid_angles,
+                        const std::vector<std::vector<std::uint32_t>>& groups) {
   shares_.resize(solid_angles.size());
   std::size_t group = 0;
-  for (const auto& tubes : tubes_of_beams(beam_of_tube.empty() ? one_group : beam_of_tube)) {
+  for (const auto& tubes : groups) {
     std::vector<double> parts;
     double total = 0;
     for (const std::uint32_t t : tubes) {
@@ -163,7 +117,7 @@ void RayPlan::share_out(std::span<const double> solid_angles, std::span<const st
     Share& share = shares_[t];
     share.first = rays_;
     rays_ += share.rays;
-    const Sides sides(patches_[t]);
+    const PatchSides sides(patches_[t]);
     const double rows = std::round(std::sqrt(double(share.rays) * sides.height / sides.width));
     share.rows = std::int64_t(std::clamp(rows, 1.0, std::max(double(share.rays), 1.0)));
   }
@@ -228,7 +182,7 @@ void RaySource::start_net() {
   net_first_ = number * sequence + first;
   run_end_ = std::min(run_end_, net_first_ + size);
   const int bits = int(std::bit_width(std::uint64_t(size))) - 1;
-  const Sides sides(plan_.patches_[run_]);
+  const PatchSides sides(plan_.patches_[run_]);
   const int row_bits =
       int(std::clamp(std::round((bits + std::log2(sides.height / sides.width)) / 2), 0.0, double(bits)));
   net_ = RayNet(mixed(key_ + std::uint64_t(number)), std::uint32_t(first), bits - row_bits, row_bits);
@@ -244,7 +198,7 @@ void RaySource::next_of_net(RayPacket& packet, int lane, int count) {
   } else {
     RayPacket whole;
     aim_at_net(patch, points, weight, whole);
-    take(whole, int(at), packet, lane, count);
+    take_lanes(whole, int(at), packet, lane, count);
   }
   std::fill_n(packet.tube.begin() + lane, count, std::uint32_t(run_));
   run_next_ += count;
@@ -312,14 +266,14 @@ bool RaySource::next_block(RayPacket& packet) {
     block_.share = 1 / double(plan_.shares_[run_].rays);
     for (int k = 0; k < RayPacket::size; ++k) {
       const Row& row = row_[(row_in_band_ + k) % band_rows];
+      block_.column[k] = double((row_in_band_ + k) / band_rows);
       block_.u_step[k] = row.u_step;
       block_.begin[k] = double(row.begin);
       block_.count[k] = double(row.count);
       block_.weight[k] = block_.share;
     }
   }
-  for (int k = 0; k < RayPacket::size; ++k)
-    block_.column[k] = double(column_ + (row_in_band_ + k) / band_rows);
+  block_.first_column = double(column_);
   aim_into(plan_.patches_[run_], block_, key_, std::uint64_t(run_next_ + 1), packet);
   packet.tube.fill(std::uint32_t(run_));
   column_ += columns;
@@ -416,7 +370,7 @@ void RaySource::place(RayPacket& packet, int lane, int count, const RayPacket::N
   } else {  // lanes of other runs stand beside them
     RayPacket some;
     aim(plan_.patches_[run_], u, v, weight, some);
-    take(some, 0, packet, lane, count);
+    take_lanes(some, 0, packet, lane, count);
   }
   std::fill_n(packet.tube.begin() + lane, count, std::uint32_t(run_));
 }

@@ -29,12 +29,14 @@ namespace tubefoot {
 /// its
 ///   share of the patch times density of solid angle there. Unbiased; where their number is a power of two,
 ///   each of all grids of as many cells has one in each cell, however long and narrow the cells are.
+/// - adaptive: a first ray in each cell of a grid, the others where those tell that neighbours differ
+///   (adaptive_rays.hpp). Unbiased.
 /// - column: one column of rays at the middle of each beam, at equal angles along its longer side, each with
 ///   its share of the beam's solid angle; they sum to it exactly. What existing simulators do.
-enum class RaySampling { stratified, regular, random, column, sobol };
+enum class RaySampling { stratified, regular, random, column, sobol, adaptive };
 
-inline constexpr std::array all_samplings{RaySampling::stratified, RaySampling::sobol, RaySampling::regular,
-                                          RaySampling::random, RaySampling::column};
+inline constexpr std::array all_samplings{RaySampling::stratified, RaySampling::sobol,  RaySampling::adaptive,
+                                          RaySampling::regular,    RaySampling::random, RaySampling::column};
 
 /// The sampling of that name; throws std::invalid_argument.
 RaySampling ray_sampling_from_name(std::string_view name);
@@ -55,13 +57,13 @@ class RayPlan {
  public:
   /// `beam_of_tube` may be empty where no beam is needed: counts per ping, and not in columns. Throws
   /// std::invalid_argument for a negative number of rays, a tube that is no convex pyramid, beams that do not
-  /// fit the tubes, and `column` where a beam's tubes form no grid. Keeps no reference.
+  /// fit the tubes, `column` where a beam's tubes form no grid, and `adaptive`. Keeps no reference.
   RayPlan(const TubeSet& tubes, const RaySettings& settings, std::span<const std::uint32_t> beam_of_tube);
 
   std::int64_t rays() const { return rays_; }
   /// Good lengths for a RaySource: random rays are coherent only when many are drawn, and sorted, together.
   std::int64_t rays_at_a_time() const {
-    return settings_.sampling == RaySampling::random ? 1 << 16 : 1 << 12;
+    return settings_.sampling == RaySampling::random ? 1 << 16 : 1 << 11;
   }
 
  private:
@@ -70,7 +72,7 @@ class RayPlan {
     std::int64_t first = 0, rays = 0, rows = 0;
     double weight = 0;  // of each ray, in `random`
   };
-  void share_out(std::span<const double> solid_angles, std::span<const std::uint32_t> beam_of_tube);
+  void share_out(std::span<const double> solid_angles, const std::vector<std::vector<std::uint32_t>>& groups);
 
   RaySettings settings_;
   std::vector<RayPatch> patches_;

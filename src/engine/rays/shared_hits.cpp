@@ -45,7 +45,7 @@ class Sharing {
  public:
   Sharing(const History& history, const SampledEnd& sent, const SampledEnd& heard, const FacetMesh& common,
           const ApparentFacets* apparent)
-      : hits_(history.hits),
+      : hits_(history.hits.begin(), history.hits.end()),
         unit_m_(history.grid_unit_m),
         sent_(sent),
         heard_(heard),
@@ -141,7 +141,7 @@ class Sharing {
       found.resize(before);
   }
 
-  std::span<const RayHit> hits_;
+  std::vector<RayHit> hits_;
   double unit_m_;
   const SampledEnd &sent_, &heard_;
   const FacetMesh& common_;

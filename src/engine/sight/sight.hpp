@@ -83,8 +83,8 @@ class Sight {
     return one_ ? &one_->footprints.footprints[number] : nullptr;
   }
   /// What rays met; none with two apexes.
-  std::span<const RayHit> hits() const {
-    return one_ != nullptr && with_hits_ ? std::span(one_->hits) : std::span<const RayHit>();
+  std::span<const HitBlock> hits() const {
+    return one_ != nullptr && with_hits_ ? one_->hits.blocks() : std::span<const HitBlock>();
   }
   /// The same with two.
   std::span<const SharedHit> shared_hits() const {

@@ -15,10 +15,11 @@ struct RunDescription {
   std::string start_utc = "2000-01-01T00:00:00Z";  ///< of the scene's time 0 (unix_time_s)
   std::string engine = "tube";                     ///< tube | ray
   std::string arithmetic = "fixed";                ///< fixed | filtered | rational | double
-  std::string binning = "exact";              ///< exact | spread | centroid: footprints into range samples
-  std::int64_t facets_per_split = 64;         ///< VisibilityOptions::facets_per_split
-  double zero_tolerance = 0;                  ///< VisibilityOptions::tolerance, for double
-  std::string sampling = "stratified";        ///< ray engine: stratified | sobol | regular | random | column
+  std::string binning = "exact";       ///< exact | spread | centroid: footprints into range samples
+  std::int64_t facets_per_split = 64;  ///< VisibilityOptions::facets_per_split
+  double zero_tolerance = 0;           ///< VisibilityOptions::tolerance, for double
+  std::string sampling =
+      "stratified";  ///< ray engine: stratified | sobol | adaptive | regular | random | column
   std::int64_t rays_per_ping = 100000;        ///< ray engine
   std::optional<std::int64_t> rays_per_beam;  ///< ray engine: instead of rays_per_ping
   std::uint64_t seed = 1;

@@ -282,7 +282,7 @@ const TomlSection<RunDescription>& run_section() {
                field("facets_per_split", &R::facets_per_split, {.ranges = {{.lo = 2, .hi = 1e6}}}),
                field("zero_tolerance", &R::zero_tolerance, {.ranges = {{.lo = 0, .hi = 1e-3}}}),
                field("sampling", &R::sampling,
-                     {.choices = {"stratified", "sobol", "regular", "random", "column"}}),
+                     {.choices = {"stratified", "sobol", "adaptive", "regular", "random", "column"}}),
                field("rays_per_ping", &R::rays_per_ping, {.ranges = {{.lo = 1, .hi = 1e10}}}),
                field("rays_per_beam", &R::rays_per_beam, {.ranges = {{.lo = 1, .hi = 1e10}}}),
                field("seed", &R::seed, {.ranges = {not_negative}}),

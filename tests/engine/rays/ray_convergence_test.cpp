@@ -5,87 +5,13 @@
 
 #include <array>
 #include <functional>
-#include <random>
 
-#include "engine/echo/echo.hpp"
-#include "engine/sight/tube_engine.hpp"
-#include "fixtures/world/ray_scenes.hpp"
-#include "geometry/search/scene_tree.hpp"
+#include "fixtures/world/ray_pings.hpp"
 
 namespace tubefoot {
 namespace {
 
 using Per = RaySettings::Per;
-
-/// A mesh under an acoustic camera of a few beams, with the exact echo.
-struct Ping {
-  FacetMesh mesh;
-  SceneTree tree;
-  RayScene scene;
-  TubeSet tubes;
-  std::vector<std::uint32_t> beam_of_tube;
-  int beams;
-  RangeSamples samples;
-  std::vector<double> mu{0.002};
-  Echo exact;
-
-  Ping(FacetMesh facets, int beam_count, int slices, const RangeSamples& range_samples)
-      : mesh(std::move(facets)), tree(mesh), scene(mesh, grid), beams(beam_count), samples(range_samples) {
-    AngularGrid sector;
-    for (int k = 0; k <= beams * slices; ++k)
-      sector.azimuth_edges_rad.push_back((double(k) / (beams * slices) - 0.5) * 12 * degree);
-    sector.elevation_edges_rad = {-8 * degree, 8 * degree};
-    const double c = std::cos(25 * degree), s = std::sin(25 * degree);
-    sector.frame = glm::dmat3(glm::dvec3(0, c, -s), glm::dvec3(1, 0, 0), glm::dvec3(0, s, c));
-    tubes.reach = 100 / grid.unit_m();
-    append_tubes(tubes, sector);
-    for (int k = 0; k < beams * slices; ++k) beam_of_tube.push_back(std::uint32_t(k / slices));
-    exact = echo_of(TubeEngine(mesh, tree, grid.unit_m(), {}).trace(tubes));
-  }
-  Echo echo_of(const History& history) const {
-    return integrate_echo(history, {beams, beam_of_tube}, samples, {mu, mesh.material, 0.05});
-  }
-  Echo echo_of(const RaySettings& settings) const {
-    return echo_of(trace_rays(scene, tubes, grid.unit_m(), settings, beam_of_tube));
-  }
-  double total() const {
-    double sum = 0;
-    for (const double e : exact.energy) sum += e;
-    return sum;
-  }
-  /// Sum of |E - E_exact| over the sum of E_exact, root mean square over seeds.
-  double error(const RaySettings& settings, int seeds) const {
-    double squares = 0;
-    for (int seed = 0; seed < seeds; ++seed) {
-      RaySettings own = settings;
-      own.seed = std::uint64_t(seed);
-      const Echo echo = echo_of(own);
-      double sum = 0;
-      for (std::size_t k = 0; k < echo.energy.size(); ++k) sum += std::abs(echo.energy[k] - exact.energy[k]);
-      squares += sum * sum;
-    }
-    return std::sqrt(squares / seeds) / total();
-  }
-};
-
-/// A bed in facets, rough if asked, and a plate that throws a shadow.
-FacetMesh rough_bed(double roughness_m, int n = 60) {
-  FacetMesh mesh;
-  std::mt19937_64 random(11);
-  std::normal_distribution<double> gauss;
-  std::vector<glm::dvec3> points;
-  for (int j = 0; j <= n; ++j)
-    for (int i = 0; i <= n; ++i)
-      points.emplace_back(30.0 * i / n - 15, 40.0 * j / n, -4 + roughness_m * gauss(random));
-  const auto at = [&](int i, int j) { return points[std::size_t(j * (n + 1) + i)]; };
-  for (int j = 0; j < n; ++j)
-    for (int i = 0; i < n; ++i) {
-      add_facet(mesh, at(i, j), at(i + 1, j), at(i + 1, j + 1));
-      add_facet(mesh, at(i, j), at(i + 1, j + 1), at(i, j + 1));
-    }
-  if (roughness_m > 0) add_rectangle(mesh, {-0.3, 6, -3.5}, {0.9, 0.1, 0.2}, {0.1, 0.2, 0.9});
-  return mesh;
-}
 
 constexpr std::array<std::int64_t, 7> counts{1000, 2154, 4642, 10000, 21544, 46416, 100000};
 
@@ -104,7 +30,7 @@ double order(const std::function<double(std::int64_t)>& error) {
 }
 
 TEST(RayConvergence, TheMeanOverSeedsIsTheExactEnergy) {
-  const Ping ping(rough_bed(0.15), 3, 2, {5, 2, 10});
+  const RayPing ping(rough_bed(0.15), 3, 2, {5, 2, 10});
   ASSERT_GT(ping.total(), 0);
   for (const RaySettings& settings : {RaySettings{RaySampling::stratified, 400, Per::ping},
                                       {RaySampling::stratified, 23, Per::beam},
@@ -133,8 +59,8 @@ TEST(RayConvergence, TheMeanOverSeedsIsTheExactEnergy) {
 }
 
 TEST(RayConvergence, OrdersOnAFlatBed) {
-  const Ping binned(rough_bed(0), 1, 1, {5, 0.5, 60}), whole(rough_bed(0), 1, 1, {1, 99, 1});
-  const auto of = [&](const Ping& ping, RaySampling sampling, int seeds) {
+  const RayPing binned(rough_bed(0), 1, 1, {5, 0.5, 60}), whole(rough_bed(0), 1, 1, {1, 99, 1});
+  const auto of = [&](const RayPing& ping, RaySampling sampling, int seeds) {
     return order([&](std::int64_t n) { return ping.error({sampling, n, Per::ping}, seeds); });
   };
   const double random = of(binned, RaySampling::random, 12),
@@ -150,9 +76,9 @@ TEST(RayConvergence, OrdersOnAFlatBed) {
 }
 
 TEST(RayConvergence, SobolRaysMeetStraightBordersMoreEvenly) {
-  const Ping binned(rough_bed(0), 8, 1, {5, 0.1, 300}), whole(rough_bed(0), 1, 1, {1, 99, 1}),
+  const RayPing binned(rough_bed(0), 8, 1, {5, 0.1, 300}), whole(rough_bed(0), 1, 1, {1, 99, 1}),
       rough(rough_bed(0.15), 8, 1, {5, 0.1, 300});
-  const auto ratio = [](const Ping& ping, std::int64_t rays) {
+  const auto ratio = [](const RayPing& ping, std::int64_t rays) {
     return ping.error({RaySampling::sobol, rays, Per::beam}, 8) /
            ping.error({RaySampling::stratified, rays, Per::beam}, 8);
   };
@@ -166,7 +92,7 @@ TEST(RayConvergence, SobolRaysMeetStraightBordersMoreEvenly) {
 }
 
 TEST(RayConvergence, OrdersOnATerrain) {
-  const Ping ping(rough_bed(0.15), 3, 2, {5, 0.5, 60});
+  const RayPing ping(rough_bed(0.15), 3, 2, {5, 0.5, 60});
   const auto of = [&](RaySampling sampling, int seeds) {
     return order([&](std::int64_t n) { return ping.error({sampling, n, Per::ping}, seeds); });
   };
@@ -178,7 +104,7 @@ TEST(RayConvergence, OrdersOnATerrain) {
 }
 
 TEST(RayConvergence, AColumnKeepsItsOwnError) {
-  const Ping ping(rough_bed(0.15), 3, 2, {5, 0.5, 60});
+  const RayPing ping(rough_bed(0.15), 3, 2, {5, 0.5, 60});
   const double some = ping.error({RaySampling::column, 1500, Per::beam}, 1),
                many = ping.error({RaySampling::column, 17000, Per::beam}, 1);
   EXPECT_GT(many, 0.7 * some);

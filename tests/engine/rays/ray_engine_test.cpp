@@ -268,8 +268,8 @@ TEST(RayEngine, PortionsAddUpToTheWhole) {
   const FacetMesh mesh = waves();
   const RayScene scene(mesh, grid);
   const TubeSet tubes = pyramid({0, 0, 0}, {1, 0.1, -0.6}, 20 * degree, 15 * degree);  // some rays miss
-  for (const auto sampling :
-       {RaySampling::stratified, RaySampling::sobol, RaySampling::regular, RaySampling::random}) {
+  for (const auto sampling : {RaySampling::stratified, RaySampling::sobol, RaySampling::adaptive,
+                              RaySampling::regular, RaySampling::random}) {
     const RaySettings settings{sampling, 600000, RaySettings::Per::ping, 5};
     const History whole = trace_rays(scene, tubes, grid.unit_m(), settings);
     History portion, joined;
@@ -278,7 +278,7 @@ TEST(RayEngine, PortionsAddUpToTheWhole) {
     int portions = 0;
     trace_rays(scene, portion, settings, {}, [&] {
       ++portions;
-      joined.hits.insert(joined.hits.end(), portion.hits.begin(), portion.hits.end());
+      joined.hits.append(portion.hits.blocks());
     });
     EXPECT_GT(portions, 1);
     EXPECT_LT(whole.hits.size(), 600000u);

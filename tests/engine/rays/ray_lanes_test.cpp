@@ -9,6 +9,7 @@
 #include <random>
 
 #include "engine/echo/echo.hpp"
+#include "engine/echo/hit_lanes.hpp"
 #include "engine/rays/ray_planes.hpp"
 #include "fixtures/world/ray_scenes.hpp"
 
@@ -69,11 +70,14 @@ TEST(RayLanes, PlanesAreMetAsByOneRay) {
       planes.meet(apex, d, 1, hit);
       embree[k] = k % 5 == 0 ? 3.0f : float(hit.slant_range_m);  // a fifth tell something else
     }
-    const MetPlanes met = planes.meet(apex, rays, facet, embree.data());
+    MetPlanes met;
+    planes.meet(apex, rays, facet, embree.data(), met);
+    std::int64_t some_doubtful = 0;
     for (int k = 0; k < RayPacket::size; ++k) {
       RayHit hit;
       hit.facet = facet[k];
       const bool is_met = planes.meet(apex, {rays.x[k], rays.y[k], rays.z[k]}, double(embree[k]), hit);
+      some_doubtful |= met.doubtful[k];
       if (met.doubtful[k] != 0) {
         ++doubtful;
         continue;
@@ -83,6 +87,7 @@ TEST(RayLanes, PlanesAreMetAsByOneRay) {
       ASSERT_EQ(met.range_m[k], hit.slant_range_m);
       ASSERT_EQ(met.sine_grazing[k], hit.sine_grazing);
     }
+    ASSERT_EQ(met.any_doubtful != 0, some_doubtful != 0);
   }
   EXPECT_GT(sure, 200);
   EXPECT_GT(doubtful, 200);
@@ -127,11 +132,55 @@ TEST(RayLanes, EchoesOfHitsTogetherAreThoseOfHitsAlone) {
         for (std::size_t k = 0; k < 18; ++k) alone[k] += own.energy[k];
       }
       for (std::size_t k = 0; k < 18; ++k) {
-        EXPECT_EQ(echo.energy[k], alone[k]) << count << " hits, bin " << k;
+        EXPECT_NEAR(echo.energy[k], alone[k], 1e-15 * expected[k]) << count << " hits, bin " << k;
         EXPECT_NEAR(echo.energy[k], expected[k], 1e-14 * expected[k]) << count << " hits, bin " << k;
       }
     }
   }
+}
+
+TEST(RayLanes, DecayIsTheExponential) {
+  double worst = 0;
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> uniform;
+  HitBlock::Lanes<double> x, out;
+  for (int round = 0; round < 20000; ++round) {
+    for (double& one : x) one = round % 2 == 0 ? -708 * uniform(random) : -std::exp(-40 * uniform(random));
+    if (round == 0) x = {0, -0.0, -708, -1e-300, -0.34657359027997264, -0.34657359027997270, -0.5, -1};
+    decay(x, out);
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      const long double exact = std::exp(static_cast<long double>(x[k]));
+      worst = std::max(worst, double(std::abs(out[k] / exact - 1)));
+    }
+  }
+  EXPECT_LT(worst, 4e-16);
+  x.fill(-708.5);
+  x[3] = -std::numeric_limits<double>::infinity();
+  decay(x, out);
+  for (const double value : out) EXPECT_EQ(value, 0);
+}
+
+TEST(RayLanes, BordersOfSamplesDecide) {
+  const RangeSamples samples{0.3, 0.1, 7};
+  const SampleFinder finder(samples);
+  const std::vector<std::uint16_t> material{0};
+  const std::vector<double> mu{1, -1};
+  HitBlock::Lanes<double> under;
+  for (int border = 0; border <= 7; ++border)
+    for (const int side : {-1, 0, 1}) {
+      HitBlock block;
+      block.count = 0;
+      const double at = samples.border_m(border);
+      const double r = side == 0 ? at : std::nextafter(at, at + side);
+      for (int k = 0; k < 16; ++k) block.append({0, 0, r, k == 15 ? 0 : 0.5, 1, {}});
+      EXPECT_EQ(find_mu(block, material, mu, under), 1);
+      const LambertEchoes echoes = echoes_of(block, under, 0, finder);
+      const int expected = side < 0 ? border - 1 : border;
+      for (int k = 0; k < 15; ++k)
+        EXPECT_EQ(echoes.sample[k], expected < 7 ? expected : LambertEchoes::no_sample) << r;
+      EXPECT_EQ(echoes.sample[15], LambertEchoes::no_sample);
+      EXPECT_FALSE(echoes.whole);
+    }
 }
 
 TEST(RayLanes, MaterialsOfOtherLawsStandAmongEvenOnes) {
@@ -168,14 +217,17 @@ TEST(RayLanes, HitsOfNoBeamOrNoMaterialAreRefused) {
   const std::vector<std::uint32_t> beam_of_tube{0};
   History history;
   history.tubes.tubes.resize(1);
-  history.hits.resize(2);
-  for (RayHit& hit : history.hits) hit.slant_range_m = hit.sine_grazing = 0.5;
-  const auto echo = [&] { return integrate_echo(history, {1, beam_of_tube}, {0, 1, 1}, {mu, material, 0}); };
+  RayHit one, other;
+  one.slant_range_m = one.sine_grazing = other.slant_range_m = other.sine_grazing = 0.5;
+  const auto echo = [&] {
+    history.hits = {one, other};
+    return integrate_echo(history, {1, beam_of_tube}, {0, 1, 1}, {mu, material, 0});
+  };
   EXPECT_NO_THROW(echo());
-  history.hits[1].tube = 1;
+  other.tube = 1;
   EXPECT_THROW(echo(), std::invalid_argument);
-  history.hits[1].tube = 0;
-  history.hits[1].facet = 1;
+  other.tube = 0;
+  other.facet = 1;
   EXPECT_THROW(echo(), std::invalid_argument);
 }
 

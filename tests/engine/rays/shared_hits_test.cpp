@@ -124,7 +124,7 @@ void expect_mean(const Echo& exact, int seeds, double least_said,
 
 TEST(SharedHits, TheMeanOverSeedsIsWhatTubesShare) {
   Apart apart;
-  for (const RaySampling sampling : {RaySampling::stratified, RaySampling::random}) {
+  for (const RaySampling sampling : {RaySampling::stratified, RaySampling::random, RaySampling::adaptive}) {
     SCOPED_TRACE(name_of(sampling));
     expect_mean(apart.exact(), 30, 0.04, [&](std::uint64_t seed) {
       return apart.echo(apart.rays({sampling, 6000, RaySettings::Per::ping, seed}));

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <stdexcept>
+
+#include "engine/rays/ray_tracing.hpp"
+#include "geometry/steps/steps.hpp"
+
+namespace tubefoot {
+namespace {
+
+void report(void* message, RTCError, const char* text) {
+  if (text != nullptr) *static_cast<std::string*>(message) = text;
+}
+
+}  // namespace
+
+void RayScene::State::check(const char* what) const {
+  const RTCError code = rtcGetDeviceError(device);
+  if (code != RTC_ERROR_NONE)
+    throw std::runtime_error(fmt::format("Embree failed while {}: {} (error {})", what,
+                                         message.empty() ? "no message" : message, int(code)));
+}
+
+void RayScene::State::build() {
+  device = rtcNewDevice(nullptr);
+  check("starting");
+  rtcSetDeviceErrorFunction(device, report, &message);
+  scene = rtcNewScene(device);
+  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  if (!mesh.facets.empty()) add_facets();
+  // Embree asks now and then whether to go on.
+  rtcSetSceneProgressMonitorFunction(
+      scene, [](void*, double) { return !stop_wanted(); }, nullptr);
+  rtcCommitScene(scene);
+  stop_if_wanted();
+  check("building its tree");
+}
+
+void RayScene::State::add_facets() {
+  planes = RayPlanes(mesh, unit_m);
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.vertices.size()));
+  auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), mesh.facets.size()));
+  if (vertices == nullptr || indices == nullptr) {
+    rtcReleaseGeometry(geometry);
+    check("copying the facets");
+    throw std::runtime_error("Embree has no memory for the facets");
+  }
+  for (const GridPoint& p : mesh.vertices)
+    for (const std::int32_t coordinate : {p.x, p.y, p.z}) *vertices++ = float(coordinate * unit_m);
+  for (const auto& facet : mesh.facets)
+    for (const VertexId vertex : facet) *indices++ = vertex;
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(scene, geometry);
+  rtcReleaseGeometry(geometry);
+}
+
+namespace {
+
+/// Turns a packet; lanes that leave no window are not valid, the others have its number as their tube.
+void send_onwards(const RaysOnwards& onwards, RayPacket& packet, int* valid) {
+  for (int k = 0; k < packet.count; ++k) {
+    const glm::dvec3 d = onwards.turn * glm::dvec3(packet.x[k], packet.y[k], packet.z[k]);
+    packet.x[k] = d.x;
+    packet.y[k] = d.y;
+    packet.z[k] = d.z;
+    valid[k] = 0;
+    onwards.windows.find(d, [&](std::uint32_t window) {
+      valid[k] = -1;
+      packet.tube[k] = window;
+    });
+  }
+}
+
+}  // namespace
+
+void RayScene::State::trace(GridPoint apex, double reach_m, const std::function<bool(RayPacket&)>& next,
+                            HitWriter& hits, const RaysOnwards* onwards) const {
+  constexpr int lanes = RayPacket::size;
+  alignas(64) int valid[lanes];
+  RTCRayHit16 rays;
+  std::fill_n(rays.ray.org_x, lanes, float(apex.x * unit_m));
+  std::fill_n(rays.ray.org_y, lanes, float(apex.y * unit_m));
+  std::fill_n(rays.ray.org_z, lanes, float(apex.z * unit_m));
+  std::fill_n(rays.ray.tnear, lanes, 0.0f);
+  std::fill_n(rays.ray.time, lanes, 0.0f);
+  std::fill_n(rays.ray.mask, lanes, ~0u);
+  std::fill_n(rays.ray.id, lanes, 0u);
+  std::fill_n(rays.ray.flags, lanes, 0u);
+  std::fill_n(rays.hit.instID[0], lanes, RTC_INVALID_GEOMETRY_ID);
+  std::fill_n(valid, lanes, -1);
+
+  RayPacket packet;
+  packet.x = packet.y = packet.z = {};
+  int last_count = lanes;
+  std::uint32_t number = 0;
+  for (; next(packet); number += std::uint32_t(packet.count)) {
+    if (packet.count != last_count) {
+      std::fill_n(valid, lanes, 0);
+      std::fill_n(valid, packet.count, -1);
+      last_count = packet.count;
+    }
+    if (onwards != nullptr) send_onwards(*onwards, packet, valid);
+    round_directions(packet, rays.ray.dir_x, rays.ray.dir_y, rays.ray.dir_z);
+    for (int k = 0; k < lanes; ++k) {
+      rays.ray.tfar[k] = float(reach_m);
+      rays.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
+    }
+    first_hits(valid, scene, rays);
+    append_hits(apex, reach_m, packet, rays, number, hits);
+  }
+}
+
+void RayScene::State::append_hits(GridPoint apex, double reach_m, const RayPacket& packet,
+                                  const RTCRayHit16& rays, std::uint32_t number, HitWriter& hits) const {
+  constexpr int lanes = RayPacket::size;
+  std::array<FacetId, lanes> facet;
+  const int some = met_facets(rays.hit.geomID, rays.hit.primID, RTC_INVALID_GEOMETRY_ID, packet.count, facet);
+  if (some == 0) return;
+  MetPlanes met;
+  planes.meet(apex, packet, facet, rays.ray.tfar, met);
+  if (some == lanes && met.any_doubtful == 0)
+    return write_hits(packet, met, facet, rays.ray.dir_x, rays.ray.dir_y, rays.ray.dir_z,
+                      hits.whole_block(number));
+  for (int k = 0; k < packet.count; ++k) {
+    if (rays.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
+    RayHit hit{facet[k],         packet.tube[k],
+               met.range_m[k],   met.sine_grazing[k],
+               packet.weight[k], {rays.ray.dir_x[k], rays.ray.dir_y[k], rays.ray.dir_z[k]}};
+    if (met.doubtful[k] != 0) {
+      const glm::dvec3 direction(packet.x[k], packet.y[k], packet.z[k]);
+      const auto embree_range = double(rays.ray.tfar[k]);
+      if (!planes.meet(apex, direction, embree_range, hit) &&
+          !meet_beyond(apex, direction, embree_range, reach_m, hit))
+        continue;
+    }
+    hits.append(number + std::uint32_t(k), hit);
+  }
+}
+
+/// The first facet beyond one whose plane contains the apex.
+bool RayScene::State::meet_beyond(GridPoint apex, glm::dvec3 direction, double from_m, double reach_m,
+                                  RayHit& hit) const {
+  RTCRayHit ray{};
+  ray.ray.org_x = float(apex.x * unit_m);
+  ray.ray.org_y = float(apex.y * unit_m);
+  ray.ray.org_z = float(apex.z * unit_m);
+  ray.ray.dir_x = float(direction.x);
+  ray.ray.dir_y = float(direction.y);
+  ray.ray.dir_z = float(direction.z);
+  ray.ray.mask = ~0u;
+  ray.ray.tfar = float(from_m);
+  do {
+    ray.ray.tnear = std::nextafter(ray.ray.tfar, std::numeric_limits<float>::infinity());
+    ray.ray.tfar = float(reach_m);
+    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    ray.hit.primID = RTC_INVALID_GEOMETRY_ID;
+    first_hit(scene, ray);
+    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+    hit.facet = ray.hit.primID;
+  } while (!planes.meet(apex, direction, double(ray.ray.tfar), hit));
+  return true;
+}
+
+const FacetMesh& RayScene::mesh() const { return state_->mesh; }
+
+bool RayScene::reaches(GridPoint apex, glm::dvec3 direction, double range_m,
+                       const std::function<bool(FacetId)>& same) const {
+  const State& s = *state_;
+  const glm::dvec3 place = s.unit_m * glm::dvec3(apex.x, apex.y, apex.z);
+  const double uncertain = 1e-6 * (range_m + glm::length(place));
+  RTCRayHit ray{};
+  ray.ray.org_x = float(place.x);
+  ray.ray.org_y = float(place.y);
+  ray.ray.org_z = float(place.z);
+  ray.ray.dir_x = float(direction.x);
+  ray.ray.dir_y = float(direction.y);
+  ray.ray.dir_z = float(direction.z);
+  ray.ray.mask = ~0u;
+  for (;;) {
+    ray.ray.tfar = float(1.001 * range_m + uncertain);  // where the facet is met, even at a grazing angle
+    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    ray.hit.primID = RTC_INVALID_GEOMETRY_ID;
+    first_hit(s.scene, ray);
+    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+    const double met = double(ray.ray.tfar);
+    if (same(ray.hit.primID) || std::abs(met - range_m) <= uncertain) return true;
+    if (met > range_m) return false;
+    RayHit hit;
+    hit.facet = ray.hit.primID;
+    if (s.planes.meet(apex, direction, met, hit)) return false;
+    ray.ray.tnear = std::nextafter(ray.ray.tfar, std::numeric_limits<float>::infinity());
+  }
+}
+
+RayScene::RayScene(const FacetMesh& mesh, const WorldGrid& grid)
+    : state_(std::make_unique<State>(mesh, grid)) {
+  state_->build();
+}
+RayScene::~RayScene() = default;
+RayScene::RayScene(RayScene&&) noexcept = default;
+RayScene& RayScene::operator=(RayScene&&) noexcept = default;
+
+}  // namespace tubefoot
