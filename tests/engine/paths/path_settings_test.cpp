@@ -27,11 +27,16 @@ struct Spread {
   double sigma() const { return std::sqrt(std::max(squares / count - mean() * mean(), 0.0) / (count - 1)); }
 };
 
-TEST(PathRays, SurfaceMultiplesOfAFlatBedInClosedForm) {
+class PathRaysOf : public testing::TestWithParam<RaySampling> {};
+INSTANTIATE_TEST_SUITE_P(Samplings, PathRaysOf,
+                         testing::Values(RaySampling::stratified, RaySampling::adaptive),
+                         [](const auto& given) { return std::string(name_of(given.param)); });
+
+TEST_P(PathRaysOf, SurfaceMultiplesOfAFlatBedInClosedForm) {
   Setting s = under_surface(3);
   std::vector<Spread> once(30), twice(30);
   for (std::uint64_t seed = 1; seed <= 16; ++seed) {
-    s.rays = RaySettings{RaySampling::stratified, 20000, RaySettings::Per::ping, seed};
+    s.rays = RaySettings{GetParam(), 20000, RaySettings::Per::ping, seed};
     const PathEcho paths = s.run();
     EXPECT_EQ(paths.shared_pieces, 0u);
     EXPECT_GT(paths.hits, 10000u);
