@@ -12,7 +12,8 @@ from typing import ParamSpec, TypeVar
 from . import _native
 
 CHOICES = {"engine": ("tube", "ray"), "arithmetic": ("fixed", "filtered", "rational", "double"),
-           "binning": ("exact", "spread", "centroid"), "sampling": ("stratified", "sobol", "adaptive", "regular", "random", "column")}
+           "binning": ("exact", "spread", "centroid"),
+           "sampling": ("stratified", "sobol", "adaptive", "regular", "random", "column")}
 
 _FLAGS = ("any-scene", "confined")
 _ARGUMENTS = {"beam": "beams"}
