@@ -154,11 +154,13 @@ std::shared_ptr<const EchoContents> contents_of(const NativeResult& result, cons
     sensor.beams = r.sensor->beams().size();
     sensor.samples = std::size_t(r.sensor->samples().count);
     for (std::size_t ping = 0; ping < r.pings(); ++ping) {
-      const auto energy = r.energy_of(ping);
+      const PingEnergies kept = r.energy_of(ping);
+      const std::span<const double> energy = kept;
       sensor.energy.insert(sensor.energy.end(), energy.begin(), energy.end());
     }
-    for (std::size_t ping = 0; ping < r.pings() && !r.energy_bound.empty(); ++ping) {
-      const auto bound = r.energy_bound.subspan(ping * r.channels() * r.cells(), r.cells());
+    for (std::size_t ping = 0; ping < r.pings() && r.has_bounds(); ++ping) {
+      const PingEnergies kept = r.bound_of(ping, 0);
+      const std::span<const double> bound = kept;
       sensor.energy_bound.insert(sensor.energy_bound.end(), bound.begin(), bound.end());
     }
     const RangeSamples& samples = r.sensor->samples();

@@ -9,19 +9,23 @@
 
 namespace tubefoot {
 
-InterferometricSample interferometric_sample(const Recording& recording, std::size_t ping, std::size_t beam,
-                                             std::size_t sample) {
-  const std::size_t cell = beam * static_cast<std::size_t>(recording.sensor->samples().count) + sample;
-  const auto channel = [&](std::size_t number) { return recording.channel_of(ping, number)[cell]; };
-  return {channel(0), channel(1), {channel(2), channel(3)}};
+StaffPing::StaffPing(const Recording& recording, std::size_t ping)
+    : number_(recording.number_of(ping)),
+      samples_(static_cast<std::size_t>(recording.sensor->samples().count)),
+      channels_{recording.channel_of(ping, 0), recording.channel_of(ping, 1), recording.channel_of(ping, 2),
+                recording.channel_of(ping, 3)} {}
+
+InterferometricSample StaffPing::ideal(std::size_t beam, std::size_t sample) const {
+  const std::size_t cell = beam * samples_ + sample;
+  return {channels_[0][cell], channels_[1][cell], {channels_[2][cell], channels_[3][cell]}};
 }
 
-InterferometricSample received_sample(const Recording& recording, std::size_t ping, std::size_t beam,
-                                      std::size_t sample, const InterferometricNoise& noise) {
-  InterferometricSample products = interferometric_sample(recording, ping, beam, sample);
+InterferometricSample StaffPing::received(std::size_t beam, std::size_t sample,
+                                          const InterferometricNoise& noise) const {
+  InterferometricSample products = ideal(beam, sample);
   products.add_noise(noise.receiver_noise_j, noise.receiver_noise_j);
   if (!noise.phase_noise || !products.phase_rad()) return products;
-  const SampleRandom random(noise.seed, recording.number_of(ping), static_cast<std::uint32_t>(beam),
+  const SampleRandom random(noise.seed, number_, static_cast<std::uint32_t>(beam),
                             static_cast<std::uint32_t>(sample));
   products.cross_j *= std::polar(1.0, draw_phase_error(random, products.coherence()));
   return products;
@@ -34,6 +38,7 @@ std::vector<InterferometricSounding> interferometric_soundings(const Recording& 
   const Interferometer interferometer(
       staff.baseline_m, recording.sound_speed_m_s / (1000 * sensor.frequency_khz()), radians(staff.tilt_deg));
   const Pose& pose = recording.ping_pose[ping];
+  const StaffPing heard(recording, ping);
   std::vector<InterferometricSounding> found;
   for (std::uint32_t beam = 0; beam < 2; ++beam) {
     std::optional<double> depth_m;
@@ -41,7 +46,7 @@ std::vector<InterferometricSounding> interferometric_soundings(const Recording& 
       depth_m = recording.altitude_m[ping];
     for (std::uint32_t k = 0; k < static_cast<std::uint32_t>(sensor.samples().count); ++k) {
       InterferometricSounding sounding{beam, k};
-      InterferometricSample products = interferometric_sample(recording, ping, beam, k);
+      InterferometricSample products = heard.ideal(beam, k);
       sounding.energy_j = products.upper_j;
       products.add_noise(noise.receiver_noise_j, noise.receiver_noise_j);
       const std::optional<double> phase = products.phase_rad();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -9,10 +10,6 @@
 #include "sensors/recordings/recording.hpp"
 
 namespace tubefoot {
-
-/// The two receivers' products in one cell of a recording with four channels.
-InterferometricSample interferometric_sample(const Recording& recording, std::size_t ping, std::size_t beam,
-                                             std::size_t sample);
 
 /// A bottom point that two receivers on a staff find in one sample.
 struct InterferometricSounding {
@@ -29,9 +26,20 @@ struct InterferometricNoise {
   std::uint64_t seed = 1;
 };
 
-/// A cell as the receivers have it: with their noise, and the phase that a sounding of the cell is made of.
-InterferometricSample received_sample(const Recording& recording, std::size_t ping, std::size_t beam,
-                                      std::size_t sample, const InterferometricNoise& noise);
+/// A ping of a recording with four channels: the two receivers' products in its cells.
+class StaffPing {
+ public:
+  StaffPing(const Recording& recording, std::size_t ping);
+  InterferometricSample ideal(std::size_t beam, std::size_t sample) const;
+  /// As the receivers have it: with their noise, and the phase that a sounding of the cell is made of.
+  InterferometricSample received(std::size_t beam, std::size_t sample,
+                                 const InterferometricNoise& noise) const;
+
+ private:
+  std::uint32_t number_;
+  std::size_t samples_;
+  std::array<PingEnergies, 4> channels_;
+};
 
 /// The soundings of a ping, by beam and range. Of the angles that a wrapped phase may stand for, the one is
 /// taken that is nearest in phase to a bed as deep as the samples before found it (a running mean of about

@@ -137,7 +137,7 @@ void write_pings(Hdf5Chunks& file, const std::string& group, const std::vector<P
   const std::size_t of_a_ping = variables.size();
   in_order(
       0, pings * of_a_ping, cells * sizeof(double),
-      [&](std::size_t chunk) { return packed_chunk(variables[chunk % of_a_ping].values(chunk / of_a_ping)); },
+      [&](std::size_t chunk) { return variables[chunk % of_a_ping].chunk(chunk / of_a_ping); },
       [&](std::size_t chunk, const std::vector<unsigned char>& packed) {
         const std::size_t ping = chunk / of_a_ping, variable = chunk % of_a_ping;
         file.write(group + variables[variable].name, ping, packed);

@@ -83,14 +83,15 @@ class EchoGroup {
   std::vector<Pending> pending_;
 };
 
-/// A variable over ping, beam and sample, whose values are written ping by ping.
+/// A variable over ping, beam and sample, whose values are written ping by ping, as packed_chunk() packs
+/// them.
 struct PingVariable {
   std::string name;
-  std::function<std::span<const double>(std::size_t ping)> values;
+  std::function<std::vector<unsigned char>(std::size_t ping)> chunk;
 };
 
-/// Packed by all threads, written in order, each variable `cells` values a ping; `group` is a full name with
-/// its "/". After each ping `done` is told of it.
+/// Asked for by all threads, written in order, each variable `cells` values a ping; `group` is a full name
+/// with its "/". After each ping `done` is told of it.
 void write_pings(Hdf5Chunks& file, const std::string& group, const std::vector<PingVariable>& variables,
                  std::size_t pings, std::size_t cells, const std::function<void(std::size_t ping)>& done);
 

@@ -279,7 +279,7 @@ void write_signals(const fs::path& path, const ElementSignals& signals, const Pr
   Steps steps("pings of signals.nc", signals.pings());
   const std::vector<PingVariable> variables{
       {"pressure", [&](std::size_t ping) {
-         return pairs(std::span(signals.pressure)).subspan(ping * per_ping, per_ping);
+         return packed_chunk(pairs(std::span(signals.pressure)).subspan(ping * per_ping, per_ping));
        }}};
   write_pings(file.chunks(bytes), "/", variables, signals.pings(), per_ping,
               [&](std::size_t) { steps.done(); });

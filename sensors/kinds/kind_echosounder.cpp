@@ -147,13 +147,13 @@ std::vector<fs::path> write_echosounder_files(const fs::path& folder, const Reco
       "ping,time_s,range_m,range_sigma_m,energy_j,quality,bottom_east_m,bottom_north_m,bottom_up_m,"
       "sensor_east_m,sensor_north_m,sensor_up_m,true_altitude_m,status\n";
   const auto sounded = [&](std::size_t ping) {
-    const std::span<const double> energy = recording.energy_of(ping);
+    const PingEnergies kept = recording.energy_of(ping);
+    const std::span<const double> energy = kept;
     HeardPing made;
     made.energies.assign(energy.begin(), energy.end());
     made.ideal_m = range_of(detect_bottom(energy, sensor.samples(), rule));
     std::vector<double> own =
         heard ? heard->energy_of(ping) : std::vector<double>(energy.begin(), energy.end());
-    recording.let_go(ping);
     made.received.assign(own.begin(), own.end());
     for (std::size_t k = 0; k < own.size(); ++k)
       if (own[k] < floor_j[k]) own[k] = 0;

@@ -108,10 +108,10 @@ std::string steps_table(const Recording& recording, const std::optional<Heard>& 
   const RangeSamples& samples = sensor.samples();
   std::string text = "ping,step,time_s,head_deg,loudest_range_m,loudest_energy_j\n";
   const auto lines_of = [&](std::size_t ping) {
-    const std::span<const double> ideal = recording.energy_of(ping);
+    const PingEnergies kept = recording.energy_of(ping);
+    const std::span<const double> ideal = kept;
     const std::vector<double> energy =
         heard ? heard->energy_of(ping) : std::vector<double>(ideal.begin(), ideal.end());
-    recording.let_go(ping);
     std::string lines;
     for (std::size_t step = 0; step < sensor.shots(); ++step) {
       const std::span<const double> own = std::span(energy).subspan(

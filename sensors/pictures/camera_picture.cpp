@@ -37,11 +37,11 @@ Canvas CameraFrames::draw(std::size_t ping, const Heard* heard) const {
   const Recording& recording = recording_;
   const Sensor& sensor = *recording.sensor;
   const CameraFan& fan = page_.fan();
-  const std::span<const double> ideal = recording.energy_of(ping);
+  const PingEnergies ideal = recording.energy_of(ping);
   const std::vector<double> received = heard ? heard->energy_of(ping) : std::vector<double>();
-  const std::span<const double> energy = heard ? std::span<const double>(received) : ideal;
+  const std::span<const double> energy = heard ? std::span<const double>(received) : ideal.values();
   const DecibelScale scale = scale_ ? *scale_
-                                    : DecibelScale(heard && heard->has_gain ? energy : ideal,
+                                    : DecibelScale(heard && heard->has_gain ? energy : ideal.values(),
                                                    sensor.description().signal.display_gain_db);
   const PingEchoes echoes{energy, surfaces_of(recording, ping)};
 
@@ -85,9 +85,9 @@ Canvas draw_camera_sequence(const Recording& recording, const std::string& font,
   std::vector<double> ideal(frames.size() * recording.cells()), received(heard ? ideal.size() : 0);
   tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t k) {
     const auto place = static_cast<std::ptrdiff_t>(k * recording.cells());
-    std::ranges::copy(recording.energy_of(frames[k]), ideal.begin() + place);
+    const PingEnergies kept = recording.energy_of(frames[k]);
+    std::ranges::copy(kept.values(), ideal.begin() + place);
     if (heard) std::ranges::copy(heard->energy_of(frames[k]), received.begin() + place);
-    recording.let_go(frames[k]);
   });
   const std::vector<double>& all = heard ? received : ideal;
   const DecibelScale scale(heard && heard->has_gain ? received : ideal,

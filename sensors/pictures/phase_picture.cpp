@@ -5,7 +5,9 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
 #include "sensors/detection/staff_soundings.hpp"
 #include "sensors/pictures/decibel_scale.hpp"
@@ -17,17 +19,18 @@ namespace {
 
 constexpr int margin = 28, header_height = 2 * margin + 44, axis_height = 62, axis_width = 72;
 
-Colour colour_under(const Recording& recording, PixelSpan pings, PixelSpan samples, std::size_t beam,
-                    const InterferometricNoise* noise) {
-  InterferometricSample sum;
-  for (std::size_t ping = pings.first; ping < pings.end; ++ping)
-    for (std::size_t k = samples.first; k < samples.end; ++k) {
-      const InterferometricSample own = noise ? received_sample(recording, ping, beam, k, *noise)
-                                              : interferometric_sample(recording, ping, beam, k);
-      sum.upper_j += own.upper_j;
-      sum.lower_j += own.lower_j;
-      sum.cross_j += own.cross_j;
-    }
+/// Adds what lies under a pixel in one ping.
+void add(const StaffPing& ping, std::size_t beam, PixelSpan samples, const InterferometricNoise* noise,
+         InterferometricSample& sum) {
+  for (std::size_t k = samples.first; k < samples.end; ++k) {
+    const InterferometricSample own = noise ? ping.received(beam, k, *noise) : ping.ideal(beam, k);
+    sum.upper_j += own.upper_j;
+    sum.lower_j += own.lower_j;
+    sum.cross_j += own.cross_j;
+  }
+}
+
+Colour colour_of(const InterferometricSample& sum) {
   const std::optional<double> phase = sum.phase_rad();
   return phase ? phase_colour(*phase, sum.coherence()) : phase_colour(0, 0);
 }
@@ -53,12 +56,18 @@ Canvas draw_phases(const Recording& recording, const std::string& font, const In
   Canvas canvas(page_width, bottom + axis_height + margin, palette.background, font);
   tbb::parallel_for(0, rows, [&](int row) {
     const PixelSpan pings = items_under(row, rows, recording.pings());
-    for (int x = 0; x < side; ++x) {
-      const PixelSpan under = items_under(x, side, count);
-      canvas.blend(middle - 1 - x, bottom - 1 - row, colour_under(recording, pings, under, 0, noise));
-      canvas.blend(middle + x, bottom - 1 - row, colour_under(recording, pings, under, 1, noise));
+    std::vector<std::array<InterferometricSample, 2>> sums(static_cast<std::size_t>(side));
+    for (std::size_t ping = pings.first; ping < pings.end; ++ping) {
+      const StaffPing heard(recording, ping);
+      for (int x = 0; x < side; ++x)
+        for (const std::size_t beam : {0, 1})
+          add(heard, beam, items_under(x, side, count), noise, sums[static_cast<std::size_t>(x)][beam]);
     }
-    for (std::size_t ping = pings.first; ping + 1 < pings.end; ++ping) recording.let_go(ping);
+    for (int x = 0; x < side; ++x) {
+      const auto& [port, starboard] = sums[static_cast<std::size_t>(x)];
+      canvas.blend(middle - 1 - x, bottom - 1 - row, colour_of(port));
+      canvas.blend(middle + x, bottom - 1 - row, colour_of(starboard));
+    }
   });
 
   canvas.text(margin, margin, title, title_size, palette.ink);

@@ -153,6 +153,7 @@ Waterfall::Echoes Waterfall::echoes_of(const Heard* heard) const {
   tbb::parallel_for(
       tbb::blocked_range(std::size_t{0}, strips.size(), strips_at_least), [&](const auto& some) {
         std::size_t asked = recording_.pings();  // the ping that is known
+        std::optional<PingEnergies> ideal;
         std::vector<double> received, mean;
         std::vector<int> surfaces, farthest;
         for (std::size_t s = some.begin(); s < some.end(); ++s) {
@@ -163,19 +164,21 @@ Waterfall::Echoes Waterfall::echoes_of(const Heard* heard) const {
           for (std::size_t p = 0; p < under.weights.size(); ++p) {
             const std::size_t ping = under.first + p;
             if (asked != ping) {
-              if (heard) received = heard->energy_of(ping);
+              if (heard)
+                received = heard->energy_of(ping);
+              else
+                ideal = recording_.energy_of(ping);
               if (recording_.surfaces) surfaces = recording_.surfaces(ping);
               asked = ping;
             }
             const std::span<const double> energy =
-                heard ? std::span<const double>(received) : recording_.energy_of(ping);
+                heard ? std::span<const double>(received) : ideal->values();
             const double share = under.weights[p] / weight;
             for (std::size_t beam = 0; beam < sides; ++beam) {
               for (std::size_t k = 0; k < count; ++k)
                 mean[beam * count + k] += share * energy[beam * count + k] * gain[k];
               if (recording_.surfaces) farthest[beam] = std::max(farthest[beam], surfaces[beam]);
             }
-            if (p + 1 < under.weights.size()) recording_.let_go(ping);
           }
           for (std::size_t beam = 0; beam < sides; ++beam) {
             if (farthest[beam] < static_cast<int>(count)) ends_early = true;

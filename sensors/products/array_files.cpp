@@ -92,10 +92,10 @@ ElementSignals element_signals_of(const Recording& recording) {
   const std::size_t values = 2 * signals.receivers() * signals.samples();
   for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
     stop_if_wanted();
-    const std::span<const double> from = recorded.values.subspan(ping * values, values);
+    const PingEnergies from = recorded.packed ? recorded.packed->values(ping, 0)
+                                              : PingEnergies(recorded.values.subspan(ping * values, values));
     for (std::size_t k = 0; k < values / 2; ++k)
       signals.pressure[ping * values / 2 + k] = {from[2 * k], from[2 * k + 1]};
-    if (recorded.release) recorded.release(ping);
   }
   return signals;
 }

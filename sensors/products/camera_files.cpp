@@ -121,9 +121,9 @@ class Levels {
       : recording_(recording), receiver_(receiver_of(recording, run)) {}
 
   std::vector<double> of(std::size_t ping) const {
-    std::vector<double> levels = receiver_.receive(recording_.number_of(ping), recording_.energy_of(ping),
-                                                   recording_.sensor->samples());
-    recording_.let_go(ping);
+    const PingEnergies kept = recording_.energy_of(ping);
+    std::vector<double> levels =
+        receiver_.receive(recording_.number_of(ping), kept, recording_.sensor->samples());
     for (double& level : levels) level = receiver_.level_db(level);
     return levels;
   }

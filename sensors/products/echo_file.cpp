@@ -50,19 +50,25 @@ std::string meaning_of(const std::string& name) {
   throw std::invalid_argument("no variable " + name);
 }
 
-/// Of a recording's variables over ping, beam and sample, their names in its group and what they hold.
+/// Of a recording's variables over ping, beam and sample, their names in its group and what they hold. What
+/// was packed as its ping was made goes into the file as it is.
 std::vector<PingVariable> ping_variables(const Recording& recording) {
-  std::vector<PingVariable> variables{
-      {"energy", [&recording](std::size_t ping) { return recording.energy_of(ping); }}};
-  for (std::size_t c = 1; c < recording.channels(); ++c)
-    variables.push_back({staff_variables[c - 1].name,
-                         [&recording, c](std::size_t ping) { return recording.channel_of(ping, c); }});
-  if (recording.energy_bound.empty()) return variables;
-  for (std::size_t c = 0, channels = variables.size(); c < channels; ++c)
-    variables.push_back({variables[c].name + "_bound", [&recording, c](std::size_t ping) {
-                           return recording.energy_bound.subspan(
-                               (ping * recording.channels() + c) * recording.cells(), recording.cells());
+  std::vector<PingVariable> variables;
+  const auto add = [&](const std::string& name, std::size_t channel, bool bound) {
+    const PackedPings* packed = (bound ? recording.packed_bound : recording.packed_energy).get();
+    variables.push_back({name, [&recording, packed, channel, bound](std::size_t ping) {
+                           if (packed) return packed->chunk(ping, channel);
+                           const PingEnergies values = bound ? recording.bound_of(ping, channel)
+                                                             : recording.channel_of(ping, channel);
+                           return packed_chunk(values);
                          }});
+  };
+  const auto name_of = [](std::size_t channel) -> std::string {
+    return channel == 0 ? "energy" : staff_variables[channel - 1].name;
+  };
+  for (std::size_t c = 0; c < recording.channels(); ++c) add(name_of(c), c, false);
+  for (std::size_t c = 0; c < recording.channels() && recording.has_bounds(); ++c)
+    add(name_of(c) + "_bound", c, true);
   return variables;
 }
 
@@ -174,7 +180,7 @@ void write_echoes(const fs::path& path, const std::vector<Recording>& recordings
   std::size_t bytes = 0, small_bytes = 0;
   for (const Recording& r : recordings) {
     constexpr std::size_t variables = 32;  // more than there are over pings, over beams, over samples
-    bytes += r.energy.size_bytes() + r.energy_bound.size_bytes();
+    bytes += (r.has_bounds() ? 2 : 1) * r.pings() * r.channels() * r.cells() * sizeof(double);
     small_bytes += variables * sizeof(double) *
                    (r.pings() + r.sensor->beams().size() + std::size_t(r.sensor->samples().count));
   }
@@ -191,10 +197,8 @@ void write_echoes(const fs::path& path, const std::vector<Recording>& recordings
   for (const Recording& recording : recordings) {
     Steps steps("pings of echoes.nc", recording.pings());
     write_pings(chunks, grouped ? "/" + recording.sensor->description().name + "/" : "/",
-                ping_variables(recording), recording.pings(), recording.cells(), [&](std::size_t ping) {
-                  recording.let_go(ping);
-                  steps.done();
-                });
+                ping_variables(recording), recording.pings(), recording.cells(),
+                [&](std::size_t) { steps.done(); });
   }
   file.close();
 }

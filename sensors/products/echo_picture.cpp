@@ -31,11 +31,11 @@ Canvas echogram_of_steepest(const Recording& recording, const std::string& font)
   std::vector<float> energies;
   std::vector<double> bottoms;
   for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
-    const std::span<const double> energy = recording.energy_of(ping).subspan(steepest * samples, samples);
+    const PingEnergies kept = recording.energy_of(ping);
+    const std::span<const double> energy = kept.values().subspan(steepest * samples, samples);
     energies.insert(energies.end(), energy.begin(), energy.end());
     const std::optional<Detection> bottom = detect_bottom(energy, sensor.samples(), {});
     bottoms.push_back(bottom ? bottom->range_m : std::numeric_limits<double>::quiet_NaN());
-    recording.let_go(ping);
   }
   const std::string said = sensor.beams().size() > 1 ? fmt::format("beam {}", steepest) : std::string();
   return draw_echogram(recording, energies, bottoms, font, said);

@@ -40,7 +40,7 @@ OIIO::ParamValueList exr_attributes(const Recording& recording, const char* rows
 void write_fan_exr(const fs::path& file, const Recording& recording, std::size_t ping) {
   const auto beams = recording.sensor->beams().size();
   const auto samples = static_cast<std::size_t>(recording.sensor->samples().count);
-  const std::span<const double> energy = recording.energy_of(ping);
+  const PingEnergies energy = recording.energy_of(ping);
   std::vector<float> values(beams * samples);
   for (std::size_t beam = 0; beam < beams; ++beam)
     for (std::size_t sample = 0; sample < samples; ++sample)
@@ -60,13 +60,12 @@ void write_two_sided_exr(const fs::path& file, const Recording& recording) {
           exr_attributes(recording, "pings, the first on top",
                          "port samples, the farthest first, then starboard samples, the nearest first")));
   const auto row_of = [&](std::size_t ping) {
-    const std::span<const double> energy = recording.energy_of(ping);
+    const PingEnergies energy = recording.energy_of(ping);
     std::vector<float> row(2 * samples);
     for (std::size_t k = 0; k < samples; ++k) {
       row[samples - 1 - k] = static_cast<float>(energy[k]);
       row[samples + k] = static_cast<float>(energy[samples + k]);
     }
-    recording.let_go(ping);
     return row;
   };
   Steps steps("pings of a picture", recording.pings());
@@ -148,7 +147,6 @@ std::vector<fs::path> write_fan_pictures(const fs::path& folder, const Recording
       frames.draw(ping, &*heard)
           .write_png(folder / name(ping, "-received.png"), what + ", as received", settings.bits);
     write_fan_exr(folder / name(ping, ".exr"), recording, ping);
-    recording.let_go(ping);
     steps.done();
   });
   for (std::size_t ping = 0; ping < recording.pings(); ++ping) {

@@ -34,9 +34,10 @@ std::vector<double> received(const Recording& recording, const RunContext& run, 
   const std::uint32_t number = recording.number_of(ping);
   const ReceiverChain receiver = receiver_of(recording, run);
   const std::optional<double> pulse_us = recording.sensor->description().signal.pulse_length_us;
-  if (!pulse_us) return receiver.receive(number, recording.energy_of(ping), samples);
+  const PingEnergies energy = recording.energy_of(ping);
+  if (!pulse_us) return receiver.receive(number, energy, samples);
   const double extent_m = pulse_extent_m(*pulse_us, recording.sound_speed_m_s);
-  return receiver.receive(number, spread_over_pulse(recording.energy_of(ping), samples, extent_m), samples);
+  return receiver.receive(number, spread_over_pulse(energy, samples, extent_m), samples);
 }
 
 std::optional<Heard> heard_by(const Recording& recording, const RunContext& run) {

@@ -34,7 +34,6 @@ void write_soundings(const fs::path& path, const Recording& recording, const Int
                      s.coherence, degrees(s.estimate.angle_rad), degrees(s.estimate.angle_sigma_rad),
                      s.estimate.depth_m, s.estimate.depth_sigma_m, s.position_m.x, s.position_m.y,
                      s.position_m.z);
-    recording.let_go(ping);
     return lines;
   };
   constexpr std::size_t bytes_a_line = 200;
@@ -52,11 +51,11 @@ void write_cells_exr(const fs::path& file, const Recording& recording, const cha
   Steps steps("pings of a picture", recording.pings());
   tbb::parallel_for(std::size_t{0}, recording.pings(), [&](std::size_t ping) {
     float* port = cells.data() + 2 * count * ping;
+    const StaffPing heard(recording, ping);
     for (std::size_t k = 0; k < count; ++k) {
-      port[count - 1 - k] = static_cast<float>(value(interferometric_sample(recording, ping, 0, k)));
-      port[count + k] = static_cast<float>(value(interferometric_sample(recording, ping, 1, k)));
+      port[count - 1 - k] = static_cast<float>(value(heard.ideal(0, k)));
+      port[count + k] = static_cast<float>(value(heard.ideal(1, k)));
     }
-    recording.let_go(ping);
     steps.done();
   });
   OIIO::ParamValueList attributes;

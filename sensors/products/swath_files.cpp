@@ -230,7 +230,6 @@ class SwathFiles {
       placed.position_m = recording_.ping_pose[placed.ping].position_m;
       placed.sounded = finder_.sound(placed.ping);
       if (ideal_finder_) placed.ideal = ideal_finder_->sound(placed.ping).soundings;
-      recording_.let_go(placed.ping);
       for (const std::optional<Sounding>& sounding : placed.sounded.soundings)
         if (sounding) portion.found[k].push_back(*sounding);
     });

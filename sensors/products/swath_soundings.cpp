@@ -55,7 +55,8 @@ SoundedPing BottomFinder::sound(std::size_t ping) const {
   const RangeSamples& samples = sensor.samples();
   const auto count = static_cast<std::size_t>(samples.count);
   SoundedPing sounded;
-  const std::span<const double> energy = recording_.energy_of(ping);
+  const PingEnergies kept = recording_.energy_of(ping);
+  const std::span<const double> energy = kept;
   const std::uint32_t number = recording_.number_of(ping);
   sounded.received_j =
       pulse_extent_m_ > 0

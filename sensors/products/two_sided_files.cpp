@@ -40,7 +40,6 @@ class Amplitudes {
         scale.largest = std::max(scale.largest, value);
         if (!(value <= 0)) scale.logarithms.push_back(std::log(value));
       }
-      recording.let_go(ping);
       return scale;
     };
     in_order(steps, 0, recording.pings(), sizeof(float) * recording.cells(), read,
@@ -357,7 +356,6 @@ std::vector<fs::path> write_two_sided_files(const fs::path& folder, const Record
                              made.row.begin() + static_cast<std::ptrdiff_t>(heard.size() / 2));
       }
       if (!why_no_map) made.mapped = on_a_map(recording, ping, std::move(heard));
-      recording.let_go(ping);
       return made;
     };
     constexpr std::size_t bytes_a_cell = 2 * sizeof(std::uint16_t) + sizeof(float);

@@ -169,9 +169,9 @@ ReadRecording picked(const Recording& all, const std::vector<std::size_t>& pings
       line = all.line_of(ping).first;
       recording.line_starts.push_back(recording.ping_time_s.size() - 1);
     }
-    const std::span<const double> energy = all.energy_of(ping);
+    const PingEnergies kept = all.energy_of(ping);
+    const std::span<const double> energy = kept;
     read.energy.insert(read.energy.end(), energy.begin(), energy.end());
-    all.let_go(ping);
   }
   recording.energy = read.energy;
   recording.ping_numbers = consecutive(numbers);

@@ -49,7 +49,7 @@ void check(const Recording& recording) {
   if (!recording.sensor) throw std::invalid_argument("a recording without a sensor cannot be written");
   const Sensor& sensor = *recording.sensor;
   const std::size_t pings = recording.ping_time_s.size();
-  const std::size_t cells = pings * recording.channels() * recording.cells();
+  const std::size_t cells = recording.packed_energy ? 0 : pings * recording.channels() * recording.cells();
   if (pings == 0 || recording.ping_pose.size() != pings || recording.energy.size() != cells ||
       (!recording.energy_bound.empty() && recording.energy_bound.size() != cells))
     throw std::invalid_argument(fmt::format(

@@ -14,6 +14,7 @@
 #include "geometry/steps/stop.hpp"
 #include "scene/rasters/georeference.hpp"
 #include "sensors/model/sensor.hpp"
+#include "sensors/recordings/ping_energies.hpp"
 
 namespace tubefoot {
 
@@ -24,7 +25,7 @@ struct PingSpan {
 
 struct SignalRecording;
 
-/// All pings of one sensor, as they are written. The energies lie elsewhere, in memory or in a file.
+/// All pings of one sensor, as they are written. The energies lie elsewhere, in memory or packed in a file.
 struct Recording {
   const Sensor* sensor = nullptr;
   std::vector<double> ping_time_s;
@@ -32,7 +33,8 @@ struct Recording {
   std::vector<std::size_t> line_starts{};  ///< first ping of each line of a survey; empty: not divided
   std::vector<double> altitude_m;  ///< above the terrain straight below; not a number: unknown. May be empty
   /// [ping][beam][sample], J for a source of 1 J/sr at 1 m. Of a sensor with more channels
-  /// (Sensor::channels) those of a ping follow each other: [ping][channel][beam][sample].
+  /// (Sensor::channels) those of a ping follow each other: [ping][channel][beam][sample]. Empty where they
+  /// are packed.
   std::span<const double> energy;
   double sound_speed_m_s = 0;
   double absorption_db_per_km = 0;
@@ -43,8 +45,8 @@ struct Recording {
   std::vector<std::uint32_t> beam_numbers{};   ///< as the sonar counts them; empty: all
   std::size_t first_line = 0;                  ///< lines of the survey before the first of line_starts
   std::shared_ptr<const Sensor> some_beams{};  ///< with beam_numbers: `sensor`, with these beams only
-  /// Tells the keeper of the energies that those of a ping will not be read again soon; keeps them alive.
-  std::function<void(std::size_t ping)> release{};
+  /// In place of `energy` and `energy_bound`; null where they lie in memory, or where there is no bound.
+  std::shared_ptr<const PackedPings> packed_energy{}, packed_bound{};
   /// Of each beam of a ping, how many samples from the first on may hold a surface, seen or hidden. Beyond
   /// them the scene has nothing in the beam, and what is dark there is no shadow: pictures show it in a
   /// colour of its own. Thread-safe; empty where that is not known.
@@ -67,15 +69,23 @@ struct Recording {
   double ping_spacing_m() const;
   std::size_t cells() const;     ///< of a ping: beams times samples
   std::size_t channels() const;  ///< of the sensor
+  bool has_bounds() const { return packed_bound || !energy_bound.empty(); }
   /// [beam][sample]. Throws Interrupted if somebody wants to stop, as channel_of() does: whoever writes a
   /// recording comes here for each ping.
-  std::span<const double> energy_of(std::size_t ping) const { return channel_of(ping, 0); }
-  std::span<const double> channel_of(std::size_t ping, std::size_t channel) const {
+  PingEnergies energy_of(std::size_t ping) const { return channel_of(ping, 0); }
+  PingEnergies channel_of(std::size_t ping, std::size_t channel) const {
     stop_if_wanted();
-    return energy.subspan((ping * channels() + channel) * cells(), cells());
+    return packed_energy ? packed_energy->values(ping, channel) : in_memory(energy, ping, channel);
   }
-  void let_go(std::size_t ping) const {
-    if (release) release(ping);
+  /// With bounds.
+  PingEnergies bound_of(std::size_t ping, std::size_t channel) const {
+    stop_if_wanted();
+    return packed_bound ? packed_bound->values(ping, channel) : in_memory(energy_bound, ping, channel);
+  }
+
+ private:
+  PingEnergies in_memory(std::span<const double> all, std::size_t ping, std::size_t channel) const {
+    return all.subspan((ping * channels() + channel) * cells(), cells());
   }
 };
 

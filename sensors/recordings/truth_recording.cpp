@@ -27,7 +27,10 @@ std::vector<std::int16_t> labels_of(std::span<const double> shares, std::size_t 
 
 TruthPing TruthRecording::of(std::size_t ping) const {
   stop_if_wanted();
-  const std::span<const double> all = values.subspan(ping * channels() * cells, channels() * cells);
+  const PingEnergies kept = packed
+                                ? packed->values(ping, 0)
+                                : PingEnergies(values.subspan(ping * channels() * cells, channels() * cells));
+  const std::span<const double> all = kept;
   const auto channel = [&](std::size_t k) { return all.subspan(k * cells, cells); };
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
   TruthPing truth;
@@ -54,7 +57,6 @@ TruthPing TruthRecording::of(std::size_t ping) const {
   }
   truth.object_label = labels_of(truth.object_share, cells);
   truth.material_label = labels_of(truth.material_share, cells);
-  if (release) release(ping);
   return truth;
 }
 

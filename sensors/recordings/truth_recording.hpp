@@ -3,10 +3,12 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
+
+#include "sensors/recordings/ping_energies.hpp"
 
 namespace tubefoot {
 
@@ -39,7 +41,7 @@ struct TruthRecording {
   /// [ping][channel][beam][sample]: the energy of each owner [J], then energy times height and energy times
   /// range [J m], then the energy that comes without scattering.
   std::span<const double> values{};
-  std::function<void(std::size_t ping)> release{};
+  std::shared_ptr<const PackedPings> packed{};  ///< in place of `values`, as one channel
 
   std::size_t channels() const { return owners.size() + 2 + (has_unscattered ? 1 : 0); }
   /// Throws Interrupted if somebody wants to stop.

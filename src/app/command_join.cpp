@@ -41,7 +41,7 @@ int join_command(const JoinOptions& join) {
   const auto start = std::chrono::steady_clock::now();
   const std::shared_ptr<PingStore> store = partial.open(deal.layout(), run.identity);
   partial.remove();  // its name: the parts are what is kept if this is killed, and its space is free then
-  parts.unpack(deal, *store, options.quiet);
+  parts.hand_over(deal, *store, options.quiet);
   run.simulation_seconds = seconds_since(start);
   const std::vector<Recording> recordings = looked_back(run, *survey, store);
   const std::vector<std::filesystem::path> files = write_all(run, *survey, recordings, left_out, output);

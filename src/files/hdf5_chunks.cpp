@@ -4,7 +4,11 @@
 #include <fmt/format.h>
 #include <libdeflate.h>
 
+#include <array>
+#include <bit>
+#include <cstdint>
 #include <cstring>
+#include <memory>
 #include <new>
 
 #include "files/checked_file.hpp"
@@ -13,22 +17,94 @@
 
 namespace tubefoot {
 
-std::vector<unsigned char> packed_chunk(std::span<const double> values) {
-  constexpr std::size_t width = sizeof(double);
-  const std::size_t count = values.size();
-  std::vector<unsigned char> shuffled(values.size_bytes());
+namespace {
+
+constexpr std::size_t width = sizeof(double);
+static_assert(std::endian::native == std::endian::little, "bytes of doubles as HDF5 files here have them");
+
+/// Eight values as words, byte k of word j becoming byte j of word k. Its own inverse.
+using Words = std::array<std::uint64_t, width>;
+void transpose(Words& words) {
+  const auto swap = [&](std::size_t a, std::size_t b, int bits, std::uint64_t mask) {
+    const std::uint64_t differ = (words[a] >> bits ^ words[b]) & mask;
+    words[b] ^= differ;
+    words[a] ^= differ << bits;
+  };
+  for (const std::size_t k : {0, 1, 2, 3}) swap(k, k + 4, 32, 0x00000000ffffffff);
+  for (const std::size_t k : {0, 1, 4, 5}) swap(k, k + 2, 16, 0x0000ffff0000ffff);
+  for (const std::size_t k : {0, 2, 4, 6}) swap(k, k + 1, 8, 0x00ff00ff00ff00ff);
+}
+
+/// Of mostly silent pings there is little to transpose.
+bool all_zero(const Words& words) {
+  std::uint64_t bits = 0;
+  for (const std::uint64_t word : words) bits |= word;
+  return bits == 0;
+}
+
+/// Bytes of equal weight side by side, as HDF5's filter has them.
+void shuffle(std::span<const double> values, unsigned char* planes) {
+  const std::size_t count = values.size(), whole = count / width * width;
+  Words words;
+  for (std::size_t first = 0; first < whole; first += width) {
+    std::memcpy(words.data(), values.data() + first, sizeof words);
+    if (!all_zero(words)) transpose(words);
+    for (std::size_t plane = 0; plane < width; ++plane)
+      std::memcpy(planes + plane * count + first, &words[plane], width);
+  }
   const auto* bytes = reinterpret_cast<const unsigned char*>(values.data());
-  for (std::size_t plane = 0; plane < width; ++plane)
-    for (std::size_t k = 0; k < count; ++k) shuffled[plane * count + k] = bytes[k * width + plane];
+  for (std::size_t k = whole; k < count; ++k)
+    for (std::size_t plane = 0; plane < width; ++plane) planes[plane * count + k] = bytes[k * width + plane];
+}
+
+void unshuffle(const unsigned char* planes, std::span<double> values) {
+  const std::size_t count = values.size(), whole = count / width * width;
+  Words words;
+  for (std::size_t first = 0; first < whole; first += width) {
+    for (std::size_t plane = 0; plane < width; ++plane)
+      std::memcpy(&words[plane], planes + plane * count + first, width);
+    if (!all_zero(words)) transpose(words);
+    std::memcpy(values.data() + first, words.data(), sizeof words);
+  }
+  auto* bytes = reinterpret_cast<unsigned char*>(values.data());
+  for (std::size_t k = whole; k < count; ++k)
+    for (std::size_t plane = 0; plane < width; ++plane) bytes[k * width + plane] = planes[plane * count + k];
+}
+
+using Compressor = std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)>;
+using Decompressor = std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)>;
+
+}  // namespace
+
+std::vector<unsigned char> packed_chunk(std::span<const double> values) {
+  const std::unique_ptr<unsigned char[]> planes(new unsigned char[values.size_bytes()]);
+  shuffle(values, planes.get());
   constexpr int level = 4;
-  const std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor(
-      libdeflate_alloc_compressor(level), &libdeflate_free_compressor);
+  const Compressor compressor(libdeflate_alloc_compressor(level), &libdeflate_free_compressor);
   if (!compressor) throw std::bad_alloc();
-  std::vector<unsigned char> packed(libdeflate_zlib_compress_bound(compressor.get(), shuffled.size()));
-  packed.resize(libdeflate_zlib_compress(compressor.get(), shuffled.data(), shuffled.size(), packed.data(),
-                                         packed.size()));
-  packed.shrink_to_fit();
-  return packed;
+  const std::size_t most = libdeflate_zlib_compress_bound(compressor.get(), values.size_bytes());
+  const std::unique_ptr<unsigned char[]> packed(new unsigned char[most]);  // a vector would clear it
+  const std::size_t bytes =
+      libdeflate_zlib_compress(compressor.get(), planes.get(), values.size_bytes(), packed.get(), most);
+  return {packed.get(), packed.get() + bytes};
+}
+
+std::size_t most_packed_bytes(std::size_t values) {
+  return libdeflate_zlib_compress_bound(nullptr, values * width);  // of any compressor
+}
+
+bool unpack_chunk(std::span<const unsigned char> packed, std::span<double> values) {
+  const Decompressor decompressor(libdeflate_alloc_decompressor(), &libdeflate_free_decompressor);
+  if (!decompressor) throw std::bad_alloc();
+  const std::unique_ptr<unsigned char[]> planes(new unsigned char[values.size_bytes()]);
+  std::size_t taken = 0;
+  constexpr std::size_t* all_of_it = nullptr;  // no fewer bytes than asked for are a success
+  if (libdeflate_zlib_decompress_ex(decompressor.get(), packed.data(), packed.size(), planes.get(),
+                                    values.size_bytes(), &taken, all_of_it) != LIBDEFLATE_SUCCESS ||
+      taken != packed.size())
+    return false;
+  unshuffle(planes.get(), values);
+  return true;
 }
 
 Hdf5Chunks::Hdf5Chunks(std::filesystem::path file) : path_(std::move(file)) {

@@ -16,6 +16,10 @@ class Hdf5Handle;
 /// A chunk's values as HDF5's filters shuffle and deflate make them of it: bytes of equal weight side by
 /// side, then a zlib stream. The same bytes on any thread. Throws std::bad_alloc.
 std::vector<unsigned char> packed_chunk(std::span<const double> values);
+/// The most bytes that a chunk of so many values can be packed into.
+std::size_t most_packed_bytes(std::size_t values);
+/// The values of a packed chunk; whether it is one of exactly so many. Throws std::bad_alloc.
+bool unpack_chunk(std::span<const unsigned char> packed, std::span<double> values);
 
 /// An HDF5 file (netCDF-4) that is finished but for the values of compressed variables: their chunks are
 /// written as they were packed, by other threads, say. Throws std::runtime_error naming the file and what

@@ -64,7 +64,7 @@ class CandidateFile {
     group_.chunk(energy, "energy", {1, beams, samples});
     group_.write();
     const auto of_ping = [&](std::size_t ping) {
-      return std::span(candidate_.energy).subspan(ping * beams * samples, beams * samples);
+      return packed_chunk(std::span(candidate_.energy).subspan(ping * beams * samples, beams * samples));
     };
     write_pings(file_.chunks(bytes_of(candidate_)), "/", {{"energy", of_ping}}, candidate_.pings,
                 beams * samples, [](std::size_t) { stop_if_wanted(); });

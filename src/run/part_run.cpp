@@ -340,9 +340,8 @@ void RunParts::require_whole(const PartDeal& deal) const {
                   unfinished.size() > 1 ? "them" : "the others", unfinished[0], count_));
 }
 
-void RunParts::unpack(const PartDeal& deal, PingStore& store, bool quiet) const {
+void RunParts::hand_over(const PartDeal& deal, PingStore& store, bool quiet) const {
   Progress progress("joined pings", deal.layout().units(), quiet);
-  SparePings spare;
   for (int number = 1; number <= count_; ++number) {
     const std::unique_ptr<PartFile> file = opened(number);
     file->look_through(deal.layout());
@@ -351,10 +350,7 @@ void RunParts::unpack(const PartDeal& deal, PingStore& store, bool quiet) const 
       const PingUnit& unit = units[k];
       try {
         stop_if_wanted();
-        spare.with([&](PingValues& values) {
-          const PingCounts counts = unpack_ping(file->read(unit), deal.layout(), values);
-          store.finish(unit.group, unit.ping, counts, values);
-        });
+        store.keep(file->read(unit));
       } catch (const DamagedPing& error) {
         throw UsageError(
             fmt::format("{} ('{}') is damaged at {} ({}): delete it, and compute it again with "

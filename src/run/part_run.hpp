@@ -93,7 +93,7 @@ class RunParts {
   /// Throws UsageError naming the parts that have not all of their pings, and those that are damaged.
   void require_whole(const PartDeal& deal) const;
   /// Puts all pings where they belong. Throws UsageError for one that is damaged, and Interrupted.
-  void unpack(const PartDeal& deal, PingStore& store, bool quiet) const;
+  void hand_over(const PartDeal& deal, PingStore& store, bool quiet) const;
   /// Takes the files away.
   void remove() const;
 

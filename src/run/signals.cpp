@@ -17,6 +17,7 @@
 #include "run/paths.hpp"
 #include "run/shot_images.hpp"
 #include "run/signal_paths.hpp"
+#include "run/stored_pings.hpp"
 #include "sensors/recordings/signal_recording.hpp"
 
 namespace tubefoot {
@@ -199,8 +200,8 @@ void attach_signals(std::vector<Recording>& recordings, const Survey& survey,
     if (model_of(survey, s) == nullptr) continue;
     const auto signals = std::make_shared<SignalRecording>();
     const std::size_t place = place_of_signals(survey, s);
-    signals->values = store->energy(place);
-    signals->release = [store, place](std::size_t ping) { store->release(place, ping); };
+    signals->values = in_memory(store, place);
+    signals->packed = packed_pings(store, place);
     if (recording.sensor->description().look_at_m)
       for (std::size_t ping = 0; ping < recording.pings(); ++ping)
         signals->track.push_back({recording.ping_time_s[ping], recording.ping_pose[ping]});

@@ -231,12 +231,11 @@ Silence silence(const Survey& survey, const RunRequest& request, std::size_t s, 
 bool has_facets(const Scene& scene) { return !scene.mesh.facets.empty() || !scene.tiled.empty(); }
 
 bool is_silent(const Recording& recording) {
-  for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
-    for (std::size_t channel = 0; channel < recording.channels(); ++channel)
-      if (std::ranges::any_of(recording.channel_of(ping, channel), [](double e) { return e != 0; }))
-        return false;
-    recording.let_go(ping);
-  }
+  for (std::size_t ping = 0; ping < recording.pings(); ++ping)
+    for (std::size_t channel = 0; channel < recording.channels(); ++channel) {
+      const PingEnergies kept = recording.channel_of(ping, channel);
+      if (std::ranges::any_of(kept.values(), [](double e) { return e != 0; })) return false;
+    }
   return true;
 }
 

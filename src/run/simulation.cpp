@@ -14,6 +14,7 @@
 #include "run/refraction.hpp"
 #include "run/regional_simulation.hpp"
 #include "run/signals.hpp"
+#include "run/stored_pings.hpp"
 #include "run/surfaces.hpp"
 #include "run/truth.hpp"
 
@@ -25,9 +26,10 @@ StoreLayout layout_of(const Survey& survey, const RunRequest& request) {
   const std::vector<ChosenEchoes> chosen = chosen_of(survey, request.selection);
   for (std::size_t s = 0; s < chosen.size(); ++s) {
     const Sensor& sensor = *survey.sensors[s].sensor;
-    layout.sensors.push_back(
-        {chosen[s].pings, static_cast<std::size_t>(sensor.channels()) * chosen[s].beams.size() *
-                              static_cast<std::size_t>(sensor.samples().count)});
+    layout.sensors.push_back({chosen[s].pings,
+                              static_cast<std::size_t>(sensor.channels()) * chosen[s].beams.size() *
+                                  static_cast<std::size_t>(sensor.samples().count),
+                              static_cast<std::size_t>(sensor.channels())});
   }
   for (const SharedShots& group : survey.shots) {
     StoreLayout::Group& kept = layout.groups.emplace_back();
@@ -180,16 +182,18 @@ std::vector<Recording> recordings_of(const Survey& survey, const std::shared_ptr
   for (std::size_t s = 0; s < chosen.size(); ++s) {
     if (chosen[s].pings == 0) continue;
     Recording& recording = recordings.emplace_back(recording_of(survey, s, selection, chosen[s]));
-    recording.energy = store->energy(s);
-    recording.energy_bound = store->bound(s);
-    recording.release = [store, s](std::size_t ping) { store->release(s, ping); };
+    recording.energy = in_memory(store, s);
+    recording.packed_energy = packed_pings(store, s);
+    if (!store->is_packed())
+      recording.energy_bound = store->bound(s);
+    else if (store->has_bounds())
+      recording.packed_bound = packed_pings(store, s, true);
     if (chosen[s].all_beams && surfaces_are_known(survey, s))
       recording.surfaces = [survey, store, s, first = chosen[s].first_ping](std::size_t ping) {
         const Sensor& sensor = *survey.sensors[s].sensor;
         const std::size_t cells = sensor.beams().size() * static_cast<std::size_t>(sensor.samples().count);
-        return samples_with_surfaces(
-            survey, s, first + ping,
-            store->energy(s).subspan(ping * static_cast<std::size_t>(sensor.channels()) * cells, cells));
+        const std::shared_ptr<const double> energy = store->values(ping, {s});
+        return samples_with_surfaces(survey, s, first + ping, {energy.get(), cells});
       };
   }
   attach_signals(recordings, survey, chosen, store);

@@ -12,6 +12,7 @@
 #include "engine/law/layered_reflectivity.hpp"
 #include "run/paths.hpp"
 #include "run/signals.hpp"
+#include "run/stored_pings.hpp"
 
 namespace tubefoot {
 namespace {
@@ -255,8 +256,8 @@ std::vector<TruthRecording> truths_of(const Survey& survey, const RunRequest& re
     one.has_unscattered = truth.has_unscattered();
     one.cells = chosen[s].beams.size() * static_cast<std::size_t>(sensor.samples().count);
     const std::size_t place = place_of_truth(survey, s);
-    one.values = store->energy(place);
-    one.release = [store, place](std::size_t ping) { store->release(place, ping); };
+    one.values = in_memory(store, place);
+    one.packed = packed_pings(store, place);
   }
   return truths;
 }

@@ -176,7 +176,7 @@ TEST_F(Hostile, RunsThatWouldFillTheDisk) {
   const Outcome outcome = run({"run", (folder / "scene.toml").string(), "-o", (folder / "results").string()});
   expect_harmless(outcome);
   EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.err, AllOf(HasSubstr("results.partial: cannot set 53687"), HasSubstr("MB aside"),
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr("results.partial: cannot set 53740847.4 MB aside"),
                                  HasSubstr("choose another -o")));
   EXPECT_EQ(names_below(folder.path()), before);
 }

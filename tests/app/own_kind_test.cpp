@@ -103,7 +103,8 @@ class TurningKind : public SensorKind {
     const auto samples = static_cast<std::size_t>(recording.sensor->samples().count);
     for (std::size_t ping = 0; ping < recording.pings(); ++ping)
       for (std::size_t step = 0; step < recording.sensor->beams().size(); ++step) {
-        const auto own = recording.energy_of(ping).subspan(step * samples, samples);
+        const PingEnergies kept = recording.energy_of(ping);
+        const auto own = kept.values().subspan(step * samples, samples);
         text += fmt::format("{},{},{}\n", ping, step, std::accumulate(own.begin(), own.end(), 0.0));
       }
     const std::filesystem::path file = recording.sensor->description().name + "-scan.csv";

@@ -62,7 +62,7 @@ def costs_of(row, lead, ranks, cluster):
     settings = row["settings"]
     launch = max(0.0, settings["2 ranks, 1 thread each"]["wall"] - settings["2 ranks, 1 thread each"]["total"])
     return Costs(load=row["load"] + (row["scene_bytes"] * ranks / DISK_BYTES_S if cluster else 0),
-                 result=message + row["store_bytes"] * byte + row["sent_bytes"] * link, request=message, write=row["write"],
+                 result=message + row["sent_bytes"] * (byte + link), request=message, write=row["write"],
                  finish=row["write_fixed"],
                  launch=launch if ranks > 1 else 0)
 
@@ -158,7 +158,7 @@ def page(measured, figures):
         table(["bytes of a ping", "as it is sent", "pings from others", "sleeps", "processor s"],
               [[run["bytes"], number(run["sent"]), number(run["results"]), number(run["sleeps"]), number(run["seconds"])] for run in lead["runs"]]),
         f"That is best explained by {1e3 * lead['once']:.0f} ms a run, {1e6 * lead['message']:.0f} us a ping, "
-        f"{1e9 * lead['byte']:.2f} ns a byte and {1e6 * lead['sleep']:.0f} us a sleep.", "",
+        f"{1e9 * lead['byte']:.2f} ns a byte as it is sent and {1e6 * lead['sleep']:.0f} us a sleep.", "",
         f"## {PINGS} pings dealt", "",
         f"A thread a rank. Pings: blocks of {BLOCK} neighbours drawn from the measured ones (seed {SEED}). Assumed, not measured: a",
         f"link of {LINK_BYTES_S / 1e9:g} GB/s to rank 0, {DISK_BYTES_S / 1e9:g} GB/s of a shared disk while all ranks load.", "",

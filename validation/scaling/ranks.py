@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs on one and two ranks, and what rank 0 spends on each ping that another one computed."""
 import itertools
+import json
 import pathlib
 import re
 import subprocess
@@ -39,6 +40,8 @@ along_track_deg = {along}
 """
 CHEAP_PINGS = {"cell": 0, "along": 0.5}
 DEAR_PINGS = {"cell": 1, "along": 40}
+# Two lengths whose files are written, in which all that has a largest size (waterfalls of 1500 to 3000 rows) has it.
+WRITTEN_PINGS = {"sidescan": (3000, 6000), "multibeam": (100, 300), "camera": (20, 60), "paths": (3000, 6000)}
 LEAD_RANKS = 5  # most results come from others; rank 0's own wake it less often
 HEAD = 8 + 1  # of a result's message, before the packed ping: length and letter (src/run/ranks/rank_notes.cpp)
 
@@ -80,7 +83,6 @@ def measure(program, folder, rounds, quick=False):
             for setting, (ranks, threads) in settings.items():
                 runs[setting].append(Run(program, scene, ["--threads", threads], ranks))
         alone = runs["1 process, 1 thread"]
-        short = [Run(program, shortened(scene), ["--threads", "1"]) for _ in range(rounds)]
         row = found[name] = {"settings": {}, "scene_bytes": input_bytes(scene)}
         for setting, done in runs.items():
             row["settings"][setting] = {
@@ -88,10 +90,7 @@ def measure(program, folder, rounds, quick=False):
                 "wall": least(done, lambda r: r.wall), "processor": least(done, lambda r: r.processor)}
         row["pings"] = numpy.min([run.pings.sum(axis=1) for run in alone], axis=0)
         row["load"] = least(alone, lambda r: r.seconds["load"] + r.seconds["tree"])
-        # What grows with pings, and what does not (pictures of a largest size, headers).
-        whole, part = (least(done, lambda r: r.seconds["write"]) for done in (alone, short))
-        row["write"] = max(0.0, (whole - part) / (len(row["pings"]) - len(short[0].pings)))
-        row["write_fixed"] = max(0.0, whole - row["write"] * len(row["pings"]))
+        row["write"], row["write_fixed"] = writing(program, scene, WRITTEN_PINGS[name], rounds, quick)
         # Beside the pings themselves: touching the store's pages, sums, warnings.
         row["besides"] = least(alone, lambda r: r.seconds["simulation"] - r.pings.sum()) / len(row["pings"])
         row["store_bytes"] = alone[0].store_bytes / len(row["pings"])
@@ -101,11 +100,32 @@ def measure(program, folder, rounds, quick=False):
     return found
 
 
-def shortened(scene):
-    """A copy beside the scene, of a third of its pings."""
-    path = scene.with_name("short-" + scene.name)
-    path.write_text(re.sub(r"^pings = (\d+)", lambda m: f"pings = {int(m[1]) // 3}", scene.read_text(), flags=re.M))
+def of_length(scene, pings):
+    """A copy beside the scene, of its line in so many pings, and of the ordinary echo alone."""
+    text = scene.read_text()
+    before = int(re.search(r"^pings = (\d+)", text, re.M)[1])
+    text = re.sub(r"^pings = .*", f"pings = {pings}", text, flags=re.M)
+    text = re.sub(r"^ping_interval_s = (.*)", lambda m: f"ping_interval_s = {float(m[1]) * (before - 1) / pings:.9g}", text, flags=re.M)
+    path = scene.with_name(f"{pings}-" + scene.name)
+    path.write_text(re.sub(r"^order = .*", "order = 1", text, flags=re.M))
     return path
+
+
+def writing(program, scene, lengths, rounds, quick):
+    """Seconds of one thread to write the files of a run: what grows with pings, a ping, and what does not (headers, and
+    pictures that have reached their largest size in the shorter of two lengths). What is written was computed before."""
+    def seconds(pings):
+        path = of_length(scene, pings)
+        with tempfile.TemporaryDirectory(prefix="tubefoot-writing-", dir=scene.parent) as out:
+            command = [str(program), "run", str(path), "-o", f"{out}/run", "--quiet"]
+            subprocess.run([*command, "--part", "1/1"], check=True, capture_output=True)
+            command[1] = "join"
+            subprocess.run([*command, "--threads", "1"], check=True, capture_output=True)
+            return json.loads(pathlib.Path(f"{out}/run/stats.json").read_text())["seconds"]["write"]
+    short, whole = (pings // (5 if quick else 1) for pings in lengths)
+    least_short, least_whole = (min(seconds(pings) for _ in range(rounds)) for pings in (short, whole))
+    each = max(0.0, (least_whole - least_short) / (whole - short))
+    return each, max(0.0, least_whole - each * whole)
 
 
 def input_bytes(scene):
@@ -182,7 +202,7 @@ def lead_cost(program, folder, rounds, quick=False):
         tries = [lead_run(program, folder, samples, pings // (5 if quick else 1), kind) for _ in range(rounds)]
         runs.append(min(tries, key=lambda run: run["seconds"] / run["results"]))
         print("rank 0:", runs[-1], flush=True)
-    rows = numpy.array([[1, r["results"], r["results"] * r["bytes"], r["sleeps"]] for r in runs])
+    rows = numpy.array([[1, r["results"], r["results"] * r["sent"], r["sleeps"]] for r in runs])
     found = least_squares_from_0(rows, numpy.array([r["seconds"] for r in runs]))
     return {"runs": runs, **dict(zip(("once", "message", "byte", "sleep"), map(float, found)))}
 

@@ -12,8 +12,9 @@ import time
 import numpy
 
 SCENES = pathlib.Path(__file__).resolve().parents[2] / "scenes"
-# src/run/kept/ping_store.hpp: a unit is a checksum and PingCounts; the seconds stand behind five counts.
-UNIT_BYTES, SECONDS_AT, PAGE = 312, 48, 4096
+# src/run/kept/ping_store.hpp: a unit is a checksum, a place, a length and PingCounts; the seconds stand behind five
+# counts.
+UNIT_BYTES, SECONDS_AT, PAGE = 328, 64, 4096
 
 
 def with_pings(scene, pings, folder):
@@ -30,7 +31,7 @@ def with_pings(scene, pings, folder):
 def ping_seconds(store, stats):
     """Visibility and echo seconds, [ping][2], of all pings of an open store: they are kept with each ping's energies."""
     data = store.read()
-    if data[:16] != b"tubefoot pings 3":
+    if data[:16] != b"tubefoot pings 4":
         raise RuntimeError(f"{store.name}: not the store that this script reads (src/run/kept/ping_store.cpp)")
     identity, units = (int.from_bytes(data[k:k + 8], "little") for k in (16, 32))
     first = -(-(48 + identity) // PAGE) * PAGE

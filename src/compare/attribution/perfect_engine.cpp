@@ -67,8 +67,10 @@ void run_rays(const Survey& survey, const SensorPlace& place, const BeamSampling
   SimulationStats stats;
   const std::vector<Recording> recordings = simulate(survey, request, stats, {quiet, nullptr});
   Copier copier(to, place);
-  for (std::size_t ping = 0; ping < place.pings.size(); ++ping)
-    copier.copy(ping, recordings.front().energy_of(place.pings[ping] - first));
+  for (std::size_t ping = 0; ping < place.pings.size(); ++ping) {
+    const PingEnergies energy = recordings.front().energy_of(place.pings[ping] - first);
+    copier.copy(ping, energy);
+  }
 }
 
 /// The facets of a shot, for rays.

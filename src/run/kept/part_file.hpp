@@ -11,6 +11,7 @@
 
 #include "files/descriptor.hpp"
 #include "run/kept/packed_ping.hpp"
+#include "run/kept/ping_store.hpp"
 
 namespace tubefoot {
 

@@ -12,10 +12,14 @@
 #include <bit>
 #include <cerrno>
 #include <cstring>
-#include <numeric>
+#include <deque>
+#include <mutex>
 #include <system_error>
+#include <tuple>
+#include <utility>
 
 #include "files/durable.hpp"
+#include "files/hdf5_chunks.hpp"
 #include "files/staging.hpp"
 
 namespace tubefoot {
@@ -23,31 +27,35 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The start of a file. What follows: the identity's text, the units, each sensor's energies and bounds,
-/// every part at a multiple of `alignment`.
+/// The start of a file. What follows: the identity's text, the units, and packed pings as they were finished,
+/// these three at multiples of `alignment`.
 struct Header {
-  char magic[16] = {'t', 'u', 'b', 'e', 'f', 'o', 'o', 't', ' ', 'p', 'i', 'n', 'g', 's', ' ', '3'};
+  char magic[16] = {'t', 'u', 'b', 'e', 'f', 'o', 'o', 't', ' ', 'p', 'i', 'n', 'g', 's', ' ', '4'};
   std::uint64_t identity_bytes = 0, identity_checksum = 0, units = 0, bytes = 0;
 };
 
 std::uint64_t checksum_of(const std::string& text) { return libdeflate_crc32(0, text.data(), text.size()); }
 
-/// Of a ping's counts, energies and bounds, as `values_of(sensor, which)` has them; never 0.
-template <class ValuesOf>
-std::uint64_t checksum_of(const StoreLayout::Group& group, const PingCounts& counts,
-                          const ValuesOf& values_of) {
+std::uint64_t checksum_of(std::uint64_t first, std::uint64_t bytes, const PingCounts& counts) {
   std::uint32_t sum = libdeflate_crc32(0, &counts, sizeof counts);
-  for (const std::size_t sensor : group.sensors)
-    for (const int which : {0, 1})
-      if (const std::span<const double> values = values_of(sensor, which); !values.empty())
-        sum = libdeflate_crc32(sum, values.data(), values.size_bytes());
-  return std::uint64_t{sum} | std::uint64_t{1} << 32;
+  sum = libdeflate_crc32(sum, &first, sizeof first);
+  sum = libdeflate_crc32(sum, &bytes, sizeof bytes);
+  return std::uint64_t{sum} | std::uint64_t{1} << 32;  // never 0
 }
 
+/// In memory, what is silent takes no pages.
+void put_in_memory(std::span<const double> values, std::span<double> place) {
+  constexpr std::size_t page = 4096 / sizeof(double);
+  for (std::size_t first = 0; first < values.size(); first += page) {
+    const std::span<const double> some = values.subspan(first, std::min(page, values.size() - first));
+    if (std::ranges::any_of(some, [](double value) { return std::bit_cast<std::uint64_t>(value) != 0; }))
+      std::ranges::copy(some, place.begin() + std::ptrdiff_t(first));
+  }
+}
+
+// Of what the file says of a ping: sum, place, length, counts.
+constexpr std::size_t unit_bytes = 3 * sizeof(std::uint64_t) + sizeof(PingCounts);
 constexpr std::size_t alignment = 4096;
-// Linux maps a page that is read together with those about it, in windows of addresses of this size
-// (fault_around_bytes).
-constexpr std::size_t window = 65536;
 constexpr std::size_t aligned(std::size_t bytes) { return (bytes + alignment - 1) / alignment * alignment; }
 
 [[noreturn]] void fail(const fs::path& file, const char* task, int error) {
@@ -127,12 +135,86 @@ Descriptor take_ping_file(const fs::path& path, bool make) {
   throw StoreInUse(path);
 }
 
+/// What was unpacked last, for who asks next: several products are made of a ping at about the same time.
+/// Memory is taken up again, since fresh memory costs as much as unpacking.
+class PingStore::Unpacked {
+ public:
+  using Key = std::tuple<std::size_t, std::size_t, std::size_t, bool>;
+  using Values = std::shared_ptr<std::vector<double>>;
+
+  /// Null where it has to be unpacked.
+  Values find(const Key& key) {
+    const std::lock_guard lock(mutex_);
+    const auto found = std::ranges::find(recent_, key, &std::pair<Key, Values>::first);
+    return found == recent_.end() ? nullptr : found->second;
+  }
+  /// Memory for so many values.
+  Values room(std::size_t count) {
+    std::vector<double> values = spare_->take();
+    values.resize(count);
+    return {new std::vector<double>(std::move(values)), [spare = spare_](std::vector<double>* used) {
+              const std::unique_ptr<std::vector<double>> owned(used);
+              spare->give_back(*owned);
+            }};
+  }
+  void keep(const Key& key, const Values& values) {
+    std::vector<Values> old;  // let go of without the lock
+    const std::lock_guard lock(mutex_);
+    recent_.emplace_back(key, values);
+    bytes_ += values->size() * sizeof(double);
+    while (bytes_ > most_bytes) {
+      bytes_ -= recent_.front().second->size() * sizeof(double);
+      old.push_back(std::move(recent_.front().second));
+      recent_.pop_front();
+    }
+  }
+
+ private:
+  static constexpr std::size_t most_bytes = std::size_t{16} << 20;
+
+  class Spare {
+   public:
+    std::vector<double> take() {
+      const std::lock_guard lock(mutex_);
+      if (values_.empty()) return {};
+      std::vector<double> taken = std::move(values_.back());
+      values_.pop_back();
+      bytes_ -= taken.capacity() * sizeof(double);
+      return taken;
+    }
+    void give_back(std::vector<double>& values) noexcept {
+      const std::lock_guard lock(mutex_);
+      const std::size_t bytes = values.capacity() * sizeof(double);
+      if (values_.size() == values_.capacity() || bytes_ + bytes > most_bytes) return;
+      values_.push_back(std::move(values));
+      bytes_ += bytes;
+    }
+    Spare() { values_.reserve(most); }
+
+   private:
+    static constexpr std::size_t most = 16;
+    std::mutex mutex_;
+    std::vector<std::vector<double>> values_;
+    std::size_t bytes_ = 0;
+  };
+
+  std::mutex mutex_;
+  std::deque<std::pair<Key, Values>> recent_;  ///< the oldest first
+  std::size_t bytes_ = 0;
+  std::shared_ptr<Spare> spare_ = std::make_shared<Spare>();
+};
+
 PingStore::PingStore(const StoreLayout& layout, fs::path path, std::size_t identity_bytes)
-    : layout_(layout), path_(std::move(path)), first_unit_byte_(aligned(sizeof(Header) + identity_bytes)) {
+    : layout_(layout),
+      path_(std::move(path)),
+      first_unit_byte_(aligned(sizeof(Header) + identity_bytes)),
+      group_of_(layout_.sensors.size(), 0),
+      unpacked_(std::make_unique<Unpacked>()) {
   std::size_t unit = 0;
-  for (const StoreLayout::Group& group : layout_.groups) {
+  for (std::size_t group = 0; group < layout_.groups.size(); ++group) {
     first_unit_.push_back(unit);
-    unit += group.pings;
+    unit += layout_.groups[group].pings;
+    for (const std::size_t sensor : layout_.groups[group].sensors) group_of_.at(sensor) = group;
   }
   bytes_ = aligned(first_unit_byte_ + unit * sizeof(Unit));
   // A scene of many large sensors may ask for more than a number of bytes tells.
@@ -143,11 +225,20 @@ PingStore::PingStore(const StoreLayout& layout, fs::path path, std::size_t ident
     throw std::runtime_error(
         fmt::format("{}: the pings' energies would take {:.3g} GB: ask for fewer pings, in several scenes",
                     path_.string(), asked / 1e9));
+  mapped_bytes_ = bytes_;
+  end_ = bytes_;
+  if (!path_.empty()) {
+    for (std::size_t group = 0; group < layout_.groups.size(); ++group)
+      bytes_ += layout_.groups[group].pings * most_packed(layout_, group);
+    bytes_ = aligned(bytes_);
+    return;
+  }
   for (const StoreLayout::Sensor& sensor : layout_.sensors) {
     first_byte_.push_back(bytes_);
     for (int blocks = layout_.with_bounds ? 2 : 1; blocks > 0; --blocks)
       bytes_ = aligned(bytes_ + sensor.pings * sensor.cells * sizeof(double));
   }
+  mapped_bytes_ = bytes_;
 }
 
 PingStore::PingStore(const StoreLayout& layout) : PingStore(layout, fs::path(), 0) { map(); }
@@ -213,30 +304,50 @@ std::unique_ptr<PingStore> PingStore::reopen(const StoreLayout& layout, const fs
     throw UnusableStore(fmt::format("'{}' holds other pings than this run makes", path.string()));
   store->file_ = std::move(taken);
   store->map();
-  for (std::size_t group = 0; group < layout.groups.size(); ++group)
-    for (std::size_t ping = 0; ping < layout.groups[group].pings; ++ping) {
-      Unit& unit = store->unit(group, ping);
-      if (unit.checksum == 0) continue;
-      const std::uint64_t found =
-          checksum_of(layout.groups[group], unit.counts,
-                      [&](std::size_t sensor, int which) { return store->part(sensor, ping, which); });
-      if (unit.checksum != found) unit = {};
-    }
+  store->look_through();
   return store;
 }
 
+/// Which of the pings that are said to be done are there as they were.
+void PingStore::look_through() {
+  std::string packed;
+  for (std::size_t group = 0; group < layout_.groups.size(); ++group)
+    for (std::size_t ping = 0; ping < layout_.groups[group].pings; ++ping) {
+      Unit& unit = this->unit(group, ping);
+      if (unit.checksum == 0) continue;
+      bool whole = unit.checksum == checksum_of(unit.first, unit.bytes, unit.counts) &&
+                   unit.first >= mapped_bytes_ && unit.bytes <= most_packed(layout_, group) &&
+                   unit.first <= bytes_ - unit.bytes;
+      try {
+        if (whole) {
+          packed.resize(unit.bytes);
+          read(unit.first, packed.data(), packed.size());
+          const PingUnit there = checked_contents(packed, layout_).unit;
+          whole = there.group == group && there.ping == ping;
+        }
+      } catch (const DamagedPing&) {
+        whole = false;
+      }
+      if (whole)
+        end_ = std::max<std::uint64_t>(end_, unit.first + unit.bytes);
+      else
+        unit = {};
+    }
+}
+
 PingStore::~PingStore() {
-  if (data_ != nullptr) munmap(data_, bytes_);
+  if (data_ != nullptr) munmap(data_, mapped_bytes_);
 }
 
 void PingStore::map() {
   const int flags = file_ ? MAP_SHARED : MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE;
-  void* data = mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, flags, file_.number(), 0);
+  void* data = mmap(nullptr, mapped_bytes_, PROT_READ | PROT_WRITE, flags, file_.number(), 0);
   if (data == MAP_FAILED) fail(path_.empty() ? "memory" : path_, "map the pings", errno);
   data_ = static_cast<unsigned char*>(data);
 }
 
 PingStore::Unit& PingStore::unit(std::size_t group, std::size_t ping) const {
+  static_assert(sizeof(Unit) == unit_bytes);
   return reinterpret_cast<Unit*>(data_ + first_unit_byte_)[first_unit_.at(group) + ping];
 }
 
@@ -249,6 +360,7 @@ std::size_t PingStore::done_units() const {
 
 std::span<double> PingStore::block(std::size_t sensor, int which) const {
   const StoreLayout::Sensor& s = layout_.sensors.at(sensor);
+  if (file_) throw std::logic_error("packed pings are not in memory");
   if (which == 1 && !layout_.with_bounds) return {};
   const std::size_t bytes = aligned(s.pings * s.cells * sizeof(double));
   return {reinterpret_cast<double*>(data_ + first_byte_[sensor] + which * bytes), s.pings * s.cells};
@@ -260,41 +372,51 @@ std::span<double> PingStore::part(std::size_t sensor, std::size_t ping, int whic
   return all.empty() ? all : all.subspan(ping * cells, cells);
 }
 
-/// A file's by the system's call: through the mapping they would take a fault a page. All of them: a disk is
-/// slow to free what lies in many pieces. In memory, what is silent takes no pages.
-void PingStore::put(std::span<const double> values, std::span<double> place) const {
-  if (values.empty()) return;
-  if (!file_) {
-    constexpr std::size_t page = alignment / sizeof(double);
-    for (std::size_t first = 0; first < values.size(); first += page) {
-      const std::span<const double> some = values.subspan(first, std::min(page, values.size() - first));
-      if (std::ranges::any_of(some, [](double value) { return std::bit_cast<std::uint64_t>(value) != 0; }))
-        std::ranges::copy(some, place.begin() + std::ptrdiff_t(first));
-    }
-    return;
+void PingStore::read(std::uint64_t first, void* bytes, std::size_t count) const {
+  for (auto* to = static_cast<char*>(bytes); count > 0;) {
+    const ssize_t got = pread(file_.number(), to, count, static_cast<off_t>(first));
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) fail(path_, "read a ping that was kept", got < 0 ? errno : EIO);
+    to += got, first += std::uint64_t(got), count -= std::size_t(got);
   }
-  const auto* bytes = reinterpret_cast<const unsigned char*>(values.data());
-  auto at = static_cast<std::size_t>(reinterpret_cast<unsigned char*>(place.data()) - data_);
-  for (std::size_t left = values.size_bytes(); left > 0;) {
-    const ssize_t written = pwrite(file_.number(), bytes, left, static_cast<off_t>(at));
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) fail(path_, "keep a ping", written < 0 ? errno : ENOSPC);
-    bytes += written, at += std::size_t(written), left -= std::size_t(written);
+}
+
+void PingStore::write(std::uint64_t first, std::string_view bytes) const {
+  while (!bytes.empty()) {
+    const ssize_t put = pwrite(file_.number(), bytes.data(), bytes.size(), static_cast<off_t>(first));
+    if (put < 0 && errno == EINTR) continue;
+    if (put <= 0) fail(path_, "keep a ping", put < 0 ? errno : ENOSPC);
+    first += std::uint64_t(put), bytes.remove_prefix(std::size_t(put));
   }
 }
 
 void PingStore::finish(std::size_t group, std::size_t ping, const PingCounts& counts,
                        const PingValues& values) {
-  const StoreLayout::Group& kept = layout_.groups[group];
-  const auto made = [&](std::size_t sensor, int which) {
-    return which == 0 ? values.energy(sensor) : values.bound(sensor);
-  };
-  for (const std::size_t sensor : kept.sensors)
-    for (const int which : {0, 1}) put(made(sensor, which), part(sensor, ping, which));
-  Unit& finished = unit(group, ping);
-  finished.counts = counts;
-  // A killed program's pages reach the file in any order: only the sum makes a ping count.
-  std::atomic_ref(finished.checksum).store(checksum_of(kept, counts, made), std::memory_order_release);
+  if (file_) {
+    keep(packed_ping(layout_, {group, ping}, counts, values));
+    return;
+  }
+  for (const std::size_t sensor : layout_.groups[group].sensors)
+    for (const int which : {0, 1})
+      put_in_memory(which == 0 ? values.energy(sensor) : values.bound(sensor), part(sensor, ping, which));
+  mark_done({group, ping}, 0, 0, counts);
+}
+
+void PingStore::keep(std::string_view packed) {
+  if (!file_) {
+    PingValues values;
+    const PingCounts counts = unpack_ping(packed, layout_, values);
+    const PingUnit unit = head_of_packed(packed, layout_).unit;
+    finish(unit.group, unit.ping, counts, values);
+    return;
+  }
+  const PackedContents contents = checked_contents(packed, layout_);
+  const std::uint64_t first = end_.fetch_add(packed.size());
+  // There is room for all pings at their longest; only pings that were damaged, and are made again, take
+  // more.
+  if (first + packed.size() > bytes_) fail(path_, "keep a ping", ENOSPC);
+  write(first, packed);
+  mark_done(contents.unit, first, packed.size(), contents.counts);
   // One thread at a time, and no ping waits for it: which of its pages are on the disk already does not
   // matter.
   constexpr std::chrono::seconds between_syncs{5};
@@ -304,6 +426,55 @@ void PingStore::finish(std::size_t group, std::size_t ping, const PingCounts& co
     sync();
 }
 
+void PingStore::mark_done(const PingUnit& at, std::uint64_t first, std::uint64_t bytes,
+                          const PingCounts& counts) {
+  Unit& finished = unit(at.group, at.ping);
+  finished.first = first;
+  finished.bytes = bytes;
+  finished.counts = counts;
+  // A killed program's pages reach the file in any order: only sums that fit make a ping count.
+  std::atomic_ref(finished.checksum).store(checksum_of(first, bytes, counts), std::memory_order_release);
+}
+
+std::shared_ptr<const double> PingStore::values(std::size_t ping, const ChunkName& name) const {
+  const std::size_t count = values_a_chunk(name.sensor);
+  if (!file_) {
+    const std::shared_ptr<const void> in_memory_anyway;
+    return {in_memory_anyway, part(name.sensor, ping, name.bound ? 1 : 0).data() + name.channel * count};
+  }
+  const Unpacked::Key key{name.sensor, ping, name.channel, name.bound};
+  Unpacked::Values made = unpacked_->find(key);
+  if (!made) {
+    made = unpacked_->room(count);
+    if (!unpack_chunk(chunk(ping, name), *made))
+      throw std::runtime_error(fmt::format("{}: ping {} can no longer be unpacked", path_.string(), ping));
+    unpacked_->keep(key, made);
+  }
+  return {made, made->data()};
+}
+
+std::vector<unsigned char> PingStore::chunk(std::size_t ping, const ChunkName& name) const {
+  const std::size_t group = group_of_.at(name.sensor);
+  const Unit& kept = unit(group, ping);
+  const auto gone = [&] {
+    return std::runtime_error(fmt::format("{}: ping {} is no longer as it was kept", path_.string(), ping));
+  };
+  std::string beginning(before_chunks(layout_, group), '\0');
+  if (kept.checksum == 0 || kept.bytes < beginning.size()) throw gone();
+  read(kept.first, beginning.data(), beginning.size());
+  try {
+    const PackedContents contents = contents_of_packed(beginning, layout_);
+    const PackedContents::Place place = contents.chunks.at(chunk_number(layout_, group, name));
+    if (contents.unit.ping != ping || contents.unit.group != group || place.first + place.bytes > kept.bytes)
+      throw gone();
+    std::vector<unsigned char> bytes(place.bytes);
+    read(kept.first + place.first, bytes.data(), bytes.size());
+    return bytes;
+  } catch (const DamagedPing&) {
+    throw gone();
+  }
+}
+
 void PingStore::sync() const {
   if (!file_) return;
   int status = 0;
@@ -311,21 +482,6 @@ void PingStore::sync() const {
     status = fdatasync(file_.number());  // of a mapped file its pages, too
   } while (status != 0 && errno == EINTR);
   if (status != 0) fail(path_, "bring the pings to the disk", errno);
-}
-
-void PingStore::release(std::size_t sensor, std::size_t ping) {
-  if (!file_) return;
-  for (const int which : {0, 1}) {
-    const std::span<double> values = part(sensor, ping, which);
-    if (values.empty()) continue;
-    // Pages that neighbours share go, too, or a long line would keep one a ping: the mapping is a file's, so
-    // what a neighbour has written there is kept and comes back when it is touched. So do the pages before
-    // them in their window: reading this ping brought them back.
-    const auto address = [](const void* place) { return reinterpret_cast<std::uintptr_t>(place); };
-    const std::uintptr_t begin = std::max(address(data_), address(values.data()) / window * window);
-    const std::uintptr_t end = aligned(address(values.data() + values.size()));
-    madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
-  }
 }
 
 StoreSummary summary_of(const fs::path& path) {
@@ -341,8 +497,8 @@ StoreSummary summary_of(const fs::path& path, const Descriptor& file) {
   const std::size_t first = aligned(sizeof header + summary.identity.size());
   for (std::size_t unit = 0; unit < summary.units; ++unit) {
     std::uint64_t checksum = 0;
-    if (pread(file.number(), &checksum, sizeof checksum,
-              static_cast<off_t>(first + unit * (sizeof checksum + sizeof(PingCounts)))) != sizeof checksum)
+    if (pread(file.number(), &checksum, sizeof checksum, static_cast<off_t>(first + unit * unit_bytes)) !=
+        sizeof checksum)
       break;
     summary.done += checksum != 0;
   }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstddef>
@@ -11,41 +10,15 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "files/descriptor.hpp"
+#include "run/kept/packed_ping.hpp"
+#include "run/kept/ping_counts.hpp"
 #include "run/kept/ping_values.hpp"
 
 namespace tubefoot {
-
-/// Apparent facets of shots through refracting water (engine/ground/refracted_ground.hpp), and where some
-/// have not exactly one ray: azimuth and elevation in degrees and range in metres, from the sonar in the
-/// local frame.
-struct StraighteningCounts {
-  std::uint64_t facets = 0, in_shadow = 0, of_several = 0, folded = 0;
-  double largest_gap_m = 0;
-  std::array<double, 3> shadow{}, several{};  ///< the first of each
-  std::uint64_t unbounded = 0;                ///< of a reference: bins whose bound is infinite
-  std::uint64_t at_limit = 0;                 ///< shots that would need a finer ground than is worth it
-};
-
-/// What the simulation of one ping counted. Plain data: it is kept beside the ping's energies.
-struct PingCounts {
-  std::uint64_t tubes = 0, candidates = 0, footprints = 0, pieces = 0, hits = 0;
-  double visibility_seconds = 0, echo_seconds = 0;
-  /// Of a reference: bins whose bound is above what was asked, and the worst of them.
-  std::uint64_t bins_over = 0;
-  double worst_ratio = 0;
-  std::uint32_t worst_sensor = 0, worst_beam = 0, worst_sample = 0, padding = 0;
-  /// With relief: facets made for the ping's shots, and what finer relief would change (FinerRelief).
-  std::uint64_t refined_facets = 0;
-  double finer_relief_largest = 0, finer_relief_rms = 0;
-  /// Of paths: image apexes, arrivals without scattering, and the energy of each order.
-  std::uint64_t images = 0, arrivals = 0;
-  std::array<double, 9> energy_of_order{};
-  /// Of refraction, by shot: apparent facets, and those that StraighteningCounts names.
-  StraighteningCounts refraction;
-};
 
 /// A file of pings that cannot be gone on with.
 struct UnusableStore : std::runtime_error {
@@ -61,10 +34,10 @@ struct StoreInUse : UnusableStore {
 /// file (a link, a file with a second name or of somebody else), and std::runtime_error naming the file.
 Descriptor take_ping_file(const std::filesystem::path& file, bool make);
 
-/// The energies of a run, ping by ping in any order, each sensor's in one block [ping][beam][sample]: in
-/// memory, or in a file that survives the program. The file is as large as it will ever be from the start, so
-/// that a full disk is met before anything is computed; it is mapped, so that memory holds no more than the
-/// pings at hand.
+/// The energies of a run, ping by ping in any order: in memory as they are, or packed in a file that survives
+/// the program. The file is as large as it will ever be from the start, so that a full disk is met before
+/// anything is computed; packed pings lie in it one behind the other, so that the disk has little to write,
+/// and nothing of them stays in memory.
 class PingStore {
  public:
   /// Zeroed, in memory.
@@ -89,29 +62,43 @@ class PingStore {
   /// Keeps a ping of a group, which is done with that. From several threads. Now and then it brings what is
   /// done to the disk: throws std::runtime_error where that fails.
   void finish(std::size_t group, std::size_t ping, const PingCounts& counts, const PingValues& values);
+  /// The same of a ping that another process packed. Throws DamagedPing for what is none of this run.
+  void keep(std::string_view packed);
   const PingCounts& counts(std::size_t group, std::size_t ping) const { return unit(group, ping).counts; }
 
-  /// [ping][channel][beam][sample].
+  bool is_packed() const { return static_cast<bool>(file_); }
+  bool has_bounds() const { return layout_.with_bounds; }
+  /// Values of a channel.
+  std::size_t values_a_chunk(std::size_t sensor) const {
+    return layout_.sensors.at(sensor).cells / layout_.sensors[sensor].channels;
+  }
+  /// In memory: [ping][channel][beam][sample].
   std::span<const double> energy(std::size_t sensor) const { return block(sensor, 0); }
-  std::span<const double> energy(std::size_t sensor, std::size_t ping) const { return part(sensor, ping, 0); }
   /// Empty without bounds.
   std::span<const double> bound(std::size_t sensor) const { return block(sensor, 1); }
-  std::span<const double> bound(std::size_t sensor, std::size_t ping) const { return part(sensor, ping, 1); }
-  /// Lets go of the memory of a ping that lies in a file. Its values come back when they are read.
-  void release(std::size_t sensor, std::size_t ping);
+  /// The values of a channel of a ping, [beam][sample], for as long as somebody has them. From several
+  /// threads. Throws std::runtime_error where the file no longer has what it had.
+  std::shared_ptr<const double> values(std::size_t ping, const ChunkName& name) const;
+  /// Of a file: the same as they are packed.
+  std::vector<unsigned char> chunk(std::size_t ping, const ChunkName& name) const;
   /// Brings all of a file to the disk. Throws std::runtime_error naming it.
   void sync() const;
 
  private:
   struct Unit {
-    std::uint64_t checksum = 0;  ///< 0: not done
+    std::uint64_t checksum = 0;          ///< 0: not done
+    std::uint64_t first = 0, bytes = 0;  ///< of a file: where the packed ping lies
     PingCounts counts;
   };
+  class Unpacked;
   void map();
+  void look_through();
   Unit& unit(std::size_t group, std::size_t ping) const;
+  void mark_done(const PingUnit& at, std::uint64_t first, std::uint64_t bytes, const PingCounts& counts);
   std::span<double> block(std::size_t sensor, int which) const;
   std::span<double> part(std::size_t sensor, std::size_t ping, int which) const;
-  void put(std::span<const double> values, std::span<double> place) const;
+  void read(std::uint64_t first, void* bytes, std::size_t count) const;
+  void write(std::uint64_t first, std::string_view bytes) const;
 
   explicit PingStore(const StoreLayout& layout, std::filesystem::path path, std::size_t identity_bytes);
 
@@ -119,10 +106,14 @@ class PingStore {
   std::filesystem::path path_;           ///< empty: in memory
   std::size_t first_unit_byte_ = 0;      ///< after the header
   std::vector<std::size_t> first_unit_;  ///< by group
-  std::vector<std::size_t> first_byte_;  ///< by sensor: of its energies; its bounds follow
-  std::size_t bytes_ = 0;
+  std::vector<std::size_t> group_of_;    ///< by sensor
+  std::vector<std::size_t> first_byte_;  ///< in memory, by sensor: of its energies; its bounds follow
+  std::size_t bytes_ = 0;                ///< of all of it
+  std::size_t mapped_bytes_ = 0;         ///< of a file: up to the first packed ping
+  std::atomic<std::uint64_t> end_ = 0;   ///< of a file: of the packed pings
   unsigned char* data_ = nullptr;
   Descriptor file_;
+  std::unique_ptr<Unpacked> unpacked_;
   std::atomic<std::chrono::steady_clock::time_point> next_sync_;
 };
 

@@ -13,7 +13,8 @@ namespace tubefoot {
 /// How much a run has to keep.
 struct StoreLayout {
   struct Sensor {
-    std::size_t pings = 0, cells = 0;  ///< cells of a ping: beams times samples
+    std::size_t pings = 0, cells = 0;  ///< cells of a ping: channels times beams times samples
+    std::size_t channels = 1;          ///< each is packed by itself
   };
   /// Sensors that share their shots: a ping of all of them is finished as a whole.
   struct Group {

@@ -75,13 +75,12 @@ std::string result_note(const StoreLayout& layout, const PingUnit& unit, const P
   return note(Note::result, packed_ping(layout, unit, counts, values));
 }
 
-bool take_result(std::string_view message, const StoreLayout& layout, PingStore& store, PingValues& room) {
+bool take_result(std::string_view message, const StoreLayout& layout, PingStore& store) {
   try {
     const std::string_view packed = message.substr(1);
     const PingUnit unit = head_of_packed(packed, layout).unit;
     if (store.done(unit.group, unit.ping)) return false;
-    const PingCounts counts = unpack_ping(packed, layout, room);
-    store.finish(unit.group, unit.ping, counts, room);
+    store.keep(packed);
     return true;
   } catch (const DamagedPing& error) {
     throw std::runtime_error(fmt::format("a rank sent a ping that is not one of this run: {}", error.what()));

@@ -34,9 +34,9 @@ std::vector<PingUnit> units_in(std::string_view message);
 
 std::string result_note(const StoreLayout& layout, const PingUnit& unit, const PingCounts& counts,
                         const PingValues& values);
-/// Puts a ping where it belongs, by way of `room`. Throws std::runtime_error if it is none of this run.
-/// Returns whether it is new.
-bool take_result(std::string_view message, const StoreLayout& layout, PingStore& store, PingValues& room);
+/// Keeps a ping as it was packed. Throws std::runtime_error if it is none of this run. Returns whether it is
+/// new.
+bool take_result(std::string_view message, const StoreLayout& layout, PingStore& store);
 
 /// What is being thrown, for rank 0 to throw it again.
 std::string failed_note(const std::exception& error);

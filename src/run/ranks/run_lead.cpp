@@ -95,7 +95,6 @@ void LeadRank::simulate(const Survey& survey, const RunRequest& request, PingSto
   Deal deal(layout, store);
   Progress progress("pings", layout.units() - store.done_units(), quiet);
   SparePings spare;
-  PingValues received_ping;
   PingCrew crew(threads, [&](const PingUnit& unit) {
     simulation.run_into(store, unit, spare);
     progress.step();
@@ -109,7 +108,7 @@ void LeadRank::simulate(const Survey& survey, const RunRequest& request, PingSto
       const Note kind = note_of(message->bytes);
       if (kind == Note::wanted && !stopped_)
         link_->send(message->from, pings_note(deal.next(count_in(message->bytes), ranks())));
-      else if (kind == Note::result && take_result(message->bytes, layout, store, received_ping))
+      else if (kind == Note::result && take_result(message->bytes, layout, store))
         progress.step();
       note_end(*message);
     }

@@ -41,7 +41,8 @@ void expect_apart(const Canvas& canvas, std::size_t least, const std::string& wh
 Heard wordy(const Recording& recording) {
   Heard heard;
   heard.energy_of = [&](std::size_t ping) {
-    const std::span<const double> energy = recording.energy_of(ping);
+    const PingEnergies kept = recording.energy_of(ping);
+    const std::span<const double> energy = kept;
     return std::vector<double>(energy.begin(), energy.end());
   };
   heard.said = "as received: speckle of 3 looks, noise of 48 dB re 1 uPa, a pulse of 24 us, 16 bits";

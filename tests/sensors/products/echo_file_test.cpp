@@ -10,6 +10,7 @@
 
 #include "fixtures/netcdf_reader.hpp"
 #include "fixtures/test_folder.hpp"
+#include "fixtures/world/packed_recording.hpp"
 #include "fixtures/world/recordings.hpp"
 #include "sensors/products/pictures.hpp"
 #include "sensors/recordings/recording.hpp"
@@ -215,17 +216,24 @@ TEST(EchoFile, AFullDiskIsAnErrorAndLeavesNothing) {
 constexpr std::size_t on_the_disk = 0;
 
 // Long recordings do not pass through memory.
-TEST(EchoFile, LetsGoOfEveryPingAndKeepsNoSpaceThatWasSetAside) {
+TEST(EchoFile, KeepsNoSpaceThatWasSetAside) {
   const TestFolder folder;
-  auto made = noisy_camera(20);
-  std::vector<std::size_t> released;
-  made.recording.release = [&](std::size_t ping) { released.push_back(ping); };
+  const auto made = noisy_camera(20);
   write_echoes(folder / "echoes.nc", {made.recording}, provenance, on_the_disk);
   EXPECT_EQ(NetcdfReader(folder / "echoes.nc").values("/", "energy"), made.energies);
-  EXPECT_EQ(released.size(), 20u);
   EXPECT_LT(std::filesystem::file_size(folder / "echoes.nc"), 1u << 20);
   const auto absent = folder / "absent/echoes.nc";
   samples::failure_naming(absent, [&] { write_echoes(absent, {made.recording}, provenance, on_the_disk); });
+}
+
+// Pings that were packed as they were made become the same file.
+TEST(EchoFile, TakesPackedPingsAsTheyAre) {
+  const TestFolder folder;
+  const auto made = noisy_camera(20);
+  write_echoes(folder / "echoes.nc", {made.recording}, provenance, on_the_disk);
+  write_echoes(folder / "packed.nc", {samples::packed(made.recording)}, provenance, on_the_disk);
+  EXPECT_EQ(bytes_of(folder / "packed.nc"), bytes_of(folder / "echoes.nc"));
+  EXPECT_EQ(NetcdfReader(folder / "packed.nc").values("/", "energy"), made.energies);
 }
 
 TEST(EchoFile, IsPackedAlikeByAnyNumberOfThreads) {

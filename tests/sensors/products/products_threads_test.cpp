@@ -10,6 +10,7 @@
 #include <map>
 #include <set>
 
+#include "fixtures/world/packed_recording.hpp"
 #include "fixtures/world/recordings.hpp"
 #include "sensors/kinds/kind_echosounder.hpp"
 #include "sensors/kinds/kind_imaging.hpp"
@@ -71,7 +72,8 @@ std::map<std::string, std::string> files_by(int threads, const Recording& record
   return files;
 }
 
-/// The names of all files of the recording; a failure for each that is another by four threads.
+/// The names of all files of the recording; a failure for each that is another by four threads, or of packed
+/// energies.
 std::set<std::string> same_files(const Recording& recording, const LocalFrame& frame) {
   RunContext run;
   run.frame = frame;
@@ -85,6 +87,7 @@ std::set<std::string> same_files(const Recording& recording, const LocalFrame& f
     const auto other = together.find(name);
     EXPECT_TRUE(other != together.end() && other->second == bytes) << name << " is another by four threads";
   }
+  EXPECT_TRUE(files_by(2, samples::packed(recording), run) == alone) << "files are others of packed energies";
   std::set<std::string> names;
   for (const auto& file : alone) names.insert(file.first);
   return names;
