@@ -232,8 +232,8 @@ class SensorResult:
 
     @property
     def signals(self) -> Optional[Signals]:
-        """What the elements of a sensor of kind "array" received, with phase (docs/sensors.md#array): of all pings of
-        the run, also where this is some of them. None for other sensors, and for files: those of signals are opened by
+        """What a sensor's elements received, with phase (docs/sensors.md): of all pings of the run, also where this is
+        some of them. None for sensors that keep energies alone, and for files: those of signals are opened by
         :func:`tubefoot.signals`.
 
         Made when this is first asked for; what its arrays show is the program's own memory.

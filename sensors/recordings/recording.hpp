@@ -47,6 +47,8 @@ struct Recording {
   std::shared_ptr<const Sensor> some_beams{};  ///< with beam_numbers: `sensor`, with these beams only
   /// In place of `energy` and `energy_bound`; null where they lie in memory, or where there is no bound.
   std::shared_ptr<const PackedPings> packed_energy{}, packed_bound{};
+  /// Keeps `energy` and `energy_bound` in memory; null where somebody else does.
+  std::shared_ptr<const void> keeper{};
   /// Of each beam of a ping, how many samples from the first on may hold a surface, seen or hidden. Beyond
   /// them the scene has nothing in the beam, and what is dark there is no shadow: pictures show it in a
   /// colour of its own. Thread-safe; empty where that is not known.

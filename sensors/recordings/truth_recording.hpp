@@ -42,6 +42,7 @@ struct TruthRecording {
   /// range [J m], then the energy that comes without scattering.
   std::span<const double> values{};
   std::shared_ptr<const PackedPings> packed{};  ///< in place of `values`, as one channel
+  std::shared_ptr<const void> keeper{};         ///< keeps `values` in memory; null where somebody else does
 
   std::size_t channels() const { return owners.size() + 2 + (has_unscattered ? 1 : 0); }
   /// Throws Interrupted if somebody wants to stop.

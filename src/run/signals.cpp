@@ -202,6 +202,7 @@ void attach_signals(std::vector<Recording>& recordings, const Survey& survey,
     const std::size_t place = place_of_signals(survey, s);
     signals->values = in_memory(store, place);
     signals->packed = packed_pings(store, place);
+    signals->keeper = store;
     if (recording.sensor->description().look_at_m)
       for (std::size_t ping = 0; ping < recording.pings(); ++ping)
         signals->track.push_back({recording.ping_time_s[ping], recording.ping_pose[ping]});

@@ -184,6 +184,7 @@ std::vector<Recording> recordings_of(const Survey& survey, const std::shared_ptr
     Recording& recording = recordings.emplace_back(recording_of(survey, s, selection, chosen[s]));
     recording.energy = in_memory(store, s);
     recording.packed_energy = packed_pings(store, s);
+    recording.keeper = store;
     if (!store->is_packed())
       recording.energy_bound = store->bound(s);
     else if (store->has_bounds())

@@ -258,6 +258,7 @@ std::vector<TruthRecording> truths_of(const Survey& survey, const RunRequest& re
     const std::size_t place = place_of_truth(survey, s);
     one.values = in_memory(store, place);
     one.packed = packed_pings(store, place);
+    one.keeper = store;
   }
   return truths;
 }

@@ -303,6 +303,25 @@ TEST(TiledTerrainFiles, ABrokenTileStopsTheRunAndKeepsWhatWasFinished) {
             simulated(with_load(folder, "mosaic.vrt", "whole")).energy[0]);
 }
 
+TEST(TiledTerrainFiles, RecordingsKeepTheirEnergies) {
+  const TestFolder folder;
+  write_mosaic(folder, false);
+  const SceneDescription description = with_load(folder, "mosaic.vrt", "tiles");
+  const auto survey = open_survey(description);
+  const RunRequest request = request_of(description.run);
+  auto store = std::make_shared<PingStore>(layout_of(*survey, request));
+  simulate(*survey, request, *store, {});
+  const std::span<const double> kept = store->energy(0);
+  const std::vector<double> before(kept.begin(), kept.end());
+  const std::weak_ptr<PingStore> alive = store;
+  std::vector<Recording> recordings = recordings_of(*survey, store);
+  store.reset();
+  ASSERT_FALSE(alive.expired());
+  EXPECT_TRUE(std::ranges::equal(recordings.front().energy, before));
+  recordings.clear();
+  EXPECT_TRUE(alive.expired());
+}
+
 TEST(TiledTerrainFiles, TheHashSeesTheSourcesOfAMosaic) {
   const TestFolder folder;
   write_mosaic(folder, false);
