@@ -141,8 +141,8 @@ TEST(ChartPage, RowsAreTrials) {
   Trial t = exact(0.5, 1e-3);
   t.setting = "a, \"b\"";
   EXPECT_EQ(to_csv(std::vector<Trial>{t}),
-            "scene,engine,setting,l1_error,rms_db_error,seconds,bound\n"
-            "bed,tube,\"a, \"\"b\"\"\",0.001,0.02,0.5,1e-09\n");
+            "scene,engine,setting,l1_error,rms_db_error,seconds,bound,processor_seconds,instructions\n"
+            "bed,tube,\"a, \"\"b\"\"\",0.001,0.02,0.5,1e-09,0.4,2000000000\n");
 }
 
 TEST(ChartPage, LinearAxesHoldNegativeNumbers) {
