@@ -159,7 +159,7 @@ std::vector<fs::path> write_fan_pictures(const fs::path& folder, const Recording
 WritingCost cost_of_fan_pictures(const Recording& recording, bool heard, const PictureSettings& settings,
                                  PictureSettings::Which otherwise) {
   using Which = PictureSettings::Which;
-  constexpr double sheet_s = 0.5, animation_frame_s = 0.4, frame_s = 0.08, picture_bytes = 6e5,
+  constexpr double sheet_s = 0.5, animation_frame_s = 0.4, frame_s = 0.04, picture_bytes = 6e5,
                    gif_bytes = 1e5;
   const double looks = heard ? 2 : 1, pings = static_cast<double>(recording.pings());
   WritingCost cost;

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <numeric>
@@ -14,6 +15,7 @@
 #include <thread>
 
 #include "fixtures/world/recordings.hpp"
+#include "geometry/steps/steps.hpp"
 #include "sensors/kinds/kind_didson.hpp"
 #include "sensors/pictures/camera_animation.hpp"
 #include "sensors/pictures/camera_picture.hpp"
@@ -258,6 +260,31 @@ TEST(Pictures, AreThoseThatAreAskedFor) {
   EXPECT_THAT(files(sidescan.recording, Which::none), Not(Contains(HasSubstr(".exr"))));
   EXPECT_EQ(files(sidescan.recording, Which::sequence), files(sidescan.recording, Which::all));
   EXPECT_THAT(files(sidescan.recording, Which::all), Contains("sidescan-waterfall.png"));
+}
+
+TEST(Pictures, TellHowManyOfThemThereAreWhileTheyAreDrawn) {
+  const auto camera = samples::silent(samples::camera(5, 7), 60);
+  std::atomic<bool> over = false;
+  std::size_t most_done = 0, total = 0;
+  std::thread onlooker([&] {
+    while (!over)
+      if (const auto at_hand = Steps::at_hand(); at_hand && std::string(at_hand->what) == "pictures") {
+        most_done = std::max(most_done, at_hand->done);
+        total = at_hand->total;
+      }
+  });
+  const TestFolder folder;
+  std::vector<std::string> warnings;
+  RunContext run;
+  run.pictures.which = PictureSettings::Which::all;
+  EXPECT_NO_THROW(kind_of(camera.recording.sensor->description())
+                      .write_products(folder.path(), camera.recording, run, warnings));
+  over = true;
+  onlooker.join();
+  EXPECT_EQ(total, 60u);
+  EXPECT_GT(most_done, 0u);
+  EXPECT_LE(most_done, 60u);
+  EXPECT_FALSE(Steps::at_hand());
 }
 
 /// Frames of a GIF: their sizes, and how long each is shown, in hundredths of a second.
