@@ -175,6 +175,15 @@ TEST(MultibeamRun, ATargetToPortAheadIsToPortAheadInEveryFile) {
   EXPECT_GT(gsf.at(2).at(80), 30);
 }
 
+// A pair of pings as near in time as a scene may ask for: every format that tells times has two.
+TEST(MultibeamRun, PingsAtTheShortestIntervalHaveTimesOfTheirOwn) {
+  const TestFolder folder;
+  run(folder, std::string(port_ahead) + "pings = 2\nping_interval_s = 1e-6\n");
+  std::set<std::string> names = names_below(folder / "out");
+  for (const char* name : {"sonar-sonar.nc", "sonar.gsf", "sonar.xtf"})
+    EXPECT_TRUE(names.contains(name)) << name;
+}
+
 // Where soundings must lie is taken from what each beam sees of the bed, not from the echo.
 TEST(MultibeamRun, OnTheRealGridEverySoundingLiesWithinItsFootprintsDepths) {
   const std::filesystem::path data = std::filesystem::path(TUBEFOOT_SHARED_DATA) / "jd211.bag";

@@ -164,6 +164,9 @@ std::vector<TomlField<SensorDescription>> signal_fields() {
 TomlSection<SensorDescription> sensor_section(const SensorSections& kinds) {
   using S = SensorDescription;
   constexpr ValueRange lever_arm{.lo = -1000, .hi = 1000};
+  // Instruments' files tell times from 1970 in doubles, a quarter of a microsecond apart: of shorter intervals
+  // two pings would be at one time.
+  constexpr ValueRange ping_interval{.lo = 1e-6, .hi = 1e6};
   TomlSection<S> section("[[sensors]]");
   section
       .keys({field("name", &S::name, {.required = true, .longest = limits::name_bytes}),
@@ -180,7 +183,7 @@ TomlSection<SensorDescription> sensor_section(const SensorSections& kinds) {
              field("pings", &S::pings,
                    {.ranges = {{.lo = 1, .hi = 1e7}}, .default_value = "1; of a survey, all"}),
              field("ping_interval_s", &S::ping_interval_s,
-                   {.ranges = {{.lo = 0, .hi = 1e6, .lo_excluded = true}}}),
+                   {.ranges = {ping_interval}}),
              field("cone_tolerance", &S::cone_tolerance, {.ranges = {{.lo = 1e-9, .hi = 0.01}}})})
       .keys(pattern_fields("transmit", &S::transmit))
       .keys(pattern_fields("receive", &S::receive))
