@@ -45,8 +45,27 @@ void add_common(CLI::App& command, CommonOptions& options);
 /// CLI11's own range checks let NaN through, as it is neither too small nor too large.
 CLI::Validator finite_number(double least, bool above);
 
-// The commands that end in a result folder.
+// The commands that end in a result folder (asked_run.cpp).
 void add_run(CLI::App& app, Asked& asked);
 void add_join(CLI::App& app, Asked& asked);
+
+// Those that say what a scene, or what is in it, is like (asked_scene.cpp).
+void add_check(CLI::App& app, Asked& asked);
+void add_audit(CLI::App& app, Asked& asked);
+void add_footprints(CLI::App& app, Asked& asked);
+void add_coverage(CLI::App& app, Asked& asked);
+void add_strength(CLI::App& app, Asked& asked);
+void add_view(CLI::App& app, Asked& asked);
+void add_refine(CLI::App& app, Asked& asked);
+void add_export(CLI::App& app, Asked& asked);
+void add_presets(CLI::App& app, Asked& asked);
+
+// Those that hold one result against another, and bring in what others made (asked_validation.cpp).
+void add_import_scene(CLI::App& app, Asked& asked);
+void add_compare(CLI::App& app, Asked& asked);
+void add_import(CLI::App& app, Asked& asked);
+void add_chart(CLI::App& app, Asked& asked);
+void add_advise(CLI::App& app, Asked& asked);
+void add_pack(CLI::App& app, Asked& asked);
 
 }  // namespace tubefoot
