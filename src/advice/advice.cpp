@@ -35,11 +35,12 @@ constexpr int most_refinements = 6;
 /// Seconds of `samples` samples, by the line through the last two rungs.
 double seconds_for(const std::vector<Trial>& ladder, double samples) {
   const Trial& last = ladder.back();
-  const double in_proportion = last.work.seconds * samples / last.samples;
+  const double in_proportion = last.work.processor_seconds * samples / last.samples;
   if (ladder.size() < 2) return in_proportion;
   const Trial& before = ladder[ladder.size() - 2];
-  const double slope = (last.work.seconds - before.work.seconds) / (last.samples - before.samples);
-  return slope > 0 ? last.work.seconds + slope * (samples - last.samples) : in_proportion;
+  const double slope =
+      (last.work.processor_seconds - before.work.processor_seconds) / (last.samples - before.samples);
+  return slope > 0 ? last.work.processor_seconds + slope * (samples - last.samples) : in_proportion;
 }
 
 /// The probe pings, and what they say of all others.
@@ -58,7 +59,7 @@ class Probes {
     for (std::size_t s = 0; s < sensors_.size(); ++s)
       candidate.predicted_error =
           std::max(candidate.predicted_error, error_limit(trial.pings[s], sensors_[s].pings, measure_));
-    candidate.predicted_seconds = trial.work.seconds;
+    candidate.predicted_seconds = trial.work.processor_seconds;
     (measure_ == ErrorMeasure::l1 ? trial.l1_error : trial.rms_db_error) = candidate.predicted_error;
     return trial;
   }
@@ -205,7 +206,7 @@ bool Advice::holds(const Candidate& candidate) const {
 }
 
 double Advice::seconds(const Candidate& candidate) const {
-  return candidate.others ? candidate.others->work.seconds : candidate.predicted_seconds;
+  return candidate.others ? candidate.others->work.processor_seconds : candidate.predicted_seconds;
 }
 
 std::size_t cheapest(const Advice& advice) {
@@ -244,7 +245,7 @@ LookedAt looked_at(std::size_t pings, std::size_t count) {
 }
 
 Advice advise(const SceneDescription& scene, const Tolerance& tolerance, const AdviceOptions& options) {
-  const ThreadLimit one_thread(1);  // so that a setting's seconds do not depend on what else runs
+  const ThreadLimit one_thread(1);  // or a setting's seconds were those of one of several
   Advice advice;
   advice.tolerance = tolerance;
   {

@@ -24,7 +24,8 @@ struct AdviceOptions {
   bool quiet = false;
 };
 
-/// One way to compute the scene, and what is known about it. Seconds are those of a ping on one thread.
+/// One way to compute the scene, and what is known about it. Seconds are the processor's, of a ping on one
+/// thread: what else runs on the machine changes those by the clock.
 struct Candidate {
   EngineSetting setting;
   double probe_error = 0;      ///< of the probe pings, worst sensor; of rays not tried, by extrapolation

@@ -19,7 +19,7 @@ Json json_of(const Advice& advice, const Candidate& candidate) {
     json["measured"] = {{"error", error_of(*candidate.others, advice.tolerance.measure)},
                         {"l1_error", candidate.others->l1_error},
                         {"rms_db_error", candidate.others->rms_db_error},
-                        {"seconds", candidate.others->work.seconds}};
+                        {"seconds", candidate.others->work.processor_seconds}};
   json["tried"] = candidate.tried;
   if (!candidate.note.empty()) json["note"] = candidate.note;
   json["holds"] = advice.holds(candidate);

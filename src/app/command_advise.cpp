@@ -41,14 +41,14 @@ void print_advice(const Advice& advice) {
     tell("{:<44} {:>10} {:>10.3g} ", name, error_text(measure, c.predicted_error), c.predicted_seconds);
     if (c.others)
       tell("{:>10} {:>10.3g}  {}\n", error_text(measure, error_of(*c.others, measure)),
-           c.others->work.seconds, advice.holds(c) ? "yes" : "no");
+           c.others->work.processor_seconds, advice.holds(c) ? "yes" : "no");
     else
       tell("{:>10} {:>10}  no: {}\n", "-", "-", c.note);
   }
   tell(
       "\nPredicted: {:g} % confidence limit from the spread of the probe pings, at least {:g} times their "
       "error. "
-      "Seconds on one thread, loading not counted.\n",
+      "Processor seconds of one thread, loading not counted.\n",
       100 * error_limit_confidence, least_margin);
   tell("cheapest       {}, {}\n", advice.best().setting.engine, advice.best().setting.setting);
   tell("left out       {}\n", left_out_by(advice.best().setting.run));

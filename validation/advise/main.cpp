@@ -38,7 +38,7 @@ std::vector<Measured> all_measured(UnseenPings& unseen) {
   std::vector<Measured> all;
   for (const Binning binning : {Binning::exact, Binning::spread, Binning::centroid})
     all.push_back({tube_setting(binning), unseen.run(tube_setting(binning), repeats)});
-  const double exact_seconds = all.front().trial.work.seconds;
+  const double exact_seconds = all.front().trial.work.processor_seconds;
   for (const RaySampling sampling : {RaySampling::stratified, RaySampling::sobol, RaySampling::adaptive,
                                      RaySampling::regular, RaySampling::column})
     for (Measured& m : fine_ladder(unseen, sampling, repeats, exact_seconds, most_rays))
@@ -54,8 +54,8 @@ std::pair<double, double> seconds_in_turns(UnseenPings& unseen, const EngineSett
   constexpr int rounds = 7;
   std::vector<double> first, second;
   for (int k = 0; k < rounds; ++k) {
-    first.push_back(unseen.run(a, 1).work.seconds);
-    second.push_back(unseen.run(b, 1).work.seconds);
+    first.push_back(unseen.run(a, 1).work.processor_seconds);
+    second.push_back(unseen.run(b, 1).work.processor_seconds);
   }
   return {median(first), median(second)};
 }
@@ -77,7 +77,7 @@ std::string study(const std::filesystem::path& file, Tally& tally) {
     const Measured* least = nullptr;
     for (const Measured& m : measured)
       if (error_of(m.trial, tolerance.measure) <= tolerance.value &&
-          (!least || m.trial.work.seconds < least->trial.work.seconds))
+          (!least || m.trial.work.processor_seconds < least->trial.work.processor_seconds))
         least = &m;
     const EngineSetting& advised = advice.best().setting;
     const double error = error_of(unseen->run(advised, 1), tolerance.measure);
@@ -126,7 +126,8 @@ int run(const std::filesystem::path& page, const std::vector<std::filesystem::pa
       "of 1.25 up "
       "to the "
       "cost of exact "
-      "cuts. It is chosen with hindsight, so chance may favour it. Seconds are those of one\nthread, both "
+      "cuts. It is chosen with hindsight, so chance may favour it. Seconds are the processor's, of "
+      "one\nthread, both "
       "measured in "
       "turns.\n\n**{} of {} advices hold; {} take at most {} times the cheapest's time; the worst {:.2f} "
       "times.**\n{}{}{}\n"

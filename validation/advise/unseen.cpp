@@ -64,12 +64,12 @@ Trial UnseenPings::run(EngineSetting setting, int repeats) {
   Trial all;
   for (const auto& place : places_) {
     Trial trial = place->run(setting, repeats);
-    trial.work.seconds /= static_cast<double>(places_.size());
+    trial.work.processor_seconds /= static_cast<double>(places_.size());
     if (all.pings.empty()) {
       all = std::move(trial);
       continue;
     }
-    all.work.seconds += trial.work.seconds;
+    all.work.processor_seconds += trial.work.processor_seconds;
     for (std::size_t s = 0; s < all.pings.size(); ++s)
       all.pings[s].insert(all.pings[s].end(), trial.pings[s].begin(), trial.pings[s].end());
   }
@@ -89,7 +89,7 @@ std::vector<Measured> fine_ladder(UnseenPings& pings, RaySampling sampling, int 
     EngineSetting setting = ray_setting(sampling, std::llround(rays), pings.beams());
     Trial trial = pings.run(setting, repeats);
     ladder.push_back({std::move(setting), std::move(trial)});
-    if (ladder.back().trial.work.seconds > seconds) break;
+    if (ladder.back().trial.work.processor_seconds > seconds) break;
   }
   return ladder;
 }
