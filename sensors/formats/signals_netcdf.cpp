@@ -61,6 +61,22 @@ void define(EchoGroup& root, const ElementSignals& signals) {
   root.attribute(pressure, "coordinates", "ping_start_time sample_time");
   root.chunk(pressure, "pressure", {1, signals.receivers(), signals.samples(), 2});
 
+  if (!signals.bound.empty()) {
+    const int bound = root.define(
+        "pressure_bound", {ping, receiver, sample, part}, "W^(1/2)",
+        "certified half-width: the true real and imaginary parts lie within pressure +- pressure_bound; "
+        "infinite: no bound");
+    root.attribute(bound, "coordinates", "ping_start_time sample_time");
+    root.attribute(
+        bound, "comment",
+        "of Kirchhoff's approximation of smooth surfaces, along the edges of what is exactly visible "
+        "from the sensor's place on the world grid, facets as they are on it; places of elements, "
+        "times, pulse, sound speed, absorption and reflection are taken as the numbers that they "
+        "are. Infinite where a sample may hold what no bound encloses: rough surfaces, fluids and "
+        "roughness of smooth ones, beam patterns, mirrors, ends that move within a ping");
+    root.chunk(bound, "pressure_bound", {1, signals.receivers(), signals.samples(), 2});
+  }
+
   std::vector<double> times;
   for (std::size_t k = 0; k < signals.samples(); ++k) times.push_back(sampling.time_s(k));
   root.variable("sample_time", {sample}, "s", "time of the sample after the ping's start", times);
@@ -137,6 +153,7 @@ class SignalsInput {
                                              k / (values.size() / shape[0])));
       if (conjugate())
         for (std::complex<double>& value : signals.pressure) value = std::conj(value);
+      if (root_.has("pressure_bound")) read_bound(shape, signals);
       check(signals);
       return signals;
     } catch (const std::invalid_argument& error) {
@@ -145,6 +162,19 @@ class SignalsInput {
   }
 
  private:
+  void read_bound(const std::vector<std::size_t>& of_pressure, ElementSignals& signals) const {
+    const Words along{"ping", "receiver", "sample", "complex"};
+    if (root_.checked_shape("pressure_bound", along, pressures) != of_pressure)
+      root_.fail("pressure_bound", "has another shape than 'pressure'");
+    require_memory(16.0 * static_cast<double>(signals.pressure.size()), {file_.path().string()},
+                   "the bounds of its signals", "use a machine with more, or a file of fewer pings");
+    signals.bound.resize(signals.pressure.size());
+    const std::span<double> values(reinterpret_cast<double*>(signals.bound.data()), 2 * signals.bound.size());
+    root_.read_into("pressure_bound", along, values);
+    for (const double value : values)
+      if (!(value >= 0))
+        root_.fail("pressure_bound", fmt::format("holds {}; expected what is not negative", value));
+  }
   std::optional<double> found(const char* name) const {
     for (const EchoAttribute& attribute : attributes_)
       if (attribute.name == name)
@@ -260,7 +290,7 @@ void write_signals(const fs::path& path, const ElementSignals& signals, const Pr
                    std::size_t most_bytes_in_memory) {
   check(signals);
   const std::size_t per_ping = 2 * signals.receivers() * signals.samples(),
-                    bytes = signals.pressure.size() * sizeof(std::complex<double>);
+                    bytes = (signals.pressure.size() + signals.bound.size()) * sizeof(std::complex<double>);
   if (per_ping * sizeof(double) > static_cast<std::size_t>(limits::block_bytes))
     throw std::invalid_argument(fmt::format(
         "{}: a ping of {} receivers x {} samples is more than 512 MB: write fewer of one or the other",
@@ -277,10 +307,15 @@ void write_signals(const fs::path& path, const ElementSignals& signals, const Pr
       std::visit([&, name = name](const auto& v) { root.attribute(name, v); }, value);
   define(root, signals);
   Steps steps("pings of signals.nc", signals.pings());
-  const std::vector<PingVariable> variables{
-      {"pressure", [&](std::size_t ping) {
-         return packed_chunk(pairs(std::span(signals.pressure)).subspan(ping * per_ping, per_ping));
-       }}};
+  std::vector<PingVariable> variables;
+  const auto add = [&](const char* name, const std::vector<std::complex<double>>& values) {
+    if (values.empty()) return;
+    variables.push_back({name, [&values, per_ping](std::size_t ping) {
+                           return packed_chunk(pairs(values).subspan(ping * per_ping, per_ping));
+                         }});
+  };
+  add("pressure", signals.pressure);
+  add("pressure_bound", signals.bound);
   write_pings(file.chunks(bytes), "/", variables, signals.pings(), per_ping,
               [&](std::size_t) { steps.done(); });
   file.close();

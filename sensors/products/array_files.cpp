@@ -74,8 +74,10 @@ std::vector<std::string> leave_out(SignalProducts& products, const Recording& re
 /// All of a recording's pings are in memory while their files are made.
 void require_memory_of(const SignalProducts& products, const Recording& recording) {
   const SignalCounts counts = counts_of(recording);
+  const double bounds = recording.has_bounds() ? 2 : 1;
   require_memory(
-      2 * bytes_of(counts) + memory_of_signal_files(products, counts), recording.sensor->description().place,
+      2 * bounds * bytes_of(counts) + memory_of_signal_files(products, counts),
+      recording.sensor->description().place,
       fmt::format("the files of {} pings' signals of {} receivers", counts.pings, counts.receivers),
       "ask for fewer pings at a time (--pings), or leave out products");
 }
@@ -90,12 +92,20 @@ ElementSignals element_signals_of(const Recording& recording) {
       array_on_vehicle(sensor), model.waveform, model.sampling,
       VehicleMotion(recorded.track, recording.ping_time_s, model.stop_and_hop), recording.sound_speed_m_s);
   const std::size_t values = 2 * signals.receivers() * signals.samples();
-  for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
-    stop_if_wanted();
-    const PingEnergies from = recorded.packed ? recorded.packed->values(ping, 0)
-                                              : PingEnergies(recorded.values.subspan(ping * values, values));
-    for (std::size_t k = 0; k < values / 2; ++k)
-      signals.pressure[ping * values / 2 + k] = {from[2 * k], from[2 * k + 1]};
+  const auto take = [&](std::span<const double> kept, const PackedPings* packed,
+                        std::vector<std::complex<double>>& all) {
+    for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
+      stop_if_wanted();
+      const PingEnergies from =
+          packed ? packed->values(ping, 0) : PingEnergies(kept.subspan(ping * values, values));
+      for (std::size_t k = 0; k < values / 2; ++k)
+        all[ping * values / 2 + k] = {from[2 * k], from[2 * k + 1]};
+    }
+  };
+  take(recorded.values, recorded.packed.get(), signals.pressure);
+  if (recorded.packed_bounds || !recorded.bounds.empty()) {
+    signals.bound.resize(signals.pressure.size());
+    take(recorded.bounds, recorded.packed_bounds.get(), signals.bound);
   }
   return signals;
 }

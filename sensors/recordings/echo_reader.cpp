@@ -164,6 +164,10 @@ EchoContents read_contents(const NetcdfInput& file, const EchoGroupInput& root, 
         file.fail(
             fmt::format("two groups have sensor_name '{}': give each its own", contents.sensors[k].name));
   }
+  if (contents.sensors.empty() && root.has("pressure"))
+    file.fail(
+        "holds signals of elements ('pressure', docs/files-signals.md), not energies: name the echoes.nc of "
+        "the same run, or read signals in Python with tubefoot.signals()");
   if (contents.sensors.empty())
     file.fail(fmt::format("has no variable 'energy', neither in its root nor in a group ({} has the layout)",
                           file.page()));

@@ -17,7 +17,10 @@ struct SignalRecording {
   /// sensor's SignalModel samples it. They lie elsewhere, in memory or, as one channel, packed.
   std::span<const double> values{};
   std::shared_ptr<const PackedPings> packed{};  ///< in place of `values`
-  std::shared_ptr<const void> keeper{};         ///< keeps `values` in memory; null where somebody else does
+  /// Certified half-widths of these, in the same places; none: not certified.
+  std::span<const double> bounds{};
+  std::shared_ptr<const PackedPings> packed_bounds{};
+  std::shared_ptr<const void> keeper{};  ///< keeps both in memory; null where somebody else does
   /// Where the sensor's carrier is at any time of the pings; of a sensor that is turned to look at something,
   /// where it is itself.
   std::vector<Trajectory::Sample> track{};

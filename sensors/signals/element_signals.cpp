@@ -73,6 +73,9 @@ void check(const ElementSignals& signals) {
           fmt::format("there are {} pressures, must be {} pings x {} receivers x {} samples = {}",
                       signals.pressure.size(), signals.pings(), signals.receivers(), signals.samples(),
                       expected));
+  require(signals.bound.empty() || signals.bound.size() == expected,
+          fmt::format("there are {} bounds of {} pressures, must be as many or none", signals.bound.size(),
+                      expected));
 }
 
 }  // namespace tubefoot

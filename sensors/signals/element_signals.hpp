@@ -36,6 +36,9 @@ struct ElementSignals {
   VehicleMotion motion;
   bool matched_filtered = false;  ///< the waveform is compressed: an echo peaks at its delay
   std::vector<std::complex<double>> pressure;
+  /// Certified half-widths of the pressures' real and imaginary parts, infinite where there is no bound;
+  /// none: not certified.
+  std::vector<std::complex<double>> bound{};
 
   std::size_t pings() const { return motion.pings(); }
   std::size_t receivers() const { return array.receivers_m.size(); }
@@ -55,7 +58,7 @@ ElementSignals silent_signals(const ElementArray& array, const TransmitWaveform&
                               const SignalSampling& sampling, const VehicleMotion& motion,
                               double sound_speed_m_s);
 
-/// The same for signals that somebody else made; also for too many or too few pressures.
+/// The same for signals that somebody else made; also for too many or too few pressures or bounds.
 void check(const ElementSignals& signals);
 
 }  // namespace tubefoot

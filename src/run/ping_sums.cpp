@@ -90,9 +90,11 @@ void PingSums::add_truth(const Shot& shot, std::size_t s, std::size_t channel,
            values_.energy(place_of_truth(shot.survey(), s)).subspan(channel * all, all));
 }
 
-void PingSums::add_signals(const Shot& shot, std::size_t s, std::span<const double> values) {
-  const std::span<double> kept = values_.energy(place_of_signals(shot.survey(), s));
-  std::transform(values.begin(), values.end(), kept.begin(), kept.begin(), std::plus<>());
+void PingSums::add_signals(const Shot& shot, std::size_t s, std::span<const double> values,
+                           std::span<const double> bounds) {
+  const std::size_t place = place_of_signals(shot.survey(), s);
+  add_to(values_.energy(place), values);
+  if (!bounds.empty()) add_to(values_.bound(place), bounds);
 }
 
 void PingSums::with_echo(const Shot& shot, const Sight& sight, std::size_t s, const EchoLaw& law,

@@ -38,8 +38,10 @@ class PingSums {
   /// To a channel of the truth of what a sensor hears (Truth::channels()): [beam of the shot][sample], and
   /// more channels, which are not read.
   void add_truth(const Shot& shot, std::size_t sensor, std::size_t channel, std::span<const double> values);
-  /// To the signals of what its elements record: [receiver][sample][real, imaginary].
-  void add_signals(const Shot& shot, std::size_t sensor, std::span<const double> values);
+  /// To the signals of what its elements record: [receiver][sample][real, imaginary]; with their bounds, or
+  /// none.
+  void add_signals(const Shot& shot, std::size_t sensor, std::span<const double> values,
+                   std::span<const double> bounds);
   /// What finer relief than the facets that are seen would change of it.
   void add_finer_relief(const Shot& shot, const Sight& sight, const FacetMesh& mesh, double sample_m);
   /// Shot::echo(), in memory that pings share one after the other, and `use` of it.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "run/open_signals.hpp"
 #include "run/refraction.hpp"
 #include "run/standing.hpp"
 
@@ -11,6 +12,7 @@ namespace tubefoot {
 void RunWarnings::foresee(const Survey& survey, const RunRequest& request) {
   add(survey.scene.report.warnings);
   add(vast_windows(survey));
+  if (request.reference_tolerance) add(open_signals(survey));
   if (!survey.site->has_ground_a_shot() && !survey.site->is_tiled()) add(foreseen_silence(survey, request));
 }
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "engine/signal/coherent_signals.hpp"
+#include "engine/signal/certified_signals.hpp"
 #include "run/ping_sums.hpp"
 #include "run/shot.hpp"
 
@@ -30,10 +30,11 @@ std::vector<SignalChannel> signal_channels(const Shot& shot, std::size_t sensor)
 void attach_signals(std::vector<Recording>& recordings, const Survey& survey,
                     const std::vector<ChosenEchoes>& chosen, const std::shared_ptr<PingStore>& store);
 
-/// What the elements of a sensor hear of a shot, about the middle of their pulse's band. `history`: what its
-/// tubes see; not read of those that see for themselves, or whose receiver is apart. Throws InputError for
-/// what has no phases, and for grounds of too many scatterers.
-ChannelSignals signals_heard(const Shot& shot, std::size_t sensor, const History& history);
+/// What the elements of a sensor hear of a shot, about the frequency that it mixes with. `history`: what its
+/// tubes see; not read of those that see for themselves, or whose receiver is apart. With bounds where the
+/// run asks for them, infinite where a sample may hold what has none. Throws InputError for what has no
+/// phases, and for grounds of too many scatterers.
+CertifiedSignals signals_heard(const Shot& shot, std::size_t sensor, const History& history);
 
 /// The part of a shot's echoes that its elements record.
 void add_signals(const Shot& shot, PingSums& sums);

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/signal/certified_signals.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "geometry/integrals/certified_path_wave.hpp"
+#include "geometry/mesh/facet_cone.hpp"
+#include "geometry/steps/in_order.hpp"
+
+namespace tubefoot {
+namespace {
+
+/// What a task takes: part of the summation's order.
+constexpr std::size_t patches_per_task = 16;
+
+/// No bound.
+const std::complex<double> open(std::numeric_limits<double>::infinity(),
+                                std::numeric_limits<double>::infinity());
+const ComplexBall anything = ComplexBall(1.0) / ComplexBall(0.0);
+const ComplexBall imaginary_unit(Ball(0.0), Ball(1.0));
+
+ComplexBall turned(const Ball& phase) {
+  Ball sine, cosine;
+  sin_cos(phase, sine, cosine);
+  return {cosine, sine};
+}
+
+/// A pulse as waves by the length of their paths: those that are heard at a time.
+class PulseWaves {
+ public:
+  PulseWaves(const TaperedChirp& pulse, double baseband_hz, double sound_speed, double absorption_db_per_m)
+      : turn_(Ball(2.0) * Ball::pi()),
+        speed_(sound_speed),
+        duration_(pulse.duration_s),
+        taper_(pulse.taper),
+        baseband_(Ball(baseband_hz) * turn_),
+        fade_(Ball(absorption_db_per_m) * log(Ball(10)) / Ball(20)) {
+    const Ball rate = (Ball(pulse.stop_hz) - Ball(pulse.start_hz)) / duration_;
+    height_ = Ball(1.0) / root(duration_ * (Ball(1.0) - Ball(0.625) * taper_));
+    flank_ = taper_ * duration_ / Ball(2.0);
+    // A path that is longer by x left x / c sooner: the phase of the pulse there, in powers of x.
+    linear_ = ComplexBall(-fade_, turn_ * Ball(pulse.start_hz) / speed_);
+    square_ = ComplexBall(Ball(0.0), -(Ball::pi() * rate / squared(speed_)));
+    swing_ = pulse.taper > 0 ? Ball::pi() / flank_ / speed_ : Ball(0.0);
+    const double fastest = std::max(pulse.start_hz, pulse.stop_hz);
+    steepest_ = (height_ * (turn_ * Ball(fastest) / speed_ + swing_ + fade_)).hi();
+    with_flanks_ = pulse.taper > 0;
+    with_middle_ = pulse.taper < 1;
+  }
+
+  PathWave at(double time_s) const {
+    PathWave wave;
+    const Ball time(time_s);
+    wave.origin = time * speed_;
+    wave.largest = height_.hi();
+    if (with_flanks_) wave.steepest = steepest_;
+    const ComplexBall all = turned(baseband_ * time) * ComplexBall(height_ * exp(-(fade_ * wave.origin)));
+    const auto path = [&](const Ball& after_s) { return speed_ * (time - after_s); };
+    const ComplexBall half = all / ComplexBall(2.0), quarter = -(all / ComplexBall(4.0));
+    const ComplexBall up = linear_ + imaginary_unit * ComplexBall(swing_),
+                      down = linear_ - imaginary_unit * ComplexBall(swing_);
+    if (with_flanks_) {
+      // (1 - cos(pi from end / flank)) / 2.
+      const ComplexBall turn = turned(swing_ * speed_ * duration_),
+                        back = turned(-(swing_ * speed_ * duration_));
+      wave.stretches.push_back(
+          {path(duration_),
+           path(duration_ - flank_),
+           {{half, linear_, square_}, {quarter * turn, up, square_}, {quarter * back, down, square_}}});
+    }
+    if (with_middle_)
+      wave.stretches.push_back({path(duration_ - (with_flanks_ ? flank_ : Ball(0.0))),
+                                path(with_flanks_ ? flank_ : Ball(0.0)),
+                                {{all, linear_, square_}}});
+    if (with_flanks_)
+      wave.stretches.push_back(
+          {path(flank_),
+           path(Ball(0.0)),
+           {{half, linear_, square_}, {quarter, up, square_}, {quarter, down, square_}}});
+    return wave;
+  }
+
+ private:
+  Ball turn_, speed_, duration_, taper_, baseband_, fade_, height_, flank_, swing_;
+  ComplexBall linear_, square_;
+  double steepest_ = 0;
+  bool with_flanks_ = false, with_middle_ = true;
+};
+
+/// The samples that may hear paths.
+std::pair<std::size_t, std::size_t> samples_of(double shortest_m, double longest_m, const TaperedChirp& pulse,
+                                               const SignalTimes& times, double sound_speed) {
+  const double first = (shortest_m / sound_speed - times.first_s) * times.rate_hz,
+               end = (longest_m / sound_speed + pulse.duration_s - times.first_s) * times.rate_hz,
+               margin = 1 + 1e-9 * (std::abs(first) + std::abs(end)), count = double(times.count);
+  if (!std::isfinite(first) || !std::isfinite(end)) return {0, times.count};
+  return {std::size_t(std::clamp(std::floor(first - margin), 0.0, count)),
+          std::size_t(std::clamp(std::ceil(end + margin) + 1, 0.0, count))};
+}
+
+std::array<Ball, 3> between(glm::dvec3 from, glm::dvec3 to) {
+  return {Ball(to.x) - Ball(from.x), Ball(to.y) - Ball(from.y), Ball(to.z) - Ball(from.z)};
+}
+
+/// A polygon as a channel's ends see it.
+struct HeardPolygon {
+  CertifiedPathEdges edges;
+  bool surely = true;  ///< both are on the side that is seen
+};
+/// None where one of them is surely on the other side.
+std::optional<HeardPolygon> heard_polygon(const CertifiedSmoothSignals::Seen& seen,
+                                          const SeenPatches& patches, const SeenPatch& patch,
+                                          const SignalChannel& channel) {
+  FacetCone cone;
+  FacetCone::make(seen.mesh, patch.facet, seen.apex, cone);
+  const CertifiedPolygon polygon =
+      certified_polygon(cone, patches.corners(patch), seen.other_apex_m, seen.grid_unit_m);
+  const ApexOverPlane out = apex_over(polygon, between(patches.origin_m, channel.transmit_m)),
+                      back = apex_over(polygon, between(patches.origin_m, channel.receive_m));
+  if (!(out.height.hi() > 0 && back.height.hi() > 0)) return std::nullopt;
+  std::vector<CertifiedPolygon::Point> points;
+  for (const CertifiedPolygon::Point& p : polygon.points) points.push_back({p.x - out.x, p.y - out.y});
+  return HeardPolygon{CertifiedPathEdges(points, out.height, {back.height, back.x - out.x, back.y - out.y}),
+                      out.height.surely_positive() && back.height.surely_positive()};
+}
+
+/// Bounds of a patch's paths, in doubles but for their rounding.
+std::pair<double, double> paths_of(const SeenPatches& patches, const SeenPatch& patch,
+                                   const SignalChannel& channel) {
+  const auto corners = patches.corners(patch);
+  const glm::dvec3 out = channel.transmit_m - patches.origin_m, home = channel.receive_m - patches.origin_m;
+  double longest = 0, reach = 0;
+  for (const glm::dvec3& corner : corners) {
+    longest = std::max(longest, glm::distance(corner, out) + glm::distance(corner, home));
+    reach = std::max(reach, glm::distance(corner, corners[0]));
+  }
+  // A path changes by at most twice the way along the plane, and none is shorter than by the plane's mirror.
+  const double heights = 2 * patch.distance_m + glm::dot(patch.normal, out + home);
+  const glm::dvec3 apart = home - out;
+  const double across2 = std::max(glm::dot(apart, apart) - std::pow(glm::dot(apart, patch.normal), 2), 0.0);
+  return {std::max(longest - 4 * reach, heights > 0 ? std::hypot(heights, std::sqrt(across2)) : 0), longest};
+}
+
+double radius_about(const Ball& ball, double middle) {
+  return std::max(ball.hi() - middle, middle - ball.lo()) * (1 + 1e-15);
+}
+
+}  // namespace
+
+bool CertifiedSmoothSignals::can_bound(const SmoothSurface& surface, const SignalChannel& channel,
+                                       const Path& path) {
+  return !surface.fluid && surface.roughness_m == 0 && !channel.has_way() && !path.over_mirrors() &&
+         channel.transmit.kind == Directivity::Kind::uniform &&
+         channel.receive.kind == Directivity::Kind::uniform;
+}
+
+CertifiedSignals CertifiedSmoothSignals::of(const SeenPatches& patches,
+                                            const std::vector<SignalChannel>& channels,
+                                            double absorption_db_per_m,
+                                            const std::function<const SmoothSurface*(FacetId)>& surface_of,
+                                            std::span<const double> allowed) const {
+  CertifiedSignals all{{channels.size(), times_.count, {}}, {}};
+  all.signals.value.assign(channels.size() * times_.count, 0);
+  all.bound.assign(all.signals.value.size(), 0);
+  const PulseWaves waves(pulse_, baseband_hz_, sound_speed_, absorption_db_per_m);
+  std::size_t edges = 0;
+  for (const SeenPatch& patch : patches.patches) edges += patch.corner_count;
+  const auto add_patch = [&](const SeenPatch& patch, std::size_t c, std::vector<ComplexBall>& sum) {
+    const SmoothSurface* surface = surface_of(patch.facet);
+    if (surface == nullptr) return;
+    std::optional<HeardPolygon> heard = heard_polygon(seen_, patches, patch, channels[c]);
+    if (!heard) return;
+    const auto [first, end] =
+        samples_of(heard->edges.shortest_path(), heard->edges.longest_path(), pulse_, times_, sound_speed_);
+    if (!heard->surely) {
+      for (std::size_t k = first; k < end; ++k) sum[k] += anything;
+      return;
+    }
+    const ComplexBall reflection(Ball(surface->reflection.real()), Ball(surface->reflection.imag()));
+    for (std::size_t k = first; k < end; ++k)
+      sum[k] += reflection *
+                heard->edges.integral(waves.at(times_.time_s(k)),
+                                      std::max(allowed[c] / double(std::max<std::size_t>(edges, 1)), 1e-300));
+  };
+  const std::size_t tasks = (patches.patches.size() + patches_per_task - 1) / patches_per_task;
+  std::vector<ComplexBall> sum(times_.count);
+  in_order(
+      0, channels.size() * tasks, 256 * times_.count,
+      [&](std::size_t task) {
+        std::vector<ComplexBall> part(times_.count);
+        const std::size_t begin = task % tasks * patches_per_task,
+                          end = std::min(begin + patches_per_task, patches.patches.size());
+        for (std::size_t n = begin; n < end; ++n) add_patch(patches.patches[n], task / tasks, part);
+        return part;
+      },
+      [&](std::size_t task, const std::vector<ComplexBall>& part) {
+        for (std::size_t k = 0; k < part.size(); ++k) sum[k] += part[k];
+        if (task % tasks + 1 < tasks) return;
+        for (std::size_t k = 0; k < sum.size(); ++k) {
+          const std::size_t at = task / tasks * times_.count + k;
+          const Ball real = sum[k].real(), imaginary = sum[k].imaginary();
+          const bool known = sum[k].is_finite();
+          const std::complex<double> middle = known ? std::complex(real.middle(), imaginary.middle()) : 0.0;
+          all.signals.value[at] = middle;
+          all.bound[at] =
+              known ? std::complex(radius_about(real, middle.real()), radius_about(imaginary, middle.imag()))
+                    : open;
+          sum[k] = ComplexBall(0.0);
+        }
+      });
+  return all;
+}
+
+void CertifiedSmoothSignals::leave_open(const SeenPatches& patches,
+                                        const std::vector<SignalChannel>& channels,
+                                        std::span<std::complex<double>> bound) const {
+  for (std::size_t c = 0; c < channels.size(); ++c)
+    for (const SeenPatch& patch : patches.patches) {
+      const auto [shortest, longest] = paths_of(patches, patch, channels[c]);
+      const auto [first, end] = channels[c].has_way()
+                                    ? std::pair(std::size_t(0), times_.count)
+                                    : samples_of(shortest, longest, pulse_, times_, sound_speed_);
+      for (std::size_t k = first; k < end; ++k) bound[c * times_.count + k] = open;
+    }
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,336 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <stdexcept>
+#include <utility>
+
+#include "engine/signal/certified_signals.hpp"
+#include "engine/signal/smooth_signals.hpp"
+#include "run/echo_parts.hpp"
+#include "run/paths.hpp"
+#include "run/shot_images.hpp"
+#include "run/signal_paths.hpp"
+#include "run/signals.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+/// As many in one sight take most of an hour, and a slip of the pen soon asks for a million times as many.
+constexpr double most_scatterers = 1e10;
+/// Of a channel's loudest sample: what is fainter need not be known better.
+constexpr double signal_floor = 1e-3;
+
+/// Throws std::invalid_argument for a field that has too many scatterers on what is seen.
+void check_number(const SeenPatches& seen, const GroundField& field) {
+  double count = 0;
+  for (const SeenPatch& patch : seen.patches) {
+    const std::span<const glm::dvec3> corners = seen.corners(patch);
+    glm::dvec3 twice(0);
+    for (std::size_t k = 2; k < corners.size(); ++k)
+      twice += glm::cross(corners[k - 1] - corners[0], corners[k] - corners[0]);
+    count += glm::length(twice) / 2 / field.area_m2(patch.normal);
+  }
+  if (count > most_scatterers)
+    throw std::invalid_argument(
+        fmt::format("{:.2g} scatterers {:.3g} m apart lie on what it sees, {:g} are the most: give a "
+                    "'spacing_m' of {:.2g} m "
+                    "or more in [scatterers], or let it look at less",
+                    count, field.spacing_m, most_scatterers,
+                    1.05 * field.spacing_m * std::sqrt(count / most_scatterers)));
+}
+
+/// About the middle of the waveform's band, where its bandwidth is least.
+double carrier_hz(const SignalModel& model) { return model.waveform.centre_hz(); }
+
+CoherentReceiver receiver_of(const Shot& shot, std::size_t s) {
+  const SignalModel& model = *shot.sensor(s).signals();
+  const FrequencyBand band = band_of(model.waveform);
+  // Flanks have tails beyond the waveform's band: what samples hold of them counts, up to four times the
+  // band, and above frequency 0.
+  const double band_hz = band.high_hz - band.low_hz,
+               held_hz = std::max(band_hz,
+                                  std::min({model.sampling.rate_hz, 4 * band_hz, 1.9 * carrier_hz(model)}));
+  CoherentReceiver receiver;
+  receiver.channels = signal_channels(shot, s);
+  receiver.pulse = {[waveform = model.waveform, carrier = carrier_hz(model)](double time_s) {
+                      return baseband_at(waveform, carrier, time_s);
+                    },
+                    0, model.waveform.duration_s, held_hz};
+  receiver.times = {model.sampling.first_s, model.sampling.rate_hz, model.sampling.samples};
+  receiver.carrier_hz = carrier_hz(model);
+  receiver.sound_speed_m_s = shot.survey().sensors[s].sound_speed_m_s;
+  return receiver;
+}
+
+/// What a ping needs of a track, with times from its start on: clocks that count seconds of years would round
+/// times within a ping to steps, on which nothing can be told to move.
+Trajectory track_from(const Trajectory& track, double start_s, double until_s) {
+  std::vector<Trajectory::Sample> samples;
+  for (const Trajectory::Sample& sample : track.samples()) {
+    const double after_s = sample.time_s - start_s;
+    if (after_s <= 0) samples.clear();
+    samples.push_back({after_s, sample.pose});
+    if (after_s >= until_s) break;
+  }
+  return Trajectory(std::move(samples));
+}
+
+/// From about the middle of the pulse's band to about the frequency that the sonar mixes with.
+void mix(ChannelSignals& signals, const SignalModel& model) {
+  const double shift_hz = model.sampling.baseband_hz - carrier_hz(model);
+  if (shift_hz == 0) return;
+  for (std::size_t channel = 0; channel < signals.channels; ++channel)
+    for (std::size_t k = 0; k < signals.samples; ++k)
+      signals.value[channel * signals.samples + k] *=
+          std::polar(1.0, 2 * pi * shift_hz * model.sampling.time_s(k));
+}
+
+}  // namespace
+
+GroundField ground_field_of(const Survey& survey) {
+  const ScatterersDescription& asked = survey.scene.description.scatterers;
+  GroundField field;
+  field.seed = survey.scene.description.run.seed;
+  field.texture = asked.texture == "gamma"        ? GroundTexture::gamma
+                  : asked.texture == "log_normal" ? GroundTexture::log_normal
+                                                  : GroundTexture::none;
+  field.shape = asked.texture_shape;
+  field.texture_cell_m = asked.texture_cell_m;
+  field.spacing_m = asked.spacing_m.value_or(HUGE_VAL);
+  for (std::size_t s = 0; s < survey.sensors.size() && !asked.spacing_m; ++s) {
+    const SignalModel* model = survey.sensors[s].sensor->signals();
+    if (model == nullptr) continue;
+    const Sensor& sensor = *survey.sensors[s].sensor;
+    const double c = survey.sensors[s].sound_speed_m_s;
+    const FrequencyBand band = band_of(model->waveform);
+    field.spacing_m =
+        std::min(field.spacing_m, ground_spacing_m(band.high_hz - band.low_hz, c / carrier_hz(*model), c,
+                                                   sensor.beams().front().azimuth_width_rad));
+  }
+  return field;
+}
+
+std::vector<SignalChannel> signal_channels(const Shot& shot, std::size_t s) {
+  const Sensor& sensor = shot.sensor(s);
+  const SensorPings& pings = shot.survey().sensors[s];
+  const ElementArray& array = sensor.signals()->array;
+  const Pose& sent = pings.shot_pose(shot.ping(), shot.number());
+  const Pose& heard = pings.receiver_pose(shot.ping(), shot.number());
+  SignalChannel channel;
+  channel.transmit_m = sent.position_m + sent.attitude * array.transmitter_m;
+  if (sensor.has_patterns()) {
+    const BeamPatterns patterns = sensor.patterns(sent, pings.sound_speed_m_s, shot.number());
+    if (!patterns.transmit.front().beams.empty()) channel.transmit = patterns.transmit.front().beams.front();
+    channel.receive = patterns.receive.front();
+  }
+  const Trajectory& track = shot.scene().trajectories[shot.scene().sensor_trajectory[s]];
+  std::shared_ptr<const Trajectory> on_the_way;
+  if (!sensor.signals()->stop_and_hop && !track.is_fixed())
+    on_the_way = std::make_shared<const Trajectory>(
+        track_from(track, pings.times_s[shot.ping()], sensor.signals()->sampling.end_s()));
+  /// Of a place on the sensor, by where that or its receiver is.
+  const auto way = [&](Pose (Sensor::*pose_on)(const Pose&) const, glm::dvec3 place) -> EndWay {
+    if (!on_the_way) return {};
+    return [&sensor, on_the_way, pose_on, place](double after_start_s) {
+      const Pose pose = (sensor.*pose_on)(on_the_way->at(after_start_s));
+      return pose.position_m + pose.attitude * place;
+    };
+  };
+  channel.transmit_way = way(&Sensor::pose_on, array.transmitter_m);
+  std::vector<SignalChannel> channels;
+  for (const glm::dvec3 place : array.receivers_m) {
+    channel.receive_m = heard.position_m + heard.attitude * place;
+    channel.receive_way = way(&Sensor::receiver_pose_on, place);
+    channels.push_back(channel);
+  }
+  return channels;
+}
+
+namespace {
+
+/// How the elements of a sensor hear a shot.
+class ShotSignals {
+ public:
+  ShotSignals(const Shot& shot, std::size_t s)
+      : shot_(shot),
+        sensor_(s),
+        model_(*shot.sensor(s).signals()),
+        law_(shot, shot.ground(), s),
+        receiver_(receiver_of(shot, s)),
+        field_(ground_field_of(shot.survey())) {}
+
+  ChannelSignals silence() const { return silence_of(receiver_.channels); }
+  /// What comes straight to what is seen and back: what all receivers hear of one sight, or each of its own.
+  ChannelSignals straight(const History& history) const {
+    ChannelSignals all = silence_of({});
+    for_sights(history, [&](const Sight& sight, const std::vector<SignalChannel>& channels) {
+      const ChannelSignals its = of(seen_patches(sight, law_.law), channels, law_.law);
+      all.channels += its.channels;
+      all.value.insert(all.value.end(), its.value.begin(), its.value.end());
+    });
+    return all;
+  }
+  /// The same with bounds, mixed.
+  CertifiedSignals certified(const History& history, double tolerance) const {
+    CertifiedSignals all{silence_of({}), {}};
+    for_sights(history, [&](const Sight& sight, const std::vector<SignalChannel>& channels) {
+      const CertifiedSignals its = certified(sight, channels, tolerance);
+      all.signals.channels += its.signals.channels;
+      all.signals.value.insert(all.signals.value.end(), its.signals.value.begin(), its.signals.value.end());
+      all.bound.insert(all.bound.end(), its.bound.begin(), its.bound.end());
+    });
+    return all;
+  }
+  bool has_mirrors() const {
+    return path_settings(shot_.scene(), shot_.sensor(sensor_).frequency_khz()).has_value();
+  }
+  /// Adds what comes over mirrors.
+  void add_mirrored(ChannelSignals& sum) const {
+    for_signal_paths(shot_, sensor_, receiver_.channels,
+                     {[&](const CoherentPath& path) {
+                        superpose(of(path.patches, path.channels, path.law), path.phase, sum);
+                      },
+                      [&](const CoherentArrival& arrival) { add_arrival(arrival, receiver_, sum); }});
+  }
+
+ private:
+  ChannelSignals silence_of(const std::vector<SignalChannel>& channels) const {
+    ChannelSignals none{channels.size(), receiver_.times.count, {}};
+    none.value.assign(none.channels * none.samples, 0);
+    return none;
+  }
+  /// Calls use(sight, channels that hear of it), in the channels' order.
+  template <class Use>
+  void for_sights(const History& history, const Use& use) const {
+    if (model_.own_sights)
+      for (const SignalChannel& channel : receiver_.channels)
+        use(Sight(seen_with(channel.receive_m)), std::vector{channel});
+    else if (shot_.has_receiver_apart())
+      use(Sight(shot_.trace_both()), receiver_.channels);
+    else
+      use(Sight(history), receiver_.channels);
+  }
+  CoherentReceiver receiver_with(std::vector<SignalChannel> channels) const {
+    CoherentReceiver receiver = receiver_;
+    receiver.channels = std::move(channels);
+    return receiver;
+  }
+  const SmoothSurface* surface_of(FacetId facet, const EchoLaw& law) const {
+    return shot_.scene().smooth_surface(law.material[facet]);
+  }
+  /// What mirrors is heard by its images, which have the echo of its plane.
+  const SmoothSurface* heard_of(FacetId facet, const EchoLaw& law) const {
+    return shot_.scene().material_reflection[law.material[facet]] > 0 ? nullptr : surface_of(facet, law);
+  }
+  ChannelSignals of(const SeenPatches& seen, std::vector<SignalChannel> channels, const EchoLaw& law) const {
+    const CoherentReceiver receiver = receiver_with(std::move(channels));
+    const SplitPatches patches =
+        split_patches(seen, [&](FacetId facet) { return surface_of(facet, law) != nullptr; });
+    check_number(patches.rough, field_);
+    ChannelSignals all = element_signals(patches.rough, receiver, law, field_, model_.tolerance);
+    if (!patches.smooth.patches.empty())
+      superpose(smooth_signals(
+                    patches.smooth, receiver, law, [&](FacetId facet) { return heard_of(facet, law); },
+                    model_.tolerance),
+                1, all);
+    return all;
+  }
+  CertifiedSignals certified(const Sight& sight, const std::vector<SignalChannel>& channels,
+                             double tolerance) const {
+    const EchoLaw& law = law_.law;
+    const SplitPatches patches =  // those with a bound first
+        split_patches(seen_patches(sight, law), [&](FacetId facet) {
+          const SmoothSurface* surface = surface_of(facet, law);
+          return surface != nullptr && std::ranges::all_of(channels, [&](const SignalChannel& channel) {
+                   return CertifiedSmoothSignals::can_bound(*surface, channel, law.path);
+                 });
+        });
+    const auto surface = [&](FacetId facet) { return heard_of(facet, law); };
+    const TransmitWaveform& waveform = model_.waveform;
+    const BistaticHistory* apart = sight.two_apexes();
+    const CertifiedSmoothSignals enclosing(
+        {shot_.ground().mesh(), apart != nullptr ? apart->transmit.apex : shot_.tubes_of(sensor_).apex,
+         sight.home_m(), sight.grid_unit_m()},
+        {waveform.start_hz, waveform.stop_hz, waveform.duration_s, waveform.taper}, receiver_.times,
+        model_.sampling.baseband_hz, receiver_.sound_speed_m_s);
+    // What the loudest sample says of how little the others need be off by.
+    const ChannelSignals about = patches.smooth.patches.empty()
+                                     ? silence_of(channels)
+                                     : smooth_signals(patches.smooth, receiver_with(channels), law, surface,
+                                                      std::max(model_.tolerance, 1e-2));
+    std::vector<double> allowed;
+    for (std::size_t c = 0; c < channels.size(); ++c) {
+      double loudest = 0;
+      for (std::size_t k = 0; k < about.samples; ++k) loudest = std::max(loudest, std::abs(about.at(c, k)));
+      allowed.push_back(tolerance * signal_floor * loudest);
+    }
+    CertifiedSignals all = enclosing.of(patches.smooth, channels, law.absorption_db_per_m, surface, allowed);
+    if (patches.rough.patches.empty()) return all;
+    enclosing.leave_open(patches.rough, channels, all.bound);
+    ChannelSignals others = of(patches.rough, channels, law);
+    mix(others, model_);
+    for (std::size_t k = 0; k < all.bound.size(); ++k)
+      if (std::isinf(all.bound[k].real())) all.signals.value[k] += others.value[k];
+    return all;
+  }
+  BistaticHistory seen_with(glm::dvec3 receiver_m) const {
+    const Scene& scene = shot_.scene();
+    Pose pose = shot_.receiver_pose();
+    pose.position_m = receiver_m;
+    TubeSet sent = shot_.tubes_of(sensor_),
+            heard = shot_.sensor(sensor_).tubes(pose, scene.grid, shot_.number());
+    // Half of a path is no less than the range from either end, less half of the way between them.
+    const double apart = glm::distance(receiver_m, shot_.pose().position_m) / (2 * scene.grid.unit_m());
+    sent.reach += apart;
+    heard.reach += apart;
+    return trace_bistatic(shot_.ground().mesh(), shot_.ground().tree(), scene.grid.unit_m(),
+                          shot_.request().visibility, sent, heard);
+  }
+
+  const Shot& shot_;
+  std::size_t sensor_;
+  const SignalModel& model_;
+  SensorLaw law_;
+  CoherentReceiver receiver_;
+  GroundField field_;
+};
+
+}  // namespace
+
+CertifiedSignals signals_heard(const Shot& shot, std::size_t s, const History& history) {
+  try {
+    const ShotSignals heard(shot, s);
+    const SignalModel& model = *shot.sensor(s).signals();
+    const auto tolerance = shot.request().reference_tolerance;
+    ChannelSignals others = heard.silence();
+    CertifiedSignals all;
+    const bool direct = is_order_wanted(shot.scene(), 1);
+    if (tolerance && direct)
+      all = heard.certified(history, *tolerance);
+    else if (direct)
+      others = heard.straight(history);
+    heard.add_mirrored(others);
+    mix(others, model);
+    if (!tolerance) return {std::move(others), {}};
+    if (!direct) all = {heard.silence(), std::vector<std::complex<double>>(others.value.size())};
+    if (heard.has_mirrors()) {
+      constexpr double open = std::numeric_limits<double>::infinity();
+      superpose(others, 1, all.signals);
+      std::ranges::fill(all.bound, std::complex(open, open));
+    }
+    return all;
+  } catch (const std::invalid_argument& error) {
+    throw InputError(shot.sensor(s).description().place, fmt::format("{}: {}", shot.name(), error.what()));
+  }
+}
+
+}  // namespace tubefoot
