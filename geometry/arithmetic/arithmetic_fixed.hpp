@@ -2,10 +2,12 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
 #include "geometry/mesh/facet_cone.hpp"
+#include "geometry/numbers/lane_bits.hpp"
 #include "geometry/numbers/wide_int.hpp"
 
 // The Arithmetic concept, and its default model. An arithmetic provides three types and the decisions on
@@ -25,6 +27,8 @@
 //   nearer(facet, point)    sign of c - n . point: +1 on the apex's side
 //   uses_names              whether zeros that follow from names alone are settled without arithmetic
 //   signs_are_exact         whether all signs are those of the exact values
+// and, if there is a first tier that is sure of most signs, what the default has:
+//   double_side(), FourHalves, double_sides()
 // clang-format on
 //
 // Law A1 (cyclic): side(meet(p, q), r) = side(meet(q, r), p) = side(meet(r, p), q).
@@ -67,6 +71,24 @@ struct FixedArithmetic {
     GridPoint point;
     int sign = 1;
   };
+
+  /// Half-spaces of up to four planes, side by side.
+  struct FourHalves {
+    struct Two {
+      std::array<TwoDoubles, 3> n{};
+      TwoDoubles size{}, rounding{};  ///< of the first tier's bounds
+    };
+    std::array<Two, 2> two;
+
+    void set(std::size_t k, const Plane& plane, int sign) {
+      Two& pair = two[k / 2];
+      for (std::size_t c = 0; c < 3; ++c) pair.n[c][k % 2] = sign * plane.n[c];
+      pair.size[k % 2] = plane.size;
+      pair.rounding[k % 2] = plane.error + 4 * u * plane.size;
+    }
+  };
+  /// Bit k: surely inside half-space k; bit 4 + k: surely outside; neither: in doubt, or no half-space there.
+  using FourSides = unsigned;
 
   void through(Plane& plane, GridPoint a, GridPoint b) const {
     plane.exact = cross(a, b);
@@ -157,6 +179,15 @@ struct FixedArithmetic {
     return beyond(d, 8 * u * (std::abs(x) + std::abs(y) + std::abs(z) + f.c));
   }
 
+  /// The first tier of four at once: double_side() of a corner, or of a point's, on each of them.
+  FourSides double_sides(const Corner& corner, const FourHalves& halves) const {
+    return double_sides(corner.v[0], corner.v[1], corner.v[2], corner.size, corner.error, halves);
+  }
+  FourSides double_sides(GridPoint p, const FourHalves& halves) const {
+    const double x = p.x, y = p.y, z = p.z;
+    return double_sides(x, y, z, std::max({std::abs(x), std::abs(y), std::abs(z)}), 0, halves);
+  }
+
   /// The last tier, decided by integers alone; also the oracle of the filter's tests.
   static int exact_side(const Corner& corner, const Plane& plane);
   static int exact_side(GridPoint p, const Plane& plane);
@@ -165,6 +196,15 @@ struct FixedArithmetic {
   }
 
  private:
+  static FourSides double_sides(double x, double y, double z, double size, double error,
+                                const FourHalves& halves) {
+    const auto sides = [&](const FourHalves::Two& h) {
+      const TwoDoubles d = x * h.n[0] + y * h.n[1] + z * h.n[2];
+      const TwoDoubles bound = 3.01 * (error * h.size + size * h.rounding);
+      return bits_of(d > bound) | bits_of(d < -bound) << 4;
+    };
+    return sides(halves.two[0]) | sides(halves.two[1]) << 2;
+  }
   static int beyond(double d, double bound) { return d > bound ? 1 : d < -bound ? -1 : 0; }
   static double largest(const double* v) {
     return std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])});

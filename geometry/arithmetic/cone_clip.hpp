@@ -43,20 +43,18 @@ struct PieceRange {
   friend bool operator==(const PieceRange&, const PieceRange&) = default;
 };
 
+/// Into `c`, a new corner.
 template <class A>
-ClipCorner<A> point_corner(const A& arithmetic, PointId id, GridPoint direction, Half<A> edge) {
-  ClipCorner<A> c;
+void point_corner(const A& arithmetic, PointId id, GridPoint direction, Half<A> edge, ClipCorner<A>& c) {
   arithmetic.point(c.corner, direction);
   c.point = id;
   c.edge = edge;
-  return c;
 }
 
 /// The corner where a cone turns from half-space p to half-space q. Two planes through the same point meet in
 /// the ray of that point, or opposite to it; which of the two is a determinant of three input points.
 template <class A>
-ClipCorner<A> meet(const A& arithmetic, Half<A> p, Half<A> q, Half<A> edge) {
-  ClipCorner<A> c;
+void meet(const A& arithmetic, Half<A> p, Half<A> q, Half<A> edge, ClipCorner<A>& c) {
   c.edge = edge;
   c.p = p;
   c.q = q;
@@ -73,20 +71,20 @@ ClipCorner<A> meet(const A& arithmetic, Half<A> p, Half<A> q, Half<A> edge) {
           if (order * arithmetic.side(w, q.plane->plane) * -1 > 0) {
             arithmetic.point(c.corner, v);
             c.point = id;
-            return c;
+            return;
           }
           arithmetic.meet(c.corner, p.plane->plane, q.plane->plane, p.sign * q.sign);
-          return c;
+          return;
         }
     }
   }
   arithmetic.meet(c.corner, p.plane->plane, q.plane->plane, p.sign * q.sign);
-  return c;
 }
 
-/// Sign of half . corner; zeros that follow from names are settled first.
+/// Sign of half . corner where a first look leaves it in doubt: zeros that follow from names are settled
+/// before any arithmetic.
 template <class A>
-int side(const A& arithmetic, const ClipCorner<A>& c, Half<A> half) {
+int side_in_doubt(const A& arithmetic, const ClipCorner<A>& c, Half<A> half) {
   if constexpr (A::uses_names) {
     if (c.point != no_point) {
       if (half.plane->name.contains(c.point)) return 0;
@@ -97,25 +95,35 @@ int side(const A& arithmetic, const ClipCorner<A>& c, Half<A> half) {
   return half.sign * arithmetic.side(c.corner, half.plane->plane);
 }
 
+/// Sign of half . corner. What a double is sure of is not zero, so names need not be asked.
+template <class A>
+int side(const A& arithmetic, const ClipCorner<A>& c, Half<A> half) {
+  if constexpr (requires { arithmetic.double_side(c.corner, half.plane->plane); })
+    if (const int s = arithmetic.double_side(c.corner, half.plane->plane)) return half.sign * s;
+  return side_in_doubt(arithmetic, c, half);
+}
+
 /// Appends to `buffer` the part of `piece` (sides given, one per corner, with at least one positive and one
 /// negative) inside `half`. Works on any pattern of signs, so that an inexact arithmetic cannot break it.
 template <class A>
 PieceRange clip(const A& arithmetic, CornerBuffer<A>& buffer, PieceRange piece, Half<A> half,
                 const int* sides) {
   PieceRange result{static_cast<std::uint32_t>(buffer.size()), 0};
+  if (const std::size_t most = buffer.size() + 2 * piece.count; most > buffer.capacity())
+    buffer.reserve(2 * most);
   for (std::uint32_t k = 0; k < piece.count; ++k) {
     const std::uint32_t next = k + 1 == piece.count ? 0 : k + 1;
     const Half<A> edge = buffer[piece.first + k].edge;
     if (sides[k] >= 0) {
-      buffer.push_back(ClipCorner<A>(buffer[piece.first + k]));
+      buffer.push_back(buffer[piece.first + k]);
       if (sides[next] < 0) {
         if (sides[k] > 0)
-          buffer.push_back(meet(arithmetic, edge, half, half));
+          meet(arithmetic, edge, half, half, buffer.emplace_back());
         else
           buffer.back().edge = half;
       }
     } else if (sides[next] > 0) {
-      buffer.push_back(meet(arithmetic, half, edge, edge));
+      meet(arithmetic, half, edge, edge, buffer.emplace_back());
     }
   }
   result.count = static_cast<std::uint32_t>(buffer.size()) - result.first;

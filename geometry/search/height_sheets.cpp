@@ -210,8 +210,8 @@ bool cones_meet(const std::array<GridPoint, 3>& points, const std::array<GridPoi
   thread_local CornerBuffer<FixedArithmetic> buffer;  // kept, so that the steady state allocates nothing
   buffer.clear();
   for (std::uint32_t k = 0; k < 3; ++k)
-    buffer.push_back(
-        point_corner(arithmetic, k, points[k], half(k, points[k], k, points[(k + 1) % 3], (k + 1) % 3)));
+    point_corner(arithmetic, k, points[k], half(k, points[k], k, points[(k + 1) % 3], (k + 1) % 3),
+                 buffer.emplace_back());
   PieceRange piece{0, 3};
   for (std::uint32_t w = 0; w < 4 && piece.count >= 3; ++w) {
     const auto wall = half(3 + w, rays[w], ray_bit | w, rays[(w + 1) % 4], ray_bit | (w + 1) % 4);

@@ -26,16 +26,18 @@ constexpr auto least_negative = static_cast<std::int32_t>(0x80000001u);
 
 float below(double x) {
   const auto rounded = static_cast<float>(x);
-  if (rounded <= x) return rounded;
+  const auto too_high = static_cast<std::int32_t>(rounded > x);  // for half of all numbers: no branch
+  if (rounded == 0) [[unlikely]]
+    return too_high ? std::bit_cast<float>(least_negative) : rounded;
   // The next float down; nextafterf is a call. Rounded up, so neither -inf nor the lowest float.
   const auto bits = std::bit_cast<std::int32_t>(rounded);
-  return std::bit_cast<float>(rounded > 0 ? bits - 1 : rounded < 0 ? bits + 1 : least_negative);
+  return std::bit_cast<float>(bits + (bits < 0 ? too_high : -too_high));
 }
 
 }  // namespace
 
 LayerGrid::RoundedBounds::RoundedBounds(const Bounds& b)
-    : x0(below(b.x0)), x1(-below(-b.x1)), y0(below(b.y0)), y1(-below(-b.y1)) {}
+    : ends{below(b.x0), below(b.y0), below(-b.x1), below(-b.y1)} {}
 
 void LayerGrid::build(const GnomonicFrame& frame, const std::vector<FramedFacet>& facets,
                       const std::vector<Neighbours>& neighbours) {
@@ -46,8 +48,8 @@ void LayerGrid::build(const GnomonicFrame& frame, const std::vector<FramedFacet>
   cells_of_facet_.resize(facets.size());
   stamp_.assign(facets.size(), 0);
   stamp_now_ = 0;
-  apart_.assign(facets.size(), no_more);
-  aparts_.clear();
+  judged_.assign(facets.size(), no_more);
+  judgements_.clear();
   choose_size();
   fill();
   for (int y = 0; y < rows_; ++y)
@@ -71,8 +73,8 @@ void LayerGrid::choose_size() {
       cell_width_ = width / columns_;
       cell_height_ = height / rows_;
       double entries = 0;
-      for (const FramedFacet& facet : *facets_) {
-        const Cells c = cells_of(facet.bounds);
+      for (std::size_t f = 0; f < facets_->size(); ++f) {
+        const Cells c = cells_of_facet_[f] = cells_of((*facets_)[f].bounds);
         entries += static_cast<double>(c.x1 - c.x0 + 1) * (c.y1 - c.y0 + 1);
       }
       if (entries <= entries_per_facet * static_cast<double>(facets_->size())) break;
@@ -81,6 +83,8 @@ void LayerGrid::choose_size() {
     cell_width_ = width / columns_;
     cell_height_ = height / rows_;
   }
+  if (columns_ == 1 && rows_ == 1)
+    std::fill(cells_of_facet_.begin(), cells_of_facet_.end(), Cells{0, 0, 0, 0});
   cells_.assign(static_cast<std::size_t>(columns_) * rows_, Cell{});
 }
 
@@ -104,7 +108,6 @@ void LayerGrid::fill() {
       for (int x = c.x0; x <= c.x1; ++x) visit(cells_[static_cast<std::size_t>(y) * columns_ + x]);
   };
   for (std::uint32_t f = 0; f < facets_->size(); ++f) {
-    cells_of_facet_[f] = cells_of((*facets_)[f].bounds);
     each_cell(f, [](Cell& cell) { ++cell.end; });
   }
   std::uint32_t total = 0;
@@ -257,11 +260,12 @@ void LayerGrid::drop_hidden() {
 
 void LayerGrid::occluder_candidates(std::uint32_t facet, std::vector<std::uint32_t>& out) {
   const FramedFacet& receiver = (*facets_)[facet];
-  const RoundedBounds bounds = rounded_[facet];
+  const FourFloats reach = rounded_[facet].reach();
   const double farthest = receiver.farthest;
-  const std::uint32_t now = ++stamp_now_;
+  const std::uint32_t overlaps = ++stamp_now_, now = ++stamp_now_;
   stamp_[facet] = now;
-  for (std::uint32_t k = apart_[facet]; k != no_more; k = aparts_[k].next) stamp_[aparts_[k].facet] = now;
+  for (std::uint32_t k = judged_[facet]; k != no_more; k = judgements_[k].next)
+    stamp_[judgements_[k].facet] = judgements_[k].apart ? now : overlaps;
   std::size_t count = 0;
   const Cells c = cells_of_facet_[facet];
   for (int y = c.y0; y <= c.y1; ++y)
@@ -273,28 +277,37 @@ void LayerGrid::occluder_candidates(std::uint32_t facet, std::vector<std::uint32
       std::int32_t own_layer = own_layer_is_none;
       if (cell.has_simple_layer)
         for (const Entry* e = begin; e != end; ++e)
-          if (e->facet == facet && e->simple_layer != no_layer) own_layer = e->simple_layer;
+          if (e->facet == facet) {
+            if (e->simple_layer != no_layer) own_layer = e->simple_layer;
+            break;
+          }
       if (found_.size() < count + (cell.end - cell.begin)) found_.resize(count + (cell.end - cell.begin));
       // Half of them are found: no branch would be foreseen.
+      const std::size_t before = count;
       for (const Entry* e = begin; e != end && e->nearest < farthest; ++e) {
-        std::uint32_t& stamp = stamp_[e->facet];
         // A simple layer does not overlap itself here.
-        const bool found = e->bounds.meets(bounds) & (e->simple_layer != own_layer) & (stamp != now);
-        found_[count] = {e->nearest, e->facet};
-        stamp += (now - stamp) & -static_cast<std::uint32_t>(found);
-        count += found;
+        found_[count] = {e->nearest, e->facet, false};
+        count += e->bounds.within(reach) & (e->simple_layer != own_layer);
       }
+      std::size_t fresh = before;
+      for (std::size_t k = before; k < count; ++k) {
+        std::uint32_t& stamp = stamp_[found_[k].facet];
+        found_[fresh] = {found_[k].nearest, found_[k].facet, stamp == overlaps};
+        fresh += stamp != now;
+        stamp = now;
+      }
+      count = fresh;
     }
   std::size_t kept = 0;
-  constexpr std::size_t most_aparts_a_facet = 64;  // of slivers side by side all boxes meet
+  constexpr std::size_t most_judgements_a_facet = 64;  // of slivers side by side all boxes meet
   for (std::size_t k = 0; k < count; ++k) {
-    const std::uint32_t other = found_[k].facet;
-    if (!surely_apart(receiver, (*facets_)[other])) {
-      found_[kept++] = Found(found_[k]);
-    } else if (other > facet && aparts_.size() < most_aparts_a_facet * facets_->size()) {
+    const Found found = found_[k];
+    const bool apart = !found.overlaps && surely_apart(receiver, (*facets_)[found.facet]);
+    if (!apart) found_[kept++] = found;
+    if (found.facet > facet && judgements_.size() < most_judgements_a_facet * facets_->size()) {
       // Who is not in the list is asked again.
-      aparts_.push_back({facet, apart_[other]});
-      apart_[other] = static_cast<std::uint32_t>(aparts_.size() - 1);
+      judgements_.push_back({facet, judged_[found.facet], apart});
+      judged_[found.facet] = static_cast<std::uint32_t>(judgements_.size() - 1);
     }
   }
   const auto last = found_.begin() + static_cast<std::ptrdiff_t>(kept);

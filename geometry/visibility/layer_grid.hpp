@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "geometry/numbers/lane_bits.hpp"
 #include "geometry/visibility/gnomonic_frame.hpp"
 
 namespace tubefoot {
@@ -44,11 +45,11 @@ class LayerGrid {
   };
   /// Bounds in single precision, rounded outwards.
   struct RoundedBounds {
-    float x0, x1, y0, y1;
+    FourFloats ends;  ///< x0, y0, -x1, -y1
     explicit RoundedBounds(const Bounds& b);
-    bool meets(const RoundedBounds& o) const {
-      return (x0 <= o.x1) & (o.x0 <= x1) & (y0 <= o.y1) & (o.y0 <= y1);
-    }
+    /// The largest ends that bounds may have that meet these.
+    FourFloats reach() const { return -__builtin_shufflevector(ends, ends, 2, 3, 0, 1); }
+    bool within(const FourFloats& reach) const { return bits_of(ends <= reach) == 0b1111; }
   };
   struct Cell {
     std::uint32_t begin = 0, end = 0;  ///< in entries_
@@ -67,9 +68,12 @@ class LayerGrid {
   struct Found {
     double nearest;
     std::uint32_t facet;
+    bool overlaps;  ///< known not to be apart
   };
-  struct Apart {
+  /// What was found when `facet` was looked at.
+  struct Judgement {
     std::uint32_t facet, next;
+    bool apart;
   };
   static constexpr std::uint32_t no_more = 0xffffffffu;
 
@@ -95,9 +99,9 @@ class LayerGrid {
   std::vector<double> farthest_;        ///< by facet
   std::vector<std::uint8_t> hidden_;
 
-  /// By facet, a list of facets that were found to be apart from it when these were looked at: first, next.
-  std::vector<std::uint32_t> apart_;
-  std::vector<Apart> aparts_;
+  /// By facet, a list of what was found of it when other facets were looked at: first, next.
+  std::vector<std::uint32_t> judged_;
+  std::vector<Judgement> judgements_;
 
   // Scratch: per facet, its place in the cell at hand; per place, layers as a union-find forest.
   std::vector<std::uint32_t> place_, stamp_;

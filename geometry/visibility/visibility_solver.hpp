@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <deque>
 #include <utility>
 #include <vector>
 
@@ -21,6 +20,17 @@
 // The visibility algorithm, once for all arithmetics; instantiated in visibility_<arithmetic>.cpp.
 // Steps and their proofs: docs/visibility.md.
 namespace tubefoot {
+
+/// A::FourHalves, or nothing where the arithmetic has none.
+template <class A>
+struct FourHalvesOf {
+  struct Type {};
+};
+template <class A>
+requires requires { typename A::FourHalves; }
+struct FourHalvesOf<A> {
+  using Type = typename A::FourHalves;
+};
 
 template <class A>
 class VisibilitySolver {
@@ -44,6 +54,9 @@ class VisibilitySolver {
     walls_.clear();
     frame_ = GnomonicFrame({out.rays[0], out.rays[1], out.rays[2], out.rays[3]});
     tube_ = make_tube_cone();
+    if constexpr (has_lanes)
+      for (std::size_t w = 0; w < 4; ++w)
+        wall_lanes_.set(w, buffer_[w].edge.plane->plane, buffer_[w].edge.sign);
     gather();
     out.candidates = facets_.size();
     find_layers();
@@ -60,6 +73,10 @@ class VisibilitySolver {
   }
 
  private:
+  /// Whether the arithmetic's first tier looks at several planes at once.
+  static constexpr bool has_lanes = requires { typename A::FourHalves; };
+  using FourHalves = typename FourHalvesOf<A>::Type;
+
   enum class Hides { no, where_covered, where_nearer };
 
   struct Occluder {
@@ -69,17 +86,16 @@ class VisibilitySolver {
 
   /// Planes of a facet, made when first needed: most facets never are.
   struct FacetPlanes {
-    bool made = false;
     typename A::Facet facet;
     std::array<ClipPlane<A>, 3> edges;
     std::array<Half<A>, 3> halves;
+    const FourHalves* lanes;  ///< of the halves; null until they are asked for
   };
 
-  /// On which sides of the tube's walls a facet's vertices lie: bit 3 w + k for vertex k strictly inside wall
-  /// w; bit w of `crossed` for a wall that has a vertex outside.
+  /// On which sides of the tube's walls a facet's vertices lie: bit 3 w + k for vertex k strictly inside, or
+  /// outside, wall w.
   struct WallSides {
-    std::uint16_t inside = 0;
-    std::uint8_t crossed = 0;
+    std::uint16_t inside = 0, outside = 0;
   };
 
   enum class Fold : std::uint8_t { unknown, no, yes };
@@ -114,7 +130,7 @@ class VisibilitySolver {
   PieceRange make_tube_cone() {
     for (std::uint32_t k = 0; k < 4; ++k) {
       const Half<A> edge = wall(ray_bit | k, ray_bit | (k + 1) % 4);
-      buffer_.push_back(point_corner(arithmetic_, ray_bit | k, out_->rays[k], edge));
+      point_corner(arithmetic_, ray_bit | k, out_->rays[k], edge, buffer_.emplace_back());
     }
     return {0, 4};
   }
@@ -133,18 +149,19 @@ class VisibilitySolver {
         gathered_.push_back(f);
         add_facet(all[f], sides);
       }
-    make_room_for_planes(0);
+    made_planes_.clear();
+    lanes_.clear();
+    planes_.assign(facets_.size(), nullptr);
   }
 
   void gather_hidden() {
-    const std::size_t first = facets_.size();
     RangedFacet facet;
     for (const FacetId id : gathering_->hidden())
       if (WallSides sides; FacetCone::make(*mesh_, id, apex_, facet.cone) && enters_tube(facet.cone, sides)) {
         facet.measure_ranges();
         add_facet(facet, sides);
       }
-    make_room_for_planes(first);
+    planes_.resize(facets_.size(), nullptr);
   }
 
   void add_facet(const RangedFacet& facet, WallSides sides) {
@@ -152,31 +169,36 @@ class VisibilitySolver {
     sides_of_walls_.push_back(sides);
   }
 
-  void make_room_for_planes(std::size_t first) {
-    if (planes_.size() < facets_.size()) planes_.resize(facets_.size());
-    for (std::size_t f = first; f < facets_.size(); ++f) planes_[f].made = false;
-  }
-
   /// False if some wall of the tube has no vertex strictly inside. Exact.
   bool enters_tube(const FacetCone& cone, WallSides& sides) const {
+    [[maybe_unused]] std::array<unsigned, 3> at_a_glance{};
+    if constexpr (has_lanes)
+      for (unsigned k = 0; k < 3; ++k) at_a_glance[k] = arithmetic_.double_sides(cone.point[k], wall_lanes_);
     for (unsigned w = 0; w < 4; ++w) {
       const Half<A> half = buffer_[w].edge;
-      unsigned inside = 0;
+      unsigned inside = 0, outside = 0;
       for (unsigned k = 0; k < 3; ++k) {
+        if (const unsigned seen = at_a_glance[k] >> w & 0x11u) {
+          inside |= (seen & 1u) << k;
+          outside |= (seen >> 4) << k;
+          continue;
+        }
         const int s = half.sign * arithmetic_.side(cone.point[k], half.plane->plane);
         inside |= static_cast<unsigned>(s > 0) << k;
-        if (s < 0) sides.crossed = static_cast<std::uint8_t>(sides.crossed | 1u << w);
+        outside |= static_cast<unsigned>(s < 0) << k;
       }
       if (inside == 0) return false;
       sides.inside = static_cast<std::uint16_t>(sides.inside | inside << 3 * w);
+      sides.outside = static_cast<std::uint16_t>(sides.outside | outside << 3 * w);
     }
     return true;
   }
 
-  const FacetPlanes& planes_of(std::uint32_t f) {
-    FacetPlanes& planes = planes_[f];
-    if (planes.made) return planes;
-    planes.made = true;
+  FacetPlanes& planes_of(std::uint32_t f) {
+    if (planes_[f]) return *planes_[f];
+    FacetPlanes& planes = made_planes_.next();
+    planes_[f] = &planes;
+    planes.lanes = nullptr;
     const FacetCone& cone = facets_[f].cone;
     arithmetic_.facet(planes.facet, cone);
     for (int k = 0; k < 3; ++k) {
@@ -185,6 +207,16 @@ class VisibilitySolver {
       planes.halves[k] = {&planes.edges[k], cone.vertex[k] < cone.vertex[next] ? 1 : -1};
     }
     return planes;
+  }
+
+  const FourHalves* lanes_of(FacetPlanes& planes) {
+    if constexpr (has_lanes)
+      if (!planes.lanes) {
+        FourHalves& lanes = lanes_.next();
+        for (std::size_t k = 0; k < 3; ++k) lanes.set(k, planes.edges[k].plane, planes.halves[k].sign);
+        planes.lanes = &lanes;
+      }
+    return planes.lanes;
   }
 
   void find_layers() {
@@ -245,22 +277,37 @@ class VisibilitySolver {
     const FacetPlanes& planes = planes_of(f);
     piece = {static_cast<std::uint32_t>(buffer_.size()), 3};
     for (int k = 0; k < 3; ++k)
-      buffer_.push_back(point_corner(arithmetic_, cone.vertex[k], cone.point[k], planes.halves[k]));
-    for (std::uint32_t w = 0; w < tube_.count; ++w)
-      if (sides_of_walls_[f].crossed >> w & 1u)
-        if (!clip_to(piece, Half<A>(buffer_[tube_.first + w].edge))) return false;
+      point_corner(arithmetic_, cone.vertex[k], cone.point[k], planes.halves[k], buffer_.emplace_back());
+    const WallSides& sides = sides_of_walls_[f];
+    bool whole = true;
+    for (std::uint32_t w = 0; w < tube_.count; ++w) {
+      const unsigned inside = sides.inside >> 3 * w & 7u, outside = sides.outside >> 3 * w & 7u;
+      if (outside == 0) continue;
+      const Half<A> wall = buffer_[tube_.first + w].edge;
+      if (whole) {
+        std::array<int, 3> known;
+        for (unsigned k = 0; k < 3; ++k) known[k] = int(inside >> k & 1u) - int(outside >> k & 1u);
+        piece = clip(arithmetic_, buffer_, piece, wall, known.data());
+        if (piece.count < 3) return false;
+        whole = false;
+      } else if (!clip_to(piece, wall)) {
+        return false;
+      }
+    }
     return true;
   }
 
   void see_facet(std::uint32_t f) {
+    if (grid_.is_hidden(f)) return;
+    const bool whole = sides_of_walls_[f].outside == 0;
     PieceRange piece;
-    if (grid_.is_hidden(f) || !facet_in_tube(f, piece)) return;
-    // Only facets that can hide some of it are worth a cut.
-    grid_.occluder_candidates(f, candidates_);
-    list_.clear();
-    for (const std::uint32_t o : candidates_)
-      if (const Hides how = hides(f, o); how != Hides::no) list_.push_back({o, how});
-    if (crowded_[f]) drop_covered();
+    if (!whole && !facet_in_tube(f, piece)) return;
+    find_occluders(f);
+    if (whole) {
+      // Most facets of a bed, of which no plane is needed.
+      if (list_.empty()) return emit_whole(facets_[f].cone);
+      facet_in_tube(f, piece);
+    }
     depth_planes_.clear();
     const auto first_occluder = static_cast<std::ptrdiff_t>(out_->occluders.size());
     receiver_ = f;
@@ -272,6 +319,15 @@ class VisibilitySolver {
     const auto begin = out_->occluders.begin() + first_occluder;
     std::sort(begin, out_->occluders.end());
     out_->occluders.erase(std::unique(begin, out_->occluders.end()), out_->occluders.end());
+  }
+
+  /// Fills list_ with the facets that can hide some of this one: only they are worth a cut.
+  void find_occluders(std::uint32_t f) {
+    grid_.occluder_candidates(f, candidates_);
+    list_.clear();
+    for (const std::uint32_t o : candidates_)
+      if (const Hides how = hides(f, o); how != Hides::no) list_.push_back({o, how});
+    if (crowded_[f]) drop_covered();
   }
 
   /// Takes out of list_ what lies within the cone of another of its facets that hides all it covers, as far
@@ -325,16 +381,22 @@ class VisibilitySolver {
     for (std::size_t k = begin; k < end && !left_.empty(); ++k) {
       stop_if_wanted();
       const auto [o, how] = list_[k];
-      const FacetPlanes& planes = planes_of(o);
+      FacetPlanes& planes = planes_of(o);
       std::array<Half<A>, 4> halves{planes.halves[0], planes.halves[1], planes.halves[2], Half<A>{}};
+      const FourHalves* lanes = lanes_of(planes);
       int count = 3;
       if (how == Hides::where_nearer) {
         ClipPlane<A>& plane = depth_planes_.next();
         plane.name = {facets_[receiver_].cone.id, facets_[o].cone.id, true};
         arithmetic_.depth(plane.plane, planes_of(receiver_).facet, planes.facet);
         halves[count++] = {&plane, 1};
+        if constexpr (has_lanes) {
+          depth_lanes_ = *lanes;
+          depth_lanes_.set(3, plane.plane, 1);
+          lanes = &depth_lanes_;
+        }
       }
-      if (take_away({&facets_[o], halves.data(), count}) && receiver_ != nobody)
+      if (take_away({&facets_[o], halves.data(), count, lanes}) && receiver_ != nobody)
         out_->occluders.emplace_back(facets_[receiver_].cone.id, facets_[o].cone.id);
     }
     left_.each([this](PieceRange left) {
@@ -467,6 +529,7 @@ class VisibilitySolver {
     const FramedFacet* facet;
     const Half<A>* halves;
     int count;
+    const FourHalves* lanes;
   };
 
   /// Takes what is hidden away from the pieces left; true if anything was taken.
@@ -489,6 +552,7 @@ class VisibilitySolver {
   /// of it on both sides, first_sides_ being those of the first: the others hold all of it.
   bool crosses(PieceRange piece, const Hidden& hidden, unsigned halves, unsigned& cutting) {
     cutting = 0;
+    if constexpr (has_lanes) return crosses_at_a_glance(piece, hidden, halves, cutting);
     for (int h = 0; h < hidden.count; ++h) {
       if (!(halves >> h & 1u)) continue;
       const int signs = sides_of(piece, hidden.halves[h]);
@@ -496,6 +560,40 @@ class VisibilitySolver {
       if (!(signs & 2)) continue;
       if (cutting == 0) sides_.swap(first_sides_);
       cutting |= 1u << h;
+    }
+    return true;
+  }
+
+  /// The same, the first tier being asked for all half-spaces at once.
+  bool crosses_at_a_glance(PieceRange piece, const Hidden& hidden, unsigned halves, unsigned& cutting) {
+    if (glances_.size() < piece.count) glances_.resize(piece.count);
+    unsigned any = 0, sure = ~0u;
+    for (std::uint32_t k = 0; k < piece.count; ++k) {
+      const unsigned sides = arithmetic_.double_sides(buffer_[piece.first + k].corner, *hidden.lanes);
+      glances_[k] = sides;
+      any |= sides;
+      sure &= sides | sides >> 4;
+    }
+    for (int h = 0; h < hidden.count; ++h) {
+      const unsigned inside = 1u << h, outside = 16u << h;
+      if (!(halves & inside)) continue;
+      // Of the first that cuts, the cut will want to know all sides; of others, whether there are both.
+      if (!(sure & inside) && (cutting == 0 || (any & (inside | outside)) != (inside | outside)))
+        for (std::uint32_t k = 0; k < piece.count; ++k) {
+          if (glances_[k] & (inside | outside)) continue;
+          const int s = side_in_doubt(arithmetic_, buffer_[piece.first + k], hidden.halves[h]);
+          const unsigned found = s > 0 ? inside : s < 0 ? outside : 0;
+          glances_[k] |= found;
+          any |= found;
+        }
+      if (!(any & inside)) return false;
+      if (!(any & outside)) continue;
+      if (cutting == 0) {
+        if (first_sides_.size() < piece.count) first_sides_.resize(piece.count);
+        for (std::uint32_t k = 0; k < piece.count; ++k)
+          first_sides_[k] = (glances_[k] & inside ? 1 : 0) - (glances_[k] & outside ? 1 : 0);
+      }
+      cutting |= inside;
     }
     return true;
   }
@@ -557,6 +655,11 @@ class VisibilitySolver {
     }
   }
 
+  void emit_whole(const FacetCone& cone) {
+    out_->pieces.push_back({cone.id, static_cast<std::uint32_t>(out_->corners.size()), 3});
+    for (const VertexId vertex : cone.vertex) out_->corners.emplace_back().point = vertex;
+  }
+
   static constexpr std::uint32_t nobody = 0xffffffffu;
 
   A arithmetic_{};
@@ -573,12 +676,15 @@ class VisibilitySolver {
   std::vector<FramedFacet> facets_;
   std::vector<WallSides> sides_of_walls_;  ///< by facet
   std::vector<std::uint32_t> gathered_;    ///< by facet: its index in the gathering (not for hidden ones)
-  std::deque<FacetPlanes> planes_;         ///< by facet; a deque, because halves point into it
+  std::vector<FacetPlanes*> planes_;       ///< by facet; null until they are made
+  ReusedList<FacetPlanes> made_planes_;
   std::vector<Neighbours> neighbours_;
   std::vector<std::uint8_t> crowded_;  ///< by facet: whether more than `crowd` others share an edge of it
   std::vector<std::pair<double, std::uint32_t>> largest_first_;
   std::vector<std::uint8_t> covered_;    ///< by place in list_
   std::vector<std::uint32_t> covering_;  ///< facets
+  FourHalves wall_lanes_, depth_lanes_;  ///< of the tube; of the occluder at hand and its depth plane
+  ReusedList<FourHalves> lanes_;         ///< of occluders
   LayerGrid grid_;
   std::vector<std::uint32_t> candidates_;
   std::vector<Occluder> list_;
@@ -586,6 +692,7 @@ class VisibilitySolver {
   ReusedList<ClipPlane<A>> walls_, depth_planes_;
   PieceTree left_;  ///< of the receiver at hand
   std::vector<int> sides_, first_sides_, flipped_;
+  std::vector<unsigned> glances_;  ///< by corner: what the first tier says of an occluder's half-spaces
   std::vector<std::uint8_t>
       where_;  ///< per listed facet: 1 on the positive side of a split, 2 on the negative
 };

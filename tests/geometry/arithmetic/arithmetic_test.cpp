@@ -362,6 +362,44 @@ TEST(Arithmetic, ErrorBoundsHold) {
   }
 }
 
+// Law A9.
+TEST(Arithmetic, FourHalfSpacesAtOnceSayWhatEachSays) {
+  Random random(10);
+  const Fixed kernel;
+  std::size_t sure = 0, in_doubt = 0;
+  for (int k = 0; k < 20000; ++k) {
+    SCOPED_TRACE(testing::Message() << "seed 10, case " << k);
+    const TestFacets facets = random_facets(random);
+    const std::array three = three_planes(random);
+    const std::array<Fixed::Plane, 4> planes{three[0].fixed, three[1].fixed, three[2].fixed,
+                                             facets.depth(0, 1).fixed};
+    std::array<int, 4> turned{};
+    const auto count = static_cast<std::size_t>(uniform(random, 0, 4));
+    Fixed::FourHalves halves;
+    for (std::size_t h = 0; h < count; ++h) {
+      turned[h] = uniform(random, 0, 1) ? 1 : -1;
+      halves.set(h, planes[h], turned[h]);
+    }
+    const auto sign_in = [](unsigned sides, std::size_t h) {
+      return int(sides >> h & 1u) - int(sides >> (h + 4) & 1u);
+    };
+    std::array<Fixed::Corner, 2> corners;
+    const GridPoint p = point(random);
+    kernel.meet(corners[0], planes[0], planes[1], uniform(random, 0, 1) ? 1 : -1);
+    kernel.point(corners[1], p);
+    for (const Fixed::Corner& corner : corners)
+      for (std::size_t h = 0; h < 4; ++h) {
+        const int single = turned[h] * kernel.double_side(corner, planes[h]);
+        EXPECT_EQ(sign_in(kernel.double_sides(corner, halves), h), single);
+        if (h < count) ++(single != 0 ? sure : in_doubt);
+      }
+    EXPECT_EQ(kernel.double_sides(p, halves), kernel.double_sides(corners[1], halves));
+    ASSERT_FALSE(HasFailure());
+  }
+  EXPECT_GT(sure, 10000u);
+  EXPECT_GT(in_doubt, 10000u);
+}
+
 TEST(Arithmetic, PlainDoubleIsWrongOnPlantedZerosWhereFixedIsRight) {
   Random random(9);
   constexpr int cases = 2000;

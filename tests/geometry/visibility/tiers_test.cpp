@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <bit>
+#include <type_traits>
+
 #include "fixtures/geometry/grid_scenes.hpp"
 #include "geometry/arithmetic/arithmetic_filtered.hpp"
 #include "geometry/arithmetic/arithmetic_fixed.hpp"
@@ -63,6 +66,19 @@ struct Counting : A {
   int nearer(const typename A::Facet& f, GridPoint p) const {
     if (const int s = first_tier(*this, f, p)) return decided(s);
     return settled(A::exact_nearer(f, p), false);
+  }
+
+  // The first tier by itself: what it leaves in doubt is asked for once more, if no name tells.
+  int double_side(const typename A::Corner& corner,
+                  const typename A::Plane& plane) const requires std::is_same_v<A, FixedArithmetic> {
+    const int s = A::double_side(corner, plane);
+    return s != 0 ? decided(s) : 0;
+  }
+  unsigned double_sides(const auto& what,
+                        const auto& halves) const requires std::is_same_v<A, FixedArithmetic> {
+    const unsigned sides = A::double_sides(what, halves);
+    tiers->first += static_cast<unsigned>(std::popcount(sides));
+    return sides;
   }
 
  private:
