@@ -201,7 +201,7 @@ struct FixedArithmetic {
     const auto sides = [&](const FourHalves::Two& h) {
       const TwoDoubles d = x * h.n[0] + y * h.n[1] + z * h.n[2];
       const TwoDoubles bound = 3.01 * (error * h.size + size * h.rounding);
-      return bits_of(d > bound) | bits_of(d < -bound) << 4;
+      return bits_of(TwoLanes(d > bound)) | bits_of(TwoLanes(d < -bound)) << 4;
     };
     return sides(halves.two[0]) | sides(halves.two[1]) << 2;
   }

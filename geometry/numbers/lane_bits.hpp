@@ -12,7 +12,8 @@ using TwoLanes = std::int64_t __attribute__((vector_size(16)));
 using FourFloats = float __attribute__((vector_size(16)));
 using FourLanes = std::int32_t __attribute__((vector_size(16)));
 
-/// Bit k: whether lane k, all ones or all zeros, is all ones.
+/// Bit k: whether lane k, all ones or all zeros, is all ones. (What a comparison gives is cast to one of
+/// these: which type it has by itself differs from compiler to compiler.)
 inline unsigned bits_of(TwoLanes lanes) {
 #if defined(__SSE2__)
   return static_cast<unsigned>(__builtin_ia32_movmskpd(TwoDoubles(lanes)));

@@ -49,7 +49,7 @@ class LayerGrid {
     explicit RoundedBounds(const Bounds& b);
     /// The largest ends that bounds may have that meet these.
     FourFloats reach() const { return -__builtin_shufflevector(ends, ends, 2, 3, 0, 1); }
-    bool within(const FourFloats& reach) const { return bits_of(ends <= reach) == 0b1111; }
+    bool within(const FourFloats& reach) const { return bits_of(FourLanes(ends <= reach)) == 0b1111; }
   };
   struct Cell {
     std::uint32_t begin = 0, end = 0;  ///< in entries_
