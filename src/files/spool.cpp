@@ -4,8 +4,11 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
+#include <cstring>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -47,15 +50,30 @@ void Spool::flush() {
       fail();
     }
   }
-  if (std::fwrite(memory_.data(), 1, memory_.size(), file_) != memory_.size()) fail();
+  if (std::fwrite(memory_.data(), 1, memory_.size(), file_) != memory_.size() || std::fflush(file_) != 0)
+    fail();
   on_disk_ += memory_.size();
   memory_.clear();
+}
+
+void Spool::read(std::uint64_t first, void* bytes, std::size_t count) const {
+  if (first > size() || count > size() - first) throw std::out_of_range("bytes that a spool has not");
+  auto* to = static_cast<char*>(bytes);
+  while (count > 0 && first < on_disk_) {
+    const ssize_t got =
+        pread(fileno(file_), to, std::min<std::uint64_t>(count, on_disk_ - first), static_cast<off_t>(first));
+    if (got < 0 && errno == EINTR) continue;
+    if (got == 0) errno = EIO;
+    if (got <= 0) fail();
+    to += got, first += static_cast<std::uint64_t>(got), count -= static_cast<std::size_t>(got);
+  }
+  if (count > 0) std::memcpy(to, memory_.data() + (first - on_disk_), count);
 }
 
 void Spool::replay(const std::function<void(std::span<const char>)>& take) {
   if (file_ != nullptr) {
     flush();
-    if (std::fflush(file_) != 0 || std::fseek(file_, 0, SEEK_SET) != 0) fail();
+    if (std::fseek(file_, 0, SEEK_SET) != 0) fail();
     std::vector<char> block(most_in_memory);
     for (std::uint64_t left = on_disk_; left > 0;) {
       const std::size_t read =
