@@ -10,12 +10,15 @@
 #include <tuple>
 #include <vector>
 
+#include "sensors/receiver/lit_samples.hpp"
+
 namespace tubefoot {
 namespace {
 
 const double evenly = 1 / std::sqrt(12.0);  // standard deviation of a place anywhere in a unit length
 
-void check(std::span<const double> energies_j, const RangeSamples& samples, const DetectionRule& rule) {
+void check(std::span<const double> energies_j, const SampleSpan& lit, const RangeSamples& samples,
+           const DetectionRule& rule) {
   const auto refuse = [](const std::string& what) {
     throw std::invalid_argument("bottom detection: " + what);
   };
@@ -31,7 +34,7 @@ void check(std::span<const double> energies_j, const RangeSamples& samples, cons
     refuse(fmt::format("the absolute threshold is {} J, must be 0 or more", rule.absolute_j));
   if (!(rule.nearest_m <= rule.farthest_m))
     refuse(fmt::format("the range gate is {} to {} m, must not be empty", rule.nearest_m, rule.farthest_m));
-  for (std::size_t k = 0; k < energies_j.size(); ++k)
+  for (std::size_t k = lit.begin; k < lit.end; ++k)
     if (!(energies_j[k] >= 0 && std::isfinite(energies_j[k])))
       refuse(
           fmt::format("the energy of sample {} is {} J, must be finite and not negative", k, energies_j[k]));
@@ -41,16 +44,33 @@ void check(std::span<const double> energies_j, const RangeSamples& samples, cons
 struct Gate {
   std::span<const double> energies_j;
   const RangeSamples& samples;
-  int begin = 0, end = 0, largest = 0;
+  int begin = 0, end = 0;
+  int lit_begin = 0, lit_end = 0;  ///< of them: from the first to the last with energy
+  int largest = 0;                 ///< of these
 
-  Gate(std::span<const double> energies, const RangeSamples& range_samples, const DetectionRule& rule)
+  Gate(std::span<const double> energies, const SampleSpan& lit, const RangeSamples& range_samples,
+       const DetectionRule& rule)
       : energies_j(energies), samples(range_samples) {
-    while (begin < samples.count && middle(begin) < rule.nearest_m) ++begin;
-    end = begin;
-    while (end < samples.count && middle(end) <= rule.farthest_m) ++end;
-    largest = static_cast<int>(std::max_element(energies.begin() + begin, energies.begin() + end) -
+    begin = first_that(0, [&](int k) { return middle(k) >= rule.nearest_m; });
+    end = first_that(begin, [&](int k) { return middle(k) > rule.farthest_m; });
+    lit_begin = std::clamp(static_cast<int>(lit.begin), begin, end);
+    lit_end = std::clamp(static_cast<int>(lit.end), lit_begin, end);
+    largest = static_cast<int>(std::max_element(energies.begin() + lit_begin, energies.begin() + lit_end) -
                                energies.begin());
   }
+  /// The first sample from `from` on that is far enough; samples.count if none is.
+  int first_that(int from, const auto& is_far_enough) const {
+    int to = samples.count;
+    while (from < to) {
+      const int between = from + (to - from) / 2;
+      if (is_far_enough(between))
+        to = between;
+      else
+        from = between + 1;
+    }
+    return from;
+  }
+  bool is_silent() const { return lit_begin == lit_end || energy(largest) == 0; }
 
   double middle(int k) const { return samples.first_m + (k + 0.5) * samples.step_m; }
   double energy(int k) const { return energies_j[static_cast<std::size_t>(k)]; }
@@ -58,7 +78,7 @@ struct Gate {
   /// Root-mean-square distance of the energy from a range.
   double spread(double range_m) const {
     double sum = 0, moment = 0;
-    for (int k = begin; k < end; ++k) {
+    for (int k = lit_begin; k < lit_end; ++k) {
       const double share = energy(k) / energy(largest), away = middle(k) - range_m;
       sum += share;
       moment += share * away * away;
@@ -78,7 +98,7 @@ struct Echo {
 class Counted {
  public:
   Counted(const Gate& gate, double threshold_j) : gate_(gate) {
-    for (int k = gate.begin; k < gate.end; ++k)
+    for (int k = gate.lit_begin; k < gate.lit_end; ++k)
       if (gate.energy(k) > 0 && gate.energy(k) >= threshold_j) places_.push_back(k);
   }
   bool has(int k) const { return std::binary_search(places_.begin(), places_.end(), k); }
@@ -211,9 +231,10 @@ DetectionMethod detection_method_from_name(std::string_view name) {
 
 std::optional<Detection> detect_bottom(std::span<const double> energies_j, const RangeSamples& samples,
                                        const DetectionRule& rule) {
-  check(energies_j, samples, rule);
-  const Gate gate(energies_j, samples, rule);
-  if (gate.begin == gate.end || gate.energy(gate.largest) == 0) return std::nullopt;
+  const SampleSpan lit = lit_samples(energies_j);
+  check(energies_j, lit, samples, rule);
+  const Gate gate(energies_j, lit, samples, rule);
+  if (gate.is_silent()) return std::nullopt;
   const double threshold =
       std::max(rule.absolute_j, gate.energy(gate.largest) * std::pow(10, rule.relative_db / 10));
   if (gate.energy(gate.largest) < threshold) return std::nullopt;

@@ -18,25 +18,38 @@
 namespace tubefoot {
 namespace {
 
-std::int64_t floor_divided(std::int64_t a, std::int64_t b) { return a >= 0 ? a / b : -((-a - 1) / b) - 1; }
-
-}  // namespace
-
-CellMeans::CellMeans(double cell_m, std::size_t most_bytes) : cell_m_(cell_m), most_bytes_(most_bytes) {
+void require_size(double cell_m) {
   if (!(cell_m > 0) || !std::isfinite(cell_m))
     throw std::invalid_argument(fmt::format("a cell of {} m, must be positive", cell_m));
 }
 
+}  // namespace
+
+CellSums::CellSums(double cell_m) : cell_m_(cell_m) { require_size(cell_m); }
+
+void CellSums::refuse(double east_m, double north_m, double value) {
+  throw std::invalid_argument(
+      fmt::format("value {} at east {} m, north {} m has no cell", value, east_m, north_m));
+}
+
+CellMeans::CellMeans(double cell_m, std::size_t most_bytes) : cell_m_(cell_m), most_bytes_(most_bytes) {
+  require_size(cell_m);
+}
+
 void CellMeans::add(double east_m, double north_m, double value, double weight) {
-  constexpr double on_the_border = 1e-6;  // cells
-  const double x = std::floor(east_m / cell_m_ + on_the_border),
-               y = std::floor(north_m / cell_m_ + on_the_border);
-  constexpr double farthest = 1e15;  // cells; beyond, neighbouring cells are no longer told apart
-  if (!(std::abs(x) < farthest) || !(std::abs(y) < farthest) || !std::isfinite(value) || !(weight > 0))
+  add(CellSums::of_one(east_m, north_m, value, weight, cell_m_));
+}
+
+void CellMeans::add(const CellSums& sums) {
+  if (sums.cell_m() != cell_m_)
     throw std::invalid_argument(
-        fmt::format("value {} at east {} m, north {} m has no cell", value, east_m, north_m));
-  const auto column = static_cast<std::int64_t>(x), row = static_cast<std::int64_t>(y);
-  const Key key{floor_divided(row, tile_cells), floor_divided(column, tile_cells)};
+        fmt::format("sums of cells of {} m on a grid of {} m", sums.cell_m(), cell_m_));
+  for (const CellSum& sum : sums.sums()) add(sum);
+}
+
+void CellMeans::add(const CellSum& one) {
+  const auto [column, row, value, weight] = one;
+  const Key key{row >> tile_bits, column >> tile_bits};
   if (key != last_key_) {
     auto found = tiles_.find(key);
     if (found == tiles_.end()) {
@@ -49,10 +62,8 @@ void CellMeans::add(double east_m, double north_m, double value, double weight) 
     last_key_ = key;
     last_ = found->second.get();
   }
-  const std::int64_t in_tile =
-      (row - key.first * tile_cells) * tile_cells + (column - key.second * tile_cells);
-  Sum& sum = (*last_)[static_cast<std::size_t>(in_tile)];
-  sum.value += weight * value;
+  Sum& sum = (*last_)[place_in_tile(column, row)];
+  sum.value += value;
   sum.weight += weight;
   if (extent_.east == extent_.west) extent_ = {column, row, column + 1, row + 1};
   extent_ = {std::min(extent_.west, column), std::min(extent_.south, row), std::max(extent_.east, column + 1),
@@ -60,12 +71,9 @@ void CellMeans::add(double east_m, double north_m, double value, double weight) 
 }
 
 double CellMeans::mean(std::int64_t column, std::int64_t row) const {
-  const Key key{floor_divided(row, tile_cells), floor_divided(column, tile_cells)};
-  const auto found = tiles_.find(key);
+  const auto found = tiles_.find({row >> tile_bits, column >> tile_bits});
   if (found == tiles_.end()) return std::numeric_limits<double>::quiet_NaN();
-  const std::int64_t in_tile =
-      (row - key.first * tile_cells) * tile_cells + (column - key.second * tile_cells);
-  const Sum& sum = (*found->second)[static_cast<std::size_t>(in_tile)];
+  const Sum& sum = (*found->second)[place_in_tile(column, row)];
   return sum.weight > 0 ? sum.value / sum.weight : std::numeric_limits<double>::quiet_NaN();
 }
 

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -13,6 +15,54 @@
 #include "scene/rasters/georeference.hpp"
 
 namespace tubefoot {
+
+/// What some values put into one cell: the sum of them times their weights, and that of the weights.
+struct CellSum {
+  std::int64_t column = 0, row = 0;
+  double value = 0, weight = 0;
+};
+
+/// Such sums of values that come from neighbouring places, before they are added to a grid: on any thread,
+/// and fewer than the values. One cell may have several.
+class CellSums {
+ public:
+  /// Throws std::invalid_argument for a cell that is not positive.
+  explicit CellSums(double cell_m);
+  /// As CellMeans::add(), of what has room.
+  void add(double east_m, double north_m, double value, double weight) {
+    const CellSum one = of_one(east_m, north_m, value, weight, cell_m_);
+    // Points that follow each other along a border come to few cells in turn.
+    constexpr std::size_t looked_at = 4;
+    for (std::size_t k = sums_.size(); k > 0 && k + looked_at > sums_.size(); --k)
+      if (CellSum& known = sums_[k - 1]; known.column == one.column && known.row == one.row) {
+        known.value += one.value;
+        known.weight += one.weight;
+        return;
+      }
+    sums_.push_back(one);
+  }
+  /// What one value puts into its cell.
+  static CellSum of_one(double east_m, double north_m, double value, double weight, double cell_m) {
+    constexpr double on_the_border = 1e-6;  // cells
+    const double x = east_m / cell_m + on_the_border, y = north_m / cell_m + on_the_border;
+    constexpr double farthest = 1e15;  // cells; beyond, neighbouring cells are no longer told apart
+    if (!(std::abs(x) < farthest) || !(std::abs(y) < farthest) || !std::isfinite(value) || !(weight > 0))
+      refuse(east_m, north_m, value);
+    const auto floor = [](double place) {
+      const auto whole = static_cast<std::int64_t>(place);
+      return whole - (static_cast<double>(whole) > place ? 1 : 0);
+    };
+    return {floor(x), floor(y), weight * value, weight};
+  }
+  double cell_m() const { return cell_m_; }
+  const std::vector<CellSum>& sums() const { return sums_; }
+
+ private:
+  [[noreturn]] static void refuse(double east_m, double north_m, double value);
+
+  double cell_m_;
+  std::vector<CellSum> sums_;  ///< in the order in which cells were come to
+};
 
 /// Weighted means of values on a grid of square cells, east and north in the local frame. It grows where
 /// values fall: memory goes with the area covered (16 bytes a cell, in tiles), not with the number of values.
@@ -29,6 +79,8 @@ class CellMeans {
   /// Throws std::runtime_error where memory would exceed most_bytes, which says what to do; the value is then
   /// left out and all others are kept. `value` and the place must be finite, the weight positive.
   void add(double east_m, double north_m, double value, double weight = 1);
+  /// Sums of cells of the same size. What memory has no room for is left out, and all after it.
+  void add(const CellSums& sums);
 
   double cell_m() const { return cell_m_; }
   bool empty() const { return tiles_.empty(); }
@@ -43,7 +95,13 @@ class CellMeans {
   double mean(std::int64_t column, std::int64_t row) const;
 
  private:
-  static constexpr std::int64_t tile_cells = 128;
+  void add(const CellSum& sum);
+
+  static constexpr int tile_bits = 7;
+  static constexpr std::int64_t tile_cells = std::int64_t{1} << tile_bits;
+  static std::size_t place_in_tile(std::int64_t column, std::int64_t row) {
+    return static_cast<std::size_t>((row & (tile_cells - 1)) * tile_cells + (column & (tile_cells - 1)));
+  }
   struct Sum {
     double value = 0, weight = 0;
   };

@@ -6,7 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 #include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace tubefoot {
 namespace {
@@ -20,79 +24,108 @@ void require(bool holds, const std::string& what) {
   if (!holds) throw std::invalid_argument("sidescan ping: " + what);
 }
 
+/// A ping on the map: east, north; starboard of unit length.
+struct Place {
+  glm::dvec2 track, starboard;
+};
+
+Place place_of(const Pose& pose) {
+  const glm::dvec3 starboard = pose.attitude * glm::dvec3(1, 0, 0),
+                   forward = pose.attitude * glm::dvec3(0, 1, 0);
+  const glm::dvec2 track(pose.position_m), ahead(forward);
+  require(std::isfinite(track.x) && std::isfinite(track.y), "its position is not finite");
+  require(glm::length(ahead) > 1e-3 && std::isfinite(starboard.x),
+          "the sensor looks straight up or down: it has no heading");
+  const glm::dvec2 heading = glm::normalize(ahead);
+  return {track, {heading.y, -heading.x}};
+}
+
+/// Where a sample lies on the bed, from the track outwards, and in how many steps it is filled.
+struct OnBed {
+  std::size_t sample = 0;
+  double near_m = 0, far_m = 0;
+  int steps = 0;
+};
+
+class Strips {
+ public:
+  Strips(const SidescanPing& ping, double cell_m)
+      : ping_(ping), own_(place_of(ping.pose)), spacing_m_(cell_m / points_per_cell), sums_(cell_m) {
+    const auto ground_range = [&](double slant_m) {
+      return slant_m > ping.altitude_m ? std::sqrt((slant_m - ping.altitude_m) * (slant_m + ping.altitude_m))
+                                       : 0.0;
+    };
+    for (std::size_t k = 0; k < std::max(ping.port.size(), ping.starboard.size()); ++k) {
+      const double slant_m = ping.first_m + static_cast<double>(k) * ping.step_m;
+      const double near_m = ground_range(slant_m), far_m = ground_range(slant_m + ping.step_m);
+      if (far_m > near_m) on_bed_.push_back({k, near_m, far_m, steps_over(far_m - near_m)});  // else water
+    }
+  }
+
+  /// Fills both sides from the ping to `way` of the way to the same ground range of another.
+  void fill(const Place& other, double way) {
+    fill_side(-1, ping_.port, other, way);
+    fill_side(1, ping_.starboard, other, way);
+  }
+  const Place& own() const { return own_; }
+  CellSums take() { return std::move(sums_); }
+
+ private:
+  int steps_over(double length_m) const {
+    if (length_m <= spacing_m_) return 1;
+    const double steps = std::ceil(length_m / spacing_m_);
+    if (!(steps < most_points))
+      throw std::runtime_error(
+          fmt::format("a sidescan sample {:.3g} m long has too many points in cells of {} m: end the line, "
+                      "or make the cells larger",
+                      length_m, sums_.cell_m()));
+    return static_cast<int>(steps);
+  }
+
+  void fill_side(double side, std::span<const float> samples, const Place& other, double way) {
+    for (const OnBed& bed : on_bed_) {
+      if (bed.sample >= samples.size()) break;
+      const float value = samples[bed.sample];
+      if (!std::isfinite(value)) continue;
+      const double across_m = bed.far_m - bed.near_m;
+      for (int a = 0; a < bed.steps; ++a) {
+        const double out_m = bed.near_m + across_m * (a + 0.5) / bed.steps;
+        const glm::dvec2 from = own_.track + side * out_m * own_.starboard;
+        const glm::dvec2 to = from + way * (other.track + side * out_m * other.starboard - from);
+        const double length_m = glm::distance(from, to);
+        const int along = steps_over(length_m);
+        constexpr double thread_m = 1e-9;  // width of a ping that has no neighbour
+        const double area_m2 = across_m / bed.steps * std::max(length_m, thread_m) / along;
+        for (int p = 0; p < along; ++p) {
+          const glm::dvec2 at = from + (to - from) * ((p + 0.5) / along);
+          sums_.add(at.x, at.y, value, area_m2);
+        }
+      }
+    }
+  }
+
+  const SidescanPing& ping_;
+  Place own_;
+  double spacing_m_;
+  std::vector<OnBed> on_bed_;
+  CellSums sums_;
+};
+
 }  // namespace
 
-SidescanMosaic::SidescanMosaic(double cell_m, std::size_t most_bytes) : cells_(cell_m, most_bytes) {}
-
-void SidescanMosaic::add(const SidescanPing& ping) {
+CellSums sums_on_map(const SidescanPing& ping, const Pose* before, const Pose* after, double cell_m) {
   require(std::isfinite(ping.altitude_m) && ping.altitude_m >= 0,
           fmt::format("its altitude is {} m, must be 0 or more", ping.altitude_m));
   require(std::isfinite(ping.first_m) && ping.first_m >= 0 && std::isfinite(ping.step_m) && ping.step_m > 0,
           fmt::format("ranges from {} m in steps of {} m: must be 0 or more, and positive", ping.first_m,
                       ping.step_m));
-  const glm::dvec3 starboard = ping.pose.attitude * glm::dvec3(1, 0, 0),
-                   forward = ping.pose.attitude * glm::dvec3(0, 1, 0);
-  const glm::dvec2 track(ping.pose.position_m), ahead(forward);
-  require(std::isfinite(track.x) && std::isfinite(track.y), "its position is not finite");
-  require(glm::length(ahead) > 1e-3 && std::isfinite(starboard.x),
-          "the sensor looks straight up or down: it has no heading");
-  const glm::dvec2 heading = glm::normalize(ahead);
-  Line line{track,
-            {heading.y, -heading.x},
-            ping.altitude_m,
-            ping.first_m,
-            ping.step_m,
-            {ping.port.begin(), ping.port.end()},
-            {ping.starboard.begin(), ping.starboard.end()}};
-  if (before_) {
-    fill_side(*before_, -1, before_->port, line, 0.5);
-    fill_side(*before_, 1, before_->starboard_samples, line, 0.5);
-    fill_side(line, -1, line.port, *before_, 0.5);
-    fill_side(line, 1, line.starboard_samples, *before_, 0.5);
-  } else {  // a line of no width yet: a ping alone is seen, and one among others weighs next to nothing
-    fill_side(line, -1, line.port, line, 0);
-    fill_side(line, 1, line.starboard_samples, line, 0);
-  }
-  before_ = std::move(line);
-}
-
-/// Fills the samples of one side from their own ping to `way` of the way to the same ground range of another.
-void SidescanMosaic::fill_side(const Line& line, double side, const std::vector<float>& samples,
-                               const Line& other, double way) {
-  const double spacing_m = cells_.cell_m() / points_per_cell;
-  const auto ground_range = [&](double slant_m) {
-    return slant_m > line.altitude_m ? std::sqrt((slant_m - line.altitude_m) * (slant_m + line.altitude_m))
-                                     : 0.0;
-  };
-  const auto steps_over = [&](double length_m) {
-    const double steps = std::ceil(length_m / spacing_m);
-    if (!(steps < most_points))
-      throw std::runtime_error(
-          fmt::format("a sidescan sample {:.3g} m long has too many points in cells of {} m: end the line, "
-                      "or make the cells larger",
-                      length_m, cells_.cell_m()));
-    return std::max(1, static_cast<int>(steps));
-  };
-  for (std::size_t k = 0; k < samples.size(); ++k) {
-    if (!std::isfinite(samples[k])) continue;
-    const double slant_m = line.first_m + static_cast<double>(k) * line.step_m;
-    const double near_m = ground_range(slant_m), far_m = ground_range(slant_m + line.step_m);
-    if (!(far_m > near_m)) continue;  // water
-    const int across = steps_over(far_m - near_m);
-    for (int a = 0; a < across; ++a) {
-      const double out_m = near_m + (far_m - near_m) * (a + 0.5) / across;
-      const glm::dvec2 from = line.track + side * out_m * line.starboard;
-      const glm::dvec2 to = from + way * (other.track + side * out_m * other.starboard - from);
-      const double length_m = glm::distance(from, to);
-      const int along = steps_over(length_m);
-      constexpr double thread_m = 1e-9;  // width of a ping that has no neighbour
-      const double area_m2 = (far_m - near_m) / across * std::max(length_m, thread_m) / along;
-      for (int p = 0; p < along; ++p) {
-        const glm::dvec2 at = from + (to - from) * ((p + 0.5) / along);
-        cells_.add(at.x, at.y, samples[k], area_m2);
-      }
-    }
-  }
+  Strips strips(ping, cell_m);
+  if (before)
+    strips.fill(place_of(*before), 0.5);
+  else  // a line of no width: a ping alone is seen, and one among others weighs next to nothing
+    strips.fill(strips.own(), 0);
+  if (after) strips.fill(place_of(*after), 0.5);
+  return strips.take();
 }
 
 }  // namespace tubefoot

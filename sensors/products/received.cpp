@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "sensors/products/noise_floor.hpp"
+#include "sensors/receiver/lit_samples.hpp"
 #include "sensors/receiver/pulse.hpp"
 
 namespace tubefoot {
@@ -29,15 +30,34 @@ ReceiverChain receiver_of(const Recording& recording, const RunContext& run) {
   return ReceiverChain(receiver);
 }
 
-std::vector<double> received(const Recording& recording, const RunContext& run, std::size_t ping) {
-  const RangeSamples& samples = recording.sensor->samples();
-  const std::uint32_t number = recording.number_of(ping);
-  const ReceiverChain receiver = receiver_of(recording, run);
-  const std::optional<double> pulse_us = recording.sensor->description().signal.pulse_length_us;
-  const PingEnergies energy = recording.energy_of(ping);
-  if (!pulse_us) return receiver.receive(number, energy, samples);
-  const double extent_m = pulse_extent_m(*pulse_us, recording.sound_speed_m_s);
-  return receiver.receive(number, spread_over_pulse(energy, samples, extent_m), samples);
+ReceivedPings::ReceivedPings(const Recording& recording, const RunContext& run)
+    : ReceivedPings(recording, receiver_of(recording, run),
+                    recording.sensor->description().signal.pulse_length_us) {}
+
+ReceivedPings::ReceivedPings(const Recording& recording, const ReceiverChain& chain,
+                             std::optional<double> pulse_us)
+    : recording_(&recording), chain_(chain), gains_(chain.gains(recording.sensor->samples())) {
+  if (pulse_us) extent_m_ = pulse_extent_m(*pulse_us, recording.sound_speed_m_s);
+}
+
+std::vector<double> ReceivedPings::of(std::size_t ping) const {
+  const std::uint32_t number = recording_->number_of(ping);
+  const PingEnergies energies = recording_->energy_of(ping);
+  if (!extent_m_) return chain_.receive(number, energies, gains_);
+  return chain_.receive(number, spread_over_pulse(energies, recording_->sensor->samples(), *extent_m_),
+                        gains_);
+}
+
+std::vector<double> ReceivedPings::of_beam(std::size_t ping, std::size_t beam,
+                                           std::span<const double> energies) const {
+  std::span<const double> heard = energies.subspan(beam * gains_.size(), gains_.size());
+  std::vector<double> spread;
+  if (extent_m_) heard = spread = spread_over_pulse(heard, recording_->sensor->samples(), *extent_m_);
+  if (chain_.noise_j() == 0) heard = heard.first(lit_samples(heard).end);
+  std::vector<double> received(heard.size());
+  chain_.receive_beam(recording_->number_of(ping), static_cast<std::uint32_t>(beam), heard, gains_, received);
+  received.resize(lit_samples(received).end);
+  return received;
 }
 
 std::optional<Heard> heard_by(const Recording& recording, const RunContext& run) {
@@ -48,7 +68,7 @@ std::optional<Heard> heard_by(const Recording& recording, const RunContext& run)
   if (signal.tvg_spreading) parts.push_back("the sonar's own gain");
   if (signal.pulse_length_us) parts.push_back("the pulse's length");
   if (parts.empty()) return std::nullopt;
-  return Heard{[&recording, &run](std::size_t ping) { return received(recording, run, ping); },
+  return Heard{[pings = ReceivedPings(recording, run)](std::size_t ping) { return pings.of(ping); },
                signal.tvg_spreading.has_value(), fmt::format("as received, with {}", fmt::join(parts, ", "))};
 }
 

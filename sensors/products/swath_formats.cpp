@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <span>
 
 #include "sensors/formats/gsf_file.hpp"
 #include "sensors/formats/sonar_netcdf.hpp"
@@ -79,9 +78,7 @@ class SonarNetcdfFormat : public SwathFormat {
  private:
   /// Up to a beam's last echo: silence after it is not written.
   std::vector<float> levels_db(const SoundedPing& sounded, std::size_t beam) const {
-    const auto count = static_cast<std::size_t>(recording_.sensor->samples().count);
-    std::span<const double> received(sounded.received_j.data() + beam * count, count);
-    while (!received.empty() && received.back() == 0) received = received.first(received.size() - 1);
+    const std::vector<double>& received = sounded.received_j[beam];
     std::vector<float> levels(received.size(), -std::numeric_limits<float>::infinity());
     for (std::size_t k = 0; k < received.size(); ++k)
       if (received[k] > 0) levels[k] = static_cast<float>(receiver_.level_db(received[k]));

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "sensors/products/swath_soundings.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "sensors/model/angles.hpp"
 #include "sensors/products/noise_floor.hpp"
-#include "sensors/receiver/pulse.hpp"
 
 namespace tubefoot {
 namespace {
@@ -24,56 +25,45 @@ glm::dvec3 across_direction(double across_angle_rad) {
 }
 
 BottomFinder::BottomFinder(const Recording& recording, const RunContext& run, const DetectionRule& rule)
-    : BottomFinder(recording, receiver_of(recording, run), recording.sensor->description().signal, rule,
+    : BottomFinder(recording, ReceivedPings(recording, run),
+                   recording.sensor->description().signal.tvg_spreading.has_value(), rule,
                    noise_floor_j(recording, run)) {}
 
 BottomFinder BottomFinder::ideal(const Recording& recording, const DetectionRule& rule) {
-  return BottomFinder(recording, ReceiverChain({}), {}, rule,
+  return BottomFinder(recording, ReceivedPings::ideal(recording), false, rule,
                       std::vector<double>(static_cast<std::size_t>(recording.sensor->samples().count)));
 }
 
-BottomFinder::BottomFinder(const Recording& recording, const ReceiverChain& receiver,
-                           const SignalDescription& signal, const DetectionRule& rule,
-                           std::vector<double> noise_floor_j)
-    : recording_(recording),
-      receiver_(receiver),
-      pulse_extent_m_(
-          signal.pulse_length_us ? pulse_extent_m(*signal.pulse_length_us, recording.sound_speed_m_s) : 0),
-      rule_(rule),
-      floor_j_(std::move(noise_floor_j)) {
+BottomFinder::BottomFinder(const Recording& recording, ReceivedPings received, bool has_own_gain,
+                           const DetectionRule& rule, std::vector<double> noise_floor_j)
+    : recording_(recording), received_(std::move(received)), rule_(rule), floor_j_(std::move(noise_floor_j)) {
   const RangeSamples& samples = recording.sensor->samples();
   for (int k = 0; k < samples.count; ++k) {
     const double range_m = samples.first_m + (k + 0.5) * samples.step_m;
     const double absorbed_db = 2 * recording.absorption_db_per_km * range_m / 1000;
-    gain_.push_back(
-        signal.tvg_spreading ? 1 : range_m * range_m * std::pow(10, std::fmin(absorbed_db, 1000) / 10));
+    gain_.push_back(has_own_gain ? 1 : range_m * range_m * std::pow(10, std::fmin(absorbed_db, 1000) / 10));
   }
 }
 
 SoundedPing BottomFinder::sound(std::size_t ping) const {
   const Sensor& sensor = *recording_.sensor;
   const RangeSamples& samples = sensor.samples();
-  const auto count = static_cast<std::size_t>(samples.count);
   SoundedPing sounded;
-  const PingEnergies kept = recording_.energy_of(ping);
-  const std::span<const double> energy = kept;
-  const std::uint32_t number = recording_.number_of(ping);
-  sounded.received_j =
-      pulse_extent_m_ > 0
-          ? receiver_.receive(number, spread_over_pulse(energy, samples, pulse_extent_m_), samples)
-          : receiver_.receive(number, energy, samples);
-  std::vector<double> evened(count);
+  const PingEnergies energies = recording_.energy_of(ping);
+  std::vector<double> evened(static_cast<std::size_t>(samples.count));
   for (std::size_t beam = 0; beam < sensor.beams().size(); ++beam) {
-    const double* received = sounded.received_j.data() + beam * count;
-    for (std::size_t k = 0; k < count; ++k)
-      evened[k] = received[k] < floor_j_[k] ? 0 : received[k] * gain_[k];
+    sounded.received_j.push_back(received_.of_beam(ping, beam, energies));
+    const std::vector<double>& received = sounded.received_j.back();
+    std::fill(evened.begin(), evened.end(), 0.0);
+    for (std::size_t k = 0; k < received.size(); ++k)
+      if (received[k] >= floor_j_[k]) evened[k] = received[k] * gain_[k];
     sounded.soundings.emplace_back();
     sounded.range_sigma_m.push_back(0);
     const std::optional<Detection> found = detect_bottom(evened, samples, rule_);
     if (!found) continue;
     const double angle_rad = across_angle_rad(sensor.beams()[beam]);
     Sounding sounding;
-    sounding.ping = number;
+    sounding.ping = recording_.number_of(ping);
     sounding.beam = static_cast<std::uint32_t>(beam);
     sounding.time_s = recording_.ping_time_s[ping];
     sounding.position_m =
@@ -81,7 +71,7 @@ SoundedPing BottomFinder::sound(std::size_t ping) const {
     sounding.two_way_travel_time_s = 2 * found->range_m / recording_.sound_speed_m_s;
     sounding.slant_range_m = found->range_m;
     sounding.beam_angle_deg = degrees(angle_rad);
-    sounding.amplitude = receiver_.amplitude_upa(received[found->sample]);
+    sounding.amplitude = receiver().amplitude_upa(received[static_cast<std::size_t>(found->sample)]);
     sounding.quality = found->quality;
     sounding.method = rule_.method;
     sounding.flags = found->flags;

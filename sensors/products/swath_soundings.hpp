@@ -17,7 +17,7 @@ glm::dvec3 across_direction(double across_angle_rad);
 
 /// What a fan across the track makes of one ping.
 struct SoundedPing {
-  std::vector<double> received_j;                  ///< [beam][sample], as the receiver gives it
+  std::vector<std::vector<double>> received_j;     ///< by beam, as the receiver gives it, up to the last echo
   std::vector<std::optional<Sounding>> soundings;  ///< by beam; none where no sample counted
   std::vector<double> range_sigma_m;               ///< by beam, of its sounding
 };
@@ -34,15 +34,14 @@ class BottomFinder {
   static BottomFinder ideal(const Recording& recording, const DetectionRule& rule);
   /// Thread-safe.
   SoundedPing sound(std::size_t ping) const;
-  const ReceiverChain& receiver() const { return receiver_; }
+  const ReceiverChain& receiver() const { return received_.chain(); }
 
  private:
-  BottomFinder(const Recording& recording, const ReceiverChain& receiver, const SignalDescription& signal,
+  BottomFinder(const Recording& recording, ReceivedPings received, bool has_own_gain,
                const DetectionRule& rule, std::vector<double> noise_floor_j);
 
   const Recording& recording_;
-  ReceiverChain receiver_;
-  double pulse_extent_m_ = 0;  ///< echoes are spread over it
+  ReceivedPings received_;
   DetectionRule rule_;
   std::vector<double> floor_j_;  ///< by sample: what is less is taken for noise
   std::vector<double> gain_;     ///< by sample, linear in energy

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <optional>
-#include <stdexcept>
+#include <vector>
 
 #include "geometry/steps/in_order.hpp"
 #include "sensors/detection/sidescan_mosaic.hpp"
@@ -16,6 +16,7 @@
 #include "sensors/pictures/mosaic_picture.hpp"
 #include "sensors/pictures/scanline_picture.hpp"
 #include "sensors/products/pictures.hpp"
+#include "sensors/products/two_sided_amplitudes.hpp"
 #include "sensors/receiver/quantisation.hpp"
 #include "sensors/recordings/navigation.hpp"
 
@@ -27,61 +28,6 @@ namespace fs = std::filesystem;
 double altitude_m(const Recording& recording, std::size_t ping) {
   return recording.altitude_m.empty() ? std::nan("") : recording.altitude_m[ping];
 }
-
-/// Pings as the files have them. All are read twice: the first time for the scales of the codes.
-class Amplitudes {
- public:
-  Amplitudes(const Recording& recording, const RunContext& run)
-      : recording_(recording), run_(run), receiver_(receiver_of(recording, run)) {
-    Steps steps("pings read for the scales of codes", recording.pings());
-    const auto read = [&](std::size_t ping) {
-      PingScale scale;
-      for (const float value : of(ping)) {
-        scale.largest = std::max(scale.largest, value);
-        if (!(value <= 0)) scale.logarithms.push_back(std::log(value));
-      }
-      return scale;
-    };
-    in_order(steps, 0, recording.pings(), sizeof(float) * recording.cells(), read,
-             [&](std::size_t, const PingScale& scale) {
-               largest_ = std::max(largest_, scale.largest);
-               for (const float logarithm : scale.logarithms) sum_of_logarithms_ += logarithm;
-               echoes_ += scale.logarithms.size();
-             });
-  }
-
-  /// [port, starboard][sample], uPa.
-  std::vector<float> of(std::size_t ping) const {
-    std::vector<float> amplitudes;
-    amplitudes.reserve(recording_.cells());
-    for (const double energy : received(recording_, run_, ping))
-      amplitudes.push_back(static_cast<float>(receiver_.amplitude_upa(energy)));
-    return amplitudes;
-  }
-  /// That of the loudest sample.
-  double largest_upa() const { return largest_ > 0 ? largest_ : 1; }
-  /// White for the eye: 15 dB above the mean level, lest a quay wall leave the seabed black; less a display
-  /// gain.
-  double white_upa() const {
-    if (echoes_ == 0) return 1;
-    const double mean_level_upa = std::exp(sum_of_logarithms_ / static_cast<double>(echoes_));
-    return std::min(largest_upa(), mean_level_upa * std::pow(10, 15.0 / 20)) *
-           std::pow(10, -recording_.sensor->description().signal.display_gain_db / 20);
-  }
-
- private:
-  struct PingScale {
-    float largest = 0;
-    std::vector<float> logarithms;  ///< of what is above zero
-  };
-
-  const Recording& recording_;
-  const RunContext& run_;
-  ReceiverChain receiver_;
-  float largest_ = 0;
-  double sum_of_logarithms_ = 0;
-  std::size_t echoes_ = 0;
-};
 
 /// The XTF file of a recording. Its samples begin at range 0 and are as many as bring the last one to its
 /// place: none is farther than half a sample from where it was heard.
@@ -189,13 +135,14 @@ std::optional<std::string> why_no_xtf(const Recording& recording, const RunConte
 struct CodedPing {
   std::vector<std::uint16_t> xtf;  ///< [port, starboard][sample]
   std::vector<std::uint16_t> row;  ///< from the far end of port to the far end of starboard
-  std::vector<float> mapped;
+  std::optional<CellSums> mapped;
 };
 
 std::vector<std::uint16_t> codes_of(std::span<const float> amplitudes, const Quantiser& quantiser) {
   std::vector<std::uint16_t> codes(amplitudes.size());
-  std::ranges::transform(amplitudes, codes.begin(),
-                         [&](float amplitude) { return quantiser.code(amplitude); });
+  std::ranges::transform(amplitudes, codes.begin(), [&](float amplitude) {
+    return quantiser.code(std::isnan(amplitude) ? 0 : amplitude);
+  });
   return codes;
 }
 
@@ -210,27 +157,41 @@ OIIO::ImageSpec waterfall_spec(const Recording& recording, double white_upa) {
   return spec;
 }
 
+/// Whether a ping has a place on the map: the bed lies below it, and it has a heading, which looking straight
+/// up or down it has not.
+bool is_on_the_map(const Recording& recording, std::size_t ping) {
+  constexpr double upright = 1e-3;
+  const glm::dvec3 forward = recording.ping_pose[ping].attitude * glm::dvec3(0, 1, 0);
+  return !std::isnan(altitude_m(recording, ping)) && std::hypot(forward.x, forward.y) > upright;
+}
+
+/// What a ping of a line puts on the map; nothing where it has no place there.
+std::optional<CellSums> mapped(const Recording& recording, const PingSpan& line, std::size_t ping,
+                               std::span<const float> amplitudes, double cell_m) {
+  if (!is_on_the_map(recording, ping)) return std::nullopt;
+  const RangeSamples& samples = recording.sensor->samples();
+  const auto count = static_cast<std::size_t>(samples.count);
+  const auto neighbour = [&](std::size_t other) {
+    return is_on_the_map(recording, other) ? &recording.ping_pose[other] : nullptr;
+  };
+  return sums_on_map({recording.ping_pose[ping], altitude_m(recording, ping), samples.first_m, samples.step_m,
+                      amplitudes.first(count), amplitudes.last(count)},
+                     ping > line.first ? neighbour(ping - 1) : nullptr,
+                     ping + 1 < line.end ? neighbour(ping + 1) : nullptr, cell_m);
+}
+
 /// A mosaic, and how many pings it had to leave out.
 struct Map {
   std::string name;
-  SidescanMosaic mosaic;
+  CellMeans cells;
   std::size_t pings = 0, left_out = 0;
 
-  void add(const Recording& recording, std::size_t ping, std::span<const float> amplitudes) {
-    const RangeSamples& samples = recording.sensor->samples();
-    const auto count = static_cast<std::size_t>(samples.count);
-    const Pose& pose = recording.ping_pose[ping];
-    const glm::dvec3 forward = pose.attitude * glm::dvec3(0, 1, 0);
-    const double altitude = altitude_m(recording, ping);
+  void add(const std::optional<CellSums>& ping) {
     ++pings;
-    constexpr double upright = 1e-3;  // looking straight up or down there is no heading
-    if (std::isnan(altitude) || std::hypot(forward.x, forward.y) <= upright) {
+    if (ping)
+      cells.add(*ping);
+    else
       ++left_out;
-      mosaic.end_line();
-      return;
-    }
-    mosaic.add(
-        {pose, altitude, samples.first_m, samples.step_m, amplitudes.first(count), amplitudes.last(count)});
   }
 };
 
@@ -266,17 +227,6 @@ std::optional<std::string> why_no_mosaic(const Recording& recording) {
   return no_mosaic_at_rest(recording.sensor->description().name, recording.pings());
 }
 
-/// Amplitudes as a map has them: without a value where there is no surface, which is not the same as shadow.
-std::vector<float> on_a_map(const Recording& recording, std::size_t ping, std::vector<float> amplitudes) {
-  if (!recording.surfaces) return amplitudes;
-  const std::vector<int> surfaces = recording.surfaces(ping);
-  const auto count = static_cast<std::size_t>(recording.sensor->samples().count);
-  for (std::size_t beam = 0; beam < surfaces.size(); ++beam)
-    for (auto k = static_cast<std::size_t>(surfaces[beam]); k < count; ++k)
-      if (float& amplitude = amplitudes[beam * count + k]; !(amplitude > 0)) amplitude = std::nanf("");
-  return amplitudes;
-}
-
 /// <name>-mosaic.tif and .png; nothing, and a warning, where nothing lies on the bed.
 std::vector<fs::path> write_map(const fs::path& folder, const Recording& recording, const RunContext& run,
                                 const Map& map, std::vector<std::string>& warnings) {
@@ -286,16 +236,15 @@ std::vector<fs::path> write_map(const fs::path& folder, const Recording& recordi
         fmt::format("{}: {} of {} pings have no seabed straight below them, or no heading, and were "
                     "left out",
                     file.string(), map.left_out, map.pings));
-  const CellMeans& cells = map.mosaic.cells();
-  if (cells.empty()) {
+  if (map.cells.empty()) {
     warnings.push_back(fmt::format(
         "{} was not written: nothing was heard from beyond the seabed straight below", file.string()));
     return {};
   }
-  map.mosaic.write_tiff(folder / file, run.frame, "uPa");
+  write_cells(folder / file, map.cells, run.frame, "Backscatter", "uPa");
   if (!run.pictures.wants(PictureSettings::Which::sequence)) return {file};
-  draw_mosaic(cells, recording.sensor->description().signal.display_gain_db,
-              fmt::format("{}   mosaic, cells of {:g} m", map.name, cells.cell_m()), label_font())
+  draw_mosaic(map.cells, recording.sensor->description().signal.display_gain_db,
+              fmt::format("{}   mosaic, cells of {:g} m", map.name, map.cells.cell_m()), label_font())
       .write_png(folder / picture, map.name, run.pictures.bits);
   return {file, picture};
 }
@@ -323,11 +272,11 @@ std::vector<fs::path> write_two_sided_files(const fs::path& folder, const Record
                                             std::vector<std::string>& warnings) {
   const std::string& name = recording.sensor->description().name;
   const fs::path waterfall = name + "-waterfall.png";
-  const Amplitudes amplitudes(recording, run);
-  const Quantiser all = Quantiser::xtf_amplitude(amplitudes.largest_upa()),
-                  visible = Quantiser::xtf_amplitude(amplitudes.white_upa());
   const auto why_not = why_no_xtf(recording, run);
   const auto why_no_map = why_no_mosaic(recording);
+  const TwoSidedAmplitudes amplitudes(recording, run, folder / waterfall, !why_no_map);
+  const Quantiser all = Quantiser::xtf_amplitude(amplitudes.largest_upa()),
+                  visible = Quantiser::xtf_amplitude(amplitudes.white_upa());
   for (const std::optional<std::string>& why : {why_not, why_no_map})
     if (why) warnings.push_back(*why);
   std::optional<ScanlinePicture> picture;
@@ -335,7 +284,7 @@ std::vector<fs::path> write_two_sided_files(const fs::path& folder, const Record
     picture.emplace(folder / waterfall, static_cast<int>(recording.cells()),
                     static_cast<int>(recording.pings()), waterfall_spec(recording, amplitudes.white_upa()));
   const double cell_m = mosaic_cell_m(recording);
-  Map whole{name, SidescanMosaic(cell_m)};
+  Map whole{name, CellMeans(cell_m)};
   std::vector<fs::path> files, maps;
   const std::vector<PingSpan> lines = recording.lines();
   Steps steps("pings of a sidescan's files", recording.pings());
@@ -345,9 +294,9 @@ std::vector<fs::path> write_two_sided_files(const fs::path& folder, const Record
         lines.size() == 1 ? name : fmt::format("{}-line-{:02}", name, recording.first_line + k + 1);
     std::optional<XtfRecord> xtf;
     if (!why_not) xtf.emplace(folder / (of_line + ".xtf"), recording, run, widths, amplitudes.largest_upa());
-    Map map{of_line, SidescanMosaic(cell_m)};
+    Map map{of_line, CellMeans(cell_m)};
     const auto coded = [&](std::size_t ping) {
-      std::vector<float> heard = amplitudes.of(ping);
+      const std::vector<float> heard = amplitudes.of(ping);
       CodedPing made;
       if (xtf) made.xtf = codes_of(heard, all);
       if (picture) {
@@ -355,10 +304,10 @@ std::vector<fs::path> write_two_sided_files(const fs::path& folder, const Record
         std::ranges::reverse(made.row.begin(),
                              made.row.begin() + static_cast<std::ptrdiff_t>(heard.size() / 2));
       }
-      if (!why_no_map) made.mapped = on_a_map(recording, ping, std::move(heard));
+      if (!why_no_map) made.mapped = mapped(recording, lines[k], ping, heard, cell_m);
       return made;
     };
-    constexpr std::size_t bytes_a_cell = 2 * sizeof(std::uint16_t) + sizeof(float);
+    constexpr std::size_t bytes_a_cell = 2 * sizeof(std::uint16_t) + 2 * sizeof(CellSum);
     in_order(
         steps, lines[k].first, lines[k].end, bytes_a_cell * recording.cells(), coded,
         [&](std::size_t ping, const CodedPing& made) {
@@ -367,13 +316,12 @@ std::vector<fs::path> write_two_sided_files(const fs::path& folder, const Record
         [&](std::size_t, const CodedPing& made) {
           if (picture) picture->add_row(made.row.data());
         },
-        [&](std::size_t ping, const CodedPing& made) {
-          if (!why_no_map) whole.add(recording, ping, made.mapped);
+        [&](std::size_t, const CodedPing& made) {
+          if (!why_no_map) whole.add(made.mapped);
         },
-        [&](std::size_t ping, const CodedPing& made) {
-          if (!why_no_map && lines.size() > 1) map.add(recording, ping, made.mapped);
+        [&](std::size_t, const CodedPing& made) {
+          if (!why_no_map && lines.size() > 1) map.add(made.mapped);
         });
-    whole.mosaic.end_line();
     if (xtf) {
       xtf->finish();
       files.emplace_back(of_line + ".xtf");

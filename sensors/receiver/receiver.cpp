@@ -49,7 +49,8 @@ double TimeVariedGain::at(double range_m) const {
   return std::clamp(gain, least_db, most_db);
 }
 
-ReceiverChain::ReceiverChain(const ReceiverDescription& description) : description_(description) {
+ReceiverChain::ReceiverChain(const ReceiverDescription& description)
+    : description_(description), source_upa_(std::pow(10, description.source_level_db / 20)) {
   require_level("the source level", description.source_level_db);
   const Speckle& speckle = description.speckle;
   require(speckle.looks >= 1 && speckle.looks <= most_looks, "the number of looks", speckle.looks,
@@ -66,39 +67,49 @@ ReceiverChain::ReceiverChain(const ReceiverDescription& description) : descripti
   }
 }
 
-std::vector<double> ReceiverChain::receive(std::uint32_t ping, std::span<const double> energies_j,
-                                           const RangeSamples& samples) const {
-  const auto per_beam = static_cast<std::size_t>(std::max(0, samples.count));
-  if (per_beam == 0 || energies_j.size() % per_beam != 0)
-    throw std::invalid_argument(fmt::format("receiver: {} energies are not whole beams of {} samples",
-                                            energies_j.size(), samples.count));
-  std::vector<double> factor(per_beam, 1);
+std::vector<double> ReceiverChain::gains(const RangeSamples& samples) const {
+  const auto count = static_cast<std::size_t>(std::max(0, samples.count));
+  std::vector<double> gains(count, 1);
   if (description_.tvg)
-    for (std::size_t k = 0; k < per_beam; ++k)
-      factor[k] =
+    for (std::size_t k = 0; k < count; ++k)
+      gains[k] =
           ratio(description_.tvg->at(samples.first_m + (static_cast<double>(k) + 0.5) * samples.step_m));
+  return gains;
+}
 
-  std::vector<double> received;
-  received.reserve(energies_j.size());
-  for (std::size_t i = 0; i < energies_j.size(); ++i) {
-    const auto beam = static_cast<std::uint32_t>(i / per_beam), k = static_cast<std::uint32_t>(i % per_beam);
-    if (!(energies_j[i] >= 0 && std::isfinite(energies_j[i])))
+std::vector<double> ReceiverChain::receive(std::uint32_t ping, std::span<const double> energies_j,
+                                           std::span<const double> gains) const {
+  const std::size_t per_beam = gains.size();
+  if (per_beam == 0 || energies_j.size() % per_beam != 0)
+    throw std::invalid_argument(
+        fmt::format("receiver: {} energies are not whole beams of {} samples", energies_j.size(), per_beam));
+  std::vector<double> received(energies_j.size());
+  for (std::size_t first = 0; first < energies_j.size(); first += per_beam)
+    receive_beam(ping, static_cast<std::uint32_t>(first / per_beam), energies_j.subspan(first, per_beam),
+                 gains, std::span(received).subspan(first, per_beam));
+  return received;
+}
+
+void ReceiverChain::receive_beam(std::uint32_t ping, std::uint32_t beam, std::span<const double> energies_j,
+                                 std::span<const double> gains, std::span<double> received_j) const {
+  for (std::size_t k = 0; k < energies_j.size(); ++k) {
+    if (energies_j[k] == 0 && noise_j_ == 0) {  // most of a beam
+      received_j[k] = 0;
+      continue;
+    }
+    const auto sample = static_cast<std::uint32_t>(k);
+    if (!(energies_j[k] >= 0 && std::isfinite(energies_j[k])))
       throw std::invalid_argument(fmt::format(
           "receiver: the energy of ping {}, beam {}, sample {} is {} J, must be finite and not negative",
-          ping, beam, k, energies_j[i]));
-    const SampleRandom random(description_.seed, ping, beam, k);
-    received.push_back(received_energy(random, description_.speckle, energies_j[i], noise_j_) * factor[k]);
+          ping, beam, sample, energies_j[k]));
+    const SampleRandom random(description_.seed, ping, beam, sample);
+    received_j[k] = received_energy(random, description_.speckle, energies_j[k], noise_j_) * gains[k];
   }
-  return received;
 }
 
 double ReceiverChain::level_db(double energy_j) const {
   const double level = description_.source_level_db + 10 * std::log10(energy_j);
   return description_.display_gain * level + description_.display_offset_db;
-}
-
-double ReceiverChain::amplitude_upa(double energy_j) const {
-  return std::sqrt(energy_j) * std::pow(10, description_.source_level_db / 20);
 }
 
 }  // namespace tubefoot

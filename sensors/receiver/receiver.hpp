@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -53,19 +54,29 @@ class ReceiverChain {
   /// beam and sample only. Throws std::invalid_argument for an energy that is negative or not finite, or if
   /// there are not whole beams of `samples.count` samples.
   std::vector<double> receive(std::uint32_t ping, std::span<const double> energies_j,
-                              const RangeSamples& samples) const;
+                              const RangeSamples& samples) const {
+    return receive(ping, energies_j, gains(samples));
+  }
+  /// The same where gains() of the samples are known: they are those of all pings.
+  std::vector<double> receive(std::uint32_t ping, std::span<const double> energies_j,
+                              std::span<const double> gains) const;
+  /// Of one beam's samples, from the first on; `gains` may be of more.
+  void receive_beam(std::uint32_t ping, std::uint32_t beam, std::span<const double> energies_j,
+                    std::span<const double> gains, std::span<double> received_j) const;
+  /// By sample, the time-varied gain as a factor of energies; 1 without.
+  std::vector<double> gains(const RangeSamples& samples) const;
 
   /// Echo level SL + 10 log10(E) [dB re 1 uPa], as shown: display gain and offset applied. No energy: minus
   /// infinity.
   double level_db(double energy_j) const;
   /// Root-mean-square pressure [uPa] of an energy; the display has no part in it.
-  double amplitude_upa(double energy_j) const;
+  double amplitude_upa(double energy_j) const { return std::sqrt(energy_j) * source_upa_; }
   /// Mean energy of the noise [J]; 0 without noise.
   double noise_j() const { return noise_j_; }
 
  private:
   ReceiverDescription description_;
-  double noise_j_ = 0;
+  double noise_j_ = 0, source_upa_ = 0;
 };
 
 }  // namespace tubefoot

@@ -30,8 +30,8 @@ TrackEstimate track_of(bool texture, bool speckle) {
   RunContext run;
   run.seed = 5;
   std::vector<std::vector<double>> frames;
-  for (std::size_t ping = 0; ping < recording.pings(); ++ping)
-    frames.push_back(received(recording, run, ping));
+  const ReceivedPings received(recording, run);
+  for (std::size_t ping = 0; ping < recording.pings(); ++ping) frames.push_back(received.of(ping));
   return estimate_track(recording, frames, {0, pixel_m}, 6);
 }
 

@@ -29,7 +29,8 @@ TrackEstimate track_of(const SceneDescription& description, const std::filesyste
   const RunContext run{survey->scene.frame, *unix_time_s(description.run.start_utc), description.run.seed,
                        description.water, description.title};
   std::vector<std::vector<double>> frames;
-  for (std::size_t ping = 0; ping < camera.pings(); ++ping) frames.push_back(received(camera, run, ping));
+  const ReceivedPings received(camera, run);
+  for (std::size_t ping = 0; ping < camera.pings(); ++ping) frames.push_back(received.of(ping));
   if (!sheet.empty())
     draw_drift(camera, frames, 0, label_font()).write_png(sheet, "drift of a texture over camera frames");
   return estimate_track(camera, frames, {0, pixel_m}, most_shift);

@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 #include <random>
+#include <span>
 
 #include "fixtures/statistics.hpp"
 #include "sensors/receiver/receiver.hpp"
@@ -140,6 +141,38 @@ TEST(BottomDetection, LiesWhereEnergyIs) {
       ASSERT_GE(found->energy_j, energies[found->sample]);
     }
   }
+}
+
+// A gate is as if nothing else had been heard, wherever its borders and the silence around echoes lie.
+TEST(BottomDetection, AGateIsAWindowOfItsSamplesAlone) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> energy(0.1, 1);
+  std::uniform_int_distribution<int> place(0, 399);
+  int found = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    std::vector<double> energies(400, 0.0);
+    for (int echo = 0; echo < 3; ++echo) {
+      const int at = place(random);
+      for (int k = at; k < std::min(400, at + trial % 23); ++k) energies[k] = energy(random);
+    }
+    const int a = place(random), b = place(random), first = std::min(a, b), last = std::max(a, b);
+    const RangeSamples window{samples.first_m + first * samples.step_m, samples.step_m, last - first + 1};
+    for (const DetectionMethod method : methods) {
+      const DetectionRule rule{method, -20, 0, middle(samples, first) - 1e-3, middle(samples, last) + 1e-3};
+      const auto gated = detect_bottom(energies, samples, rule);
+      const auto alone = detect_bottom(
+          std::span(energies).subspan(std::size_t(first), std::size_t(window.count)), window, {method});
+      ASSERT_EQ(gated.has_value(), alone.has_value()) << trial;
+      if (!gated) continue;
+      ++found;
+      EXPECT_EQ(gated->sample, first + alone->sample) << trial;
+      EXPECT_NEAR(gated->range_m, alone->range_m, 1e-9);
+      EXPECT_NEAR(gated->quality, alone->quality, 1e-9);
+      EXPECT_EQ(gated->energy_j, alone->energy_j);
+      EXPECT_EQ(gated->flags, alone->flags) << trial;
+    }
+  }
+  EXPECT_GT(found, 300);
 }
 
 TEST(BottomDetection, FirstReturnIsTheFirstSampleOverBothThresholds) {

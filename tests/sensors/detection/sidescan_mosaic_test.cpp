@@ -8,7 +8,10 @@
 
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <random>
+#include <tuple>
+#include <utility>
 
 #include "fixtures/world/recordings.hpp"
 
@@ -25,6 +28,48 @@ const SourcePlace kPlace{"scene.toml"};
 Pose heading_at(double east, double north, double heading_deg) {
   return {{east, north, -20}, attitude_from_angles(heading_deg * samples::degree, 0, 0)};
 }
+
+/// Pings as they are laid out one after the other: each knows those before and after it on its line.
+class SidescanMosaic {
+ public:
+  explicit SidescanMosaic(double cell_m, std::size_t most_bytes = CellMeans::default_most_bytes)
+      : cells_(cell_m, most_bytes) {}
+
+  void add(const SidescanPing& ping) {
+    sums_on_map(ping, nullptr, nullptr, cells_.cell_m());  // refuses it now
+    if (last_) lay_out(&ping.pose);
+    last_ = Kept{ping, {ping.port.begin(), ping.port.end()}, {ping.starboard.begin(), ping.starboard.end()}};
+  }
+  void end_line() {
+    if (last_) lay_out(nullptr);
+    last_.reset(), before_.reset();
+  }
+  const CellMeans& cells() {
+    end_line();
+    return cells_;
+  }
+  void write_tiff(const std::filesystem::path& file, const LocalFrame& frame, const char* unit) {
+    write_cells(file, cells(), frame, "Backscatter", unit);
+  }
+
+ private:
+  struct Kept {
+    SidescanPing ping;
+    std::vector<float> port, starboard;
+  };
+  void lay_out(const Pose* after) {
+    const Kept kept = *std::exchange(last_, std::nullopt);
+    SidescanPing ping = kept.ping;
+    ping.port = kept.port;
+    ping.starboard = kept.starboard;
+    cells_.add(sums_on_map(ping, before_ ? &*before_ : nullptr, after, cells_.cell_m()));
+    before_ = ping.pose;
+  }
+
+  CellMeans cells_;
+  std::optional<Kept> last_;
+  std::optional<Pose> before_;
+};
 
 /// Pings over a flat bed with one bright target, which each hears at its slant range, on the side it lies,
 /// when it is abeam: the answer is the target's own place.
@@ -201,6 +246,73 @@ TEST(SidescanMosaic, TheRasterLiesOnTheMap) {
   EXPECT_NEAR(there.y, 12.1, 1e-5);
 }
 
+// What is summed first and added then is what is added one by one, but for rounding; and of values whose sums
+// are exact, nothing.
+TEST(CellMeans, SumsOfManyValuesAreTheValues) {
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> step(-0.9, 0.9);
+  std::uniform_int_distribution<int> value(-50, 50), weight(1, 8);
+  CellMeans one_by_one(0.7), summed(0.7);
+  double east = 0, north = 0;
+  std::size_t values = 0, sums = 0;
+  for (int part = 0; part < 200; ++part) {
+    CellSums some(0.7);
+    for (int k = 0; k < 100; ++k, ++values) {
+      east += 0.3 * step(random), north += 0.3 * step(random);
+      const double v = value(random), w = weight(random);
+      one_by_one.add(east, north, v, w);
+      some.add(east, north, v, w);
+    }
+    sums += some.sums().size();
+    summed.add(some);
+  }
+  EXPECT_LT(2 * sums, values) << "neighbours come together";
+  const CellMeans::Extent &a = one_by_one.extent(), &b = summed.extent();
+  ASSERT_EQ(std::tie(a.west, a.south, a.east, a.north), std::tie(b.west, b.south, b.east, b.north));
+  for (auto row = a.south; row < a.north; ++row)
+    for (auto column = a.west; column < a.east; ++column) {
+      const double mean = one_by_one.mean(column, row);
+      if (std::isnan(mean))
+        ASSERT_TRUE(std::isnan(summed.mean(column, row)));
+      else
+        ASSERT_EQ(summed.mean(column, row), mean) << column << ", " << row;
+    }
+  EXPECT_THROW(summed.add(CellSums(0.6)), std::invalid_argument) << "of other cells";
+  EXPECT_THROW(CellSums(-1), std::invalid_argument);
+  EXPECT_THROW(CellSums(1).add(NAN, 0, 1, 1), std::invalid_argument);
+}
+
+TEST(CellMeans, CellsWestAndSouthOfTheOriginAreToldApart) {
+  CellMeans cells(0.5);
+  for (int row = -300; row < 300; ++row) cells.add(-0.25 - 64, 0.5 * row + 0.1, row);
+  for (int row = -300; row < 300; ++row) EXPECT_EQ(cells.mean(-129, row), row);
+  EXPECT_TRUE(std::isnan(cells.mean(-128, 0)));
+  EXPECT_TRUE(std::isnan(cells.mean(-130, 0)));
+}
+
+// Halves the ways to both neighbours, on one's own side: what a ping puts down is known from poses alone.
+TEST(SidescanMosaic, APingFillsHalfTheWayToItsNeighbours) {
+  const std::vector<float> level(kSamples, 2.f);
+  const Pose before = heading_at(0, -3, 0), after = heading_at(0, 5, 0);
+  const SidescanPing ping{heading_at(0, 0, 0), kAltitude, 0, kStep, level, level};
+  const auto area_of = [](const CellSums& sums) {
+    double area = 0;
+    for (const CellSum& sum : sums.sums()) area += sum.weight;
+    return area;
+  };
+  const double swath = 2 * std::sqrt(std::pow(kSamples * kStep, 2) - kAltitude * kAltitude);
+  EXPECT_NEAR(area_of(sums_on_map(ping, &before, &after, 0.5)), 4 * swath, 1e-6 * swath);
+  EXPECT_NEAR(area_of(sums_on_map(ping, &before, nullptr, 0.5)), 1.5 * swath, 1e-6 * swath);
+  EXPECT_NEAR(area_of(sums_on_map(ping, nullptr, &after, 0.5)), 2.5 * swath, 1e-6 * swath);
+  EXPECT_LT(area_of(sums_on_map(ping, nullptr, nullptr, 0.5)), 1e-6 * swath);
+  const CellSums both = sums_on_map(ping, &before, &after, 0.5);
+  for (const CellSum& sum : both.sums()) {
+    EXPECT_EQ(sum.value, 2 * sum.weight);
+    EXPECT_GE(sum.row, -3);
+    EXPECT_LT(sum.row, 5);
+  }
+}
+
 TEST(CellMeans, AgreesWithMeansTakenByHand) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> place(-400, 400), value(-5, 5);
@@ -230,6 +342,8 @@ TEST(SidescanMosaic, RefusesWhatMakesNoSense) {
   refuses({{{0, 0, 0}, attitude_from_angles(0, 90 * samples::degree, 0)}, 1, 0, kStep, level, level},
           "no heading");
   EXPECT_THROW(SidescanMosaic(0), std::invalid_argument);
+  EXPECT_THROW(sums_on_map({heading_at(0, 0, 0), 1, 0, kStep, level, level}, nullptr, nullptr, 0),
+               std::invalid_argument);
   EXPECT_THAT(
       [&] {
         for (int k = 0; k < 1000; ++k) mosaic.add({heading_at(0, k, 0), kAltitude, 0, kStep, level, level});

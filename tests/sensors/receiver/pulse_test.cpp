@@ -4,12 +4,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <random>
 
 #include "fixtures/world/recordings.hpp"
 #include "sensors/products/received.hpp"
+#include "sensors/receiver/lit_samples.hpp"
 
 namespace tubefoot {
 namespace {
@@ -83,7 +86,7 @@ TEST(Received, WithoutAPulseKeepsTheBits) {
   auto made = samples::silent(samples::sidescan(20), 3);
   made.energy(1, 0, 7) = 1.0 / 3;
   made.energy(1, 1, 9) = 0.1;
-  const auto heard = received(made.recording, {}, 1);
+  const auto heard = ReceivedPings(made.recording, {}).of(1);
   const PingEnergies kept = made.recording.energy_of(1);
   EXPECT_THAT(heard, testing::ElementsAreArray(kept.values()));
 }
@@ -95,7 +98,7 @@ TEST(Received, GainIsFixedBelowTheRangeOfItsKey) {
   description.signal.tvg_fixed_below_m = 2;
   auto made = samples::silent(description, 1);
   std::fill(made.energies.begin(), made.energies.end(), 1e-9);
-  const auto heard = received(made.recording, {}, 0);
+  const auto heard = ReceivedPings(made.recording, {}).of(0);
   EXPECT_NEAR(heard[10] / 1e-9, std::pow(2, 4), 1e-9);  // at 1.025 m
   EXPECT_NEAR(heard[90] / 1e-9, std::pow(5.025, 4), 1e-7);
 }
@@ -105,13 +108,64 @@ TEST(Received, SpreadsOverThePulseAndItsLevelIsThatOfThePulse) {
   description.signal.pulse_length_us = 1000;               // 0.74 m at 1480 m/s
   auto made = samples::silent(description, 2);
   made.energy(1, 1, 500) = 1e-8;
-  const auto heard = received(made.recording, {}, 1);
+  const auto heard = ReceivedPings(made.recording, {}).of(1);
   EXPECT_NEAR(sum(heard), 1e-8, 1e-21);
   EXPECT_NEAR(heard[990 + 507], 1e-8 * 0.05 / 0.74, 1e-19);
   EXPECT_EQ(heard[990 + 499], 0);
   // A long pulse brings 14.8 times the energy of one as long as a sample, spread over as many samples: the
   // echo of a point is as loud as its target says, 210 + 10 log10(1e-8) dB.
   EXPECT_NEAR(receiver_of(made.recording, {}).level_db(heard[990 + 507]), 130, 1e-9);
+}
+
+// A beam alone is heard as among the others, but for the silence after its last echo.
+TEST(Received, ABeamAloneIsThatOfItsPing) {
+  for (const bool noise : {false, true})
+    for (const bool speckle : {false, true})
+      for (const double pulse_us : {0.0, 700.0}) {
+        SensorDescription description = samples::sidescan(990);
+        description.signal.tvg_spreading = 30;
+        if (noise) description.signal.noise_level_db = 90;
+        if (speckle) description.signal.speckle = "rayleigh";
+        if (pulse_us > 0) description.signal.pulse_length_us = pulse_us;
+        auto made = samples::silent(description, 3);
+        made.energy(2, 0, 100) = 1e-9;
+        made.energy(2, 1, 3) = 2e-9;
+        made.energy(2, 1, 700) = 1e-8;
+        const ReceivedPings received(made.recording, {});
+        const std::vector<double> all = received.of(2);
+        const PingEnergies energies = made.recording.energy_of(2);
+        for (std::size_t beam = 0; beam < 2; ++beam) {
+          const auto alone = received.of_beam(2, beam, energies);
+          const std::size_t silence = noise ? 990 : (beam == 0 ? 100 : 700) + 1 + (pulse_us > 0 ? 11 : 0);
+          EXPECT_EQ(alone.size(), silence);
+          for (std::size_t k = 0; k < 990; ++k)
+            ASSERT_EQ(k < alone.size() ? alone[k] : 0, all[990 * beam + k]) << beam << ", " << k;
+        }
+      }
+}
+
+TEST(LitSamples, AreThoseFromTheFirstToTheLastThatIsNotZero) {
+  std::mt19937 random(3);
+  std::uniform_int_distribution<std::size_t> size(0, 40), kind(0, 29);
+  const double odd[] = {std::nan(""), -1, 5e-324, -std::numeric_limits<double>::infinity()};
+  for (int trial = 0; trial < 3000; ++trial) {
+    std::vector<double> values(size(random), 0.0);
+    for (double& value : values) {
+      const std::size_t draw = kind(random);
+      if (draw < 4) value = odd[draw];
+      if (draw == 5) value = -0.0;
+    }
+    const auto is_lit = [](double value) { return value != 0; };
+    const auto first = std::ranges::find_if(values, is_lit);
+    const auto last = std::find_if(values.rbegin(), values.rend(), is_lit);
+    const SampleSpan lit = lit_samples(values);
+    if (first == values.end()) {
+      EXPECT_TRUE(lit.empty());
+      continue;
+    }
+    EXPECT_EQ(lit.begin, static_cast<std::size_t>(first - values.begin()));
+    EXPECT_EQ(lit.end, static_cast<std::size_t>(values.rend() - last));
+  }
 }
 
 }  // namespace
