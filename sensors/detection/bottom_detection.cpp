@@ -17,7 +17,7 @@ namespace {
 
 const double evenly = 1 / std::sqrt(12.0);  // standard deviation of a place anywhere in a unit length
 
-void check(std::span<const double> energies_j, const SampleSpan& lit, const RangeSamples& samples,
+void check(std::span<const double> energies_j, const LitSpan& lit, const RangeSamples& samples,
            const DetectionRule& rule) {
   const auto refuse = [](const std::string& what) {
     throw std::invalid_argument("bottom detection: " + what);
@@ -48,7 +48,7 @@ struct Gate {
   int lit_begin = 0, lit_end = 0;  ///< of them: from the first to the last with energy
   int largest = 0;                 ///< of these
 
-  Gate(std::span<const double> energies, const SampleSpan& lit, const RangeSamples& range_samples,
+  Gate(std::span<const double> energies, const LitSpan& lit, const RangeSamples& range_samples,
        const DetectionRule& rule)
       : energies_j(energies), samples(range_samples) {
     begin = first_that(0, [&](int k) { return middle(k) >= rule.nearest_m; });
@@ -231,7 +231,7 @@ DetectionMethod detection_method_from_name(std::string_view name) {
 
 std::optional<Detection> detect_bottom(std::span<const double> energies_j, const RangeSamples& samples,
                                        const DetectionRule& rule) {
-  const SampleSpan lit = lit_samples(energies_j);
+  const LitSpan lit = lit_samples(energies_j);
   check(energies_j, lit, samples, rule);
   const Gate gate(energies_j, lit, samples, rule);
   if (gate.is_silent()) return std::nullopt;

@@ -9,21 +9,21 @@
 namespace tubefoot {
 
 /// Samples [begin, end).
-struct SampleSpan {
+struct LitSpan {
   std::size_t begin = 0, end = 0;
   bool empty() const { return begin == end; }
 };
 
 /// From the first to the last that is not 0, whatever else it is: most of a beam is silent, and what is
 /// passed over here costs a fraction of what is looked at.
-inline SampleSpan lit_samples(std::span<const double> energies) {
+inline LitSpan lit_samples(std::span<const double> energies) {
   constexpr std::size_t block = 8;
   const auto silent = [&](std::size_t first) {  // without branches; of a zero's bits the sign may be set
     std::uint64_t bits = 0;
     for (std::size_t k = 0; k < block; ++k) bits |= std::bit_cast<std::uint64_t>(energies[first + k]);
     return bits << 1 == 0;
   };
-  SampleSpan lit{0, energies.size()};
+  LitSpan lit{0, energies.size()};
   while (lit.begin + block <= lit.end && silent(lit.begin)) lit.begin += block;
   while (lit.begin < lit.end && energies[lit.begin] == 0) ++lit.begin;
   while (lit.begin + block <= lit.end && silent(lit.end - block)) lit.end -= block;

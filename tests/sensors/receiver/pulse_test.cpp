@@ -158,7 +158,7 @@ TEST(LitSamples, AreThoseFromTheFirstToTheLastThatIsNotZero) {
     const auto is_lit = [](double value) { return value != 0; };
     const auto first = std::ranges::find_if(values, is_lit);
     const auto last = std::find_if(values.rbegin(), values.rend(), is_lit);
-    const SampleSpan lit = lit_samples(values);
+    const LitSpan lit = lit_samples(values);
     if (first == values.end()) {
       EXPECT_TRUE(lit.empty());
       continue;
