@@ -132,12 +132,16 @@ CertifiedPathEdges::CertifiedPathEdges(std::span<const Point> points, const Ball
   near_ = near_ || surely_inside == surely_outside;
   panels_.resize(edges_.size());
 
+  // A path changes by at most twice the way along the plane, so that none to an edge is shorter than half of
+  // those to both of its ends together, less its length.
   double least = std::numeric_limits<double>::infinity();
-  for (const Edge& edge : edges_) {
-    const Ball path = root(edge.out_square) + root(edge.home_square);
+  for (std::size_t k = 0; k < edges_.size(); ++k) {
+    const Edge &edge = edges_[k], &next = edges_[(k + 1) % edges_.size()];
+    const Ball path = root(edge.out_square) + root(edge.home_square),
+               end = root(next.out_square) + root(next.home_square),
+               shortest = (path + end) / Ball(2.0) - root(edge.length_square);
     longest_path_ = std::max(longest_path_, path.hi());
-    // A path changes by at most twice the way along the plane.
-    least = std::min(least, path.lo() - root(edge.length_square).hi() * (1 + 1e-12));
+    least = std::min(least, shortest.lo());
   }
   shortest_path_ = surely_inside || near_ ? shortest_.lo() : std::max(least, shortest_.lo());
 }

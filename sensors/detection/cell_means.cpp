@@ -32,6 +32,21 @@ void CellSums::refuse(double east_m, double north_m, double value) {
       fmt::format("value {} at east {} m, north {} m has no cell", value, east_m, north_m));
 }
 
+void CellSums::merge() {
+  const auto place = [](const CellSum& sum) { return std::pair(sum.row, sum.column); };
+  std::ranges::stable_sort(sums_, {}, place);
+  std::size_t count = 0;
+  for (const CellSum& sum : sums_)
+    if (count > 0 && place(sums_[count - 1]) == place(sum)) {
+      sums_[count - 1].value += sum.value;
+      sums_[count - 1].weight += sum.weight;
+    } else {
+      sums_[count++] = sum;
+    }
+  sums_.resize(count);
+  merge_at_ = std::max(few, 2 * count);
+}
+
 CellMeans::CellMeans(double cell_m, std::size_t most_bytes) : cell_m_(cell_m), most_bytes_(most_bytes) {
   require_size(cell_m);
 }

@@ -23,7 +23,8 @@ struct CellSum {
 };
 
 /// Such sums of values that come from neighbouring places, before they are added to a grid: on any thread,
-/// and fewer than the values. One cell may have several.
+/// and fewer than the values. One cell may have several, but together they are at most about twice as many
+/// as the cells.
 class CellSums {
  public:
   /// Throws std::invalid_argument for a cell that is not positive.
@@ -39,6 +40,7 @@ class CellSums {
         known.weight += one.weight;
         return;
       }
+    if (sums_.size() >= merge_at_) merge();
     sums_.push_back(one);
   }
   /// What one value puts into its cell.
@@ -58,10 +60,15 @@ class CellSums {
   const std::vector<CellSum>& sums() const { return sums_; }
 
  private:
+  static constexpr std::size_t few = 4096;
+
   [[noreturn]] static void refuse(double east_m, double north_m, double value);
+  /// One sum for each cell, by row and column: rows of samples longer than a few cells come to each again.
+  void merge();
 
   double cell_m_;
-  std::vector<CellSum> sums_;  ///< in the order in which cells were come to
+  std::size_t merge_at_ = few;
+  std::vector<CellSum> sums_;
 };
 
 /// Weighted means of values on a grid of square cells, east and north in the local frame. It grows where

@@ -337,8 +337,8 @@ class ArrayKind : public SensorKind {
   WritingCost writing_cost(const Recording& recording, const RunContext& run) const override {
     return cost_of_array_files(recording, run, products_of(recording.sensor->description()));
   }
-  std::vector<std::string> files_left_out(const Recording& recording, const RunContext&) const override {
-    return array_files_left_out(recording, products_of(recording.sensor->description()));
+  std::vector<std::string> files_left_out(const Recording& recording, const RunContext& run) const override {
+    return array_files_left_out(recording, run, products_of(recording.sensor->description()));
   }
 
  private:

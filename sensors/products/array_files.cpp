@@ -72,9 +72,9 @@ std::vector<std::string> leave_out(SignalProducts& products, const Recording& re
 }
 
 /// All of a recording's pings are in memory while their files are made.
-void require_memory_of(const SignalProducts& products, const Recording& recording) {
+void require_memory_of(const SignalProducts& products, const Recording& recording, const RunContext& run) {
   const SignalCounts counts = counts_of(recording);
-  const double bounds = recording.has_bounds() ? 2 : 1;
+  const double bounds = run.with_bounds ? 2 : 1;
   require_memory(
       2 * bounds * bytes_of(counts) + memory_of_signal_files(products, counts),
       recording.sensor->description().place,
@@ -122,7 +122,7 @@ std::vector<std::filesystem::path> write_array_files(const std::filesystem::path
   }
   const std::vector<std::string> left_out = leave_out(products, recording);
   warnings.insert(warnings.end(), left_out.begin(), left_out.end());
-  require_memory_of(products, recording);
+  require_memory_of(products, recording, run);
   products.ping_numbers = recording.ping_numbers;
   try {
     return write_signal_files(folder, element_signals_of(recording), products, run, warnings);
@@ -131,15 +131,19 @@ std::vector<std::filesystem::path> write_array_files(const std::filesystem::path
   }
 }
 
-std::vector<std::string> array_files_left_out(const Recording& recording, SignalProducts products) {
+std::vector<std::string> array_files_left_out(const Recording& recording, const RunContext& run,
+                                              SignalProducts products) {
   std::vector<std::string> why = leave_out(products, recording);
-  require_memory_of(products, recording);
+  require_memory_of(products, recording, run);
   return why;
 }
 
 WritingCost cost_of_array_files(const Recording& recording, const RunContext& run, SignalProducts products) {
   leave_out(products, recording);
-  return cost_of_signal_files(products, counts_of(recording), run.pictures);
+  const SignalCounts counts = counts_of(recording);
+  WritingCost cost = cost_of_signal_files(products, counts, run.pictures);
+  if (run.with_bounds) cost.bytes += bytes_of(counts);  // which hardly become smaller
+  return cost;
 }
 
 }  // namespace tubefoot

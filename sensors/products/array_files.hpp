@@ -23,7 +23,8 @@ std::vector<std::filesystem::path> write_array_files(const std::filesystem::path
                                                      SignalProducts products,
                                                      std::vector<std::string>& warnings);
 /// Those products, and why. Throws InputError where there is no memory for the rest.
-std::vector<std::string> array_files_left_out(const Recording& recording, SignalProducts products);
+std::vector<std::string> array_files_left_out(const Recording& recording, const RunContext& run,
+                                              SignalProducts products);
 WritingCost cost_of_array_files(const Recording& recording, const RunContext& run, SignalProducts products);
 
 }  // namespace tubefoot

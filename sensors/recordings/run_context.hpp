@@ -32,6 +32,7 @@ struct RunContext {
   WaterDescription water;
   std::string title;
   PictureSettings pictures{};
+  bool with_bounds = false;  ///< of a reference run: bounds beside energies and signals
 };
 
 }  // namespace tubefoot

@@ -50,7 +50,7 @@ ElementSignals matched_filtered(const ElementSignals& signals, const ApertureWin
   const std::vector<Complex> filter = transform.spectrum(sent);
   ElementSignals result = signals;
   result.matched_filtered = true;
-  result.bound.clear();  // they are of the samples as they were
+  result.bound = {};  // they are of the samples as they were
   tbb::parallel_for(std::size_t{0}, signals.pings() * signals.receivers(), [&](std::size_t k) {
     stop_if_wanted();
     const std::size_t ping = k / signals.receivers(), receiver = k % signals.receivers();

@@ -34,7 +34,8 @@ int join_command(const JoinOptions& join) {
   const PartDeal deal(*survey, layout_of(*survey, run.request), parts.count());
   parts.require_whole(deal);
   run.warnings.foresee(*survey, run.request);
-  const std::vector<std::string> left_out = files_left_out(*survey, run.request.selection);
+  const std::vector<std::string> left_out =
+      files_left_out(*survey, run.request.selection, run.request.reference_tolerance.has_value());
   print_warnings(left_out, options.quiet);
   foresee_writing(run, *survey);
 

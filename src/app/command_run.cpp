@@ -146,7 +146,8 @@ int run_command(const RunOptions& options) {
       [&] { return open_survey(description, facets_for(run.request), run.request.coarseness); });
   refuse_changed_input(description);
   run.warnings.foresee(*survey, run.request);
-  const std::vector<std::string> left_out = files_left_out(*survey, run.request.selection);
+  const std::vector<std::string> left_out =
+      files_left_out(*survey, run.request.selection, run.request.reference_tolerance.has_value());
   print_warnings(left_out, options.quiet);
   foresee_writing(run, *survey);
 

@@ -72,11 +72,12 @@ void refuse_unused_settings(const RunOptions& options, Engine engine) {
         rays ? "tube" : "ray", name_of(engine), rays ? "tube" : "ray"));
 }
 
-RunContext context_of(const Scene& scene, const PictureSettings& pictures) {
+RunContext context_of(const Scene& scene, const PictureSettings& pictures, bool with_bounds) {
   const SceneDescription& description = scene.description;
   return {scene.frame,          *unix_time_s(description.run.start_utc),
           description.run.seed, description.water,
-          description.title,    pictures};
+          description.title,    pictures,
+          with_bounds};
 }
 
 /// Recordings of what is asked for, without energies.
@@ -176,8 +177,8 @@ Provenance provenance_of(const Scene& scene, const RunRequest& request) {
           description.run.start_utc, request.coarseness, scene.frame};
 }
 
-std::vector<std::string> files_left_out(const Survey& survey, const Selection& selection) {
-  const RunContext context = context_of(survey.scene, {});
+std::vector<std::string> files_left_out(const Survey& survey, const Selection& selection, bool with_bounds) {
+  const RunContext context = context_of(survey.scene, {}, with_bounds);
   std::vector<std::string> warnings;
   for (const Recording& recording : recordings_to_be(survey, selection)) {
     if (!recording.beam_numbers.empty()) {
@@ -192,10 +193,11 @@ std::vector<std::string> files_left_out(const Survey& survey, const Selection& s
 
 WritingCost expected_writing(const Survey& survey, const RunRequest& request,
                              const PictureSettings& pictures) {
-  const RunContext context = context_of(survey.scene, pictures);
+  const bool with_bounds = request.reference_tolerance.has_value();
+  const RunContext context = context_of(survey.scene, pictures, with_bounds);
   WritingCost all;
   for (const Recording& recording : recordings_to_be(survey, request.selection)) {
-    all += cost_of_echoes(recording, request.reference_tolerance.has_value());
+    all += cost_of_echoes(recording, with_bounds);
     if (recording.beam_numbers.empty())
       all += kind_of(recording.sensor->description()).writing_cost(recording, context);
   }
@@ -207,7 +209,7 @@ std::vector<std::filesystem::path> write_result_files(const std::filesystem::pat
                                                       const std::vector<Recording>& recordings,
                                                       std::vector<std::string>& warnings, const Writing& how,
                                                       std::span<const TruthRecording> truths) {
-  const RunContext context = context_of(survey.scene, how.pictures);
+  const RunContext context = context_of(survey.scene, how.pictures, request.reference_tolerance.has_value());
   const Progress progress("writing", how.quiet);
   const std::filesystem::path echoes = folder / "echoes.nc";
   if (truths.empty()) {

@@ -40,8 +40,10 @@ std::string engine_name(const RunRequest& request);
 /// What an echo file says of where it comes from.
 Provenance provenance_of(const Scene& scene, const RunRequest& request);
 
-/// Which files a run will not write, and why, as far as that can be said before it.
-std::vector<std::string> files_left_out(const Survey& survey, const Selection& selection = {});
+/// Which files a run will not write, and why, as far as that can be said before it; `with_bounds`: of a
+/// reference run.
+std::vector<std::string> files_left_out(const Survey& survey, const Selection& selection = {},
+                                        bool with_bounds = false);
 
 /// What writing the files of a run will take, and how large they may become, about (docs/performance.md).
 WritingCost expected_writing(const Survey& survey, const RunRequest& request,

@@ -300,6 +300,41 @@ TEST_F(CertifiedSignals, AreOpenWhereRoughSurfacesAreHeard) {
   EXPECT_GT(sure, 20u);
 }
 
+// The second receiver lies in the plane of a wall, which neither it nor doubles can tell from beside it: the
+// wall's samples are open, and what else they hold is still told.
+TEST_F(CertifiedSignals, AWallThatAReceiverLiesInTakesNothingElseAway) {
+  const std::string sensor = "bandwidth_khz = 0\npulse_length_us = 600\npulse_taper = 1\n";
+  folder.write("wall.obj", "v 0.25 -0.4 -2.9\nv 0.25 0.4 -2.9\nv 0.25 0 -2.4\nf 1 2 3\n");
+  const ElementSignals without = signals_of(scene(sensor)),
+                       with = signals_of(scene(sensor,
+                                               "[[objects]]\nname = \"wall\"\nshape = \"mesh\"\nfile = "
+                                               "\"wall.obj\"\nmaterial = \"steel\"\n"));
+  double loudest = 0, loudest_open = 0;
+  std::size_t open = 0, sure = 0;
+  for (std::size_t k = 0; k < with.samples(); ++k) {
+    loudest = std::max(loudest, std::abs(without.channel(0, 1)[k]));
+    if (!is_open(with.bound[with.samples() + k])) {
+      ++sure;
+      continue;
+    }
+    ++open;
+    loudest_open = std::max(loudest_open, std::abs(with.channel(0, 1)[k]));
+  }
+  EXPECT_GT(open, 10u);
+  EXPECT_GT(sure, 10u);
+  EXPECT_GT(loudest_open, 0.2 * loudest);
+}
+
+// Nothing is loudest there, and no quadrature reaches nothing.
+TEST_F(CertifiedSignals, OfSurfacesThatReflectNothingAreSilent) {
+  std::string text = scene("bandwidth_khz = 0\npulse_length_us = 600\npulse_taper = 1\n");
+  for (const std::string reflection : {"-0.5\n", "0.75\n"})
+    text.replace(text.find("reflection = " + reflection), 13 + reflection.size(), "reflection = 0\n");
+  const ElementSignals silent = signals_of(text);
+  for (const Complex& pressure : silent.pressure) EXPECT_EQ(pressure, 0.0);
+  for (const Complex& bound : silent.bound) EXPECT_EQ(bound, 0.0);
+}
+
 TEST_F(CertifiedSignals, AreOpenWhereNothingIsProven) {
   const std::string sensor = "bandwidth_khz = 0\npulse_length_us = 600\npulse_taper = 1\n";
   const auto expect_open = [&](const std::string& text) {

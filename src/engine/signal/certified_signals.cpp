@@ -20,7 +20,6 @@ constexpr std::size_t patches_per_task = 16;
 /// No bound.
 const std::complex<double> open(std::numeric_limits<double>::infinity(),
                                 std::numeric_limits<double>::infinity());
-const ComplexBall anything = ComplexBall(1.0) / ComplexBall(0.0);
 const ComplexBall imaginary_unit(Ball(0.0), Ball(1.0));
 
 ComplexBall turned(const Ball& phase) {
@@ -169,47 +168,63 @@ CertifiedSignals CertifiedSmoothSignals::of(const SeenPatches& patches,
   const PulseWaves waves(pulse_, baseband_hz_, sound_speed_, absorption_db_per_m);
   std::size_t edges = 0;
   for (const SeenPatch& patch : patches.patches) edges += patch.corner_count;
-  const auto add_patch = [&](const SeenPatch& patch, std::size_t c, std::vector<ComplexBall>& sum) {
+  struct Part {
+    std::vector<ComplexBall> sum;
+    std::vector<std::uint8_t> open;  ///< by sample: something in it has no bound, and is not in the sum
+  };
+  const auto add_patch = [&](const SeenPatch& patch, std::size_t c, Part& part) {
+    stop_if_wanted();
     const SmoothSurface* surface = surface_of(patch.facet);
-    if (surface == nullptr) return;
+    if (surface == nullptr || surface->reflection == 0.0) return;
     std::optional<HeardPolygon> heard = heard_polygon(seen_, patches, patch, channels[c]);
     if (!heard) return;
     const auto [first, end] =
         samples_of(heard->edges.shortest_path(), heard->edges.longest_path(), pulse_, times_, sound_speed_);
     if (!heard->surely) {
-      for (std::size_t k = first; k < end; ++k) sum[k] += anything;
+      for (std::size_t k = first; k < end; ++k) part.open[k] = 1;
       return;
     }
     const ComplexBall reflection(Ball(surface->reflection.real()), Ball(surface->reflection.imag()));
-    for (std::size_t k = first; k < end; ++k)
-      sum[k] += reflection *
-                heard->edges.integral(waves.at(times_.time_s(k)),
-                                      std::max(allowed[c] / double(std::max<std::size_t>(edges, 1)), 1e-300));
+    for (std::size_t k = first; k < end; ++k) {
+      const PathWave wave = waves.at(times_.time_s(k));
+      // Of the pulse itself: nobody hears what is fainter, and no rule reaches as far as one likes.
+      const double faintest = std::max(1e-22 * wave.largest, 1e-300);
+      const ComplexBall echo =
+          reflection * heard->edges.integral(
+                           wave, std::max(allowed[c] / double(std::max<std::size_t>(edges, 1)), faintest));
+      if (echo.is_finite())
+        part.sum[k] += echo;
+      else
+        part.open[k] = 1;
+    }
   };
   const std::size_t tasks = (patches.patches.size() + patches_per_task - 1) / patches_per_task;
-  std::vector<ComplexBall> sum(times_.count);
+  Part sum{std::vector<ComplexBall>(times_.count), std::vector<std::uint8_t>(times_.count)};
   in_order(
       0, channels.size() * tasks, 256 * times_.count,
       [&](std::size_t task) {
-        std::vector<ComplexBall> part(times_.count);
+        Part part{std::vector<ComplexBall>(times_.count), std::vector<std::uint8_t>(times_.count)};
         const std::size_t begin = task % tasks * patches_per_task,
                           end = std::min(begin + patches_per_task, patches.patches.size());
         for (std::size_t n = begin; n < end; ++n) add_patch(patches.patches[n], task / tasks, part);
         return part;
       },
-      [&](std::size_t task, const std::vector<ComplexBall>& part) {
-        for (std::size_t k = 0; k < part.size(); ++k) sum[k] += part[k];
+      [&](std::size_t task, const Part& part) {
+        for (std::size_t k = 0; k < times_.count; ++k) {
+          sum.sum[k] += part.sum[k];
+          sum.open[k] |= part.open[k];
+        }
         if (task % tasks + 1 < tasks) return;
-        for (std::size_t k = 0; k < sum.size(); ++k) {
+        for (std::size_t k = 0; k < times_.count; ++k) {
           const std::size_t at = task / tasks * times_.count + k;
-          const Ball real = sum[k].real(), imaginary = sum[k].imaginary();
-          const bool known = sum[k].is_finite();
-          const std::complex<double> middle = known ? std::complex(real.middle(), imaginary.middle()) : 0.0;
+          const Ball real = sum.sum[k].real(), imaginary = sum.sum[k].imaginary();
+          const std::complex<double> middle(real.middle(), imaginary.middle());
           all.signals.value[at] = middle;
-          all.bound[at] =
-              known ? std::complex(radius_about(real, middle.real()), radius_about(imaginary, middle.imag()))
-                    : open;
-          sum[k] = ComplexBall(0.0);
+          all.bound[at] = sum.open[k] ? open
+                                      : std::complex(radius_about(real, middle.real()),
+                                                     radius_about(imaginary, middle.imag()));
+          sum.sum[k] = ComplexBall(0.0);
+          sum.open[k] = 0;
         }
       });
   return all;

@@ -5,8 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
+#include <glm/common.hpp>
 #include <numbers>
 #include <random>
 
@@ -78,6 +80,33 @@ TEST(CertifiedPathWave, OneFrequencyIsThatOfTheEdgeForm) {
       ASSERT_LT(std::abs(middle(sum) - middle(*sure)), 4 * (radius(sum) + radius(*sure)) + 1e-16) << n;
       ASSERT_LT(radius(sum), 1e-11) << n << " " << borders.size();
     }
+  }
+}
+
+// Also where the place of shortest path is outside, and the nearest end of an edge begins a short one.
+TEST(CertifiedPathWave, NoPathIsShorterOrLongerThanThoseTold) {
+  std::mt19937_64 random(12);
+  std::uniform_real_distribution<double> place(-3, 3), height(0.1, 2);
+  const auto hold = [](const Polygon2& polygon, const Ends& e) {
+    const CertifiedPathEdges edges(points(polygon), e.height, e.home);
+    const auto path = [&](glm::dvec2 p) {
+      return std::hypot(p.x, p.y, e.h) + std::hypot(p.x - e.x, p.y - e.y, e.s);
+    };
+    for (std::size_t k = 0; k < polygon.size(); ++k)
+      for (int i = 0; i <= 200; ++i)
+        for (const double inwards : {0.0, 0.3}) {
+          const glm::dvec2 on = glm::mix(polygon[k], polygon[(k + 1) % polygon.size()], i / 200.0),
+                           p = glm::mix(on, polygon[0], inwards);
+          ASSERT_GE(path(p), edges.shortest_path() * (1 - 1e-14));
+          ASSERT_LE(path(p), edges.longest_path() * (1 + 1e-14));
+        }
+  };
+  hold({{-3, 0.05}, {1.1, 0.05}, {1.1, 0.9}, {0.5, 1.95}, {-1.5, 2.35}}, ends(1, 0, 0, 1));
+  for (int n = 0; n < 300; ++n) {
+    Polygon2 polygon = test::random_convex(random, {place(random), place(random)}, 2, 1);
+    if (n % 2 == 1) std::reverse(polygon.begin(), polygon.end());
+    hold(polygon,
+         n % 3 == 0 ? ends(1, 0, 0, 1) : ends(height(random), place(random), place(random), height(random)));
   }
 }
 

@@ -282,6 +282,22 @@ TEST(CellMeans, SumsOfManyValuesAreTheValues) {
   EXPECT_THROW(CellSums(1).add(NAN, 0, 1, 1), std::invalid_argument);
 }
 
+// Rows longer than a few cells, again and again: a ping's sums grow with its cells, not with its samples.
+TEST(CellSums, AreNotManyMoreThanTheirCells) {
+  CellSums sums(1);
+  CellMeans one_by_one(1), summed(1);
+  for (int row = 0; row < 2000; ++row)
+    for (int column = 0; column < 100; ++column) {
+      sums.add(column + 0.5, row % 7 + 0.5, row, 2);
+      one_by_one.add(column + 0.5, row % 7 + 0.5, row, 2);
+    }
+  EXPECT_LE(sums.sums().size(), 4096u);
+  summed.add(sums);
+  for (int row = 0; row < 7; ++row)
+    for (int column = 0; column < 100; ++column)
+      EXPECT_EQ(summed.mean(column, row), one_by_one.mean(column, row));
+}
+
 TEST(CellMeans, CellsWestAndSouthOfTheOriginAreToldApart) {
   CellMeans cells(0.5);
   for (int row = -300; row < 300; ++row) cells.add(-0.25 - 64, 0.5 * row + 0.1, row);
