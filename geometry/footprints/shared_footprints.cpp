@@ -192,22 +192,6 @@ SharedFootprints shared_with_itself(const FacetMesh& mesh, const ApexLook& look,
   return shared;
 }
 
-void append_whole(const FacetMesh& mesh, std::span<const FacetId> facets, GridPoint apex, double unit_m,
-                  SharedFootprints& shared) {
-  FacetCone cone;
-  for (const FacetId id : facets) {
-    if (!FacetCone::make(mesh, id, apex, cone)) continue;
-    SharedFacet facet = facet_between(cone, cone, unit_m);
-    facet.whole = true;
-    facet.first_piece = static_cast<std::uint32_t>(shared.pieces.size());
-    facet.piece_count = 1;
-    shared.pieces.push_back({0, 0, static_cast<std::uint32_t>(shared.corners_m.size()), 3});
-    for (const GridPoint& p : cone.point)
-      shared.corners_m.push_back(glm::dvec3(double(p.x), double(p.y), double(p.z)) * unit_m);
-    shared.facets.push_back(facet);
-  }
-}
-
 SharedFootprints exchanged(SharedFootprints shared) {
   for (SharedFacet& facet : shared.facets) std::swap(facet.transmit_distance_m, facet.receive_distance_m);
   for (SharedPiece& piece : shared.pieces) std::swap(piece.transmit_tube, piece.receive_tube);

@@ -28,7 +28,6 @@ struct SharedFacet {
   std::uint32_t first_piece = 0, piece_count = 0;
   glm::dvec3 plane_normal{0};                              ///< unit, towards the side where the apexes are
   double transmit_distance_m = 0, receive_distance_m = 0;  ///< of the apexes from the plane
-  bool whole = false;                                      ///< known to be seen whole, in one piece
 };
 
 /// What two apexes see together. Pieces are ordered by facet, transmit tube and receive tube, and have
@@ -136,10 +135,6 @@ class FootprintSharer {
 
 /// What an apex shares with itself: all that it sees.
 SharedFootprints shared_with_itself(const FacetMesh& mesh, const ApexLook& look, double unit_m);
-
-/// Appends facets that an apex sees whole, each in one piece, with tube 0.
-void append_whole(const FacetMesh& mesh, std::span<const FacetId> facets, GridPoint apex, double unit_m,
-                  SharedFootprints& shared);
 
 /// The same with transmitter and receiver exchanged. Pieces stay in their order.
 SharedFootprints exchanged(SharedFootprints shared);

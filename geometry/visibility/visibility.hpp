@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -35,10 +34,6 @@ struct VisibilityOptions {
   std::uint32_t facets_per_split = 64;
   /// Also find the open water of each tube: what no facet covers (for the closure law).
   bool open_water = false;
-  /// By facet: whether it is told what is seen of it; empty: of all of them. The others hide what they hide.
-  std::span<const std::uint8_t> told{};
-
-  bool tells(FacetId facet) const { return told.empty() || told[facet] != 0; }
 };
 
 /// A convex cone of directions: corners [first, first + count) in TubeVisibility::corners, turning as a
@@ -88,7 +83,6 @@ class VisibilityScratch {
 /// Law V9 (monotone): a facet more uncovers nothing.
 /// Law V10 (walls): nothing is seen behind a surface that covers the tube.
 /// Law V11 (reach): facets wholly beyond the reach are not seen and hide nothing.
-/// Law V13 (told): what is told of a facet does not depend on which others something is told of.
 void see(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes, std::uint32_t tube,
          const VisibilityOptions& options, VisibilityScratch& scratch, TubeVisibility& out);
 

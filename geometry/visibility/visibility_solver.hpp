@@ -48,16 +48,12 @@ class VisibilitySolver : PieceCutter<A> {
         wall_lanes_.set(w, buffer_[w].edge.plane->plane, buffer_[w].edge.sign);
     gather();
     out.candidates = facets_.size();
-    const auto is_told = [&](const FramedFacet& facet) { return options_.tells(facet.cone.id); };
-    if (options_.told.empty() || std::ranges::any_of(facets_, is_told)) {
-      find_layers();
-      const std::size_t mark = buffer_.size();
-      for (std::uint32_t f = 0; f < facets_.size(); ++f) {
-        stop_if_wanted();
-        if (!is_told(facets_[f])) continue;
-        see_facet(f);
-        buffer_.resize(mark);
-      }
+    find_layers();
+    const std::size_t mark = buffer_.size();
+    for (std::uint32_t f = 0; f < facets_.size(); ++f) {
+      stop_if_wanted();
+      see_facet(f);
+      buffer_.resize(mark);
     }
     if (options_.open_water) {
       gather_hidden();

@@ -49,8 +49,6 @@ class HeardFacets {
   };
   /// Null if the side of a facet that a normal points to is not seen.
   const Facet* find(FacetId facet, glm::dvec3 normal) const;
-  /// All that are heard, by id; some twice, of either side.
-  const std::vector<Facet>& facets() const { return facets_; }
   /// The upper one first.
   const std::vector<End>& ends() const { return ends_; }
   const Image& image() const { return *ends_.front().image; }
@@ -75,11 +73,6 @@ class OverFacet {
   /// facet, null where rays are straight.
   OverFacet(const HeardFacets::Facet& facet, glm::dvec3 from_heard_m, double height_m, const BentFacet* bent);
 
-  bool is_straight() const { return bent_ == nullptr; }
-  double height() const { return height_; }
-  glm::dvec2 foot() const { return foot_; }
-  /// Where a place lies from here, over an axis: linear in the place. Where rays are straight.
-  double along(glm::dvec3 axis, glm::dvec2 p) const { return glm::dot(axis, lies_.at(p - foot_)); }
   /// Where a place is seen, or seems to be, from here.
   const LyingPlane& seen() const { return seen_; }
   double range(glm::dvec2 p) const {

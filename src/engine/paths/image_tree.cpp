@@ -113,12 +113,17 @@ struct ImageFinder::State {
   }
 
   std::vector<Image> grow(TubeSet tubes, int most_mirrors, std::span<const GridPoint> heard_at) {
-    std::vector<Image> images{root_of(std::move(tubes))};
+    std::vector<Image> images(1);
+    Image& root = images.front();
+    root.windows = std::move(tubes);
+    root.mesh = &mesh_;
+    root.tree = &tree_;
+    for (std::uint32_t t = 0; t < root.windows.tubes.size(); ++t) root.own_tube.push_back(t);
     std::atomic<std::size_t> found{0};
     for (std::size_t first = 0, end = 1; first < end; first = end, end = images.size()) {
       const int mirrors = int(images[first].mirrors);
       if (mirrors < most_mirrors || heard_at.empty())
-        tbb::parallel_for(first, end, [&](std::size_t i) { look(images[i], options_); });
+        tbb::parallel_for(first, end, [&](std::size_t i) { look(images[i]); });
       if (mirrors >= most_mirrors) break;
       const Wanted wanted{mirrors + 1 == most_mirrors ? heard_at : std::span<const GridPoint>(), found};
       std::vector<std::vector<Image>> children(end - first);
@@ -129,36 +134,17 @@ struct ImageFinder::State {
     return images;
   }
 
-  Image apex(TubeSet tubes, std::span<const std::uint8_t> told) {
-    Image image = root_of(std::move(tubes));
-    VisibilityOptions options = options_;
-    options.open_water = false;
-    options.told = told;
-    if (std::ranges::any_of(told, [](std::uint8_t one) { return one != 0; })) look(image, options);
-    return image;
-  }
-
- private:
   /// Which images are kept, and how many of them there are so far.
   struct Wanted {
     std::span<const GridPoint> heard_at;  ///< empty: all
     std::atomic<std::size_t>& found;
   };
 
-  Image root_of(TubeSet tubes) const {
-    Image root;
-    root.windows = std::move(tubes);
-    root.mesh = &mesh_;
-    root.tree = &tree_;
-    for (std::uint32_t t = 0; t < root.windows.tubes.size(); ++t) root.own_tube.push_back(t);
-    return root;
-  }
-
-  void look(Image& image, const VisibilityOptions& options) {
+  void look(Image& image) {
     image.seen.resize(image.windows.tubes.size());
     tbb::parallel_for(std::uint32_t{0}, std::uint32_t(image.seen.size()), [&](std::uint32_t tube) {
-      see(*image.mesh, *image.tree, image.windows, tube, options, scratch_.local(), image.seen[tube]);
-      if (options.arithmetic == Arithmetic::plain_double)
+      see(*image.mesh, *image.tree, image.windows, tube, options_, scratch_.local(), image.seen[tube]);
+      if (options_.arithmetic == Arithmetic::plain_double)
         leave_out_contradictions(*image.mesh, image.windows.apex, image.seen[tube]);
     });
   }
@@ -332,10 +318,6 @@ ImageFinder::~ImageFinder() = default;
 std::vector<Image> ImageFinder::images_of(TubeSet tubes, int most_mirrors,
                                           std::span<const GridPoint> heard_at) const {
   return state_->grow(std::move(tubes), most_mirrors, heard_at);
-}
-
-Image ImageFinder::apex_of(TubeSet tubes, std::span<const std::uint8_t> told) const {
-  return state_->apex(std::move(tubes), told);
 }
 
 }  // namespace tubefoot

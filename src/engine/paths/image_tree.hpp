@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <algorithm>
 #include <complex>
 #include <cstdint>
 #include <glm/mat3x3.hpp>
@@ -34,10 +33,6 @@ struct Mirrors {
   std::span<const double> reflection{};  ///< by material of the mesh: energy factor; 0: no mirror
   /// By material: as SeaSurface::phase, at all angles; empty: 1, as of what is rigid.
   std::span<const std::complex<double>> phase{};
-
-  bool any() const {
-    return surface || std::any_of(reflection.begin(), reflection.end(), [](double r) { return r > 0; });
-  }
 };
 
 /// An apex, or its image in a chain of mirrors. Straight lines from it through its windows are paths from the
@@ -97,8 +92,6 @@ class ImageFinder {
   /// lie all on one side. Throws std::length_error if there are more images than `most_images`.
   std::vector<Image> images_of(TubeSet tubes, int most_mirrors,
                                std::span<const GridPoint> heard_at = {}) const;
-  /// The apex of `tubes` by itself, which has looked for these facets only (VisibilityOptions::told).
-  Image apex_of(TubeSet tubes, std::span<const std::uint8_t> told) const;
 
  private:
   struct State;

@@ -6,7 +6,6 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
-#include <span>
 #include <tuple>
 
 #include "engine/law/density.hpp"
@@ -93,29 +92,6 @@ std::size_t PatchEcho::add(const SeenBed& bed, const Point& point, const Listene
     if (mu_ == 0) continue;
     texture_ = law_.texture(shared.facet);
     lit_ = OverFacet(*facet, from_heard, shared.transmit_distance_m, bent);
-    const auto set_home = [&](std::size_t end, const BentFacet* seen_as) {
-      home_[end] = OverFacet(*facet, ends[end].apex_m - heard_at, facet->height_m[end], seen_as);
-    };
-    const bool bent_home = !ends.front().bent->empty();
-    for (std::size_t end = 0; end < ends.size() && !bent_home; ++end) set_home(end, nullptr);
-    simplify();
-    const auto meet = [&](const HeardFacets::Piece& other, const Polygon* lit) {
-      own_tube_ = heard.hears.image().own_tube[other.tube];
-      if (!beams_.fan_of_receive_tube.empty() && beams_.fan_of_receive_tube[own_tube_] != point.fan) return;
-      levels_[0] = lit != nullptr ? *lit : other.seen.front();
-      for (std::size_t by = lit != nullptr ? 0 : 1; by < other.seen.size(); ++by)
-        clip(other.seen[by], levels_[0]);
-      if (levels_[0].size() < 3) return;
-      if (bent_home)
-        for (std::size_t end = 0; end < ends.size(); ++end) set_home(end, heard.hears.bent_of(other, end));
-      ++met;
-      halve(0);
-    };
-    if (shared.whole) {
-      stop_if_wanted();
-      for (const HeardFacets::Piece& other : facet->pieces) meet(other, nullptr);
-      continue;
-    }
     for (std::uint32_t k = shared.first_piece; k < shared.first_piece + shared.piece_count; ++k) {
       stop_if_wanted();
       const SharedPiece& piece = seen.pieces[k];
@@ -126,30 +102,24 @@ std::size_t PatchEcho::add(const SeenBed& bed, const Point& point, const Listene
                                                   : seen.corners_m[piece.first + c]) +
                                  from_heard));
       const auto [low, high] = box_of(source);
-      for (const HeardFacets::Piece& other : facet->pieces)
-        if (!(low.x > other.high.x || low.y > other.high.y || other.low.x > high.x || other.low.y > high.y))
-          meet(other, &source);
+      for (const HeardFacets::Piece& other : facet->pieces) {
+        if (low.x > other.high.x || low.y > other.high.y || other.low.x > high.x || other.low.y > high.y)
+          continue;
+        own_tube_ = heard.hears.image().own_tube[other.tube];
+        if (!beams_.fan_of_receive_tube.empty() && beams_.fan_of_receive_tube[own_tube_] != point.fan)
+          continue;
+        levels_[0] = source;
+        for (const Polygon& by : other.seen) clip(by, levels_[0]);
+        if (levels_[0].size() < 3) continue;
+        for (std::size_t end = 0; end < ends.size(); ++end)
+          home_[end] = OverFacet(*facet, ends[end].apex_m - heard_at, facet->height_m[end],
+                                 heard.hears.bent_of(other, end));
+        ++met;
+        halve(0);
+      }
     }
   }
   return met;
-}
-
-void PatchEcho::simplify() {
-  simple_.reset();
-  const MirrorLoss &out = point_->loss, &home = heard_->hears.image().leg.loss;
-  if (!lit_.is_straight() || !heard_->hears.ends().front().bent->empty() || heard_->is_product() ||
-      law_.patterns != nullptr || texture_ != nullptr || scattering_ != nullptr ||
-      point_->scattering != nullptr || !out.rough_normals.empty() || !home.rough_normals.empty())
-    return;
-  const glm::dvec2 origin(0);
-  const double level = lit_.along(point_->axis, origin);
-  simple_ = Simple{mu_ * lit_.height() * home_[0].height() * out.factor * home.factor,
-                   level,
-                   squared(lit_.height()),
-                   squared(home_[0].height()),
-                   {lit_.along(point_->axis, {1, 0}) - level, lit_.along(point_->axis, {0, 1}) - level},
-                   lit_.foot(),
-                   home_[0].foot()};
 }
 
 void PatchEcho::clip(const std::vector<glm::dvec2>& by, Polygon& polygon) {
@@ -184,7 +154,7 @@ void PatchEcho::halve(std::size_t level) {
       !turned && (diameter <= smallest_part * longest_m_ ||
                   (diameter <= longest_m_ && diameter <= largest_angle * std::min(rt, rr) &&
                    diameter * diameter * (1 / rt + 1 / rr) / 16 <= most_bent * samples_.step_m));
-  if (small) return cut_into_samples(levels_[level], centre, rt, rr);
+  if (small) return cut_into_samples(levels_[level], centre);
   if (levels_.size() < level + 3) levels_.resize(level + 3);
   const int axis = size.x >= size.y ? 0 : 1;
   split(
@@ -194,8 +164,9 @@ void PatchEcho::halve(std::size_t level) {
   halve(level + 1);  // may overwrite the other, which is done
 }
 
-void PatchEcho::cut_into_samples(const Polygon& polygon, glm::dvec2 centre, double rt, double rr) {
-  const bool product = heard_->is_product(), both = product && !(borders_m_ > 0);
+void PatchEcho::cut_into_samples(const Polygon& polygon, glm::dvec2 centre) {
+  const bool product = heard_->is_product();
+  const double rt = lit_.range(centre), rr = home_[0].range(centre);
   const double per_step = 1 / samples_.step_m;
   double middle = ((rt + rr) / 2 - samples_.first_m) * per_step;
   glm::dvec2 gradient = (lit_.slope(centre, rt) + home_[0].slope(centre, rr)) * (0.5 * per_step);
@@ -207,48 +178,44 @@ void PatchEcho::cut_into_samples(const Polygon& polygon, glm::dvec2 centre, doub
     middle = (middle + lower_middle) / 2;
     gradient = (gradient + lower_gradient) * 0.5;
   }
-  std::size_t count = polygon.size();
-  if (placed_.size() < count) placed_.resize(count);
+  const auto take_part = [&](const Polygon& part, double sample) {
+    if (!product || borders_m_ > 0) return take(part, sample);
+    cut_for_both(part, sample, lower_middle, lower_gradient, centre);
+  };
+  placed_.clear();
   double least = std::numeric_limits<double>::infinity(), most = -least;
-  for (std::size_t k = 0; k < count; ++k) {
-    const double here = middle + glm::dot(gradient, polygon[k] - centre);
-    placed_[k] = {polygon[k], here};
+  for (const glm::dvec2 p : polygon) {
+    const double here = middle + glm::dot(gradient, p - centre);
+    placed_.push_back({p, here});
     least = std::min(least, here);
     most = std::max(most, here);
   }
-  // Corners in order, of what lies below a border; those beyond stay for the next sample.
-  const double last = std::floor(most);
-  for (double sample = std::floor(least); sample <= last && count > 2; ++sample) {
-    const double border = sample < last ? sample + 1 : std::numeric_limits<double>::infinity();
-    Part below;
+  const double first = std::floor(least), last = std::floor(most);
+  if (first == last) return take_part(polygon, first);
+  for (double sample = first; sample < last && placed_.size() > 2; ++sample) {
+    const double border = sample + 1;
     below_.clear();
-    const auto add_below = [&](glm::dvec2 p) {
-      below.add(p);
-      if (both) below_.push_back(p);
-    };
-    if (left_.size() < 2 * count) left_.resize(2 * count);
-    Placed* left = left_.data();
-    Placed from = placed_[count - 1];
-    for (const Placed& to : std::span(placed_).first(count)) {
+    left_.clear();
+    Placed from = placed_.back();
+    for (const Placed& to : placed_) {
       if ((from.sample < border) != (to.sample < border)) {
         const double part = (border - from.sample) / (to.sample - from.sample);
         const glm::dvec2 between = from.at + part * (to.at - from.at);
-        add_below(between);
-        *left++ = {between, border};
+        below_.push_back(between);
+        left_.push_back({between, border});
       }
       if (to.sample < border)
-        add_below(to.at);
+        below_.push_back(to.at);
       else
-        *left++ = to;
+        left_.push_back(to);
       from = to;
     }
-    if (both)
-      cut_for_both(below_, sample, lower_middle, lower_gradient, centre);
-    else
-      take(below, sample);
-    count = std::size_t(left - left_.data());
+    take_part(below_, sample);
     placed_.swap(left_);
   }
+  below_.clear();
+  for (const Placed& p : placed_) below_.push_back(p.at);
+  take_part(below_, last);
 }
 
 /// What of a sample of the upper receiver's lies in the same one of the lower's.
@@ -262,26 +229,17 @@ void PatchEcho::cut_for_both(const Polygon& polygon, double sample, double middl
 }
 
 void PatchEcho::take(const Polygon& polygon, double sample) {
-  Part part;
-  for (const glm::dvec2 corner : polygon) part.add(corner);
-  take(part, sample);
-}
-
-void PatchEcho::take(const Part& part, double sample) {
-  if (!part.has_area() || !(sample >= 0 && sample < samples_.count)) return;
-  const glm::dvec2 p = part.centroid();
-  const auto bin = [&](std::size_t beam) { return beam * std::size_t(samples_.count) + std::size_t(sample); };
-  if (simple_) {
-    const double lobe = simple_->level + glm::dot(simple_->slope, p);
-    if (!(lobe > 0)) return;
-    const glm::dvec2 out = p - simple_->out_foot, home = p - simple_->home_foot;
-    const double out2 = simple_->out_height2 + glm::dot(out, out),
-                 home2 = simple_->home_height2 + glm::dot(home, home), home_range = std::sqrt(home2);
-    const double energy = simple_->scale * lobe * part.area() *
-                          std::exp(-beta_ * (std::sqrt(out2) + home_range)) /
-                          (squared(out2) * home2 * home_range);
-    return out_->add(bin(heard_->row ? *heard_->row : beams_.of_tube[own_tube_]), energy);
+  if (polygon.size() < 3 || !(sample >= 0 && sample < samples_.count)) return;
+  double area = 0;
+  glm::dvec2 centroid(0);
+  for (std::size_t k = 2; k < polygon.size(); ++k) {
+    const glm::dvec2 a = polygon[k - 1] - polygon[0], b = polygon[k] - polygon[0];
+    const double part = cross(a, b);
+    area += part;
+    centroid += part * (a + b);
   }
+  if (area == 0) return;
+  const glm::dvec2 p = polygon[0] + centroid / (3 * area);
   const OverFacet::Met sent = lit_.meet(p);
   const double lobe = scattering_lobe(point_->scattering, glm::dot(sent.direction, point_->axis));
   if (lobe == 0) return;
@@ -291,15 +249,16 @@ void PatchEcho::take(const Part& part, double sample) {
     const HeardFacets::End& receiver = heard_->hears.ends()[end];
     const double sigma =
         mu_ * scattering_lobe(scattering_, sent.sine) * scattering_lobe(scattering_, home.sine);
-    double energy = density(sigma, Way<double>::of(sent.range, home.range), beta_) * part.area() * lobe *
-                    point_->loss.at(sent.direction) * receiver.image->leg.loss.at(home.direction) * sent.out *
-                    home.home;
+    double energy = density(sigma, Way<double>::of(sent.range, home.range), beta_) * (std::abs(area) / 2) *
+                    lobe * point_->loss.at(sent.direction) * receiver.image->leg.loss.at(home.direction) *
+                    sent.out * home.home;
     if (texture_ != nullptr) energy *= texture_->factor(local_m_ + receiver.apex_m + home.lies_m);
     true_back = receiver.image->leg.to_true * home.direction;
     return heard_->row ? energy * law_.patterns->receive.front().gain(true_back) : energy;
   };
   const double energy = energy_by(0);
   if (heard_->is_product()) return take_product(sample, p, energy, energy_by(1));
+  const auto bin = [&](std::size_t beam) { return beam * std::size_t(samples_.count) + std::size_t(sample); };
   if (heard_->row) return out_->add(bin(*heard_->row), energy);
   if (law_.patterns == nullptr) return out_->add(bin(beams_.of_tube[own_tube_]), energy);
   const auto [begin, end] = law_.patterns->beams_of_tube[own_tube_];

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec2.hpp>
@@ -81,37 +80,12 @@ class PatchEcho {
  private:
   using Polygon = std::vector<glm::dvec2>;
 
-  /// Area and centroid of a polygon, as its corners come.
-  class Part {
-   public:
-    void add(glm::dvec2 corner) {
-      if (corners_++ == 0) first_ = corner;
-      const glm::dvec2 to = corner - first_;
-      const double twice = before_.x * to.y - before_.y * to.x;
-      twice_ += twice;
-      moment_ += twice * (before_ + to);
-      before_ = to;
-    }
-    bool has_area() const { return corners_ > 2 && twice_ != 0; }
-    double area() const { return std::abs(twice_) / 2; }
-    glm::dvec2 centroid() const { return first_ + moment_ / (3 * twice_); }
-
-   private:
-    int corners_ = 0;
-    glm::dvec2 first_{0}, before_{0}, moment_{0};
-    double twice_ = 0;
-  };
-
   void clip(const std::vector<glm::dvec2>& by, Polygon& polygon);
   void halve(std::size_t level);
-  /// A small polygon, the ranges of whose centre are known.
-  void cut_into_samples(const Polygon& polygon, glm::dvec2 centre, double sent, double home);
+  void cut_into_samples(const Polygon& polygon, glm::dvec2 centre);
   void cut_for_both(const Polygon& polygon, double sample, double middle, glm::dvec2 gradient,
                     glm::dvec2 centre);
   void take(const Polygon& polygon, double sample);
-  void take(const Part& part, double sample);
-  /// Of the facet at hand, whose ends are set.
-  void simplify();
   double fringe_rad_a_m(glm::dvec2 centre) const;
   void take_product(double sample, glm::dvec2 p, double upper, double lower);
 
@@ -131,13 +105,6 @@ class PatchEcho {
   const ScatteringLaw* scattering_ = nullptr;
   const ReflectivityField* texture_ = nullptr;
   double mu_ = 0;
-  /// Lambert's law at both ends of straight rays, with ideal beams: the energy of a square metre is
-  /// scale (level + slope . p) e^(-beta (r_out + r_home)) / (r_out^4 r_home^3).
-  struct Simple {
-    double scale = 0, level = 0, out_height2 = 0, home_height2 = 0;
-    glm::dvec2 slope{0}, out_foot{0}, home_foot{0};
-  };
-  std::optional<Simple> simple_;
   std::vector<Polygon> levels_;
   Polygon below_, rest_, before_, both_;
   /// A corner, and where it lies among the samples.

@@ -19,15 +19,12 @@
 #include "engine/paths/patch_echo.hpp"
 #include "engine/paths/patches.hpp"
 #include "geometry/steps/steps.hpp"
-#include "geometry/visibility/plain_sight.hpp"
 
 namespace tubefoot {
 namespace {
 
 /// Of a generation's signals together.
 constexpr double most_delays = 2e8;
-/// Sides of a facet as bits: the one from which its corners turn left, and the other.
-constexpr std::uint8_t front_side = 1, back_side = 2;
 /// Sources that look at the same time; results are taken in their order.
 constexpr std::size_t batch = 64;
 
@@ -144,10 +141,13 @@ class Generation {
   }
 
   Lit& lit_at(std::uint32_t fan, const Link& link) {
+    const auto& v = scene_.mesh.facets[link.patch.facet];
+    const glm::dvec3 a = difference(scene_.mesh.vertices[v[0]]);
+    const glm::dvec3 front =
+        glm::cross(difference(scene_.mesh.vertices[v[1]]) - a, difference(scene_.mesh.vertices[v[2]]) - a);
     const auto& cube = link.patch.cube;
-    Lit& lit =
-        lit_[Key{link.interactions, fan, link.patch.facet,
-                 glm::dot(scene_.front(link.patch.facet), link.patch.normal) > 0, cube[0], cube[1], cube[2]}];
+    Lit& lit = lit_[Key{link.interactions, fan, link.patch.facet, glm::dot(front, link.patch.normal) > 0,
+                        cube[0], cube[1], cube[2]}];
     if (lit.signal.empty()) {
       lit.seen_from = link.seen_from;
       lit.normal = link.patch.normal;
@@ -173,15 +173,7 @@ class PatchPaths {
           return Worker{PatchEcho(scene.law, scene.beams, scene.settings.patch_m), {}, {}};
         }) {
     before_.material = scene.law.material;
-    if (scene.bent == nullptr) {
-      if (scene.mesh.facets.size() <= PlainSight::most_facets) plain_.emplace(scene.mesh);
-      heard_sides_.assign(scene.mesh.facets.size(), 0);
-      for (const Listener& listener : heard)
-        for (const HeardFacets::Facet& facet : listener.hears.facets())
-          heard_sides_[facet.facet] |=
-              glm::dot(scene.front(facet.facet), facet.plane.normal) > 0 ? front_side : back_side;
-      return;
-    }
+    if (scene.bent == nullptr) return;
     const PathWater& water = scene.bent->water();
     double lowest_m = std::numeric_limits<double>::infinity();
     for (const GridPoint& vertex : scene.mesh.vertices)
@@ -297,37 +289,8 @@ class PatchPaths {
     sources.resize(count);
   }
 
-  /// What a source sees in even water and in no mirror: whole facets, as far as their planes alone tell that
-  /// nothing hides them, and of the others what it has to look for. Unless it scatters again, what nobody
-  /// hears, or hears from the other side only, need not be seen.
-  SeenBed seen_straight(const Source& source, bool again, Image& image) {
-    PlainSight::View view;
-    if (plain_)
-      view = plain_->seen_from(source.at, source.facet);
-    else
-      view.look.assign(scene_.mesh.facets.size(), 1);
-    if (!again) {
-      FacetCone cone;
-      const auto is_heard = [&](FacetId f) {
-        return heard_sides_[f] != 0 && FacetCone::make(scene_.mesh, f, source.at, cone) &&
-               (heard_sides_[f] & (cone.reversed ? front_side : back_side)) != 0;
-      };
-      for (FacetId f = 0; f < view.look.size(); ++f) view.look[f] = view.look[f] != 0 && is_heard(f);
-      std::erase_if(view.whole, [&](FacetId f) { return !is_heard(f); });
-    }
-    image = scene_.finder.apex_of(front_tubes(source.at, source.normal, scene_.reach), view.look);
-    SeenBed bed = scene_.seen_by(image);
-    append_whole(scene_.mesh, view.whole, source.at, scene_.unit_m, bed.shared);
-    return bed;
-  }
-
   void send(const Source& source, bool again, Sent& sent) {
     const int most_mirrors = scene_.settings.order - source.interactions - 1;
-    if (!water_ && (most_mirrors == 0 || !scene_.settings.mirrors.any())) {
-      std::vector<Image> images(1);
-      const SeenBed bed = seen_straight(source, again, images.front());
-      return send(source, again, images, std::span(&bed, 1), sent);
-    }
     TubeSet tubes = front_tubes(source.at, source.normal, scene_.reach);
     std::optional<RefractedImages> bent;
     if (water_) {
@@ -340,11 +303,6 @@ class PatchPaths {
     std::vector<SeenBed> beds;
     for (const Image& image : images) beds.push_back(scene_.seen_by(image, bent ? &*bent : nullptr));
     if (bent) sent.seen = bent->counts(beds);
-    send(source, again, images, beds, sent);
-  }
-
-  void send(const Source& source, bool again, std::span<const Image> images, std::span<const SeenBed> beds,
-            Sent& sent) {
     const ScatteringLaw* scattering = before_.law_of(source.facet);
     for (std::size_t k = 0; k < images.size(); ++k) {
       stop_if_wanted();
@@ -426,9 +384,6 @@ class PatchPaths {
   double least_, beta_;
   WaterColumn column_;
   std::optional<PathWater> water_;  // as patches look through it, if it refracts
-  // In even water:
-  std::optional<PlainSight> plain_;
-  std::vector<std::uint8_t> heard_sides_;  // by facet, those that somebody hears
   tbb::enumerable_thread_specific<Worker> workers_;
 };
 
@@ -436,12 +391,6 @@ class PatchPaths {
 
 glm::dvec3 PathScene::from_apex(GridPoint p) const {
   return glm::dvec3(double(p.x) - apex.x, double(p.y) - apex.y, double(p.z) - apex.z) * unit_m;
-}
-
-glm::dvec3 PathScene::front(FacetId facet) const {
-  const auto& v = mesh.facets[facet];
-  const glm::dvec3 a = from_apex(mesh.vertices[v[0]]);
-  return glm::cross(from_apex(mesh.vertices[v[1]]) - a, from_apex(mesh.vertices[v[2]]) - a);
 }
 
 HeardFacets PathScene::heard_by(const Image& image) const {

@@ -24,8 +24,6 @@ struct PathScene {
   const RefractedImages* bent = nullptr;
 
   glm::dvec3 from_apex(GridPoint p) const;  ///< metres
-  /// Normal of a facet, to the side from which its corners turn left.
-  glm::dvec3 front(FacetId facet) const;
   HeardFacets heard_by(const Image& image) const;
   /// How far patches stand off their facets, in grid units: where those are cut up and seen elsewhere, their
   /// corners are rounded by up to 1.8, and none must come to lie before the patch.

@@ -16,7 +16,6 @@
 #include "engine/paths/path_echo.hpp"
 #include "fixtures/world/path_scenes.hpp"
 #include "fixtures/world/point_sum.hpp"
-#include "geometry/visibility/plain_sight.hpp"
 
 namespace tubefoot {
 namespace {
@@ -149,21 +148,6 @@ TEST(PatchPaths, TheCutOffEndsThePathsAndDropsNoMoreThanItSays) {
   const PathEcho dark = s.run();
   EXPECT_GT(total(dark.by_order[3]), 0);
   EXPECT_EQ(total(dark.by_order[4]), 0);
-}
-
-// Of a mesh with too many facets for PlainSight patches look for all that they see. Where they look nothing
-// else is different: what is seen whole is cut by their tubes, that is all.
-TEST(PatchPaths, WhatIsInPlainSightNeedsNoLook) {
-  for (const Setting& s : {in_a_sphere(true, 3), in_a_sphere(false, 2), plates(true)}) {
-    Setting looking = s;
-    for (std::size_t k = 0; k <= PlainSight::most_facets; ++k)
-      add_triangle(looking.mesh, {900, 0, 0}, {900, 1, 0}, {900, 0, 1});  // out of reach
-    const PathEcho plain = s.run(), by_looks = looking.run();
-    EXPECT_EQ(plain.patches, by_looks.patches);
-    EXPECT_LE(plain.shared_pieces, by_looks.shared_pieces);
-    for (std::size_t n = 2; n < plain.by_order.size(); ++n)
-      expect_near(plain.by_order[n], by_looks.by_order[n].energy, 2e-3, 2e-3, "plain");
-  }
 }
 
 TEST(PatchPaths, ThreadsChangeNothing) {

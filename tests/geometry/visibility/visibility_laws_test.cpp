@@ -262,39 +262,6 @@ TEST(VisibilityLaws, AddingAFacetUncoversNothing) {
   });
 }
 
-// Law V13.
-TEST(VisibilityLaws, WhatIsToldOfAFacetDoesNotDependOnTheOthers) {
-  std::size_t told_of = 0, untold = 0;
-  on_all_scenes(751, 16, [&](const Scene& scene, Random& random) {
-    std::vector<std::uint8_t> told(scene.mesh.facets.size());
-    for (std::uint8_t& one : told) one = random() % 3 == 0;
-    const SceneTree tree(scene.mesh);
-    VisibilityScratch scratch;
-    VisibilityOptions options = with(Arithmetic::fixed);
-    options.open_water = false;
-    for (std::uint32_t t = 0; t < scene.tubes.tubes.size(); ++t) {
-      const ExactVector axis = gnomonic_axis(scene.tubes, t);
-      const auto areas = [&](std::span<const std::uint8_t> of) {
-        options.told = of;
-        TubeVisibility seen;
-        see(scene.mesh, tree, scene.tubes, t, options, scratch, seen);
-        const NameContext context{scene.mesh, scene.tubes.apex, seen.rays};
-        Areas sums;
-        for (const NamedPiece& piece : seen.pieces)
-          sums[piece.facet] += gnomonic_area(axis, exact_directions(context, seen.corners, piece));
-        return sums;
-      };
-      Areas all = areas({});
-      const Areas some = areas(told);
-      untold += std::erase_if(all, [&](const auto& one) { return told[one.first] == 0; });
-      EXPECT_EQ(some, all);
-      told_of += some.size();
-    }
-  });
-  EXPECT_GT(told_of, 300 / one_in);
-  EXPECT_GT(untold, 300 / one_in);
-}
-
 // Law V10.
 TEST(VisibilityLaws, NothingIsSeenThroughAWall) {
   for (std::uint64_t seed = 801; seed < 801 + 40 / one_in; ++seed) {
