@@ -164,8 +164,8 @@ std::vector<TomlField<SensorDescription>> signal_fields() {
 TomlSection<SensorDescription> sensor_section(const SensorSections& kinds) {
   using S = SensorDescription;
   constexpr ValueRange lever_arm{.lo = -1000, .hi = 1000};
-  // Instruments' files tell times from 1970 in doubles, a quarter of a microsecond apart: of shorter intervals
-  // two pings would be at one time.
+  // Instruments' files tell times from 1970 in doubles, a quarter of a microsecond apart: of shorter
+  // intervals two pings would be at one time.
   constexpr ValueRange ping_interval{.lo = 1e-6, .hi = 1e6};
   TomlSection<S> section("[[sensors]]");
   section
@@ -182,8 +182,7 @@ TomlSection<SensorDescription> sensor_section(const SensorSections& kinds) {
              field("first_ping_s", &S::first_ping_s, {.ranges = {{.lo = -1e10, .hi = 1e10}}}),
              field("pings", &S::pings,
                    {.ranges = {{.lo = 1, .hi = 1e7}}, .default_value = "1; of a survey, all"}),
-             field("ping_interval_s", &S::ping_interval_s,
-                   {.ranges = {ping_interval}}),
+             field("ping_interval_s", &S::ping_interval_s, {.ranges = {ping_interval}}),
              field("cone_tolerance", &S::cone_tolerance, {.ranges = {{.lo = 1e-9, .hi = 0.01}}})})
       .keys(pattern_fields("transmit", &S::transmit))
       .keys(pattern_fields("receive", &S::receive))
