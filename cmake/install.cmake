@@ -29,8 +29,6 @@ install(FILES ${manual}/zsh/_tubefoot DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/v
 install(FILES README.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
 install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONENT program
-  # These look for data that is not in this repository.
-  PATTERN lake EXCLUDE PATTERN real-grid EXCLUDE PATTERN real-grid.toml EXCLUDE
   PATTERN big-terrain/terrain EXCLUDE)
 
 get_property(libraries GLOBAL PROPERTY TUBEFOOT_LIBRARIES)

@@ -275,15 +275,8 @@ TEST(Audit, ExitCodeFollowsTheFailures) {
   EXPECT_EQ(outcome.err.find("off by") == std::string::npos, closed);
 }
 
-/// A shipped scene over real data, or nothing where the data is absent.
-fs::path real_scene(const std::string& name, const char* data) {
-  const fs::path scene = fs::path(TUBEFOOT_SOURCE_DIR) / "scenes" / name / "scene.toml";
-  return fs::exists(scene.parent_path() / "../../../shared/data" / data) ? scene : fs::path();
-}
-
 TEST(AuditOfRealData, PanelOnASurveyedSeabed) {
-  const fs::path scene = real_scene("real-grid", "jd211.bag");
-  if (scene.empty()) GTEST_SKIP() << "no jd211.bag beside the repository";
+  const fs::path scene = TUBEFOOT_SOURCE_DIR "/scenes/real-grid/scene.toml";
   auto camera = audited(scene, {"--sensor", "camera"});
   EXPECT_GT(std::stoi(camera["footprints"]), 1000);
   EXPECT_EQ(audited(scene, {"--sensor", "camera", "--arithmetic", "filtered"})["topology hash"],
@@ -295,8 +288,7 @@ TEST(AuditOfRealData, PanelOnASurveyedSeabed) {
 }
 
 TEST(AuditOfRealData, LakeBed) {
-  const fs::path scene = real_scene("lake", "lake_bottom.obj");
-  if (scene.empty()) GTEST_SKIP() << "no lake_bottom.obj beside the repository";
+  const fs::path scene = TUBEFOOT_SOURCE_DIR "/scenes/lake/scene.toml";
   for (const char* pings : {"0:2", "150"}) {
     SCOPED_TRACE(pings);
     auto fixed = audited(scene, {"--pings", pings});

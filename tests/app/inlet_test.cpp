@@ -300,7 +300,7 @@ TEST_F(InletHash, ARunDoesNotGoOnWithAnotherTerrain) {
   EXPECT_THAT(compared.err, HasSubstr("scene"));
 }
 
-/// Scenes that are shipped and whose data is there, and one of every kind of file with what stands beside it.
+/// Scenes that are shipped.
 std::vector<fs::path> shipped_scenes() {
   std::vector<fs::path> scenes;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(TUBEFOOT_SOURCE_DIR "/scenes"))
@@ -318,8 +318,10 @@ TEST(InletOfShippedScenes, OpensWhatTheHashIsOf) {
     try {
       for (const fs::path& input : read_scene_file(scene).inputs)
         hashed.insert(fs::canonical(input).string());
-    } catch (const InputError&) {
-      ++skipped;  // its data is not in this repository
+    } catch (const InputError& error) {
+      // make_terrain.py writes the tiles of this one: 10^8 facets.
+      EXPECT_THAT(scene.string(), HasSubstr("big-terrain")) << error.what();
+      ++skipped;
       continue;
     }
     // Scenes of one file open that file: a few of them show it.

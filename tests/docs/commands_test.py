@@ -24,7 +24,6 @@ import tempfile
 SOURCES = pathlib.Path(__file__).resolve().parents[2]
 PROGRAM = "build/release/tubefoot"
 BUILDS = "installs and builds: tried by make -n"
-DATA = "its data is not in the repository"
 
 # command: (why it is not run, what is run instead)
 INSTEAD = {
@@ -61,7 +60,6 @@ INSTEAD = {
         "minutes", "tubefoot advise scenes/chart/flat-bed.toml --tolerance 0.5dB"),
     "tubefoot run scenes/wellhead/scene.toml -o out --tolerance 0.5dB": (
         "minutes", "tubefoot run scenes/chart/flat-bed.toml -o out --tolerance 0.5dB"),
-    f"{PROGRAM} run scenes/real-grid/sidescan-line.toml -o out/line": (DATA, None),
     "scenes/big-terrain/make_terrain.py": (
         "200 MB", "scenes/big-terrain/make_terrain.py --side 400 -o scenes/big-terrain/terrain"),
     f"{PROGRAM} run scenes/big-terrain/strip.toml -o out/strip": ("its strip is of the large bed", None),
@@ -71,7 +69,6 @@ INSTEAD = {
 # `out/...` that a page mentions and its commands do not make: file, why
 MADE_ELSEWHERE = {
     "out/drift.png": "make track-study",
-    "out/line/sidescan-mosaic.png": DATA,
 }
 # Pages whose Python is run by tests of their own.
 PYTHON_ELSEWHERE = {"docs/python.md", "docs/echo-file.md", "docs/footprints.md", "docs/commands.md"}

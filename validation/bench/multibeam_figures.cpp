@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "multibeam_figures.hpp"
 
-#include <fmt/format.h>
 #include <tbb/global_control.h>
 
 #include <algorithm>
@@ -9,7 +8,6 @@
 #include <chrono>
 #include <filesystem>
 
-#include "files/input_error.hpp"
 #include "run/simulation.hpp"
 #include "sensors/kinds/scene_file.hpp"
 #include "sensors/products/received.hpp"
@@ -39,20 +37,16 @@ double seconds_of_a_line(const Survey& survey, const fs::path& folder) {
 }  // namespace
 
 void multibeam_figures(const std::function<void(const std::string& name, double value)>& figure) {
-  try {
-    SceneDescription description = read_scene_file(fs::path(TUBEFOOT_SCENES) / "multibeam/real-grid.toml");
-    description.sensors.front().pings = pings;
-    const auto survey = open_survey(description);
-    const tbb::global_control two(tbb::global_control::max_allowed_parallelism, 2);
-    const fs::path folder = fs::temp_directory_path() / "tubefoot-bench-multibeam";
-    std::array<double, 3> seconds;
-    for (double& s : seconds) s = seconds_of_a_line(*survey, folder);
-    fs::remove_all(folder);
-    std::ranges::sort(seconds);
-    figure("mbes_pings_per_s", pings / seconds[1]);
-  } catch (const InputError& error) {
-    fmt::print("mbes_pings_per_s is left out: {}\n", error.what());
-  }
+  SceneDescription description = read_scene_file(fs::path(TUBEFOOT_SCENES) / "multibeam/real-grid.toml");
+  description.sensors.front().pings = pings;
+  const auto survey = open_survey(description);
+  const tbb::global_control two(tbb::global_control::max_allowed_parallelism, 2);
+  const fs::path folder = fs::temp_directory_path() / "tubefoot-bench-multibeam";
+  std::array<double, 3> seconds;
+  for (double& s : seconds) s = seconds_of_a_line(*survey, folder);
+  fs::remove_all(folder);
+  std::ranges::sort(seconds);
+  figure("mbes_pings_per_s", pings / seconds[1]);
 }
 
 }  // namespace tubefoot

@@ -7,7 +7,7 @@
 namespace tubefoot {
 
 /// A RESON 8101 over the whole real grid (scenes/multibeam/real-grid.toml) on two threads, from the first
-/// ping to the last file: mbes_pings_per_s. Says so and measures nothing where the grid is absent.
+/// ping to the last file: mbes_pings_per_s.
 void multibeam_figures(const std::function<void(const std::string& name, double value)>& figure);
 
 }  // namespace tubefoot

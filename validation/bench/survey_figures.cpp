@@ -101,10 +101,6 @@ void survey_figures(const std::function<void(const std::string& name, double val
   const double few = peak_of_flat_line(folder, 100);
   figure("survey_growth_mb", peak_of_flat_line(folder, 2000) - few);
   const fs::path scenes = TUBEFOOT_SCENES;
-  if (!fs::exists(scenes / "../../shared/data/jd211.bag")) {
-    fmt::print("survey_peak_mb, survey_pings_per_s: left out, no jd211.bag in ../shared/data\n");
-    return;
-  }
   const nlohmann::json stats = run_apart(scenes / "real-grid/sidescan-line.toml", folder / "line");
   figure("survey_peak_mb", stats.at("peak_memory_mb").get<double>());
   figure("survey_pings_per_s",

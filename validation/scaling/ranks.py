@@ -55,13 +55,12 @@ def camera(folder, pings):
 
 
 def scenes(folder, quick=False):
-    """{name: scene file}: a sidescan's line, a multibeam's (over the real grid if that is there), a camera's
+    """{name: scene file}: a sidescan's line, a multibeam's over the real grid, a camera's
     way, and a line with multiples of surface and bed."""
     few = 5 if quick else 1
-    real = (SCENES / "../../shared/data/jd211.bag").exists()
     found = {"sidescan": with_pings("survey/scene.toml", 500 // few, folder)}
     (folder / "bed").mkdir()
-    found["multibeam"] = with_pings(f"multibeam/{'real-grid' if real else 'scene'}.toml", 300 // few, folder / "bed")
+    found["multibeam"] = with_pings("multibeam/real-grid.toml", 300 // few, folder / "bed")
     (folder / "camera").mkdir()
     found["camera"] = camera(folder / "camera", 60 // few)
     found["paths"] = with_pings("paths/shallow-water.toml", 30 // few, folder)
