@@ -77,7 +77,8 @@ wheel: program
 	@/usr/bin/python3 tools/wheel build/release build
 
 # The program alone, or all that is configured with the tests, once they were: then it stays so.
-configure = cmake --preset release -Wno-dev $(1) >build/configure.log 2>&1 || { cat build/configure.log; exit 1; }
+# WARNINGS_AS_ERRORS=ON stops at a compiler's warning, as CI does; unset, the folder keeps what it had.
+configure = cmake --preset release -Wno-dev $(if $(WARNINGS_AS_ERRORS),-DTUBEFOOT_WARNINGS_AS_ERRORS=$(WARNINGS_AS_ERRORS)) $(1) >build/configure.log 2>&1 || { cat build/configure.log; exit 1; }
 CONFIGURE_PROGRAM = tests=$$(grep -qs TUBEFOOT_TESTS:BOOL=ON build/release/CMakeCache.txt && echo ON || echo OFF); \
   $(call configure,-DTUBEFOOT_TESTS=$$tests -DTUBEFOOT_BENCH=$$tests)
 

@@ -117,7 +117,8 @@ void Canvas::text(int x, int y, const std::string& line, int size, Colour colour
   x = box.left;
   const int baseline =
       y + static_cast<int>(std::lround(0.365 * size));  // half the height of DejaVu's capitals
-  const TextMask& mask = text_mask(drawable(line), size, font_);
+  const std::string drawn = drawable(line);
+  const TextMask& mask = text_mask(drawn, size, font_);
   auto coverage = mask.coverage.begin();
   for (int row = 0; row < mask.height; ++row)
     for (int column = 0; column < mask.width; ++column, ++coverage)
