@@ -81,7 +81,7 @@ def test_names_cannot_become_markup(folder):
         for name, length in (("ping", 1), ("beam", 3), ("sample", 4)):
             file.createDimension(name, length)
         file.sensor_name = "<b>&"
-        for name, dimensions, units, values in [("energy", ("ping", "beam", "sample"), "J", np.ones((1, 3, 4))),
+        for name, dimensions, units, values in [("energy", ("ping", "beam", "sample"), "J m-2", np.ones((1, 3, 4))),
                                                 ("slant_range", ("sample",), "m", [1, 2, 3, 4]),
                                                 ("beam_azimuth", ("beam",), "degree", [-5, 0, 5])]:
             file.createVariable(name, "f8", dimensions).units = units

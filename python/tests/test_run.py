@@ -121,7 +121,7 @@ def test_datasets_are_laid_out_as_the_file(scene, folder):
             expected.attrs.pop("coordinates", None)  # xarray keeps these itself
             xarray.testing.assert_identical(plain[variable].variable, expected)
         assert {"ping_time", "slant_range", "beam_azimuth"} <= set(dataset.coords)
-        assert dataset["energy"].dims == ("ping", "beam", "sample") and dataset["energy"].units == "J"
+        assert dataset["energy"].dims == ("ping", "beam", "sample") and dataset["energy"].units == "J m-2"
 
 
 def test_datasets_of_a_place_on_earth_say_where_and_when(folder):

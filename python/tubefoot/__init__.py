@@ -3,10 +3,10 @@
 
 >>> import tubefoot
 >>> result = tubefoot.run("scenes/wellhead/scene.toml")
->>> result["camera"].energy  # (pings, beams, samples) in J
+>>> result["camera"].energy  # (pings, beams, samples) in J/m²
 >>> result["camera"].picture(0)  # as the program draws it; notebooks show it
 
-docs/python.md is a tutorial. Lengths are metres, times seconds, energies joules for a source of 1 J/sr at 1 m; other
+docs/python.md is a tutorial. Lengths are metres, times seconds, energies J/m² for a source of 1 J/sr at 1 m; other
 units are in the names.
 """
 

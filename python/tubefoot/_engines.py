@@ -58,7 +58,7 @@ def engine(name: str) -> Callable[[Callable[[Shot], np.ndarray]], Engine]:
     """Marks a function as an engine: ``@tubefoot.engine("mine")``.
 
     The function gets a :class:`Shot` (facets, tubes and pose as arrays) and returns the energies of the shot's beams,
-    (beams, samples) float64 in J, for a source of 1 J/sr at 1 m; of two receivers (4, beams, samples), see
+    (beams, samples) float64 in J/m², for a source of 1 J/sr at 1 m; of two receivers (4, beams, samples), see
     :attr:`Shot.energy_shape`. It is called once a shot, in no certain order.
     """
     return lambda function: Engine(name, function, False)

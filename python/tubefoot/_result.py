@@ -26,15 +26,15 @@ Progress = Callable[[int, int], Any]
 
 # Dimensions, units and meaning of echoes.nc (docs/echo-file.md).
 _VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
-    "energy": (("ping", "beam", "sample"), "J",
-               "echo energy per beam and range sample, for a source of 1 J/sr at 1 m"),
-    "energy_lower": (("ping", "beam", "sample"), "J",
+    "energy": (("ping", "beam", "sample"), "J m-2",
+               "received energy density per beam and range sample, for a source of 1 J/sr at 1 m"),
+    "energy_lower": (("ping", "beam", "sample"), "J m-2",
                      "echo energy per beam and range sample that the lower receiver hears; energy is the upper's"),
-    "cross_real": (("ping", "beam", "sample"), "J",
+    "cross_real": (("ping", "beam", "sample"), "J m-2",
                    "mean product of the upper receiver's signal and the lower one's conjugate, real part"),
-    "cross_imag": (("ping", "beam", "sample"), "J",
+    "cross_imag": (("ping", "beam", "sample"), "J m-2",
                    "mean product of the upper receiver's signal and the lower one's conjugate, imaginary part"),
-    "energy_bound": (("ping", "beam", "sample"), "J",
+    "energy_bound": (("ping", "beam", "sample"), "J m-2",
                      "certified half-width: the true energy lies within energy +- energy_bound"),
     "ping_time": (("ping",), "s", "time of the transmission on the scene's clock"),
     "slant_range": (("sample",), "m", "slant range of the sample's centre"),
@@ -175,7 +175,7 @@ class SensorResult:
         pings, beams, samples = self.energy.shape
         near, far = self.slant_range_bounds[0, 0], self.slant_range_bounds[-1, 1]
         facts = (f"{self.kind}: {plural(pings, 'ping')}, {plural(beams, 'beam')}, {plural(samples, 'sample')} from "
-                 f"{near:.4g} to {far:.4g} m, {self.energy.sum():.4g} J")
+                 f"{near:.4g} to {far:.4g} m, {self.energy.sum():.4g} J/m²")
         return as_html(self.name, facts, picture)
 
     @property
@@ -191,23 +191,23 @@ class SensorResult:
 
     @property
     def energy(self) -> np.ndarray:
-        """(P, B, K) float64: echo energy in J, for a source of 1 J/sr at 1 m."""
+        """(P, B, K) float64: received energy density in J/m², for a source of 1 J/sr at 1 m."""
         return self._values["energy"]
 
     @property
     def energy_bound(self) -> Optional[np.ndarray]:
-        """(P, B, K) float64: certified half-width of the energy in J; None but for a reference."""
+        """(P, B, K) float64: certified half-width of the energy in J/m²; None but for a reference."""
         return self._values.get("energy_bound")
 
     @property
     def energy_lower(self) -> Optional[np.ndarray]:
-        """(P, B, K) float64: what the lower of two receivers hears in J (``energy`` is the upper one's); None but
+        """(P, B, K) float64: what the lower of two receivers hears in J/m² (``energy`` is the upper one's); None but
         for ``interferometric``. The coherence is abs(cross) / sqrt(energy * energy_lower)."""
         return self._values.get("energy_lower")
 
     @property
     def cross(self) -> Optional[np.ndarray]:
-        """(P, B, K) complex128, a copy: mean product of two receivers' signals in J; None but for
+        """(P, B, K) complex128, a copy: mean product of two receivers' signals in J/m²; None but for
         ``interferometric``."""
         if "cross_real" not in self._values:
             return None
@@ -451,7 +451,7 @@ def reference(scene: Union[Scene, PathLike], tolerance: float = 1e-9, *, arithme
         tolerance: relative bound asked for, 1e-12 to 0.1; :attr:`Result.stats` tells of bins that miss it.
         arithmetic, threads, output, progress: as of :func:`run`.
 
-    The true energy of every ping, beam and sample lies within ``energy`` +- ``energy_bound``, in J
+    The true energy of every ping, beam and sample lies within ``energy`` +- ``energy_bound``, in J/m²
     (docs/reference.md). Raises what :func:`run` raises.
     """
     options = dict(arithmetic=arithmetic, threads=threads, reference=True, tolerance=repr(float(tolerance)),

@@ -31,13 +31,13 @@ void check(std::span<const double> energies_j, const LitSpan& lit, const RangeSa
   if (!(rule.relative_db <= 0))
     refuse(fmt::format("the relative threshold is {} dB, must be 0 or less", rule.relative_db));
   if (!(rule.absolute_j >= 0))
-    refuse(fmt::format("the absolute threshold is {} J, must be 0 or more", rule.absolute_j));
+    refuse(fmt::format("the absolute threshold is {} J/m2, must be 0 or more", rule.absolute_j));
   if (!(rule.nearest_m <= rule.farthest_m))
     refuse(fmt::format("the range gate is {} to {} m, must not be empty", rule.nearest_m, rule.farthest_m));
   for (std::size_t k = lit.begin; k < lit.end; ++k)
     if (!(energies_j[k] >= 0 && std::isfinite(energies_j[k])))
-      refuse(
-          fmt::format("the energy of sample {} is {} J, must be finite and not negative", k, energies_j[k]));
+      refuse(fmt::format("the energy of sample {} is {} J/m2, must be finite and not negative", k,
+                         energies_j[k]));
 }
 
 /// The samples of a beam inside a gate: [begin, end).

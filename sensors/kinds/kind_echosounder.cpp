@@ -115,7 +115,7 @@ void write_exr_of(const fs::path& file, const Recording& recording, const std::v
   const RangeSamples& samples = recording.sensor->samples();
   OIIO::ParamValueList attributes;
   attributes.attribute("sensor", recording.sensor->description().name);
-  attributes.attribute("quantity", "echo energy [J] for a source of 1 J/sr at 1 m");
+  attributes.attribute("quantity", "received energy density [J/m^2] for a source of 1 J/sr at 1 m");
   attributes.attribute("rows", "pings, the first on top");
   attributes.attribute("columns", "range samples, the nearest first");
   attributes.attribute("slant_range_first_m", OIIO::TypeDesc::DOUBLE, 1, &samples.first_m);

@@ -53,7 +53,7 @@ Canvas CameraFrames::draw(std::size_t ping, const Heard* heard) const {
       fan.samples(), fan.near_m(), fan.far_m());
   if (heard) subtitle += "; " + heard->said;
   const std::string footer = scale.reference_j() > 0
-                                 ? fmt::format("0 dB: {} dB re 1 J; darkest: no echo{}",
+                                 ? fmt::format("0 dB: {} dB re 1 J/m2; darkest: no echo{}",
                                                tick_label(10 * std::log10(scale.reference_j()), 0.1),
                                                ends_early(fan, echoes) ? "; grey: no surface there" : "")
                                  : "no echo";

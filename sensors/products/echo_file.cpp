@@ -39,7 +39,8 @@ constexpr struct {
 
 std::string meaning_of(const std::string& name) {
   constexpr std::string_view bound = "_bound";
-  if (name == "energy") return "echo energy per beam and range sample, for a source of 1 J/sr at 1 m";
+  if (name == "energy")
+    return "received energy density per beam and range sample, for a source of 1 J/sr at 1 m";
   if (name.ends_with(bound)) {
     const std::string of = name.substr(0, name.size() - bound.size());
     return "certified half-width: the true " + (of == "energy" ? "energy" : "value of " + of) +
@@ -93,7 +94,7 @@ void define_recording(EchoGroup& group, const Recording& recording, const Proven
 
   for (const PingVariable& of_pings : ping_variables(recording)) {
     const std::string& name = of_pings.name;
-    const int variable = group.define(name, {ping, beam, sample}, "J", meaning_of(name));
+    const int variable = group.define(name, {ping, beam, sample}, "J m-2", meaning_of(name));
     if (name == "energy")
       group.attribute(variable, "coordinates", "ping_time beam_azimuth beam_elevation slant_range");
     group.chunk(variable, name, {1, beams.size(), static_cast<std::size_t>(samples.count)});

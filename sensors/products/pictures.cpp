@@ -24,7 +24,7 @@ OIIO::ParamValueList exr_attributes(const Recording& recording, const char* rows
   const Sensor& sensor = *recording.sensor;
   OIIO::ParamValueList attributes;
   attributes.attribute("sensor", sensor.description().name);
-  attributes.attribute("quantity", "echo energy [J] for a source of 1 J/sr at 1 m");
+  attributes.attribute("quantity", "received energy density [J/m^2] for a source of 1 J/sr at 1 m");
   attributes.attribute("rows", rows);
   attributes.attribute("columns", columns);
   const auto number = [&](const char* name, double value) {

@@ -100,7 +100,7 @@ void ReceiverChain::receive_beam(std::uint32_t ping, std::uint32_t beam, std::sp
     const auto sample = static_cast<std::uint32_t>(k);
     if (!(energies_j[k] >= 0 && std::isfinite(energies_j[k])))
       throw std::invalid_argument(fmt::format(
-          "receiver: the energy of ping {}, beam {}, sample {} is {} J, must be finite and not negative",
+          "receiver: the energy of ping {}, beam {}, sample {} is {} J/m2, must be finite and not negative",
           ping, beam, sample, energies_j[k]));
     const SampleRandom random(description_.seed, ping, beam, sample);
     received_j[k] = received_energy(random, description_.speckle, energies_j[k], noise_j_) * gains[k];

@@ -24,8 +24,10 @@ namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
 using Units = std::span<const std::string_view>;
 
-// The first of each is the layout's, the others are the same thing by another name.
-constexpr std::string_view ones[] = {"1"}, joules[] = {"J", "joule", "joules"},
+// The first of each is the layout's, the others are other names for the same unit. Files of version 0.1 and
+// earlier give the energy density in J, meaning J/m^2.
+constexpr std::string_view ones[] = {"1"},
+                           joules_per_m2[] = {"J m-2", "J/m2", "J/m^2", "J.m-2", "J", "joule", "joules"},
                            metres[] = {"m", "metre", "metres", "meter", "meters"},
                            degrees_[] = {"degree", "degrees", "deg"}, seconds[] = {"s", "second", "seconds"};
 
@@ -69,13 +71,13 @@ SensorEchoes read_sensor(const EchoGroupInput& group, const std::string& default
 
   const Words dimensions{"ping", "beam", "sample"};
   std::vector<std::size_t> shape, bound_shape;
-  echoes.energy = group.values("energy", dimensions, joules, &shape);
+  echoes.energy = group.values("energy", dimensions, joules_per_m2, &shape);
   echoes.pings = shape[0], echoes.beams = shape[1], echoes.samples = shape[2];
   group.require(
       "energy", dimensions, shape, echoes.energy, [](double e) { return std::isfinite(e) && e >= 0; },
       "finite energies, 0 or more");
   if (group.has("energy_bound")) {
-    echoes.energy_bound = group.values("energy_bound", dimensions, joules, &bound_shape);
+    echoes.energy_bound = group.values("energy_bound", dimensions, joules_per_m2, &bound_shape);
     if (bound_shape != shape)
       group.fail("energy_bound", fmt::format("has {} values, expected {} as 'energy'",
                                              fmt::join(bound_shape, " x "), fmt::join(shape, " x ")));

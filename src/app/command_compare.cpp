@@ -63,7 +63,7 @@ void print_sensor(const SensorErrors& sensor, const SensorFit* fit) {
   tell("  RMS error of lit bins    {:.3g} dB\n", errors.rms_db);
   tell("  total energy ratio       {:.6g} ({:+.3g} dB)\n", errors.energy_ratio,
        10 * std::log10(errors.energy_ratio));
-  tell("  empty where lit          {} of {} lit bins (above {:.3g} J)\n", errors.empty_where_lit,
+  tell("  empty where lit          {} of {} lit bins (above {:.3g} J/m2)\n", errors.empty_where_lit,
        errors.lit_bins, errors.lit_threshold_j);
   tell("  lit where shadow         {} of {} shadow bins\n", errors.lit_where_shadow, errors.shadow_bins);
   if (fit) tell("{}", unitless_text(unitless_errors(echo_pair(sensor.pair))));
@@ -77,7 +77,7 @@ void print_sensor(const SensorErrors& sensor, const SensorFit* fit) {
     tell("  the reference's bound    not known: the reference has no energy_bound\n");
   if (errors.worst.empty()) return;
   tell("  worst bins {:>6} {:>6} {:>7} {:>11} {:>13} {:>13} {:>11} {:>14}\n", "ping", "beam", "sample",
-       "range (m)", "reference (J)", "candidate (J)", "error (dB)", "of difference");
+       "range (m)", "ref. (J/m2)", "cand. (J/m2)", "error (dB)", "of difference");
   for (const BinError& bin : errors.worst)
     tell("             {:>6} {:>6} {:>7} {:>11.3f} {:>13.4g} {:>13.4g} {:>+11.3g} {:>12.3g} %\n",
          bin.place.ping, bin.place.beam, bin.place.sample, bin.slant_range_m, bin.reference_j,

@@ -47,7 +47,7 @@ int pack_command(const PackOptions& options) {
     if (options.quiet) break;
     const std::string answer = options.without_answers
                                    ? std::string()
-                                   : fmt::format(", {:.4g} J in {:.1f} s", scene.energy_j, scene.seconds);
+                                   : fmt::format(", {:.4g} J/m2 in {:.1f} s", scene.energy_j, scene.seconds);
     const std::string wider = scene.bins_over > 0
                                   ? fmt::format(", {} bins with wider bounds than asked", scene.bins_over)
                                   : std::string();

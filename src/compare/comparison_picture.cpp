@@ -233,7 +233,7 @@ class Section {
                                echoes.pings > 1 ? fmt::format(" (of {}), the one with the largest difference",
                                                               echoes.pings)
                                                 : "");
-    title_ += scale_.reference_j() > 0 ? fmt::format("   (0 dB: {} dB re 1 J{})",
+    title_ += scale_.reference_j() > 0 ? fmt::format("   (0 dB: {} dB re 1 J/m2{})",
                                                      tick_label(10 * std::log10(scale_.reference_j()), 0.1),
                                                      drawing_.waterfall() ? " at 1 m" : "")
                                        : "   (the reference has no echo)";

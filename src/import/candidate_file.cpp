@@ -59,8 +59,9 @@ class CandidateFile {
       put("ping_time", {"ping"}, "s", "time of the transmission on the scene's clock",
           of_pings(echoes_.ping_time_s, 1));
     for (const EchoVariable& variable : more_.variables) copy(variable, beams);
-    const int energy = group_.define("energy", along({"ping", "beam", "sample"}), "J",
-                                     "imported: see the attributes import_*; J only if import_unit is J");
+    const int energy =
+        group_.define("energy", along({"ping", "beam", "sample"}), "J m-2",
+                      "imported: see the attributes import_*; J m-2 only if import_unit is J m-2");
     group_.chunk(energy, "energy", {1, beams, samples});
     group_.write();
     const auto of_ping = [&](std::size_t ping) {

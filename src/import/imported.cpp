@@ -352,7 +352,7 @@ Imported imported(ImportOptions options, const std::vector<std::filesystem::path
                                                              : "as stored, no unit"},
                                  {"import_profile", options.profile},
                                  {"import_options", words_of(options)},
-                                 {"import_unit", joules ? "J" : "none"},
+                                 {"import_unit", joules ? "J m-2" : "none"},
                                  {"import_found", fmt::format("{}", fmt::join(result.found, "; "))},
                                  {"import_warnings", fmt::format("{}", fmt::join(result.warnings, "; "))}};
   if (!joules)

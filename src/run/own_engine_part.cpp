@@ -24,7 +24,7 @@ void check_coherence(const Shot& shot, std::size_t s, std::span<const double> ch
     if (!(product <= (1 + rounding) * std::sqrt(upper) * std::sqrt(lower)))
       throw std::domain_error(fmt::format(
           "engine '{}': in beam {} and sample {} of {} the mean product of the two receivers' signals is "
-          "{:.6g} J, more than the root of the product of their energies, {:.6g} J and {:.6g} J",
+          "{:.6g} J/m2, more than the root of the product of their energies, {:.6g} J/m2 and {:.6g} J/m2",
           shot.request().own_engine->name, k / samples, k % samples, shot.name(), product, upper, lower));
   }
 }

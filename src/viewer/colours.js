@@ -73,7 +73,7 @@ const scales = {
     const db = Float32Array.from(arrays.energy, decibels);
     const heard = db.filter(Number.isFinite);
     const high = Math.ceil(quantile(heard, 0.999)), low = Math.max(Math.floor(quantile(heard, 0.02)), high - 60);
-    return { title: "Energy of a footprint, dB re 1 J", ticks: [low, (low + high) / 2, high].map((v) => v.toFixed(0)),
+    return { title: "Energy of a footprint, dB re 1 J/m2", ticks: [low, (low + high) / 2, high].map((v) => v.toFixed(0)),
       level: db.map((v) => (v - low) / Math.max(high - low, 1)), table: pictureTable };
   },
   grazing() {

@@ -302,7 +302,7 @@ function drawBar(context, x, y, height, labels, { table, title, numbers }) {
 }
 function drawPictureLegend(context, x, y, height, labels) {
   const numbers = [0, 1, 2, 3, 4, 5].map((k) => (pictureTopDb - k * pictureRangeDb / 5).toFixed(0));
-  drawBar(context, x, y, height, labels, { table: pictureTable, title: "dB re 1 J", numbers });
+  drawBar(context, x, y, height, labels, { table: pictureTable, title: "dB re 1 J/m2", numbers });
 }
 function drawRatioLegend(context, x, y, height, labels) {
   const numbers = [1, 0.5, 0, -0.5, -1].map((part) => String(part * ratioRangeDb));

@@ -208,7 +208,7 @@ TEST_F(Compare, OtherBeamsAreRefused) {
 
 TEST_F(Compare, OtherUnitsAndBrokenFilesAreRefused) {
   candidate.variables["energy"].units = "uJ";
-  expect_mismatch("'energy' has unit 'uJ', expected 'J'", false);
+  expect_mismatch("'energy' has unit 'uJ', expected 'J m-2'", false);
   candidate.variables["energy"].values[3] = std::nan("");
   expect_mismatch("'energy' holds nan at ping 0, beam 0, sample 3", false);
   candidate.variables["energy"].values[3] = -1;

@@ -183,7 +183,7 @@ struct Import : testing::Test {
 TEST_F(Import, EnergiesComeBackFromEveryOrder) {
   const Echoes& truth = reference().echoes;
   expect_truth(Picture(truth, 0).npy(), {"--scale", "energy"}, 1e-15, 1);
-  EXPECT_EQ(attribute("import_unit"), "J");
+  EXPECT_EQ(attribute("import_unit"), "J m-2");
   expect_truth(Picture(truth, 0).turn().npy(), {"--scale", "energy"}, 1e-15, 1);
   expect_truth(Picture(truth, 0).flip_beams().npy(), {"--scale", "energy", "--flip-beams"}, 1e-15, 1);
   expect_truth(Picture(truth, 0).flip_range().npy(), {"--scale", "energy", "--flip-range"}, 1e-15, 1);
@@ -198,7 +198,7 @@ TEST_F(Import, EnergiesComeBackFromEveryScale) {
                1e-14, 1);
   expect_truth(Picture(truth).each([](double e) { return 10 * std::log10(e); }).npy(),
                {"--scale", fmt::format("db:{}", most)}, 1e-12, 1);
-  EXPECT_EQ(attribute("import_unit"), "J");
+  EXPECT_EQ(attribute("import_unit"), "J m-2");
   expect_truth(Picture(truth).each([](double e) { return 10 * std::log10(e); }).npy(), {"--scale", "db"},
                1e-12, most);
   EXPECT_EQ(attribute("import_unit"), "none");

@@ -24,14 +24,18 @@ class Refused(Exception):
     """The two files cannot be compared; the message says why and what to do."""
 
 
-def values_of(file, sensor, name, dimensions, units):
+# Of an energy density. Files of version 0.1 and earlier say J and mean J/m^2.
+ENERGY_UNITS = "J m-2", "J"
+
+
+def values_of(file, sensor, name, dimensions, *units):
     if name not in sensor.variables:
         raise Refused(f"{file}: there is no variable '{name}'")
     variable = sensor[name]
     if variable.dimensions != dimensions:
         raise Refused(f"{file}: '{name}' has dimensions {variable.dimensions}, not {dimensions}")
-    if getattr(variable, "units", None) != units:
-        raise Refused(f"{file}: '{name}' must have units '{units}', not '{getattr(variable, 'units', None)}'")
+    if getattr(variable, "units", None) not in units:
+        raise Refused(f"{file}: '{name}' must have units '{units[0]}', not '{getattr(variable, 'units', None)}'")
     values = np.ma.filled(variable[:].astype(np.float64), np.nan)
     if not np.all(np.isfinite(values)):
         raise Refused(f"{file}: '{name}' has values that are missing or not finite: write zeros where there is no echo")
@@ -68,12 +72,12 @@ def sensors_of(path):
     with file:
         for sensor in list(file.groups.values()) or [file]:
             name = getattr(sensor, "sensor_name", "sensor" if sensor is file else sensor.name)
-            echoes = {"energy": values_of(path, sensor, "energy", bins, "J"),
+            echoes = {"energy": values_of(path, sensor, "energy", bins, *ENERGY_UNITS),
                       "range": values_of(path, sensor, "slant_range", ("sample",), "m"),
                       "azimuth": values_of(path, sensor, "beam_azimuth", ("beam",), "degree"),
                       "bound": None}
             if "energy_bound" in sensor.variables:
-                echoes["bound"] = values_of(path, sensor, "energy_bound", bins, "J")
+                echoes["bound"] = values_of(path, sensor, "energy_bound", bins, *ENERGY_UNITS)
             if np.any(echoes["energy"] < 0):
                 raise Refused(f"{path}: 'energy' has negative values")
             sensors[name] = echoes
@@ -445,8 +449,8 @@ def main():
             for part, value in measures:
                 print(f"  {(key + ' ' + part).strip():<38} {value if value is None else format(value, '.6g')}")
         for place in result["worst_bins"]:
-            print("  worst bin: ping {ping}, beam {beam}, sample {sample} at {slant_range_m:.3f} m: {candidate_j:.4g} J "
-                  "for {reference_j:.4g} J, {error_db:+.3g} dB".format(**place))
+            print("  worst bin: ping {ping}, beam {beam}, sample {sample} at {slant_range_m:.3f} m: {candidate_j:.4g} J/m2 "
+                  "for {reference_j:.4g} J/m2, {error_db:+.3g} dB".format(**place))
 
 
 if __name__ == "__main__":

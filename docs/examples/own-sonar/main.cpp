@@ -123,6 +123,6 @@ int main() {
     ranges.push_back(sonar.samples().first_m + (k + 0.5) * sonar.samples().step_m);
   const EchoErrors errors =
       echo_errors({{1, sonar.beams().size(), ranges.size()}, exact.energy, sampled.energy, {}, ranges});
-  std::printf("exact: %.6e J in %zu lit bins; one ray a tube: %.6e J, relative L1 error %.3f\n",
+  std::printf("exact: %.6e J/m2 in %zu lit bins; one ray a tube: %.6e J/m2, relative L1 error %.3f\n",
               errors.reference_total_j, errors.lit_bins, errors.candidate_total_j, errors.l1);
 }

@@ -46,7 +46,7 @@ void expect_drawn_as_at_once(const std::string& line, int size) {
 TEST(TextMask, IsWhatTheLibraryDraws) {
   if (label_font().empty()) GTEST_SKIP() << "no font is installed";
   for (const int size : {12, 16, 22})
-    for (const char* line : {"0 dB: -31.2 dB re 1 J", "jgpqy,;()[]|", "W", "AVAToTeffi", " 1.5 m "})
+    for (const char* line : {"0 dB: -31.2 dB re 1 J/m2", "jgpqy,;()[]|", "W", "AVAToTeffi", " 1.5 m "})
       for (int again = 0; again < 2; ++again) expect_drawn_as_at_once(line, size);
 }
 

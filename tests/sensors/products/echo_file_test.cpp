@@ -108,7 +108,7 @@ TEST(EchoFile, EveryVariableHasUnitsAndALongName) {
     EXPECT_FALSE(file.text("/", "long_name", variable.c_str()).empty());
   }
   const auto units = [&](const char* name) { return file.text("/", "units", name); };
-  EXPECT_EQ(units("energy"), "J");
+  EXPECT_EQ(units("energy"), "J m-2");
   EXPECT_EQ(units("ping_time"), "s");
   EXPECT_EQ(units("slant_range"), "m");
   EXPECT_EQ(units("slant_range_bounds"), "m");

@@ -159,7 +159,7 @@ TEST_F(EchoReader, EnergyBoundIsReadIfItIsThere) {
   group.variables["energy_bound"] = {{"sample"}, "J", {1, 2, 3, 4}};
   EXPECT_THAT(refusal(), HasSubstr("'energy_bound' has dimensions (sample), expected (ping, beam, sample)"));
   group.variables["energy_bound"] = {{"ping", "beam", "sample"}, "dB", half_widths};
-  EXPECT_THAT(refusal(), HasSubstr("'energy_bound' has unit 'dB', expected 'J'"));
+  EXPECT_THAT(refusal(), HasSubstr("'energy_bound' has unit 'dB', expected 'J m-2'"));
 }
 
 TEST_F(EchoReader, MissingVariablesAreNamed) {
@@ -179,7 +179,7 @@ TEST_F(EchoReader, DimensionsTypesAndUnitsMustBeTheLayouts) {
   variable("energy").type = NC_INT;
   EXPECT_THAT(refusal(), HasSubstr("'energy' has type int, expected float64 (or float32)"));
   variable("energy").units = "dB";
-  EXPECT_THAT(refusal(), HasSubstr("'energy' has unit 'dB', expected 'J'"));
+  EXPECT_THAT(refusal(), HasSubstr("'energy' has unit 'dB', expected 'J m-2'"));
   variable("slant_range").units.reset();
   EXPECT_THAT(refusal(), HasSubstr("'slant_range' has no unit, expected 'm'"));
   variable("beam_azimuth").units = "radian";
