@@ -39,6 +39,14 @@ double step_interval_s(const ScanningDescription& scan) {
   return scan.step_interval_s.value_or(2 * scan.range_max_m / nominal_sound_speed_m_s + motor_s);
 }
 
+/// Where the head looks at a step, clockwise from straight ahead: at whole multiples of step_deg, as a
+/// stepper motor counts. An odd number of steps lies evenly about straight ahead; of an even number the first
+/// looks at -scan_deg / 2 and the last one step short of scan_deg / 2, where a whole turn would meet the
+/// first.
+double head_rad(const ScanningDescription& scan, int step, int steps) {
+  return radians(scan.scan_deg * (step - steps / 2) / steps);
+}
+
 /// One beam about the sensor's up axis that looks to port first and turns clockwise: a shot a step, each from
 /// where the carrier is by then. Beam k is what the k-th step hears; with steps narrower than the beam
 /// neighbours overlap.
@@ -63,8 +71,7 @@ Scanning::Scanning(const SensorDescription& description) : Sensor(description) {
   frequency_khz_ = scan.frequency_khz;
   samples_ = range_window(description, scan);
   const int steps = *steps_of(scan);
-  const double half_scan_rad = radians(scan.scan_deg) / 2, step_rad = 2 * half_scan_rad / steps,
-               half_width_rad = radians(scan.beam_horizontal_deg) / 2,
+  const double half_width_rad = radians(scan.beam_horizontal_deg) / 2,
                half_height_rad = radians(scan.beam_vertical_deg) / 2;
   const int slices = slices_for(2 * half_width_rad, description.cone_tolerance);
   const double corner_rad =
@@ -72,18 +79,17 @@ Scanning::Scanning(const SensorDescription& description) : Sensor(description) {
   // Two rows above 90 degrees: no tube comes close to a half space, where its rays would say nothing.
   const int rows = half_height_rad > radians(45) ? 2 : 1;
   for (int step = 0; step < steps; ++step) {
-    const double head_rad = -half_scan_rad + (step + 0.5) * step_rad;
-    beams_.push_back({head_rad, 0, 2 * half_width_rad, 2 * half_height_rad});
+    const double head = head_rad(scan, step, steps);
+    beams_.push_back({head, 0, 2 * half_width_rad, 2 * half_height_rad});
     Shot shot;
     shot.delay_s = step * step_interval_s(scan);
     shot.beams = {static_cast<std::uint32_t>(step)};
-    shot.sectors.push_back({even_edges(head_rad - half_width_rad, head_rad + half_width_rad, slices),
+    shot.sectors.push_back({even_edges(head - half_width_rad, head + half_width_rad, slices),
                             even_edges(-corner_rad, corner_rad, rows),
                             glm::dmat3(forward_axis, starboard_axis, up_axis)});
     shot.beam_of_tube.assign(static_cast<std::size_t>(slices * rows), 0u);
     // What the head looks along, and what lies across it.
-    const glm::dvec3 ahead(std::sin(head_rad), std::cos(head_rad), 0),
-        across(std::cos(head_rad), -std::sin(head_rad), 0);
+    const glm::dvec3 ahead(std::sin(head), std::cos(head), 0), across(std::cos(head), -std::sin(head), 0);
     shot.fans.push_back({0, 1, static_cast<std::uint32_t>(shot.beam_of_tube.size()), ahead, across, up_axis});
     shots_.push_back(std::move(shot));
   }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "sensors/model/lens_beams.hpp"
 
@@ -24,6 +25,13 @@ float line_coverage(double distance_pixels) {
 }
 
 }  // namespace
+
+double azimuth_between(double first_rad, double last_rad, double across, double ahead) {
+  const double azimuth = std::atan2(across, ahead);
+  if (azimuth >= first_rad && azimuth <= last_rad) return azimuth;
+  const double middle = (first_rad + last_rad) / 2;
+  return middle + std::remainder(azimuth - middle, 2 * std::numbers::pi);
+}
 
 CameraFan::CameraFan(const Sensor& sensor, double widest, double highest)
     : CameraFan(sensor.samples(), borders_of(sensor.beams()), widest, highest) {}
@@ -68,7 +76,8 @@ std::int64_t CameraFan::cell_at(double x, double y) const {
   const double across = (x - apex_x_) / pixels_per_m_, ahead = (apex_y_ - y) / pixels_per_m_;
   const double sample = (std::hypot(across, ahead) - near_m_) / step_m_;
   if (sample < 0 || sample >= samples_) return -1;
-  const auto border = std::ranges::upper_bound(borders_rad_, std::atan2(across, ahead));
+  const auto border = std::ranges::upper_bound(
+      borders_rad_, azimuth_between(first_azimuth_rad(), last_azimuth_rad(), across, ahead));
   if (border == borders_rad_.begin() || border == borders_rad_.end()) return -1;
   return (border - borders_rad_.begin() - 1) * samples_ + static_cast<std::int64_t>(sample);
 }
@@ -78,7 +87,8 @@ CameraFan::Lines CameraFan::lines_at(double x, double y, double range_step_m, do
   const double range = std::hypot(across, ahead);  // pixels
   const double near = near_m_ * pixels_per_m_, far = far_m_ * pixels_per_m_;
   if (range < near - 1 || range > far + 1) return {};
-  const double azimuth = std::atan2(across, ahead), slack = 1 / std::max(range, 1.0);
+  const double azimuth = azimuth_between(first_azimuth_rad(), last_azimuth_rad(), across, ahead),
+               slack = 1 / std::max(range, 1.0);
   if (azimuth < first_azimuth_rad() - slack || azimuth > last_azimuth_rad() + slack) return {};
   Lines covered;
   covered.outline = std::max(line_coverage(range - near), line_coverage(range - far));

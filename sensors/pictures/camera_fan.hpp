@@ -9,6 +9,10 @@
 
 namespace tubefoot {
 
+/// The azimuth of a place to starboard and ahead: the one of those a whole turn apart that lies between two
+/// borders, or is nearest to their middle. A fan all around may begin below -180 degrees.
+double azimuth_between(double first_rad, double last_rad, double across, double ahead);
+
 /// An acoustic camera's beams on a page: slant range from the camera at the bottom, azimuth to the sides,
 /// forward up and port left, both axes at one scale. Beams meet midway between their axes. Coordinates are
 /// pixels from the top left one of the fan's box.

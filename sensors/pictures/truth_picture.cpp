@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "sensors/model/lens_beams.hpp"
+#include "sensors/pictures/camera_fan.hpp"
 #include "sensors/pictures/decibel_scale.hpp"
 
 namespace tubefoot {
@@ -88,7 +89,8 @@ Layout fan_of(const Sensor& sensor) {
   return {int(std::ceil((right - left) * per_m)), int(std::ceil((high - low) * per_m)),
           [=](double x, double y) -> std::optional<Layout::Cell> {
             const double across = left + x / per_m, ahead = high - y / per_m;
-            const auto border = std::upper_bound(borders.begin(), borders.end(), std::atan2(across, ahead));
+            const auto border = std::ranges::upper_bound(
+                borders, azimuth_between(borders.front(), borders.back(), across, ahead));
             const double sample = (std::hypot(across, ahead) - near) / samples.step_m;
             if (border == borders.begin() || border == borders.end() || sample < 0 || sample >= samples.count)
               return std::nullopt;

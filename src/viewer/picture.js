@@ -41,7 +41,9 @@ const layouts = {
       box: [Math.min(...us), Math.max(...us), Math.min(...vs), Math.max(...vs)],
       equal: true,
       cell(u, v) {
-        const angle = Math.atan2(u, down * v) / radians;
+        const seen = Math.atan2(u, down * v) / radians;
+        // A fan all around may begin below -180 degrees.
+        const angle = seen - 360 * Math.round((seen - (low + high) / 2) / 360);
         let from = 0, to = facts.beams;
         if ((angle - low) * rising < 0 || (high - angle) * rising <= 0) return -1;
         while (to - from > 1) {

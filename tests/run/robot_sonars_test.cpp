@@ -130,9 +130,9 @@ const std::string head =
 
 TEST(ScanningHead, AtRestHearsWhatAFanOfItsStepsHears) {
   const Echoes scan = echoes_of(scene(head)),
-               fan = echoes_of(
-                   scene("kind = \"imaging\"\nfrequency_khz = 750\nbeams = 12\nhorizontal_deg = 60\n"
-                         "vertical_deg = 30\ntilt_deg = 15\ncone_tolerance = 1e-7\n"));
+               fan = echoes_of(scene("kind = \"imaging\"\nfrequency_khz = 750\n"
+                                     "beam_angles_deg = [-30, -25, -20, -15, -10, -5, 0, 5, 10, 15, 20, 25]\n"
+                                     "vertical_deg = 30\ntilt_deg = 15\ncone_tolerance = 1e-7\n"));
   ASSERT_EQ(scan.beams, 12u);
   EXPECT_GT(scan.total(), 0);
   EXPECT_LT(largest_relative_difference(scan, fan), 1e-9);
@@ -171,7 +171,7 @@ TEST(ScanningHead, WritesPicturesAndALineForEachStep) {
     EXPECT_EQ(row.at("ping"), "1");
     EXPECT_EQ(row.at("step"), "7");
     EXPECT_DOUBLE_EQ(std::stod(row.at("time_s")), 6 + 7 * 0.5);
-    EXPECT_NEAR(std::stod(row.at("head_deg")), -30 + 7.5 * 5, 1e-9);
+    EXPECT_NEAR(std::stod(row.at("head_deg")), -30 + 7 * 5, 1e-9);
     std::size_t loudest = 0;
     for (std::size_t k = 0; k < scan.samples; ++k)
       if (scan.at(1, 7, k) > scan.at(1, 7, loudest)) loudest = k;

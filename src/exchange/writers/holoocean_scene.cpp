@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "exchange/writers/scene_writers.hpp"
 #include "files/checked_file.hpp"
 #include "files/json_text.hpp"
@@ -46,7 +48,13 @@ Json sensor_of(const ExchangedSonar& sonar) {
   if (type == "ImagingSonar" || type == "ProfilingSonar") configuration["MultiPath"] = false;
   configuration["WaterSpeedSound"] = sonar.sound_speed_m_s;
   Json sensor{{"sensor_type", type}, {"sensor_name", sonar.name}};
-  const Placement& ours = sides ? sonar.own : sonar.placement;
+  Placement ours = sides ? sonar.own : sonar.placement;
+  if (sonar.shape == Shape::turning) {
+    // Its fans are even about their axis; an even number of steps is half a step off it.
+    const double middle = radians((sonar.azimuth_deg.front() + sonar.azimuth_deg.back()) / 2);
+    ours.turn = ours.turn * glm::dmat3(std::cos(middle), -std::sin(middle), 0, std::sin(middle),
+                                       std::cos(middle), 0, 0, 0, 1);
+  }
   set_place(sensor, to_theirs(inverse(sonar.carrier) * ours, holo_axes().body, holo_axes().sonar));
   sensor["Hz"] = 1;
   sensor["configuration"] = configuration;

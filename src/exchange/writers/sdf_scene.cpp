@@ -112,10 +112,13 @@ void add_sonar(pugi::xml_node world, const ExchangedSonar& sonar, std::size_t nu
     }
     return;
   }
-  const bool turning = sonar.shape == ExchangedSonar::Shape::turning;
-  fan.highest_rad = radians(turning ? sonar.scan_deg : sonar.horizontal_deg) / 2;
+  fan.highest_rad = radians(sonar.horizontal_deg) / 2;
   fan.lowest_rad = -fan.highest_rad;
-  if (!sonar.even) {
+  if (sonar.shape == ExchangedSonar::Shape::turning) {
+    // Its steps, each with half a step to either side: an even number of them is not even about ahead.
+    fan.lowest_rad = -radians(sonar.azimuth_deg.back() + sonar.step_deg / 2);
+    fan.highest_rad = -radians(sonar.azimuth_deg.front() - sonar.step_deg / 2);
+  } else if (!sonar.even) {
     const double left = -sonar.azimuth_deg.front(), right = sonar.azimuth_deg.back();
     const double spare = sonar.horizontal_deg - (left + right);
     fan.lowest_rad = -radians(right + spare / 2);

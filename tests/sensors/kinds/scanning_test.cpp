@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <tuple>
 
 #include "fixtures/world/recordings.hpp"
 #include "sensors/kinds/kind_imaging.hpp"
@@ -30,7 +31,7 @@ TEST(Scanning, TurnsOnceRoundClockwiseAShotAStep) {
   ASSERT_EQ(sensor->shots(), 400u);
   ASSERT_EQ(sensor->beams().size(), 400u);
   for (const std::size_t step : {0u, 1u, 199u, 399u}) {
-    EXPECT_NEAR(sensor->beams()[step].azimuth_rad / degree, -179.55 + 0.9 * double(step), 1e-9);
+    EXPECT_NEAR(sensor->beams()[step].azimuth_rad / degree, -180 + 0.9 * double(step), 1e-9);
     EXPECT_NEAR(sensor->shot_delay_s(step), double(step) * (100.0 / 1500 + 0.02), 1e-9);
     EXPECT_EQ(sensor->beams_of_shot(step), std::vector<std::uint32_t>{std::uint32_t(step)});
     for (const GridPoint ray : sensor->tubes(Pose{}, grid, step).rays) {
@@ -40,6 +41,30 @@ TEST(Scanning, TurnsOnceRoundClockwiseAShotAStep) {
     }
   }
   EXPECT_FALSE(sensor->has_patterns());
+}
+
+// A stepper motor counts whole steps: a Ping360 looks at whole gradians, one of which is straight ahead.
+TEST(Scanning, LooksAtWholeMultiplesOfItsStep) {
+  for (const auto& [scan_deg, step_deg, first] : {std::tuple(360.0, 0.9, -200),
+                                                  {90.0, 0.9, -50},
+                                                  {81.9, 0.9, -45},
+                                                  {360.0, 120.0, -1},
+                                                  {1.8, 0.9, -1},
+                                                  {0.9, 0.9, 0},
+                                                  {100.0, 0.25, -200}}) {
+    ScanningDescription scan;
+    scan.scan_deg = scan_deg;
+    scan.step_deg = step_deg;
+    const auto sensor = make_sensor(described(scan));
+    ASSERT_EQ(sensor->beams().size(), std::size_t(std::lround(scan_deg / step_deg)));
+    bool ahead = false;
+    for (std::size_t step = 0; step < sensor->beams().size(); ++step) {
+      const double azimuth = sensor->beams()[step].azimuth_rad / degree;
+      EXPECT_NEAR(azimuth / step_deg, first + double(step), 1e-9) << scan_deg << ' ' << step_deg;
+      ahead = ahead || azimuth == 0;
+    }
+    EXPECT_TRUE(ahead) << scan_deg << ' ' << step_deg;
+  }
 }
 
 // A Ping360's data sheet: 9 s for a scan of 2 m, 35 s for one of 50 m.
