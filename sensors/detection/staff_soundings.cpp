@@ -32,12 +32,15 @@ InterferometricSample StaffPing::received(std::size_t beam, std::size_t sample,
 }
 
 std::vector<InterferometricSounding> interferometric_soundings(const Recording& recording, std::size_t ping,
-                                                               const InterferometricNoise& noise) {
+                                                               const InterferometricNoise& noise,
+                                                               const RunContext& run) {
   const Sensor& sensor = *recording.sensor;
   const Sensor::Staff& staff = sensor.staff();
-  const Interferometer interferometer(
-      staff.baseline_m, recording.sound_speed_m_s / (1000 * sensor.frequency_khz()), radians(staff.tilt_deg));
+  const SoundingPlacer placer(recording, run);
   const Pose& pose = recording.ping_pose[ping];
+  const Interferometer interferometer(staff.baseline_m,
+                                      placer.sound_speed_m_s(pose) / (1000 * sensor.frequency_khz()),
+                                      radians(staff.tilt_deg));
   const StaffPing heard(recording, ping);
   std::vector<InterferometricSounding> found;
   for (std::uint32_t beam = 0; beam < 2; ++beam) {
@@ -66,9 +69,17 @@ std::vector<InterferometricSounding> interferometric_soundings(const Recording& 
       const double weight = 0.2 * sounding.coherence * sounding.coherence;
       *depth_m += weight * (sounding.estimate.depth_m - *depth_m);
       const double side = beam == 0 ? -1 : 1;
-      sounding.position_m =
-          pose.position_m + glm::normalize(pose.attitude) * glm::dvec3(side * sounding.estimate.horizontal_m,
-                                                                       0, -sounding.estimate.depth_m);
+      const glm::dquat attitude = glm::normalize(pose.attitude);
+      if (placer.traces_rays()) {
+        sounding.position_m =
+            placer.place(pose, {side * std::cos(angle), 0, -std::sin(angle)}, sounding.range_m);
+        const glm::dvec3 from_sensor = glm::inverse(attitude) * (sounding.position_m - pose.position_m);
+        sounding.estimate.horizontal_m = side * from_sensor.x;
+        sounding.estimate.depth_m = -from_sensor.z;
+      } else {
+        sounding.position_m = pose.position_m + attitude * glm::dvec3(side * sounding.estimate.horizontal_m,
+                                                                      0, -sounding.estimate.depth_m);
+      }
       found.push_back(sounding);
     }
   }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sensors/detection/interferometry.hpp"
+#include "sensors/detection/sounding_place.hpp"
 #include "sensors/recordings/recording.hpp"
 
 namespace tubefoot {
@@ -16,7 +17,8 @@ struct InterferometricSounding {
   std::uint32_t beam = 0, sample = 0;  ///< beam 0: port
   double range_m = 0;                  ///< of the sample's middle
   double energy_j = 0, phase_rad = 0, coherence = 0;
-  DepthEstimate estimate{};  ///< in the sensor's frame: below its horizontal plane
+  DepthEstimate
+      estimate{};  ///< angle of arrival, and the place in the sensor's frame: below its horizontal plane
   glm::dvec3 position_m{0};  ///< east, north, up, abeam of the sensor
 };
 
@@ -44,8 +46,10 @@ class StaffPing {
 /// The soundings of a ping, by beam and range. Of the angles that a wrapped phase may stand for, the one is
 /// taken that is nearest in phase to a bed as deep as the samples before found it (a running mean of about
 /// five, weighed by the square of their coherence); the first of a side: as deep as the altitude, or, where
-/// that is not known, as the nearest echo is far. Samples without a common signal have no sounding.
+/// that is not known, as the nearest echo is far. Samples without a common signal have no sounding. Angles
+/// follow from the sound speed at the sensor, places from the rays of the run's water.
 std::vector<InterferometricSounding> interferometric_soundings(const Recording& recording, std::size_t ping,
-                                                               const InterferometricNoise& noise);
+                                                               const InterferometricNoise& noise,
+                                                               const RunContext& run = {});
 
 }  // namespace tubefoot

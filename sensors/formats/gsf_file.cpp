@@ -8,7 +8,13 @@
 namespace tubefoot {
 namespace {
 
-enum Record : std::uint32_t { kHeader = 1, kSwathPing = 2, kProcessingParameters = 4, kAttitude = 12 };
+enum Record : std::uint32_t {
+  kHeader = 1,
+  kSwathPing = 2,
+  kSoundSpeedProfile = 3,
+  kProcessingParameters = 4,
+  kAttitude = 12
+};
 constexpr std::uint32_t has_checksum = 0x80000000;
 constexpr std::size_t largest_record = 524288;  // of the Leidos library
 constexpr std::size_t header_size = 12;
@@ -242,6 +248,34 @@ void GsfFile::add_processing_parameters(double unix_time_s, std::span<const std:
     check.fail(fmt::format("{} parameters make a record of {} bytes, readers take at most {}",
                            parameters.size(), data.size(), largest_record));
   write(kProcessingParameters, std::move(data));
+}
+
+void GsfFile::add_sound_speed_profile(const GsfSoundSpeedProfile& profile) {
+  const FieldCheck check(fmt::format("{}: sound speed profile", file_.path().string()));
+  if (profile.points.empty()) check.fail("there are no points");
+  PacketBytes data(std::endian::big);
+  for (const double time_s : {profile.observed_unix_time_s, profile.applied_unix_time_s}) {
+    const auto [seconds, nanoseconds] = moment(time_s, check);
+    data.append<std::int32_t>(seconds);
+    data.append<std::int32_t>(nanoseconds);
+  }
+  data.append<std::int32_t>(check.integer<std::int32_t>(
+      "longitude", check.within("longitude", profile.longitude_deg, -180, 180), 1e7));
+  data.append<std::int32_t>(
+      check.integer<std::int32_t>("latitude", check.within("latitude", profile.latitude_deg, -90, 90), 1e7));
+  constexpr std::size_t point_bytes = 8;
+  const std::size_t most = (largest_record - data.size() - sizeof(std::uint32_t)) / point_bytes;
+  const std::size_t count = profile.points.size(), kept = std::min(count, most);
+  data.append<std::uint32_t>(static_cast<std::uint32_t>(kept));
+  double above_m = 0;
+  for (std::size_t k = 0; k < kept; ++k) {
+    const auto& [depth_m, speed_m_s] = profile.points[kept > 1 ? k * (count - 1) / (kept - 1) : 0];
+    if (!(depth_m >= above_m)) check.fail(fmt::format("depth {} m follows {} m", depth_m, above_m));
+    above_m = depth_m;
+    data.append<std::uint32_t>(check.integer<std::uint32_t>("depth [m]", depth_m, 100));
+    data.append<std::uint32_t>(check.integer<std::uint32_t>("sound speed [m/s]", speed_m_s, 100));
+  }
+  write(kSoundSpeedProfile, std::move(data));
 }
 
 void GsfFile::add_attitude(std::span<const GsfAttitude> attitudes) {

@@ -64,6 +64,16 @@ struct GsfPing {
   std::uint32_t ping_number = 0;  ///< goes with reson_8101
 };
 
+/// Sound speed against depth, and when and where it was measured and holds from.
+struct GsfSoundSpeedProfile {
+  double observed_unix_time_s = 0, applied_unix_time_s = 0;  ///< as the time of a ping
+  double longitude_deg = 0, latitude_deg = 0;
+  struct Point {
+    double depth_m = 0, sound_speed_m_s = 0;  ///< down from the surface, 0 or more; depths do not decrease
+  };
+  std::vector<Point> points;  ///< at least one
+};
+
 struct GsfAttitude {
   double unix_time_s = 0;
   double heading_deg = 0, pitch_deg = 0, roll_deg = 0, heave_m = 0;  ///< as GsfPing
@@ -82,6 +92,9 @@ class GsfFile {
   void add_ping(const GsfPing& ping);
   /// What has been done to the data that follow, "KEYWORD=VALUE" each.
   void add_processing_parameters(double unix_time_s, std::span<const std::string> parameters);
+  /// The profile by which the soundings that follow were placed. Depths and speeds are kept to 1 cm and 1
+  /// cm/s. A profile of more points than a record holds is thinned: its ends stay.
+  void add_sound_speed_profile(const GsfSoundSpeedProfile& profile);
   /// One record; times must not go back and span less than 65.5 s.
   void add_attitude(std::span<const GsfAttitude> attitudes);
 

@@ -13,6 +13,7 @@
 #include "scene/file/sensor_ranges.hpp"
 #include "scene/file/toml_reader.hpp"
 #include "sensors/detection/bottom_detection.hpp"
+#include "sensors/detection/sounding_place.hpp"
 #include "sensors/model/angles.hpp"
 #include "sensors/model/range_window.hpp"
 #include "sensors/pictures/canvas.hpp"
@@ -92,14 +93,14 @@ double range_of(const std::optional<Detection>& bottom) {
 /// Empty for what is not known.
 std::string cell(double value) { return std::isfinite(value) ? fmt::format("{:.9g}", value) : ""; }
 
-void append_line(std::string& text, const Recording& recording, std::size_t ping,
-                 const std::optional<Detection>& bottom) {
+void append_line(std::string& text, const Recording& recording, const SoundingPlacer& placer,
+                 std::size_t ping, const std::optional<Detection>& bottom) {
   const double altitude_m = ping < recording.altitude_m.size() ? recording.altitude_m[ping]
                                                                : std::numeric_limits<double>::quiet_NaN();
   fmt::format_to(std::back_inserter(text), "{},{:.9g},", recording.number_of(ping),
                  recording.ping_time_s[ping]);
   if (bottom) {
-    const glm::dvec3 place = sounding_position(recording.ping_pose[ping], {0, 0, -1}, bottom->range_m);
+    const glm::dvec3 place = placer.place(recording.ping_pose[ping], {0, 0, -1}, bottom->range_m);
     fmt::format_to(std::back_inserter(text), "{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}",
                    bottom->range_m, bottom->range_sigma_m, bottom->energy_j, bottom->quality, place.x,
                    place.y, place.z);
@@ -141,6 +142,7 @@ std::vector<fs::path> write_echosounder_files(const fs::path& folder, const Reco
   const DetectionRule rule = rule_of(sensor.description().kind.as<EchosounderDescription>());
   const std::optional<Heard> heard = heard_by(recording, run);
   const std::vector<double> floor_j = noise_floor_j(recording, run);
+  const SoundingPlacer placer(recording, run);
   std::vector<float> energies, received;
   std::vector<double> bottoms, ideal_bottoms;
   std::string csv =
@@ -159,7 +161,7 @@ std::vector<fs::path> write_echosounder_files(const fs::path& folder, const Reco
       if (own[k] < floor_j[k]) own[k] = 0;
     const std::optional<Detection> bottom = detect_bottom(own, sensor.samples(), rule);
     made.range_m = range_of(bottom);
-    append_line(made.line, recording, ping, bottom);
+    append_line(made.line, recording, placer, ping, bottom);
     return made;
   };
   Steps steps("pings of an echosounder's files", recording.pings());

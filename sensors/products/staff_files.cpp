@@ -18,14 +18,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void write_soundings(const fs::path& path, const Recording& recording, const InterferometricNoise& noise) {
+void write_soundings(const fs::path& path, const Recording& recording, const RunContext& run,
+                     const InterferometricNoise& noise) {
   StreamedFile file(path);
   file.append(
       "ping,time_s,side,sample,range_m,energy_j,phase_rad,coherence,angle_deg,angle_sigma_deg,"
       "depth_m,depth_sigma_m,east_m,north_m,up_m\n");
   const auto lines_of = [&](std::size_t ping) {
     std::string lines;
-    for (const InterferometricSounding& s : interferometric_soundings(recording, ping, noise))
+    for (const InterferometricSounding& s : interferometric_soundings(recording, ping, noise, run))
       fmt::format_to(std::back_inserter(lines),
                      "{},{:.9g},{},{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},"
                      "{:.9g}\n",
@@ -86,7 +87,7 @@ std::vector<fs::path> write_staff_files(const fs::path& folder, const Recording&
                     [](const InterferometricSample& s) { return s.coherence(); });
   }
   files.emplace_back(sensor.name + "-soundings.csv");
-  write_soundings(folder / files.back(), recording, noise);
+  write_soundings(folder / files.back(), recording, run, noise);
   if (pictures && (noise.phase_noise || noise.receiver_noise_j > 0)) {
     files.emplace_back(sensor.name + "-phase-received.png");
     draw_phases(recording, label_font(), &noise)

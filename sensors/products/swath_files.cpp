@@ -158,7 +158,7 @@ class SwathFiles {
         warnings_(warnings),
         name_(recording.sensor->description().name),
         finder_(recording, run, settings.rule) {
-    if (heard_by(recording, run)) ideal_finder_.emplace(BottomFinder::ideal(recording, settings.rule));
+    if (heard_by(recording, run)) ideal_finder_.emplace(BottomFinder::ideal(recording, settings.rule, run));
     for (const char* ending : {".csv", ".gpkg"})
       tables_.push_back(std::make_unique<SoundingsFile>(new_file("-soundings", ending), run.frame));
     open_formats();
@@ -211,10 +211,11 @@ class SwathFiles {
     const Kept kept = kept_of(recording_, run_);
     warnings_.insert(warnings_.end(), kept.left_out.begin(), kept.left_out.end());
     if (!kept.on_earth) return;
-    formats_.push_back(
-        make_sonar_netcdf(new_file("-sonar", ".nc"), recording_, run_, settings_, finder_.receiver()));
-    formats_.push_back(make_xtf(new_file("", ".xtf"), recording_, run_, settings_));
-    if (kept.gsf) formats_.push_back(make_gsf(new_file("", ".gsf"), recording_, run_, settings_));
+    formats_.push_back(make_sonar_netcdf(folder_, recording_, run_, settings_, finder_.receiver()));
+    formats_.push_back(make_xtf(folder_, recording_, run_, settings_));
+    if (kept.gsf) formats_.push_back(make_gsf(folder_, recording_, run_, settings_, finder_.placer()));
+    for (const auto& format : formats_)
+      for (const fs::path& file : format->files()) files_.push_back(file);
   }
 
   /// All that is found of pings without regard to others, on any thread.

@@ -12,6 +12,7 @@
 #include "sensors/formats/sonar_netcdf.hpp"
 #include "sensors/formats/xtf_file.hpp"
 #include "sensors/model/angles.hpp"
+#include "sensors/products/line_files.hpp"
 #include "sensors/recordings/sensor_kind.hpp"
 
 namespace tubefoot {
@@ -41,12 +42,13 @@ std::uint8_t gsf_flags(const std::optional<Sounding>& sounding) {
 
 class SonarNetcdfFormat : public SwathFormat {
  public:
-  SonarNetcdfFormat(const std::filesystem::path& file, const Recording& recording, const RunContext& run,
+  SonarNetcdfFormat(const std::filesystem::path& folder, const Recording& recording, const RunContext& run,
                     const SwathSettings& settings, const ReceiverChain& receiver)
       : recording_(recording),
         receiver_(receiver),
         angles_deg_(across_angles_deg(*recording.sensor)),
-        file_(file, header(recording, run, settings)) {}
+        name_(recording.sensor->description().name + "-sonar.nc"),
+        file_(folder / name_, header(recording, run, settings)) {}
 
   std::function<void()> adding(const PlacedPing& placed) override {
     const RangeSamples& samples = recording_.sensor->samples();
@@ -74,6 +76,7 @@ class SonarNetcdfFormat : public SwathFormat {
     return [this, ping = std::move(ping)] { file_.add(ping); };
   }
   void finish() override { file_.finish(); }
+  std::vector<std::filesystem::path> files() const override { return {name_}; }
 
  private:
   /// Up to a beam's last echo: silence after it is not written.
@@ -140,32 +143,32 @@ class SonarNetcdfFormat : public SwathFormat {
   const Recording& recording_;
   const ReceiverChain& receiver_;
   std::vector<double> angles_deg_;
+  std::filesystem::path name_;
   SonarNetcdfFile file_;
 };
 
 /// What must be added to depths below height 0 so that none is negative: whole metres.
-int depth_offset_m(const Recording& recording, const RunContext& run) {
+int depth_offset_m(const Recording& recording, const RunContext& run, const SoundingPlacer& placer) {
   const Sensor& sensor = *recording.sensor;
   const RangeSamples& samples = sensor.samples();
   const double far_m = samples.first_m + samples.count * samples.step_m;
   double highest_m = 0;
   for (const Pose& pose : recording.ping_pose) {
-    double up = 0;
+    double up_m = pose.position_m.z;
     for (const BeamAxis& axis : sensor.beams())
-      up = std::max(up, (pose.attitude * across_direction(across_angle_rad(axis))).z);
+      up_m = std::max(up_m, placer.highest_m(pose, across_direction(across_angle_rad(axis)), far_m));
     // The Earth falls away from under a tangent plane.
     constexpr double least_radius_m = 6.3e6;
-    const double away_m = std::hypot(pose.position_m.x, pose.position_m.y) + far_m;
+    const double away_m = std::hypot(pose.position_m.x, pose.position_m.y) + placer.longest_m(far_m);
     const double below_plane_m = run.frame.is_tangent() ? away_m * away_m / (2 * least_radius_m) : 0;
-    highest_m =
-        std::max(highest_m, pose.position_m.z + run.frame.origin_height_m() + up * far_m + below_plane_m);
+    highest_m = std::max(highest_m, up_m + run.frame.origin_height_m() + below_plane_m);
   }
   return static_cast<int>(std::ceil(highest_m));
 }
 
-GsfOptions gsf_options(const Recording& recording, const RunContext& run) {
+GsfOptions gsf_options(const Recording& recording, const RunContext& run, const SoundingPlacer& placer) {
   GsfOptions options;
-  options.depth.offset = depth_offset_m(recording, run);
+  options.depth.offset = depth_offset_m(recording, run, placer);
   options.mean_amplitude = {50, 0, 2};
   return options;
 }
@@ -184,15 +187,30 @@ Reson8101Settings settings_8101(const Recording& recording, const SwathSettings&
   return settings;
 }
 
+/// The water that the soundings were placed in, with depths as the file counts them, from height 0 down.
+/// Above the profile's first point the water is uniform.
+std::vector<GsfSoundSpeedProfile::Point> points_below_0(const Recording& recording, const RunContext& run) {
+  if (!run.layered_water) return {{0, recording.sound_speed_m_s}};
+  const auto& profile = run.layered_water->profile();
+  const double depth_of_0_m = run.layered_water->surface_height_m() + run.frame.origin_height_m();
+  std::vector<GsfSoundSpeedProfile::Point> points{{0, profile.at(depth_of_0_m)}};
+  constexpr double codes_per_m = 100;  // two points that the file has at one depth are a step to no reader
+  for (const auto& point : profile.points())
+    if (const double depth_m = point.depth_m - depth_of_0_m;
+        std::round(codes_per_m * depth_m) > std::round(codes_per_m * points.back().depth_m))
+      points.push_back({depth_m, point.sound_speed_m_s});
+  return points;
+}
+
 /// What has been done to the soundings, in the format's own words.
-std::vector<std::string> gsf_parameters() {
+std::vector<std::string> gsf_parameters(bool traces_rays) {
   return {"REFERENCE TIME=1970/001 00:00:00",
           "ROLL_COMPENSATED=YES",
           "PITCH_COMPENSATED=YES",
           "HEAVE_COMPENSATED=YES",  // heave is in the depth corrector, which is in the depths
           "TIDE_COMPENSATED=NO",
           "DEPTH_CALCULATION=CORRECTED",
-          "RAY_TRACING=NO",  // travel times and angles are those at the transducer
+          traces_rays ? "RAY_TRACING=YES" : "RAY_TRACING=NO",  // NO: in uniform water, rays are straight
           "ROLL_REFERENCE=ROTATED_PITCH_AXIS",
           "NUMBER_OF_TRANSMITTERS=1",
           "NUMBER_OF_RECEIVERS=1",
@@ -209,9 +227,14 @@ std::vector<std::string> gsf_parameters() {
 
 class GsfFormat : public SwathFormat {
  public:
-  GsfFormat(const std::filesystem::path& file, const Recording& recording, const RunContext& run,
-            const SwathSettings& settings)
-      : recording_(recording), settings_(settings), file_(file, gsf_options(recording, run)) {}
+  GsfFormat(const std::filesystem::path& folder, const Recording& recording, const RunContext& run,
+            const SwathSettings& settings, const SoundingPlacer& placer)
+      : recording_(recording),
+        settings_(settings),
+        parameters_(gsf_parameters(placer.traces_rays())),
+        profile_{0, 0, 0, 0, points_below_0(recording, run)},
+        lines_(folder, ".gsf", recording,
+               std::vector<GsfOptions>(recording.lines().size(), gsf_options(recording, run, placer))) {}
 
   std::function<void()> adding(const PlacedPing& placed) override {
     const NavigationFix& fix = placed.fix;
@@ -246,28 +269,40 @@ class GsfFormat : public SwathFormat {
       ping.two_way_time_s.push_back(sounding ? sounding->two_way_travel_time_s : 0);
       ping.mean_amplitude_db.push_back(sounding ? level_db(*sounding) : 0);
     }
-    return [this, first = placed.ping == 0, ping = std::move(ping)] {
-      if (first) file_.add_processing_parameters(ping.unix_time_s, gsf_parameters());
-      file_.add_ping(ping);
+    return [this, number = placed.ping, ping = std::move(ping)] {
+      GsfFile& file = lines_.of(number);
+      if (lines_.is_first_of_its_line(number)) describe_processing(file, ping);
+      file.add_ping(ping);
     };
   }
-  void finish() override { file_.finish(); }
+  void finish() override { lines_.finish(); }
+  std::vector<std::filesystem::path> files() const override { return lines_.names(); }
 
  private:
+  void describe_processing(GsfFile& file, const GsfPing& first) {
+    file.add_processing_parameters(first.unix_time_s, parameters_);
+    profile_.observed_unix_time_s = profile_.applied_unix_time_s = first.unix_time_s;
+    profile_.longitude_deg = first.longitude_deg;
+    profile_.latitude_deg = first.latitude_deg;
+    file.add_sound_speed_profile(profile_);
+  }
+
   const Recording& recording_;
   const SwathSettings settings_;
-  GsfFile file_;
+  const std::vector<std::string> parameters_;
+  GsfSoundSpeedProfile profile_;
+  LineFiles<GsfFile, GsfOptions> lines_;
 };
 
 class XtfFormat : public SwathFormat {
  public:
-  XtfFormat(const std::filesystem::path& file, const Recording& recording, const RunContext& run,
+  XtfFormat(const std::filesystem::path& folder, const Recording& recording, const RunContext& run,
             const SwathSettings& settings)
       : recording_(recording),
         settings_(settings),
         angles_deg_(across_angles_deg(*recording.sensor)),
-        depth_m_(middle_depth_m(recording, run)),
-        file_(file, header(recording, settings, depth_m_)) {}
+        depths_m_(middle_depths_m(recording, run)),
+        lines_(folder, ".xtf", recording, headers(recording, settings, depths_m_)) {}
 
   std::function<void()> adding(const PlacedPing& placed) override {
     const NavigationFix& fix = placed.fix;
@@ -280,31 +315,41 @@ class XtfFormat : public SwathFormat {
     place.pitch_deg = fix.lie.pitch_deg;
     place.roll_deg = fix.lie.roll_deg;
     place.depth_m = -fix.place.lon_lat_height.z;
-    place.heave_m = depth_m_ - place.depth_m;
+    place.heave_m = depths_m_[lines_.line_of(placed.ping)] - place.depth_m;
     if (placed.ping < recording_.altitude_m.size() && recording_.altitude_m[placed.ping] > 0)
       place.altitude_m = recording_.altitude_m[placed.ping];
     place.speed_m_s = fix.speed_m_s;
     if (settings_.is_like_8101)
-      return [this, place, height_m = fix.place.lon_lat_height.z, beams = beams_of_8101(placed.sounded)] {
-        add_motion(place, height_m);
-        file_.add_reson_8101_ping(place, settings_8101(recording_, settings_), beams);
+      return [this, number = placed.ping, place, height_m = fix.place.lon_lat_height.z,
+              beams = beams_of_8101(placed.sounded)] {
+        XtfFile& file = lines_.of(number);
+        add_motion(file, place, height_m);
+        file.add_reson_8101_ping(place, settings_8101(recording_, settings_), beams);
       };
-    return [this, place, height_m = fix.place.lon_lat_height.z, soundings = generic_of(placed.sounded)] {
-      add_motion(place, height_m);
-      file_.add_soundings(place, soundings);
+    return [this, number = placed.ping, place, height_m = fix.place.lon_lat_height.z,
+            soundings = generic_of(placed.sounded)] {
+      XtfFile& file = lines_.of(number);
+      add_motion(file, place, height_m);
+      file.add_soundings(place, soundings);
     };
   }
-  void finish() override { file_.finish(); }
+  void finish() override { lines_.finish(); }
+  std::vector<std::filesystem::path> files() const override { return lines_.names(); }
 
  private:
   /// Readers add the sonar's depth to soundings from the header, where it stands once, and take heave off:
   /// half way between the least and the greatest, so that heave is the rest.
-  static double middle_depth_m(const Recording& recording, const RunContext& run) {
+  static std::vector<double> middle_depths_m(const Recording& recording, const RunContext& run) {
+    std::vector<double> depths_m;
+    for (const PingSpan& line : recording.lines()) depths_m.push_back(middle_depth_m(recording, run, line));
+    return depths_m;
+  }
+  static double middle_depth_m(const Recording& recording, const RunContext& run, const PingSpan& line) {
     constexpr std::size_t block = 4096;
     double lowest_m = std::numeric_limits<double>::infinity(), highest_m = -lowest_m;
-    for (std::size_t first = 0; first < recording.pings(); first += block) {
+    for (std::size_t first = line.first; first < line.end; first += block) {
       std::vector<glm::dvec3> places;
-      for (std::size_t ping = first; ping < std::min(first + block, recording.pings()); ++ping)
+      for (std::size_t ping = first; ping < std::min(first + block, line.end); ++ping)
         places.push_back(recording.ping_pose[ping].position_m);
       run.frame.to_lon_lat(places, recording.sensor->description().place);
       for (const glm::dvec3& place : places) {
@@ -315,6 +360,12 @@ class XtfFormat : public SwathFormat {
     return -(lowest_m + highest_m) / 2;
   }
 
+  static std::vector<XtfHeader> headers(const Recording& recording, const SwathSettings& settings,
+                                        const std::vector<double>& depths_m) {
+    std::vector<XtfHeader> headers;
+    for (const double depth_m : depths_m) headers.push_back(header(recording, settings, depth_m));
+    return headers;
+  }
   static XtfHeader header(const Recording& recording, const SwathSettings& settings, double depth_m) {
     XtfHeader header;
     header.sonar_name = recording.sensor->description().name.substr(0, 15);
@@ -330,10 +381,9 @@ class XtfFormat : public SwathFormat {
     return header;
   }
 
-  void add_motion(const XtfPlace& place, double height_m) {
-    file_.add_attitude(
-        {place.unix_time_s, place.heading_deg, place.pitch_deg, place.roll_deg, place.heave_m});
-    file_.add_navigation({place.unix_time_s, place.x, place.y, height_m});
+  static void add_motion(XtfFile& file, const XtfPlace& place, double height_m) {
+    file.add_attitude({place.unix_time_s, place.heading_deg, place.pitch_deg, place.roll_deg, place.heave_m});
+    file.add_navigation({place.unix_time_s, place.x, place.y, height_m});
   }
 
   static std::vector<Reson8101Beam> beams_of_8101(const SoundedPing& sounded) {
@@ -369,26 +419,27 @@ class XtfFormat : public SwathFormat {
   const Recording& recording_;
   const SwathSettings settings_;
   std::vector<double> angles_deg_;
-  double depth_m_;
-  XtfFile file_;
+  std::vector<double> depths_m_;  ///< by line
+  LineFiles<XtfFile, XtfHeader> lines_;
 };
 
 }  // namespace
 
-std::unique_ptr<SwathFormat> make_sonar_netcdf(const std::filesystem::path& file, const Recording& recording,
-                                               const RunContext& run, const SwathSettings& settings,
-                                               const ReceiverChain& receiver) {
-  return std::make_unique<SonarNetcdfFormat>(file, recording, run, settings, receiver);
+std::unique_ptr<SwathFormat> make_sonar_netcdf(const std::filesystem::path& folder,
+                                               const Recording& recording, const RunContext& run,
+                                               const SwathSettings& settings, const ReceiverChain& receiver) {
+  return std::make_unique<SonarNetcdfFormat>(folder, recording, run, settings, receiver);
 }
 
-std::unique_ptr<SwathFormat> make_gsf(const std::filesystem::path& file, const Recording& recording,
-                                      const RunContext& run, const SwathSettings& settings) {
-  return std::make_unique<GsfFormat>(file, recording, run, settings);
+std::unique_ptr<SwathFormat> make_gsf(const std::filesystem::path& folder, const Recording& recording,
+                                      const RunContext& run, const SwathSettings& settings,
+                                      const SoundingPlacer& placer) {
+  return std::make_unique<GsfFormat>(folder, recording, run, settings, placer);
 }
 
-std::unique_ptr<SwathFormat> make_xtf(const std::filesystem::path& file, const Recording& recording,
+std::unique_ptr<SwathFormat> make_xtf(const std::filesystem::path& folder, const Recording& recording,
                                       const RunContext& run, const SwathSettings& settings) {
-  return std::make_unique<XtfFormat>(file, recording, run, settings);
+  return std::make_unique<XtfFormat>(folder, recording, run, settings);
 }
 
 glm::dvec3 PlacedPing::forward_starboard_down_m(std::size_t beam) const {

@@ -36,7 +36,8 @@ struct PlacedPing {
   glm::dvec3 forward_starboard_down_m(std::size_t beam) const;
 };
 
-/// A file of a recording of a fan across the track that needs positions on Earth, written ping by ping.
+/// A file of a recording of a fan across the track that needs positions on Earth, written ping by ping, or
+/// several: one per line of a survey.
 /// Heights are above the scene's height 0, which stands for the water's surface and for the ellipsoid alike;
 /// headings are true.
 class SwathFormat {
@@ -47,18 +48,21 @@ class SwathFormat {
   virtual std::function<void()> adding(const PlacedPing& ping) = 0;
   /// Completes the file; without it there is none.
   virtual void finish() = 0;
+  /// Names of the files in their folder.
+  virtual std::vector<std::filesystem::path> files() const = 0;
 };
 
-/// SONAR-netCDF4 with bathymetry (sensors/formats/sonar_netcdf.hpp).
-std::unique_ptr<SwathFormat> make_sonar_netcdf(const std::filesystem::path& file, const Recording& recording,
-                                               const RunContext& run, const SwathSettings& settings,
-                                               const ReceiverChain& receiver);
-/// GSF (sensors/formats/gsf_file.hpp).
-std::unique_ptr<SwathFormat> make_gsf(const std::filesystem::path& file, const Recording& recording,
-                                      const RunContext& run, const SwathSettings& settings);
-/// XTF (sensors/formats/xtf_file.hpp): an 8101's own packets for a fan like that one's, generic ones for
-/// others.
-std::unique_ptr<SwathFormat> make_xtf(const std::filesystem::path& file, const Recording& recording,
+/// SONAR-netCDF4 with bathymetry (sensors/formats/sonar_netcdf.hpp), one file for all lines.
+std::unique_ptr<SwathFormat> make_sonar_netcdf(const std::filesystem::path& folder,
+                                               const Recording& recording, const RunContext& run,
+                                               const SwathSettings& settings, const ReceiverChain& receiver);
+/// GSF (sensors/formats/gsf_file.hpp), one file per line. `placer`: by which the soundings were placed.
+std::unique_ptr<SwathFormat> make_gsf(const std::filesystem::path& folder, const Recording& recording,
+                                      const RunContext& run, const SwathSettings& settings,
+                                      const SoundingPlacer& placer);
+/// XTF (sensors/formats/xtf_file.hpp), one file per line: an 8101's own packets for a fan like that one's,
+/// generic ones for others.
+std::unique_ptr<SwathFormat> make_xtf(const std::filesystem::path& folder, const Recording& recording,
                                       const RunContext& run, const SwathSettings& settings);
 
 }  // namespace tubefoot

@@ -27,16 +27,23 @@ glm::dvec3 across_direction(double across_angle_rad) {
 BottomFinder::BottomFinder(const Recording& recording, const RunContext& run, const DetectionRule& rule)
     : BottomFinder(recording, ReceivedPings(recording, run),
                    recording.sensor->description().signal.tvg_spreading.has_value(), rule,
-                   noise_floor_j(recording, run)) {}
+                   noise_floor_j(recording, run), SoundingPlacer(recording, run)) {}
 
-BottomFinder BottomFinder::ideal(const Recording& recording, const DetectionRule& rule) {
+BottomFinder BottomFinder::ideal(const Recording& recording, const DetectionRule& rule,
+                                 const RunContext& run) {
   return BottomFinder(recording, ReceivedPings::ideal(recording), false, rule,
-                      std::vector<double>(static_cast<std::size_t>(recording.sensor->samples().count)));
+                      std::vector<double>(static_cast<std::size_t>(recording.sensor->samples().count)),
+                      SoundingPlacer(recording, run));
 }
 
 BottomFinder::BottomFinder(const Recording& recording, ReceivedPings received, bool has_own_gain,
-                           const DetectionRule& rule, std::vector<double> noise_floor_j)
-    : recording_(recording), received_(std::move(received)), rule_(rule), floor_j_(std::move(noise_floor_j)) {
+                           const DetectionRule& rule, std::vector<double> noise_floor_j,
+                           SoundingPlacer placer)
+    : recording_(recording),
+      received_(std::move(received)),
+      rule_(rule),
+      floor_j_(std::move(noise_floor_j)),
+      placer_(std::move(placer)) {
   const RangeSamples& samples = recording.sensor->samples();
   for (int k = 0; k < samples.count; ++k) {
     const double range_m = samples.first_m + (k + 0.5) * samples.step_m;
@@ -67,7 +74,7 @@ SoundedPing BottomFinder::sound(std::size_t ping) const {
     sounding.beam = static_cast<std::uint32_t>(beam);
     sounding.time_s = recording_.ping_time_s[ping];
     sounding.position_m =
-        sounding_position(recording_.ping_pose[ping], across_direction(angle_rad), found->range_m);
+        placer_.place(recording_.ping_pose[ping], across_direction(angle_rad), found->range_m);
     sounding.two_way_travel_time_s = 2 * found->range_m / recording_.sound_speed_m_s;
     sounding.slant_range_m = found->range_m;
     sounding.beam_angle_deg = degrees(angle_rad);

@@ -15,6 +15,7 @@
 #include "sensors/model/angles.hpp"
 #include "sensors/pictures/mosaic_picture.hpp"
 #include "sensors/pictures/scanline_picture.hpp"
+#include "sensors/products/line_files.hpp"
 #include "sensors/products/pictures.hpp"
 #include "sensors/products/two_sided_amplitudes.hpp"
 #include "sensors/receiver/quantisation.hpp"
@@ -287,11 +288,10 @@ std::vector<fs::path> write_two_sided_files(const fs::path& folder, const Record
   Map whole{name, CellMeans(cell_m)};
   std::vector<fs::path> files, maps;
   const std::vector<PingSpan> lines = recording.lines();
+  const std::vector<std::string> names = line_names(recording);
   Steps steps("pings of a sidescan's files", recording.pings());
   for (std::size_t k = 0; k < lines.size(); ++k) {
-    // As surveys are kept: a file a line.
-    const std::string of_line =
-        lines.size() == 1 ? name : fmt::format("{}-line-{:02}", name, recording.first_line + k + 1);
+    const std::string& of_line = names[k];
     std::optional<XtfRecord> xtf;
     if (!why_not) xtf.emplace(folder / (of_line + ".xtf"), recording, run, widths, amplitudes.largest_upa());
     Map map{of_line, CellMeans(cell_m)};

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "scene/description/water_description.hpp"
 #include "scene/rasters/georeference.hpp"
+#include "scene/scene_water.hpp"
 
 namespace tubefoot {
 
@@ -33,6 +35,9 @@ struct RunContext {
   std::string title;
   PictureSettings pictures{};
   bool with_bounds = false;  ///< of a reference run: bounds beside energies and signals
+  /// The water that rays pass, by which travel times and angles become places; null: uniform, with the
+  /// recording's sound speed.
+  std::shared_ptr<const SceneWater> layered_water{};
 };
 
 }  // namespace tubefoot

@@ -77,7 +77,7 @@ RunContext context_of(const Scene& scene, const PictureSettings& pictures, bool 
   return {scene.frame,          *unix_time_s(description.run.start_utc),
           description.run.seed, description.water,
           description.title,    pictures,
-          with_bounds};
+          with_bounds,          scene.water};
 }
 
 /// Recordings of what is asked for, without energies.

@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "fixtures/netcdf_reader.hpp"
+#include "fixtures/packet_reader.hpp"
 #include "fixtures/program.hpp"
 #include "fixtures/test_folder.hpp"
 
@@ -69,6 +72,62 @@ TEST(SurveyLinesRun, KeepsEveryPingAtItsAltitudeAndEveryLineByItself) {
   for (const char* name :
        {"side-line-01.xtf", "side-line-03.xtf", "side-line-02-mosaic.tif", "side-mosaic.png"})
     EXPECT_TRUE(std::filesystem::exists(folder / "out" / name)) << name;
+}
+
+/// How many records of each kind a GSF file has.
+std::map<unsigned, int> gsf_records(const std::filesystem::path& path) {
+  samples::PacketReader file(samples::file_content(path), true);
+  std::map<unsigned, int> records;
+  for (std::size_t at = 0; at < file.size(); at += 8 + file.u32(at)) ++records[file.u32(at + 4)];
+  return records;
+}
+
+/// The numbers of the pings of an XTF file's multibeam packets, and the depth of the sonar in its header.
+std::pair<std::vector<unsigned>, double> xtf_pings(const std::filesystem::path& path) {
+  samples::PacketReader file(samples::file_content(path), false);
+  std::vector<unsigned> pings;
+  for (std::size_t at = 1024; at < file.size(); at += file.u32(at + 10))
+    if (file.u8(at + 2) == 28) pings.push_back(file.u32(at + 28));
+  return {pings, file.f32(256 + 56)};
+}
+
+// 61 m across in steps of 15 m are five lines.
+TEST(SurveyLinesRun, KeepsTheSoundingsOfAMultibeamLineByLine) {
+  const TestFolder folder;
+  std::string text(scene);
+  text.replace(text.find("spacing_m = 30"), 14, "spacing_m = 15");
+  text.replace(text.find("[[sensors]]"), std::string::npos, R"([[sensors]]
+name = "fan"
+kind = "multibeam"
+beams = 9
+swath_deg = 80
+beam_across_deg = 5
+along_track_deg = 5
+range_min_m = 1
+range_max_m = 25
+samples = 240
+ping_interval_s = 10
+)");
+  const auto file = folder.write("scene.toml", text);
+  const Outcome outcome = run_program({"run", file.string(), "-o", (folder / "out").string()});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  unsigned number = 0;
+  for (int line = 1; line <= 5; ++line) {
+    SCOPED_TRACE(line);
+    const std::string stem = (folder / "out/fan-line-0").string() + std::to_string(line);
+    EXPECT_THAT(outcome.err + outcome.out, HasSubstr("fan-line-0")) << "the files are named";
+    const auto records = gsf_records(stem + ".gsf");
+    EXPECT_EQ(records, (std::map<unsigned, int>{{1, 1}, {2, 4}, {3, 1}, {4, 1}}));
+    const auto [pings, depth_m] = xtf_pings(stem + ".xtf");
+    ASSERT_EQ(pings.size(), 4u);
+    for (const unsigned ping : pings) EXPECT_EQ(ping, number++);
+    // Along the slope the carrier keeps its depth: 6 m above the bed.
+    EXPECT_NEAR(depth_m, 20 + (15.0 * line - 45) * 0.1051042353 - 6, 1e-4);
+  }
+  EXPECT_EQ(number, 20u);
+  for (const char* name : {"fan.gsf", "fan.xtf", "fan-line-06.gsf"})
+    EXPECT_FALSE(std::filesystem::exists(folder / "out" / name)) << name;
+  EXPECT_TRUE(std::filesystem::exists(folder / "out/fan-sonar.nc")) << "holds all lines";
 }
 
 }  // namespace

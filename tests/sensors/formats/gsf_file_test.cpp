@@ -287,6 +287,58 @@ TEST(GsfFile, ProcessingParametersAreTextsWithTheirLengths) {
   EXPECT_THAT(data.unread(), IsEmpty());
 }
 
+TEST(GsfFile, SoundSpeedProfileIsTwoTimesAPlaceAndItsPoints) {
+  auto records = written("profile", {}, [](GsfFile& file) {
+    GsfSoundSpeedProfile profile;
+    profile.observed_unix_time_s = 1735689000.5;
+    profile.applied_unix_time_s = 1735689599.25;
+    profile.longitude_deg = -4.5123456;
+    profile.latitude_deg = 48.25;
+    EXPECT_THROW(file.add_sound_speed_profile(profile), std::invalid_argument) << "no points";
+    for (const double depth_m : {-1.0, nan}) {
+      profile.points = {{depth_m, 1500}};
+      EXPECT_THROW(file.add_sound_speed_profile(profile), std::invalid_argument) << depth_m;
+    }
+    profile.points = {{5, 1500}, {4, 1490}};
+    EXPECT_THROW(file.add_sound_speed_profile(profile), std::invalid_argument) << "depths that decrease";
+    profile.points = {{0, 1512.346}, {8.125, 1500}, {12000, 1480.25}};
+    file.add_sound_speed_profile(profile);
+  });
+  ASSERT_THAT(records, SizeIs(2));
+  EXPECT_EQ(records[1].id, 3u);
+  PacketReader& data = records[1].data;
+  EXPECT_EQ(data.i32(0), 1735689000);
+  EXPECT_EQ(data.i32(4), 500000000);
+  EXPECT_EQ(data.i32(8), 1735689599);
+  EXPECT_EQ(data.i32(12), 250000000);
+  EXPECT_EQ(data.i32(16), -45123456);
+  EXPECT_EQ(data.i32(20), 482500000);
+  EXPECT_EQ(data.u32(24), 3u);
+  const unsigned points[3][2] = {{0, 151235}, {813, 150000}, {1200000, 148025}};  // cm and cm/s
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t column = 0; column < 2; ++column)
+      EXPECT_EQ(data.u32(28 + 8 * k + 4 * column), points[k][column]) << k << ' ' << column;
+  EXPECT_EQ(data.size(), 52u);
+  EXPECT_THAT(data.unread(), IsEmpty());
+}
+
+// Readers take records of 524288 bytes at most.
+TEST(GsfFile, AProfileOfMorePointsThanARecordHoldsIsThinned) {
+  auto records = written("long_profile", {}, [](GsfFile& file) {
+    GsfSoundSpeedProfile profile;
+    for (int k = 0; k <= 100'000; ++k) profile.points.push_back({0.1 * k, 1500 + 1e-3 * k});
+    file.add_sound_speed_profile(profile);
+  });
+  PacketReader& data = records.at(1).data;
+  EXPECT_LE(data.size(), 524288u);
+  const std::size_t count = data.u32(24);
+  EXPECT_GT(count, 60'000u);
+  EXPECT_EQ(data.size(), 28 + 8 * count);
+  EXPECT_EQ(data.u32(28), 0u);
+  EXPECT_EQ(data.u32(28 + 8 * (count - 1)), 1'000'000u);
+  EXPECT_EQ(data.u32(32 + 8 * (count - 1)), 160'000u);
+}
+
 TEST(GsfFile, ScalesStandInTheFirstPingOnly) {
   auto records = written("scales", {}, [](GsfFile& file) {
     file.add_ping(five_beams());

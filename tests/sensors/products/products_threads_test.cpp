@@ -24,6 +24,7 @@ namespace {
 
 using testing::AllOf;
 using testing::Contains;
+using testing::Not;
 
 /// One that hears noise and speckle, so that whoever took another's ping would be known.
 template <class Kind>
@@ -153,8 +154,9 @@ TEST(ProductsByThreads, OfAMultibeamOnATangentPlaneAndOnAMap) {
   auto made = survey(sonar("fan", fan), 150);
   for (const LocalFrame& frame : {tangent, map})
     EXPECT_THAT(same_files(made.recording, frame),
-                AllOf(Contains("fan-sonar.nc"), Contains("fan.gsf"), Contains("fan.xtf"),
-                      Contains("fan-soundings.csv"), Contains("fan-soundings.gpkg"),
+                AllOf(Contains("fan-sonar.nc"), Contains("fan-line-01.gsf"), Contains("fan-line-02.gsf"),
+                      Contains("fan-line-01.xtf"), Contains("fan-line-02.xtf"), Not(Contains("fan.gsf")),
+                      Not(Contains("fan.xtf")), Contains("fan-soundings.csv"), Contains("fan-soundings.gpkg"),
                       Contains("fan-depth.tif"), Contains("fan-depth-ideal.png")));
 }
 
