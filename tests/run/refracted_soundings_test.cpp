@@ -87,7 +87,7 @@ TEST(RefractedSoundings, OfAFlatBedLieOnItInEveryFile) {
   for (const CsvSounding& s : soundings) {
     SCOPED_TRACE(s.angle_deg);
     EXPECT_NEAR(s.up, bed_m, 0.1);
-    EXPECT_NEAR(travel_time_s(s.east, s.north, s.up), s.range / 1490, 1e-7);
+    EXPECT_NEAR(travel_time_s(s.east, s.north, s.up), s.range / 1490, 2e-7);
     EXPECT_NEAR(gsf.depth_m[s.beam], -s.up, 2e-3);
     EXPECT_NEAR(down[s.beam], sonar_m - s.up, 2e-3);
   }
@@ -142,7 +142,7 @@ TEST(RefractedSoundings, OfAnEchosounderLieOnTheRayOfItsAxis) {
   const auto number = [&](const char* name) { return std::stod(rows[0].at(name)); };
   EXPECT_NEAR(number("bottom_up_m"), bed_m, 0.05);
   EXPECT_NEAR(travel_time_s(number("bottom_east_m"), number("bottom_north_m"), number("bottom_up_m")),
-              number("range_m") / 1490, 1e-7);
+              number("range_m") / 1490, 2e-7);
 }
 
 TEST(RefractedSoundings, OfAnInterferometerLieOnTheBed) {
@@ -158,7 +158,7 @@ TEST(RefractedSoundings, OfAnInterferometerLieOnTheBed) {
     if (range_m < 26 || range_m > 80) continue;  // the borders of the sector cut samples
     SCOPED_TRACE(range_m);
     EXPECT_NEAR(number("up_m"), bed_m, 0.25);
-    EXPECT_NEAR(travel_time_s(number("east_m"), number("north_m"), number("up_m")), range_m / 1490, 1e-7);
+    EXPECT_NEAR(travel_time_s(number("east_m"), number("north_m"), number("up_m")), range_m / 1490, 2e-7);
     ++seen;
   }
   EXPECT_GT(seen, 300u);
