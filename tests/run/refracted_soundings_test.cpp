@@ -91,6 +91,7 @@ TEST(RefractedSoundings, OfAFlatBedLieOnItInEveryFile) {
     EXPECT_NEAR(gsf.depth_m[s.beam], -s.up, 2e-3);
     EXPECT_NEAR(down[s.beam], sonar_m - s.up, 2e-3);
   }
+  GDALAllRegister();
   const GDALDatasetUniquePtr grid(GDALDataset::Open((folder / "out/sonar-depth.tif").c_str()));
   ASSERT_TRUE(grid);
   std::vector<float> depths(std::size_t(grid->GetRasterXSize()) * std::size_t(grid->GetRasterYSize()));
