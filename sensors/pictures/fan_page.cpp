@@ -56,9 +56,10 @@ void FanPage::draw_labels(Canvas& canvas, int left, int top) const {
                  tick_label(range, range_step) + " m", label_size, palette.ink,
                  level ? Anchor::centre : Anchor::left);
   }
-  for (const double angle :
-       ticks(degrees(fan.first_azimuth_rad()), degrees(fan.last_azimuth_rad()), angle_step)) {
-    if (angle < -180 + angle_step / 2) continue;  // straight astern is labelled once, as +180
+  const auto angles = ticks(degrees(fan.first_azimuth_rad()), degrees(fan.last_azimuth_rad()), angle_step);
+  for (const double angle : angles) {
+    // Straight astern is labelled once, as +180 where the fan has both.
+    if (angle < -180 + angle_step / 2 && angles.back() > 180 - angle_step / 2) continue;
     const double azimuth = radians(angle), pixels = fan.far_m() * fan.pixels_per_m() + angle_label_gap;
     canvas.label(left + static_cast<int>(std::lround(fan.x(azimuth, pixels))),
                  top + row_of(static_cast<int>(std::lround(fan.y(azimuth, pixels)))),
