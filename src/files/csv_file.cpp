@@ -10,8 +10,10 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "files/column_names.hpp"
 #include "files/inlet.hpp"
 #include "files/limits.hpp"
 
@@ -82,6 +84,10 @@ std::string header_hint(std::string_view text, const std::vector<Field>& fields,
   if (const std::string_view other = in_other_units(fields, columns, wanted); !other.empty())
     return fmt::format(": '{}' is in other units, and its name says so: convert it, and call it {}", other,
                        wanted);
+  for (const Field& field : fields)
+    if (std::ranges::find(columns, field.text) == columns.end() &&
+        !meant_column(field.text, {&wanted, 1}).empty())
+      return fmt::format(": did you mean it by '{}'? Rename that to {}", field.text, wanted);
   std::vector<std::string_view> names;
   for (const Field& field : fields) names.push_back(field.text);
   return fmt::format(", and not {}", fmt::join(names, ","));
@@ -93,10 +99,9 @@ class CsvReader {
             std::span<const std::string_view> optional_columns)
       : place_{file.string(), 0, 0}, columns_(columns), optional_columns_(optional_columns) {}
 
-  std::size_t read(const std::function<void(const CsvRow&)>& take) {
+  CsvContents read(const std::function<void(const CsvRow&)>& take) {
     InputFile input(place_.file, place_);
     std::istream& in = input.stream();
-    std::size_t rows = 0;
     for (std::string line; ++place_.line, next_line(in, line, place_);) {
       std::string_view text = line;
       if (place_.line == 1 && text.starts_with("\xEF\xBB\xBF"))
@@ -106,7 +111,7 @@ class CsvReader {
       if (header_size_ == 0) {
         read_header(text, fields);
       } else {
-        if (++rows > limits::table_rows)
+        if (++contents_.rows > limits::table_rows)
           throw InputError(place_, fmt::format("more than {} rows: thin out the table", limits::table_rows));
         read_row(fields, take);
       }
@@ -115,7 +120,7 @@ class CsvReader {
     if (header_size_ == 0) {
       throw InputError({place_.file, 0, 0}, fmt::format("is empty, expected the header line {}", wanted()));
     }
-    return rows;
+    return std::move(contents_);
   }
 
  private:
@@ -134,22 +139,46 @@ class CsvReader {
                                      fmt::join(columns_, ","), header_hint(text, fields, columns_, column)));
     }
     bool has_optional = false;
+    std::vector<std::string_view> lacking;
     for (const std::string_view column : optional_columns_) {
       field_of_column_.push_back(find(column));
       if (field_of_column_.back() != no_field) {
         has_optional = true;
-      } else if (const std::string_view other = in_other_units(fields, optional_columns_, column);
-                 !other.empty()) {
+        continue;
+      }
+      lacking.push_back(column);
+      if (const std::string_view other = in_other_units(fields, optional_columns_, column); !other.empty()) {
         throw InputError(place_,
                          fmt::format("the column '{}' is in other units, and its name says so: convert it, "
                                      "and call it {}",
                                      other, column));
       }
     }
+    read_further(fields, lacking);
     if (columns_.empty() && !has_optional)
       throw InputError(place_,
                        fmt::format("none of the columns is there, expected some of {}{}", wanted(),
                                    header_hint(text, fields, optional_columns_, optional_columns_.front())));
+  }
+
+  /// The columns that nobody wants. `lacking`: wanted ones that the file does not have.
+  void read_further(const std::vector<Field>& fields, std::span<const std::string_view> lacking) {
+    for (std::size_t k = 0; k < fields.size(); ++k) {
+      if (std::ranges::find(field_of_column_, k) != field_of_column_.end()) continue;
+      const Field& field = fields[k];
+      const SourcePlace place{place_.file, place_.line, field.column};
+      for (const std::span<const std::string_view> some : {columns_, optional_columns_})
+        if (std::ranges::find(some, field.text) != some.end())
+          throw InputError(place,
+                           fmt::format("the column {} stands twice, expected it once: remove one of the "
+                                       "two",
+                                       field.text));
+      if (const std::string_view meant = meant_column(field.text, lacking); !meant.empty())
+        throw InputError(place, fmt::format("unknown column '{}': did you mean '{}'? Rename it to that if it "
+                                            "holds that, else remove it",
+                                            field.text, meant));
+      if (!field.text.empty()) contents_.ignored.emplace_back(field.text);
+    }
   }
 
   void read_row(const std::vector<Field>& fields, const std::function<void(const CsvRow&)>& take) {
@@ -186,6 +215,7 @@ class CsvReader {
   std::span<const std::string_view> columns_, optional_columns_;
   std::size_t header_size_ = 0;
   std::vector<std::size_t> field_of_column_;
+  CsvContents contents_;
 };
 
 }  // namespace
@@ -213,15 +243,26 @@ bool next_line(std::istream& in, std::string& line, const SourcePlace& place) {
   return !line.empty();
 }
 
-std::size_t read_csv(const std::filesystem::path& file, std::span<const std::string_view> columns,
+CsvContents read_csv(const std::filesystem::path& file, std::span<const std::string_view> columns,
                      const std::function<void(const CsvRow&)>& take) {
   return CsvReader(file, columns, {}).read(take);
 }
 
-std::size_t read_csv(const std::filesystem::path& file, std::span<const std::string_view> columns,
+CsvContents read_csv(const std::filesystem::path& file, std::span<const std::string_view> columns,
                      std::span<const std::string_view> optional_columns,
                      const std::function<void(const CsvRow&)>& take) {
   return CsvReader(file, columns, optional_columns).read(take);
+}
+
+std::vector<std::string> ignored_columns_warning(const std::filesystem::path& file,
+                                                 const CsvContents& contents) {
+  constexpr std::size_t most = 30;
+  const std::vector<std::string>& names = contents.ignored;
+  if (names.empty()) return {};
+  const std::span<const std::string> listed = std::span(names).first(std::min(most, names.size()));
+  return {fmt::format("{}: ignores the column{} '{}'{}", file.string(), names.size() == 1 ? "" : "s",
+                      fmt::join(listed, "', '"),
+                      names.size() > most ? fmt::format(" and {} others", names.size() - most) : "")};
 }
 
 }  // namespace tubefoot

@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "files/input_error.hpp"
 
@@ -27,14 +28,25 @@ bool next_line(std::istream& in, std::string& line, const SourcePlace& place);
 /// tab or a line end has a ' before it, which tells spreadsheets that it is no formula. Not for numbers.
 std::string csv_text(std::string_view text);
 
-/// Reads numbers from a CSV file: a header line that names `columns`, in any order (further columns are
-/// ignored), then rows, each handed to `take`. Blank lines and lines that start with # are skipped. Returns
-/// the number of rows. Throws InputError "file:line:column: ...".
-std::size_t read_csv(const std::filesystem::path& file, std::span<const std::string_view> columns,
+/// What a CSV file has besides the values of the wanted columns.
+struct CsvContents {
+  std::size_t rows = 0;
+  std::vector<std::string> ignored;  ///< names of the columns that nobody wants, in the order of the file
+};
+
+/// Reads numbers from a CSV file: a header line that names `columns`, in any order, then rows, each handed to
+/// `take`. Further columns are ignored, except those that resemble a wanted column that the file lacks
+/// (meant_column()): they are an error, as is a wanted column that stands twice. Blank lines and lines that
+/// start with # are skipped. Throws InputError "file:line:column: ...".
+CsvContents read_csv(const std::filesystem::path& file, std::span<const std::string_view> columns,
                      const std::function<void(const CsvRow&)>& take);
 /// The same with columns that may be missing, behind the others in each row.
-std::size_t read_csv(const std::filesystem::path& file, std::span<const std::string_view> columns,
+CsvContents read_csv(const std::filesystem::path& file, std::span<const std::string_view> columns,
                      std::span<const std::string_view> optional_columns,
                      const std::function<void(const CsvRow&)>& take);
+
+/// "FILE: ignores the columns 'note', 'quality'", as a warning; nothing where there are none.
+std::vector<std::string> ignored_columns_warning(const std::filesystem::path& file,
+                                                 const CsvContents& contents);
 
 }  // namespace tubefoot

@@ -21,7 +21,7 @@ struct TrackSurroundings {
   /// Heights of the terrain at places east and north, in their order; nothing where there is none.
   std::function<std::vector<std::optional<double>>(std::span<const glm::dvec2>)> terrain_heights_m{};
   /// If given, receives what is odd about tracks: headings that fit their way as radians and not as degrees,
-  /// speeds that no carrier has.
+  /// speeds that no carrier has, columns that are ignored.
   std::vector<std::string>* odd = nullptr;
 
   /// Puts points where they lie in the local frame; heights are local and stay. Given by longitude and

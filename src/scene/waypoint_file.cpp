@@ -56,9 +56,10 @@ struct WaypointTable {
   std::string file;
   std::vector<Waypoint> rows;
   SourcePlace header;
+  CsvContents contents;
 
   explicit WaypointTable(const std::filesystem::path& path) : file(path.string()) {
-    read_csv(path, {}, names, [&](const CsvRow& row) {
+    contents = read_csv(path, {}, names, [&](const CsvRow& row) {
       Waypoint& point = rows.emplace_back();
       for (std::size_t k = 0; k < column_count; ++k) {
         if (std::abs(row.values[k]) > largest[k])
@@ -135,6 +136,9 @@ class Waypoints {
       : description_(description), around_(around), table_(description.file), rows_(table_.rows) {
     check_columns();
     place();
+    if (around_.odd != nullptr)
+      for (std::string& ignored : ignored_columns_warning(description_.file, table_.contents))
+        around_.odd->push_back(std::move(ignored));
   }
 
   Trajectory track() const {

@@ -7,7 +7,7 @@
 
 namespace tubefoot {
 
-/// Reads waypoints from a CSV file with a header line, columns in any order (others are ignored):
+/// Reads waypoints from a CSV file with a header line, columns in any order (others as read_csv() has it):
 ///   time_s, which increases; without it the carrier goes from point to point at the speed that is given;
 ///   east_m and north_m, or latitude_deg and longitude_deg, or easting and northing (of the scene's CRS);
 ///   up_m, or depth_m (below the water's surface), or altitude_m (above the terrain);

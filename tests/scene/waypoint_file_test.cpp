@@ -90,6 +90,60 @@ INSTANTIATE_TEST_SUITE_P(
                            ":3:1: ", "increase"}),
     [](const auto& bad) { return bad.param.name; });
 
+// A column that is ignored loses motion: what resembles a known name is an error.
+struct Resembling {
+  const char *column, *meant;
+};
+void PrintTo(const Resembling& one, std::ostream* out) { *out << one.column; }
+
+class WaypointColumns : public testing::TestWithParam<Resembling> {};
+
+TEST_P(WaypointColumns, AreRefusedWithASuggestionWhereTheyResembleAMissingOne) {
+  const TestFolder folder;
+  const auto [column, meant] = GetParam();
+  const auto file = folder.write("route.csv", fmt::format("time_s,east_m,north_m,up_m,{}\n"
+                                                          "0,0,0,0,1\n1,0,1,0,1\n",
+                                                          column));
+  EXPECT_THAT([&] { read(file); }, ThrowsMessage<InputError>(AllOf(
+                                       HasSubstr(fmt::format("route.csv:1:28: unknown column '{}'", column)),
+                                       HasSubstr(fmt::format("did you mean '{}'?", meant)))));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Names, WaypointColumns,
+    testing::Values(Resembling{"heading", "heading_deg"}, Resembling{"Heading_deg", "heading_deg"},
+                    Resembling{"HeadingDeg", "heading_deg"}, Resembling{"headingrad", "heading_deg"},
+                    Resembling{"heading [deg]", "heading_deg"}, Resembling{"headnig_deg", "heading_deg"},
+                    Resembling{"yaw_deg", "heading_deg"}, Resembling{"yaw", "heading_deg"},
+                    Resembling{"hdg", "heading_deg"}, Resembling{"Pitch", "pitch_deg"},
+                    Resembling{"pitch_degrees", "pitch_deg"}, Resembling{"picth_deg", "pitch_deg"},
+                    Resembling{"ROLL", "roll_deg"}, Resembling{"depth", "depth_m"},
+                    Resembling{"depth (m)", "depth_m"}, Resembling{"Lat", "latitude_deg"},
+                    Resembling{"altitude", "altitude_m"}, Resembling{"Line", "line"}));
+
+TEST(Waypoints, ListOtherColumnsAsIgnored) {
+  const TestFolder folder;
+  std::vector<std::string> odd;
+  TrackSurroundings around;
+  around.odd = &odd;
+  const auto file = folder.write("route.csv",
+                                 "time_s,note,east_m,north_m,up_m,heading_deg,heading,pitch_rate,\n"
+                                 "0,a,0,0,0,0,0,0,\n1,b,0,1,0,0,0,0,\n");
+  read_waypoints({file, {}}, around);
+  EXPECT_THAT(odd,
+              testing::ElementsAre(file.string() + ": ignores the columns 'note', 'heading', 'pitch_rate'"));
+  odd.clear();
+  read_waypoints({folder.write("plain.csv", "time_s,east_m,north_m,up_m\n0,0,0,0\n1,0,1,0\n"), {}}, around);
+  EXPECT_THAT(odd, testing::IsEmpty());
+}
+
+TEST(Waypoints, AColumnThatStandsTwiceIsRefused) {
+  const TestFolder folder;
+  const auto file = folder.write("route.csv", "time_s,east_m,north_m,up_m,up_m\n0,0,0,0,1\n1,0,1,0,1\n");
+  EXPECT_THAT([&] { read(file); },
+              ThrowsMessage<InputError>(HasSubstr("route.csv:1:28: the column up_m stands twice")));
+}
+
 TEST(Waypoints, AMissingFileIsNamedWithThePlaceThatNamedIt) {
   TrajectoryDescription description;
   description.place = {"scene.toml", 3, 2};
