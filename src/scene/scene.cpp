@@ -18,6 +18,7 @@
 #include "scene/beds/scattering.hpp"
 #include "scene/beds/smooth_materials.hpp"
 #include "scene/extent.hpp"
+#include "scene/file/scene_file_ranges.hpp"
 #include "scene/meshes/mesh_file.hpp"
 #include "scene/meshes/mesh_materials.hpp"
 #include "scene/meshes/primitives.hpp"
@@ -28,6 +29,7 @@
 #include "scene/rasters/raster.hpp"
 #include "scene/rasters/terrain.hpp"
 #include "scene/scene_placement.hpp"
+#include "scene/snapped_areas.hpp"
 #include "scene/terrain_height.hpp"
 #include "scene/tracks.hpp"
 
@@ -125,7 +127,8 @@ bool has_mirrors(const SceneDescription& description) {
          std::any_of(materials.begin(), materials.end(), [](const auto& m) { return m.specular_loss_db; });
 }
 
-WorldGrid grid_for(const SceneDescription& description, const std::vector<Part>& parts) {
+/// What the grid has to hold.
+Extent grid_box(const SceneDescription& description, const std::vector<Part>& parts) {
   Extent box;
   for (const Part& part : parts) {
     box.add(part.box.lo_m);
@@ -139,6 +142,20 @@ WorldGrid grid_for(const SceneDescription& description, const std::vector<Part>&
     box.lo_m -= beyond;
     box.hi_m += beyond;
   }
+  return box;
+}
+
+/// Of the finest grid that [run] may ask for.
+int finest_exponent(const Extent& box) {
+  for (int exponent = finest_grid_exponent; exponent > 0; --exponent) try {
+      return WorldGrid::with_exponent(exponent, box.lo_m, box.hi_m).exponent();
+    } catch (const GridRangeError&) {  // the next one
+    }
+  return 0;
+}
+
+WorldGrid grid_for(const SceneDescription& description, const std::vector<Part>& parts) {
+  const Extent box = grid_box(description, parts);
   const std::optional<int>& exponent = description.run.grid_exponent;
   try {
     return exponent ? WorldGrid::with_exponent(*exponent, box.lo_m, box.hi_m)
@@ -430,9 +447,11 @@ class Loader {
                    fmt::format("the scene's {:.3g} facets", facets),
                    "give fewer or coarser terrains and objects");
     MeshBuilder builder(scene.grid);
+    std::vector<double> given_m2;
     for (std::size_t i = 0; i < components_.size(); ++i) {
       LoadedComponent& c = components_[i];
       builder.add(c.mesh.points_m, c.mesh.triangles, c.material, static_cast<std::uint16_t>(i));
+      given_m2.push_back(area_m2(c.mesh.points_m, c.mesh.triangles));
       c.facet_materials = std::move(c.mesh.materials);
       c.mesh = {};  // millions of facets need not be held twice
     }
@@ -446,6 +465,10 @@ class Loader {
       report.facets = is_tiled(i) ? report.facets_in_file : last - first;
       if (components_[i].is_file)
         report.kept_outside_halfedge = facets_outside_halfedge(scene.mesh, first, last);
+      const SnappedArea area{report.name, given_m2[i], area_m2(scene.mesh, scene.grid, first, last)};
+      if (area.is_changed())
+        report_.warnings.push_back(
+            warning_of(area, scene.grid, finest_exponent(grid_box(description_, parts_))));
       first = last;
     }
   }

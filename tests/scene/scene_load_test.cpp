@@ -95,6 +95,56 @@ TEST(LoadScene, ReportsWhatItLoaded) {
   EXPECT_EQ(scene.grid.exponent(), 20);
 }
 
+// --- areas on the grid ---
+
+/// What a scene of this object alone, over the pond, warns of.
+std::vector<std::string> warnings_with(ObjectDescription tiny) {
+  SceneDescription d = pond();
+  tiny.position_m = {0.3, 0.3, -5.1};
+  d.objects.push_back(std::move(tiny));
+  return load_scene(d).report.warnings;
+}
+
+// 10 micrometres are 10.5 units of the grid, which snapping makes 10 or 11.
+TEST(SnappedAreas, AreWarnedOfWhereAnObjectOfAnyKindChangesByAThousandth) {
+  const TestFolder folder;
+  const auto changes =
+      Contains(AllOf(HasSubstr("'tiny': the grid, whose unit is 9.54e-07 m, changes the area"),
+                     HasSubstr("'grid_exponent' in [run]"), HasSubstr("at most to 23")));
+  EXPECT_THAT(warnings_with(object("tiny", BoxPrimitive{{1e-5, 1e-5, 1e-5}})), changes);
+  EXPECT_THAT(warnings_with(object("tiny", SpherePrimitive{1e-6})), changes);
+  EXPECT_THAT(warnings_with(object("tiny", CylinderPrimitive{1e-6, 2e-6})), changes);
+  EXPECT_THAT(warnings_with(object("tiny", ConePrimitive{1e-6, 0, 2e-6})), changes);
+  MeshFile mesh;
+  mesh.file = folder.write("tiny.obj", "v 0 0 0\nv 1e-5 0 0\nv 0 1e-5 0\nf 1 2 3\n");
+  EXPECT_THAT(warnings_with(object("tiny", mesh)), changes);
+  mesh.file = folder.write("large.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  EXPECT_THAT(warnings_with(object("tiny", mesh)), IsEmpty());
+  ObjectDescription scaled = object("tiny", mesh);
+  scaled.scale = {1e-5, 1e-5, 1e-5};
+  EXPECT_THAT(warnings_with(scaled), changes);
+  ObjectDescription thin = object("tiny", BoxPrimitive{{1, 1e-5, 1e-5}});
+  EXPECT_THAT(warnings_with(thin), changes);
+  EXPECT_THAT(warnings_with(object("tiny", BoxPrimitive{{0.01, 0.01, 0.01}})), IsEmpty());
+}
+
+TEST(SnappedAreas, AreWarnedOfForTerrain) {
+  SceneDescription d = pond();
+  d.terrains[0] = terrain(FlatTerrain{1e-5, 1e-5, {0, 0, -10}, 0});
+  d.terrains[0].name = "speck";
+  EXPECT_THAT(load_scene(d).report.warnings, Contains(HasSubstr("'speck': the grid, whose unit is")));
+}
+
+TEST(SnappedAreas, AreKeptByTheFinerGridThatTheWarningNames) {
+  SceneDescription d = pond();
+  d.terrains.clear();
+  d.objects.push_back(object("tiny", BoxPrimitive{{1e-5, 1e-5, 1e-5}}));
+  d.objects[0].position_m = {0, 0.1, -0.2};
+  EXPECT_THAT(load_scene(d).report.warnings, Contains(HasSubstr("at most to 30")));
+  d.run.grid_exponent = 30;
+  EXPECT_THAT(load_scene(d).report.warnings, IsEmpty());
+}
+
 TEST(LoadScene, WaterFollowsTheFormulasUnlessItIsGiven) {
   SceneDescription d = pond();
   d.water.temperature_c = 4;

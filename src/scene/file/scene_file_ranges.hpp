@@ -19,5 +19,7 @@ inline constexpr ValueRange longitude{.lo = -180, .hi = 180};
 inline constexpr ValueRange not_negative{.lo = 0};
 inline constexpr ValueRange index{.lo = 0, .hi = 1000000};
 inline constexpr ValueRange count_of_two{.lo = 2, .hi = 1000000};
+/// Of the world grid's unit, 2^-k m.
+inline constexpr int finest_grid_exponent = 30;
 
 }  // namespace tubefoot

@@ -286,7 +286,7 @@ const TomlSection<RunDescription>& run_section() {
                field("rays_per_ping", &R::rays_per_ping, {.ranges = {{.lo = 1, .hi = 1e10}}}),
                field("rays_per_beam", &R::rays_per_beam, {.ranges = {{.lo = 1, .hi = 1e10}}}),
                field("seed", &R::seed, {.ranges = {not_negative}}),
-               field("grid_exponent", &R::grid_exponent, {.ranges = {{.lo = 0, .hi = 30}}}),
+               field("grid_exponent", &R::grid_exponent, {.ranges = {{.lo = 0, .hi = finest_grid_exponent}}}),
                field("threads", &R::threads, {.ranges = {{.lo = 0, .hi = 1024}}}),
                field("terrain_cache_mb", &R::terrain_cache_mb, {.ranges = {{.lo = 0, .hi = 1e6}}})})
           .check(check_run);
