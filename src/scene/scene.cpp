@@ -19,6 +19,7 @@
 #include "scene/beds/smooth_materials.hpp"
 #include "scene/extent.hpp"
 #include "scene/file/scene_file_ranges.hpp"
+#include "scene/idle_relief.hpp"
 #include "scene/meshes/mesh_file.hpp"
 #include "scene/meshes/mesh_materials.hpp"
 #include "scene/meshes/primitives.hpp"
@@ -279,6 +280,7 @@ class Loader {
     build_mesh(scene);
     scene.report = std::move(report_);
     warn_about(scene);
+    for (std::string& idle : idle_relief_warnings(scene)) scene.report.warnings.push_back(std::move(idle));
     if (const auto warning = scale_warning(scene.frame)) scene.report.warnings.push_back(*warning);
     return scene;
   }

@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <numeric>
 
+#include "geometry/mesh/vertex_normals.hpp"
 #include "geometry/search/vertical_line.hpp"
 #include "geometry/steps/stop.hpp"
 
@@ -16,16 +17,6 @@ namespace {
 
 std::uint64_t edge_key(VertexId a, VertexId b) {
   return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
-}
-
-/// Twice a facet's area times its unit normal, grid units.
-glm::dvec3 doubled_area(const FacetMesh& mesh, FacetId facet) {
-  std::array<glm::dvec3, 3> v;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const GridPoint p = mesh.vertices[mesh.facets[facet][k]];
-    v[k] = {double(p.x), double(p.y), double(p.z)};
-  }
-  return glm::cross(v[1] - v[0], v[2] - v[0]);
 }
 
 double length2(glm::dvec3 v) { return v.x * v.x + v.y * v.y + v.z * v.z; }
@@ -141,14 +132,8 @@ void Ground::find_borders() {
 
 void Ground::find_normals() {
   normals_.resize(base_.vertices.size());
-  for (FacetId f = 0; f < base_.facets.size(); ++f) {
-    const glm::dvec3 n = doubled_area(base_, f);
-    for (const VertexId v : base_.facets[f]) normals_[v].normal += n;
-  }
-  for (VertexNormal& v : normals_) {
-    const double length = glm::length(v.normal);
-    v.normal = length > 0 ? v.normal / length : glm::dvec3{0, 0, 1};
-  }
+  const std::vector<glm::dvec3> normals = vertex_normals(base_);
+  for (VertexId v = 0; v < normals.size(); ++v) normals_[v].normal = normals[v];
   for (FacetId f = 0; f < base_.facets.size(); ++f) {
     const glm::dvec3 n = doubled_area(base_, f);
     const double length = glm::length(n);
