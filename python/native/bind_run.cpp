@@ -144,6 +144,7 @@ std::shared_ptr<NativeResult> run(const NativeScene& scene, const py::dict& opti
   asked.seed = option<std::uint64_t>(options, "seed");
   asked.reference = option<bool>(options, "reference").value_or(false);
   asked.truth = option<bool>(options, "truth").value_or(false);
+  asked.label_level_db = option<double>(options, "label_level");
   asked.tolerance = option<std::string>(options, "tolerance");
   asked.coarsen = option<std::string>(options, "coarsen");
   const auto engine = own_name ? own_engine(*own_name, own) : nullptr;

@@ -36,6 +36,24 @@ def test_energies_are_those_of_the_commands_file(scene, folder, program):
     assert result["camera"].altitudes == pytest.approx([2, 2, 2], abs=1e-5)
 
 
+def test_labels_go_by_a_level_below_the_patterns_peak(folder, program):
+    text = (folder / "scene.toml").read_text()
+    scene = folder / "scene.toml"
+    scene.write_text(text.replace("beams = 8\n", 'beams = 8\nreceive_pattern = "line"\nreceive_aperture_m = 0.1\n'))
+    program("run", folder / "scene.toml", "-o", folder / "out", "--truth", "--label-level", "3")
+    result = tubefoot.run(scene, truth=True, label_level=3, output=folder / "module")
+    assert (folder / "module" / "echoes.nc").read_bytes() == (folder / "out" / "echoes.nc").read_bytes()
+    whole = tubefoot.run(scene, truth=True, label_level=1000)
+    for name in result:
+        few, all_ = result[name].truth["object_label"], whole[name].truth["object_label"]
+        assert ((few >= 0) <= (all_ >= 0)).all()
+        assert (result[name].truth["object_share"] == whole[name].truth["object_share"]).all()
+    with pytest.raises(tubefoot.UsageError, match="label_level"):
+        tubefoot.run(scene, label_level=3)
+    with pytest.raises(tubefoot.UsageError, match="label_level"):
+        tubefoot.run(scene, truth=True, label_level=-3)
+
+
 def test_whose_energies_are_is_what_the_commands_file_says(scene, folder, program):
     program("run", folder / "scene.toml", "-o", folder / "out", "--truth")
     result = tubefoot.run(scene, truth=True, output=folder / "module")

@@ -218,8 +218,8 @@ class SensorResult:
         """Whose each energy is, by the names of echoes.nc (docs/truth.md); None but for a run with ``truth=True``.
 
         ``object_share`` (P, objects, B, K) and ``material_share`` (P, materials, B, K), ``mean_height`` and
-        ``mean_range`` (P, B, K) in m, ``object_label`` and ``material_label`` (P, B, K) int16, -1 where nothing is
-        heard; over mirrors also ``unscattered_share`` (P, B, K). ``objects`` and ``materials`` are lists of names.
+        ``mean_range`` (P, B, K) in m, ``object_label`` and ``material_label`` (P, B, K) int16, what the
+        beam receives most of near its pattern's peak (``label_level``), -1 where there is nothing; over mirrors also ``unscattered_share`` (P, B, K). ``objects`` and ``materials`` are lists of names.
         Copies, made when this is first asked for. In names of a file that was opened blanks are underscores; what is
         not known is NaN.
         """
@@ -386,8 +386,8 @@ def run(scene: Union[Scene, PathLike], *, engine: Union[str, Engine, None] = Non
         threads: Optional[int] = None, arithmetic: Optional[str] = None, binning: Optional[str] = None,
         sampling: Optional[str] = None, rays: Optional[int] = None, rays_per_beam: Optional[int] = None,
         seed: Optional[int] = None, sensor: Optional[str] = None, pings: Union[int, str, None] = None,
-        beams: Union[int, str, None] = None, coarsen: float = 0, truth: bool = False, output: Optional[PathLike] = None,
-        progress: Optional[Progress] = None) -> Result:
+        beams: Union[int, str, None] = None, coarsen: float = 0, truth: bool = False, label_level: Optional[float] = None,
+        output: Optional[PathLike] = None, progress: Optional[Progress] = None) -> Result:
     """Simulates all pings of a scene, as ``tubefoot run`` does, into memory.
 
     Args:
@@ -410,6 +410,8 @@ def run(scene: Union[Scene, PathLike], *, engine: Union[str, Engine, None] = Non
         coarsen: lets facets become fewer where no point of them moves by more than this part of what the scene's sonars
             tell apart there, 0 (not at all) to 1; ``stats["coarsening"]`` tells the bounds.
         truth: also whose each energy is, and its mean height and range (:attr:`SensorResult.truth`).
+        label_level: with ``truth``: an object owns a label only through what beams receive within so many dB of their
+            pattern's two-way peak; by default 20.
         output: folder to write as well, as ``tubefoot run -o`` does: whole or not at all.
         progress: called now and then with the pings finished and all pings; what it raises ends the run.
 
@@ -423,6 +425,7 @@ def run(scene: Union[Scene, PathLike], *, engine: Union[str, Engine, None] = Non
     """
     options = dict(threads=threads, arithmetic=arithmetic, binning=binning, sampling=sampling, rays=rays,
                    rays_per_beam=rays_per_beam, seed=seed, truth=bool(truth),
+                   label_level=None if label_level is None else float(label_level),
                    output=None if output is None else os.fspath(output))
     options |= dict(sensor=sensor, pings=None if pings is None else str(pings),
                     beams=None if beams is None else str(beams))

@@ -45,8 +45,8 @@ class TruthGroup {
                      "height in the local frame of what returns the energy, its mean weighed by energy");
     range_ = define("mean_range", NC_DOUBLE, "m",
                     "straight way from the sensor to what returns the energy, its mean weighed by energy");
-    object_label_ = labels("object_label", "object with the largest share", truth.objects);
-    material_label_ = labels("material_label", "material with the largest share", truth.materials);
+    object_label_ = labels("object_label", "object", truth.objects);
+    material_label_ = labels("material_label", "material", truth.materials);
   }
 
   void write() {
@@ -110,8 +110,17 @@ class TruthGroup {
   int shares(const char* name, int label, const char* long_name) {
     return define(name, NC_DOUBLE, "1", long_name, label);
   }
-  int labels(const char* name, const char* long_name, const std::vector<std::string>& all) {
-    const int variable = define(name, NC_SHORT, "1", long_name);
+  int labels(const char* name, const char* what, const std::vector<std::string>& all) {
+    const std::optional<double>& level_db = truth_.label_level_db;
+    const std::string long_name =
+        level_db ? fmt::format(
+                       "{} with the largest share of what the beam receives within {:g} dB of its "
+                       "pattern's two-way peak",
+                       what, *level_db)
+                 : fmt::format("{} with the largest share", what);
+    const int variable = define(name, NC_SHORT, "1", long_name.c_str());
+    if (level_db)
+      check(nc_put_att_double(id_, variable, "label_level_db", NC_DOUBLE, 1, &*level_db), "label_level_db");
     std::vector<short> values(all.size());
     std::iota(values.begin(), values.end(), short{0});
     std::vector<std::string> words;

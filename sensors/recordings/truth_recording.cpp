@@ -9,14 +9,14 @@
 namespace tubefoot {
 namespace {
 
-/// `shares`: [label][cell].
-std::vector<std::int16_t> labels_of(std::span<const double> shares, std::size_t cells) {
+/// `energies`: [label][cell], or shares of them.
+std::vector<std::int16_t> labels_of(std::span<const double> energies, std::size_t cells) {
   std::vector<std::int16_t> labels(cells, TruthRecording::no_label);
   for (std::size_t cell = 0; cell < cells; ++cell) {
     double largest = 0;
-    for (std::size_t k = 0; k * cells < shares.size(); ++k)
-      if (shares[k * cells + cell] > largest) {
-        largest = shares[k * cells + cell];
+    for (std::size_t k = 0; k * cells < energies.size(); ++k)
+      if (energies[k * cells + cell] > largest) {
+        largest = energies[k * cells + cell];
         labels[cell] = static_cast<std::int16_t>(k);
       }
   }
@@ -55,8 +55,22 @@ TruthPing TruthRecording::of(std::size_t ping) const {
     truth.mean_height[cell] = channel(owners.size())[cell] / scattered;
     truth.mean_range[cell] = channel(owners.size() + 1)[cell] / scattered;
   }
-  truth.object_label = labels_of(truth.object_share, cells);
-  truth.material_label = labels_of(truth.material_share, cells);
+  if (!label_level_db) {
+    truth.object_label = labels_of(truth.object_share, cells);
+    truth.material_label = labels_of(truth.material_share, cells);
+    return truth;
+  }
+  std::vector<double> of_object(objects.size() * cells), of_material(materials.size() * cells);
+  for (std::size_t k = 0; k < owners.size(); ++k) {
+    const std::span<const double> near_peak = channel(first_near_peak() + k);
+    for (std::size_t cell = 0; cell < cells; ++cell) {
+      const double energy = std::max(near_peak[cell], 0.0);
+      of_object[owners[k].object * cells + cell] += energy;
+      of_material[owners[k].material * cells + cell] += energy;
+    }
+  }
+  truth.object_label = labels_of(of_object, cells);
+  truth.material_label = labels_of(of_material, cells);
   return truth;
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,7 +23,8 @@ struct TruthPing {
   /// Means over what is scattered, weighed by energy, in the local frame [m]: of the height (z), and of the
   /// way from the sonar (half of the way there and back, where its ends are apart). Not a number without it.
   std::vector<double> mean_height, mean_range;
-  /// The one with the largest share, of equals the first; `no_label` where nothing is heard.
+  /// The one with the largest share of what beams receive near the peak of their patterns
+  /// (TruthRecording::label_level_db), of equals the first; `no_label` where that is nothing.
   std::vector<std::int16_t> object_label, material_label;
 };
 
@@ -37,14 +39,18 @@ struct TruthRecording {
   /// What energies are told apart by.
   std::vector<Owner> owners{};
   bool has_unscattered = false;
+  /// Labels go by what is received within so many dB of a beam pattern's two-way peak; none: by all.
+  std::optional<double> label_level_db{};
   std::size_t cells = 0;  ///< of a ping: beams times samples
   /// [ping][channel][beam][sample]: the energy of each owner [J], then energy times height and energy times
-  /// range [J m], then the energy that comes without scattering.
+  /// range [J m], then the energy that comes without scattering, then, with `label_level_db`, what of the
+  /// energy of each owner is received near the peak.
   std::span<const double> values{};
   std::shared_ptr<const PackedPings> packed{};  ///< in place of `values`, as one channel
   std::shared_ptr<const void> keeper{};         ///< keeps `values` in memory; null where somebody else does
 
-  std::size_t channels() const { return owners.size() + 2 + (has_unscattered ? 1 : 0); }
+  std::size_t first_near_peak() const { return owners.size() + 2 + (has_unscattered ? 1 : 0); }
+  std::size_t channels() const { return first_near_peak() + (label_level_db ? owners.size() : 0); }
   /// Throws Interrupted if somebody wants to stop.
   TruthPing of(std::size_t ping) const;
 };

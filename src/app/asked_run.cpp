@@ -69,6 +69,10 @@ void add_run(CLI::App& app, Asked& asked) {
   command->add_flag("--truth", run.truth,
                     "write beside every energy whose it is, by object and material, and its mean height and "
                     "range (docs/truth.md)");
+  command->add_option(
+      "--label-level", run.label_level_db,
+      "with --truth: an object owns a label only through what beams receive within so many dB "
+      "of their pattern's two-way peak (default: 20)");
   command->add_flag(
       "--resume", run.resume,
       "go on with a run that was interrupted or killed, from '<output>.partial'; begin if there is "

@@ -84,6 +84,7 @@ void each_word(auto& options, const auto& each) {
   each("coarsen", options.coarsen);
   each("reference", options.reference);
   each("truth", options.truth);
+  each("label_level_db", options.label_level_db);
 }
 
 Json words_of(const RunOptions& options) {

@@ -57,7 +57,10 @@ nlohmann::ordered_json json_of(const RunRequest& request) {
                               {"sampling", name_of(request.rays.sampling)},
                               {by_beam ? "rays_per_beam" : "rays_per_ping", request.rays.rays},
                               {"seed", request.rays.seed}};
-  if (request.truth) json["truth"] = true;
+  if (request.truth) {
+    json["truth"] = true;
+    json["label_level_db"] = request.label_level_db;
+  }
   if (request.coarseness > 0) json["coarsen"] = request.coarseness;
   return json;
 }
@@ -75,6 +78,7 @@ RunRequest request_of(const nlohmann::ordered_json& settings, RunRequest otherwi
                     settings.at(by_beam ? "rays_per_beam" : "rays_per_ping"),
                     by_beam ? RaySettings::Per::beam : RaySettings::Per::ping, settings.at("seed")};
     request.truth = settings.value("truth", false);
+    request.label_level_db = settings.value("label_level_db", request.label_level_db);
     request.coarseness = settings.value("coarsen", 0.0);
     return request;
   });

@@ -32,6 +32,8 @@ struct RunRequest {
   std::shared_ptr<const OwnEngine> own_engine{};  ///< in place of a built-in one
   double coarseness = 0;  ///< facets are coarsened to this tolerance (coarsening.hpp); 0: they are not
   bool truth = false;     ///< also whose each energy is, and where it comes from (truth.hpp)
+  /// With `truth`: labels go by what is received within so many dB of a beam pattern's two-way peak.
+  double label_level_db = 20;
 };
 
 /// Of the words of [run]. Throws UsageError for words that mean nothing.

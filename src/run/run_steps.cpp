@@ -110,6 +110,16 @@ RunRequest requested(const RunOptions& options, SceneDescription& description) {
   if (options.seed) description.run.seed = *options.seed;
   RunRequest request = request_of(description.run);
   request.truth = options.truth;
+  if (options.label_level_db) {
+    constexpr double most_db = 1000;
+    if (!options.truth)
+      throw UsageError("--label-level is about the labels that --truth writes: add --truth, or leave it out");
+    if (!(*options.label_level_db > 0 && *options.label_level_db <= most_db))
+      throw UsageError(fmt::format(
+          "--label-level {}: expected decibels below the beam pattern's two-way peak, above 0 and at most {}",
+          *options.label_level_db, most_db));
+    request.label_level_db = *options.label_level_db;
+  }
   if (options.coarsen) request.coarseness = coarseness_asked_for(*options.coarsen);
   request.selection = options.selection;
   if (!options.tolerance || options.reference) refuse_unused_settings(options, request.engine);

@@ -29,7 +29,7 @@ Shots::Shots(Survey survey, RunRequest request)
       request_(std::move(request)),
       whole_(*survey_.site),
       engine_(whole_.mesh(), whole_.tree(), survey_.scene.grid.unit_m(), request_.visibility),
-      truth_(request_.truth ? std::make_unique<const Truth>(survey_) : nullptr) {}
+      truth_(request_.truth ? std::make_unique<const Truth>(survey_, request_) : nullptr) {}
 Shots::~Shots() = default;
 
 Shot Shots::of(const SharedShots& group, std::size_t ping, std::size_t number) const {

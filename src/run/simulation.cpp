@@ -40,7 +40,7 @@ StoreLayout layout_of(const Survey& survey, const RunRequest& request) {
     }
   }
   add_signals(layout, survey, chosen);
-  if (request.truth) add_truth(layout, survey, chosen);
+  if (request.truth) add_truth(layout, survey, request, chosen);
   return layout;
 }
 

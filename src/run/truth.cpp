@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "engine/law/layered_reflectivity.hpp"
+#include "engine/law/pattern_levels.hpp"
 #include "run/paths.hpp"
 #include "run/signals.hpp"
 #include "run/stored_pings.hpp"
@@ -54,13 +55,21 @@ class RangeWeight : public Weight {
   const glm::dvec3 out_m_, home_m_;
 };
 
+bool is_uniform(const BeamPatterns& patterns) {
+  const auto uniform = [](const Directivity& one) { return one.kind == Directivity::Kind::uniform; };
+  return std::ranges::all_of(patterns.receive, uniform) &&
+         std::ranges::all_of(patterns.transmit, [&](const TransmitPattern& sent) {
+           return sent.beams.size() == 1 && uniform(sent.beams.front());
+         });
+}
+
 const Scene& whole_scene(const Survey& survey) {
   return survey.site->whole ? survey.site->whole->scene : survey.scene;
 }
 
 }  // namespace
 
-Truth::Truth(const Survey& survey) : site_mesh_(&survey.scene.mesh) {
+Truth::Truth(const Survey& survey, const RunRequest& request) : site_mesh_(&survey.scene.mesh) {
   const Scene& scene = whole_scene(survey);
   const std::size_t materials = scene.description.materials.size();
   number_.assign(scene.report.components.size(), std::vector<std::int32_t>(materials, -1));
@@ -81,6 +90,8 @@ Truth::Truth(const Survey& survey) : site_mesh_(&survey.scene.mesh) {
   has_unscattered_ = std::ranges::any_of(survey.sensors, [&](const SensorPings& pings) {
     return path_settings(survey.scene, pings.sensor->frequency_khz()).has_value();
   });
+  if (std::ranges::any_of(survey.sensors, [](const SensorPings& p) { return p.sensor->has_patterns(); }))
+    label_level_db_ = request.label_level_db;
 }
 
 std::uint16_t Truth::owner(std::uint16_t object, std::uint16_t material) const {
@@ -178,6 +189,13 @@ EchoLaw TruthLaws::silent() const {
 void TruthLaws::add(PingSums& sums, const EchoBy& echo_by) const {
   EchoLaw law = silent();
   law.reflectivity = level_;
+  BeamPatterns near_peak;
+  const bool is_limited =
+      truth_.label_level_db() && law_.patterns != nullptr && !is_uniform(*law_.patterns);
+  if (is_limited) {
+    near_peak = *law_.patterns;
+    near_peak.least = gains_below_peak(near_peak, *truth_.label_level_db(), shot_.has_receiver_apart());
+  }
   std::vector<double> mu = no_mu_, all;
   auto scattering = no_scattering_;
   law.material_mu = mu;
@@ -189,6 +207,13 @@ void TruthLaws::add(PingSums& sums, const EchoBy& echo_by) const {
   for (std::size_t owner = 0; owner < mu_.size(); ++owner) {
     show(owner, true);
     const std::vector<double> energy = echo_by(law);
+    if (is_limited) {
+      law.patterns = &near_peak;
+      sums.add_truth(shot_, sensor_, truth_.near_peak(owner), echo_by(law));
+      law.patterns = law_.patterns;
+    } else if (truth_.label_level_db()) {
+      sums.add_truth(shot_, sensor_, truth_.near_peak(owner), energy);
+    }
     show(owner, false);
     all.resize(energy.size(), 0);
     std::ranges::transform(all, energy, all.begin(), std::plus<>());
@@ -224,8 +249,9 @@ std::size_t place_of_truth(const Survey& survey, std::size_t sensor) {
   return survey.sensors.size() + places_of_signals(survey) + sensor;
 }
 
-void add_truth(StoreLayout& layout, const Survey& survey, const std::vector<ChosenEchoes>& chosen) {
-  const std::size_t channels = Truth(survey).channels();
+void add_truth(StoreLayout& layout, const Survey& survey, const RunRequest& request,
+               const std::vector<ChosenEchoes>& chosen) {
+  const std::size_t channels = Truth(survey, request).channels();
   for (std::size_t s = 0; s < survey.sensors.size(); ++s) {
     const Sensor& sensor = *survey.sensors[s].sensor;
     layout.sensors.push_back({chosen[s].pings, channels * chosen[s].beams.size() *
@@ -242,7 +268,7 @@ std::vector<TruthRecording> truths_of(const Survey& survey, const RunRequest& re
                                       const std::shared_ptr<PingStore>& store) {
   std::vector<TruthRecording> truths;
   if (!request.truth) return truths;
-  const Truth truth(survey);
+  const Truth truth(survey, request);
   const std::vector<ChosenEchoes> chosen = chosen_of(survey, request.selection);
   for (std::size_t s = 0; s < survey.sensors.size(); ++s) {
     if (chosen[s].pings == 0) continue;
@@ -254,6 +280,7 @@ std::vector<TruthRecording> truths_of(const Survey& survey, const RunRequest& re
       one.materials.push_back(material.name);
     one.owners = truth.owners();
     one.has_unscattered = truth.has_unscattered();
+    one.label_level_db = truth.label_level_db();
     one.cells = chosen[s].beams.size() * static_cast<std::size_t>(sensor.samples().count);
     const std::size_t place = place_of_truth(survey, s);
     one.values = in_memory(store, place);

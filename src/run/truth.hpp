@@ -21,7 +21,7 @@ namespace tubefoot {
 /// What is told apart in a survey.
 class Truth {
  public:
-  explicit Truth(const Survey& survey);
+  Truth(const Survey& survey, const RunRequest& request);
 
   using Owner = TruthRecording::Owner;
   /// The pairs of an object and a material that facets may have.
@@ -31,7 +31,13 @@ class Truth {
   std::size_t range() const { return owners_.size() + 1; }
   std::size_t unscattered() const { return owners_.size() + 2; }
   bool has_unscattered() const { return has_unscattered_; }
-  std::size_t channels() const { return owners_.size() + 2 + (has_unscattered_ ? 1 : 0); }
+  /// Of what an owner returns near the peak of beam patterns.
+  std::size_t near_peak(std::size_t owner) const {
+    return owners_.size() + 2 + (has_unscattered_ ? 1 : 0) + owner;
+  }
+  /// Below the two-way peak; none where no sensor has beam patterns.
+  const std::optional<double>& label_level_db() const { return label_level_db_; }
+  std::size_t channels() const { return near_peak(label_level_db_ ? owners_.size() : 0); }
 
   std::uint16_t owner(std::uint16_t object, std::uint16_t material) const;
   /// By facet.
@@ -47,6 +53,7 @@ class Truth {
   std::vector<Owner> owners_;
   std::vector<std::vector<std::int32_t>> number_;  ///< by object and material; below 0: no facet is of these
   bool has_unscattered_ = false;
+  std::optional<double> label_level_db_;
   mutable std::once_flag site_owned_, mesh_owned_;
   mutable std::vector<std::uint16_t> owners_of_site_;
   mutable FacetMesh owned_;
@@ -104,7 +111,8 @@ struct OwnedBed {
 
 /// Where a ping store keeps the truth of a sensor: as one more sensor, that fires with it.
 std::size_t place_of_truth(const Survey& survey, std::size_t sensor);
-void add_truth(StoreLayout& layout, const Survey& survey, const std::vector<ChosenEchoes>& chosen);
+void add_truth(StoreLayout& layout, const Survey& survey, const RunRequest& request,
+               const std::vector<ChosenEchoes>& chosen);
 
 /// Of each sensor that is kept, if the run was asked for it. They keep the store alive.
 std::vector<TruthRecording> truths_of(const Survey& survey, const RunRequest& request,

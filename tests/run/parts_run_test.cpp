@@ -84,6 +84,7 @@ TEST_F(Parts, JoinToTheBytesOfOneRun) {
   for (const Words& asked : std::vector<Words>{{},
                                                {"--reference", "--tolerance", "1e-6", "--sensor", "side"},
                                                {"--truth", "--seed", "7"},
+                                               {"--truth", "--label-level", "6", "--pings", "1:2"},
                                                {"--engine", "ray", "--rays", "500", "--pings", "1:2"}}) {
     ASSERT_EQ(run(whole, asked).exit_code, 0);
     for (const int of : {1, 3, 7}) {
@@ -163,7 +164,13 @@ TEST_F(Parts, OfAnotherRunAreRefused) {
   fs::remove(file(2, 2));
   ASSERT_EQ(part(2, 2, {"--arithmetic", "filtered"}).exit_code, 0);
   expect_refused("part 2 of 2 ('" + file(2, 2).string() + "') had arithmetic = \"filtered\", not \"fixed\"");
-  fs::remove(file(2, 2));
+  for (const int k : {1, 2}) {
+    fs::remove(file(k, 2));
+    ASSERT_EQ(part(k, 2, {"--truth", "--label-level", k == 1 ? "20" : "12"}).exit_code, 0);
+  }
+  expect_refused("label_level_db = 12");
+  for (const int k : {1, 2}) fs::remove(file(k, 2));
+  ASSERT_EQ(part(1, 2).exit_code, 0);
   folder.write("thing.obj", std::string(tetrahedron) + "v 9 9 9\n");
   ASSERT_EQ(part(2, 2).exit_code, 0);
   expect_refused("has changed since part 1 of 2");

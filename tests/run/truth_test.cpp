@@ -337,5 +337,159 @@ TEST_F(TruthOf, EverySensorHasItsOwn) {
     EXPECT_TRUE(names_below(out).contains(picture)) << picture;
 }
 
+// --- beam patterns: labels go by what is near their peak
+
+/// 60 beams of 1 degree before a small ball straight ahead. A line of 10 wavelengths hears it in all of them.
+constexpr int line_beams = 60;
+constexpr double wavelengths = 10;
+std::string ball_in_side_lobes(double tilt_deg = 0, std::string_view more = {}) {
+  return still_water() + lambert_material("steel", -10) + lambert_material("mud", -45) +
+         "[[objects]]\nname = \"ball\"\nshape = \"sphere\"\nradius_m = 0.02\nposition_m = [0, 5, 3]\n"
+         "material = \"steel\"\n" +
+         fixed_at(0, 0, 3) +
+         fmt::format(
+             "[[sensors]]\nname = \"camera\"\nkind = \"imaging\"\nbeams = {}\n"
+             "horizontal_deg = 60\nvertical_deg = 40\ntilt_deg = {}\nfrequency_khz = 300\n"
+             "range_min_m = 4.5\nrange_max_m = 5.5\nsamples = 10\n"
+             "receive_pattern = \"line\"\nreceive_aperture_m = {}\n"
+             "transmit_pattern = \"gaussian\"\ntransmit_pattern_angle = \"elevation\"\n"
+             "transmit_beam_width_deg = 20\n{}",
+             line_beams, tilt_deg, wavelengths * 1500 / 300e3, more);
+}
+/// Of a beam in the ball's direction, dB below its peak.
+double down_db(int beam) {
+  const double u = wavelengths * std::sin((beam + 0.5 - line_beams / 2.) * std::numbers::pi / 180);
+  return -20 * std::log10(std::abs(std::sin(std::numbers::pi * u) / (std::numbers::pi * u)));
+}
+
+void expect_labels_within(const Told& t, double level_db) {
+  const TruthPing ping = t.truth.of(0);
+  const auto ball = std::int16_t(t.object("ball"));
+  int labelled = 0, unlabelled = 0;
+  for (int beam = 0; beam < line_beams; ++beam)
+    for (std::size_t k = 0; k < t.samples; ++k) {
+      const std::size_t cell = std::size_t(beam) * t.samples + k;
+      if (!(t.heard(0, cell) > 0)) continue;
+      EXPECT_NEAR(ping.object_share[std::size_t(ball) * t.truth.cells + cell], 1, 1e-12);
+      constexpr double edge_db = 1.5;  // the ball is half a degree wide
+      if (std::abs(down_db(beam) - level_db) < edge_db) continue;
+      const bool near_peak = down_db(beam) < level_db;
+      EXPECT_EQ(ping.object_label[cell], near_peak ? ball : TruthRecording::no_label) << "beam " << beam;
+      ++(near_peak ? labelled : unlabelled);
+    }
+  EXPECT_GT(labelled, 4);
+  EXPECT_GT(unlabelled, 4);
+}
+
+TEST_F(TruthOf, ASideLobeFarBelowThePeakOwnsNoLabel) {
+  const Told t = told(ball_in_side_lobes());
+  expect_whole(t, quadrature);
+  expect_labels_within(t, 20);
+}
+
+TEST_F(TruthOf, TheLevelOfLabelsIsAsked) {
+  for (const double level_db : {8., 15., 28.})
+    expect_labels_within(told(ball_in_side_lobes(), [&](RunRequest& r) { r.label_level_db = level_db; }),
+                         level_db);
+}
+
+TEST_F(TruthOf, RaysAndCentroidsHaveTheSameLabels) {
+  expect_labels_within(told(ball_in_side_lobes(),
+                            [](RunRequest& r) {
+                              r.engine = Engine::ray;
+                              r.rays = {RaySampling::stratified, 200000, RaySettings::Per::beam, 1};
+                            }),
+                       20);
+  for (const Binning binning : {Binning::spread, Binning::centroid})
+    expect_labels_within(told(ball_in_side_lobes(), [&](RunRequest& r) { r.binning = binning; }), 20);
+}
+
+TEST_F(TruthOf, AReceiverThatIsApartHasTheSameLabels) {
+  expect_labels_within(told(ball_in_side_lobes(0, "receiver_arm_m = [0, 0, 0.01]\n")), 20);
+}
+
+// The two-way gain counts: 8 degrees below the axis a transmitter of 20 degrees has lost 1.9 dB.
+TEST_F(TruthOf, WhatIsSentCountsForLabelsToo) {
+  const Told level = told(ball_in_side_lobes(), [](RunRequest&r) { r.label_level_db = 1; }),
+             tilted = told(ball_in_side_lobes(8), [](RunRequest&r) { r.label_level_db = 1; });
+  const auto labelled = [](const Told& t) {
+    return std::ranges::count(t.truth.of(0).object_label, std::int16_t(t.object("ball")));
+  };
+  EXPECT_GT(labelled(level), 0);
+  EXPECT_EQ(labelled(tilted), 0);
+}
+
+// Mud that a beam looks at owns the label, though the ball in its side lobes returns more.
+TEST_F(TruthOf, TheMainLobeOwnsTheLabelThoughASideLobeReturnsMore) {
+  const Told t = told(ball_in_side_lobes() +
+                      "[[objects]]\nname = \"wall\"\nshape = \"box\"\nsize_m = [8, 0.5, 0.02]\n"
+                      "position_m = [0, 4.98, 2.9]\nmaterial = \"mud\"\n");
+  const TruthPing ping = t.truth.of(0);
+  const auto ball = t.object("ball"), wall = t.object("wall");
+  int compared = 0;
+  for (std::size_t cell = 0; cell < t.truth.cells; ++cell) {
+    const double share = ping.object_share[ball * t.truth.cells + cell];
+    if (down_db(int(cell / t.samples)) < 24 || !(share > 0.6 && share < 0.99)) continue;
+    EXPECT_EQ(ping.object_label[cell], std::int16_t(wall));
+    EXPECT_EQ(ping.material_label[cell], std::int16_t(t.material("mud")));
+    ++compared;
+  }
+  EXPECT_GT(compared, 3);
+}
+
+// 1000 dB below the peak is everything: whatever a scene has, the same integrals take part.
+TEST_F(TruthOf, AllOfTheEnergyIsNearThePeakWhereTheLevelIsLow) {
+  folder.write("bed.asc", bed_of_steps());
+  const std::string patterns =
+      "transmit_pattern = \"gaussian\"\ntransmit_pattern_angle = \"elevation\"\ntransmit_beam_width_deg = "
+      "30\n"
+      "receive_pattern = \"gaussian\"\nreceive_pattern_angle = \"azimuth\"\nreceive_beam_width_deg = 3\n";
+  for (const InScene& one : of_scenes) {
+    std::set<Feature> features{one.feature};
+    if (features.contains(Feature::scatterings)) features.insert(Feature::mirrors);
+    if (features.contains(Feature::signals)) continue;
+    SCOPED_TRACE(scene_with(features));
+    const std::string scene = scene_with(features) + patterns;
+    const auto told_at = [&](double level_db) {
+      return told(scene, [&](RunRequest& r) { r.label_level_db = level_db; });
+    };
+    const Told low = told_at(1000), high = told_at(3);
+    const std::size_t first = low.truth.first_near_peak();
+    double all = 0, near = 0;
+    for (std::size_t k = 0; k < low.truth.owners.size(); ++k)
+      for (std::size_t cell = 0; cell < low.truth.cells; ++cell) {
+        const double energy = low.raw(0, k, cell);
+        EXPECT_NEAR(low.raw(0, first + k, cell), energy, 1e-4 * std::abs(energy) + 1e-15);
+        EXPECT_LE(high.raw(0, first + k, cell), energy * (1 + 1e-4) + 1e-15);
+        all += energy;
+        near += high.raw(0, first + k, cell);
+      }
+    EXPECT_GT(near, 0);
+    EXPECT_LT(near, 0.999 * all);
+    EXPECT_EQ(low.truth.of(0).object_label.size(), low.truth.cells);
+  }
+}
+
+TEST_F(TruthOf, TheFileNamesTheLevelOfItsLabels) {
+  const auto scene = folder.write("scene.toml", ball_in_side_lobes());
+  const auto out = folder / "out";
+  const Outcome outcome =
+      run_program({"run", scene.string(), "-o", out.string(), "--truth", "--label-level", "12"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const NetcdfReader file(out / "echoes.nc");
+  EXPECT_THAT(file.text("/", "long_name", "object_label"),
+              HasSubstr("within 12 dB of its pattern's two-way peak"));
+  for (const auto& [words, why] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{"--label-level", "12"}, "add --truth"},
+           {{"--truth", "--label-level", "0"}, "--label-level 0: expected decibels"},
+           {{"--truth", "--label-level", "nan"}, "--label-level"}}) {
+    std::vector<std::string> command{"run", scene.string(), "-o", (folder / "none").string()};
+    command.insert(command.end(), words.begin(), words.end());
+    const Outcome refused = run_program(command);
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_THAT(refused.err, HasSubstr(why));
+  }
+}
+
 }  // namespace
 }  // namespace tubefoot

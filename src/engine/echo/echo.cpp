@@ -20,6 +20,7 @@ void check(const BeamPatterns& patterns, const ReceiveBeams& beams, std::size_t 
   for (const std::uint32_t fan : patterns.fan_of_tube) fits = fits && fan < patterns.transmit.size();
   fits = fits && (patterns.fringes.empty() || patterns.fringes.size() == patterns.transmit.size());
   for (const TransmitPattern& fan : patterns.transmit) fits = fits && !fan.beams.empty();
+  fits = fits && (patterns.least.empty() || patterns.least.size() == patterns.receive.size());
   for (const auto& [first, end] : patterns.beams_of_tube)
     fits = fits && first <= end && end <= std::uint32_t(beams.count);
   if (!fits) refuse("the beam patterns belong to other beams or other tubes");

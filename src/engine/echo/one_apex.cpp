@@ -330,11 +330,13 @@ class OneApex {
     const BeamPatterns& patterns = *law_.patterns;
     const glm::dvec3 d = direction();
     const std::uint32_t fan = patterns.fan_of_tube[tube];
-    const double sent = energy * patterns.transmit[fan].gain(d);
+    const double sent = patterns.transmit[fan].gain(d), energy_sent = energy * sent;
     const auto [first, end] = patterns.beams_of_tube[tube];
     const std::size_t channel = samples * std::size_t(beams_.count);
     for (std::uint32_t beam = first; beam < end; ++beam) {
-      const double heard = sent * patterns.receive[beam].gain(d);
+      const double received = patterns.receive[beam].gain(d);
+      if (!patterns.receives(beam, sent * received)) continue;
+      const double heard = energy_sent * received;
       double* row = energy_.data() + beam * samples;
       if (patterns.fringes.empty()) {
         finder_.share(near_m, far_m, 0, 0, [&](std::size_t k, double part) { row[k] += part * heard; });

@@ -98,6 +98,7 @@ void PatternIntegrator::add(const PlanarPolygon& polygon, const FacetPlane& plan
   const auto [first_beam, end_beam] = patterns_.beams_of_tube[tube];
   if (n < 3 || first_beam == end_beam) return;
   receiver_ = &receiver_of(tube);
+  first_beam_ = first_beam;
   piece_.distance = polygon.distance;
   piece_.distance2 = polygon.distance * polygon.distance;
   piece_.factor = factor;
@@ -463,11 +464,13 @@ void PatternIntegrator::add_panel(double half, double weight, const GaussRule& r
   const auto at = [&](const Axis& axis, std::size_t i) {
     return axis.level + axis.ahead * cosine[i] + axis.aside * sine[i];
   };
+  std::array<double, most_gauss_nodes> sent;
+  sent.fill(1);
   if (!receiver.transmit.empty())
     for (std::size_t i = 0; i < nodes; ++i) {
-      double sent = 0;
-      for (Term& term : receiver.transmit) sent += term.gain->value(at(receiver.axes[term.axis], i));
-      share[i] *= sent;
+      sent[i] = 0;
+      for (Term& term : receiver.transmit) sent[i] += term.gain->value(at(receiver.axes[term.axis], i));
+      share[i] *= sent[i];
     }
   if (receiver.moments) {
     for (std::size_t i = 0; i < nodes; ++i) direction[i] = at(receiver.axes[receiver.moments_axis], i);
@@ -476,13 +479,24 @@ void PatternIntegrator::add_panel(double half, double weight, const GaussRule& r
   }
   const std::size_t beams = sum_.size();
   for (std::size_t beam = 0; beam < beams; ++beam) {
+    if (!may_be_received(beam, half)) continue;
     std::optional<Term>* own = receiver.uniform ? nullptr : &receiver.receive[beam];
     for (std::size_t i = 0; i < nodes; ++i) {
-      const double heard =
-          own && *own ? share[i] * (*own)->gain->value(at(receiver.axes[(*own)->axis], i)) : share[i];
-      sum_[beam] += heard;
+      const double gain = own && *own ? (*own)->gain->value(at(receiver.axes[(*own)->axis], i)) : 1;
+      if (patterns_.receives(first_beam_ + beam, sent[i] * gain)) sum_[beam] += share[i] * gain;
     }
   }
+}
+
+/// Over the arc at hand. Few of many beams are near enough to their peak there.
+bool PatternIntegrator::may_be_received(std::size_t beam, double half) const {
+  const Receiver& receiver = *receiver_;
+  if (receiver.audible.empty() || !receiver.receive[beam]) return true;
+  const Axis& axis = receiver.axes[receiver.receive[beam]->axis];
+  const double turned = std::min(std::abs(half), pi / 2);  // beyond it the sine grows no more
+  const double middle = axis.level + axis.ahead,
+               off = std::abs(axis.ahead) * (1 - std::cos(half)) + std::abs(axis.aside) * std::sin(turned);
+  return middle + off >= receiver.audible[beam].lo && middle - off <= receiver.audible[beam].hi;
 }
 
 }  // namespace tubefoot

@@ -14,6 +14,7 @@
 #include "engine/echo/gain_panels.hpp"
 #include "engine/law/beam_pattern.hpp"
 #include "engine/law/facet_map.hpp"
+#include "engine/law/pattern_levels.hpp"
 #include "engine/law/reflectivity_field.hpp"
 #include "engine/law/scattering_law.hpp"
 #include "geometry/integrals/gauss_rules.hpp"
@@ -114,6 +115,7 @@ class PatternIntegrator {
     std::optional<DirectionMoments> moments;
     std::size_t moments_axis = 0;
     std::vector<std::optional<Term>> receive;  // by beam, without moments; none: 1
+    std::vector<CosineRange> audible;  // by beam: outside its gain is too little (BeamPatterns::least)
     std::vector<Change> changes;
   };
 
@@ -198,6 +200,7 @@ class PatternIntegrator {
   void add_edge_nodes();
   void add_arc(double per_r, double rho, glm::dvec2 middle, double half, double weight);
   void add_panel(double half, double weight, const GaussRule& rule);
+  bool may_be_received(std::size_t beam, double half) const;
 
   std::span<const double> borders_;
   double beta_, tolerance_;
@@ -209,7 +212,8 @@ class PatternIntegrator {
   std::vector<EdgeRanges> ranges_;
   std::vector<Edge> edges_;
   std::vector<Arc> arcs_;
-  std::vector<double> sum_;  // by beam of the tube
+  std::vector<double> sum_;       // by beam of the tube
+  std::uint32_t first_beam_ = 0;  // of the tube
   std::vector<std::pair<double, Crossing>> sorted_;
   Receiver* receiver_ = nullptr;
   std::vector<LawNodes> laws_;

@@ -134,7 +134,7 @@ std::unique_ptr<PatternIntegrator::Receiver> PatternIntegrator::make_receiver(st
   const auto both_growth = [=](double y) { return sent_growth(y) + heard_growth(y); };
 
   // What is heard, and what is sent with it.
-  const bool gather = heard_axis && heard.size() >= fewest_for_moments;
+  const bool gather = patterns_.least.empty() && heard_axis && heard.size() >= fewest_for_moments;
   const bool join = gather && (all_sent || sent_axis == heard_axis);
   if (gather) {
     made->moments_axis = 0;
@@ -146,6 +146,12 @@ std::unique_ptr<PatternIntegrator::Receiver> PatternIntegrator::make_receiver(st
       made->receive.emplace_back();
       if (!is_uniform(beam)) made->receive.back() = term(*made, {&beam, 1});
     }
+  }
+  if (!patterns_.least.empty() && !made->uniform) {
+    double most_sent = 0;
+    for (const Directivity& beam : sent) most_sent += two_way_peak(TransmitPattern(beam), Directivity());
+    for (std::uint32_t beam = first; beam < end; ++beam)
+      made->audible.push_back(cosines_of_gain(patterns_.receive[beam], patterns_.least[beam] / most_sent));
   }
   if (!join) {
     std::vector<Directivity> rest(sent.begin(), sent.end());

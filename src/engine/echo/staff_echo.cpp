@@ -36,6 +36,7 @@ class StaffIntegral {
         staff_(staff),
         sent_(laws[0]->patterns->transmit[fan]),
         heard_(laws[0]->patterns->receive[beam]),
+        least_(laws[0]->patterns->least.empty() ? 0 : laws[0]->patterns->least[beam]),
         laws_(laws),
         cutter_(borders) {
     const glm::dvec3 half = staff.baseline_m / 2 * staff.axis;
@@ -141,7 +142,8 @@ class StaffIntegral {
     if (!weighed_ && !path.over_mirrors()) return density;
     const glm::dvec3 there = path.out.direction(p, out), back = path.home.direction(p, home);
     if (path.over_mirrors()) density *= path.passed(there, back);
-    return weighed_ ? density * (sent_.gain(there) * heard_.gain(back)) : density;
+    const double gain = weighed_ ? sent_.gain(there) * heard_.gain(back) : 1;
+    return gain >= least_ ? density * gain : 0;
   }
 
   /// One path: its energies. Two: the size of the products, and their real and imaginary parts.
@@ -188,6 +190,7 @@ class StaffIntegral {
   const Fringe& staff_;
   const TransmitPattern& sent_;
   const Directivity& heard_;
+  double least_;                        // two-way gain that is received
   std::array<const EchoLaw*, 2> laws_;  // by receiver
   PathCutter cutter_;
   Smoothness patterns_;

@@ -106,9 +106,11 @@ class FacetEcho {
           const glm::dvec3 there = path_.out.direction(p, out), back = path_.home.direction(p, home);
           values[0] = path_.density_at(out, home) * path_.texture_at(p);
           if (path_.over_mirrors()) values[0] *= path_.passed(there, back);
-          const double sent = values[0] * transmit.gain(there);
-          for (std::uint32_t beam = first; beam < end; ++beam)
-            values[1 + beam - first] = sent * patterns.receive[beam].gain(back);
+          const double sent = transmit.gain(there), energy_sent = values[0] * sent;
+          for (std::uint32_t beam = first; beam < end; ++beam) {
+            const double received = patterns.receive[beam].gain(back);
+            values[1 + beam - first] = patterns.receives(beam, sent * received) ? energy_sent * received : 0;
+          }
         },
         work, first, owned, parts);
   }

@@ -108,10 +108,13 @@ class PlacedEcho {
     }
     if (law_.patterns == nullptr) return spread(beams_.of_tube[home_tube], energy, out_tube, near_m, far_m);
     const BeamPatterns& patterns = *law_.patterns;
-    energy *= patterns.transmit[patterns.fan_of_tube[home_tube]].gain(there);
+    const double sent = patterns.transmit[patterns.fan_of_tube[home_tube]].gain(there);
+    energy *= sent;
     const auto [first, end] = patterns.beams_of_tube[home_tube];
-    for (std::uint32_t beam = first; beam < end; ++beam)
-      spread(beam, energy * patterns.receive[beam].gain(back), out_tube, near_m, far_m);
+    for (std::uint32_t beam = first; beam < end; ++beam) {
+      const double received = patterns.receive[beam].gain(back);
+      if (patterns.receives(beam, sent * received)) spread(beam, energy * received, out_tube, near_m, far_m);
+    }
   }
 
   void spread(std::uint32_t beam, double energy, std::uint32_t out_tube, double near_m, double far_m) {

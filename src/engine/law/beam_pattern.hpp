@@ -110,7 +110,15 @@ struct BeamPatterns {
   /// receiver, each by its own range, and the real and the imaginary part of energies times Fringe::product
   /// where both are in the same sample.
   std::vector<Fringe> fringes{};
+  /// By beam, or none: a beam receives nothing from directions whose two-way gain is less
+  /// (pattern_levels.hpp). Energies are then integrated over a border that quadratures do not know: they are
+  /// never more than without it, and as exact as their nodes are dense. Of several scatterings the gain is
+  /// the receiver's alone.
+  std::vector<double> least{};
 
+  bool receives(std::size_t beam, double two_way_gain) const {
+    return least.empty() || two_way_gain >= least[beam];
+  }
   int channels() const { return fringes.empty() ? 1 : 4; }
 };
 

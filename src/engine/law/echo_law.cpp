@@ -50,6 +50,7 @@ BeamPatterns patterns_of_fan(const BeamPatterns& patterns, std::uint32_t fan, st
   BeamPatterns own;
   own.transmit = {patterns.transmit[fan]};
   own.receive = {patterns.receive[fan]};
+  if (!patterns.least.empty()) own.least = {patterns.least[fan]};
   own.fan_of_tube.assign(tubes, 0);
   own.beams_of_tube.assign(tubes, {0, 1});
   return own;

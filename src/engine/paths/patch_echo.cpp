@@ -254,7 +254,7 @@ void PatchEcho::take(const Polygon& polygon, double sample) {
                     sent.out * home.home;
     if (texture_ != nullptr) energy *= texture_->factor(local_m_ + receiver.apex_m + home.lies_m);
     true_back = receiver.image->leg.to_true * home.direction;
-    return heard_->row ? energy * law_.patterns->receive.front().gain(true_back) : energy;
+    return heard_->row ? energy * gain_of(0, true_back) : energy;
   };
   const double energy = energy_by(0);
   if (heard_->is_product()) return take_product(sample, p, energy, energy_by(1));
@@ -263,7 +263,12 @@ void PatchEcho::take(const Polygon& polygon, double sample) {
   if (law_.patterns == nullptr) return out_->add(bin(beams_.of_tube[own_tube_]), energy);
   const auto [begin, end] = law_.patterns->beams_of_tube[own_tube_];
   for (std::uint32_t beam = begin; beam < end; ++beam)
-    out_->add(bin(beam), energy * law_.patterns->receive[beam].gain(true_back));
+    out_->add(bin(beam), energy * gain_of(beam, true_back));
+}
+
+double PatchEcho::gain_of(std::size_t beam, glm::dvec3 true_back) const {
+  const double gain = law_.patterns->receive[beam].gain(true_back);
+  return law_.patterns->receives(beam, gain) ? gain : 0;
 }
 
 void PatchEcho::take_product(double sample, glm::dvec2 p, double upper, double lower) {

@@ -87,6 +87,8 @@ class PatchEcho {
                     glm::dvec2 centre);
   void take(const Polygon& polygon, double sample);
   double fringe_rad_a_m(glm::dvec2 centre) const;
+  /// Of a receive pattern, in a direction from the true apex.
+  double gain_of(std::size_t beam, glm::dvec3 true_back) const;
   void take_product(double sample, glm::dvec2 p, double upper, double lower);
 
   const EchoLaw& law_;
