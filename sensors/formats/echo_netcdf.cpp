@@ -3,10 +3,7 @@
 
 #include <fmt/format.h>
 #include <netcdf.h>
-#include <netcdf_mem.h>
 
-#include <cstdlib>
-#include <memory>
 #include <utility>
 
 #include "files/checked_file.hpp"
@@ -16,16 +13,13 @@ namespace tubefoot {
 
 namespace fs = std::filesystem;
 
-EchoNetcdf::EchoNetcdf(fs::path path, bool in_memory, std::size_t small_bytes)
-    : path_(std::move(path)), in_memory_(in_memory) {
-  constexpr std::size_t first_guess_bytes = 1 << 20;
-  check(in_memory_ ? nc_create_mem(path_.c_str(), NC_NETCDF4 | NC_CLOBBER, first_guess_bytes, &id_)
-                   : nc_create(path_.c_str(), NC_NETCDF4 | NC_CLOBBER, &id_),
-        "create the file");
-  defining_ = true;
-  if (in_memory_) return;
+EchoNetcdf::EchoNetcdf(fs::path path, std::size_t small_bytes) : path_(std::move(path)) {
+  // Reserved twice: creating a file gives back what it had.
   try {
     space_.emplace(path_);
+    reserve(small_bytes);
+    check(nc_create(path_.c_str(), NC_NETCDF4 | NC_CLOBBER, &id_), "create the file");
+    defining_ = true;
     reserve(small_bytes);
   } catch (...) {
     discard();
@@ -41,12 +35,6 @@ EchoGroup EchoNetcdf::root() { return {*this, id_}; }
 
 Hdf5Chunks& EchoNetcdf::chunks(std::size_t bytes_of_values) {
   defining_ = false;
-  if (in_memory_) {
-    NC_memio memory{};
-    check(nc_close_memio(id_, &memory), "complete the file");
-    const std::unique_ptr<void, decltype(&std::free)> owned(memory.memory, &std::free);
-    return chunks_.emplace(path_, std::span(static_cast<const unsigned char*>(memory.memory), memory.size));
-  }
   check(nc_close(id_), "complete the file");
   reserve(bytes_of_values);  // closing gave back what was not used
   return chunks_.emplace(path_);
@@ -70,8 +58,9 @@ void EchoNetcdf::reserve(std::size_t bytes_of_values) {
 void EchoNetcdf::discard() {
   if (defining_) nc_abort(id_);
   chunks_.reset();
+  if (!space_) return;  // nothing was opened
   space_.reset();
-  if (!in_memory_) discard_file(path_);
+  discard_file(path_);
 }
 
 EchoGroup EchoGroup::group(const std::string& name) {

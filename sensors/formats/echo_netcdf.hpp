@@ -17,13 +17,14 @@ namespace tubefoot {
 class EchoGroup;
 
 /// A netCDF-4 file of echoes under construction, every call checked. What defines it and small variables are
-/// written by netCDF; then values of pings, packed by all threads. In memory, if that is not too much, so
-/// that it reaches the disk whole or not at all; else on the disk, in space that is set aside for it before
-/// HDF5 writes anything (ReservedSpace says why). Throws std::runtime_error naming the file and what failed.
+/// written by netCDF; then values of pings, packed by all threads. It is made on the disk, in space that is
+/// set aside for it before HDF5 writes anything (ReservedSpace says why): netCDF makes files in memory
+/// without the creation order of their variables, and opens no such file to change it. Throws
+/// std::runtime_error naming the file and what failed.
 class EchoNetcdf {
  public:
   /// `small_bytes`: of all variables but those over pings, beams and samples.
-  EchoNetcdf(std::filesystem::path path, bool in_memory, std::size_t small_bytes);
+  EchoNetcdf(std::filesystem::path path, std::size_t small_bytes);
   /// Removes what was not closed.
   ~EchoNetcdf();
   EchoNetcdf(const EchoNetcdf&) = delete;
@@ -41,7 +42,6 @@ class EchoNetcdf {
   void discard();
 
   std::filesystem::path path_;
-  bool in_memory_;
   std::optional<ReservedSpace> space_;
   std::optional<Hdf5Chunks> chunks_;
   int id_ = 0;

@@ -286,8 +286,7 @@ class SignalsInput {
 
 }  // namespace
 
-void write_signals(const fs::path& path, const ElementSignals& signals, const Provenance& provenance,
-                   std::size_t most_bytes_in_memory) {
+void write_signals(const fs::path& path, const ElementSignals& signals, const Provenance& provenance) {
   check(signals);
   const std::size_t per_ping = 2 * signals.receivers() * signals.samples(),
                     bytes = (signals.pressure.size() + signals.bound.size()) * sizeof(std::complex<double>);
@@ -297,9 +296,8 @@ void write_signals(const fs::path& path, const ElementSignals& signals, const Pr
         path.string(), signals.receivers(), signals.samples()));
   constexpr std::size_t columns = 16;
   EchoNetcdf file(
-      path, bytes <= most_bytes_in_memory,
-      columns * sizeof(double) *
-          (signals.pings() + signals.receivers() + signals.samples() + signals.motion.track().size()));
+      path, columns * sizeof(double) *
+                (signals.pings() + signals.receivers() + signals.samples() + signals.motion.track().size()));
   EchoGroup root = file.root();
   root.attribute("Conventions", "tubefoot-signals-1.0");
   for (const auto& [name, value] : attributes_of(provenance))

@@ -174,7 +174,7 @@ void define_recording(EchoGroup& group, const Recording& recording, const Proven
 }  // namespace
 
 void write_echoes(const fs::path& path, const std::vector<Recording>& recordings,
-                  const Provenance& provenance, std::size_t most_bytes_in_memory) {
+                  const Provenance& provenance) {
   if (recordings.empty()) throw std::invalid_argument("no recording to write into " + path.string());
   for (const Recording& recording : recordings) check(recording);
 
@@ -185,7 +185,7 @@ void write_echoes(const fs::path& path, const std::vector<Recording>& recordings
     small_bytes += variables * sizeof(double) *
                    (r.pings() + r.sensor->beams().size() + std::size_t(r.sensor->samples().count));
   }
-  EchoNetcdf file(path, bytes <= most_bytes_in_memory, small_bytes);
+  EchoNetcdf file(path, small_bytes);
   EchoGroup root = file.root();
   for (const auto& [name, value] : attributes_of(provenance))
     std::visit([&, name = name](const auto& v) { root.attribute(name, v); }, value);

@@ -121,9 +121,9 @@ std::vector<PingColumn> ping_columns(const Recording& recording, const Provenanc
 
 /// Writes echoes.nc (netCDF-4, docs/echo-file.md). One recording: variables in the root group. Several: one
 /// group per sensor, named after it. Pings are packed by all threads and written in order; equal recordings
-/// give equal bytes. Recordings of more than `most_bytes_in_memory` are written onto the disk ping by ping,
-/// if it has room for all of it. Throws std::runtime_error naming the file and what failed.
+/// give equal bytes. Nothing is written unless the disk has room for all of it. Throws std::runtime_error
+/// naming the file and what failed.
 void write_echoes(const std::filesystem::path& file, const std::vector<Recording>& recordings,
-                  const Provenance& provenance, std::size_t most_bytes_in_memory = std::size_t{16} << 20);
+                  const Provenance& provenance);
 
 }  // namespace tubefoot

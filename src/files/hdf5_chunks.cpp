@@ -114,20 +114,6 @@ Hdf5Chunks::Hdf5Chunks(std::filesystem::path file) : path_(std::move(file)) {
   if (*file_ < 0) throw write_error(path_, "HDF5 cannot open it again to add values");
 }
 
-Hdf5Chunks::Hdf5Chunks(std::filesystem::path file, std::span<const unsigned char> image)
-    : path_(std::move(file)), in_memory_(true) {
-  const Hdf5Silence silence;
-  keep_libraries_to_themselves();
-  const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  constexpr std::size_t grows_by = 1 << 20;
-  constexpr hbool_t onto_the_disk = false;
-  if (H5Pset_fapl_core(access, grows_by, onto_the_disk) >= 0 &&
-      H5Pset_file_image(access, const_cast<unsigned char*>(image.data()), image.size()) >= 0)  // copies it
-    file_ = std::make_unique<Hdf5Handle>(H5Fopen(path_.c_str(), H5F_ACC_RDWR, access), H5Fclose);
-  if (!file_ || *file_ < 0)
-    throw write_error(path_, "HDF5 cannot add values to it in memory, which may be short");
-}
-
 Hdf5Chunks::~Hdf5Chunks() {
   const Hdf5Silence silence;
   variables_.clear();
@@ -150,15 +136,7 @@ void Hdf5Chunks::close() {
   const Hdf5Silence silence;
   variables_.clear();
   if (H5Fflush(*file_, H5F_SCOPE_LOCAL) < 0) throw write_error(path_, "cannot complete the file");
-  std::vector<unsigned char> image;
-  if (in_memory_) {
-    const ssize_t size = H5Fget_file_image(*file_, nullptr, 0);
-    image.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
-    if (image.empty() || H5Fget_file_image(*file_, image.data(), image.size()) != size)
-      throw write_error(path_, "cannot complete the file in memory");
-  }
   file_.reset();
-  if (in_memory_) write_file(path_, image);
 }
 
 }  // namespace tubefoot

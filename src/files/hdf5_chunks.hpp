@@ -28,8 +28,6 @@ class Hdf5Chunks {
  public:
   /// On the disk, where all space that they take must have been reserved (ReservedSpace).
   explicit Hdf5Chunks(std::filesystem::path file);
-  /// In memory: the bytes of a file of this name, which is written as it is closed.
-  Hdf5Chunks(std::filesystem::path file, std::span<const unsigned char> image);
   ~Hdf5Chunks();
   Hdf5Chunks(const Hdf5Chunks&) = delete;
   Hdf5Chunks& operator=(const Hdf5Chunks&) = delete;
@@ -41,7 +39,6 @@ class Hdf5Chunks {
 
  private:
   std::filesystem::path path_;
-  bool in_memory_ = false;
   std::unique_ptr<Hdf5Handle> file_;
   std::map<std::string, std::unique_ptr<Hdf5Handle>> variables_;
 };

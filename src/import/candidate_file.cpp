@@ -14,14 +14,11 @@
 namespace tubefoot {
 namespace {
 
-/// Files that are made in memory, as those of a run: what a disk refuses is then told and nothing of it left.
-constexpr std::size_t most_bytes_in_memory = std::size_t{16} << 20;
-
 class CandidateFile {
  public:
   CandidateFile(const std::filesystem::path& file, const CandidateEchoes& candidate,
                 const WholeEchoFile& reference, std::size_t sensor)
-      : file_(file, bytes_of(candidate) <= most_bytes_in_memory, small_bytes(candidate, reference, sensor)),
+      : file_(file, small_bytes(candidate, reference, sensor)),
         group_(file_.root()),
         candidate_(candidate),
         echoes_(reference.contents.sensors.at(sensor)),

@@ -222,13 +222,8 @@ std::vector<std::filesystem::path> write_result_files(const std::filesystem::pat
   const RunContext context = context_of(survey.scene, how.pictures, request.reference_tolerance.has_value());
   const Progress progress("writing", how.quiet);
   const std::filesystem::path echoes = folder / "echoes.nc";
-  if (truths.empty()) {
-    write_echoes(echoes, recordings, provenance_of(survey.scene, request));
-  } else {
-    constexpr std::size_t on_the_disk = 0;  // what netCDF made in memory cannot be added to
-    write_echoes(echoes, recordings, provenance_of(survey.scene, request), on_the_disk);
-    add_truth(echoes, recordings, truths);
-  }
+  write_echoes(echoes, recordings, provenance_of(survey.scene, request));
+  if (!truths.empty()) add_truth(echoes, recordings, truths);
   std::vector<std::filesystem::path> files{"echoes.nc"};
   for (const Recording& recording : recordings) {
     stop_if_wanted();
