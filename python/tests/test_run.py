@@ -435,3 +435,10 @@ tubefoot.run(scene, output={str(folder / 'second')!r})
 """
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert "HDF5" not in done.stderr
+
+
+def test_a_thousand_ray_results_can_be_held(keys, folder):
+    keys["sensors"] = [{**keys["sensors"][0], "beams": 1, "samples": 8, "pings": 1}]
+    scene = tubefoot.Scene.from_dict(keys, base=folder)
+    held = [tubefoot.run(scene, engine="ray", rays=10)["camera"].energy for _ in range(1100)]
+    assert (held[0] == held[-1]).all() and held[0].sum() > 0

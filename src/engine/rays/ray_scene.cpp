@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <stdexcept>
+#include <string>
 
 #include "engine/rays/ray_tracing.hpp"
 #include "geometry/steps/steps.hpp"
@@ -14,35 +16,65 @@
 namespace tubefoot {
 namespace {
 
-void report(void* message, RTCError, const char* text) {
-  if (text != nullptr) *static_cast<std::string*>(message) = text;
+/// Embree's text about the last error in this thread. Embree reports errors in the thread that called it.
+thread_local std::string message;
+
+void report(void*, RTCError, const char* text) {
+  if (text != nullptr) message = text;
 }
 
-}  // namespace
-
-void RayScene::State::check(const char* what) const {
+/// Throws what Embree has kept about this thread's calls since the last look.
+void check(RTCDevice device, const char* what) {
   const RTCError code = rtcGetDeviceError(device);
   if (code != RTC_ERROR_NONE)
     throw std::runtime_error(fmt::format("Embree failed while {}: {} (error {})", what,
                                          message.empty() ? "no message" : message, int(code)));
 }
 
-void RayScene::State::build() {
-  device = rtcNewDevice(nullptr);
-  check("starting");
-  rtcSetDeviceErrorFunction(device, report, &message);
-  scene = rtcNewScene(device);
-  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-  if (!mesh.facets.empty()) add_facets();
-  // Embree asks now and then whether to go on.
-  rtcSetSceneProgressMonitorFunction(
-      scene, [](void*, double) { return !stop_wanted(); }, nullptr);
-  rtcCommitScene(scene);
-  stop_if_wanted();
-  check("building its tree");
+/// The one device of all scenes, for as long as the process lives. A device takes one of the 1024 keys for
+/// values of threads that a process has (PTHREAD_KEYS_MAX), so that devices by scene would limit the number
+/// of scenes that live at the same time.
+RTCDevice shared_device() {
+  static const RTCDevice shared = [] {
+    RTCDevice made = rtcNewDevice(nullptr);
+    check(made, "starting");
+    rtcSetDeviceErrorFunction(made, report, nullptr);
+    return made;
+  }();
+  return shared;
 }
 
-void RayScene::State::add_facets() {
+/// What may stop a build, asked by any of Embree's threads. Threads share these among all builds, so that a
+/// thread's own flag may be another build's.
+struct StopOfBuild {
+  const std::atomic<bool>* of_caller = stop_asked_of_thread;
+
+  static bool go_on(void* stop, double) {
+    const auto* of_caller = static_cast<const StopOfBuild*>(stop)->of_caller;
+    return !stop_asked.load(std::memory_order_relaxed) &&
+           (of_caller == nullptr || !of_caller->load(std::memory_order_relaxed));
+  }
+};
+
+}  // namespace
+
+void RayScene::State::build() {
+  const RTCDevice device = shared_device();
+  message.clear();
+  rtcGetDeviceError(device);  // of a build of this thread that was stopped
+  scene = rtcNewScene(device);
+  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  if (!mesh.facets.empty()) add_facets(device);
+  // Embree asks now and then whether to go on.
+  StopOfBuild stop;
+  rtcSetSceneProgressMonitorFunction(scene, &StopOfBuild::go_on, &stop);
+  rtcCommitScene(scene);
+  rtcSetSceneProgressMonitorFunction(scene, nullptr, nullptr);
+  stop_if_wanted();
+  check(device, "building its tree");
+}
+
+void RayScene::State::add_facets(RTCDevice device) {
   planes = RayPlanes(mesh, unit_m);
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
@@ -51,7 +83,7 @@ void RayScene::State::add_facets() {
       geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), mesh.facets.size()));
   if (vertices == nullptr || indices == nullptr) {
     rtcReleaseGeometry(geometry);
-    check("copying the facets");
+    check(device, "copying the facets");
     throw std::runtime_error("Embree has no memory for the facets");
   }
   for (const GridPoint& p : mesh.vertices)

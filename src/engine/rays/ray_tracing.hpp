@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <string>
 
 #include "engine/rays/embree.hpp"
 #include "engine/rays/ray_engine.hpp"
@@ -50,23 +49,19 @@ class HitWriter {
 struct RayScene::State {
   const FacetMesh& mesh;
   double unit_m;
-  RTCDevice device = nullptr;
   RTCScene scene = nullptr;
-  std::string message;
   RayPlanes planes;
 
   State(const FacetMesh& facet_mesh, const WorldGrid& grid) : mesh(facet_mesh), unit_m(grid.unit_m()) {}
   ~State() {
     if (scene != nullptr) rtcReleaseScene(scene);
-    if (device != nullptr) rtcReleaseDevice(device);
   }
   State(const State&) = delete;
   State& operator=(const State&) = delete;
 
   /// Throws std::runtime_error if Embree failed.
-  void check(const char* what) const;
   void build();
-  void add_facets();
+  void add_facets(RTCDevice device);
 
   /// Traces the rays that `next` gives and writes down their hits. It returns false when there are no more.
   void trace(GridPoint apex, double reach_m, const std::function<bool(RayPacket&)>& next, HitWriter& hits,

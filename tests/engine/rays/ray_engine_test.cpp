@@ -6,15 +6,19 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
 #include <numeric>
 #include <random>
+#include <thread>
+#include <vector>
 
 #include "engine/echo/echo.hpp"
 #include "fixtures/world/ray_scenes.hpp"
 #include "geometry/integrals/measure.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {
@@ -39,6 +43,45 @@ TEST(RayEngine, WeightsAddUpToTheTubesSolidAngle) {
       EXPECT_EQ(history.grid_unit_m, grid.unit_m());
     }
   }
+}
+
+// A process has 1024 keys for values of threads (PTHREAD_KEYS_MAX), and each device of Embree takes one.
+TEST(RayEngine, KeepsMoreScenesThanAProcessHasKeysOfThreads) {
+  const FacetMesh bed = flat_bed(10);
+  const TubeSet tubes = pyramid({0, 0, 0}, {0, 0, -1}, 5 * degree, 5 * degree);
+  std::vector<RayScene> scenes;
+  for (int k = 0; k < 1200; ++k) scenes.emplace_back(bed, grid);
+  for (const RayScene* scene : {&scenes.front(), &scenes.back()})
+    EXPECT_EQ(trace_rays(*scene, tubes, grid.unit_m(), {RaySampling::regular, 10}).hits.size(), 10u);
+}
+
+// What stops one thread's build stops no other's, and leaves nothing to the next build of its thread.
+TEST(RayEngine, ABuildThatIsStoppedLeavesOthersAlone) {
+  const FacetMesh bed = flat_bed(10);
+  std::atomic<bool> stop = true, done = false;
+  int stopped = 0, whole = 0, whole_after = 0;
+  std::thread other([&] {
+    while (!done) {
+      const RayScene scene(bed, grid);
+      ++whole;
+    }
+  });
+  for (int k = 0; k < 300; ++k) {
+    stop_asked_of_thread = &stop;
+    try {
+      const RayScene scene(bed, grid);
+    } catch (const Interrupted&) {
+      ++stopped;
+    }
+    stop_asked_of_thread = nullptr;
+    const RayScene scene(bed, grid);
+    ++whole_after;
+  }
+  done = true;
+  other.join();
+  EXPECT_EQ(stopped, 300);
+  EXPECT_EQ(whole_after, 300);
+  EXPECT_GT(whole, 0);
 }
 
 TEST(RayEngine, RaysAreSharedOutBySolidAngleAndEveryTubeGetsOne) {
