@@ -132,7 +132,8 @@ void bind_shot_class(py::module_& module) {
       .def_property_readonly("material_mu",
                              [](const NativeShot& s) { return array_of(s.survey().scene.material_mu); })
       .def_property_readonly("material_names", &material_names)
-      .def("trace", &NativeShot::trace, py::call_guard<py::gil_scoped_release>());
+      .def(
+          "trace", [](const NativeShot& s) { return s.trace(); }, py::call_guard<py::gil_scoped_release>());
 }
 
 using Histories = py::class_<NativeHistory, std::shared_ptr<NativeHistory>>;

@@ -108,10 +108,10 @@ Shared points(const Reals& targets, const Complexes& strengths, const Place& tra
   });
 }
 
-py::array beams(const Shared& self, const std::vector<std::size_t>& pings, const Reals& directions,
+py::array beams(const NativeSignals& self, const std::vector<std::size_t>& pings, const Reals& directions,
                 const Reals& weights, const Place& reference, bool near_field, bool by_phase, double band,
                 double error) {
-  const ElementSignals& signals = self->signals;
+  const ElementSignals& signals = self.signals;
   const BeamSteering steering{places_of(directions, "directions"), values_of(weights, 0, "weights"),
                               vector_of(reference), near_field};
   std::vector<Complex> all = apart([&] {
@@ -128,8 +128,8 @@ py::array beams(const Shared& self, const std::vector<std::size_t>& pings, const
                                         py::ssize_t(signals.samples())});
 }
 
-py::array focused(const Shared& self, const Place& first, const Place& column_step, const Place& row_step,
-                  std::size_t columns, std::size_t rows, const Reals& ping_weights,
+py::array focused(const NativeSignals& self, const Place& first, const Place& column_step,
+                  const Place& row_step, std::size_t columns, std::size_t rows, const Reals& ping_weights,
                   const Reals& receiver_weights, std::optional<double> half_beam_rad, bool spreading_undone,
                   double band, double error) {
   const PixelPlane plane{vector_of(first), vector_of(column_step), vector_of(row_step), columns, rows};
@@ -137,7 +137,7 @@ py::array focused(const Shared& self, const Place& first, const Place& column_st
                            values_of(receiver_weights, 0, "receiver_weights"), half_beam_rad,
                            spreading_undone};
   std::vector<Complex> picture =
-      apart([&] { return back_projected(self->signals, plane, SignalInterpolator(band, error), how); });
+      apart([&] { return back_projected(self.signals, plane, SignalInterpolator(band, error), how); });
   return complex_array(std::move(picture), {py::ssize_t(rows), py::ssize_t(columns)});
 }
 
@@ -177,10 +177,10 @@ py::dict numbers(const NativeSignals& self) {
   return all;
 }
 
-void write(const Shared& self, const std::string& file) {
+void write(const NativeSignals& self, const std::string& file) {
   apart([&] {
     OutputFile output(file, {});
-    write_signals(output.path(), self->signals, {"", "", "", "", TUBEFOOT_VERSION});
+    write_signals(output.path(), self.signals, {"", "", "", "", TUBEFOOT_VERSION});
     output.commit();
     return true;
   });
@@ -195,9 +195,9 @@ void bind_signals(py::module_& module) {
       .def("beams", &beams)
       .def("focused", &focused)
       .def("matched_filtered",
-           [](const Shared& self, const std::string& window, double side_lobe_db, int nearly_equal) {
+           [](const NativeSignals& self, const std::string& window, double side_lobe_db, int nearly_equal) {
              return made([&] {
-               return matched_filtered(self->signals, window_of(window, side_lobe_db, nearly_equal));
+               return matched_filtered(self.signals, window_of(window, side_lobe_db, nearly_equal));
              });
            })
       .def("write", &write);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <variant>
@@ -31,7 +32,9 @@ using Echoes = std::variant<std::shared_ptr<NativeResult>, std::string>;
 std::shared_ptr<const EchoContents> contents_of(const Echoes& echoes, const std::string& called) {
   if (const auto* file = std::get_if<std::string>(&echoes))
     return std::make_shared<const EchoContents>(read_echo_file(*file));
-  return contents_of(*std::get<std::shared_ptr<NativeResult>>(echoes), called);
+  const auto& result = std::get<std::shared_ptr<NativeResult>>(echoes);
+  if (!result) throw py::type_error("compare: expected a result or the name of an echo file, not None");
+  return contents_of(*result, called);
 }
 
 std::string compare(const Echoes& first, const Echoes& second, const std::optional<std::string>& sensor,
@@ -101,6 +104,8 @@ std::vector<Trial> chart(const ChartRequest& request, RunWatch& watch) {
 std::vector<py::dict> chart_from_python(const py::dict& asked, const py::object& progress) {
   ChartRequest request;
   request.scenes = asked["scenes"].cast<decltype(request.scenes)>();
+  if (std::ranges::any_of(request.scenes, [](const auto& scene) { return scene == nullptr; }))
+    throw py::type_error("chart: expected scenes, not None");
   request.builtin = asked["builtin"].cast<decltype(request.builtin)>();
   request.own = asked["own"].cast<decltype(request.own)>();
   request.output = asked["output"].cast<std::string>();

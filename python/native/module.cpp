@@ -2,6 +2,8 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <string>
+
 #include "bindings.hpp"
 #include "files/input_error.hpp"
 #include "files/usage_error.hpp"
@@ -28,6 +30,34 @@ void translate(std::exception_ptr raised) {
   }
 }
 
+/// In the place of the function that makes an object of a class.
+PyObject* made_by_functions_alone(PyTypeObject* type, PyObject*, PyObject*) {
+  PyErr_Format(PyExc_TypeError, "%.200s: only functions of tubefoot make objects of this class",
+               type->tp_name);
+  return nullptr;
+}
+
+/// Keeps Python from making objects of the module's classes without anything in them, and from giving an
+/// object another class: pybind11 would hand memory that nobody has initialised to the first function that is
+/// called with such an object. pybind11 itself makes objects without the function that is replaced here.
+void close_classes(const py::module_& module) {
+  for (const auto& [name, item] : py::dict(module.attr("__dict__"))) {
+    if (!PyType_Check(item.ptr())) continue;
+    auto* type = reinterpret_cast<PyTypeObject*>(item.ptr());
+    const std::string called = type->tp_name;
+    const py::cpp_function refuse([called](const py::args&, const py::kwargs&) {
+      throw py::type_error(called + ": only functions of tubefoot make objects of this class");
+    });
+    item.attr("__new__") = py::staticmethod(refuse);
+    // Also for those who call __new__ of a base. Python compares this function with that of the base.
+    type->tp_new = made_by_functions_alone;
+#if PY_VERSION_HEX >= 0x030A0000
+    type->tp_flags |= Py_TPFLAGS_IMMUTABLETYPE;
+#endif
+    PyType_Modified(type);
+  }
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_native, module) {
@@ -46,4 +76,5 @@ PYBIND11_MODULE(_native, module) {
   tubefoot::python::bind_study(module);
   tubefoot::python::bind_footprints(module);
   tubefoot::python::bind_signals(module);
+  close_classes(module);
 }
