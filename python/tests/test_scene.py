@@ -90,7 +90,7 @@ def test_heights_lie_from_south_to_north_and_west_to_east_with_holes(folder, key
     ({"vertices": VERTICES, "facets": FACETS - 1},
      "objects[0].facets: indices of vertices are 0 to 3, not -1 to 2"),
     ({"vertices": VERTICES, "facets": FACETS * 1.0}, "objects[0].facets: expected integers, not float64"),
-    ({"vertices": VERTICES * np.nan, "facets": FACETS}, "objects[0].vertices: expected finite numbers"),
+    ({"vertices": VERTICES * np.nan, "facets": FACETS}, "objects[0].vertices: expected finite numbers, but row 0, column 0 is nan"),
     ({"vertices": VERTICES, "facets": FACETS, "shape": "box"}, "objects[0]: give 'shape' or arrays, not both"),
     ({"heights": np.zeros((2, 2))}, "objects[0]: 'heights' go with a terrain, without 'vertices' and 'facets'"),
 ])

@@ -9,6 +9,7 @@ from typing import Any, Optional, Union
 import numpy as np
 
 from . import _native
+from ._arrays import first_of, values_and_mask
 from ._errors import UsageError
 from ._history import History, Shot
 
@@ -36,7 +37,8 @@ class Engine:
     def checked(self, native: _native.Shot) -> np.ndarray:
         """Energies of a shot, of its energy_shape, float64, finite; not negative, but for products."""
         shot = Shot(native)
-        energy = np.asarray(self.function(shot.history() if self._takes_history else shot))
+        returned = self.function(shot.history() if self._takes_history else shot)
+        energy, hidden = values_and_mask(returned)
         if energy.shape != shot.energy_shape:
             axes = "(beams, samples)" if len(shot.energy_shape) == 2 else "(channels, beams, samples)"
             raise ValueError(f"engine '{self.name}' returned an array of shape {energy.shape}, expected "
@@ -45,13 +47,26 @@ class Engine:
             energy = energy.astype(np.float64, casting="safe", copy=False)
         except TypeError:
             raise ValueError(f"engine '{self.name}' returned {energy.dtype}, expected float64") from None
-        energies = energy if energy.ndim == 2 else energy[:2]  # products have signs
-        if not np.isfinite(energy).all() or (energies < 0).any():
-            raise ValueError(f"engine '{self.name}' returned energies that are negative or not finite")
+        if hidden.any():
+            raise ValueError(f"engine '{self.name}' returned a masked value{_at(hidden, shot)}: expected energies "
+                             "without a mask; fill it, with 0 where there is no echo")
+        wrong = ~np.isfinite(energy)
+        of_energies = ... if energy.ndim == 2 else slice(2)  # products have signs
+        wrong[of_energies] |= energy[of_energies] < 0
+        if wrong.any():
+            raise ValueError(f"engine '{self.name}' returned energies that are negative or not finite: "
+                             f"{energy[first_of(wrong)]}{_at(wrong, shot)}")
         return np.ascontiguousarray(energy)
 
     def __repr__(self) -> str:
         return f"<tubefoot.Engine {self.name!r}>"
+
+
+def _at(chosen: np.ndarray, shot: Shot) -> str:
+    *channel, beam, sample = first_of(chosen)
+    of_channel = f" of channel {channel[0]}" if channel else ""
+    return (f" in beam {beam} and sample {sample}{of_channel} of shot {shot.shot} of ping {shot.ping} of sensor "
+            f"{shot.sensor!r}")
 
 
 def engine(name: str) -> Callable[[Callable[[Shot], np.ndarray]], Engine]:

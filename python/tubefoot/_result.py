@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Optional, Union
 import numpy as np
 
 from . import _native
+from ._arrays import unmasked
 from ._engines import Engine, own_engine
 from ._errors import InputError, UsageError, warn, whole
 from ._picture import Picture, as_html, drawn, plural
@@ -122,7 +123,7 @@ class SensorResult:
         if isinstance(pings, slice):
             return pings
         if isinstance(pings, (list, tuple, range, np.ndarray)) and np.ndim(pings) == 1:
-            numbers = np.asarray(pings, dtype=None if len(pings) else np.int64)
+            numbers = unmasked(pings, "pings") if len(pings) else np.zeros(0, np.int64)
             if numbers.dtype != bool and not np.issubdtype(numbers.dtype, np.integer):
                 raise TypeError(f"numbers of pings are integers, not {numbers.dtype}")
             if numbers.dtype == bool and len(numbers) != len(self):

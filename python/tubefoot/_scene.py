@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _native
+from ._arrays import finite, first_of, place_of, unmasked, with_holes
 from ._errors import InputError, UsageError
 from ._toml import Text
 from ._words import in_python, with_named_arguments
@@ -49,8 +50,8 @@ class Scene:
                   scene's frame), and ``facets``: (m, 3) int, indices of vertices, in place of ``shape`` or ``kind``
                   and its keys;
                 * terrain only: ``heights``: (rows, columns) float, metres up, rows from south to north and columns
-                  from west to east, not a number where there is a hole; ``cell_m``: distance of neighbours in
-                  metres; ``origin_m``: (east, north) of ``heights[0, 0]`` in metres, (0, 0) by default.
+                  from west to east, not a number or masked where there is a hole; ``cell_m``: distance of neighbours
+                  in metres; ``origin_m``: (east, north) of ``heights[0, 0]`` in metres, (0, 0) by default.
             base: folder that relative file names start from.
             name: what messages call the scene; the chart's name of it, without its ending.
 
@@ -227,24 +228,25 @@ def _mesh_of(entry: Mapping[str, Any], is_terrain: bool, path: str) -> tuple[tup
 
 
 def _array(values: npt.ArrayLike, path: str, kind: type) -> np.ndarray:
-    array = np.asarray(values)
+    array = unmasked(values, path)
     if array.ndim != 2 or array.shape[1] != 3:
         raise UsageError(f"{path}: expected an array of shape (n, 3), not {array.shape}")
     if kind is np.int64 and array.size and not np.issubdtype(array.dtype, np.integer):
         raise UsageError(f"{path}: expected integers, not {array.dtype}")
-    if kind is np.float64 and not np.isfinite(np.asarray(array, np.float64)).all():
-        raise UsageError(f"{path}: expected finite numbers")
-    return np.ascontiguousarray(array, kind)
+    return np.ascontiguousarray(finite(array, path) if kind is np.float64 else array, kind)
 
 
 def _heights(entry: Mapping[str, Any], path: str) -> tuple[np.ndarray, np.ndarray]:
-    heights = np.asarray(entry["heights"], np.float64)
+    heights = with_holes(entry["heights"], path + ".heights")
     if heights.ndim != 2 or min(heights.shape) < 2:
         raise UsageError(f"{path}.heights: expected an array of at least (2, 2), not {heights.shape}")
     cell = float(entry["cell_m"])
     if not cell > 0 or not np.isfinite(cell):
         raise UsageError(f"{path}.cell_m: expected metres above 0, not {cell}")
-    east, north = (float(v) for v in entry.get("origin_m", (0, 0)))
+    origin = finite(entry.get("origin_m", (0, 0)), path + ".origin_m")
+    if origin.shape != (2,):
+        raise UsageError(f"{path}.origin_m: expected (east, north), not an array of shape {origin.shape}")
+    east, north = origin
     rows, columns = heights.shape
     y, x = np.mgrid[0:rows, 0:columns]
     vertices = np.stack([east + cell * x, north + cell * y, heights], axis=-1).reshape(-1, 3)
@@ -253,5 +255,9 @@ def _heights(entry: Mapping[str, Any], path: str) -> tuple[np.ndarray, np.ndarra
     facets = np.stack([south_west, south_east, north_east, south_west, north_east, north_west], -1).reshape(-1, 3)
     known = np.isfinite(vertices[:, 2])
     facets = facets[known[facets].all(axis=1)]
+    if not len(facets):
+        holes = np.isnan(heights)
+        raise UsageError(f"{path}.heights: {holes.sum()} of {holes.size} heights are holes, the first in "
+                         f"{place_of(first_of(holes))}: expected neighbours that make a facet; fill holes with metres")
     vertices[~known] = 0  # of no facet
     return vertices, facets

@@ -10,6 +10,7 @@ from typing import NamedTuple, Optional, Union
 import numpy as np
 
 from . import _native
+from ._arrays import finite, unmasked
 from ._scene import PathLike
 from ._words import with_named_arguments
 
@@ -132,8 +133,9 @@ class Signals:
         Raises ValueError for what makes no beams.
         """
         chosen = range(len(self.ping_times)) if pings is None else pings
-        return self._native.beams([_count(p, "a ping's number") for p in chosen], np.asarray(directions, float), _reals(weights),
-                                  _vector(reference), near_field, by_phase, band, error)
+        return self._native.beams([_count(p, "a ping's number") for p in chosen], finite(directions, "directions"),
+                                  _reals(weights, "weights"), _vector(reference, "reference"), near_field, by_phase, band,
+                                  error)
 
     @with_named_arguments
     def back_projected(self, first: Vector, column_step: Vector, row_step: Vector, columns: int, rows: int, *,
@@ -153,10 +155,10 @@ class Signals:
 
         Raises ValueError for what makes no picture.
         """
-        return self._native.focused(_vector(first), _vector(column_step), _vector(row_step),
-                                    _count(columns, "columns"), _count(rows, "rows"),
-                                    _reals(ping_weights), _reals(receiver_weights), half_beam_rad, spreading_undone,
-                                    band, error)
+        return self._native.focused(_vector(first, "first"), _vector(column_step, "column_step"),
+                                    _vector(row_step, "row_step"), _count(columns, "columns"), _count(rows, "rows"),
+                                    _reals(ping_weights, "ping_weights"), _reals(receiver_weights, "receiver_weights"),
+                                    half_beam_rad, spreading_undone, band, error)
 
     @with_named_arguments
     def write(self, file: PathLike) -> None:
@@ -167,15 +169,16 @@ class Signals:
         self._native.write(os.fspath(file))
 
 
-def _reals(values: Optional[Vector]) -> np.ndarray:
-    return np.zeros(0) if values is None else np.asarray(values, float)
+def _reals(values: Optional[Vector], name: str) -> np.ndarray:
+    return np.zeros(0) if values is None else finite(values, name)
 
 
-def _vector(values: Vector) -> list[float]:
-    return [float(v) for v in values]
+def _vector(values: Vector, name: str) -> list[float]:
+    return finite(values, name).tolist()
 
 
 def _count(value: int, what: str) -> int:
+    unmasked(value, what)
     if value != int(value) or value < 0:
         raise ValueError(f"{what} must be a whole number of 0 or more, not {value}")
     return int(value)
@@ -214,12 +217,13 @@ def point_signals(targets: Vector, strengths: Vector, *, receivers: Vector, tran
     Raises ValueError, saying what to do, for bands above half the sampling rate, waveforms longer than the record, and
     whatever else makes no signals.
     """
-    way = np.asarray(positions, float)
-    turns = np.tile([1.0, 0, 0, 0], (len(way), 1)) if attitudes is None else np.asarray(attitudes, float)
+    way = finite(positions, "positions")
+    turns = np.tile([1.0, 0, 0, 0], (len(way), 1)) if attitudes is None else finite(attitudes, "attitudes")
     return Signals(_native.point_signals(
-        np.asarray(targets, float), np.asarray(strengths, complex), _vector(transmitter), np.asarray(receivers, float),
-        _vector(waveform), baseband_frequency, sample_rate, first_sample, _count(samples, "samples"), np.asarray(track_times, float), way,
-        turns, np.asarray(ping_times, float), stop_and_hop, sound_speed))
+        finite(targets, "targets"), finite(strengths, "strengths", complex), _vector(transmitter, "transmitter"),
+        finite(receivers, "receivers"), _vector(waveform, "waveform"), baseband_frequency, sample_rate, first_sample,
+        _count(samples, "samples"), finite(track_times, "track_times"), way, turns, finite(ping_times, "ping_times"),
+        stop_and_hop, sound_speed))
 
 
 @with_named_arguments

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ._arrays import unmasked
 from ._errors import InputError, UsageError
 
 _BARE = re.compile(r"[A-Za-z0-9_-]+\Z")
@@ -35,7 +36,7 @@ def _is_list(value: object) -> bool:
 def _value(value: Any, path: str) -> str:
     """A value in one line."""
     if isinstance(value, (np.ndarray, np.generic)):
-        value = value.tolist()
+        value = unmasked(value, path).tolist()
     if isinstance(value, os.PathLike):
         value = os.fspath(value)
     if isinstance(value, bool):

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Arrays that a caller hands over: finite, and without values that a mask hides."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ._errors import UsageError
+
+
+def _has_masks(values: Any) -> bool:
+    return isinstance(values, np.ma.MaskedArray) or (isinstance(values, (list, tuple)) and any(map(_has_masks, values)))
+
+
+def values_and_mask(values: Any) -> tuple[npt.NDArray[Any], npt.NDArray[np.bool_]]:
+    """The values as an array, and which of them a mask hides, also in lists of masked arrays."""
+    if isinstance(values, (list, tuple)) and _has_masks(values):
+        parts = [values_and_mask(v) for v in values]
+        return np.array([shown for shown, _ in parts]), np.array([hidden for _, hidden in parts])
+    if isinstance(values, np.ma.MaskedArray):
+        return np.ma.getdata(values), np.ma.getmaskarray(values)
+    shown = np.asarray(values)
+    return shown, np.zeros(shown.shape, bool)
+
+
+def place_of(index: tuple[int, ...]) -> str:
+    """Where in an array: ``row 2, column 5``."""
+    if len(index) == 2:
+        return f"row {index[0]}, column {index[1]}"
+    return f"element {', '.join(map(str, index))}" if index else "it"
+
+
+def first_of(chosen: npt.NDArray[np.bool_]) -> tuple[int, ...]:
+    """Index of the first element that is true; there is one."""
+    return tuple(int(k) for k in np.unravel_index(int(np.argmax(chosen)), chosen.shape))
+
+
+def unmasked(values: Any, name: str) -> npt.NDArray[Any]:
+    """The values as an array.
+
+    Raises:
+        UsageError: a mask hides one of them; the text says where.
+    """
+    shown, hidden = values_and_mask(values)
+    if hidden.any():
+        raise UsageError(f"{name}: {place_of(first_of(hidden))} is masked: expected values without a mask; "
+                         "fill it with a number, or leave it out")
+    return shown
+
+
+def finite(values: Any, name: str, dtype: type = float) -> npt.NDArray[Any]:
+    """The values as an array of the type, without infinite values and values that are not a number.
+
+    Raises:
+        UsageError: there is such a value, or a mask hides one; the text says where.
+    """
+    array = np.asarray(unmasked(values, name), dtype)
+    wrong = ~np.isfinite(array)
+    if wrong.any():
+        index = first_of(wrong)
+        raise UsageError(f"{name}: expected finite numbers, but {place_of(index)} is {array[index]}")
+    return array
+
+
+def with_holes(values: Any, name: str) -> npt.NDArray[np.float64]:
+    """The values as float64; not a number where a mask hides one, too.
+
+    Raises:
+        UsageError: a value is infinite; the text says where.
+    """
+    shown, hidden = values_and_mask(values)
+    array = np.where(hidden, np.nan, np.asarray(shown, np.float64))
+    wrong = np.isinf(array)
+    if wrong.any():
+        index = first_of(wrong)
+        raise UsageError(f"{name}: {place_of(index)} is {array[index]}: expected metres, or nan where there is a hole")
+    return array
