@@ -2,9 +2,11 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <filesystem>
 #include <string>
 
 #include "bindings.hpp"
+#include "files/absolute_path.hpp"
 #include "files/input_error.hpp"
 #include "files/usage_error.hpp"
 #include "files/words.hpp"
@@ -27,6 +29,8 @@ void translate(std::exception_ptr raised) {
     raise("InputError", error.what(), error.place.file, error.place.line, error.place.column);
   } catch (const tubefoot::UsageError& error) {
     raise("UsageError", error.what());
+  } catch (const std::filesystem::filesystem_error& error) {
+    raise("UsageError", tubefoot::message_of(error).c_str());
   }
 }
 
@@ -67,6 +71,7 @@ PYBIND11_MODULE(_native, module) {
   module.def("nearest", [](const std::string& word, const std::vector<std::string>& candidates) {
     return std::string(tubefoot::nearest(word, candidates));
   });
+  module.def("absolute_path", [](const std::string& file) { return tubefoot::absolute_path(file).string(); });
   tubefoot::python::bind_scene(module);
   tubefoot::python::bind_shot(module);
   tubefoot::python::bind_run(module);

@@ -2,6 +2,8 @@
 """Scenes from files, from dicts and from arrays; what is wrong with them."""
 
 import pickle
+import subprocess
+import sys
 import tomllib
 
 import numpy as np
@@ -10,6 +12,13 @@ import pytest
 import tubefoot
 from conftest import FACETS, SCENE, TETRAHEDRON, VERTICES, equal_energies
 from tubefoot._toml import Text
+
+KEYS_WITHOUT_FILES = {
+    "materials": [{"name": "sand"}],
+    "terrain": {"kind": "flat", "width_m": 20, "length_m": 30, "material": "sand"},
+    "trajectories": [{"kind": "fixed", "position_m": [0, 0, 2]}],
+    "sensors": [{"name": "camera", "kind": "didson", "tilt_deg": 30}],
+}
 
 
 def test_a_scene_of_a_dict_equals_that_of_its_file(scene, folder, keys):
@@ -188,3 +197,29 @@ def test_gdal_of_the_program_around_it_stays_as_it_is(folder):
     gdal.FileFromMemBuffer("/vsimem/zip/one.tif", open(other, "rb").read())
     assert gdal.Open(other).RasterXSize == gdal.Open("/vsimem/zip/one.tif").RasterXSize == 3
     assert "other.tif" in gdal.ReadDir(str(folder))
+
+
+def test_a_deleted_current_folder_is_named(folder):
+    (folder / "gone").mkdir()
+    script = f"""
+import os, pickle, tubefoot, warnings
+os.chdir({str(folder / 'gone')!r})
+os.rmdir({str(folder / 'gone')!r})
+scene = tubefoot.load({str(folder / 'scene.toml')!r})
+near = tubefoot.Scene.from_dict({{**{KEYS_WITHOUT_FILES!r}, "title": "near"}})
+result = tubefoot.run(scene, output={str(folder / 'out')!r})
+calls = [lambda: tubefoot.run(scene, output="here"), lambda: tubefoot.coverage(scene, output="here.csv"),
+         lambda: tubefoot.chart(scene, output="here"), lambda: result["camera"].picture().save("here.png"),
+         lambda: pickle.dumps(near), lambda: tubefoot.load("here.toml"), lambda: tubefoot.open("here")]
+for call in calls:
+    try:
+        call()
+    except (tubefoot.UsageError, tubefoot.InputError) as error:
+        print(error)
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    said = done.stdout.splitlines()
+    assert len(said) == 7 and "filesystem error" not in done.stdout
+    deleted = "the current folder has been deleted: expected one that the name starts from"
+    assert all(deleted in line for line in said[:5]) and all(line.startswith("here") for line in said[5:])

@@ -128,7 +128,8 @@ class Scene:
         return self
 
     def __reduce__(self) -> tuple:
-        return _again, (self._text, self._meshes, os.path.abspath(self.file), self._confined, self.hash)
+        file = os.path.normpath(_native.absolute_path(self.file))
+        return _again, (self._text, self._meshes, file, self._confined, self.hash)
 
     def _explained(self) -> Any:
         return _explained(self._text, self.file)

@@ -11,6 +11,7 @@
 
 #include "advice/work_meter.hpp"
 #include "compare/measures/echo_errors.hpp"
+#include "files/absolute_path.hpp"
 #include "files/json_text.hpp"
 #include "geometry/steps/stop.hpp"
 #include "run/abilities.hpp"
@@ -52,8 +53,7 @@ double sum(std::span<const double> values) { return std::accumulate(values.begin
 
 std::string scene_name(const std::filesystem::path& scene) {
   const std::string stem = scene.stem().string();
-  return text_of_name(stem == "scene" ? std::filesystem::absolute(scene).parent_path().filename().string()
-                                      : stem);
+  return text_of_name(stem == "scene" ? absolute_path(scene).parent_path().filename().string() : stem);
 }
 
 }  // namespace

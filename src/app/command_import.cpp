@@ -7,6 +7,7 @@
 #include "app/commands.hpp"
 #include "compare/echo_pairs.hpp"
 #include "compare/recipe_truth.hpp"
+#include "files/absolute_path.hpp"
 #include "files/outlet.hpp"
 #include "files/staging.hpp"
 #include "files/usage_error.hpp"
@@ -64,7 +65,7 @@ int import_command(const ImportOptions& options) {
     if (!scene) {
       reference.emplace(ImportReference{read_whole_echo_file(*options.like), 0});
     } else {
-      const Staging staging(std::filesystem::absolute(options.output), 0700);
+      const Staging staging(absolute_path(options.output), 0700);
       reference.emplace(ImportReference{truth_of_scene(*scene, options.sensor, pings, staging.path()), 0});
     }
     reference->sensor = sensor_of(reference->file, options.sensor);

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <functional>
 #include <sstream>
 #include <string>
@@ -19,6 +20,7 @@
 #include "app/asked.hpp"
 #include "app/commands.hpp"
 #include "app/library_versions.hpp"
+#include "files/absolute_path.hpp"
 #include "files/input_error.hpp"
 #include "files/shown.hpp"
 #include "files/usage_error.hpp"
@@ -91,6 +93,9 @@ int called(const std::function<int()>& command) {
     return wrong_input;
   } catch (const std::bad_alloc&) {
     say("tubefoot: out of memory: use a window, a coarser decimation or a smaller scene\n");
+    return failed;
+  } catch (const std::filesystem::filesystem_error& error) {
+    say("tubefoot: {}\n", shown(message_of(error)));
     return failed;
   } catch (const std::exception& error) {
     // What is wrong with stdout is said once, at the end.

@@ -128,7 +128,7 @@ void foresee_writing(RunUnderWay& run, const Survey& survey) {
         duration_text(seconds), size_text(kept), size_text(cost.bytes));
   std::error_code unknown;
   const std::filesystem::space_info disk = std::filesystem::space(
-      std::filesystem::absolute(run.options.output).lexically_normal().parent_path(), unknown);
+      std::filesystem::absolute(run.options.output, unknown).lexically_normal().parent_path(), unknown);
   if (unknown || static_cast<double>(disk.available) >= cost.bytes + kept) return;
   run.warnings.add(
       {fmt::format("the disk of '{}' has {}, and the run may need {}: ask for fewer pings "

@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 
+#include "files/absolute_path.hpp"
 #include "files/file_format.hpp"
 #include "files/geopackage_file.hpp"
 #include "files/gltf_file.hpp"
@@ -189,8 +190,8 @@ std::vector<fs::path> companions_of(const fs::path& file, const std::function<vo
 
 std::optional<fs::path> place_outside(const fs::path& folder, const fs::path& file) {
   std::error_code error;
-  const fs::path inside = fs::weakly_canonical(fs::absolute(folder.empty() ? "." : folder), error);
-  const fs::path real = fs::weakly_canonical(fs::absolute(file), error);
+  const fs::path inside = fs::weakly_canonical(absolute_path(folder.empty() ? "." : folder), error);
+  const fs::path real = fs::weakly_canonical(absolute_path(file), error);
   if (std::ranges::mismatch(inside, real).in1 == inside.end()) return std::nullopt;
   return real;
 }

@@ -16,6 +16,7 @@
 #include <string>
 #include <string_view>
 
+#include "files/absolute_path.hpp"
 #include "files/library_settings.hpp"
 
 namespace tubefoot {
@@ -146,7 +147,7 @@ class GuardedFiles final : public VSIFilesystemHandler {
 void put_guards() {
   register_gdal_drivers();  // GDAL makes its list of file systems with the first thing it does
   if (const char* table = CPLFindFile("gdal", "gdalvrt.xsd"))
-    tables() = fs::absolute(table).lexically_normal().parent_path();
+    tables() = absolute_path(table).lexically_normal().parent_path();
   char** prefixes = VSIGetFileSystemsPrefixes();
   for (char** prefix = prefixes; prefix != nullptr && *prefix != nullptr; ++prefix)
     if (std::string_view(*prefix) != "/vsimem/")  // this process's own memory

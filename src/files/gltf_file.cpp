@@ -11,6 +11,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "files/absolute_path.hpp"
 #include "files/companions.hpp"
 #include "files/file_format.hpp"
 #include "files/inlet.hpp"
@@ -129,7 +130,7 @@ class GltfReader {
           fmt::format("names the buffer '{}', which is no file in its folder or below: copy it there, and "
                       "name it relative to the glTF",
                       uri));
-    const fs::path file = fs::absolute(gltf_).parent_path() / name;
+    const fs::path file = absolute_path(gltf_).parent_path() / name;
     std::error_code ignored;
     if (!fs::is_regular_file(file, ignored))
       fail(fmt::format("names the buffer '{}', which is not there: it comes with the glTF", uri));

@@ -13,6 +13,7 @@
 #include <fstream>
 #include <set>
 
+#include "files/absolute_path.hpp"
 #include "files/durable.hpp"
 #include "files/usage_error.hpp"
 
@@ -34,7 +35,7 @@ UsageError dangling(const fs::path& target) {
 bool is_of_open_files(fs::path name) {
   std::error_code error;
   for (int links = 0; links < 40 && fs::is_symlink(fs::symlink_status(name, error)); ++links) {
-    const fs::path folder = fs::weakly_canonical(fs::absolute(name).parent_path(), error);
+    const fs::path folder = fs::weakly_canonical(absolute_path(name).parent_path(), error);
     if (folder.native().starts_with("/proc/")) return true;
     name = folder / fs::read_symlink(name, error);
     if (error) return false;
@@ -97,7 +98,7 @@ void refuse_strangers(const fs::path& target) {
 bool same_file(const fs::path& a, const fs::path& b) {
   std::error_code ignored;
   return fs::equivalent(a, b, ignored) ||
-         fs::weakly_canonical(fs::absolute(a), ignored) == fs::weakly_canonical(fs::absolute(b), ignored);
+         fs::weakly_canonical(absolute_path(a), ignored) == fs::weakly_canonical(absolute_path(b), ignored);
 }
 
 OutputFile::OutputFile(const fs::path& target, const Inputs& inputs) {
@@ -111,7 +112,7 @@ OutputFile::OutputFile(const fs::path& target, const Inputs& inputs) {
   for (const fs::path& input : inputs)
     if (same_file(target, input)) throw is_an_input(target);
   direct_ = fs::exists(status) && (!fs::is_regular_file(status) || is_of_open_files(target));
-  target_ = path_ = direct_ ? target : fs::weakly_canonical(fs::absolute(target), error);
+  target_ = path_ = direct_ ? target : fs::weakly_canonical(absolute_path(target), error);
   if (direct_) return;
   if (error) throw UsageError(fmt::format("cannot write '{}': {}", target.string(), error.message()));
   if (target_.filename() == list_name)
@@ -140,7 +141,7 @@ void OutputFile::commit() {
 OutputFolder::OutputFolder(const fs::path& target, const Inputs& inputs) {
   if (target.empty()) throw UsageError("-o is empty: name a folder to write");
   std::error_code error;
-  target_ = fs::weakly_canonical(fs::absolute(target), error);
+  target_ = fs::weakly_canonical(absolute_path(target), error);
   if (!target_.has_filename()) target_ = target_.parent_path();
   if (error || !target_.has_filename())
     throw UsageError(fmt::format("'{}' cannot be a result folder{}: choose another -o", target.string(),
@@ -149,7 +150,7 @@ OutputFolder::OutputFolder(const fs::path& target, const Inputs& inputs) {
   const bool replaces = fs::exists(target_);
   if (replaces) refuse_strangers(target_);
   for (const fs::path& input : inputs) {
-    const fs::path place = fs::weakly_canonical(fs::absolute(input), error);
+    const fs::path place = fs::weakly_canonical(absolute_path(input), error);
     if (std::mismatch(target_.begin(), target_.end(), place.begin(), place.end()).first == target_.end())
       throw is_an_input(target);
   }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "files/absolute_path.hpp"
 #include "files/inlet.hpp"
 #include "geometry/steps/stop.hpp"
 
@@ -18,7 +19,7 @@ namespace fs = std::filesystem;
 /// As SQLite wants a name in an address: with everything but letters and digits as %2f.
 std::string address_of(const fs::path& file) {
   std::string address = "file:";
-  for (const char c : fs::absolute(file).string())
+  for (const char c : absolute_path(file).string())
     address += std::isalnum(static_cast<unsigned char>(c)) || c == '/'
                    ? std::string(1, c)
                    : fmt::format("%{:02x}", static_cast<unsigned char>(c));

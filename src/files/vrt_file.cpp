@@ -13,6 +13,7 @@
 #include <string>
 #include <string_view>
 
+#include "files/absolute_path.hpp"
 #include "files/gdal_messages.hpp"
 #include "files/inlet.hpp"
 #include "files/library_settings.hpp"
@@ -149,7 +150,7 @@ class VrtReader {
                      "names the source '{}', which is neither an absolute name of a file nor one relative to "
                      "the VRT (relativeToVRT=\"1\")",
                      text));
-    const fs::path source = fs::absolute(relative ? vrt_.parent_path() / text : fs::path(text));
+    const fs::path source = absolute_path(relative ? vrt_.parent_path() / text : fs::path(text));
     const fs::path plain = plain_name(source);
     // ".." behind a link: what the name is by its letters and what it is on the disk are two files.
     if (plain_name(source.lexically_normal()) != plain)

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "files/absolute_path.hpp"
 #include "files/durable.hpp"
 #include "files/usage_error.hpp"
 #include "geometry/steps/stop.hpp"
@@ -368,7 +369,7 @@ void RunParts::remove() const {
   std::error_code ignored;
   for (int number = 1; number <= count_; ++number) fs::remove(path_of(number), ignored);
   try {
-    sync_names_in(fs::absolute(path_of(1)).parent_path());
+    sync_names_in(absolute_path(path_of(1)).parent_path());
   } catch (const std::runtime_error&) {  // they would only be joined again
   }
 }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "files/absolute_path.hpp"
 #include "files/durable.hpp"
 #include "files/input_error.hpp"
 #include "files/usage_error.hpp"
@@ -22,7 +23,7 @@ using Json = nlohmann::ordered_json;
 
 fs::path beside(const fs::path& output, const std::string& suffix) {
   std::error_code ignored;
-  fs::path file = fs::weakly_canonical(fs::absolute(output), ignored);
+  fs::path file = fs::weakly_canonical(absolute_path(output), ignored);
   if (!file.has_filename()) file = file.parent_path();
   return file += suffix;
 }

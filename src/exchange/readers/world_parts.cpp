@@ -8,6 +8,7 @@
 #include <cstdlib>
 
 #include "exchange/sonar_keys.hpp"
+#include "files/absolute_path.hpp"
 #include "files/companions.hpp"
 #include "files/shown.hpp"
 #include "scene/meshes/mesh_file.hpp"
@@ -50,7 +51,7 @@ WorldParts::WorldParts(const XmlInput& xml, const fs::path& world, ExchangeForma
     : xml_(xml),
       axes_(axes_of(format)),
       world_(world),
-      folder_(fs::absolute(world).parent_path()),
+      folder_(absolute_path(world).parent_path()),
       model_path_(model_path) {
   scene_.world = world;
 }
@@ -93,7 +94,7 @@ std::optional<fs::path> WorldParts::found(pugi::xml_node node, const std::string
     std::error_code error;
     if (!fs::is_regular_file(file, error)) continue;
     if (std::ranges::any_of(allowed,
-                            [&](const fs::path& one) { return !place_outside(fs::absolute(one), file); }))
+                            [&](const fs::path& one) { return !place_outside(absolute_path(one), file); }))
       return file;
     outside = true;
   }

@@ -11,6 +11,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "files/absolute_path.hpp"
 #include "files/durable.hpp"
 
 namespace tubefoot {
@@ -99,7 +100,7 @@ void PartFile::begin_anew(const std::string& identity) {
   write(std::string(reinterpret_cast<const char*>(&header), sizeof header) + identity);
   identity_ = identity;
   sync();
-  sync_names_in(fs::absolute(path_).parent_path());
+  sync_names_in(absolute_path(path_).parent_path());
 }
 
 void PartFile::look_through(const StoreLayout& layout) {

@@ -18,6 +18,7 @@
 #include <tuple>
 #include <utility>
 
+#include "files/absolute_path.hpp"
 #include "files/durable.hpp"
 #include "files/hdf5_chunks.hpp"
 #include "files/staging.hpp"
@@ -282,7 +283,7 @@ PingStore::PingStore(const StoreLayout& layout, const fs::path& file, Descriptor
   try {
     map();
     sync();
-    sync_names_in(fs::absolute(file).parent_path());
+    sync_names_in(absolute_path(file).parent_path());
   } catch (...) {
     fs::remove(file);
     throw;
