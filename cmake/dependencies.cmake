@@ -15,6 +15,7 @@ endif()
 find_package(OpenMesh CONFIG REQUIRED)  # CONFIG: CGAL puts a failing FindOpenMesh on the module path
 pkg_check_modules(assimp REQUIRED IMPORTED_TARGET assimp)
 find_package(GDAL CONFIG REQUIRED)
+pkg_check_modules(proj REQUIRED IMPORTED_TARGET proj)  # the one under GDAL
 find_package(ZLIB REQUIRED)
 find_package(fmt REQUIRED)
 find_package(tomlplusplus REQUIRED)

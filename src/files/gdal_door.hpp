@@ -2,7 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
+
+#include "files/proj_confinement.hpp"
 
 namespace tubefoot {
 
@@ -10,14 +13,21 @@ namespace tubefoot {
 /// to read them, and nothing else: whatever a file says, no other file, no archive, no address on a network
 /// is there. What a program around this library does with GDAL outside of it stays as it is.
 ///
-/// Libraries under GDAL that open files themselves (netCDF, SQLite) get names that GdalInput has looked at
-/// before.
+/// PROJ, which opens files past GDAL, is confined as well. Other libraries under GDAL that open files
+/// themselves (netCDF, SQLite) get names that GdalInput has looked at before.
 class GdalDoor {
  public:
   explicit GdalDoor(const std::vector<std::filesystem::path>& admitted);
   ~GdalDoor();
   GdalDoor(const GdalDoor&) = delete;
   GdalDoor& operator=(const GdalDoor&) = delete;
+
+  /// An existing file that a coordinate reference system names, which PROJ was not allowed to open; empty:
+  /// there was none.
+  const std::string& rejected_by_proj() const { return proj_.rejected(); }
+
+ private:
+  ProjConfinement proj_;
 };
 
 /// Registers the few drivers of GDAL that are used here: for the formats of FileFormat, and to write GeoTIFF,

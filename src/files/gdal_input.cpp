@@ -2,6 +2,7 @@
 #include "files/gdal_input.hpp"
 
 #include <fmt/ranges.h>
+#include <ogrsf_frmts.h>
 
 #include <algorithm>
 #include <array>
@@ -11,6 +12,7 @@
 
 #include "files/bag_refinements.hpp"
 #include "files/companions.hpp"
+#include "files/grid_words.hpp"
 #include "files/inlet.hpp"
 #include "files/library_settings.hpp"
 #include "files/limits.hpp"
@@ -74,6 +76,30 @@ constexpr const char* overview =
 constexpr const char* elsewhere =
     "names another file for its overviews, which is not read: remove them (gdaladdo -clean)";
 
+/// What a coordinate reference system names that is a file of corrections, as GDAL and PROJ understand its
+/// text, whatever its spelling in the file: the file, or the word for it; empty: nothing. All of them are
+/// looked at, because GDAL may be asked for any of them later.
+std::string named_by_crs(GDALDataset& dataset, const GdalDoor& door) {
+  GridWords words;
+  const auto look_at = [&](const OGRSpatialReference* crs) {
+    if (crs == nullptr) return;
+    const CPLErrorHandlerPusher quiet(CPLQuietErrorHandler);  // not every one can be said in both
+    for (const char* format : {"FORMAT=WKT1_GDAL", "FORMAT=WKT2_2019"}) {
+      const std::array<const char*, 2> options{format, nullptr};
+      char* text = nullptr;
+      crs->exportToWkt(&text, options.data());
+      if (text != nullptr) words.feed(text);
+      CPLFree(text);
+    }
+  };
+  look_at(dataset.GetSpatialRef());
+  look_at(dataset.GetGCPSpatialRef());
+  for (OGRLayer* layer : dataset.GetLayers())
+    for (int field = 0; field < layer->GetLayerDefn()->GetGeomFieldCount(); ++field)
+      look_at(layer->GetLayerDefn()->GetGeomFieldDefn(field)->GetSpatialRef());
+  return door.rejected_by_proj().empty() ? std::string(words.met()) : door.rejected_by_proj();
+}
+
 /// Throws InputError for a virtual raster with a source that cannot be read, or is stored in blocks that are
 /// too large: its own blocks say nothing of theirs.
 void check_sources(const fs::path& vrt, const std::vector<fs::path>& companions) {
@@ -91,6 +117,8 @@ void check_sources(const fs::path& vrt, const std::vector<fs::path>& companions)
                        name_of(format)));
     if (sends_elsewhere(*source))
       fail(fmt::format("is a virtual raster of '{}', which {}", part.string(), elsewhere));
+    if (const std::string named = named_by_crs(*source, door); !named.empty())
+      fail(fmt::format("is a virtual raster of '{}', which {}", part.string(), names_grids(named)));
     if (format == FileFormat::bag && has_bag_refinements(part))
       fail(fmt::format("is a virtual raster of '{}', which {}", part.string(), overview));
     if (source->GetRasterCount() == 0) continue;
@@ -151,6 +179,7 @@ GdalInput::GdalInput(const fs::path& file, std::initializer_list<FileFormat> exp
   if (dataset_ == nullptr)
     fail(fmt::format("cannot be read as {}: it is cut off or corrupt", name_of(format)));
   if (sends_elsewhere(*dataset_)) fail(elsewhere);
+  if (const std::string named = named_by_crs(*dataset_, door_); !named.empty()) fail(names_grids(named));
   variable_resolution_ = format == FileFormat::bag && has_bag_refinements(file);
   if (variable == Variable::refused && variable_resolution_) fail(overview);
 }
@@ -181,8 +210,9 @@ void GdalInput::read_row(GDALRasterBand& band, int row, int column, int columns,
                          void* out) const {
   stop_if_wanted();
   if (const auto problem = too_large_block(band)) fail(*problem);
-  if (band.RasterIO(GF_Read, column, row, columns, 1, out, columns, 1, type, 0, 0, nullptr) == CE_None)
-    return;
+  const CPLErr read = band.RasterIO(GF_Read, column, row, columns, 1, out, columns, 1, type, 0, 0, nullptr);
+  if (const std::string& named = door_.rejected_by_proj(); !named.empty()) fail(names_grids(named));
+  if (read == CE_None) return;
   // GDAL's last word names the file, which may be one of many in a virtual raster.
   const auto& told = messages_.failures();
   fail(fmt::format("row {} cannot be read: the file is cut off or corrupt{}", row,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/grid_words.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 
@@ -36,6 +38,13 @@ void GridWords::feed(std::string_view piece) {
       // At the very end what follows is not known yet: it is looked at with the next piece, or stays.
       if (!is_none(std::string_view(tail_).substr(at))) met_ = word;
   if (tail_.size() > longest) tail_.erase(0, tail_.size() - longest);
+}
+
+std::string names_grids(std::string_view named) {
+  return fmt::format(
+      "has a coordinate reference system that names files of corrections ('{}'), which are not read: give it "
+      "another with gdal_edit.py -a_srs EPSG:...",
+      named);
 }
 
 }  // namespace tubefoot

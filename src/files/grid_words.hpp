@@ -6,8 +6,9 @@
 
 namespace tubefoot {
 
-/// Looks in the bytes of a file for words by which a coordinate reference system names files of corrections:
-/// PROJ opens them, wherever they lie, as soon as GDAL meets them, and lets nobody in between.
+/// Looks in the bytes of a file for words by which a coordinate reference system names files of corrections.
+/// It finds the plain spelling only, and says in which file it stands. ProjConfinement holds for every
+/// spelling.
 class GridWords {
  public:
   /// The next bytes, in pieces of any size.
@@ -19,5 +20,8 @@ class GridWords {
   std::string tail_;  ///< in which a word may have begun
   std::string_view met_;
 };
+
+/// What to say of a file whose coordinate reference system names files: `named` is one, or the word for it.
+std::string names_grids(std::string_view named);
 
 }  // namespace tubefoot

@@ -5,6 +5,7 @@
 
 #include "fuzz.hpp"
 #include "gdal_is_quiet.hpp"
+#include "named_file.hpp"
 #include "scene/beds/material_map.hpp"
 #include "scene/rasters/terrain.hpp"
 
@@ -65,6 +66,7 @@ PolygonMaterialMap polygons(const std::filesystem::path& file, std::uint8_t opti
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace tubefoot;
   const fuzz::TimeLimit limit;
+  const fuzz::NamedFile unopened;
   fuzz::Bytes bytes(data, size);
   constexpr std::array names{"m.geojson", "m.shp", "m.gpkg", "m.asc", "m.tif", "m.png"};
   const std::uint32_t format = bytes.below(names.size());

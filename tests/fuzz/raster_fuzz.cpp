@@ -7,6 +7,7 @@
 #include "files/shown.hpp"
 #include "fuzz.hpp"
 #include "gdal_is_quiet.hpp"
+#include "named_file.hpp"
 #include "scene/beds/reflectivity.hpp"
 #include "scene/beds/relief_map.hpp"
 #include "scene/rasters/raster.hpp"
@@ -80,8 +81,9 @@ void micro_texture(const std::filesystem::path& file, std::uint8_t options) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace tubefoot;
   const fuzz::TimeLimit limit;
+  const fuzz::NamedFile unopened;
   fuzz::Bytes bytes(data, size);
-  constexpr std::array names{"r.asc", "r.tif", "r.nc", "r.png"};
+  constexpr std::array names{"r.asc", "r.tif", "r.nc", "r.png", "r.vrt"};
   const char* const name = names[bytes.below(names.size())];
   const std::uint32_t use = bytes.below(3);
   const auto options = bytes.take<std::uint8_t>();

@@ -85,12 +85,7 @@ class InputHash {
       own.update(piece);
       if (through_gdal) words.feed(piece);
     });
-    if (!words.met().empty())
-      throw InputError(
-          {file.string(), 0, 0},
-          fmt::format("has a coordinate reference system that names files of corrections ('{}'), which are "
-                      "not read: give it another with gdal_edit.py -a_srs EPSG:...",
-                      words.met()));
+    if (!words.met().empty()) throw InputError({file.string(), 0, 0}, names_grids(words.met()));
     // Its own hash and not its bytes, so that none can be moved to the next file unseen; and its name, by
     // which it is read. As sha256sum prints it.
     hash_.update(fmt::format("{}  {}\n", own.hex_digest(), file.filename().string()));

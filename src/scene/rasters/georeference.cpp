@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "files/gdal_messages.hpp"
+#include "files/proj_confinement.hpp"
 
 namespace tubefoot {
 namespace {
@@ -46,15 +47,25 @@ void refuse_files_in(const std::string& crs, const SourcePlace& place) {
     }
 }
 
+void refuse_rejected(const ProjConfinement& confinement, const std::string& crs, const SourcePlace& place) {
+  if (!confinement.rejected().empty())
+    throw InputError(place, fmt::format("the coordinate reference system '{}' names a file ('{}'), which is "
+                                        "not read: expected one without, like EPSG:32632",
+                                        crs.substr(0, 200), confinement.rejected()));
+}
+
 // A CRS with x = east or longitude, y = north or latitude, whatever order its authority prescribes, without
 // a vertical part: heights are not touched.
 OGRSpatialReference crs_from(const std::string& text, const SourcePlace& place) {
   refuse_files_in(text, place);
+  const ProjConfinement confinement;
   const GdalMessages messages;
   OGRSpatialReference crs;
   // A scene that comes from somebody else must not make GDAL open files or addresses on the network.
-  if (crs.SetFromUserInput(text.c_str(), OGRSpatialReference::SET_FROM_USER_INPUT_LIMITATIONS_get()) !=
-      OGRERR_NONE) {
+  const OGRErr outcome =
+      crs.SetFromUserInput(text.c_str(), OGRSpatialReference::SET_FROM_USER_INPUT_LIMITATIONS_get());
+  refuse_rejected(confinement, text, place);
+  if (outcome != OGRERR_NONE) {
     throw InputError(place,
                      fmt::format("'{}' is no coordinate reference system that is known{}: expected one like "
                                  "EPSG:32632",
@@ -78,8 +89,10 @@ std::string wkt_of(const OGRSpatialReference& crs) {
 // to that.
 void transform(std::span<glm::dvec3> points, const OGRSpatialReference& from, const OGRSpatialReference& to,
                const SourcePlace& place) {
+  const ProjConfinement confinement;
   const GdalMessages messages;
   const std::unique_ptr<OGRCoordinateTransformation> step(OGRCreateCoordinateTransformation(&from, &to));
+  refuse_rejected(confinement, from.GetName(), place);
   if (step == nullptr) {
     throw InputError(place, fmt::format("no transformation from {} to {} is known{}", from.GetName(),
                                         to.GetName(), messages.in_brackets()));
