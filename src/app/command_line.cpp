@@ -22,6 +22,7 @@
 #include "app/library_versions.hpp"
 #include "files/absolute_path.hpp"
 #include "files/input_error.hpp"
+#include "files/library_settings.hpp"
 #include "files/shown.hpp"
 #include "files/usage_error.hpp"
 #include "geometry/steps/stop.hpp"
@@ -142,6 +143,7 @@ int obeyed(int argc, char** argv) {
 
 int run_command_line(int argc, char** argv) {
   hold_closed_streams();
+  remove_library_variables();
   take_signals();
   const int code = called([&] {
     require_memory_of_libraries();

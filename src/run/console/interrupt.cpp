@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "run/console/interrupt.hpp"
 
+#include <poll.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -26,13 +27,44 @@ bool is_ignored(int signal) {
   return sigaction(signal, nullptr, &now) == 0 && now.sa_handler == SIG_IGN;
 }
 
-void note(int) {
+/// How long work may take to stop before the program ends where it stands.
+constexpr unsigned patience_s = 5;
+/// The signal that asked first.
+volatile std::sig_atomic_t asked_by = 0;
+
+/// Leaves the words out where a stopped terminal or a full pipe would have the program wait.
+void say_without_waiting(std::string_view words) {
+  pollfd terminal{STDERR_FILENO, POLLOUT, 0};
+  if (poll(&terminal, 1, 0) != 1 || (terminal.revents & POLLOUT) == 0) return;
+  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, words.data(), words.size());
+}
+
+/// Ends the program as `signal` ends one that does not know it.
+void end_by(int signal) {
+  set(signal, SIG_DFL);
+  sigset_t only;
+  sigemptyset(&only);
+  sigaddset(&only, signal);
+  pthread_sigmask(SIG_UNBLOCK, &only, nullptr);
+  raise(signal);
+}
+
+/// Of alarm(): the time to stop is over.
+void end_now(int) {
+  say_without_waiting("\nending: the work did not stop within 5 s\n");
+  end_by(asked_by);
+}
+
+void note(int signal) {
   const int before = errno;
   if (!stop_asked.exchange(true)) {
-    for (const int signal : {SIGINT, SIGTERM})
-      if (!is_ignored(signal)) set(signal, SIG_DFL);
-    constexpr std::string_view hint = "\nstopping; once more: stopping at once\n";
-    [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, hint.data(), hint.size());
+    asked_by = signal;
+    for (const int other : {SIGINT, SIGTERM})
+      if (!is_ignored(other)) set(other, SIG_DFL);
+    // Work that waits in a library or for the system looks at no flag.
+    set(SIGALRM, end_now);
+    if (const unsigned left = alarm(patience_s); left != 0 && left < patience_s) alarm(left);
+    say_without_waiting("\nstopping; once more: stopping at once\n");
   }
   errno = before;
 }

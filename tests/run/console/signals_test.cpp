@@ -1,10 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What signals and limits do to a run: it goes on where it can, else it ends in order, its pings kept.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netcdf.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
 
 #include "fixtures/world/long_run.hpp"
 #include "run/partial_run.hpp"
@@ -23,6 +30,10 @@ struct Signals : LongRun {
     std::vector<std::string> words{"run", (folder / "scene.toml").string(), "-o", results.string()};
     words.insert(words.end(), more.begin(), more.end());
     return run_program(words, surroundings);
+  }
+  std::vector<std::string> footprints_to(const fs::path& output) const {
+    return {"footprints",   (folder / "scene.toml").string(), "--sensor", "camera", "--quiet", "-o",
+            output.string()};
   }
 };
 
@@ -138,6 +149,97 @@ TEST_F(Signals, WhatWasKeptBeforeIsToldAgain) {
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.err, AllOf(HasSubstr("interrupted: "), HasSubstr("of 3000 pings are kept in")));
   EXPECT_GE(done(), kept);
+}
+
+/// A program that is started with its process number in a file, and is met when all its threads wait.
+struct Waiting {
+  fs::path number;
+  int waited = 0;
+
+  Surroundings surroundings() const {
+    Surroundings s;
+    s.before = {"/bin/sh", "-c", "echo $$ > '" + number.string() + "'; exec \"$@\"", "sh"};
+    return s;
+  }
+  pid_t process() const { return static_cast<pid_t>(std::atol(bytes_of(number).c_str())); }
+  /// Called every 10 ms: whether none of its threads has run in the last half second.
+  bool met() {
+    constexpr int often = 50;
+    std::error_code gone;
+    if (!fs::exists(number) || process() <= 0) return false;
+    for (const auto& thread : fs::directory_iterator(fmt::format("/proc/{}/task", process()), gone)) {
+      std::ostringstream status;
+      status << std::ifstream(thread.path() / "status").rdbuf();
+      if (status.str().find("State:\tS") == std::string::npos) waited = -1;
+    }
+    return ++waited > often;
+  }
+};
+
+// Here in open(), until somebody reads the pipe.
+TEST_F(Signals, EndAProgramThatWaitsAfterFiveSeconds) {
+  folder.write("scene.toml", small_scene);
+  ASSERT_EQ(run().exit_code, 0);
+  const auto before = names_below(folder.path());
+  const fs::path pipe = folder / "pipe.csv";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) {
+    SCOPED_TRACE(signal);
+    Waiting program{folder / "number"};
+    Surroundings surroundings = program.surroundings();
+    surroundings.signal = signal;
+    surroundings.interrupt_when = [&] { return program.met(); };
+    const Outcome outcome = run_program(footprints_to(pipe), surroundings);
+    EXPECT_EQ(outcome.signal, signal) << outcome.err;
+    EXPECT_GE(outcome.seconds_to_stop, 4.5);
+    EXPECT_LT(outcome.seconds_to_stop, 15);
+    EXPECT_THAT(outcome.err, HasSubstr("the work did not stop within 5 s"));
+    fs::remove(program.number);
+  }
+  fs::remove(pipe);
+  EXPECT_EQ(names_below(folder.path()), before);
+}
+
+TEST_F(Signals, EndAProgramThatWaitsAtTheSecond) {
+  folder.write("scene.toml", small_scene);
+  const fs::path pipe = folder / "pipe.csv";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  Waiting program{folder / "number"};
+  Surroundings surroundings = program.surroundings();
+  surroundings.signal = SIGTERM;
+  bool asked = false;
+  surroundings.interrupt_when = [&] {
+    if (!program.met()) return false;
+    if (asked) return true;
+    program.waited = 0;  // the first has half a second to be noticed
+    asked = kill(program.process(), SIGINT) == 0;
+    return false;
+  };
+  const Outcome outcome = run_program(footprints_to(pipe), surroundings);
+  EXPECT_EQ(outcome.signal, SIGTERM) << outcome.err;
+  EXPECT_LT(outcome.seconds_to_stop, 3);
+}
+
+// Each names a pipe without a writer: who opens it waits.
+TEST_F(Signals, VariablesOfLibrariesDoNotReachThem) {
+  folder.write("scene.toml", small_scene);
+  const std::string pipe = (folder / "settings").string();
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  Surroundings hostile;
+  hostile.before = {
+      "/usr/bin/env",    "NCRCENV_RC=" + pipe,   "DAPRCFILE=" + pipe,   "GDAL_CONFIG_FILE=" + pipe,
+      "CPL_LOG=" + pipe, "OPENSSL_CONF=" + pipe, "PROJ_AUX_DB=" + pipe, "HDF5_PLUGIN_PRELOAD=" + pipe};
+  const Outcome outcome = run(hostile);
+  EXPECT_EQ(outcome.signal, 0) << "it waited for a pipe";
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  // Echo files of the classic format are opened by netCDF alone.
+  int id = 0;
+  const fs::path classic = folder / "classic.nc";
+  ASSERT_EQ(nc_create(classic.c_str(), NC_CLOBBER, &id), NC_NOERR);
+  ASSERT_EQ(nc_close(id), NC_NOERR);
+  const Outcome compared = run_program({"compare", classic.string(), classic.string()}, hostile);
+  EXPECT_EQ(compared.signal, 0) << "it waited for a pipe";
+  EXPECT_EQ(compared.exit_code, 2) << compared.err;
 }
 
 }  // namespace
