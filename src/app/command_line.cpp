@@ -26,6 +26,7 @@
 #include "files/shown.hpp"
 #include "files/usage_error.hpp"
 #include "geometry/steps/stop.hpp"
+#include "run/console/exhausted.hpp"
 #include "run/console/interrupt.hpp"
 #include "run/console/say.hpp"
 #include "run/kept/build_identity.hpp"
@@ -87,18 +88,24 @@ int called(const std::function<int()>& command) {
     say("tubefoot: interrupted: nothing was written\n");
     return failed;
   } catch (const InputError& error) {
+    // A library may have been short of memory for a file that is right.
+    if (const std::string_view words = exhaustion_in_words(error); !words.empty()) {
+      say("tubefoot: {}\n", words);
+      return failed;
+    }
     say("{}\n", error.what());
     return wrong_input;
   } catch (const UsageError& error) {
     say("tubefoot: {}\n", shown(error.what()));
     return wrong_input;
-  } catch (const std::bad_alloc&) {
-    say("tubefoot: out of memory: use a window, a coarser decimation or a smaller scene\n");
-    return failed;
   } catch (const std::filesystem::filesystem_error& error) {
     say("tubefoot: {}\n", shown(message_of(error)));
     return failed;
   } catch (const std::exception& error) {
+    if (const std::string_view words = exhaustion_in_words(error); !words.empty()) {
+      say("tubefoot: {}\n", words);
+      return failed;
+    }
     // What is wrong with stdout is said once, at the end.
     if (std::ferror(stdout) == 0) say("tubefoot: {}\n", shown(error.what()));
     return failed;
@@ -144,6 +151,7 @@ int obeyed(int argc, char** argv) {
 int run_command_line(int argc, char** argv) {
   hold_closed_streams();
   remove_library_variables();
+  save_addresses();
   take_signals();
   const int code = called([&] {
     require_memory_of_libraries();

@@ -4,13 +4,14 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
-#include <system_error>
+#include <string_view>
 
 #include "files/absolute_path.hpp"
 #include "files/durable.hpp"
 #include "files/input_error.hpp"
 #include "files/usage_error.hpp"
 #include "geometry/steps/stop.hpp"
+#include "run/console/exhausted.hpp"
 #include "run/kept/build_identity.hpp"
 
 namespace tubefoot {
@@ -52,24 +53,14 @@ void keep_through(const std::function<std::string()>& advice, const std::functio
     work();
   } catch (const Interrupted&) {
     throw std::runtime_error("interrupted: " + advice());
-  } catch (const std::bad_alloc&) {
-    throw std::runtime_error(fmt::format(
-        "out of memory: raise the limit, take fewer --threads, a window, a coarser decimation or a smaller "
-        "scene; {}",
-        advice()));
-  } catch (const std::runtime_error& error) {
+  } catch (const std::exception& error) {
     if (dynamic_cast<const InputError*>(&error) != nullptr ||
         dynamic_cast<const UsageError*>(&error) != nullptr ||
         dynamic_cast<const UnusableStore*>(&error) != nullptr)
       throw;
-    // What oneTBB and the standard library say where memory for a thread's stack is short.
-    const auto* system = dynamic_cast<const std::system_error*>(&error);
-    if (std::string_view(error.what()).starts_with("pthread_create") ||
-        (system != nullptr && system->code() == std::errc::resource_unavailable_try_again))
-      throw std::runtime_error(
-          fmt::format("no thread can be started ({}): too little memory (ulimit -v) or too many processes "
-                      "(ulimit -u); {}",
-                      error.what(), advice()));
+    if (const std::string_view words = exhaustion_in_words(error); !words.empty())
+      throw std::runtime_error(fmt::format("{}; {}", words, advice()));
+    if (dynamic_cast<const std::runtime_error*>(&error) == nullptr) throw;
     throw std::runtime_error(fmt::format("{}; {}", error.what(), advice()));
   }
 }

@@ -5,11 +5,13 @@
 #include <tbb/info.h>
 
 #include <algorithm>
+#include <atomic>
 #include <charconv>
 #include <stdexcept>
 
 #include "files/input_error.hpp"
 #include "files/shown.hpp"
+#include "files/threads_at_hand.hpp"
 #include "files/usage_error.hpp"
 #include "run/console/progress.hpp"
 #include "run/console/say.hpp"
@@ -106,8 +108,23 @@ Inputs inputs_of(const SceneDescription& description) {
   return inputs;
 }
 
+namespace {
+
+/// oneTBB ends the program where it cannot start a thread, so it is asked for no more than can be started.
+int threads_that_start(int wanted) {
+  const int there = threads_at_hand(wanted);
+  static std::atomic<bool> told{false};
+  if (there < wanted && !told.exchange(true))
+    say("warning: {} of {} threads are used: the limit of memory (ulimit -v), of processes (ulimit -u) or of "
+        "a container allows no more\n",
+        there, wanted);
+  return there;
+}
+
+}  // namespace
+
 ThreadLimit::ThreadLimit(int threads)
-    : threads_(threads > 0 ? threads : tbb::info::default_concurrency()),
+    : threads_(threads_that_start(threads > 0 ? threads : tbb::info::default_concurrency())),
       control_(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads_)) {}
 
 void print_warnings(const std::vector<std::string>& warnings, bool quiet) {

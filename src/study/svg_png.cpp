@@ -10,17 +10,20 @@
 #include <new>
 
 #include "files/checked_file.hpp"
+#include "files/threads_at_hand.hpp"
 
 namespace tubefoot {
 namespace {
 
 /// GLib ends the program where it is refused memory, or a thread for a font. Throws std::bad_alloc where
-/// there are not the addresses that it may come to take.
+/// there are not the addresses that it may come to take, and std::system_error where no thread can be
+/// started.
 void require_room_for_fonts() {
   constexpr std::size_t bytes = std::size_t{256} << 20;
   void* const room = mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (room == MAP_FAILED) throw std::bad_alloc();
   munmap(room, bytes);
+  require_threads(4);  // Pango looks for fonts with several at once
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <new>
 #include <string_view>
 #include <system_error>
 
@@ -75,6 +76,8 @@ double own_memory() {
   try {
     const std::string bytes = work();
     sent = send(to, "+") && send(to, bytes);
+  } catch (const std::bad_alloc&) {
+    sent = send(to, "-") && send(to, "it takes more memory than its size explains, or than is at hand");
   } catch (const std::exception& error) {
     sent = send(to, "-") && send(to, error.what());
   } catch (const Interrupted&) {

@@ -133,6 +133,10 @@ class ModelReader {
                           seconds + seconds_a_byte * total_,
                           std::min(memory_at_hand(), 1e9 + 20 * memory_a_byte * total_));
     } catch (const std::system_error& error) {
+      // Of the machine, not of the file.
+      if (error.code() == std::errc::resource_unavailable_try_again ||
+          error.code() == std::errc::not_enough_memory)
+        throw;
       fail(fmt::format("cannot be read: {}", error.what()));
     }
     const std::string format(name_of(format_));

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Where memory or threads run out, the program says so in its own words, or goes on with the threads there
+// are.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "fixtures/program.hpp"
+#include "fixtures/scene_texts.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AnyOf;
+using testing::HasSubstr;
+using testing::Not;
+
+/// Ended of itself: done, or with a message of the program's own.
+void expect_done_or_told(const Outcome& outcome) {
+  EXPECT_EQ(outcome.signal, 0) << outcome.err;
+  EXPECT_THAT(outcome.exit_code, AnyOf(0, 1)) << outcome.err;
+  if (outcome.exit_code == 1) {
+    EXPECT_THAT(outcome.err, AnyOf(HasSubstr("memory"), HasSubstr("no thread can be started")));
+  }
+  for (const char* words : {"std::", "what()", "terminate", "Resource temporarily", "pthread_create"})
+    EXPECT_THAT(outcome.err, Not(HasSubstr(words)));
+}
+
+struct Exhaustion : testing::Test {
+  TestFolder folder;
+  const fs::path scene = folder.write("scene.toml", small_scene);
+  Exhaustion() { folder.write("thing.obj", tetrahedron); }
+  /// Names and bytes of all files but stats.json, which tells the seconds and the threads.
+  std::map<std::string, std::string> contents(const std::string& output) const {
+    std::map<std::string, std::string> all;
+    for (const std::string& name : names_below(folder / output))
+      if (name != "stats.json") all[name] = bytes_of(folder / output / name);
+    return all;
+  }
+  std::vector<std::string> run_words(const std::string& output) const {
+    return {"run", scene.string(), "-o", (folder / output).string(), "--threads", "4"};
+  }
+};
+
+// The libraries take 456 MB of addresses when they are loaded, and 63 MB more in their initializers.
+TEST_F(Exhaustion, OfAddressesIsToldBeforeAnyLibraryFails) {
+#ifdef TUBEFOOT_SANITIZED
+  GTEST_SKIP() << "sanitizers set aside terabytes of addresses";
+#endif
+  constexpr int not_loaded = 127;
+  int told = 0, done = 0;
+  for (std::size_t megabytes = 300; megabytes <= 900 && done < 5; megabytes += 10) {
+    SCOPED_TRACE(megabytes);
+    Surroundings meagre;
+    meagre.largest_memory_bytes = megabytes << 20;
+    const Outcome outcome = run_program({"--version"}, meagre);
+    if (outcome.exit_code == not_loaded) continue;  // in the words of the loader
+    expect_done_or_told(outcome);
+    ++(outcome.exit_code == 0 ? done : told);
+  }
+  EXPECT_GT(told, 5);
+  EXPECT_EQ(done, 5);
+}
+
+TEST_F(Exhaustion, OfAddressesIsToldByEveryCommand) {
+#ifdef TUBEFOOT_SANITIZED
+  GTEST_SKIP() << "sanitizers set aside terabytes of addresses";
+#endif
+  int done = 0;
+  for (std::size_t megabytes = 480; megabytes <= 1000; megabytes += 40)
+    for (const std::vector<std::string>& words :
+         {run_words(fmt::format("out-{}", megabytes)), std::vector<std::string>{"check", scene.string()}}) {
+      SCOPED_TRACE(fmt::format("{} with {} MB", words[0], megabytes));
+      Surroundings meagre;
+      meagre.largest_memory_bytes = megabytes << 20;
+      const Outcome outcome = run_program(words, meagre);
+      expect_done_or_told(outcome);
+      if (outcome.exit_code == 0) ++done;
+      if (outcome.exit_code != 0) {
+        EXPECT_FALSE(fs::exists(folder / fmt::format("out-{}", megabytes)));
+      }
+    }
+  EXPECT_GT(done, 0);
+}
+
+TEST_F(Exhaustion, OfThreadsLeavesARunWithThoseThereAre) {
+  ASSERT_EQ(run_program(run_words("whole")).exit_code, 0);
+  const auto whole = contents("whole");
+  int done = 0, fewer = 0;
+  for (int most = 0; most <= 12; ++most) {
+    SCOPED_TRACE(most);
+    Surroundings few;
+    few.before = {"/usr/bin/env", std::string("LD_PRELOAD=") + TUBEFOOT_FEW_THREADS,
+                  fmt::format("TUBEFOOT_MOST_THREADS={}", most)};
+    const std::string output = fmt::format("out-{}", most);
+    const Outcome outcome = run_program(run_words(output), few);
+    expect_done_or_told(outcome);
+    if (outcome.exit_code != 0) continue;
+    ++done;
+    if (outcome.err.find("of 4 threads are used") != std::string::npos) ++fewer;
+    EXPECT_EQ(contents(output), whole);
+  }
+  EXPECT_GT(done, 4);
+  EXPECT_GT(fewer, 0);
+}
+
+}  // namespace
+}  // namespace tubefoot
