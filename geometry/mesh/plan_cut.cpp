@@ -1,23 +1,31 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "geometry/mesh/plan_cut.hpp"
 
-// Crossings of crossings are rare here, so the plain triangulation will do; it would print a warning.
-#define CGAL_NO_CDT_2_WARNING
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Spatial_sort_traits_adapter_2.h>
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
+#include <CGAL/property_map.h>
+#include <CGAL/spatial_sort.h>
+#include <fmt/core.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
+#include <atomic>
 #include <bit>
 #include <glm/common.hpp>
 #include <limits>
+#include <map>
+#include <numeric>
 #include <stdexcept>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
+#include "geometry/mesh/near_segments.hpp"
 #include "geometry/mesh/segment_bins.hpp"
-#include "geometry/steps/stop.hpp"
+#include "geometry/steps/steps.hpp"
 
 namespace tubefoot {
 namespace {
@@ -25,12 +33,12 @@ namespace {
 using Signs = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Kernel = CGAL::Exact_predicates_exact_constructions_kernel;
 using Exact = CGAL::Epeck_ft;
-constexpr int outside = -1, unnumbered = -2;
+constexpr int unnumbered = -1;
 using Vertex = CGAL::Triangulation_vertex_base_with_info_2<int, Kernel>;
 using Face = CGAL::Constrained_triangulation_face_base_2<Kernel>;
 using Cdt =
     CGAL::Constrained_Delaunay_triangulation_2<Kernel, CGAL::Triangulation_data_structure_2<Vertex, Face>,
-                                               CGAL::Exact_intersections_tag>;
+                                               CGAL::Exact_predicates_tag>;
 
 struct Facet {
   std::uint32_t id = 0;
@@ -82,32 +90,169 @@ class PlaneHeight {
   Exact all_;
 };
 
-Parts cut(const Facet& facet, std::span<const PlanSegment> segments, const std::vector<std::uint32_t>& met) {
-  std::vector<Kernel::Point_2> points;
-  std::vector<std::pair<std::size_t, std::size_t>> constraints{{0, 1}, {1, 2}, {2, 0}};
-  for (const glm::dvec3& corner : facet.corners) points.emplace_back(corner.x, corner.y);
-  for (const std::uint32_t k : met) {
-    constraints.emplace_back(points.size(), points.size() + 1);
-    points.emplace_back(segments[k].a.x, segments[k].a.y);
-    points.emplace_back(segments[k].b.x, segments[k].b.y);
+/// The edges of a facet and the segments that meet it, with all points in which they meet each other. Every
+/// point is a corner, an end, or computed from the two segments alone.
+class Crossings {
+ public:
+  /// Of a facet and of `segments`. `crossed` counts what crosses in any facet.
+  Crossings(const Facet& facet, std::span<const PlanSegment> segments, const std::vector<std::uint32_t>& met,
+            std::atomic<std::size_t>& crossed)
+      : facet_(facet), crossed_(crossed), most_crossed_(crossings_allowed(segments.size())) {
+    for (unsigned k = 0; k < 3; ++k) lines_.push_back({facet.corners[k], facet.corners[(k + 1) % 3]});
+    for (const std::uint32_t k : met) lines_.push_back(segments[k]);
+    on_.resize(lines_.size());
+    for (std::uint32_t k = 0; k < lines_.size(); ++k) {
+      add_end(lines_[k].a, k);
+      add_end(lines_[k].b, k);
+    }
+    for_each_near_pair(lines_, [&](std::uint32_t i, std::uint32_t j) { meet(i, j); });
   }
-  const std::array<Kernel::Point_2, 3> corner{points[0], points[1], points[2]};
+
+  const std::vector<Kernel::Point_2>& points() const { return points_; }
+  std::uint32_t corner(unsigned k) const {
+    const glm::dvec3& p = facet_.corners[k];
+    return number_.at({p.x + 0.0, p.y + 0.0});
+  }
+  std::size_t lines() const { return lines_.size(); }
+  /// The points on a line, from its one end to the other; points of equal places may follow each other.
+  std::vector<std::uint32_t> along(std::size_t line) {
+    std::vector<std::uint32_t>& on = on_[line];
+    const glm::dvec2 way = lines_[line].b - lines_[line].a;
+    // Both coordinates go one way along a line: the points lie in their order.
+    std::ranges::sort(on, [&](std::uint32_t p, std::uint32_t q) {
+      const CGAL::Comparison_result x = CGAL::compare_x(points_[p], points_[q]);
+      if (x != CGAL::EQUAL) return (x == CGAL::SMALLER) == (way.x > 0);
+      const CGAL::Comparison_result y = CGAL::compare_y(points_[p], points_[q]);
+      return y != CGAL::EQUAL && (y == CGAL::SMALLER) == (way.y > 0);
+    });
+    return on;
+  }
+
+ private:
+  bool is_in_facet(glm::dvec2 p) const {
+    for (unsigned k = 0; k < 3; ++k)
+      if (turn(facet_.corners[k], facet_.corners[(k + 1) % 3], p) == CGAL::RIGHT_TURN) return false;
+    return true;
+  }
+  bool is_in_facet(const Kernel::Point_2& p) const {
+    for (unsigned k = 0; k < 3; ++k) {
+      const glm::dvec2 a = facet_.corners[k], b = facet_.corners[(k + 1) % 3];
+      if (CGAL::orientation(Kernel::Point_2(a.x, a.y), Kernel::Point_2(b.x, b.y), p) == CGAL::RIGHT_TURN)
+        return false;
+    }
+    return true;
+  }
+  void add_end(glm::dvec2 p, std::uint32_t line) {
+    if (!is_in_facet(p)) return;
+    const auto [known, is_new] =
+        number_.try_emplace({p.x + 0.0, p.y + 0.0}, static_cast<std::uint32_t>(points_.size()));
+    if (is_new) points_.emplace_back(p.x, p.y);
+    if (on_[line].empty() || on_[line].back() != known->second) on_[line].push_back(known->second);
+  }
+  static bool is_between(glm::dvec2 a, glm::dvec2 p, glm::dvec2 b) {
+    return std::min(a.x, b.x) <= p.x && p.x <= std::max(a.x, b.x) && std::min(a.y, b.y) <= p.y &&
+           p.y <= std::max(a.y, b.y);
+  }
+
+  void meet(std::uint32_t i, std::uint32_t j) {
+    const PlanSegment &s = lines_[i], &t = lines_[j];
+    const CGAL::Orientation a = turn(t.a, t.b, s.a), b = turn(t.a, t.b, s.b);
+    if (a == b && a != CGAL::COLLINEAR) return;
+    const CGAL::Orientation c = turn(s.a, s.b, t.a), d = turn(s.a, s.b, t.b);
+    if (c == d && c != CGAL::COLLINEAR) return;
+    if (!pairs_.insert(std::uint64_t{i} << 32 | j).second) return;
+    if (a != CGAL::COLLINEAR && b != CGAL::COLLINEAR && c != CGAL::COLLINEAR && d != CGAL::COLLINEAR)
+      return cross(i, j);
+    // An end of one lies on the other.
+    if (a == CGAL::COLLINEAR && is_between(t.a, s.a, t.b)) add_end(s.a, j);
+    if (b == CGAL::COLLINEAR && is_between(t.a, s.b, t.b)) add_end(s.b, j);
+    if (c == CGAL::COLLINEAR && is_between(s.a, t.a, s.b)) add_end(t.a, i);
+    if (d == CGAL::COLLINEAR && is_between(s.a, t.b, s.b)) add_end(t.b, i);
+  }
+
+  void cross(std::uint32_t i, std::uint32_t j) {
+    const auto line = [](const PlanSegment& s) {
+      return Kernel::Line_2(Kernel::Point_2(s.a.x, s.a.y), Kernel::Point_2(s.b.x, s.b.y));
+    };
+    const auto met = CGAL::intersection(line(lines_[i]), line(lines_[j]));
+    const auto* point = met ? boost::get<Kernel::Point_2>(&*met) : nullptr;
+    if (point == nullptr) return;  // not of lines that cross
+    // Edges of the facet (the first three) hold what lies on them.
+    if (i >= 3 && !is_in_facet(*point)) return;
+    if (i >= 3 && ++crossed_ > most_crossed_)
+      throw std::length_error(
+          fmt::format("the borders cross each other more than {} times: dissolve the polygons that overlap, "
+                      "or simplify them",
+                      most_crossed_));
+    on_[i].push_back(static_cast<std::uint32_t>(points_.size()));
+    on_[j].push_back(static_cast<std::uint32_t>(points_.size()));
+    points_.push_back(*point);
+  }
+
+  const Facet& facet_;
+  std::atomic<std::size_t>& crossed_;
+  std::size_t most_crossed_;
+  std::vector<PlanSegment> lines_;
+  std::vector<Kernel::Point_2> points_;
+  std::vector<std::vector<std::uint32_t>> on_;  ///< by line: its points
+  std::map<std::pair<double, double>, std::uint32_t> number_;
+  std::unordered_set<std::uint64_t> pairs_;
+};
+
+/// Points of the plan in an order in which neighbours follow each other.
+std::vector<std::size_t> spatial_order(const std::vector<Kernel::Point_2>& points) {
+  std::vector<Signs::Point_2> near;
+  near.reserve(points.size());
+  for (const Kernel::Point_2& p : points) near.emplace_back(CGAL::to_double(p.x()), CGAL::to_double(p.y()));
+  std::vector<std::size_t> order(points.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  using Map = CGAL::Pointer_property_map<Signs::Point_2>::type;
+  CGAL::spatial_sort(order.begin(), order.end(),
+                     CGAL::Spatial_sort_traits_adapter_2<Signs, Map>(CGAL::make_property_map(near)));
+  return order;
+}
+
+std::vector<std::size_t> shuffled(std::size_t count) {
+  std::vector<std::size_t> order(count);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::uint64_t state = 1;
+  for (std::size_t k = count; k > 1; --k) {
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    std::swap(order[k - 1], order[(state >> 33) % k]);
+  }
+  return order;
+}
+
+Parts cut(const Facet& facet, std::span<const PlanSegment> segments, const std::vector<std::uint32_t>& met,
+          std::atomic<std::size_t>& crossed) {
+  Crossings crossings(facet, segments, met, crossed);
+  const std::vector<Kernel::Point_2>& points = crossings.points();
+  // All points first: with them in place, what is constrained afterwards joins neighbours.
   Cdt cdt;
-  cdt.insert_constraints(points.begin(), points.end(), constraints.begin(), constraints.end());
+  std::vector<Cdt::Vertex_handle> vertex(points.size());
+  Cdt::Face_handle beside;
+  for (const std::size_t k : spatial_order(points)) {
+    stop_if_wanted();
+    vertex[k] = cdt.insert(points[k], beside);
+    vertex[k]->info() = unnumbered;
+    beside = vertex[k]->face();
+  }
+  // In no order of their own: each then meets few of the edges that those before it have left.
+  for (const std::size_t line : shuffled(crossings.lines())) {
+    stop_if_wanted();
+    const std::vector<std::uint32_t> along = crossings.along(line);
+    for (std::size_t k = 1; k < along.size(); ++k)
+      if (vertex[along[k - 1]] != vertex[along[k]])
+        cdt.insert_constraint(vertex[along[k - 1]], vertex[along[k]]);
+  }
 
   Parts parts;
   parts.points.assign(facet.corners.begin(), facet.corners.end());
   const PlaneHeight height(facet.corners);
+  for (unsigned k = 0; k < 3; ++k) vertex[crossings.corner(k)]->info() = static_cast<int>(k);
   for (auto v = cdt.finite_vertices_begin(); v != cdt.finite_vertices_end(); ++v) {
-    v->info() = unnumbered;
-    for (unsigned k = 0; k < 3; ++k) {
-      if (v->point() == corner[k]) v->info() = static_cast<int>(k);
-      if (CGAL::orientation(corner[k], corner[(k + 1) % 3], v->point()) == CGAL::RIGHT_TURN) {
-        v->info() = outside;
-        break;
-      }
-    }
     if (v->info() != unnumbered) continue;
+    stop_if_wanted();
     v->info() = static_cast<int>(parts.points.size());
     // An exact number's double does not depend on how the number was come by; that of a lazy one does.
     const Kernel::FT lazy_x = v->point().x(), lazy_y = v->point().y();
@@ -116,12 +261,8 @@ Parts cut(const Facet& facet, std::span<const PlanSegment> segments, const std::
   }
   for (auto f = cdt.finite_faces_begin(); f != cdt.finite_faces_end(); ++f) {
     std::array<std::uint32_t, 3> triangle{};
-    bool inside = true;
-    for (int k = 0; k < 3; ++k) {
-      inside = inside && f->vertex(k)->info() != outside;
+    for (int k = 0; k < 3; ++k)
       triangle[static_cast<unsigned>(k)] = static_cast<std::uint32_t>(f->vertex(k)->info());
-    }
-    if (!inside) continue;
     if (facet.turned) std::swap(triangle[1], triangle[2]);
     parts.triangles.push_back(triangle);
   }
@@ -170,9 +311,11 @@ PlanCut cut_in_plan(std::vector<glm::dvec3>& points,
     met.push_back(near);
   }
   std::vector<Parts> parts(met_facets.size());
+  std::atomic<std::size_t> crossed{0};
+  Steps steps("facets cut", parts.size());
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t k) {
-    stop_if_wanted();
-    parts[k] = cut(met_facets[k], segments, met[k]);
+    parts[k] = cut(met_facets[k], segments, met[k], crossed);
+    steps.done();
   });
 
   PlanCut result;

@@ -10,10 +10,18 @@
 
 namespace tubefoot {
 
+/// How often segments may cross each other: each crossing takes some 60 us and becomes a vertex. One more is
+/// allowed for so many segments.
+inline constexpr std::size_t most_plan_crossings = 50'000, segments_per_crossing = 8;
+
 /// A line on a chart: x east, y north.
 struct PlanSegment {
   glm::dvec2 a, b;
 };
+
+constexpr std::size_t crossings_allowed(std::size_t segments) {
+  return most_plan_crossings + segments / segments_per_crossing;
+}
 
 /// A mesh of which every facet lies on one side of every segment.
 struct PlanCut {
@@ -30,7 +38,8 @@ struct PlanCut {
 /// appended to `points`; the height of each is that of the facet's plane.
 ///
 /// Throws std::domain_error where a segment meets a facet that stands vertical (seen from above it has no
-/// inside), std::length_error for more than 2^31 parts or vertices.
+/// inside), std::length_error for more than 2^31 parts or vertices, or if segments cross each other more than
+/// crossings_allowed() times on the mesh.
 ///
 /// Law U1 (sides): every part lies on one side of every segment, and the parts of a facet fill it.
 /// Law U2 (sheet): a mesh without T-junctions stays one.

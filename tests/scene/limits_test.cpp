@@ -15,6 +15,7 @@
 #include "engine/relief/spectral_relief.hpp"
 #include "files/csv_file.hpp"
 #include "files/memory_at_hand.hpp"
+#include "geometry/mesh/plan_cut.hpp"
 #include "scene/beds/material_map.hpp"
 
 namespace tubefoot {
@@ -41,6 +42,8 @@ TEST(Limits, AreThoseOfTheirPage) {
   row("facets of one primitive", static_cast<std::int64_t>(limits::primitive_facets));
   row("nodes of a relief's tile, along a side", kMostNodes);
   row("pieces of borders of a material map", most_material_borders);
+  row("crossings of borders of a material map on a terrain",
+      fmt::format("{}, and one more per {} pieces of borders", most_plan_crossings, segments_per_crossing));
   row("patches of a material map", most_material_patches);
   row("beams times samples of a ping", limits::ping_cells);
   row("pings times cycles of a sensor", limits::sensor_shots);

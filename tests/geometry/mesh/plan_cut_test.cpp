@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <random>
 #include <set>
 #include <stdexcept>
 
+#include "fixtures/processor_time.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
 #include "geometry/mesh/voronoi.hpp"
 
@@ -292,6 +294,57 @@ TEST(PlanCut, ManyLinesInOneFacet) {
   expect_no_part_entered(parts, fan, 1);
   // 199 lines and the diagonal: the corners of all strips, cut by the diagonal.
   EXPECT_EQ(parts.points.size(), 4u + 3 * 199);
+}
+
+/// Regular polygons about random places of the unit square.
+std::vector<PlanSegment> overlapping(std::size_t polygons, int corners, double largest) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> anywhere(0, 1), size(0.2 * largest, largest);
+  std::vector<PlanSegment> segments;
+  for (std::size_t k = 0; k < polygons; ++k) {
+    const glm::dvec2 middle(anywhere(random), anywhere(random));
+    const double radius = size(random), turned = anywhere(random);
+    const auto corner = [&](int i) {
+      const double angle = 2 * std::numbers::pi * (i % corners + turned) / corners;
+      return middle + radius * glm::dvec2(std::cos(angle), std::sin(angle));
+    };
+    for (int i = 0; i < corners; ++i) segments.push_back({corner(i), corner(i + 1)});
+  }
+  return segments;
+}
+
+TEST(PlanCut, PolygonsThatOverlapEndInTime) {
+  const std::vector<PlanSegment> some = overlapping(60, 7, 0.3);
+  expect_no_part_entered(expect_lawful(unit_square(), some, 1), some, 1);
+  Mesh square = unit_square();
+  const std::vector<PlanSegment> many = overlapping(400, 4, 0.2);
+  EXPECT_LT(processor_seconds([&] { cut_in_plan(square.points, square.triangles, many); }), hostile_input_s);
+  EXPECT_GT(square.points.size(), 10'000u);
+}
+
+// Thousands of lines that cross each other become millions of parts.
+TEST(PlanCut, SegmentsThatCrossTooOftenAreRefused) {
+  Mesh square = unit_square();
+  const std::vector<PlanSegment> many = overlapping(800, 40, 1);
+  const double seconds = processor_seconds(
+      [&] { EXPECT_THROW(cut_in_plan(square.points, square.triangles, many), std::length_error); });
+  EXPECT_LT(seconds, hostile_input_s);
+}
+
+TEST(PlanCut, ACombOfLongTeethEndsInTime) {
+  std::vector<PlanSegment> comb;
+  constexpr int teeth = 2500;
+  for (int k = 0; k < teeth; ++k) {
+    const double left = (k + 0.25) / teeth, right = (k + 0.75) / teeth, next = (k + 1.25) / teeth;
+    comb.push_back({{left, 0.1}, {left, 0.9}});
+    comb.push_back({{left, 0.9}, {right, 0.9}});
+    comb.push_back({{right, 0.9}, {right, 0.1}});
+    if (k + 1 < teeth) comb.push_back({{right, 0.1}, {next, 0.1}});
+  }
+  Mesh square = unit_square();
+  EXPECT_LT(processor_seconds([&] { cut_in_plan(square.points, square.triangles, comb); }), hostile_input_s);
+  // Four corners a tooth, and where the diagonal crosses most of them.
+  EXPECT_GT(square.points.size(), 5u * teeth);
 }
 
 // Law U3.
