@@ -348,7 +348,7 @@ FacetCoverage Coverage::facet(std::size_t number) const {
     if (key.second) shadow.push_back(area);
   }
   const Fraction total = sum(all);
-  result.closes = total.numerator == whole * total.denominator;
+  result.closes = total.numerator == product(whole, total.denominator);
   std::uint32_t most = 0, most_in_shadow = 0;
   for (const CoverageCell& cell : overlay.cells) {
     most = std::max(most, cell.pings);

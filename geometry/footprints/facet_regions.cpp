@@ -246,6 +246,7 @@ LinePolygon FacetRegions::seen(const Aspect& from, std::uint32_t tube, std::uint
 }
 
 LinePolygon FacetRegions::within(const Aspect& from, std::uint32_t tube) {
+  stop_if_wanted();
   const TubeSet& tubes = from.end->tubes;
   const Tube& rays = tubes.tubes[tube];
   thread_local std::vector<int> sides;

@@ -1,36 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "geometry/footprints/line_areas.hpp"
 
-#include <cmath>
+#include <utility>
+#include <vector>
 
 namespace tubefoot {
-namespace {
-
-Fraction sum_of(const std::vector<Fraction>& terms, std::size_t begin, std::size_t end) {
-  if (begin == end) return {};
-  if (end - begin == 1) return terms[begin];
-  const std::size_t middle = begin + (end - begin) / 2;
-  const Fraction a = sum_of(terms, begin, middle), b = sum_of(terms, middle, end);
-  if (a.denominator == b.denominator) return {a.numerator + b.numerator, a.denominator};
-  return {a.numerator * b.denominator + b.numerator * a.denominator, a.denominator * b.denominator};
-}
-
-/// Numerator and denominator scaled to what a double holds.
-double ratio(const Integer& numerator, const Integer& denominator) {
-  long top = 0, bottom = 0;
-  const double n = mpz_get_d_2exp(&top, numerator.backend().data());
-  const double d = mpz_get_d_2exp(&bottom, denominator.backend().data());
-  return std::ldexp(n / d, static_cast<int>(top - bottom));
-}
-
-}  // namespace
-
-Fraction sum(const std::vector<Fraction>& terms) { return sum_of(terms, 0, terms.size()); }
-
-bool equal(const Fraction& a, const Fraction& b) {
-  return a.numerator * b.denominator == b.numerator * a.denominator;
-}
-
 Integer integer(const HugeInt& x) {
   Integer z;
   const auto& limbs = x.backend();
@@ -63,15 +37,8 @@ Fraction double_area(const LinePolygon& polygon) {
 }
 
 ExactShare share_of(const Fraction& area, const Integer& whole) {
-  Integer p = area.numerator, q = area.denominator * whole;
-  if (q < 0) {
-    p = -p;
-    q = -q;
-  }
-  const Integer common = gcd(p, q);
-  p /= common;
-  q /= common;
-  return {ratio(p, q), q == 1 ? p.str() : p.str() + "/" + q.str()};
+  const auto [p, q] = reduced({area.numerator, product(area.denominator, whole)});
+  return {ratio(p, q), q == 1 ? digits_of(p) : digits_of(p) + "/" + digits_of(q)};
 }
 
 }  // namespace tubefoot

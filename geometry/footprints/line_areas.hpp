@@ -1,25 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <boost/multiprecision/gmp.hpp>
 #include <string>
-#include <vector>
 
+#include "geometry/arithmetic/long_integers.hpp"
 #include "geometry/footprints/plane_lines.hpp"
 
 // Areas of polygons of lines as rationals. Heavy: include only in .cpp files.
 namespace tubefoot {
-
-using Integer = boost::multiprecision::mpz_int;
-
-/// Not reduced: a sum of many costs products, not greatest common divisors.
-struct Fraction {
-  Integer numerator = 0, denominator = 1;
-};
-
-/// As a balanced tree.
-Fraction sum(const std::vector<Fraction>& terms);
-bool equal(const Fraction& a, const Fraction& b);
 
 Integer integer(const HugeInt& x);
 

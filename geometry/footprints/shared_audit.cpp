@@ -110,10 +110,9 @@ SharedAudit FootprintSharer::audit(std::size_t number, std::uint64_t label) cons
     hasher.add(label);
     hasher.add(mesh_, on.from_transmitter.id, transmit_.tubes.apex);
     hasher.add(images_ ? *receive_.mesh : mesh_, on.from_receiver.id, receive_.tubes.apex);
-    Integer numerator = common.numerator, denominator = common.denominator * whole;
-    const Integer divisor = gcd(numerator, denominator);
-    hasher.add(Integer(abs(numerator) / divisor));
-    hasher.add(Integer(abs(denominator) / divisor));
+    const Fraction share = reduced({common.numerator, product(common.denominator, whole)});
+    hasher.add(Integer(abs(share.numerator)));
+    hasher.add(share.denominator);
     result.hash = hasher.get();
   }
   return result;

@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "geometry/arithmetic/long_integers.hpp"
 #include "geometry/steps/stop.hpp"
 #include "geometry/visibility/exact_direction.hpp"
 #include "geometry/visibility/topology_hasher.hpp"
@@ -14,30 +15,15 @@ namespace tubefoot {
 namespace {
 
 using Rational = CGAL::Exact_rational;
-using Integer = boost::multiprecision::mpz_int;
+Fraction fraction_of(const Rational& x) { return {numerator(x), denominator(x)}; }
 
-/// A sum of many fractions whose denominators have nothing in common would spend its time in greatest common
-/// divisors. As a balanced tree of unreduced fractions it costs only products.
-struct Fraction {
-  Integer numerator, denominator;
-};
-
-Fraction sum(const std::vector<Rational>& terms, std::size_t begin, std::size_t end) {
-  if (begin == end) return {0, 1};
-  if (end - begin == 1) return {numerator(terms[begin]), denominator(terms[begin])};
-  stop_if_wanted();
-  const std::size_t middle = begin + (end - begin) / 2;
-  const Fraction a = sum(terms, begin, middle), b = sum(terms, middle, end);
-  return {a.numerator * b.denominator + b.numerator * a.denominator, a.denominator * b.denominator};
-}
-
-TopologyHash hash_of(const FacetMesh& mesh, GridPoint apex, FacetId facet, const Rational& area,
+TopologyHash hash_of(const FacetMesh& mesh, GridPoint apex, FacetId facet, const Fraction& area,
                      std::uint64_t label) {
   TopologyHasher hasher;
   hasher.add(label);
   hasher.add(mesh, facet, apex);
-  hasher.add(Integer(numerator(area)));
-  hasher.add(Integer(denominator(area)));
+  hasher.add(area.numerator);
+  hasher.add(area.denominator);
   return hasher.get();
 }
 
@@ -63,24 +49,29 @@ TubeAudit audit(const FacetMesh& mesh, const TubeSet& tubes, std::uint32_t tube,
 
   TubeAudit result;
   result.pieces = seen.pieces.size();
-  std::vector<Rational> areas;
+  // A sum of many fractions whose denominators have nothing in common would spend its time in greatest common
+  // divisors. As a balanced tree of unreduced fractions it costs only products.
+  std::vector<Fraction> areas, of_facet;
   for (std::size_t k = 0; k < seen.pieces.size();) {
     const FacetId facet = seen.pieces[k].facet;
-    Rational area = 0;
-    for (; k < seen.pieces.size() && seen.pieces[k].facet == facet; ++k) area += area_of(seen.pieces[k]);
-    result.hash += hash_of(mesh, tubes.apex, facet, area, label);
-    areas.push_back(std::move(area));
+    of_facet.clear();
+    for (; k < seen.pieces.size() && seen.pieces[k].facet == facet; ++k)
+      of_facet.push_back(fraction_of(area_of(seen.pieces[k])));
+    areas.push_back(of_facet.size() == 1 ? of_facet.front() : reduced(sum(of_facet)));
+    result.hash += hash_of(mesh, tubes.apex, facet, areas.back(), label);
     ++result.facets;
   }
   const std::size_t visible = areas.size();
-  for (const NamedPiece& piece : seen.open) areas.push_back(area_of(piece));
+  for (const NamedPiece& piece : seen.open) areas.push_back(fraction_of(area_of(piece)));
 
-  const Fraction total = sum(areas, 0, areas.size());
-  const Integer left = total.numerator * denominator(whole), right = numerator(whole) * total.denominator;
+  const Fraction total = sum(areas);
+  const Integer left = product(total.numerator, denominator(whole)),
+                right = product(numerator(whole), total.denominator);
   result.closes = cones && left == right;
-  result.defect = left == right ? 0 : Rational(Rational(left - right) / Rational(right)).convert_to<double>();
+  result.defect = left == right ? 0 : ratio(left - right, right);
   for (std::size_t k = 0; k < visible; ++k)
-    result.covered_fraction += Rational(areas[k] / whole).convert_to<double>();
+    result.covered_fraction += ratio(product(areas[k].numerator, denominator(whole)),
+                                     product(areas[k].denominator, numerator(whole)));
   return result;
 }
 

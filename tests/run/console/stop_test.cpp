@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <optional>
 #include <regex>
 
 #include "fixtures/program.hpp"
@@ -122,6 +123,46 @@ TEST_F(Stop, CoverageInTheMiddleOfAShot) {
   expect_stopped(run_program({"coverage", scene.string(), "--arithmetic", "rational", "--threads", "1", "-o",
                               (folder / "coverage.csv").string()},
                              stopped_once_said("shots 0/1; tubes [0-9]+/[0-9]+")));
+}
+
+// Each of 40 pings sees two facets in 48 tubes. A few seconds go into cutting, and ten times as many into
+// sums of areas, numbers of many million bits.
+TEST_F(Stop, CoverageInTheMiddleOfAFacet) {
+  scene = folder.write("scene.toml", R"(title = "Two facets"
+[[materials]]
+name = "rock"
+[[terrain]]
+kind = "flat"
+width_m = 60
+length_m = 60
+[trajectory]
+kind = "line"
+start_m = [0.3, -25, 7]
+end_m = [0.9, 25, 7.5]
+[[sensors]]
+name = "camera"
+kind = "didson"
+beams = 48
+horizontal_deg = 28
+tilt_deg = 35
+window_start_m = 5
+window_length_m = 20
+samples = 64
+pings = 40
+ping_interval_s = 0.5
+)");
+  for (const std::chrono::seconds later : {std::chrono::seconds(3), std::chrono::seconds(9)}) {
+    Surroundings surroundings;
+    surroundings.signal = SIGTERM;
+    std::optional<Clock::time_point> said;
+    surroundings.interrupt_once_said = [&said, later](const std::string& err) {
+      if (!said && err.find("facets 1/2") != std::string::npos) said = Clock::now();
+      return said && Clock::now() >= *said + later;
+    };
+    expect_stopped(
+        run_program({"coverage", scene.string(), "--threads", "1", "-o", (folder / "coverage.csv").string()},
+                    surroundings));
+  }
 }
 
 TEST_F(Stop, LoadingInItsMiddle) {
