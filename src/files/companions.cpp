@@ -12,6 +12,7 @@
 
 #include "files/absolute_path.hpp"
 #include "files/file_format.hpp"
+#include "files/geojson_file.hpp"
 #include "files/geopackage_file.hpp"
 #include "files/gltf_file.hpp"
 #include "files/hdf5_file.hpp"
@@ -58,10 +59,12 @@ class Companions {
     const SourcePlace place{file.string(), 0, 0};
     switch (format) {
       case FileFormat::other:
-      case FileFormat::geojson:
       case FileFormat::collada:
       case FileFormat::studio_3ds:
       case FileFormat::fbx:
+        return 1;
+      case FileFormat::geojson:
+        refuse_many_attributes(file);
         return 1;
       case FileFormat::gltf:
       case FileFormat::gltf_binary:

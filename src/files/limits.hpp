@@ -23,6 +23,13 @@ inline constexpr double cells = 50e6;
 inline constexpr double tiled_cells = 2e9;
 /// Of one primitive.
 inline constexpr double primitive_facets = 20e6;
+/// Vertices, corners and values of morph targets that a model reads or places by naming what it holds again
+/// (instances of a mesh, primitives of the same vertices): so many more than the model has bytes.
+inline constexpr std::uint64_t model_repeated = 5'000'000;
+/// Of the nodes of a model, one in another.
+inline constexpr std::size_t model_depth = 1000;
+/// Names of attributes of a vector map, and pairs of names that follow each other in a feature.
+inline constexpr std::size_t map_attributes = 1000, map_attribute_pairs = 8000;
 /// Of a raster as it is stored: any row takes whole blocks.
 inline constexpr std::int64_t block_bytes = std::int64_t{1} << 29;
 /// Beams times range samples of one ping.

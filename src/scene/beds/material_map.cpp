@@ -90,10 +90,10 @@ std::uint16_t MaterialMap::at(glm::dvec2 place_m) const {
 
 std::uint16_t material_named(const std::string& name, const std::vector<MaterialDescription>& materials,
                              const SourcePlace& place, const std::string& who) {
+  const auto found = std::ranges::find(materials, name, &MaterialDescription::name);
+  if (found != materials.end()) return static_cast<std::uint16_t>(found - materials.begin());
   std::vector<std::string> names;
   for (const MaterialDescription& material : materials) names.push_back(material.name);
-  const auto found = std::ranges::find(names, name);
-  if (found != names.end()) return static_cast<std::uint16_t>(found - names.begin());
   const std::string_view meant = nearest(name, names);
   throw InputError(place, fmt::format("{}there is no material named \"{}\": {}", who, name.substr(0, 200),
                                       meant.empty() ? "expected " + one_of(names, '"')

@@ -12,6 +12,7 @@
 #include <numeric>
 #include <random>
 
+#include "fixtures/processor_time.hpp"
 #include "fixtures/world/read_scenes.hpp"
 #include "geometry/search/vertical_line.hpp"
 #include "geometry/visibility/closure.hpp"
@@ -436,6 +437,76 @@ TEST_F(MaterialMaps, MistakesAreNamed) {
                 StartsWith("scene.toml:12:1: classes.asc: "))
         << bytes;
   }
+}
+
+// Each of these maps is small, and kept the program for minutes.
+TEST_F(MaterialMaps, PolygonsThatOverlapManyTimesAreRefusedInTime) {
+  std::mt19937 random(20261127);
+  std::uniform_real_distribution<double> x(-10, 10), y(-15, 15);
+  std::vector<std::pair<std::string, std::string>> rings;
+  for (int k = 0; k < 400; ++k) {
+    std::string ring = "[";  // a star of random corners about a random place
+    const double east = x(random), north = y(random);
+    std::string first;
+    for (int i = 0; i <= 40; ++i) {
+      const double angle = 2 * std::numbers::pi * i / 40, radius = i % 2 == 0 ? 9 : 3;
+      const std::string corner =
+          fmt::format("[{},{}]", east + radius * std::cos(angle), north + radius * std::sin(angle));
+      if (i == 0) first = corner;
+      ring += (i == 0 ? "" : ",") + (i == 40 ? first : corner);
+    }
+    rings.emplace_back(k % 2 == 0 ? "mud" : "gravel", ring + "]");
+  }
+  const std::string map = polygons(rings);
+  std::string error;
+  EXPECT_LT(processor_seconds([&] { error = error_of(map); }), hostile_input_s);
+  EXPECT_THAT(error, AllOf(StartsWith("scene.toml:11:1: "), HasSubstr("cross each other more than"),
+                           HasSubstr("dissolve")));
+}
+
+TEST_F(MaterialMaps, ACombOfFiveThousandPointsIsCutInTime) {
+  std::string ring = "[[-9,-14]";
+  constexpr int teeth = 1250;
+  for (int k = 0; k < teeth; ++k) {
+    const double left = -9 + 18.0 * k / teeth, right = left + 9.0 / teeth;
+    ring += fmt::format(",[{0},-13],[{0},13],[{1},13],[{1},-13]", left, right);
+  }
+  const std::string map = polygons({{"mud", ring + ",[9,-14],[-9,-14]]"}});
+  EXPECT_LT(processor_seconds([&] { EXPECT_NEAR(plan_areas(load(map))[mud], 18 * 1 + 9 * 26, 0.1); }),
+            hostile_input_s);
+}
+
+TEST_F(MaterialMaps, ThousandsOfAttributesAreRefusedInTime) {
+  const auto feature = [](const std::string& properties) {
+    return R"({"type":"Feature","properties":{"material":"mud")" + properties +
+           R"(},"geometry":{"type":"Polygon","coordinates":[[[0,0],[4,0],[4,4],[0,0]]]}})";
+  };
+  const auto told = [&](const std::string& features) {
+    const std::string map = polygons({{"mud", "[[0,0],[4,0],[4,4],[0,0]]"}});
+    folder_.write("areas.geojson", "{\"type\":\"FeatureCollection\",\n\"features\":[" + features + "]}");
+    std::string error;
+    EXPECT_LT(processor_seconds([&] { error = error_of(map); }), hostile_input_s);
+    return error;
+  };
+  std::string many, some;
+  for (int k = 0; k < 50'000; ++k) many += fmt::format(",\"a{}\":{}", k, k);
+  for (int k = 0; k < 900; ++k) some += fmt::format(",\"a{}\":{}", k, k);
+  EXPECT_EQ(told(feature(some) + "," + feature(some)), "");
+  EXPECT_THAT(told(feature(many)),
+              AllOf(HasSubstr("areas.geojson:2: has more than 1000 attributes"), HasSubstr("-select")));
+  EXPECT_THAT(told("/* \" */" + feature(many)), HasSubstr("more than 1000 attributes"));
+  // Fewer, but each feature names them in another order.
+  std::mt19937 random(1);
+  std::vector<int> order(300);
+  std::iota(order.begin(), order.end(), 0);
+  std::string features;
+  for (int k = 0; k < 300; ++k) {
+    std::shuffle(order.begin(), order.end(), random);
+    std::string properties;
+    for (const int i : order) properties += fmt::format(",\"a{}\":{}", i, i);
+    features += (k > 0 ? "," : "") + feature(properties);
+  }
+  EXPECT_THAT(told(features), HasSubstr("names its attributes in many orders"));
 }
 
 TEST_F(MaterialMaps, ManyClasses) {
