@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <memory>
 #include <tuple>
 
@@ -42,8 +43,10 @@ class Gathered {
  public:
   explicit Gathered(const fs::path& path) : place_{path.string(), 0, 0} {}
 
-  /// Throws MessageError for a message without a picture.
-  void add(const ros::Message& message, std::optional<double> recorded_s) {
+  /// `place`: among all messages, where they come in another order. Throws MessageError for a message without
+  /// a picture.
+  void add(const ros::Message& message, std::optional<double> recorded_s,
+           std::optional<std::size_t> place = {}) {
     ForeignFrame frame = frame_of(message, notices_);
     if (!frame.time_s) frame.time_s = recorded_s;
     constexpr double look_every = 64 << 20;
@@ -52,11 +55,7 @@ class Gathered {
       require_memory(bytes_, place_, "its pictures", "cut the recording with ros2 bag convert");
       looked_ = bytes_;
     }
-    if (!data_.frames.empty() &&
-        (data_.frames.front().rows != frame.rows || data_.frames.front().columns != frame.columns))
-      notices_.add("sizes", fmt::format("pictures differ in size: the first has {} x {}, another {} x {}",
-                                        data_.frames.front().rows, data_.frames.front().columns, frame.rows,
-                                        frame.columns));
+    places_.push_back(place.value_or(places_.size()));
     data_.frames.push_back(std::move(frame));
   }
 
@@ -64,6 +63,14 @@ class Gathered {
 
   ForeignData done() {
     if (data_.frames.empty()) throw InputError(place_, "has no message");
+    std::vector<ForeignFrame> ordered(data_.frames.size());
+    for (std::size_t k = 0; k < ordered.size(); ++k) ordered[places_[k]] = std::move(data_.frames[k]);
+    data_.frames = std::move(ordered);
+    const ForeignFrame& first = data_.frames.front();
+    for (const ForeignFrame& frame : data_.frames)
+      if (frame.rows != first.rows || frame.columns != first.columns)
+        notices_.add("sizes", fmt::format("pictures differ in size: the first has {} x {}, another {} x {}",
+                                          first.rows, first.columns, frame.rows, frame.columns));
     for (std::string& each : notices_.told(data_.frames.size())) data_.noticed.push_back(std::move(each));
     return std::move(data_);
   }
@@ -72,10 +79,11 @@ class Gathered {
   SourcePlace place_;
   Notices notices_;
   ForeignData data_;
+  std::vector<std::size_t> places_;  ///< by frame: its place among all
   double bytes_ = 0, looked_ = 0;
 };
 
-std::unique_ptr<MessageStore> open_store(const fs::path& file) {
+std::unique_ptr<MessageStore> open_store(const fs::path& file, UnpackedBytes& in_all) {
   const SourcePlace place{file.string(), 0, 0};
   InputFile input(file);
   const std::string head = input.head(sqlite_magic.size());
@@ -88,15 +96,17 @@ std::unique_ptr<MessageStore> open_store(const fs::path& file) {
                       [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
   };
   if (begins(bytes(head), sqlite_magic)) return open_sqlite_store(file);
-  if (begins(bytes(head), mcap_magic)) return open_mcap_store(ByteSource(file));
+  if (begins(bytes(head), mcap_magic)) return open_mcap_store(ByteSource(file), in_all);
   if (is_zstd(bytes(head))) {
     require_memory(static_cast<double>(input.size()), place, "the recording", "unpack it with zstd -d");
     std::vector<std::uint8_t> packed(input.size());
     ByteSource(file).read(0, packed);
-    std::vector<std::uint8_t> unpacked = unpack_zstd(packed, limits::unpacked_bytes, place, "the recording");
+    const std::uint64_t most = std::min(limits::unpacked_bytes, in_all.left());
+    std::vector<std::uint8_t> unpacked = unpack_zstd(packed, most, place, "the recording");
+    in_all.add(unpacked.size(), place, "the recording");
     packed = {};
     if (begins(unpacked, sqlite_magic)) return open_sqlite_store(file, std::move(unpacked));
-    if (begins(unpacked, mcap_magic)) return open_mcap_store(ByteSource(file, std::move(unpacked)));
+    if (begins(unpacked, mcap_magic)) return open_mcap_store(ByteSource(file, std::move(unpacked)), in_all);
   }
   throw InputError(
       place,
@@ -111,20 +121,16 @@ struct WholeTopic {
 
 std::vector<WholeTopic> all_topics(const std::vector<std::unique_ptr<MessageStore>>& stores) {
   std::vector<WholeTopic> all;
+  std::map<std::array<std::string, 3>, std::size_t> number;  // by name, type and format
   for (std::size_t store = 0; store < stores.size(); ++store)
     for (std::size_t k = 0; k < stores[store]->topics().size(); ++k) {
       const BagTopic& topic = stores[store]->topics()[k];
-      auto same = std::ranges::find_if(all, [&](const WholeTopic& each) {
-        return std::tie(each.topic.name, each.topic.type, each.topic.format) ==
-               std::tie(topic.name, topic.type, topic.format);
-      });
-      if (same == all.end()) {
+      const auto [same, is_new] = number.try_emplace({topic.name, topic.type, topic.format}, all.size());
+      if (is_new)
         all.push_back({topic, {}});
-        same = all.end() - 1;
-      } else {
-        same->topic.messages += topic.messages;
-      }
-      same->parts.emplace_back(store, k);
+      else
+        all[same->second].topic.messages += topic.messages;
+      all[same->second].parts.emplace_back(store, k);
     }
   return all;
 }
@@ -191,8 +197,11 @@ const WholeTopic& chosen(const std::vector<WholeTopic>& topics, const std::optio
 
 ForeignData read_recording(const fs::path& path, const std::vector<fs::path>& files,
                            std::optional<std::uint64_t> said, const std::optional<std::string>& name) {
+  std::uint64_t in_files = 0;
+  for (const fs::path& file : files) in_files += InputFile(file).size();
+  UnpackedBytes in_all(in_files);
   std::vector<std::unique_ptr<MessageStore>> stores;
-  for (const fs::path& file : files) stores.push_back(open_store(file));
+  for (const fs::path& file : files) stores.push_back(open_store(file, in_all));
   const std::vector<WholeTopic> topics = all_topics(stores);
   Gathered gathered(path);
   std::uint64_t found = 0;
@@ -206,24 +215,32 @@ ForeignData read_recording(const fs::path& path, const std::vector<fs::path>& fi
   struct Message {
     MessagePlace place;
     std::size_t store;
+    std::size_t number = 0;  ///< in the order of their times
   };
   std::vector<Message> messages;
   for (const auto& [store, number] : whole.parts)
     for (const MessagePlace& place : stores[store]->messages(number)) messages.push_back({place, store});
   std::ranges::stable_sort(messages, {}, [](const Message& message) { return message.place.time_ns; });
+  for (std::size_t k = 0; k < messages.size(); ++k) messages[k].number = k;
+  // They are read as they lie in the files, so that what is packed together is unpacked once.
+  std::ranges::stable_sort(messages, {}, [](const Message& message) {
+    return std::tuple(message.store, message.place.outer, message.place.inner);
+  });
 
   Steps steps("messages read", messages.size());
-  for (std::size_t k = 0; k < messages.size(); ++k) {
+  for (const auto& [message, store, number] : messages) {
     steps.done();
-    const auto& [message, store] = messages[k];
     const SourcePlace place{files[store].string(), 0, 0};
-    const std::string what = fmt::format("message {} of '{}' ({})", k + 1, shown_line(whole.topic.name),
+    const std::string what = fmt::format("message {} of '{}' ({})", number + 1, shown_line(whole.topic.name),
                                          shown_line(whole.topic.type));
     std::span<const std::uint8_t> bytes = stores[store]->read(message);
     std::vector<std::uint8_t> unpacked;
-    if (is_zstd(bytes)) bytes = unpacked = unpack_zstd(bytes, limits::message_bytes, place, what);
+    if (is_zstd(bytes)) {
+      bytes = unpacked = unpack_zstd(bytes, limits::message_bytes, place, what);
+      in_all.add(unpacked.size(), place, what);
+    }
     try {
-      gathered.add(read_cdr(whole.topic.type, bytes), 1e-9 * static_cast<double>(message.time_ns));
+      gathered.add(read_cdr(whole.topic.type, bytes), 1e-9 * static_cast<double>(message.time_ns), number);
     } catch (const MessageError& error) {
       throw InputError(place, fmt::format("{}: {}", what, error.what()));
     }

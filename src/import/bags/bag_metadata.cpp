@@ -4,12 +4,13 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
-#include <algorithm>
 #include <charconv>
+#include <set>
 
 #include "files/companions.hpp"
 #include "files/inlet.hpp"
 #include "files/shown.hpp"
+#include "geometry/steps/stop.hpp"
 #include "import/bags/bag_limits.hpp"
 
 namespace tubefoot {
@@ -39,12 +40,14 @@ BagMetadata read(const YAML::Node& document, const SourcePlace& file, const fs::
   if (names.size() > limits::bag_files)
     fail(names, fmt::format("names more than {} files", limits::bag_files));
   BagMetadata metadata;
+  std::set<fs::path> named;
   for (const YAML::Node& name : names) {
+    stop_if_wanted();
     // Recordings of before 2020 have the folder's name before it. Files lie in the folder, whatever it says.
     const fs::path base = name.IsScalar() ? fs::path(name.Scalar()).filename() : fs::path();
     if (base.empty() || base == "." || base == "..")
       fail(name, "relative_file_paths: expected the name of a file");
-    if (std::ranges::find(metadata.files, folder / base) != metadata.files.end())
+    if (!named.insert(base).second)
       fail(name, fmt::format("relative_file_paths: '{}' is named twice", base.string()));
     if (const auto outside = place_outside(folder, folder / base))
       fail(name, fmt::format("relative_file_paths: '{}' is a link out of the folder, to '{}': copy it there",

@@ -5,6 +5,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <map>
 #include <optional>
@@ -71,14 +72,14 @@ std::uint32_t crc_of(std::uint32_t before, std::span<const std::uint8_t> bytes) 
 
 class McapStore : public MessageStore {
  public:
-  explicit McapStore(ByteSource source) : source_(std::move(source)) { walk(); }
+  McapStore(ByteSource source, UnpackedBytes& unpacked) : source_(std::move(source)) { walk(unpacked); }
 
   const std::vector<BagTopic>& topics() const override { return topics_; }
 
   std::vector<MessagePlace> messages(std::size_t topic) override { return places_[topic]; }
 
   std::span<const std::uint8_t> read(const MessagePlace& place) override {
-    if (place.outer != in_no_chunk) return chunk_at(place.outer).subspan(place.inner, place.bytes);
+    if (place.outer != in_no_chunk) return chunk_at(place.outer, nullptr).subspan(place.inner, place.bytes);
     bytes_ = source_.read(place.inner, place.bytes);
     return bytes_;
   }
@@ -99,7 +100,7 @@ class McapStore : public MessageStore {
     return fmt::format("{} at byte {}", kind, at);
   }
 
-  void walk() {
+  void walk(UnpackedBytes& unpacked) {
     const std::uint64_t end = source_.size() < 2 * mcap_magic.size() ? 0 : source_.size() - mcap_magic.size();
     if (end != 0 && !has_magic(0)) fail("is no MCAP file: it does not begin with the magic bytes of one");
     if (end == 0 || !has_magic(end))
@@ -131,7 +132,7 @@ class McapStore : public MessageStore {
         return;
       }
       if (!data_ended)
-        data_record(opcode, body, length);
+        data_record(opcode, body, length, unpacked);
       else if (opcode == message || opcode == chunk)
         fail(named("a message", at) + " stands behind the end of the data section");
       if (opcode == data_end) {
@@ -149,7 +150,7 @@ class McapStore : public MessageStore {
                       [](std::uint8_t a, char b) { return a == static_cast<std::uint8_t>(b); });
   }
 
-  void data_record(std::uint8_t opcode, std::uint64_t body, std::uint64_t length) {
+  void data_record(std::uint8_t opcode, std::uint64_t body, std::uint64_t length, UnpackedBytes& unpacked) {
     if (opcode == schema || opcode == channel) {
       small(opcode, body, length);
       read_record(opcode, source_.read(body, length), body);
@@ -158,9 +159,10 @@ class McapStore : public MessageStore {
       const auto head = source_.read(body, message_head);
       add_message(head, in_no_chunk, body + message_head, length - message_head);
     } else if (opcode == chunk) {
-      const auto records = chunk_at(body - record_head);
+      const auto records = chunk_at(body - record_head, &unpacked);
       std::uint64_t at = 0;
       while (at < records.size()) {
+        stop_if_wanted();
         const std::string what = fmt::format("chunk at byte {}, record at its byte {}", body, at);
         Fields fields(records.subspan(at), source_.place(), what);
         const auto inner = fields.number<std::uint8_t>();
@@ -216,11 +218,10 @@ class McapStore : public MessageStore {
       fail(fmt::format("channel {} is of schema {}, which stands nowhere before it", id, read.schema));
     const Schema none;
     const Schema& type = of == schemas_.end() ? none : of->second;
-    const auto same = std::ranges::find_if(topics_, [&](const BagTopic& topic) {
-      return topic.name == read.topic && topic.type == type.name && topic.format == read.encoding;
-    });
-    read.number = static_cast<std::size_t>(same - topics_.begin());
-    if (same == topics_.end()) {
+    const auto [same, is_new] =
+        number_of_topic_.try_emplace({read.topic, type.name, read.encoding}, topics_.size());
+    read.number = same->second;
+    if (is_new) {
       topics_.push_back(
           {read.topic, type.name, read.encoding, type.encoding == "ros2msg" ? type.data : "", 0});
       places_.emplace_back();
@@ -258,8 +259,9 @@ class McapStore : public MessageStore {
         {static_cast<std::int64_t>(std::min(logged, last)), outer, inner, bytes});
   }
 
-  /// Records of the chunk whose record begins at `at`, unpacked; kept until another is asked for.
-  std::span<const std::uint8_t> chunk_at(std::uint64_t at) {
+  /// Records of the chunk whose record begins at `at`, unpacked; kept until another is asked for. The first
+  /// time its bytes are counted and its checksum is compared.
+  std::span<const std::uint8_t> chunk_at(std::uint64_t at, UnpackedBytes* first_time) {
     if (chunk_at_ == at) return chunk_;
     chunk_at_.reset();
     const std::string what = named("chunk", at);
@@ -279,10 +281,12 @@ class McapStore : public MessageStore {
     const auto packed = fields.take(fields.number<std::uint64_t>());
     if (size > limits::message_bytes)
       fail(fmt::format("{} unpacks to {} bytes, {} are the most", what, size, limits::message_bytes));
+    if (first_time != nullptr && !compression.empty()) first_time->add(size, source_.place(), what);
     chunk_ = unpack_chunk(compression, packed, size, source_.place(), what);
-    if (const std::uint32_t found = crc_of(0, chunk_); crc != 0 && crc != found)
-      fail(fmt::format("{}: its checksum is {:08x}, its bytes have {:08x}: the file is damaged", what, crc,
-                       found));
+    if (first_time != nullptr && crc != 0)
+      if (const std::uint32_t found = crc_of(0, chunk_); crc != found)
+        fail(fmt::format("{}: its checksum is {:08x}, its bytes have {:08x}: the file is damaged", what, crc,
+                         found));
     chunk_at_ = at;
     return chunk_;
   }
@@ -308,6 +312,7 @@ class McapStore : public MessageStore {
   std::map<std::uint16_t, Schema> schemas_;
   std::map<std::uint16_t, Channel> channels_;
   std::vector<BagTopic> topics_;
+  std::map<std::array<std::string, 3>, std::size_t> number_of_topic_;  ///< by name, type and encoding
   std::vector<std::vector<MessagePlace>> places_;
   std::uint64_t counted_ = 0, kept_ = 0;
   std::optional<std::uint64_t> chunk_at_;
@@ -316,8 +321,8 @@ class McapStore : public MessageStore {
 
 }  // namespace
 
-std::unique_ptr<MessageStore> open_mcap_store(ByteSource source) {
-  return std::make_unique<McapStore>(std::move(source));
+std::unique_ptr<MessageStore> open_mcap_store(ByteSource source, UnpackedBytes& unpacked) {
+  return std::make_unique<McapStore>(std::move(source), unpacked);
 }
 
 }  // namespace tubefoot

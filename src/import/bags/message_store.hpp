@@ -29,7 +29,8 @@ class MessageStore {
   virtual const std::vector<BagTopic>& topics() const = 0;
   /// Of a topic of topics(), in no order but, where times are equal, that of the file.
   virtual std::vector<MessagePlace> messages(std::size_t topic) = 0;
-  /// Its bytes, until the next is asked for. Throws InputError at the file.
+  /// Its bytes, until the next is asked for: cheapest in the order of outer and inner. Throws InputError at
+  /// the file.
   virtual std::span<const std::uint8_t> read(const MessagePlace& message) = 0;
 };
 

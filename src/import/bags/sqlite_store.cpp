@@ -37,12 +37,14 @@ class SqliteStore : public MessageStore {
       if (const auto found = by_id.find(row.integer(0)); found != by_id.end())
         ++topics_[found->second].messages;
     });
+    std::multimap<std::string, BagTopic*> of_type;
+    for (BagTopic& topic : topics_) of_type.emplace(topic.type, &topic);
     if (database_.has_table("message_definitions"))
       database_.ask("SELECT topic_type, encoding, encoded_message_definition FROM message_definitions", {},
                     [&](const SqliteFile::Row& row) {
                       if (row.text(1) != "ros2msg") return;
-                      for (BagTopic& topic : topics_)
-                        if (topic.type == row.text(0)) topic.definition = row.text(2);
+                      const auto [from, to] = of_type.equal_range(row.text(0));
+                      for (auto one = from; one != to; ++one) one->second->definition = row.text(2);
                     });
   }
 

@@ -11,6 +11,7 @@
 #include "files/memory_at_hand.hpp"
 #include "files/shown.hpp"
 #include "geometry/steps/stop.hpp"
+#include "import/bags/bag_limits.hpp"
 
 namespace tubefoot {
 namespace {
@@ -73,6 +74,19 @@ std::vector<std::uint8_t> unpack_lz4(std::span<const std::uint8_t> packed, std::
 }
 
 }  // namespace
+
+UnpackedBytes::UnpackedBytes(std::uint64_t packed)
+    : most_(limits::unpacked_base_bytes +
+            std::min(packed, limits::unpacked_bytes) * limits::unpacked_per_byte) {}
+
+void UnpackedBytes::add(std::uint64_t bytes, const SourcePlace& place, const std::string& what) {
+  if (bytes > left())
+    throw InputError(place,
+                     fmt::format("{}: the packed parts of the recording unpack to more than {} bytes in all, "
+                                 "which its size does not explain: write it anew without compression",
+                                 what, most_));
+  taken_ += bytes;
+}
 
 bool is_zstd(std::span<const std::uint8_t> bytes) {
   constexpr std::uint8_t magic[] = {0x28, 0xb5, 0x2f, 0xfd};

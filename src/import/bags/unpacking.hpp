@@ -11,6 +11,20 @@
 
 namespace tubefoot {
 
+/// How much the packed parts of one recording unpack to, in all. A recording of a few megabytes that unpacks
+/// to terabytes ends here, and not after hours.
+class UnpackedBytes {
+ public:
+  /// `packed`: of all files of the recording.
+  explicit UnpackedBytes(std::uint64_t packed);
+  /// Throws InputError at `place` ("`what`: ...") where `bytes` more are too many.
+  void add(std::uint64_t bytes, const SourcePlace& place, const std::string& what);
+  std::uint64_t left() const { return most_ - taken_; }
+
+ private:
+  std::uint64_t most_, taken_ = 0;
+};
+
 bool is_zstd(std::span<const std::uint8_t> bytes);
 
 /// What frames of zstd hold, at most `most` bytes. Throws InputError at `place` ("`what`: ...") for damage,

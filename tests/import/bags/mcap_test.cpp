@@ -5,6 +5,7 @@
 
 #include "files/input_error.hpp"
 #include "files/usage_error.hpp"
+#include "fixtures/processor_time.hpp"
 #include "fixtures/refusal.hpp"
 #include "fixtures/test_folder.hpp"
 #include "import/bags/bag.hpp"
@@ -148,6 +149,56 @@ TEST_F(Mcap, ABombOfZerosIsRefused) {
   refused(mcap::file(mcap::chunk(zeros, "zstd", std::uint64_t{64} << 20, 0)), "has the opcode 0");
   refused(mcap::file(mcap::chunk(zeros, "zstd", 1000, 0)), "unpacks to");
   refused(mcap::file(heads + mcap::message(1, 0, zeros)), "are left behind its last field");
+}
+
+/// Many zeros before pictures in each of two chunks, and messages that go to and fro between them in time.
+TEST_F(Mcap, ChunksAreUnpackedOnceWhateverTheOrderOfTimes) {
+  constexpr int messages = 300;
+  Bytes records = heads;
+  std::vector<double> expected;
+  for (int part = 0; part < 2; ++part) {
+    Bytes chunk;
+    for (int k = 0; k < messages; ++k)
+      chunk += mcap::message(1, static_cast<std::uint64_t>(2 * k + part), ping(2 * k + part));
+    chunk += mcap::schema(7 + part, "a/msg/B", Bytes(std::size_t{15} << 20, ' '));
+    chunk += mcap::schema(9 + part, "a/msg/C", Bytes(std::size_t{15} << 20, ' '));
+    records += mcap::chunk(chunk, "zstd");
+  }
+  for (int k = 0; k < 2 * messages; ++k) expected.push_back(static_cast<unsigned char>(k));
+  std::vector<double> found;
+  EXPECT_LT(processor_seconds([&] { found = marks(mcap::file(records)); }), hostile_input_s);
+  EXPECT_EQ(found, expected);
+}
+
+/// 80 chunks of 32 MiB each in a file of a few hundred kilobytes.
+TEST_F(Mcap, ChunksThatUnpackToFarMoreThanTheFileAreRefused) {
+  const Bytes large = mcap::schema(9, "a/msg/B", Bytes((std::size_t{16} << 20) - 100, ' '));
+  const Bytes chunk = mcap::chunk(large + large, "zstd");
+  Bytes records = heads;
+  for (int k = 0; k < 80; ++k) records += chunk;
+  EXPECT_LT(processor_seconds([&] {
+              refused(mcap::file(records + mcap::message(1, 5, ping(50))), "which its size does not explain");
+            }),
+            hostile_input_s);
+}
+
+/// The same of messages that are packed each by itself.
+TEST_F(Mcap, MessagesThatUnpackToFarMoreThanTheFileAreRefused) {
+  const Bytes image = zstd(camera_image(8192, 8192, "mono8", 8192, Bytes(std::size_t{8192} * 8192, '\0')));
+  Bytes records = mcap::schema(1, image_type) + mcap::channel(1, 1, "/sonar");
+  for (std::uint64_t k = 0; k < 40; ++k) records += mcap::message(1, k, image);
+  const std::string said = refusal<InputError>([&] { read(mcap::file(records)); });
+  EXPECT_THAT(said, testing::AnyOf(HasSubstr("which its size does not explain"), HasSubstr("of memory")));
+}
+
+TEST_F(Mcap, TensOfThousandsOfChannelsAreReadInTime) {
+  Bytes records = heads;
+  for (int k = 2; k < 65'000; ++k)
+    records += mcap::channel(k, 1, "/some/long/name/of/a/topic/that/is/like/others/" + std::to_string(k));
+  EXPECT_LT(processor_seconds([&] {
+              EXPECT_THAT(marks(mcap::file(records + mcap::message(1, 5, ping(50)))), ElementsAre(50));
+            }),
+            hostile_input_s);
 }
 
 /// Schemas that repeat take no more room; channels that are new do, whatever they hold.
