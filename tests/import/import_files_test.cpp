@@ -179,6 +179,17 @@ TEST_F(ImportFiles, BadArchivesAreRefused) {
               testing::AnyOf(HasSubstr("which nothing can be"), HasSubstr("memory")));
 }
 
+// No member claims more than deflate can make of its bytes; all together do.
+TEST_F(ImportFiles, MembersThatUnpackToFarMoreThanTheArchiveAreRefused) {
+  const std::string packed(70'000, 'x');
+  const std::uint32_t claimed = std::uint32_t{1} << 26;
+  std::vector<ZipMember> members;
+  for (int k = 0; k < 100; ++k) members.push_back({"a" + std::to_string(k) + ".npy", packed, claimed});
+  EXPECT_THAT(refusal("a.npz", zip_bytes(members)), HasSubstr("which its size does not explain"));
+  members.resize(2);
+  EXPECT_THAT(refusal("b.npz", zip_bytes(members)), HasSubstr("damaged"));
+}
+
 TEST_F(ImportFiles, MatricesInText) {
   EXPECT_THAT(one("a.csv", "# a comment\n1,2.5,3e-3\n\n4 , 5,+6\n").values,
               ElementsAre(1, 2.5, 3e-3, 4, 5, 6));

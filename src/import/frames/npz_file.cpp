@@ -2,9 +2,11 @@
 #include <fmt/format.h>
 #include <zip.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "files/memory_at_hand.hpp"
+#include "geometry/steps/stop.hpp"
 #include "import/frames/npy_file.hpp"
 
 namespace tubefoot {
@@ -13,6 +15,9 @@ namespace {
 /// Deflate makes nothing smaller than this: what claims more is made to burst.
 constexpr std::uint64_t densest = 1032;
 constexpr std::int64_t most_members = 10'000;
+/// Of all members, unpacked: so many bytes, and so many more per byte of the archive. Members may share what
+/// they are packed in.
+constexpr std::uint64_t unpacked_base_bytes = std::uint64_t{5} << 28, unpacked_per_byte = 200;
 
 struct CloseArchive {
   void operator()(zip_t* archive) const { zip_discard(archive); }
@@ -51,14 +56,14 @@ class Archive {
         !(found.valid & ZIP_STAT_NAME) || !(found.valid & ZIP_STAT_SIZE) ||
         !(found.valid & ZIP_STAT_COMP_SIZE))
       fail(zip_strerror(archive_.get()));
+    if (found.size / densest > found.comp_size)
+      fail(fmt::format("'{}' claims {} bytes of {} packed ones, which nothing can be", found.name, found.size,
+                       found.comp_size));
     return found;
   }
 
   /// All of its bytes; libzip compares their checksum when it has come to their end.
   std::string bytes_of(const zip_stat_t& member) const {
-    if (member.size / densest > member.comp_size)
-      fail(fmt::format("'{}' claims {} bytes of {} packed ones, which nothing can be", member.name,
-                       member.size, member.comp_size));
     require_memory(3.0 * static_cast<double>(member.size), place_,
                    fmt::format("the values of '{}'", member.name), "write fewer a file");
     const std::unique_ptr<zip_file_t, CloseMember> file(zip_fopen_index(archive_.get(), member.index, 0));
@@ -67,8 +72,11 @@ class Archive {
     std::size_t have = 0;
     char one_more = 0;
     for (;;) {
+      stop_if_wanted();
+      constexpr std::size_t piece = std::size_t{1} << 20;
       char* to = have < bytes.size() ? &bytes[have] : &one_more;
-      const zip_int64_t got = zip_fread(file.get(), to, have < bytes.size() ? bytes.size() - have : 1);
+      const zip_int64_t got =
+          zip_fread(file.get(), to, have < bytes.size() ? std::min(bytes.size() - have, piece) : 1);
       if (got < 0) fail(fmt::format("'{}': {}", member.name, zip_file_strerror(file.get())));
       if (got == 0) break;
       have += static_cast<std::size_t>(got);
@@ -98,6 +106,16 @@ std::vector<NumberArray> read_npz(std::string_view bytes, const SourcePlace& pla
     archive.fail(fmt::format("it has {} members, more than {}", archive.members(), most_members));
   std::vector<NumberArray> arrays;
   double values = 0;
+  std::uint64_t unpacked = 0;
+  const std::uint64_t most_unpacked = unpacked_base_bytes + bytes.size() * unpacked_per_byte;
+  for (std::int64_t index = 0; index < archive.members(); ++index) {
+    unpacked += std::min<std::uint64_t>(archive.member(index).size, most_unpacked + 1);
+    if (unpacked > most_unpacked)
+      throw InputError(place, fmt::format("its members unpack to more than {} bytes in all, which its size "
+                                          "does not explain: write fewer a file, or numpy.savez without "
+                                          "compression",
+                                          most_unpacked));
+  }
   for (std::int64_t index = 0; index < archive.members(); ++index) {
     const zip_stat_t member = archive.member(index);
     std::string name = member.name;
