@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string_view>
 #include <system_error>
 
@@ -16,6 +17,7 @@
 #include "files/file_format.hpp"
 #include "files/inlet.hpp"
 #include "files/limits.hpp"
+#include "geometry/steps/long_call.hpp"
 
 namespace tubefoot {
 namespace {
@@ -41,13 +43,16 @@ class GltfReader {
     if (!version.starts_with("2.")) fail(fmt::format("is glTF of version '{}', expected 2.0", version));
     refuse_extensions(root);
     std::vector<GltfBuffer> buffers;
-    const auto list = root.find("buffers");
-    if (list == root.end()) return buffers;
-    if (!list->is_array()) fail("has 'buffers' that are no list");
-    for (const json& buffer : *list) {
+    std::set<std::string> known;
+    std::uint64_t bytes = InputFile(gltf_).size();
+    for (const json& buffer : list_of(root, "buffers")) {
       const std::string uri = text_of(buffer, "uri");
-      if (!uri.empty() && !uri.starts_with("data:")) buffers.push_back({uri, file_of(uri)});
+      if (uri.empty() || uri.starts_with("data:") || !known.insert(uri).second) continue;
+      buffers.push_back({uri, file_of(uri)});
+      std::error_code ignored;
+      bytes += fs::file_size(buffers.back().file, ignored);
     }
+    refuse_repetition(root, bytes);
     return buffers;
   }
 
@@ -70,14 +75,150 @@ class GltfReader {
   }
 
   json parsed(const std::string& text) const {
-    const auto not_too_deep = [this](int depth, json::parse_event_t, json&) {
-      if (depth > most_nesting) fail(fmt::format("nests values deeper than {}", most_nesting));
-      return true;
+    refuse_nesting(text);
+    const auto parse = [its = text.starts_with("\xef\xbb\xbf") ? text.substr(3) : text] {
+      return json::parse(its);
     };
+    constexpr std::size_t long_text = std::size_t{1} << 20;
     try {
-      return json::parse(text.starts_with("\xef\xbb\xbf") ? text.substr(3) : text, not_too_deep);
+      return text.size() < long_text ? parse() : long_call(parse);
     } catch (const json::exception& error) {
       fail(fmt::format("is no glTF that can be read: {}", error.what()));
+    }
+  }
+
+  /// Before it is parsed: a parser that asks for every value looks through a list at each of its elements.
+  void refuse_nesting(std::string_view text) const {
+    int depth = 0;
+    bool in_string = false;
+    for (std::size_t at = 0; at < text.size(); ++at) {
+      if (at % 65536 == 0) stop_if_wanted();
+      const char c = text[at];
+      if (in_string) {
+        if (c == '\\') ++at;
+        in_string = c != '"';
+      } else if (c == '"') {
+        in_string = true;
+      } else if (c == '{' || c == '[') {
+        if (++depth > most_nesting) fail(fmt::format("nests values deeper than {}", most_nesting));
+      } else if (c == '}' || c == ']') {
+        --depth;
+      }
+    }
+  }
+
+  /// An empty one where there is none.
+  const json& list_of(const json& value, const char* key) const {
+    static const json none = json::array();
+    if (!value.is_object()) return none;
+    const auto found = value.find(key);
+    if (found == value.end()) return none;
+    if (!found->is_array()) fail(fmt::format("has '{}' that are no list", key));
+    return *found;
+  }
+
+  /// What a model names again and again costs as if it held it so often. Throws where that is far more than
+  /// its bytes explain, or where its nodes are no trees of a depth that is read.
+  void refuse_repetition(const json& root, std::uint64_t bytes) const {
+    const std::uint64_t most = bytes + limits::model_repeated;
+    const json& accessors = list_of(root, "accessors");
+    const auto count_of = [&](const json& number) -> std::uint64_t {
+      if (!number.is_number_unsigned() || number.get<std::uint64_t>() >= accessors.size()) return 0;
+      const json& accessor = accessors[number.get<std::size_t>()];
+      const auto count = accessor.is_object() ? accessor.find("count") : accessor.end();
+      return accessor.is_object() && count != accessor.end() && count->is_number_unsigned()
+                 ? std::min(count->get<std::uint64_t>(), most + 1)
+                 : 0;
+    };
+    const auto add = [most](std::uint64_t& sum, std::uint64_t more) { sum = std::min(sum + more, most + 1); };
+    const auto add_all = [&](std::uint64_t& sum, const json& attributes) {
+      if (attributes.is_object())
+        for (const json& accessor : attributes) add(sum, count_of(accessor));
+    };
+    std::uint64_t read = 0;
+    std::vector<std::uint64_t> placed_by;  // a node of each mesh
+    for (const json& mesh : list_of(root, "meshes")) {
+      stop_if_wanted();
+      placed_by.push_back(0);
+      for (const json& primitive : list_of(mesh, "primitives")) {
+        if (!primitive.is_object()) continue;
+        const json attributes = primitive.value("attributes", json());
+        const std::uint64_t corners = count_of(primitive.value("indices", json()));
+        add(read, corners);
+        add_all(read, attributes);
+        for (const json& target : list_of(primitive, "targets")) add_all(read, target);
+        add(placed_by.back(), corners);
+        if (attributes.is_object()) add(placed_by.back(), count_of(attributes.value("POSITION", json())));
+      }
+      if (read > most)
+        fail(
+            fmt::format("meshes[{}]: its primitives and morph targets, and those before it, read more than "
+                        "{} values, which the file's {} bytes do not explain: export each with vertices of "
+                        "its own, and without morph targets",
+                        placed_by.size() - 1, most, bytes));
+    }
+    refuse_nodes(root, placed_by, most);
+  }
+
+  void refuse_nodes(const json& root, const std::vector<std::uint64_t>& placed_by, std::uint64_t most) const {
+    const json& nodes = list_of(root, "nodes");
+    const auto index_in = [](const json& number, std::size_t size) {
+      return number.is_number_unsigned() && number.get<std::uint64_t>() < size ? number.get<std::size_t>()
+                                                                               : size;
+    };
+    std::vector<std::size_t> parent(nodes.size(), nodes.size());
+    std::uint64_t placed = 0;
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      if (k % 65536 == 0) stop_if_wanted();
+      if (!nodes[k].is_object()) continue;
+      for (const json& child : list_of(nodes[k], "children")) {
+        const std::size_t number = index_in(child, nodes.size());
+        if (number == nodes.size()) continue;
+        if (parent[number] != nodes.size())
+          fail(fmt::format("nodes[{}] is a child of nodes[{}] and of nodes[{}]: nodes of a glTF form trees",
+                           number, parent[number], k));
+        parent[number] = k;
+      }
+      const std::size_t mesh = index_in(nodes[k].value("mesh", json()), placed_by.size());
+      if (mesh < placed_by.size()) placed += std::min(placed_by[mesh], most + 1);
+      if (placed > most)
+        fail(
+            fmt::format("nodes[{}]: the instances of meshes up to here have more than {} vertices and "
+                        "corners, which the file's bytes do not explain: export fewer instances, or each "
+                        "with facets of its own",
+                        k, most));
+    }
+    for (const json& scene : list_of(root, "scenes")) {
+      std::set<std::size_t> roots;
+      for (const json& node : list_of(scene, "nodes")) {
+        const std::size_t number = index_in(node, nodes.size());
+        if (number < nodes.size() && (parent[number] != nodes.size() || !roots.insert(number).second))
+          fail(fmt::format(
+              "nodes[{}] is a root of a scene twice, or also a child: nodes of a glTF form trees", number));
+      }
+    }
+    refuse_depth(parent);
+  }
+
+  /// Follows each node to one whose depth is known: every node once.
+  void refuse_depth(const std::vector<std::size_t>& parent) const {
+    const std::size_t none = parent.size();
+    std::vector<std::size_t> depth(parent.size(), 0), way;
+    for (std::size_t k = 0; k < parent.size(); ++k) {
+      way.clear();
+      std::size_t at = k;
+      while (at != none && depth[at] == 0) {
+        way.push_back(at);
+        if (way.size() > limits::model_depth) break;
+        at = parent[at];
+      }
+      std::size_t above = at == none ? 0 : depth[at];
+      if (way.size() + above > limits::model_depth)
+        fail(
+            fmt::format("nodes[{}] lies in more than {} others, or in itself: flatten the nodes when you "
+                        "export it",
+                        k, limits::model_depth));
+      for (std::size_t w = way.size(); w-- > 0;) depth[way[w]] = ++above;
     }
   }
 

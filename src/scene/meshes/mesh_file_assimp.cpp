@@ -18,6 +18,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "files/limits.hpp"
 #include "scene/meshes/mesh_file_model.hpp"
 
 namespace tubefoot {
@@ -78,7 +79,15 @@ glm::dmat4 matrix(const aiMatrix4x4& m) {
 
 class Gathered {
  public:
-  explicit Gathered(const aiScene& scene) : scene_(scene) {}
+  /// Of a model of so many bytes.
+  Gathered(const aiScene& scene, std::uint64_t bytes)
+      : scene_(scene), most_(bytes + limits::model_repeated), size_of_(scene.mNumMeshes) {
+    for (unsigned i = 0; i < scene.mNumMeshes; ++i) {
+      size_of_[i] = scene.mMeshes[i]->mNumVertices;
+      for (unsigned f = 0; f < scene.mMeshes[i]->mNumFaces; ++f)
+        size_of_[i] += scene.mMeshes[i]->mFaces[f].mNumIndices;
+    }
+  }
 
   /// `own_root`: the root's transformation is Assimp's, which turns and scales to its liking, not the file's.
   Model gather(bool own_root) {
@@ -95,6 +104,10 @@ class Gathered {
       for (unsigned i = 0; i < visit.node->mNumMeshes; ++i) {
         const unsigned mesh = visit.node->mMeshes[i];
         if (mesh >= scene_.mNumMeshes) throw std::runtime_error("a node has a mesh that there is not");
+        placed_ += size_of_[mesh];
+        if (placed_ > most_)
+          throw std::runtime_error(fmt::format(
+              "its nodes place more than {} vertices and corners, which its bytes do not explain", most_));
         add(*scene_.mMeshes[mesh], *visit.node, visit.to_model);
       }
       for (unsigned i = visit.node->mNumChildren; i-- > 0;) {
@@ -156,6 +169,8 @@ class Gathered {
   }
 
   const aiScene& scene_;
+  std::uint64_t most_, placed_ = 0;
+  std::vector<std::uint64_t> size_of_;  ///< by mesh: vertices and corners
   Model model_;
   std::size_t bent_ = 0;
 };
@@ -308,7 +323,10 @@ std::string assimp_model(const ModelBytes& bytes, const std::string& name, FileF
     importer.SetPropertyBool(not_read, false);
   const aiScene* scene = importer.ReadFile(name, 0);
   if (scene == nullptr) throw std::runtime_error(importer.GetErrorString());
-  Model model = Gathered(*scene).gather(format == FileFormat::collada || format == FileFormat::studio_3ds);
+  std::uint64_t size = 0;
+  for (const auto& [part, content] : bytes) size += content.size();
+  Model model =
+      Gathered(*scene, size).gather(format == FileFormat::collada || format == FileFormat::studio_3ds);
   if (format == FileFormat::fbx) declare_fbx(*scene, bytes.at(name), model.declared);
   if (const aiNode* root = scene->mRootNode;
       format == FileFormat::studio_3ds && std::abs(root->mTransformation.a1) != 1)

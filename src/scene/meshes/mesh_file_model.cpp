@@ -11,6 +11,7 @@
 
 #include "files/gltf_file.hpp"
 #include "files/inlet.hpp"
+#include "files/limits.hpp"
 #include "files/memory_at_hand.hpp"
 #include "geometry/steps/stop.hpp"
 #include "scene/meshes/mesh_file_apart.hpp"
@@ -96,9 +97,8 @@ class ModelReader {
     take(main_name_, file_);
     if (format_ == FileFormat::gltf || format_ == FileFormat::gltf_binary)
       for (const GltfBuffer& buffer : gltf_buffers(file_)) take(without_dots(buffer.uri), buffer.file);
-    constexpr std::size_t deepest = 1000;
-    if (format_ == FileFormat::collada && nests_deeper(bytes_.at(main_name_), deepest))
-      fail(fmt::format("nests its elements deeper than {}", deepest));
+    if (format_ == FileFormat::collada && nests_deeper(bytes_.at(main_name_), limits::model_depth))
+      fail(fmt::format("nests its elements deeper than {}", limits::model_depth));
     Model model = from_assimp();
     for (std::string& warning : model.soup.warnings) warning = fmt::format("{}: {}", place_.file, warning);
     for (const glm::dvec3& p : model.soup.points)
@@ -126,7 +126,8 @@ class ModelReader {
   }
 
   Model from_assimp() const {
-    constexpr double seconds = 20, seconds_a_byte = 2e-6;
+    // Some 20 times what Assimp takes for models that are what they seem.
+    constexpr double seconds = 2, seconds_a_byte = 4e-7;
     ApartResult result;
     try {
       result = done_apart([this] { return assimp_model(bytes_, main_name_, format_); },
@@ -145,7 +146,7 @@ class ModelReader {
         fail(fmt::format("cannot be read as {} (Assimp: {})", format, result.bytes));
       case ApartResult::End::too_long:
         fail(fmt::format("took Assimp, which reads {}, more than {:.0f} s: it is damaged, or made to", format,
-                         seconds + seconds_a_byte * total_));
+                         std::ceil(seconds + seconds_a_byte * total_)));
       case ApartResult::End::crashed:
         fail(fmt::format("made Assimp, which reads {}, fail: it is damaged, or made to", format));
       case ApartResult::End::done:

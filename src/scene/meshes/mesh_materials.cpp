@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 #include <string_view>
+#include <unordered_set>
 
 #include "files/words.hpp"
 
@@ -24,10 +25,11 @@ void refuse_unmet(const std::vector<MaterialClass>& table, const std::vector<boo
   const auto unmet = std::ranges::find(met, false);
   if (unmet == met.end()) return;
   const MaterialClass& entry = table[static_cast<std::size_t>(unmet - met.begin())];
-  std::vector<std::string> names;
+  std::vector<std::string> names;  // each once, in their order
+  std::unordered_set<std::string_view> known;
   for (const auto& together : mesh.names)
     for (const std::string& name : together)
-      if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+      if (known.insert(name).second) names.push_back(name);
   constexpr std::size_t most_named = 20;
   const std::string_view meant = nearest(entry.value, names);
   if (names.size() > most_named) names.resize(most_named);

@@ -11,6 +11,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -58,6 +59,19 @@ bool on_one_line(const std::vector<glm::dvec3>& points, Corners polygon) {
   return std::ranges::all_of(polygon, [&](std::uint32_t corner) {
     return glm::length(glm::cross(points[corner] - first, along)) <= rounding * length * length;
   });
+}
+
+/// 0 .. count - 1 in no order of their own: an edge then meets few of those that the edges before it have
+/// left, however long a comb's teeth are.
+std::vector<std::size_t> shuffled(std::size_t count) {
+  std::vector<std::size_t> order(count);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::uint64_t state = 1;
+  for (std::size_t k = count; k > 1; --k) {
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    std::swap(order[k - 1], order[(state >> 33) % k]);
+  }
+  return order;
 }
 
 }  // namespace
@@ -111,17 +125,21 @@ struct PolygonCutter::Plane {
     triangulation.clear();
     vertices.clear();
     runs.clear();
+    Triangulation::Face_handle beside;  // corners that follow each other are not far
     for (std::size_t i = 0; i < corners.size(); ++i) {
       stop_if_wanted();
       const std::size_t known = triangulation.number_of_vertices();
-      const Vertex vertex = triangulation.insert(places[i]);
+      const Vertex vertex = triangulation.insert(places[i], beside);
+      beside = vertex->face();
       if (triangulation.number_of_vertices() > known) vertex->info() = corners[i];
       if (points[vertex->info()] != points[corners[i]]) return false;
       vertices.push_back(vertex);
     }
     try {
-      for (std::size_t i = 0; i < vertices.size(); ++i)
+      for (const std::size_t i : shuffled(vertices.size())) {
+        stop_if_wanted();
         triangulation.insert_constraint(vertices[i], vertices[(i + 1) % vertices.size()]);
+      }
     } catch (const Triangulation::Intersection_of_constraints_exception&) {
       return false;
     }

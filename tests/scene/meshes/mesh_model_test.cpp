@@ -16,6 +16,7 @@
 #include <random>
 
 #include "fixtures/model_samples.hpp"
+#include "fixtures/processor_time.hpp"
 #include "fixtures/world/read_scenes.hpp"
 #include "scene/meshes/mesh_file_apart.hpp"
 #include "scene/meshes/mesh_file_model.hpp"
@@ -288,6 +289,155 @@ TEST(Models, NodesThatDoubleAndDoubleEndInALimit) {
       "<library_nodes>" + nodes + "<node id=\"d60\"><instance_geometry url=\"#g\"/></node></library_nodes>");
   text.insert(text.find("<node id=\"n2\""), "<instance_node url=\"#d0\"/>");
   EXPECT_THAT([&] { read(folder, {"m.dae", text}); }, ThrowsMessage<InputError>(HasSubstr("Assimp")));
+}
+
+// --- small files that stand for much ---
+
+/// A glTF with the buffer of model_samples.hpp: 4 places (accessor 0), 6 corners (accessor 1).
+std::string gltf_of(const std::string& nodes, const std::string& roots, const std::string& meshes) {
+  return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[)" + roots + R"(]}],"nodes":[)" + nodes +
+         R"(],"meshes":[)" + meshes +
+         R"(],"accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],)" +
+         R"("max":[1,2,0]},{"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"}],)" +
+         R"("bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":12}],)" +
+         R"("buffers":[{"byteLength":60,"uri":"numbers.bin"}]})";
+}
+std::string repeated(const std::string& text, int times) {
+  std::string all;
+  for (int k = 0; k < times; ++k) all += (k == 0 ? "" : ",") + text;
+  return all;
+}
+std::string numbers_up_to(int count) {
+  std::string all;
+  for (int k = 0; k < count; ++k) all += (k == 0 ? "" : ",") + std::to_string(k);
+  return all;
+}
+const std::string plate = R"({"attributes":{"POSITION":0},"indices":1})";
+
+/// What is said of it, empty where it is read; within what hostile input may take.
+std::string said_in_time(const TestFolder& folder, const Sample& sample) {
+  std::string said;
+  EXPECT_LT(processor_seconds([&] {
+              try {
+                read(folder, sample, {"z", 1.0});
+              } catch (const InputError& error) {
+                said = error.what();
+              }
+            }),
+            hostile_input_s)
+      << sample.name << ' ' << said.substr(0, 200);
+  return said;
+}
+
+TEST(Models, ManyInstancesEndInTime) {
+  const TestFolder folder;
+  const std::string mesh = R"({"primitives":[)" + plate + "]}";
+  for (const int count : {1000, 100'000, 300'000}) {
+    SCOPED_TRACE(count);
+    const std::string nodes = repeated(R"({"mesh":0})", count);
+    said_in_time(folder, {"m.gltf", gltf_of(nodes, numbers_up_to(count), mesh)});
+    said_in_time(folder, {"m.gltf", gltf_of(nodes + R"(,{"children":[)" + numbers_up_to(count) + "]}",
+                                            std::to_string(count), mesh)});
+  }
+  // A larger mesh in many places: 1000 plates, 100 000 times.
+  const std::string large = R"({"primitives":[)" + repeated(plate, 1000) + "]}";
+  EXPECT_THAT(said_in_time(folder, {"m.gltf", gltf_of(repeated(R"({"mesh":0})", 100'000),
+                                                      numbers_up_to(100'000), large)}),
+              AllOf(HasSubstr("m.gltf"), HasSubstr("instances of meshes"), HasSubstr("fewer instances")));
+}
+
+TEST(Models, ManyPrimitivesAndMorphTargetsEndInTime) {
+  const TestFolder folder;
+  const std::string node = R"({"mesh":0})";
+  for (const int count : {1000, 30'000, 100'000}) {
+    SCOPED_TRACE(count);
+    said_in_time(folder,
+                 {"m.gltf", gltf_of(node, "0", R"({"primitives":[)" + repeated(plate, count) + "]}")});
+    said_in_time(folder, {"m.gltf", gltf_of(node, "0",
+                                            R"({"primitives":[{"attributes":{"POSITION":0},"targets":[)" +
+                                                repeated(R"({"POSITION":0})", count) + "]}]}")});
+    said_in_time(folder, {"m.gltf", gltf_of(repeated(node, count), "0",
+                                            repeated(R"({"primitives":[)" + plate + "]}", count))});
+  }
+}
+
+/// Of one accessor of many places.
+TEST(Models, SharedVerticesOfManyPrimitivesAreRefused) {
+  const TestFolder folder;
+  const auto with_places = [&](const std::string& primitive, int times) {
+    std::string text =
+        gltf_of(R"({"mesh":0})", "0", R"({"primitives":[)" + repeated(primitive, times) + "]}");
+    const std::string count = R"("count":4)";
+    text.replace(text.find(count), count.size(), R"("count":100000)");
+    return text;
+  };
+  EXPECT_THAT(said_in_time(folder, {"m.gltf", with_places(plate, 1000)}),
+              AllOf(HasSubstr("m.gltf: meshes[0]"), HasSubstr("vertices of its own")));
+  EXPECT_THAT(said_in_time(folder, {"m.gltf", with_places(R"({"attributes":{"POSITION":0},"targets":[)" +
+                                                              repeated(R"({"POSITION":0})", 1000) + "]}",
+                                                          1)}),
+              HasSubstr("morph targets"));
+}
+
+TEST(Models, DeepTreesOfNodesAreRefusedInTime) {
+  const TestFolder folder;
+  const auto chain = [](int depth) {
+    std::string nodes;
+    for (int k = 0; k + 1 < depth; ++k) nodes += fmt::format(R"({{"children":[{}]}},)", k + 1);
+    return gltf_of(nodes + R"({"mesh":0})", "0", R"({"primitives":[)" + plate + "]}");
+  };
+  EXPECT_EQ(said_in_time(folder, {"m.gltf", chain(900)}), "");
+  for (const int depth : {1001, 100'000})
+    EXPECT_THAT(said_in_time(folder, {"m.gltf", chain(depth)}), HasSubstr("lies in more than 1000 others"));
+}
+
+TEST(Models, NodesOfGltfFormTrees) {
+  const TestFolder folder;
+  const std::string mesh = R"({"primitives":[)" + plate + "]}";
+  const auto said = [&](const std::string& nodes, const std::string& roots) {
+    return said_in_time(folder, {"m.gltf", gltf_of(nodes, roots, mesh)});
+  };
+  EXPECT_THAT(said(R"({"children":[1]},{"children":[2]},{"children":[1]})", "0"),
+              HasSubstr("is a child of nodes[0] and of nodes[2]"));
+  EXPECT_THAT(said(R"({"children":[1,1]},{"mesh":0})", "0"), HasSubstr("form trees"));
+  EXPECT_THAT(said(R"({"mesh":0})", "0,0"), HasSubstr("form trees"));
+  EXPECT_THAT(said(R"({"mesh":0},{"children":[2]},{"children":[1]})", "0"), HasSubstr("or in itself"));
+}
+
+// --- relatives of other formats: Assimp's own limit, or that of what nodes place ---
+
+TEST(Models, InstancesOfColladaEndInTime) {
+  const TestFolder folder;
+  std::string text = collada_model(), instances;
+  for (int k = 0; k < 60'000; ++k)
+    instances += fmt::format("<node id=\"i{}\"><instance_geometry url=\"#g\"/></node>", k);
+  text.insert(text.find("<node id=\"n2\""), instances);
+  said_in_time(folder, {"m.dae", text});
+  // 17 nodes of 10 instances each of the next would be 10^17.
+  std::string nodes;
+  for (int k = 0; k < 17; ++k) {
+    nodes += fmt::format("<node id=\"d{}\">", k);
+    for (int i = 0; i < 10; ++i) nodes += fmt::format("<instance_node url=\"#d{}\"/>", k + 1);
+    nodes += "</node>";
+  }
+  text = collada_model();
+  text.insert(
+      text.find("<library_visual_scenes>"),
+      "<library_nodes>" + nodes + "<node id=\"d17\"><instance_geometry url=\"#g\"/></node></library_nodes>");
+  text.insert(text.find("<node id=\"n2\""), "<instance_node url=\"#d0\"/>");
+  EXPECT_THAT(said_in_time(folder, {"m.dae", text}), HasSubstr("Assimp"));
+}
+
+TEST(Models, ConnectionsOfFbxEndInTime) {
+  const TestFolder folder;
+  std::string text = fbx_model(), models, connections;
+  for (int k = 0; k < 20'000; ++k) {
+    models += fmt::format("\tModel: {}, \"Model::m{}\", \"Mesh\" {{\n\t\tVersion: 232\n\t}}\n", 1000 + k, k);
+    connections += fmt::format("\tC: \"OO\",{},0\n\tC: \"OO\",100,{}\n", 1000 + k, 1000 + k);
+  }
+  text.insert(text.find("\tMaterial: 300"), models);
+  text.insert(text.find("\tC: \"OO\",200,0"), connections);
+  said_in_time(folder, {"m.fbx", text});
 }
 
 // --- work in a process of its own ---

@@ -11,6 +11,7 @@
 #include <numbers>
 #include <random>
 
+#include "fixtures/processor_time.hpp"
 #include "fixtures/world/read_scenes.hpp"
 #include "scene/meshes/mesh_file.hpp"
 
@@ -235,6 +236,23 @@ TEST(MeshPolygons, ManyCornersTakeNoTimeToSpeakOf) {
   for (const glm::dvec2 p : comb) points.emplace_back(p, 0);
   const NamedMesh mesh = read("m.obj", obj_of(points, one_face(points.size())));
   EXPECT_NEAR(area(mesh), shoelace(comb), 1e-6);
+}
+
+// Teeth a thousand times as long as they are apart, in a plane of no axis.
+TEST(MeshPolygons, LongTeethTakeNoTimeToSpeakOf) {
+  for (const double lean : {0.0, 300.0}) {
+    constexpr int teeth = 5000;
+    Outline comb{{0, -1}, {2 * teeth, -1}};
+    for (int i = teeth; i-- > 0;) {
+      comb.emplace_back(2 * i + 1 + lean, 3000);
+      comb.emplace_back(2 * i, 0);
+    }
+    std::vector<glm::dvec3> points;
+    for (const glm::dvec2 p : comb) points.emplace_back(p, 0.25 * p.x);
+    const std::string text = obj_of(points, one_face(points.size()));
+    EXPECT_LT(processor_seconds([&] { EXPECT_EQ(read("m.obj", text).triangles.size(), points.size() - 2); }),
+              hostile_input_s);
+  }
 }
 
 }  // namespace
