@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A mesh file of any format: refused, or facets of finite points that all are used.
+// A mesh file of any format: refused, or facets of finite points that all are used. Of a glTF, what is read
+// before Assimp sees it.
 #include <array>
 #include <cmath>
 #include <glm/common.hpp>
 #include <vector>
 
+#include "files/gltf_file.hpp"
 #include "files/shown.hpp"
 #include "fuzz.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
@@ -51,9 +53,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace tubefoot;
   const fuzz::TimeLimit limit;
   fuzz::Bytes bytes(data, size);
-  constexpr std::array names{"m.obj", "m.ply", "m.stl", "m.off"};
-  const auto file = fuzz::scratch_file(names[bytes.below(names.size())], bytes.rest());
+  constexpr std::array names{"m.obj", "m.ply", "m.stl", "m.off", "m.gltf"};
+  const std::uint32_t format = bytes.below(names.size());
+  const auto file = fuzz::scratch_file(names[format], bytes.rest());
   fuzz::may_refuse([&] {
+    if (format + 1 == names.size()) {
+      gltf_buffers(file);
+      return;
+    }
     const ComponentMesh mesh = read_mesh_file(file);
     fuzz::check(mesh);
     fuzz::build(mesh);

@@ -45,6 +45,12 @@ TEST(Limits, AreThoseOfTheirPage) {
   row("crossings of borders of a material map on a terrain",
       fmt::format("{}, and one more per {} pieces of borders", most_plan_crossings, segments_per_crossing));
   row("patches of a material map", most_material_patches);
+  row("names of attributes of a GeoJSON map", limits::map_attributes);
+  row("pairs of attribute names that follow each other in a feature of a GeoJSON map",
+      limits::map_attribute_pairs);
+  row("nodes of a model, one in another", limits::model_depth);
+  row("vertices, corners and values of morph targets that a model reads or places", limits::model_repeated,
+      ", and one more per byte of the model");
   row("beams times samples of a ping", limits::ping_cells);
   row("pings times cycles of a sensor", limits::sensor_shots);
   EXPECT_THAT(page, HasSubstr(fmt::format("a facet counts {} bytes", bytes_a_facet)));
