@@ -7,6 +7,7 @@
 #include <cmath>
 #include <span>
 
+#include "files/advised_command.hpp"
 #include "files/hdf5_handle.hpp"
 #include "files/input_error.hpp"
 #include "files/library_settings.hpp"
@@ -17,6 +18,7 @@ namespace tubefoot {
 namespace {
 
 constexpr float no_height = 1e6f;
+constexpr const char* coarser = "gdal_translate -oo MODE=RESAMPLED_GRID -oo RESX=METRES -oo RESY=METRES";
 constexpr const char* metadata = "/BAG_root/varres_metadata";
 constexpr const char* refinements = "/BAG_root/varres_refinements";
 
@@ -38,10 +40,8 @@ class Table {
       fail("is no table of two dimensions");
     H5Sget_simple_extent_dims(space, extent_.data(), nullptr);
     if (static_cast<double>(extent_[0]) * static_cast<double>(extent_[1]) > limits::cells)
-      fail(
-          fmt::format("has {} x {} entries, more than {:.3g}: cut the file with gdal_translate -oo "
-                      "MODE=RESAMPLED_GRID",
-                      extent_[0], extent_[1], limits::cells));
+      fail(fmt::format("has {} x {} entries, more than {:.3g}: write one coarser resolution with {}",
+                       extent_[0], extent_[1], limits::cells, advised_command(coarser, place_.file)));
     // HDF5 holds at least one chunk whole, however few bytes it has in the file.
     std::array<hsize_t, 2> chunk{1, 1};
     if (H5Pget_layout(plan) == H5D_CHUNKED && H5Pget_chunk(plan, 2, chunk.data()) == 2 &&
@@ -139,10 +139,9 @@ BagRefinements read_bag_refinements(const std::filesystem::path& path) {
     }
     const double count = static_cast<double>(e.columns) * e.rows;
     if ((nodes_met += count) > limits::cells)
-      fail(
-          fmt::format("says more than {:.3g} nodes: cut the file with gdal_translate -oo "
-                      "MODE=RESAMPLED_GRID, up to the one",
-                      limits::cells));
+      fail(fmt::format(
+          "says more than {:.3g} nodes: write one coarser resolution with {}; too many at the node",
+          limits::cells, advised_command(coarser, path)));
     if (e.index + count > static_cast<double>(read.heights.size()))
       fail(fmt::format("says {} x {} nodes from number {} of {}", e.columns, e.rows, e.index,
                        read.heights.size()));

@@ -7,9 +7,11 @@
 #include <algorithm>
 #include <array>
 #include <deque>
+#include <functional>
 #include <mutex>
 #include <vector>
 
+#include "files/advised_command.hpp"
 #include "files/bag_refinements.hpp"
 #include "files/companions.hpp"
 #include "files/grid_words.hpp"
@@ -56,25 +58,57 @@ bool sends_elsewhere(GDALDataset& dataset) {
 /// What to say of a band of a raster that is stored in blocks (strips, tiles, chunks) larger than
 /// limits::block_bytes, and what to do about it; nothing for others. GDAL holds at least one block whole,
 /// however little of it is read and however few bytes it has in the file.
-std::optional<std::string> too_large_block(GDALRasterBand& band) {
+std::optional<std::string> too_large_block(GDALRasterBand& band, const std::string& command) {
   int columns = 0, rows = 0;
   band.GetBlockSize(&columns, &rows);
   const std::int64_t bytes = std::int64_t{columns} * GDALGetDataTypeSizeBytes(band.GetRasterDataType());
   if (rows <= 0 || bytes <= limits::block_bytes / rows) return std::nullopt;
   return fmt::format(
-      "is stored in blocks of {} x {} cells, which are more than {} MB each: rewrite it with gdal_translate "
-      "-co "
-      "TILED=YES",
-      columns, rows, limits::block_bytes >> 20);
+      "is stored in blocks of {} x {} cells, which are more than {} MB each: write a copy in smaller ones "
+      "with "
+      "{}",
+      columns, rows, limits::block_bytes >> 20, command);
 }
 
-constexpr const char* overview =
-    "has variable resolution, and its raster is but a coarse overview: write one resolution with "
-    "gdal_translate "
-    "-oo MODE=RESAMPLED_GRID (a [[terrain]] reads all of it)";
+constexpr const char* in_tiles = "gdal_translate -co TILED=YES";
 
-constexpr const char* elsewhere =
-    "names another file for its overviews, which is not read: remove them (gdaladdo -clean)";
+std::string overview(const fs::path& file) {
+  return fmt::format(
+      "has variable resolution, and its raster is but a coarse overview: write one resolution with {} (a "
+      "[[terrain]] reads all of it)",
+      advised_command("gdal_translate -oo MODE=RESAMPLED_GRID", file));
+}
+
+/// A copy without metadata has no overviews elsewhere.
+std::string elsewhere(const fs::path& file) {
+  return fmt::format("names another file for its overviews, which is not read: write a copy without with {}",
+                     advised_command(fmt::format("gdalwarp -ovr NONE -nomd {}", warp_classes), file));
+}
+
+bool is_netcdf(FileFormat format) {
+  return format == FileFormat::netcdf4 || format == FileFormat::netcdf_classic;
+}
+
+bool has_geotransform(GDALDataset& dataset) {
+  std::array<double, 6> ignored{};
+  return dataset.GetGeoTransform(ignored.data()) == CE_None;
+}
+
+/// Calls `fail` for a netCDF source of a virtual raster whose rows GDAL would read from the wrong side.
+void refuse_turned_over(const fs::path& part, GDALDataset& source,
+                        const std::function<void(const std::string&)>& fail) {
+  const NetcdfGrid grid = netcdf_grid(part, source);
+  if (grid.turned_over)
+    fail(fmt::format("is a virtual raster of '{}', which {}", part.string(), grid.problem));
+  if (grid.first_row_is_north && grid.geotransform && !has_geotransform(source))
+    fail(fmt::format(
+        "is a virtual raster of '{}', whose rows GDAL takes in the wrong order: write that file anew with "
+        "{}, and "
+        "make the virtual raster of the new one",
+        part.string(),
+        advised_command("gdal_translate " + grid.placing(source.GetRasterXSize(), source.GetRasterYSize()),
+                        part)));
+}
 
 /// What a coordinate reference system names that is a file of corrections, as GDAL and PROJ understand its
 /// text, whatever its spelling in the file: the file, or the word for it; empty: nothing. All of them are
@@ -116,14 +150,15 @@ void check_sources(const fs::path& vrt, const std::vector<fs::path>& companions)
       fail(fmt::format("is a virtual raster of '{}', which cannot be read as {}", part.string(),
                        name_of(format)));
     if (sends_elsewhere(*source))
-      fail(fmt::format("is a virtual raster of '{}', which {}", part.string(), elsewhere));
+      fail(fmt::format("is a virtual raster of '{}', which {}", part.string(), elsewhere(part)));
     if (const std::string named = named_by_crs(*source, door); !named.empty())
       fail(fmt::format("is a virtual raster of '{}', which {}", part.string(), names_grids(named)));
     if (format == FileFormat::bag && has_bag_refinements(part))
-      fail(fmt::format("is a virtual raster of '{}', which {}", part.string(), overview));
+      fail(fmt::format("is a virtual raster of '{}', which {}", part.string(), overview(part)));
     if (source->GetRasterCount() == 0) continue;
-    if (const auto problem = too_large_block(*source->GetRasterBand(1)))
+    if (const auto problem = too_large_block(*source->GetRasterBand(1), advised_command(in_tiles, part)))
       fail(fmt::format("is a virtual raster of '{}', which {}", part.string(), *problem));
+    if (is_netcdf(format)) refuse_turned_over(part, *source, fail);
   }
 }
 
@@ -171,29 +206,109 @@ GdalInput::GdalInput(const fs::path& file, std::initializer_list<FileFormat> exp
     : place_{file.string(), 0, 0}, door_(with_companions(file)) {
   const FileFormat format = format_of(file);
   if (std::ranges::find(expected, format) == expected.end())
-    fail(fmt::format("cannot be read as {}: it is {} (gdal_translate and ogr2ogr convert many)",
-                     list_of(expected),
+    fail(fmt::format("cannot be read as {}: it is {}; {} converts many formats", list_of(expected),
                      format == FileFormat::other ? "empty, cut off or of another format"
-                                                 : fmt::format("a {}", name_of(format))));
+                                                 : fmt::format("a {}", name_of(format)),
+                     std::ranges::find(expected, FileFormat::geotiff) == expected.end()
+                         ? advised_ogr2ogr("", file)
+                         : advised_command("gdal_translate", file)));
   dataset_ = opened(file, format);
   if (dataset_ == nullptr)
     fail(fmt::format("cannot be read as {}: it is cut off or corrupt", name_of(format)));
-  if (sends_elsewhere(*dataset_)) fail(elsewhere);
+  if (sends_elsewhere(*dataset_)) fail(elsewhere(file));
   if (const std::string named = named_by_crs(*dataset_, door_); !named.empty()) fail(names_grids(named));
   variable_resolution_ = format == FileFormat::bag && has_bag_refinements(file);
-  if (variable == Variable::refused && variable_resolution_) fail(overview);
+  if (variable == Variable::refused && variable_resolution_) fail(overview(file));
+  if (is_netcdf(format) && dataset_->GetRasterCount() > 0) {
+    NetcdfGrid grid = netcdf_grid(file, *dataset_);
+    if (grid.turned_over) fail(grid.problem);
+    if (!has_geotransform(*dataset_)) {
+      const NetcdfRowOrder order(grid.first_row_is_north);
+      dataset_ = opened(file, format);
+      if (dataset_ == nullptr) fail("cannot be read a second time");
+      netcdf_ = std::move(grid);
+    }
+  }
+}
+
+std::optional<std::array<double, 6>> GdalInput::geotransform() const {
+  std::array<double, 6> transform{};
+  if (dataset_->GetGeoTransform(transform.data()) == CE_None) return transform;
+  return netcdf_ ? netcdf_->geotransform : std::nullopt;
+}
+
+std::string GdalInput::no_geotransform(std::string_view otherwise) const {
+  if (netcdf_ && !netcdf_->problem.empty()) return netcdf_->problem;
+  constexpr std::string_view edges = "-a_ullr WEST NORTH EAST SOUTH";
+  const std::string file = place_.file,
+                    what = fmt::format(
+                        "has no geotransform, so its cells have no size and place: {}write a copy "
+                        "with the coordinates of its edges by ",
+                        otherwise.empty() ? "" : fmt::format("{}, or ", otherwise));
+  if (dataset_->GetMetadata("GEOLOCATION") != nullptr)
+    return fmt::format(
+        "has no geotransform, but two-dimensional coordinates, which are not read: write a copy on a regular "
+        "grid "
+        "with {}",
+        advised_command(fmt::format("gdalwarp -geoloc -t_srs EPSG:... {}", warp_heights), file));
+  if (!netcdf_) return what + advised_command(fmt::format("gdal_translate {}", edges), file);
+  return fmt::format(
+      "{}{} if the first row of the variable is the southernmost, or {} if it is the northernmost", what,
+      advised_command(fmt::format("gdal_translate {} {}", NetcdfRowOrder::option(false), edges), file),
+      advised_command(fmt::format("gdal_translate {} {}", NetcdfRowOrder::option(true), edges), file));
+}
+
+std::string GdalInput::no_single_raster() const {
+  std::vector<std::string> names;
+  for (CSLConstList item = dataset_->GetMetadata("SUBDATASETS"); item != nullptr && *item != nullptr; ++item)
+    if (const std::string text = *item; text.find("_NAME=") != text.npos && names.size() < 20)
+      names.push_back(text.substr(text.rfind(':') + 1));
+  return fmt::format("holds no single raster{}: take one of its variables out with {}",
+                     names.empty() ? "" : fmt::format(", but {}", fmt::join(names, ", ")),
+                     advised_command("gdalmdimtranslate -array VARIABLE", place_.file, ".nc"));
+}
+
+std::optional<std::string> GdalInput::unknown_row_order() const {
+  if (!netcdf_ || netcdf_->says_rows) return std::nullopt;
+  const auto copy = [this](bool first_row_is_north) {
+    return advised_command(fmt::format("gdal_translate {}", NetcdfRowOrder::option(first_row_is_north)),
+                           place_.file);
+  };
+  return fmt::format(
+      "has no coordinates that say which of its rows is the northernmost: write a copy with {} if the first "
+      "one is, or with {} if the last one is",
+      copy(true), copy(false));
+}
+
+std::string GdalInput::advised(std::string_view command) const {
+  const fs::path file = place_.file;
+  if (!netcdf_ || !netcdf_->geotransform) return advised_command(command, file);
+  const std::string placed = shell_word(new_file_beside(file, ".tif"));
+  return fmt::format("`gdal_translate {} {} {} && {} {} {}`",
+                     netcdf_->placing(dataset_->GetRasterXSize(), dataset_->GetRasterYSize()),
+                     shell_word(file), placed, command, placed, shell_word(new_file_beside(file, ".tif", 2)));
+}
+
+std::string GdalInput::name_the_degrees() const {
+  return fmt::format("name it with {} (WGS 84), or bring it to metres with {}",
+                     advised("gdal_translate -a_srs EPSG:4326"),
+                     advised(fmt::format("gdalwarp -s_srs EPSG:4326 -t_srs EPSG:... {}", warp_heights)));
 }
 
 std::string GdalInput::crs() const {
-  if (const std::string known = crs_text(dataset_->GetSpatialRef()); !known.empty()) return known;
+  const OGRSpatialReference* const known = dataset_->GetSpatialRef();
+  if (std::string text = crs_text(known); !text.empty()) return text;
+  if (known != nullptr && known->IsLocal()) return {};
+  const auto fail_as_degrees = [this](std::string_view text) {
+    fail(fmt::format(
+        "its coordinates are in degrees ({}), but it names no coordinate reference system: {}; if "
+        "they are metres after all, as GDAL writes small local grids, say so with {}",
+        text, name_the_degrees(), advised("gdal_translate -a_srs 'LOCAL_CS[\"local\",UNIT[\"metre\",1]]'")));
+  };
   // As netCDF's driver gives them: "lon#units=degrees_east".
   for (CSLConstList item = dataset_->GetMetadata(); item != nullptr && *item != nullptr; ++item)
-    if (const std::string_view text = *item; text.find("#units=degree") != text.npos)
-      fail(fmt::format(
-          "its coordinates are in degrees ({}), but it names no coordinate reference system: {}; if they are "
-          "metres after all, as GDAL writes small local grids, drop the word with gdal_translate "
-          "-nomd to a GeoTIFF",
-          text, name_the_degrees));
+    if (const std::string_view text = *item; text.find("#units=degree") != text.npos) fail_as_degrees(text);
+  if (netcdf_ && netcdf_->geotransform && netcdf_->in_degrees) fail_as_degrees("by their names");
   return {};
 }
 
@@ -201,15 +316,14 @@ void GdalInput::refuse_colours(const char* what, bool palettes_too) const {
   const GDALColorInterp means = dataset_->GetRasterBand(1)->GetColorInterpretation();
   if (means >= GCI_RedBand || (palettes_too && means == GCI_PaletteIndex))
     fail(fmt::format(
-        "is a picture in colours, which are no {}: if one of its bands has them, take that out with "
-        "gdal_translate -b N -colorinterp_1 gray",
-        what));
+        "is a picture in colours, which are no {}: if one of its bands has them, take that out with {}", what,
+        advised("gdal_translate -b BAND -colorinterp_1 gray")));
 }
 
 void GdalInput::read_row(GDALRasterBand& band, int row, int column, int columns, GDALDataType type,
                          void* out) const {
   stop_if_wanted();
-  if (const auto problem = too_large_block(band)) fail(*problem);
+  if (const auto problem = too_large_block(band, advised(in_tiles))) fail(*problem);
   const CPLErr read = band.RasterIO(GF_Read, column, row, columns, 1, out, columns, 1, type, 0, 0, nullptr);
   if (const std::string& named = door_.rejected_by_proj(); !named.empty()) fail(names_grids(named));
   if (read == CE_None) return;

@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "files/advised_command.hpp"
 #include "files/inlet.hpp"
 #include "files/sqlite_file.hpp"
 #include "geometry/steps/stop.hpp"
@@ -14,8 +15,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr SqliteWords words{"GeoPackage", "save its layer as a plain table (ogr2ogr)",
-                            "open it in that program once more and close it, or copy it with ogr2ogr"};
+SqliteWords words_for(const fs::path& file) {
+  return {"GeoPackage", "save its layers as plain tables with " + advised_ogr2ogr("", file),
+          "open it in that program once more and close it, or copy it with " + advised_ogr2ogr("", file)};
+}
 
 /// Answers of one text or number; empty for none, or for a question that this file has no answer to.
 std::string answer(const SqliteFile& database, const char* question) {
@@ -34,6 +37,7 @@ std::string answer(const SqliteFile& database, const char* question) {
 
 void refuse_geopackage_surprises(const fs::path& file) {
   const auto fail = [&file](const std::string& what) { throw InputError({file.string(), 0, 0}, what); };
+  const SqliteWords words = words_for(file);
   refuse_unfinished_sqlite(file, words);
   constexpr std::size_t format_version =
       18;  // of those who write, then of those who read: 2 is a write-ahead log
@@ -48,7 +52,8 @@ void refuse_geopackage_surprises(const fs::path& file) {
   stop_if_wanted();
   if (checked != "ok")
     fail(fmt::format("cannot be read as GeoPackage: it is damaged ({})", checked.substr(0, 200)));
-  if (answer(database, "PRAGMA encoding") != "UTF-8") fail("is not written in UTF-8: copy it with ogr2ogr");
+  if (answer(database, "PRAGMA encoding") != "UTF-8")
+    fail("is not written in UTF-8: copy it with " + advised_ogr2ogr("", file));
   const std::string longest = answer(database, "SELECT max(length(definition)) FROM gpkg_spatial_ref_sys");
   if (longest.size() > 5) fail("has a coordinate reference system of more than 99999 letters");
 }

@@ -42,8 +42,10 @@ void GridWords::feed(std::string_view piece) {
 
 std::string names_grids(std::string_view named) {
   return fmt::format(
-      "has a coordinate reference system that names files of corrections ('{}'), which are not read: give it "
-      "another with gdal_edit.py -a_srs EPSG:...",
+      "has a coordinate reference system that names files of corrections ('{}'), which are not read: write a "
+      "copy with another by `gdal_translate -a_srs EPSG:... IN OUT` for rasters, `ogr2ogr -a_srs EPSG:... "
+      "OUT "
+      "IN` for vectors",
       named);
 }
 

@@ -118,8 +118,7 @@ std::string references_of(const fs::path& path) {
        H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_NATIVE, look_at_object, &finding, H5O_INFO_BASIC) < 0))
     return "is damaged: its list of contents cannot be read";
   if (!finding.what.empty())
-    finding.what +=
-        ": write the heights or energies into a plain file (nccopy, gdal_translate) where all of it is";
+    finding.what += ": write the heights or energies into a plain file where all of it is";
   return finding.what;
 }
 

@@ -14,6 +14,8 @@ void keep_libraries_to_themselves() {
   static std::once_flag once;
   std::call_once(once, [] {
     setenv("NCRCENV_IGNORE", "1", 1);
+    // A user's setting for another program would turn rasters upside down, or shift them by half a cell.
+    for (const char* name : {"GDAL_NETCDF_BOTTOMUP", "GTIFF_POINT_GEO_IGNORE"}) unsetenv(name);
     H5PLset_loading_state(0);
   });
 }

@@ -6,7 +6,8 @@
 namespace tubefoot {
 
 /// Before netCDF or HDF5 read anything: netCDF reads no settings from the working folder (.ncrc, .dodsrc),
-/// HDF5 loads no code for compression that it does not have itself. Once; more often does no harm.
+/// HDF5 loads no code for compression that it does not have itself, and nothing in the environment moves the
+/// cells of a raster. Once; more often does no harm.
 void keep_libraries_to_themselves();
 
 /// Removes the variables of the environment that have libraries load code, read settings from files that they

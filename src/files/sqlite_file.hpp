@@ -18,9 +18,9 @@ namespace tubefoot {
 
 /// What is said of a database that is refused.
 struct SqliteWords {
-  std::string_view kind;          ///< "GeoPackage"
-  std::string_view plain_tables;  ///< what to do about views: "save its layer as a plain table (ogr2ogr)"
-  std::string_view finish;        ///< about changes that stand beside it: "open it in that program once more"
+  std::string_view kind;     ///< "GeoPackage"
+  std::string plain_tables;  ///< what to do about views: "save its layers as plain tables with `ogr2ogr ...`"
+  std::string finish;        ///< about changes that stand beside it: "open it in that program once more"
 };
 
 /// Throws InputError where the last changes to a database stand in a file beside it.

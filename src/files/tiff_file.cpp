@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 
+#include "files/advised_command.hpp"
 #include "files/inlet.hpp"
 
 // TIFF 6.0, section 2: a header names the first directory, each directory the next. BigTIFF: the same with 64
@@ -56,9 +57,9 @@ void refuse_long_tiff(const std::filesystem::path& file) {
   constexpr int most = 1000;
   InputFile input(file);
   if (Chain(input).count(most) > most)
-    throw InputError(
-        {file.string(), 0, 0},
-        fmt::format("has a chain of more than {} pictures: take out one with gdal_translate", most));
+    throw InputError({file.string(), 0, 0},
+                     fmt::format("has a chain of more than {} pictures: take out the first with {}", most,
+                                 advised_command("gdal_translate", file)));
 }
 
 }  // namespace tubefoot

@@ -14,6 +14,7 @@
 #include <string_view>
 
 #include "files/absolute_path.hpp"
+#include "files/advised_command.hpp"
 #include "files/gdal_messages.hpp"
 #include "files/inlet.hpp"
 #include "files/library_settings.hpp"
@@ -161,8 +162,11 @@ class VrtReader {
 
   /// At the line of the last element of a name that was met.
   [[noreturn]] void fail(const std::string& name, const std::string& what) const {
-    throw InputError({vrt_.string(), line_of(name, met_.at(name)), 0},
-                     what + ": make it of plain rasters (gdalbuildvrt), or of its own with gdal_translate");
+    throw InputError(
+        {vrt_.string(), line_of(name, met_.at(name)), 0},
+        fmt::format("{}: make it of plain rasters with `gdalbuildvrt OUT IN...`, or make a plain "
+                    "raster of it with {}",
+                    what, advised_command("gdal_translate", vrt_)));
   }
 
   int line_of(const std::string& name, int which) const {

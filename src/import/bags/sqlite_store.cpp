@@ -12,9 +12,8 @@
 namespace tubefoot {
 namespace {
 
-constexpr SqliteWords words{"rosbag2 recording",
-                            "a recording is plain tables: write it anew (ros2 bag convert)",
-                            "let ros2 bag record end, or open the file once with sqlite3 and close it"};
+const SqliteWords words{"rosbag2 recording", "a recording is plain tables: write it anew (ros2 bag convert)",
+                        "let ros2 bag record end, or open the file once with sqlite3 and close it"};
 
 /// rosbag2_storage_sqlite3: topics (id, name, type, serialization_format, ...), messages (id, topic_id,
 /// timestamp, data) and, since Iron, message_definitions.

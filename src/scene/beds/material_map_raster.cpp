@@ -32,13 +32,12 @@ Classes read_classes(const GdalInput& input, const RasterMaterialMap& map, const
                      const SourcePlace& place) {
   GDALDataset& dataset = input.dataset();
   Classes classes{dataset.GetRasterXSize(), dataset.GetRasterYSize(), {}};
-  if (dataset.GetRasterCount() == 0)
-    throw InputError(place, "holds no single raster: extract one with gdal_translate");
+  if (dataset.GetRasterCount() == 0) throw InputError(place, input.no_single_raster());
   input.refuse_colours("classes", false);
   if (static_cast<double>(classes.columns) * classes.rows > limits::cells)
-    throw InputError(place, fmt::format("{} x {} cells are more than {:.3g}: cut it to the terrain with "
-                                        "gdal_translate",
-                                        classes.columns, classes.rows, limits::cells));
+    throw InputError(place, fmt::format("{} x {} cells are more than {:.3g}: cut it to the terrain with {}",
+                                        classes.columns, classes.rows, limits::cells,
+                                        input.advised("gdal_translate -projwin WEST NORTH EAST SOUTH")));
   std::map<double, std::uint16_t> region_of;
   for (const MaterialClass& c : map.classes) {
     const std::uint16_t material = material_named(c.material, setting.materials, c.place, "");
@@ -117,17 +116,18 @@ class Corners {
     const int rows = dataset.GetRasterYSize();
     if (map.origin_m && map.cell_m) {
       local_ = true;
+      if (const auto unknown = input.unknown_row_order()) throw InputError(place, *unknown);
       affine_ = {(*map.origin_m)[0], *map.cell_m, 0, (*map.origin_m)[1] + rows * *map.cell_m, 0,
                  -*map.cell_m};
       return;
     }
     crs_ = input.crs();
-    if (dataset.GetGeoTransform(affine_.data()) != CE_None)
-      throw InputError(place,
-                       "has no geotransform, so its cells have no size and place: give 'origin_m' and "
-                       "'cell_m'");
+    const auto transform = input.geotransform();
+    if (!transform) throw InputError(place, input.no_geotransform("give 'origin_m' and 'cell_m'"));
+    affine_ = *transform;
     if (affine_[2] != 0 || affine_[4] != 0 || !(affine_[1] > 0) || !(affine_[5] < 0))
-      throw InputError(place, "is not north-up: turn it with gdalwarp");
+      throw InputError(place, fmt::format("is not north-up: turn it with {}",
+                                          input.advised(fmt::format("gdalwarp {}", warp_classes))));
   }
 
   glm::dvec3 in_file(int column, int row) const {
@@ -136,8 +136,10 @@ class Corners {
   }
   void carry(std::span<glm::dvec3> points) const {
     if (!local_)
-      carry_map_points(points, crs_, setting_.frame, place_,
-                       "give 'origin_m' and 'cell_m' in local metres, or mend the file with gdal_edit.py");
+      carry_map_points(
+          points, crs_, setting_.frame, place_,
+          "give 'origin_m' and 'cell_m' in local metres, or write a copy with a coordinate reference "
+          "system by `gdal_translate -a_srs EPSG:... IN OUT`");
   }
   /// Whether straight lines along the cells stay straight in the frame, to a micrometre.
   bool stay_straight(int columns, int rows) const {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <optional>
 
 #include "engine/law/layered_reflectivity.hpp"
 #include "engine/law/map_reflectivity.hpp"
@@ -24,14 +25,13 @@ class MapReader {
         frame_(frame),
         input_(keys.file, {FileFormat::geotiff, FileFormat::ascii_grid, FileFormat::bag, FileFormat::netcdf4,
                            FileFormat::netcdf_classic, FileFormat::png}) {
-    if (input_.dataset().GetRasterCount() == 0)
-      fail("holds no single raster: extract one with gdal_translate");
+    if (input_.dataset().GetRasterCount() == 0) fail(input_.no_single_raster());
     input_.refuse_colours("reflectivities");
     columns_ = input_.dataset().GetRasterXSize();
     rows_ = input_.dataset().GetRasterYSize();
     if (double(columns_) * rows_ > limits::cells)
-      fail(fmt::format("{} x {} pixels are more than {:.3g}: cut or shrink it with gdal_translate", columns_,
-                       rows_, limits::cells));
+      fail(fmt::format("{} x {} pixels are more than {:.3g}: shrink it with {}", columns_, rows_,
+                       limits::cells, input_.advised("gdal_translate -r average -outsize 25% 0")));
   }
 
   std::shared_ptr<const ReflectivityField> read() {
@@ -44,6 +44,10 @@ class MapReader {
     }
   }
 
+  /// Of a tile, whose rows have no coordinates.
+  std::optional<std::string> unknown_row_order() const {
+    return keys_.tile_m ? input_.unknown_row_order() : std::nullopt;
+  }
   const GdalMessages& messages() const { return input_.messages(); }
   const SourcePlace& place() const { return input_.place(); }
 
@@ -77,19 +81,19 @@ class MapReader {
   }
 
   MapReflectivity::Placing placed() const {
-    std::array<double, 6> g{};
-    if (input_.dataset().GetGeoTransform(g.data()) != CE_None)
-      fail(
-          "has no geotransform, so its pixels have no size and place: give 'tile_m', or add one with "
-          "gdal_edit.py -a_ullr");
+    const auto transform = input_.geotransform();
+    if (!transform) fail(input_.no_geotransform("give 'tile_m'"));
+    const std::array<double, 6>& g = *transform;
     const std::string crs = input_.crs();
     const bool with_crs = !crs.empty();
     if (with_crs && !frame_.is_georeferenced())
       fail("has a coordinate reference system, but the scene has none: add [georeference], or give 'tile_m'");
     if (!with_crs && frame_.is_georeferenced())
       fail(
-          "has no coordinate reference system, but the scene's frame is georeferenced: add it with "
-          "gdal_edit.py -a_srs EPSG:..., or give 'tile_m'");
+          fmt::format("has no coordinate reference system, but the scene's frame is georeferenced: write a "
+                      "copy with one by {}, "
+                      "or give 'tile_m'",
+                      input_.advised("gdal_translate -a_srs EPSG:...")));
     // Corners' and edges' middles and the centre, as pixels' centres are counted.
     const double w = columns_, h = rows_;
     std::vector<glm::dvec3> points;
@@ -106,8 +110,9 @@ class MapReader {
       if (!(glm::length(plan(k) - straight) <= pixel / 2))
         fail(
             fmt::format("lies up to {:.3g} m off a parallelogram in the scene's frame, more than half a "
-                        "pixel: bring it into the frame's projection with gdalwarp",
-                        glm::length(plan(k) - straight)));
+                        "pixel: bring it into the frame's projection with {}",
+                        glm::length(plan(k) - straight),
+                        input_.advised(fmt::format("gdalwarp -t_srs EPSG:... {}", warp_heights))));
     }
     return {corner + column / 2.0 + row / 2.0, column, row, false};
   }
@@ -135,6 +140,9 @@ std::shared_ptr<const ReflectivityField> load_reflectivity(const MaterialDescrip
       has_map = true;
       MapReader reader(*map, frame);
       layers.push_back(reader.read());
+      if (const auto unknown = reader.unknown_row_order())
+        warnings.push_back(
+            fmt::format("{}: {}; the last one is taken for it", reader.place().file, *unknown));
       for (const std::string& text : reader.messages().warnings())
         warnings.push_back(fmt::format("{}: GDAL: {}", reader.place().file, text));
       continue;

@@ -25,8 +25,10 @@ class CellPlaces {
       : frame_(frame), place_(raster.place()), crs_(raster.crs()), transform_(raster.geotransform()) {
     if (frame.is_georeferenced() && crs_.empty()) {
       raster.fail(
-          "has no coordinate reference system, but the scene's frame is georeferenced: add it with "
-          "gdal_edit.py -a_srs EPSG:..., or give tile_m");
+          fmt::format("has no coordinate reference system, but the scene's frame is georeferenced: write a "
+                      "copy with one by {}, "
+                      "or give tile_m",
+                      raster.advised("gdal_translate -a_srs EPSG:...")));
     }
     if (!frame.is_georeferenced() && !crs_.empty()) {
       raster.fail(
@@ -59,8 +61,8 @@ std::vector<double> read_heights(const RasterFile& raster, double scale) {
   if (columns < 2 || rows < 2)
     raster.fail(fmt::format("has {} x {} cells, expected at least 2 x 2", columns, rows));
   if (static_cast<double>(columns) * rows > limits::cells)
-    raster.fail(fmt::format("{} x {} cells are more than {:.3g}: cut or thin it with gdal_translate", columns,
-                            rows, limits::cells));
+    raster.fail(fmt::format("{} x {} cells are more than {:.3g}: thin it with {}", columns, rows,
+                            limits::cells, raster.advised("gdal_translate -r average -outsize 25% 0")));
   const RasterFile::Metres metres = raster.metres();
   std::vector<double> heights(static_cast<std::size_t>(columns) * rows);
   std::vector<unsigned char> has_data(columns);
@@ -128,8 +130,8 @@ HeightMap resampled(const RasterFile& raster, const CellPlaces& places, const st
   const double spacing = std::min(glm::length(steps.column), glm::length(steps.row));
   const double wide = std::ceil((hi.x - lo.x) / spacing) + 1, high = std::ceil((hi.y - lo.y) / spacing) + 1;
   if (!(wide * high <= limits::cells))
-    raster.fail(fmt::format("would have {:.3g} x {:.3g} nodes in the scene's frame: project it with gdalwarp",
-                            wide, high));
+    raster.fail(fmt::format("would have {:.3g} x {:.3g} nodes in the scene's frame: project it with {}", wide,
+                            high, raster.advised(fmt::format("gdalwarp -t_srs EPSG:... {}", warp_heights))));
   HeightMap map{static_cast<std::size_t>(wide),
                 static_cast<std::size_t>(high),
                 lo.x,
@@ -202,8 +204,9 @@ void check_spacing(const RasterFile& raster, const HeightMap& map) {
   if (!(shortest >= least_m && longest <= most_waves * shortest))
     raster.fail(fmt::format(
         "its cells are {:g} m by {:g} m over {:g} m, expected at least {:g} m and no more than {:.3g} of "
-        "the shorter sides over all of it: resample it with gdalwarp -tr, or mend its georeference",
-        map.spacing_x_m, map.spacing_y_m, longest, least_m, most_waves));
+        "the shorter sides over all of it: resample it to square cells with {}",
+        map.spacing_x_m, map.spacing_y_m, longest, least_m, most_waves,
+        raster.advised(fmt::format("gdalwarp -tr SIZE SIZE {}", warp_heights))));
 }
 
 }  // namespace
@@ -229,6 +232,9 @@ std::shared_ptr<const ElevationField> read_relief_map(const MapReliefDescription
   } else {
     lattice = placed(raster, std::move(heights), frame);
   }
+  if (map.tile_m)
+    if (const auto unknown = raster.unknown_row_order())
+      warnings.push_back(fmt::format("{}: {}; the last one is taken for it", raster.place().file, *unknown));
   for (const std::string& text : raster.messages().warnings())
     warnings.push_back(fmt::format("{}: GDAL: {}", raster.place().file, text));
   check_spacing(raster, lattice);

@@ -10,6 +10,8 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "files/gdal_input.hpp"
+
 namespace tubefoot {
 
 glm::dvec3 EarthPlace::direction(glm::dvec3 local) const {
@@ -73,8 +75,9 @@ std::optional<std::string> scale_warning(const LocalFrame& frame) {
   return fmt::format(
       "the map of the scene is not true to scale: at its origin ({:.4f} N, {:.4f} E) it draws a metre to the "
       "east as {:.4g} m and one to the north as {:.4g} m; ranges, areas and energies are those of the map: "
-      "carry the data to a map of the place first, such as its UTM zone (gdalwarp -t_srs EPSG:...)",
-      origin.lon_lat_height.y, origin.lon_lat_height.x, east, north);
+      "carry the data to a map of the place first, such as its UTM zone, with `gdalwarp -t_srs EPSG:... {} "
+      "IN OUT`",
+      origin.lon_lat_height.y, origin.lon_lat_height.x, east, north, warp_heights);
 }
 
 glm::dvec3 east_north_up_between(glm::dvec3 from, glm::dvec3 to) {

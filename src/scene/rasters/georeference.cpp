@@ -280,8 +280,8 @@ bool is_geographic(const std::string& crs, const SourcePlace& place) {
   const OGRSpatialReference known = crs_from(crs, place);
   if (known.IsGeographic() == known.IsProjected()) {
     throw InputError(
-        place, fmt::format("its coordinate reference system {} is neither geographic nor projected: convert "
-                           "it with gdalwarp -t_srs EPSG:...",
+        place, fmt::format("its coordinate reference system {} is neither geographic nor projected, so it "
+                           "has no place on a map: expected longitude and latitude, or easting and northing",
                            known.GetName()));
   }
   return known.IsGeographic() != 0;

@@ -5,6 +5,7 @@
 
 #include <glm/common.hpp>
 
+#include "files/advised_command.hpp"
 #include "files/limits.hpp"
 #include "files/memory_at_hand.hpp"
 #include "scene/rasters/raster_reader.hpp"
@@ -14,7 +15,8 @@ namespace tubefoot {
 
 namespace {
 
-void require_cells(const RasterReader& reader, double cells, const std::string& what, const char* way_out) {
+void require_cells(const RasterReader& reader, double cells, const std::string& what,
+                   const std::string& way_out) {
   if (cells > limits::cells)
     reader.file().fail(fmt::format("{} are more than {:.3g}: {}", what, limits::cells, way_out));
   require_memory(2 * bytes_a_facet * cells, reader.file().place(), "facets between " + what, way_out);
@@ -45,7 +47,7 @@ ComponentMesh facets_of_grid(RasterReader& reader) {
 ComponentMesh facets_of_supergrids(const RasterReader& reader, double resolution_m) {
   const RasterFile& file = reader.file();
   if (resolution_m > 0 && reader.is_in_degrees())
-    file.fail("is in degrees, and resolution_m is in metres: bring it to metres with gdalwarp");
+    file.fail("is in degrees, and resolution_m is in metres: leave resolution_m out");
   const BagRefinements refinements = read_bag_refinements(file.place().file);
   if (refinements.columns != static_cast<std::size_t>(file.columns()) ||
       refinements.rows != static_cast<std::size_t>(file.rows()))
@@ -68,8 +70,9 @@ ComponentMesh facets_of_supergrids(const RasterReader& reader, double resolution
       const auto& supergrid = refinements.at(grid.row + row, grid.column + column);
       nodes += static_cast<double>(supergrid.columns) * supergrid.rows;
     }
-  constexpr const char* way_out =
-      "give a window, or write one resolution with gdal_translate -oo MODE=RESAMPLED_GRID";
+  const std::string way_out =
+      fmt::format("give a window, or write one resolution with {}",
+                  advised_command("gdal_translate -oo MODE=RESAMPLED_GRID", file.place().file));
   require_cells(reader, nodes, fmt::format("{} nodes", nodes), way_out);
   ComponentMesh mesh = join_supergrids(grid, file.place());
   if (resolution_m > 0) {

@@ -6,6 +6,7 @@
 #include <mutex>
 #include <system_error>
 
+#include "files/advised_command.hpp"
 #include "geometry/steps/stop.hpp"
 namespace tubefoot {
 
@@ -14,26 +15,19 @@ RasterFile::RasterFile(const std::filesystem::path& file, GdalInput::Variable va
              {FileFormat::geotiff, FileFormat::bag, FileFormat::ascii_grid, FileFormat::netcdf4,
               FileFormat::netcdf_classic, FileFormat::vrt},
              variable) {
-  if (input_.dataset().GetRasterCount() == 0) {
-    fail(
-        "holds no single raster but perhaps several variables: extract one with gdal_translate "
-        "(gdalinfo lists their names)");
-  }
+  if (input_.dataset().GetRasterCount() == 0) fail(input_.no_single_raster());
   input_.refuse_colours("heights");
 }
 
 std::array<double, 6> RasterFile::geotransform() const {
-  std::array<double, 6> transform{};
-  if (input_.dataset().GetGeoTransform(transform.data()) != CE_None) {
-    fail("has no geotransform, so its cells have no size and place: add one with gdal_edit.py -a_ullr");
-  }
-  if (transform[2] != 0 || transform[4] != 0) {
-    fail("is rotated against its coordinate axes: turn it north-up with gdalwarp");
-  }
-  if (!(transform[1] > 0) || !(transform[5] < 0)) {
-    fail("does not run from north-west to south-east: turn it north-up with gdalwarp");
-  }
-  return transform;
+  const auto transform = input_.geotransform();
+  if (!transform) fail(input_.no_geotransform());
+  const auto turn = [this] { return advised(fmt::format("gdalwarp {}", warp_heights)); };
+  if ((*transform)[2] != 0 || (*transform)[4] != 0)
+    fail(fmt::format("is rotated against its coordinate axes: turn it north-up with {}", turn()));
+  if (!((*transform)[1] > 0) || !((*transform)[5] < 0))
+    fail(fmt::format("does not run from north-west to south-east: turn it north-up with {}", turn()));
+  return *transform;
 }
 
 RasterFile::Metres RasterFile::metres() const {
@@ -50,10 +44,12 @@ RasterFile::Metres RasterFile::metres() const {
     metres = 1200.0 / 3937.0;
   } else if (!unit.empty() && unit != "m" && unit != "metre" && unit != "meter" && unit != "metres" &&
              unit != "meters") {
+    const std::string copy = advised_command("gdal_translate -unscale -ot Float64", place().file);
     fail(fmt::format(
-        "its heights are in '{}', expected m, cm, km, ft or US survey foot: mend it with gdal_edit.py "
-        "-units m",
-        unit));
+        "its heights are in '{0}', expected m, cm, km, ft or US survey foot: write a copy in metres with "
+        "`{1} && "
+        "gdal_edit.py -scale METRES -units m {2}`, where METRES is the length of one {0}",
+        unit, copy.substr(1, copy.size() - 2), shell_word(new_file_beside(place().file, ".tif"))));
   }
   const double scale = band.GetScale() == 0 ? 1 : band.GetScale();
   return {scale, band.GetOffset(), metres};

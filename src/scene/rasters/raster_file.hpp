@@ -36,6 +36,10 @@ class RasterFile {
   /// Part of a row: its values, and which of them are data (not 0).
   void read_row(int row, int column, int columns, double* values, unsigned char* has_data) const;
 
+  std::string advised(std::string_view command) const { return input_.advised(command); }
+  std::string name_the_degrees() const { return input_.name_the_degrees(); }
+  std::optional<std::string> unknown_row_order() const { return input_.unknown_row_order(); }
+
   [[noreturn]] void fail(const std::string& message) const { input_.fail(message); }
 
  private:

@@ -29,10 +29,11 @@ RasterWindow window_of(const RasterTerrain& terrain, const RasterFile& file) {
     return w;
   }
   if (terrain.resolution_m > 0)
-    file.fail(
-        "has one resolution, and resolution_m is for BAGs of variable resolution: give decimate, or change "
+    file.fail(fmt::format(
+        "has one resolution, and resolution_m is for BAGs of variable resolution: give decimate, or resample "
         "it "
-        "with gdalwarp -tr");
+        "with {}",
+        file.advised(fmt::format("gdalwarp -tr {0} {0} {1}", terrain.resolution_m, warp_heights))));
   if (w.kept_columns() < 2 || w.kept_rows() < 2) {
     file.fail(
         fmt::format("{} x {} cells are left, expected at least 2 x 2: facets lie between the cells' centres",
@@ -90,14 +91,15 @@ std::vector<std::string> RasterReader::settle(std::optional<LocalFrame>& frame) 
   if (frame->is_georeferenced() && crs_.empty()) {
     throw InputError(
         place,
-        "has no coordinate reference system, but the scene's frame is georeferenced: add it with "
-        "gdal_edit.py -a_srs EPSG:..., or remove [georeference]");
+        fmt::format("has no coordinate reference system, but the scene's frame is georeferenced: write a "
+                    "copy with one by {}, or remove [georeference]",
+                    file_.advised("gdal_translate -a_srs EPSG:...")));
   }
   if (!frame->is_georeferenced() && !crs_.empty()) {
-    throw InputError(
-        place,
-        "has a coordinate reference system, but a raster before it has none: add a [georeference] and "
-        "the other raster's CRS with gdal_edit.py -a_srs EPSG:...");
+    throw InputError(place,
+                     "has a coordinate reference system, but a raster before it has none: add a "
+                     "[georeference], and write a "
+                     "copy of the other raster with its own by `gdal_translate -a_srs EPSG:... IN OUT`");
   }
   return warnings;
 }
@@ -124,8 +126,8 @@ std::vector<std::string> RasterReader::odd_extent(glm::dvec3 lo, glm::dvec3 hi) 
     if (const double height = height_m(value); lo.z < hi.z && (height == lo.z || height == hi.z))
       return {fmt::format(
           "{}: has cells of {:g}, as programs write where there is no data, and does not say that this is "
-          "what it means: if so, gdal_translate -a_nodata {:g} makes them holes",
-          file_.place().file, value, value)};
+          "what it means: if so, {} makes them holes",
+          file_.place().file, value, file_.advised(fmt::format("gdal_translate -a_nodata {:g}", value)))};
   const glm::dvec3 size = hi - lo;
   if (!crs_.empty() || lo.x < -180 || hi.x > 360 || lo.y < -90 || hi.y > 90 ||
       size.z <= steepest * std::max(size.x, size.y))
@@ -134,7 +136,7 @@ std::vector<std::string> RasterReader::odd_extent(glm::dvec3 lo, glm::dvec3 hi) 
       "has no coordinate reference system; taken for metres, its {:.3g} x {:.3g} m would be {:.3g} m "
       "high, so these look like degrees, of longitude {:.6g} to {:.6g} and latitude {:.6g} to "
       "{:.6g}: {}",
-      size.x, size.y, size.z, lo.x, hi.x, lo.y, hi.y, name_the_degrees));
+      size.x, size.y, size.z, lo.x, hi.x, lo.y, hi.y, file_.name_the_degrees()));
 }
 
 std::vector<std::string> RasterReader::warnings() const {

@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
+#include "files/advised_command.hpp"
 #include "geometry/steps/stop.hpp"
 #include "scene/rasters/raster_reader.hpp"
 
@@ -78,9 +79,10 @@ class Joiner {
       throw InputError(
           place_, fmt::format("the supergrid at row {}, column {} (from the south-west, from 0) of {} x {} "
                               "nodes, {:g} x {:g} apart, leaves its cell of {:g} x {:g}: write one "
-                              "resolution with gdal_translate -oo MODE=RESAMPLED_GRID",
+                              "resolution with {}",
                               grid_.row + row, grid_.column + column, s.columns, s.rows, s.step_x, s.step_y,
-                              grid_.cell_x, grid_.cell_y));
+                              grid_.cell_x, grid_.cell_y,
+                              advised_command("gdal_translate -oo MODE=RESAMPLED_GRID", place_.file)));
     for (std::size_t j = 0; j < s.rows; ++j)
       for (std::size_t i = 0; i < s.columns; ++i) {
         const float height = grid_.refinements.heights[s.first + j * s.columns + i];

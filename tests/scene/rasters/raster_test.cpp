@@ -226,7 +226,7 @@ void expect_refused(const TestRaster& raster, const char* message,
 TEST(Raster, RefusesWhatCannotBePlaced) {
   TestRaster raster;
   raster.crs = nullptr;
-  expect_refused(raster, "gdal_edit.py -a_srs");
+  expect_refused(raster, "gdal_translate -a_srs");
   expect_refused({}, "a raster before it has none", LocalFrame());
   raster = {};
   raster.geotransform[2] = 0.1;
@@ -319,6 +319,70 @@ TEST(Raster, DegreesWithoutCrsAreNotTakenForMetres) {
   for (int variable = 0; variable < count; ++variable) nc_del_att(id, variable, "grid_mapping");
   nc_close(id);
   refused("its coordinates are in degrees");
+}
+
+/// z(y, x) as netCDF-C writes it; coordinates without attributes, if any.
+std::filesystem::path write_netcdf(const TestFolder& folder, bool coordinates, bool north_first,
+                                   bool turned_over = false, double bend = 0) {
+  constexpr std::size_t rows = 3, columns = 4;
+  const std::filesystem::path file = folder.path() / "bed.nc";
+  int id = 0, y = 0, x = 0, z = 0, ys = 0, xs = 0;
+  EXPECT_EQ(nc_create(file.c_str(), NC_CLOBBER, &id), NC_NOERR);
+  nc_def_dim(id, "y", rows, &y);
+  nc_def_dim(id, "x", columns, &x);
+  if (coordinates) {
+    nc_def_var(id, "y", NC_DOUBLE, 1, &y, &ys);
+    nc_def_var(id, "x", NC_DOUBLE, 1, &x, &xs);
+  }
+  const int dimensions[] = {turned_over ? x : y, turned_over ? y : x};
+  nc_def_var(id, "z", NC_DOUBLE, 2, dimensions, &z);
+  nc_enddef(id);
+  std::vector<double> heights(rows * columns);
+  for (std::size_t row = 0; row < rows; ++row) {
+    const std::size_t from_south = north_first ? rows - 1 - row : row;
+    const double north = 100 + 2 * static_cast<double>(from_south) + (row == 1 ? bend : 0);
+    if (coordinates) {
+      EXPECT_EQ(nc_put_var1_double(id, ys, &row, &north), NC_NOERR);
+    }
+    for (std::size_t column = 0; column < columns; ++column)
+      heights[turned_over ? column * rows + row : row * columns + column] =
+          -10 * static_cast<double>(from_south) - static_cast<double>(column);
+  }
+  for (std::size_t column = 0; column < columns && coordinates; ++column) {
+    const double east = 10 + 2 * static_cast<double>(column);
+    EXPECT_EQ(nc_put_var1_double(id, xs, &column, &east), NC_NOERR);
+  }
+  EXPECT_EQ(nc_put_var_double(id, z, heights.data()), NC_NOERR);
+  nc_close(id);
+  return file;
+}
+
+TEST(Raster, LiesByTheCoordinatesOfANetcdfFileInEitherOrderOfRows) {
+  for (const bool north_first : {false, true}) {
+    TestFolder folder;
+    RasterTerrain terrain;
+    terrain.file = write_netcdf(folder, true, north_first);
+    std::optional<LocalFrame> frame;
+    const ComponentMesh mesh = read_raster(terrain, frame);
+    ASSERT_EQ(mesh.points_m.size(), 12u);
+    for (const glm::dvec3& p : mesh.points_m)
+      EXPECT_DOUBLE_EQ(p.z, -5 * (p.y - 100) - (p.x - 10) / 2) << p.x << " " << p.y;
+  }
+}
+
+TEST(Raster, RefusesNetcdfThatDoesNotSayWhereItLies) {
+  TestFolder folder;
+  RasterTerrain terrain;
+  std::optional<LocalFrame> frame;
+  const auto refused = [&](const char* what) {
+    EXPECT_THAT([&] { read_raster(terrain, frame); }, ThrowsMessage<InputError>(HasSubstr(what)));
+  };
+  terrain.file = write_netcdf(folder, false, false);
+  refused("--config GDAL_NETCDF_BOTTOMUP NO -a_ullr WEST NORTH EAST SOUTH");
+  terrain.file = write_netcdf(folder, true, false, true);
+  refused("its rows run along y");
+  terrain.file = write_netcdf(folder, true, false, false, 0.5);
+  refused("its coordinates 'y' are not evenly spaced");
 }
 
 // Whatever is asked of it: red is no height, no reflectivity and no class.

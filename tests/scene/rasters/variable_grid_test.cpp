@@ -9,6 +9,7 @@
 #include <hdf5.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <map>
@@ -316,6 +317,28 @@ TEST(VariableGrid, RefusesWhatItCannotBe) {
   refused([&] { no_depths.read(); }, "records without 'depth'");
   const VariableBag beyond({{{5}, {5}}, {{5}, {5}}}, plane, "depth", 10);
   refused([&] { beyond.read(); }, "nodes from number");
+}
+
+// What advised_commands_test.py does for other files.
+TEST(VariableGrid, AdvisedCommandGivesTheSameSurface) {
+  if (std::system("gdal_translate --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "no gdal_translate here";
+  const VariableBag bag({{{5}, {5}}, {{5}, {5}}}, plane);
+  std::string said;
+  try {
+    RasterFile refused(bag.file);
+  } catch (const InputError& error) {
+    said = error.what();
+  }
+  const std::size_t begin = said.find("`gdal_translate "), end = said.find('`', begin + 1);
+  ASSERT_NE(end, said.npos) << said;
+  ASSERT_EQ(std::system((said.substr(begin + 1, end - begin - 1) + " >/dev/null").c_str()), 0) << said;
+  std::optional<LocalFrame> frame = LocalFrame::projected("EPSG:32602", west, north, 0, {"scene", 1, 1});
+  RasterTerrain terrain;
+  terrain.file = bag.folder.path() / "vr_new.tif";
+  const ComponentMesh mesh = read_raster(terrain, frame);
+  EXPECT_GE(mesh.points_m.size(), 80u);
+  constexpr double half_a_cell = 0.5 * 10 * 0.03;
+  for (const glm::dvec3& p : mesh.points_m) EXPECT_NEAR(p.z, plane(p.x + west, p.y + north), 2 * half_a_cell);
 }
 
 TEST(VariableGrid, ResolutionIsNotForOthers) {
