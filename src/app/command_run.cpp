@@ -74,9 +74,9 @@ std::vector<Recording> simulate_all(RunUnderWay& run, const Survey& survey, Part
   if (run.kept_pings > 0 && !quiet) say("going on after {} finished pings\n", run.kept_pings);
   partial.keep_through([&] {
     if (lead)
-      lead->simulate(survey, run.request, *store, quiet, run.threads);
+      lead->simulate(survey, run.request, *store, quiet, run.threads, run.expected_write_seconds);
     else
-      simulate(survey, run.request, *store, {quiet});
+      simulate(survey, run.request, *store, {quiet, nullptr, run.expected_write_seconds});
     stop_if_wanted();
   });
   std::vector<Recording> recordings = looked_back(run, survey, store);

@@ -121,7 +121,7 @@ void foresee_writing(RunUnderWay& run, const Survey& survey) {
     kept += 8.0 * static_cast<double>(sensor.pings) * static_cast<double>(sensor.cells);
   if (run.request.reference_tolerance) kept *= 2;
   constexpr double long_s = 10, large_bytes = 1e9;
-  const double seconds = cost.seconds_on(run.threads);
+  const double seconds = run.expected_write_seconds = cost.seconds_on(run.threads);
   if (!run.options.quiet && (seconds > long_s || kept + cost.bytes > large_bytes))
     say("writing will take about {}, and the disk {} for energies while it runs and at most about {} for the "
         "result\n",

@@ -36,6 +36,7 @@ struct RunUnderWay {
   int threads = 0;
   std::optional<int> ranks, parts;  ///< several processes that computed it, if so
   double simulation_seconds = 0, write_seconds = 0;
+  double expected_write_seconds = 0;   ///< foresee_writing()
   std::vector<TruthRecording> truths;  ///< if asked for
   RunWarnings warnings{
       [this](const std::string& warning, bool) { print_warnings({warning}, options.quiet); }};

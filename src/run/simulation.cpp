@@ -11,6 +11,7 @@
 
 #include "geometry/steps/stop.hpp"
 #include "run/abilities.hpp"
+#include "run/ping_order.hpp"
 #include "run/refraction.hpp"
 #include "run/regional_simulation.hpp"
 #include "run/signals.hpp"
@@ -84,7 +85,7 @@ void for_each_ping(const Survey& survey, const StoreLayout& layout, const IsLeft
   for (std::size_t g = 0; g < layout.groups.size(); ++g)
     for (std::size_t ping = 0; ping < layout.groups[g].pings; ++ping) all += left(g, ping);
   if (onlookers.watch != nullptr) onlookers.watch->total = all;
-  Progress progress("pings", all, onlookers.quiet);
+  Progress progress("pings", all, onlookers.quiet, onlookers.afterwards_s);
   const auto take = [&](std::size_t g, std::size_t ping) {
     if (!left(g, ping) || stop_wanted()) return;
     // A thread that waits for others must not begin a second ping: each holds the ground of its shot, or the
@@ -100,23 +101,27 @@ void for_each_ping(const Survey& survey, const StoreLayout& layout, const IsLeft
     progress.step();
     if (onlookers.watch != nullptr) ++onlookers.watch->pings;
   };
-  for (std::size_t g = 0; g < survey.shots.size(); ++g) {
-    const std::size_t pings = layout.groups[g].pings;
-    if (!survey.site->is_tiled()) {
-      tbb::parallel_for(std::size_t{0}, pings, [&](std::size_t ping) { take(g, ping); });
-      continue;
-    }
-    // One after the other, so that all threads are in few regions at a time.
-    std::atomic<std::size_t> next{0};
-    tbb::parallel_for(
-        0, tbb::this_task_arena::max_concurrency(),
-        [&](int) {
-          for (std::size_t ping = next++; ping < pings && !tbb::is_current_task_group_canceling();
-               ping = next++)
-            take(g, ping);
-        },
-        tbb::simple_partitioner());
+  std::vector<std::size_t> pings_of_groups;
+  for (const auto& group : layout.groups) pings_of_groups.push_back(group.pings);
+  const PingOrder order(pings_of_groups);
+  const auto take_at = [&](std::size_t place) {
+    const auto [group, ping] = order[place];
+    take(group, ping);
+  };
+  if (!survey.site->is_tiled()) {
+    tbb::parallel_for(std::size_t{0}, order.size(), take_at);
+    return;
   }
+  // One after the other, so that all threads are in few regions at a time.
+  std::atomic<std::size_t> next{0};
+  tbb::parallel_for(
+      0, tbb::this_task_arena::max_concurrency(),
+      [&](int) {
+        for (std::size_t place = next++; place < order.size() && !tbb::is_current_task_group_canceling();
+             place = next++)
+          take_at(place);
+      },
+      tbb::simple_partitioner());
 }
 
 void simulate(const Survey& survey, const RunRequest& request, PingStore& store, const Onlookers& onlookers) {

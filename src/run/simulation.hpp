@@ -78,6 +78,7 @@ class PingSimulation {
 struct Onlookers {
   bool quiet = true;          ///< nothing on stderr
   RunWatch* watch = nullptr;  ///< may be null
+  double afterwards_s = 0;    ///< what is done after the last ping takes about so long
 };
 
 /// Calls `keep` for each ping of `layout`, by group and ping, that is `left` to do, from all threads and in

@@ -2,6 +2,7 @@
 #include "run/console/progress.hpp"
 
 #include <fmt/format.h>
+#include <tbb/task_arena.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -32,20 +33,21 @@ std::string duration(double seconds) {
 
 }  // namespace
 
-Progress::Progress(std::string what, std::size_t total, bool quiet)
-    : Progress(std::move(what), total, quiet || total == 0, false) {}
+Progress::Progress(std::string what, std::size_t total, bool quiet, double afterwards_s)
+    : Progress(std::move(what), total, quiet || total == 0, afterwards_s, Kind{false}) {}
 
-Progress::Progress(std::string what, bool quiet) : Progress(std::move(what), 0, quiet, true) {}
+Progress::Progress(std::string what, bool quiet) : Progress(std::move(what), 0, quiet, 0, Kind{true}) {}
 
-Progress::Progress(std::string what, std::size_t total, bool quiet, bool of_steps)
+Progress::Progress(std::string what, std::size_t total, bool quiet, double afterwards_s, Kind kind)
     : what_(std::move(what)),
       total_(total),
       quiet_(quiet),
-      of_steps_(of_steps),
+      of_steps_(kind.of_steps),
       terminal_(isatty(STDERR_FILENO) != 0),
       start_(Clock::now()),
       drawn_(start_),
-      stepped_(start_) {
+      stepped_(start_),
+      left_(total, std::max(tbb::this_task_arena::max_concurrency(), 1), afterwards_s) {
   if (quiet_) return;
   if (terminal_) draw(start_);
   try {
@@ -70,6 +72,7 @@ void Progress::step() {
   ++finished_;
   if (quiet_) return;
   const auto now = stepped_ = Clock::now();
+  left_.step(std::chrono::duration<double>(now - start_).count());
   if (terminal_) {
     if (finished_ == total_ || now - drawn_ >= 100ms) draw(now);
   } else if (const std::size_t tenths = finished_ * 10 / total_; tenths > shown_tenths_) {
@@ -101,8 +104,8 @@ void Progress::draw(Clock::time_point now) {
   };
   if (of_steps_) {
     if (within)
-      draw_bar(fmt::format("{}: {}", what_, within->what), within->done, within->total, since(within->since),
-               "");
+      draw_bar(fmt::format("{}: {}", what_, within->what), within->done, within->total,
+               time_left(within->done, within->total, since(within->since)), "");
     else if (terminal_)
       draw_on_terminal("\r\033[K{}", what_);
     else
@@ -112,14 +115,13 @@ void Progress::draw(Clock::time_point now) {
   std::string more;
   if (now - stepped_ >= patience && within && now - within->since >= patience)
     more = fmt::format("; {} {}/{}", within->what, within->done, within->total);
-  draw_bar(what_, finished_, total_, since(start_), more);
+  draw_bar(what_, finished_, total_, finished_ < total_ ? left_.seconds(since(start_)) : std::nullopt, more);
 }
 
-void Progress::draw_bar(const std::string& of, std::size_t done, std::size_t total, double seconds,
-                        const std::string& more) {
+void Progress::draw_bar(const std::string& of, std::size_t done, std::size_t total,
+                        std::optional<double> left_s, const std::string& more) {
   const double fraction = static_cast<double>(done) / static_cast<double>(total);
-  std::string left;
-  if (done > 0 && done < total) left = ", " + duration(seconds * (1 - fraction) / fraction) + " left";
+  const std::string left = left_s && done < total ? ", " + duration(*left_s) + " left" : "";
   if (terminal_) {
     constexpr int width = 30;
     const int full = static_cast<int>(fraction * width);

@@ -89,11 +89,11 @@ void LeadRank::note_end(const RankMessage& message) {
 }
 
 void LeadRank::simulate(const Survey& survey, const RunRequest& request, PingStore& store, bool quiet,
-                        int threads) {
+                        int threads, double afterwards_s) {
   const StoreLayout layout = layout_of(survey, request);
   const PingSimulation simulation(survey, request);
   Deal deal(layout, store);
-  Progress progress("pings", layout.units() - store.done_units(), quiet);
+  Progress progress("pings", layout.units() - store.done_units(), quiet, afterwards_s);
   SparePings spare;
   PingCrew crew(threads, [&](const PingUnit& unit) {
     simulation.run_into(store, unit, spare);

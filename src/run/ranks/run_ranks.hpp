@@ -33,7 +33,9 @@ class LeadRank {
   /// have chosen.
   void start(const nlohmann::ordered_json& asked, const nlohmann::ordered_json& run);
   /// As simulate() in run/simulation.hpp, on all ranks. Throws what any of them throws.
-  void simulate(const Survey& survey, const RunRequest& request, PingStore& store, bool quiet, int threads);
+  /// `afterwards_s`: what is done after the last ping takes about so long.
+  void simulate(const Survey& survey, const RunRequest& request, PingStore& store, bool quiet, int threads,
+                double afterwards_s);
 
  private:
   void stop_all();
