@@ -11,7 +11,6 @@
 
 #include "geometry/steps/stop.hpp"
 #include "run/abilities.hpp"
-#include "run/ping_order.hpp"
 #include "run/refraction.hpp"
 #include "run/regional_simulation.hpp"
 #include "run/signals.hpp"
@@ -79,6 +78,12 @@ PingCounts PingSimulation::run(const PingUnit& unit, PingValues& values) const {
   return counts;
 }
 
+PingOrder ping_order_of(const StoreLayout& layout) {
+  std::vector<std::size_t> pings;
+  for (const auto& group : layout.groups) pings.push_back(group.pings);
+  return PingOrder(pings);
+}
+
 void for_each_ping(const Survey& survey, const StoreLayout& layout, const IsLeft& left, const OfPing& keep,
                    const Onlookers& onlookers) {
   std::size_t all = 0;
@@ -101,9 +106,7 @@ void for_each_ping(const Survey& survey, const StoreLayout& layout, const IsLeft
     progress.step();
     if (onlookers.watch != nullptr) ++onlookers.watch->pings;
   };
-  std::vector<std::size_t> pings_of_groups;
-  for (const auto& group : layout.groups) pings_of_groups.push_back(group.pings);
-  const PingOrder order(pings_of_groups);
+  const PingOrder order = ping_order_of(layout);
   const auto take_at = [&](std::size_t place) {
     const auto [group, ping] = order[place];
     take(group, ping);

@@ -11,6 +11,7 @@
 #include "run/console/progress.hpp"
 #include "run/echo_parts.hpp"
 #include "run/kept/ping_store.hpp"
+#include "run/ping_order.hpp"
 #include "run/shot.hpp"
 #include "sensors/recordings/recording.hpp"
 
@@ -80,6 +81,8 @@ struct Onlookers {
   RunWatch* watch = nullptr;  ///< may be null
   double afterwards_s = 0;    ///< what is done after the last ping takes about so long
 };
+
+PingOrder ping_order_of(const StoreLayout& layout);
 
 /// Calls `keep` for each ping of `layout`, by group and ping, that is `left` to do, from all threads and in
 /// any order, near ones together. Returns early when somebody wants to stop (geometry/steps/stop.hpp).

@@ -23,7 +23,7 @@ constexpr std::chrono::seconds patience{5};
 /// The pings that nobody has yet, in order.
 class Deal {
  public:
-  Deal(const StoreLayout& layout, const PingStore& store) : layout_(layout), store_(store) {
+  Deal(const StoreLayout& layout, const PingStore& store) : order_(ping_order_of(layout)), store_(store) {
     left_ = layout.units() - store.done_units();
   }
   /// Up to `wanted`, and no more than a fair part of what is left, so that nobody ends with many.
@@ -31,20 +31,20 @@ class Deal {
     std::vector<PingUnit> units;
     const std::size_t most =
         std::min(wanted, std::max<std::size_t>(1, left_ / (2 * static_cast<std::size_t>(ranks))));
-    for (; group_ < layout_.groups.size(); ++group_, ping_ = 0)
-      for (; ping_ < layout_.groups[group_].pings; ++ping_) {
-        if (store_.done(group_, ping_)) continue;
-        if (units.size() == most) return units;
-        units.push_back({group_, ping_});
-        --left_;
-      }
+    for (; place_ < order_.size(); ++place_) {
+      const auto [group, ping] = order_[place_];
+      if (store_.done(group, ping)) continue;
+      if (units.size() == most) return units;
+      units.push_back({group, ping});
+      --left_;
+    }
     return units;
   }
 
  private:
-  const StoreLayout& layout_;
+  PingOrder order_;
   const PingStore& store_;
-  std::size_t group_ = 0, ping_ = 0, left_ = 0;
+  std::size_t place_ = 0, left_ = 0;
 };
 
 }  // namespace
