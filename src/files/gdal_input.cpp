@@ -224,6 +224,7 @@ GdalInput::GdalInput(const fs::path& file, std::initializer_list<FileFormat> exp
     if (grid.turned_over) fail(grid.problem);
     if (!has_geotransform(*dataset_)) {
       const NetcdfRowOrder order(grid.first_row_is_north);
+      const CPLErrorHandlerPusher quiet(CPLQuietErrorHandler);  // what there is to say was said
       dataset_ = opened(file, format);
       if (dataset_ == nullptr) fail("cannot be read a second time");
       netcdf_ = std::move(grid);

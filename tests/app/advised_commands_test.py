@@ -233,7 +233,9 @@ def cases(folder):
     case.right(case.advised(case.run(case.scene("bed.tif"))[1], "north-west to south-east", {}))
 
     case = Case(folder, "fathoms")
-    geotiff(case.folder / "bed.tif", grid(1 / 1.8288)).GetRasterBand(1).SetUnitType("fathom")
+    data = geotiff(case.folder / "bed.tif", grid(1 / 1.8288))
+    data.GetRasterBand(1).SetUnitType("fathom")
+    del data
     case.right(case.advised(case.run(case.scene("bed.tif"))[1], "'fathom'", {"METRES": 1.8288}))
 
     case = Case(folder, "nodata")
