@@ -222,6 +222,7 @@ GdalInput::GdalInput(const fs::path& file, std::initializer_list<FileFormat> exp
   if (is_netcdf(format) && dataset_->GetRasterCount() > 0) {
     NetcdfGrid grid = netcdf_grid(file, *dataset_);
     if (grid.turned_over) fail(grid.problem);
+    in_degrees_ = grid.in_degrees;
     if (!has_geotransform(*dataset_)) {
       const NetcdfRowOrder order(grid.first_row_is_north);
       const CPLErrorHandlerPusher quiet(CPLQuietErrorHandler);  // what there is to say was said
@@ -309,7 +310,7 @@ std::string GdalInput::crs() const {
   // As netCDF's driver gives them: "lon#units=degrees_east".
   for (CSLConstList item = dataset_->GetMetadata(); item != nullptr && *item != nullptr; ++item)
     if (const std::string_view text = *item; text.find("#units=degree") != text.npos) fail_as_degrees(text);
-  if (netcdf_ && netcdf_->geotransform && netcdf_->in_degrees) fail_as_degrees("by their names");
+  if (in_degrees_) fail_as_degrees("by their names");
   return {};
 }
 

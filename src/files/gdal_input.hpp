@@ -76,7 +76,7 @@ class GdalInput {
   GdalMessages messages_;
   GdalDoor door_;
   GDALDatasetUniquePtr dataset_;
-  bool variable_resolution_ = false;
+  bool variable_resolution_ = false, in_degrees_ = false;
   std::optional<NetcdfGrid> netcdf_;  ///< of a netCDF variable that GDAL has no geotransform of
 };
 

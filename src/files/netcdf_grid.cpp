@@ -116,8 +116,9 @@ NetcdfGrid netcdf_grid(const fs::path& file, GDALDataset& raster) {
   if (!y.given || !x.given) return grid;
   grid.says_rows = y.last != y.first;
   grid.first_row_is_north = y.last < y.first;
-  grid.in_degrees = x.is_named({"lon", "longitude"}) || y.is_named({"lat", "latitude"}) ||
-                    x.unit.starts_with("degree") || y.unit.starts_with("degree");
+  grid.in_degrees = (x.unit.empty() && x.is_named({"lon", "longitude"})) ||
+                    (y.unit.empty() && y.is_named({"lat", "latitude"})) || x.unit.starts_with("degree") ||
+                    y.unit.starts_with("degree");
   if (raster.GetSpatialRef() != nullptr || grid.in_degrees || (is_metres(x.unit) && is_metres(y.unit))) {
     const double west = std::min(x.first, x.last), north = std::max(y.first, y.last), dx = x.step(),
                  dy = std::abs(y.step());
