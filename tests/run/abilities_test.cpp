@@ -7,7 +7,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
+#include <iterator>
 #include <set>
 #include <sstream>
 
@@ -36,6 +38,28 @@ TEST(Abilities, ArePagedAsTheyAre) {
   std::stringstream text;
   text << file.rdbuf();
   EXPECT_THAT(text.str(), HasSubstr(page_of_the_table())) << page_of_the_table();
+}
+
+// A reference of two receivers in stratified water runs, except over mirrors: the page of sensors says the
+// same.
+TEST(Abilities, TheSensorsPageSaysWhichReferencesOfTwoReceiversThereAre) {
+  const auto rejects = [](std::set<Feature> features) {
+    return std::ranges::any_of(refusals(), [&](const Refusal& refusal) {
+      return features.contains(refusal.first) && features.contains(refusal.second) &&
+             std::ranges::all_of(refusal.more,
+                                 [&](const auto& more) { return !more || features.contains(*more); });
+    });
+  };
+  EXPECT_FALSE(rejects({Feature::refraction, Feature::two_receivers, Feature::reference}));
+  EXPECT_TRUE(rejects({Feature::refraction, Feature::two_receivers, Feature::reference, Feature::mirrors}));
+
+  std::ifstream file(TUBEFOOT_SOURCE_DIR "/docs/sensors.md");
+  const std::string page(std::istreambuf_iterator<char>(file), {});
+  const std::size_t begin = page.find("## Interferometric sidescan"), end = page.find("\n## ", begin + 1);
+  ASSERT_NE(end, std::string::npos);
+  const std::string section = page.substr(begin, end - begin);
+  EXPECT_THAT(section, Not(HasSubstr("refuses")));
+  EXPECT_THAT(section, AllOf(HasSubstr("reference.md#of-two-receivers"), HasSubstr("abilities.md")));
 }
 
 TEST(Abilities, EveryRefusalIsThereOnceAndSaysWhatToDo) {
