@@ -67,6 +67,28 @@ std::string rays_left_out(const Survey& survey, bool reference) {
   return {};
 }
 
+/// The gap at which no phase of a pair of receivers is off by more than phase_error_rad: a place that is seen
+/// beside itself by the gap turns by gap / range, and the phase by 2 pi / wavelength times the baseline times
+/// that, or times twice the gap where that is less. Infinite without such a pair.
+double gap_of_phases_m(const Shot& shot) {
+  // The standard deviation of a single look's phase at a coherence of 0.9999, which few bins have.
+  constexpr double phase_error_rad = 0.01;
+  // Half the path is longer than the way from the receiver by up to half of what lies between the two ends.
+  const double between_m = shot.has_receiver_apart()
+                               ? glm::distance(shot.pose().position_m, shot.receiver_pose().position_m) / 2
+                               : 0;
+  double gap_m = std::numeric_limits<double>::infinity();
+  for (const std::size_t s : shot.group().sensors) {
+    const Sensor& sensor = shot.sensor(s);
+    if (!sensor.has_staff()) continue;
+    const double wavelength_m = shot.survey().sensors[s].sound_speed_m_s / (1e3 * sensor.frequency_khz()),
+                 baseline_m = sensor.staff().baseline_m,
+                 nearest_m = std::max(sensor.samples().first_m - between_m, baseline_m / 2);
+    gap_m = std::min(gap_m, phase_error_rad * wavelength_m / (2 * std::numbers::pi) * nearest_m / baseline_m);
+  }
+  return std::max(gap_m, 2 * shot.scene().grid.unit_m());
+}
+
 nlohmann::ordered_json place_json(const std::array<double, 3>& place) {
   return {{"azimuth_deg", place[0]}, {"elevation_deg", place[1]}, {"range_m", place[2]}};
 }
@@ -154,15 +176,15 @@ StraighteningSettings straightening_settings(const Shot& shot, double reach_m) {
   const WaterDescription& keys = shot.scene().description.water;
   const double sample = shot.sample_length_m();
   StraighteningSettings settings;
-  settings.gap_m = keys.refraction_gap_m.value_or(sample / 4);
+  settings.gap_m = keys.refraction_gap_m.value_or(std::min(sample / 4, gap_of_phases_m(shot)));
   settings.tolerance_db = keys.refraction_tolerance_db.value_or(0.1);
   // Caustics and the borders of shadows take no more edges than a sector is wide.
   settings.shortest_edge_m = std::max({sample, reach_m / 2000, 16 * shot.scene().grid.unit_m()});
   settings.shadow_edge_m = std::max(4 * settings.shortest_edge_m, reach_m / 50);
-  // A gap that is asked for is kept where rays do not cross: of an edge it is no more than g / c a quarter of
-  // its square.
+  // A gap that is asked for, or that phases need, is kept where rays do not cross: of an edge it is no more
+  // than g / c a quarter of its square.
   const double bend_per_m = shot.scene().water->profile().largest_bend_per_m();
-  if (keys.refraction_gap_m && bend_per_m > 0)
+  if ((keys.refraction_gap_m || settings.gap_m < sample / 4) && bend_per_m > 0)
     settings.shortest_edge_m =
         std::min(settings.shortest_edge_m,
                  std::max(std::sqrt(settings.gap_m / bend_per_m), 16 * shot.scene().grid.unit_m()));

@@ -460,6 +460,41 @@ TEST(InterferometricRun, PhasesAtAnotherDepthThanTheFirstAreThoseOfTravelTimes) 
   expect_phases_of_times(both, 780, second, second, first.speed(), 60);
 }
 
+/// 8 m above a flat bed; bins of `bin_m` from 12 m on.
+std::string long_baseline_scene(double bin_m, double gradient_per_s, const std::string& water_keys,
+                                const std::string& more) {
+  return gradient(gradient_per_s) + water_keys + lambert_material("mud", -20) +
+         flat_terrain(80, 8, "centre_m = [0, 0, -8]\n") + fixed_at(0, 0, 0) +
+         fmt::format(
+             "[[sensors]]\nname = \"swath\"\nkind = \"interferometric\"\nfrequency_khz = 100\n"
+             "along_track_deg = 0.5\nbaseline_m = 0.3\nrange_min_m = 12\nrange_max_m = 36\nsamples = {}\n{}",
+             std::lround(24 / bin_m), more);
+}
+
+// By default phases are as right as the baseline resolves them, however long range bins are.
+TEST(InterferometricRun, PhasesOfALongBaselineInStratifiedWaterAreRightByDefault) {
+  for (const char* more : {"", "receiver_arm_m = [0.5, 0, -1]\n"})
+    for (const auto& [bin_m, gradient_per_s] : {std::pair(0.1, 0.3), {1.0, 0.05}}) {
+      SCOPED_TRACE(fmt::format("{} {}", bin_m, more));
+      const std::string finely = "refraction_gap_m = 1e-5\nrefraction_tolerance_db = 0.005\n";
+      const Channels usual(long_baseline_scene(bin_m, gradient_per_s, "", more)),
+          fine(long_baseline_scene(bin_m, gradient_per_s, finely, more));
+      ASSERT_EQ(usual.energy.size(), fine.energy.size());
+      double worst = 0;
+      std::size_t compared = 0;
+      for (std::size_t k = 0; k < fine.energy.size(); ++k) {
+        const double common = std::hypot(fine.real[k], fine.imaginary[k]);
+        if (!(common > 0.3 * std::max(fine.energy[k], fine.lower[k])) || !(fine.energy[k] > 0)) continue;
+        const double off =
+            std::atan2(usual.imaginary[k], usual.real[k]) - std::atan2(fine.imaginary[k], fine.real[k]);
+        worst = std::max(worst, std::abs(std::remainder(off, 2 * pi)));
+        ++compared;
+      }
+      EXPECT_GT(compared, fine.energy.size() / 2);
+      EXPECT_LT(worst, 0.012);
+    }
+}
+
 // Through refracting water the reference chooses its own ground, and rays of its own to each receiver.
 TEST(InterferometricRun, AReferenceInRefractingWaterHoldsEnergiesAndProducts) {
   for (const std::string keys : {"", "receiver_arm_m = [1, 0.5, 0.25]\n"}) {
