@@ -39,7 +39,6 @@ void add_refracted_pair_reference(const Shot& shot, PingSums& sums) {
   counts.tubes += found.history.transmit.tubes.size() + found.history.receive.tubes.size();
   counts.footprints += found.history.shared.facets.size();
   counts.pieces += found.history.shared.pieces.size();
-  counts.refraction.unbounded += found.sensors.front().unbounded;
   sums.add(shot, shot.first(), found.sensors.front().certified);
   add_truth(shot, shot.first(), ShotGround(shot.site()), found.pair.apparent.mesh, found.history, sums);
 }
@@ -59,7 +58,6 @@ void add_refracted_reference(const Shot& shot, PingSums& sums) {
   counts.pieces += found.history.footprints.pieces.size();
   for (std::size_t k = 0; k < shot.group().sensors.size(); ++k) {
     if (shot.sensor(shot.group().sensors[k]).has_staff()) continue;
-    counts.refraction.unbounded += found.sensors[k].unbounded;
     sums.add(shot, shot.group().sensors[k], found.sensors[k].certified);
     add_truth(shot, shot.group().sensors[k], found.ground, found.ground.mesh(), found.history, sums);
   }
@@ -79,7 +77,6 @@ void add_refracted_staff_reference(const Shot& shot, PingSums& sums) {
       counts.tubes += 3 * found.history.transmit.tubes.size();
       counts.footprints += 2 * found.history.shared.facets.size();
       counts.pieces += 2 * found.history.shared.pieces.size();
-      counts.refraction.unbounded += found.sensors.front().unbounded;
       rows.set(fan, found.sensors.front().certified);
       add_truth_of_staff(shot, s, fan, found.apparent.bed.mesh, found.history, sums);
     }

@@ -91,7 +91,6 @@ void add_paths_of(const Shot& shot, std::size_t s, const PathSettings& asked, Pi
   for (std::size_t order = 0; order < paths.by_order.size(); ++order) {
     if (!is_order_wanted(shot.scene(), order)) continue;
     if (own_grounds) {
-      sums.counts.refraction.unbounded += found.orders[order].unbounded;
       sums.add(shot, s, found.orders[order].certified, order);
       continue;
     }

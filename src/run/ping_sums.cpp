@@ -2,6 +2,7 @@
 #include "run/ping_sums.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <iterator>
 #include <numeric>
@@ -126,8 +127,14 @@ void PingSums::add(const Shot& shot, std::size_t s, const CertifiedEcho& certifi
   if (chosen(s).pings == 0) return;
   const Sensor& sensor = shot.sensor(s);
   const std::vector<std::uint32_t>& beams = sensor.beams_of_shot(shot.number());
-  const std::size_t cells = beams.size() * static_cast<std::size_t>(sensor.samples().count);
-  add_rows(certified.bound, beams, certified.bound.size() / cells, chosen(s), values_.bound(s));
+  const auto samples = static_cast<std::size_t>(sensor.samples().count);
+  add_rows(certified.bound, beams, certified.bound.size() / (beams.size() * samples), chosen(s),
+           values_.bound(s));
+  each_chosen_row(certified.bound.size() / samples, beams, chosen(s), [&](std::size_t row, std::size_t) {
+    counts.refraction.unbounded += static_cast<std::uint64_t>(
+        std::ranges::count_if(std::span(certified.bound).subspan(row * samples, samples),
+                              [](double bound) { return !std::isfinite(bound); }));
+  });
   const auto keep = [&](const CertifiedEcho& counted) {
     PingCounts met;
     met.bins_over = counted.bins_over;

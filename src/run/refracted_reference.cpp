@@ -23,6 +23,7 @@ constexpr double most_facets_of_paths = 6'000;  // each pair of images encloses 
 constexpr std::size_t few_facets = 1'500;       // that cost next to nothing
 constexpr double coarsest = 0.1;                // tolerance that the first try is made for
 constexpr double least_worth = 1.2;
+constexpr int most_halvings = 30;  // of what facets are cut by, until they are cut
 
 RefractedShot certify(const Shot& shot, const ShotStraightening& seen, ApparentGround apparent) {
   const Scene& scene = shot.scene();
@@ -136,16 +137,33 @@ RefractedStaffShot certify(const Shot& shot, const StaffEnds& seen, AlikeGrounds
   return found;
 }
 
-/// Bins of a finite bound, those of them that are wider than asked, and how much the middle one of those is.
+/// Bins, those of them whose bound is wider than asked or infinite, those without a bound, and how much too
+/// wide the middle one of the finite bounds is.
 struct Quality {
-  std::size_t bins = 0, over = 0;
+  std::size_t bins = 0, over = 0, unbounded = 0;
   double usual_excess = 0;
+
+  /// Slivers at a beam's ends are wider than asked with any ground.
+  bool is_wide() const { return (over - unbounded) * 200 > bins - unbounded; }
+  bool is_enough() const { return unbounded == 0 && !is_wide(); }
+  bool is_worth_more_than(const Quality& before) const {
+    return unbounded <= before.unbounded && (double(over) * least_worth < double(before.over) ||
+                                             double(unbounded) * least_worth < double(before.unbounded) ||
+                                             usual_excess * least_worth < before.usual_excess);
+  }
+  /// By how much finer the next ground is to be. Facets without a proven ray are cut in halves: how fine they
+  /// have to be is not known.
+  double finer(double room) const {
+    const double least = unbounded > 0 ? std::min(2.0, room) : least_worth;
+    return is_wide() ? std::clamp(1.3 * usual_excess, least, room) : least;
+  }
 };
 Quality quality_of(std::span<const RefractedReference> sensors) {
   Quality quality;
   for (const RefractedReference& sensor : sensors) {
     quality.bins += sensor.bins;
     quality.over += sensor.bins_over;
+    quality.unbounded += sensor.unbounded;
     quality.usual_excess = std::max(quality.usual_excess, sensor.usual_excess);
   }
   return quality;
@@ -184,34 +202,40 @@ auto certify_ever_finer(const Shot& shot, double reach_m, const Seen& seen, cons
   std::size_t facets_before = best->facets();
   for (int tries = 1;; ++tries) {
     const Quality quality = quality_of(best->sensors);
-    // Slivers at a beam's ends are wider than asked with any ground.
-    if (quality.over * 200 <= quality.bins) break;
+    if (quality.is_enough()) break;
+    best->at_limit = quality.is_wide();
     // Facets grow as the square at most, where it is spreading that they are cut for.
     const double room = std::sqrt(most_facets / std::max(double(facets_before), 1.0));
-    if (room < least_worth || tries == most_tries) {
-      best->at_limit = true;
-      break;
-    }
-    const double finer = std::clamp(1.3 * quality.usual_excess, least_worth, room);
-    settings.gap_m = std::max(settings.gap_m / finer, 2 * unit);
-    settings.tolerance_db /= finer;
-    auto ground = ground_of(settings);
-    const std::size_t facets = facets_of(ground);
+    if (room < least_worth || tries == most_tries) break;
+    const double finer = quality.finer(room);
+    const auto finer_ground = [&](double by) {
+      settings.gap_m = std::max(settings.gap_m / by, 2 * unit);
+      settings.tolerance_db /= by;
+      return ground_of(settings);
+    };
+    std::optional ground(finer_ground(finer));
+    const auto hardly_grown = [&] {
+      return double(facets_of(*ground)) < least_worth * double(facets_before);
+    };
+    // Facets without a proven ray may be far finer than what they are cut by.
+    if (quality.unbounded > 0)
+      for (int halvings = 0; hardly_grown() && halvings < most_halvings; ++halvings)
+        ground.emplace(finer_ground(std::min(2.0, room)));
+    const std::size_t facets = facets_of(*ground);
     // Where it was about as fine as that already, the next one is to be finer than it is.
-    const bool hardly_finer = double(facets) < least_worth * double(facets_before);
-    if (hardly_finer) settings.gap_m = std::min(settings.gap_m, std::max(largest_gap_m(ground), 2 * unit));
+    const bool hardly_finer = hardly_grown();
+    if (hardly_finer) settings.gap_m = std::min(settings.gap_m, std::max(largest_gap_m(*ground), 2 * unit));
     const bool as_it_was = facets == facets_before;
     facets_before = facets;
+    if (as_it_was && !quality.is_wide()) break;
     if (as_it_was) continue;
-    auto next = certify(shot, seen, std::move(ground));
+    auto next = certify(shot, seen, std::move(*ground));
     const Quality found = quality_of(next.sensors);
-    const bool worth_more = double(found.over) * least_worth < double(quality.over) ||
-                            found.usual_excess * least_worth < quality.usual_excess;
+    const bool worth_more = found.is_worth_more_than(quality);
     if (worth_more || found.over <= quality.over) best.emplace(std::move(next));
+    best->at_limit = quality_of(best->sensors).is_wide();
     // What a few facets more do not gain, many may.
-    if (worth_more || hardly_finer || facets < few_facets) continue;
-    best->at_limit = true;
-    break;
+    if (!worth_more && !hardly_finer && facets >= few_facets) break;
   }
   return std::move(*best);
 }
@@ -277,23 +301,23 @@ RefractedPathsShot certify_refracted_paths(const Shot& shot, const PathWater& wa
     return found;
   };
   RefractedPathsShot best = certified();
+  int halvings = 0;  // of what facets are cut by: one more each time that none is cut
   for (int tries = 1;; ++tries) {
     const Quality quality = quality_of(best.orders);
-    if (quality.over * 200 <= quality.bins) break;
+    best.at_limit = quality.is_wide();
+    if (quality.is_enough()) break;
     const double room = std::sqrt(most_facets_of_paths / std::max(double(best.facets()), 1.0));
-    best.at_limit = room < least_worth || tries == most_tries;
-    if (best.at_limit) break;
-    const double by = std::clamp(1.3 * quality.usual_excess, least_worth, room);
+    if (room < least_worth || tries == most_tries) break;
+    const double by = halvings > 0 ? std::exp2(std::min(halvings, 3)) : quality.finer(room);
     finer.straightening.gap_m = std::max(finer.straightening.gap_m / by, 2 * shot.scene().grid.unit_m());
     finer.straightening.tolerance_db /= by;
     RefractedPathsShot next = certified();
     const Quality found = quality_of(next.orders);
-    const bool worth_more = double(found.over) * least_worth < double(quality.over) ||
-                            found.usual_excess * least_worth < quality.usual_excess;
+    const bool worth_more = found.is_worth_more_than(quality), as_it_was = next.facets() == best.facets();
     if (found.over <= quality.over || worth_more) best = std::move(next);
-    if (worth_more) continue;
-    best.at_limit = true;
-    break;
+    best.at_limit = quality_of(best.orders).is_wide();
+    if (!worth_more && !(as_it_was && quality.unbounded > 0)) break;
+    halvings = as_it_was ? halvings + 1 : 0;
   }
   return best;
 }

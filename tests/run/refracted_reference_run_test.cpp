@@ -16,6 +16,7 @@ namespace tubefoot {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 using namespace test;
 
 // Whatever the scene's own gap: a reference chooses a finer one.
@@ -54,6 +55,69 @@ TEST(RefractedReferenceRun, SaysWhereItHasNoBound) {
   EXPECT_GT(infinite, 0u);
   EXPECT_LT(infinite, echoes.samples - 10);
   EXPECT_TRUE(std::isinf(echoes.energy_bound.back()));
+}
+
+// Of the beams that are asked for; the widest bound is the widest of the finite ones.
+TEST(RefractedReferenceRun, CountsBinsWithoutABoundOfTheChosenBeams) {
+  std::string scene = replaced(scene_in(gradient(10)), "window_length_m = 32", "window_length_m = 62");
+  scene = replaced(replaced(scene, "beams = 1", "beams = 3"), "horizontal_deg = 1.5", "horizontal_deg = 4.5");
+  scene = replaced(replaced(scene, "samples = 128", "samples = 32"), "width_m = 256\nlength_m = 256",
+                   "width_m = 100\nlength_m = 100");
+  const KeptRun run(scene, {"--reference", "--tolerance", "1e-1", "--beam", "1"});
+  ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
+  const Echoes echoes = read_echoes(run.folder / "out/echoes.nc");
+  EXPECT_EQ(echoes.energy_bound.size(), echoes.samples);
+  EXPECT_EQ(run.stats.at("refraction").at("bins_without_bound"),
+            std::ranges::count_if(echoes.energy_bound, [](double bound) { return std::isinf(bound); }));
+  EXPECT_TRUE(run.stats.at("reference").at("worst_bound_over_asked").is_number());
+  EXPECT_THAT(run.outcome.out, Not(HasSubstr("inf")));
+}
+
+/// A triangle of 6 m, 13 m ahead of a sonar at 10 m, with its middle `above_m` higher than that.
+struct TriangleAhead {
+  TestFolder folder;
+  std::string scene;
+  TriangleAhead(double above_m, const std::string& water, const std::string& more) {
+    const auto file = folder.write(
+        "triangle.obj",
+        fmt::format("v 3.3 13 {0}\nv -3.3 13 {0}\nv 0 13 {1}\nf 1 2 3\n", 7 + above_m, 13 + above_m));
+    scene = "[water]\nsurface_height_m = 20\n" + water + lambert_material("plate", -20) +
+            fmt::format("[[objects]]\nname = \"plate\"\nshape = \"mesh\"\nfile = \"{}\"\n", file.string()) +
+            fixed_at(0, 0, 10) +
+            "[[sensors]]\nname = \"sonar\"\nkind = \"imaging\"\nbeams = 4\nhorizontal_deg = 40\n"
+            "vertical_deg = 40\nrange_min_m = 12.5\nrange_max_m = 16.9\nsamples = 16\n" +
+            more;
+  }
+};
+
+// Rays to such a triangle rise, fall and run level; its lower edge may lie at the sonar's own depth.
+TEST(RefractedReferenceRun, BoundsEveryBinOfATriangleAtTheSonarsDepth) {
+  struct Case {
+    double gradient_per_s, above_m;
+    const char* more;
+  };
+  const std::string apart = "receiver_arm_m = [0.4, 0, 0.2]\n";
+  for (const Case& c : {Case{-0.01, 0, ""}, {-0.01, 3, ""}, {-0.5, 0, ""}, {-0.01, 0, apart.c_str()}}) {
+    SCOPED_TRACE(fmt::format("{} {} {}", c.gradient_per_s, c.above_m, c.more));
+    const TriangleAhead at(c.above_m, gradient(c.gradient_per_s), c.more),
+        even(c.above_m, "sound_speed_m_s = 1500\nabsorption_db_per_km = 0\n", c.more);
+    const KeptRun run(at.scene, {"--reference", "--tolerance", "2e-3"});
+    ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
+    EXPECT_FALSE(run.stats.at("refraction").contains("bins_without_bound"));
+    EXPECT_EQ(run.stats.at("reference").at("bins_over_tolerance"), 0);
+    const Echoes echoes = read_echoes(run.folder / "out/echoes.nc"), straight = echoes_of(even.scene);
+    const double most = *std::ranges::max_element(straight.energy);
+    std::size_t received = 0;
+    for (std::size_t k = 0; k < echoes.energy.size(); ++k) {
+      EXPECT_TRUE(std::isfinite(echoes.energy_bound[k])) << k;
+      // Sound speeds differ by 2e-5 within 3 m at -0.01 /s: a bin of 0.3 m may win or lose a thousandth.
+      if (c.gradient_per_s == -0.01) {
+        EXPECT_NEAR(echoes.energy[k], straight.energy[k], echoes.energy_bound[k] + 2e-3 * most) << k;
+      }
+      received += echoes.energy[k] > 0;
+    }
+    EXPECT_GT(received, 8u);
+  }
 }
 
 constexpr std::string_view gsab =

@@ -66,17 +66,20 @@ class Encloser {
     facet.normal = facing < 0 ? -normal : normal;
     facet.plane_m = std::abs(facing);
 
-    // All of it in boxes; in smaller ones while that says more.
+    // All of it in boxes; in smaller ones until there is one ray to each box, and while that says more.
     Gathered best;
-    if (!gather(flat, facet.normal, alone, surface.law, 1, best)) return facet;
-    for (int parts = 2; parts <= 8; parts *= 2) {
+    bool one_ray = false;
+    for (int parts = 1; parts <= 8; parts *= 2) {
       Gathered finer;
-      if (!gather(flat, facet.normal, alone, surface.law, parts, finer)) return facet;
+      if (!gather(flat, facet.normal, alone, surface.law, parts, finer)) continue;
       const auto slopes = [](const Gathered& all) { return all.level_a.largest() + all.level_b.largest(); };
-      const bool enough = finer.bends.across > 0.8 * best.bends.across && slopes(finer) > 0.8 * slopes(best);
-      best = finer;
+      const bool enough =
+          one_ray && finer.bends.across > 0.8 * best.bends.across && slopes(finer) > 0.8 * slopes(best);
+      best = std::move(finer);
+      one_ray = true;
       if (enough) break;
     }
+    if (!one_ray) return facet;
     // Of linear interpolation between the corners: at most half the squared radius of the smallest circle
     // around them times the second derivative (S. Waldron, SIAM J. Numer. Anal. 35 (1998) 1191); in the
     // margin around them more by the margin times the error of the slopes.

@@ -109,11 +109,15 @@ class PairedEncloser {
     }
     const Surface& surface = surfaces_[bed_.mesh.material[f]];
 
-    // All of it in boxes; in smaller ones while that says more.
+    // All of it in boxes; in smaller ones until each end has one ray to each box, and while that says more.
     Gathered best;
     for (int parts = 1; parts <= 8; parts *= 2) {
       Gathered finer = gather(flat, ends, beside, surface.law, parts);
-      const bool enough = parts > 1 && finer.measure() >= 0.8 * best.measure();
+      const auto ends_with_one_ray = [](const Gathered& all) { return all.whole[0] + all.whole[1]; };
+      if (ends_with_one_ray(finer) < ends_with_one_ray(best)) continue;
+      const bool as_many = parts > 1 && finer.whole == best.whole,
+                 all_ends = finer.whole[0] == ends[0].has_value() && finer.whole[1] == ends[1].has_value(),
+                 enough = as_many && all_ends && finer.measure() >= 0.8 * best.measure();
       best = std::move(finer);
       if (enough) break;
     }

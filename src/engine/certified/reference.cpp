@@ -196,7 +196,7 @@ void hold_against(CertifiedEcho& certified, double tolerance) {
   for (std::size_t bin = 0; bin < certified.bound.size(); ++bin) {
     const double ratio = certified.bound[bin] / asked[bin];
     certified.bins_over += !(ratio <= 1);
-    if (ratio > certified.worst_ratio) {
+    if (ratio > certified.worst_ratio && std::isfinite(ratio)) {
       certified.worst_ratio = ratio;
       certified.worst_beam = int(bin / row);
       certified.worst_sample = int(bin % row);

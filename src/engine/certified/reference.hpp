@@ -23,7 +23,7 @@ struct CertifiedEcho {
   std::vector<double> bound;  ///< half-width [J] of each energy's enclosure, laid out as the energies
   /// Bins whose bound is above what was asked for, and the worst of them: bound over what it should be.
   std::size_t bins_over = 0;
-  double worst_ratio = 0;  ///< of all bins; at most 1 if the tolerance is kept everywhere
+  double worst_ratio = 0;  ///< of all finite bounds; at most 1 if these keep the tolerance
   int worst_beam = 0, worst_sample = 0;
 };
 

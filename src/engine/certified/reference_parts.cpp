@@ -2,6 +2,7 @@
 #include "engine/certified/reference_parts.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace tubefoot {
@@ -31,7 +32,9 @@ CertifiedEcho narrowed(double tolerance, const std::function<CertifiedEcho(doubl
     bool coarse = false;
     CertifiedEcho certified = enclose(working, coarse);
     const double excess = certified.worst_ratio;
-    if (certified.bins_over == 0 || tries == most_tries || coarse || !(excess < 1000)) return certified;
+    const bool bounded = std::ranges::all_of(certified.bound, [](double b) { return std::isfinite(b); });
+    if (certified.bins_over == 0 || tries == most_tries || coarse || !bounded || !(excess < 1000))
+      return certified;
     working /= 2 * excess;
   }
 }

@@ -128,29 +128,23 @@ RefractedReference reference_of(CertifiedEcho echo, const std::function<void(Cer
   RefractedReference reference;
   reference.certified = std::move(echo);
   CertifiedEcho& certified = reference.certified;
-  // What keeps the bounds that are finite from being as narrow as asked.
-  CertifiedEcho finite = certified;
-  for (double& bound : finite.bound)
-    if (!std::isfinite(bound)) bound = 0, ++reference.unbounded;
-  hold(finite);
-  reference.bins = certified.bound.size() - reference.unbounded;
-  reference.bins_over = finite.bins_over;
-  if (finite.bins_over > 0) {
-    std::vector<double> excess;
-    Echo least = finite.echo;
-    for (std::size_t bin = 0; bin < least.energy.size(); ++bin)
-      least.energy[bin] = std::max(least.energy[bin] - finite.bound[bin], 0.0);
-    const std::vector<double> targets = targets_of(std::move(least));
-    for (std::size_t bin = 0; bin < targets.size(); ++bin)
-      if (finite.bound[bin] > targets[bin]) excess.push_back(finite.bound[bin] / targets[bin]);
-    const auto middle = excess.begin() + std::ssize(excess) / 2;
-    std::nth_element(excess.begin(), middle, excess.end());
-    reference.usual_excess = *middle;
-  }
   hold(certified);
-  certified.worst_ratio = finite.worst_ratio;
-  certified.worst_beam = finite.worst_beam;
-  certified.worst_sample = finite.worst_sample;
+  reference.bins = certified.bound.size();
+  reference.bins_over = certified.bins_over;
+  reference.unbounded = static_cast<std::size_t>(
+      std::ranges::count_if(certified.bound, [](double bound) { return !std::isfinite(bound); }));
+  if (reference.bins_over == reference.unbounded) return reference;
+  std::vector<double> excess;
+  Echo least = certified.echo;
+  for (std::size_t bin = 0; bin < least.energy.size(); ++bin)
+    least.energy[bin] = std::max(least.energy[bin] - certified.bound[bin], 0.0);
+  const std::vector<double> targets = targets_of(std::move(least));
+  for (std::size_t bin = 0; bin < targets.size(); ++bin)
+    if (std::isfinite(certified.bound[bin]) && certified.bound[bin] > targets[bin])
+      excess.push_back(certified.bound[bin] / targets[bin]);
+  const auto middle = excess.begin() + std::ssize(excess) / 2;
+  std::nth_element(excess.begin(), middle, excess.end());
+  reference.usual_excess = *middle;
   return reference;
 }
 

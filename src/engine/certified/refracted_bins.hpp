@@ -21,10 +21,9 @@ struct RefractedReference {
   /// Its worst ratio is that of the bounds that are finite.
   CertifiedEcho certified;
   std::size_t unbounded = 0;  ///< bins that facets without a proven ray could reach: their bound is infinite
-  /// Of the bins with a finite bound: how many there are, how many are wider than asked, and by what factor
-  /// the middle one of those is.
+  /// How many bins there are, and how many bounds are wider than asked. Infinite bounds are among them.
   std::size_t bins = 0, bins_over = 0;
-  double usual_excess = 0;
+  double usual_excess = 0;  ///< factor by which the middle one of the finite bounds among these is too wide
 };
 
 /// Of a bin: no less, no more.
@@ -74,7 +73,7 @@ class ShiftedSamples {
   std::vector<double> about_;
 };
 
-/// What keeps its bounds, of those that are finite, from being as narrow as asked.
+/// What keeps its bounds from being as narrow as asked.
 RefractedReference reference_of(CertifiedEcho echo, double tolerance);
 /// What bins hold, added up in the order of the list.
 RefractedReference reference_between(std::span<const BinsBetween> parts, const Echo& ordinary,

@@ -267,7 +267,7 @@ void hold_staff_against(CertifiedEcho& certified, double tolerance) {
   for (std::size_t bin = 0; bin < asked.size(); ++bin) {
     const double ratio = certified.bound[bin] / asked[bin];
     certified.bins_over += !(ratio <= 1);
-    if (!(ratio > certified.worst_ratio)) continue;
+    if (!(ratio > certified.worst_ratio && std::isfinite(ratio))) continue;
     certified.worst_ratio = ratio;
     certified.worst_beam = int(bin / row);
     certified.worst_sample = int(bin % row);

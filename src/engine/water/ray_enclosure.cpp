@@ -159,23 +159,29 @@ RayEnclosure::RayEnclosure(const Straightening& straightening, const EigenrayOpt
 
 /// Rays that turn at a speed from `a` to `b` pass all water slower than `a` more steeply than the one that
 /// turns at `b`, twice beyond both ends.
-bool RayEnclosure::turning_rays_are_longer(const Interval& depth_m, double farthest_m, bool below) const {
+bool RayEnclosure::turning_rays_are_longer(const Interval& depth_m, double farthest_m, bool below,
+                                           std::optional<double> beyond_m) const {
   const SoundSpeedProfile& profile = straightening_.water().profile;
   const double end = below ? std::min(options_.deepest_turn_m, profile.points().back().depth_m)
                            : std::max(options_.surface_m, profile.points().front().depth_m);
   const double near = std::clamp(source_m_, depth_m.lo, depth_m.hi);
   // From here on every ray that turns beyond has passed both ends.
   const double from = below ? std::max(source_m_, depth_m.hi) : std::min(source_m_, depth_m.lo);
-  const double earliest = below ? std::max(source_m_, depth_m.lo) : std::min(source_m_, depth_m.hi);
+  double earliest = below ? std::max(source_m_, depth_m.lo) : std::min(source_m_, depth_m.hi);
+  if (beyond_m) earliest = below ? std::max(earliest, *beyond_m) : std::min(earliest, *beyond_m);
   const auto beyond_end = [&](double z) { return below ? z >= end : z <= end; };
   if (beyond_end(earliest)) return true;
   double slowest = source_speed_, fastest = 0;
   const std::vector<Leg> between = legs_between(profile, source_m_, near);
-  for (const Leg& leg : between) slowest = std::max({slowest, leg.c1.lo, leg.c2.lo});
+  for (const std::vector<Leg>& legs : {between, legs_between(profile, source_m_, earliest)})
+    for (const Leg& leg : legs) slowest = std::max({slowest, leg.c1.lo, leg.c2.lo});
   for (const Leg& leg : legs_between(profile, earliest, end))
     fastest = std::max({fastest, leg.c1.hi, leg.c2.hi});
   if (!(fastest > slowest)) return true;
-  const std::vector<Leg> beyond = beyond_end(from) ? std::vector<Leg>() : legs_between(profile, from, end);
+  const double turned = below ? std::max(from, earliest) : std::min(from, earliest);
+  const std::vector<Leg> before = legs_between(profile, from, turned),
+                         beyond =
+                             beyond_end(turned) ? std::vector<Leg>() : legs_between(profile, turned, end);
   constexpr int parts = 64;
   for (int i = 0; i < parts; ++i) {
     const auto speed = [&](int k) { return slowest + (fastest - slowest) * k * k / double(parts * parts); };
@@ -186,6 +192,7 @@ bool RayEnclosure::turning_rays_are_longer(const Interval& depth_m, double farth
     };
     double shortest = 0;
     for (const Leg& leg : between) shortest += range(leg);
+    for (const Leg& leg : before) shortest += 2 * range(leg);
     for (const Leg& leg : beyond) {
       if (leg.c2.hi > a || leg.c1.hi > a) break;
       shortest += 2 * range(leg);
@@ -201,6 +208,13 @@ bool RayEnclosure::no_ray_turns(const Interval& depth_m, double farthest_m) cons
   if (finder_.steeper_than_turning(height, farthest_m * (1 + slack))) return true;
   return options_.most_turns == 1 && turning_rays_are_longer(depth_m, farthest_m, true) &&
          turning_rays_are_longer(depth_m, farthest_m, false);
+}
+
+bool RayEnclosure::no_ray_comes_back(std::size_t layer, const Interval& depth_m, double farthest_m) const {
+  const SoundSpeedProfile& profile = straightening_.water().profile;
+  return options_.most_turns <= 1 &&
+         turning_rays_are_longer(depth_m, farthest_m, true, profile.bottom_m(layer)) &&
+         turning_rays_are_longer(depth_m, farthest_m, false, profile.top_m(layer));
 }
 
 /// No other layer turns rays.
@@ -226,15 +240,20 @@ std::optional<RayJets> RayEnclosure::within_layer(std::size_t layer, const Jet& 
   const Jet along = dz * sum, bent = Jet(g) * m;
   const Interval launch = (along + bent).v, arrival = (along - bent).v;
   if (!d2.v.surely_positive() || !cr.v.surely_positive()) return std::nullopt;
-  const bool straight_on = (launch * arrival).surely_positive();
+  const bool straight_on = gradient == 0 || (launch * arrival).surely_positive();
   const double farthest = root(m.v).hi;
-  if (!(only_arc(layer) || (straight_on && (alone || no_ray_turns(depth.v, farthest))))) return std::nullopt;
-  if (!straight_on && gradient != 0) {
+  if (!(only_arc(layer) || (straight_on && (alone || no_ray_turns(depth.v, farthest))) ||
+        no_ray_comes_back(layer, depth.v, farthest)))
+    return std::nullopt;
+  if (!straight_on) {
     // Depth of the turning point of those rays that have one: the speed there is that at the source over the
-    // cosine of the launch angle.
+    // cosine of the launch angle. These have launch and arrival of two signs, so `along` is no larger than
+    // `bent`, whatever other rays the patch has.
+    const double flattest = std::min(2 * bent.v.largest(), launch.largest()) * (1 + slack);
     const Interval cosine = 2.0 * cs * root(m.v) / (root(d2.v) * half.v);
-    const Interval sine2 = squared(launch) / (d2.v * squared(half.v));
-    const Interval turn = source_m_ + cs * sine2 / (cosine * (1.0 + cosine) * g);
+    const Interval sine2 = squared(Interval(-flattest, flattest)) / (d2.v * squared(half.v));
+    Interval turn = source_m_ + cs * sine2 / (cosine * (1.0 + cosine) * g);
+    (gradient > 0 ? turn.lo : turn.hi) = source_m_;  // it lies on the side where sound is faster
     if (!(turn.lo >= std::max(profile.top_m(layer), options_.surface_m) &&
           turn.hi <= std::min(profile.bottom_m(layer), options_.deepest_turn_m)))
       return std::nullopt;

@@ -62,7 +62,11 @@ class RayEnclosure {
   struct Sums;
   bool no_ray_turns(const Interval& depth_m, double farthest_m) const;
   bool only_arc(std::size_t layer) const;
-  bool turning_rays_are_longer(const Interval& depth_m, double farthest_m, bool below) const;
+  /// `beyond_m`: those alone that turn there.
+  bool turning_rays_are_longer(const Interval& depth_m, double farthest_m, bool below,
+                               std::optional<double> beyond_m = {}) const;
+  /// Rays that leave a layer that holds both ends, and turn, are longer.
+  bool no_ray_comes_back(std::size_t layer, const Interval& depth_m, double farthest_m) const;
   std::optional<RayJets> within_layer(std::size_t layer, const Jet& x, const Jet& y, const Jet& depth,
                                       bool alone) const;
   std::optional<RayJets> through_layers(const Jet& x, const Jet& y, const Jet& depth, bool alone) const;
