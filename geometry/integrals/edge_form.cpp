@@ -5,10 +5,10 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <limits>
 #include <numbers>
 #include <utility>
 
+#include "geometry/integrals/ellipse_rule.hpp"
 #include "geometry/integrals/gauss_rules.hpp"
 
 namespace tubefoot {
@@ -31,23 +31,8 @@ bool reaches(const PlanarPolygon& polygon, glm::dvec2 point, double margin) {
   return inside;
 }
 
-/// The largest ellipse about [-1, 1] that does not hold x + iy.
-double ellipse_through(double x, double y) {
-  const double a = std::max(1.0, (std::hypot(x - 1, y) + std::hypot(x + 1, y)) / 2);
-  return a + std::sqrt(a * a - 1);
-}
-
-/// Gauss nodes for what is analytic in the ellipse `rho` and grows with e^{growth |Im|} of [-1, 1]: the
-/// rule's error is at most 64/15 M rho^-2n, here 1e-16 for the best of some smaller ellipses.
-int nodes_within(double rho, double growth) {
-  constexpr double log_error = 38.3;  // of 64/15 1e16
-  double fewest = std::numeric_limits<double>::infinity();
-  for (const double ellipse : {1.5, 2.0, 3.0, 5.0, 9.0, 17.0, 40.0, 200.0}) {
-    if (ellipse > 0.8 * rho) break;
-    fewest = std::min(fewest, (log_error + growth * (ellipse - 1 / ellipse) / 2) / (2 * std::log(ellipse)));
-  }
-  return fewest < most_gauss_nodes ? static_cast<int>(std::ceil(fewest)) : most_gauss_nodes + 1;
-}
+/// Of rules along an edge: 64/15 1e16.
+constexpr double log_error = 38.3;
 
 /// Where F is interpolated about the shortest path, which comes first: Chebyshev's points, from the outside
 /// and from the inside in turn, as Newton's form likes them.
@@ -183,7 +168,8 @@ void EdgeForm::add(const Plane& plane, const Edge& edge, double from, double to,
     };
     return std::abs(of(plane.out_foot, plane.out_height) + of(plane.home_foot, plane.home_height));
   };
-  const int nodes = nodes_within(rho, growth_per_m_ * half * std::max(steepness(from), steepness(to)));
+  const int nodes =
+      nodes_within(rho, growth_per_m_ * half * std::max(steepness(from), steepness(to)), log_error);
   constexpr int most_halvings = 60;
   if (nodes > most_gauss_nodes && halvings < most_halvings) {
     add(plane, edge, from, middle, halvings + 1, out);

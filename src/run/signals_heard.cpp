@@ -65,6 +65,7 @@ CoherentReceiver receiver_of(const Shot& shot, std::size_t s) {
                       return baseband_at(waveform, carrier, time_s);
                     },
                     0, model.waveform.duration_s, held_hz};
+  set_flanks(receiver.pulse, model.waveform.taper, model.waveform.stop_hz - model.waveform.start_hz);
   receiver.times = {model.sampling.first_s, model.sampling.rate_hz, model.sampling.samples};
   receiver.carrier_hz = carrier_hz(model);
   receiver.sound_speed_m_s = shot.survey().sensors[s].sound_speed_m_s;
@@ -114,7 +115,7 @@ GroundField ground_field_of(const Survey& survey) {
     const FrequencyBand band = band_of(model->waveform);
     field.spacing_m =
         std::min(field.spacing_m, ground_spacing_m(band.high_hz - band.low_hz, c / carrier_hz(*model), c,
-                                                   sensor.beams().front().azimuth_width_rad));
+                                                    sensor.beams().front().azimuth_width_rad));
   }
   return field;
 }

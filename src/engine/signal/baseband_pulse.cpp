@@ -24,6 +24,47 @@ BasebandPulse gaussian_pulse(double sigma_s, double left_out) {
           -reach * sigma_s, reach * sigma_s, reach / (std::numbers::pi * sigma_s)};
 }
 
+void set_flanks(BasebandPulse& pulse, double taper, double sweep_hz) {
+  const double length_s = pulse.end_s - pulse.begin_s, flank_s = taper * length_s / 2,
+               height = std::abs(pulse.at((pulse.begin_s + pulse.end_s) / 2)), pi = std::numbers::pi;
+  // A flank is height (1 - cos(pi x / flank)) / 2 from its foot up and as much less than the height from its
+  // top down.
+  const double step = flank_s > 0 ? 0 : height,
+               bend = flank_s > 0 ? height / 2 * std::pow(pi / flank_s, 2) : 0;
+  pulse.breaks = {{pulse.begin_s, step, bend}};
+  if (flank_s > 0 && taper < 1) {
+    pulse.breaks.push_back({pulse.begin_s + flank_s, 0, bend});
+    pulse.breaks.push_back({pulse.end_s - flank_s, 0, bend});
+  }
+  pulse.breaks.push_back({pulse.end_s, step, bend});
+  pulse.flank_s = flank_s;
+  // Derivatives of e^{i a t^2}, a = pi sweep / length, of order n are about sqrt(2 n a / e)^n at most: of the
+  // orders that polynomials have, as of a turn of 3 sqrt(a) a second.
+  pulse.part_bandwidth_hz = std::abs(sweep_hz) + 3 * std::sqrt(std::abs(sweep_hz) / length_s / pi);
+}
+
+namespace {
+
+/// The energy that breaks leave beyond a frequency, both signs: their amplitudes are step / (2 pi f) and
+/// bend / (2 pi f)^3, and those of several breaks add up as energies over frequencies.
+struct Tail {
+  double of_steps = 0, of_bends = 0;
+
+  explicit Tail(const BasebandPulse& pulse) {
+    constexpr double turn = 2 * std::numbers::pi;
+    for (const PulseBreak& at : pulse.breaks) {
+      of_steps += 2 * std::pow(at.step / turn, 2);
+      of_bends += 2 * std::pow(at.bend_per_s2 / (turn * turn * turn), 2) / 5;
+    }
+  }
+  /// From where on less than an energy is left.
+  double frequency_of(double energy) const {
+    return std::max(2 * of_steps / energy, std::pow(2 * of_bends / energy, 0.2));
+  }
+};
+
+}  // namespace
+
 double weighed_bandwidth_hz(const BasebandPulse& pulse, int order) {
   constexpr int frequencies = 128;
   // Four times as often as the band asks for: what is beyond comes back nowhere near it.
@@ -48,11 +89,27 @@ double weighed_bandwidth_hz(const BasebandPulse& pulse, int order) {
 }
 
 double resolved_bandwidth_hz(const BasebandPulse& pulse, int order, double tolerance) {
-  constexpr double farthest = 8;   // in halves of the bandwidth
+  constexpr double farthest = 8;   // in halves of the bandwidth, if breaks do not tell of more
   constexpr double margin = 1.25;  // what lies beyond comes back outside of what is looked at
-  constexpr std::size_t least_samples = 1024;
-  const double reach_hz = farthest * pulse.bandwidth_hz / 2, rate_hz = 2 * margin * reach_hz;
-  const auto held = std::size_t(std::ceil((pulse.end_s - pulse.begin_s) * rate_hz)) + 1;
+  constexpr double beyond = 0.1;   // of what may be left in all, that of what is not looked at
+  constexpr std::size_t least_samples = 1024, most_samples = std::size_t(1) << 20;
+  const double most = 4 / (tolerance * tolerance), length_s = pulse.end_s - pulse.begin_s;
+  double tail_hz = 0;
+  if (!pulse.breaks.empty()) {
+    constexpr int parts = 4096;
+    double energy = 0;
+    for (int n = 0; n < parts; ++n)
+      energy += std::norm(pulse.at(pulse.begin_s + (n + 0.5) / parts * length_s)) * length_s / parts;
+    if (energy > 0) tail_hz = Tail(pulse).frequency_of(beyond * energy / most);
+    // Around the frequencies that the parts have.
+    tail_hz += pulse.part_bandwidth_hz.value_or(pulse.bandwidth_hz) / 2;
+  }
+  const double reach_hz = std::max(farthest * pulse.bandwidth_hz / 2, tail_hz),
+               rate_hz = 2 * margin * reach_hz;
+  // Tails as long as those of a pulse without flanks: all that is not left is resolved.
+  if (tail_hz == reach_hz && length_s * rate_hz > double(most_samples))
+    return 2 * tail_hz * std::pow(most, -0.5 / order);
+  const auto held = std::size_t(std::ceil(length_s * rate_hz)) + 1;
   const std::size_t count = std::bit_ceil(std::max(2 * held, least_samples));
   std::vector<std::complex<long double>> spectrum(count);
   for (std::size_t k = 0; k < held; ++k) spectrum[k] = pulse.at(pulse.begin_s + double(k) / rate_hz);
@@ -63,7 +120,7 @@ double resolved_bandwidth_hz(const BasebandPulse& pulse, int order, double toler
     energies.push_back(energy(n) + energy(count - n));
   const double all = std::reduce(energies.begin(), energies.end());
   if (!(all > 0)) return pulse.bandwidth_hz;
-  const double most = 4 / (tolerance * tolerance), step = rate_hz / double(count);
+  const double step = rate_hz / double(count);
   const auto resolves = [&](double band_hz) {
     double sum = 0;
     for (std::size_t n = 0; n < energies.size(); ++n)
@@ -94,16 +151,44 @@ void check(const BasebandPulse& pulse, const SignalTimes& times) {
                     pulse.bandwidth_hz, times.rate_hz));
 }
 
-PulseTable::PulseTable(const BasebandPulse& pulse, const SignalTimes& times)
+PulseTable::PulseTable(const BasebandPulse& pulse, const SignalTimes& times, double tolerance)
     : times_(times),
       begin_s_(pulse.begin_s),
-      length_(std::size_t(std::ceil((pulse.end_s - pulse.begin_s) * times.rate_hz)) + 1) {
-  const auto rows = std::size_t(fractions) + 1;
-  rows_.resize((rows + 1) * length_);
+      end_((pulse.end_s - pulse.begin_s) * times.rate_hz),
+      length_(std::size_t(std::ceil(end_)) + 1) {
+  const auto rows = std::size_t(fractions) + 4;
+  rows_.resize(rows * length_);
+  // By fractions of a sample from the begin on.
+  const auto last = std::ptrdiff_t(std::floor(end_ * fractions));
+  const auto inside = [&](std::ptrdiff_t m) {
+    return pulse.at(std::min(pulse.begin_s + double(m) / (fractions * times.rate_hz), pulse.end_s));
+  };
+  const auto at = [&](std::ptrdiff_t m) -> std::complex<double> {
+    if (m >= 0 && m <= last) return inside(m);
+    // Next to the ends cubics go on.
+    const std::ptrdiff_t from = m < 0 ? 0 : last, step = m < 0 ? 1 : -1, over = m < 0 ? -m : m - last;
+    if (last < 3 || over > 2) return 0;
+    const auto v0 = inside(from), v1 = inside(from + step), v2 = inside(from + 2 * step),
+               v3 = inside(from + 3 * step), next = 4.0 * v0 - 6.0 * v1 + 4.0 * v2 - v3;
+    return over == 1 ? next : 4.0 * next - 6.0 * v0 + 4.0 * v1 - v2;
+  };
+  const auto fine = [&](std::size_t row, std::size_t p) {
+    return std::ptrdiff_t(p) * std::ptrdiff_t(fractions) + std::ptrdiff_t(row) - 1;
+  };
   for (std::size_t row = 0; row < rows; ++row)
-    for (std::size_t p = 0; p < length_; ++p)
-      rows_[row * length_ + p] =
-          pulse.at(pulse.begin_s + (double(p) + double(row) / fractions) / times.rate_hz);
+    for (std::size_t p = 0; p < length_; ++p) {
+      rows_[row * length_ + p] = at(fine(row, p));
+      peak_ = std::max(peak_, std::abs(rows_[row * length_ + p]));
+    }
+  // A line is off by an eighth of the second difference; it is not taken across a break.
+  double bend = 0;
+  for (std::size_t row = 1; row + 1 < rows; ++row)
+    for (std::size_t p = 0; p < length_; ++p) {
+      if (fine(row, p) < 1 || fine(row, p) >= last) continue;
+      bend = std::max(bend, std::abs(rows_[(row - 1) * length_ + p] - 2.0 * rows_[row * length_ + p] +
+                                     rows_[(row + 1) * length_ + p]));
+    }
+  by_cubics_ = bend / 8 > tolerance / 4 * peak_;
 }
 
 }  // namespace tubefoot

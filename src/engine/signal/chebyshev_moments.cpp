@@ -56,10 +56,13 @@ bool ChebyshevMoments::begin(const SmoothPieces::Chunk& chunk, glm::dvec3 out_m,
   chunk_ = &chunk;
   u_.set(nodes_.nodes_for(chunk.change_u));
   v_.set(nodes_.nodes_for(chunk.change_v));
-  const auto rectangles = std::size_t(chunk.count_u) * std::size_t(chunk.count_v);
+  return true;
+}
+
+void ChebyshevMoments::clear() {
+  const auto rectangles = std::size_t(chunk_->count_u) * std::size_t(chunk_->count_v);
   moment_.assign(rectangles * std::size_t(u_.count * v_.count), 0);
   any_.assign(rectangles, 0);
-  return true;
 }
 
 void ChebyshevMoments::add(glm::dvec3 place_m, std::complex<double> amplitude) {

@@ -34,8 +34,13 @@ class ChebyshevMoments {
   /// False where no way by the chunk, to any of the extent's ends, is between those lengths.
   bool begin(const SmoothPieces::Chunk& chunk, glm::dvec3 out_m, glm::dvec3 home_m,
              const SignalExtent& extent, double shortest_m, double longest_m);
-  std::size_t nodes() const { return moment_.size(); }
-  /// A place on the chunk's plane.
+  /// How many nodes the chunk at hand has.
+  double nodes() const {
+    return double(chunk_->count_u) * double(chunk_->count_v) * double(u_.count * v_.count);
+  }
+  /// Makes room for the moments of the chunk at hand.
+  void clear();
+  /// A place on the chunk's plane, after clear().
   void add(glm::dvec3 place_m, std::complex<double> amplitude);
   /// Calls take(place, amplitude) for the nodes of rectangles that have scatterers.
   template <class Take>

@@ -158,7 +158,8 @@ class ScatterersOnPatch {
       corners_.clear();
       for (const glm::dvec2 p : chunk.polygon) corners_.push_back(patches_.origin_m + chunk.at(p));
       // Few scatterers cost less each by itself than as nodes.
-      const bool few = area_of(chunk.polygon) / scatterer_m2 < double(moments_.nodes());
+      const bool few = area_of(chunk.polygon) / scatterer_m2 < moments_.nodes();
+      if (!few) moments_.clear();
       field_.for_scatterers(corners_, patch.normal, [&](glm::dvec3 place, std::complex<double> z) {
         const glm::dvec3 at = place - patches_.origin_m;
         if (bed.texture != nullptr) z *= std::sqrt(bed.texture->factor(place));
@@ -235,7 +236,7 @@ ChannelSignals element_signals(const SeenPatches& patches, const CoherentReceive
     return ends.move() ? moving_signals(patches, ends, law, field, tolerance)
                        : element_signals(patches, ends.held(), law, field, tolerance);
   }
-  const PulseTable table(receiver.pulse, receiver.times);
+  const PulseTable table(receiver.pulse, receiver.times, tolerance);
   const SignalExtent extent = extent_of(receiver, law.path, false, tolerance);
   const ChebyshevNodes nodes(tolerance);
   const SmoothPieces pieces(extent, nodes.most_change());
@@ -270,7 +271,7 @@ ChannelSignals drawn_signals(const SeenPatches& patches, const CoherentReceiver&
   }
   SignalExtent extent = extent_of(ends ? ends->held() : receiver, law.path, true, tolerance);
   if (ends) ends->widen(extent);
-  const PulseTable table(receiver.pulse, receiver.times);
+  const PulseTable table(receiver.pulse, receiver.times, tolerance);
   const std::vector<BedScatterer> bed = bed_scatterers(patches, extent, tolerance);
   ChannelSignals signals = silence(receiver);
   const auto draw = [&](std::size_t n, const FacetBed& on) {

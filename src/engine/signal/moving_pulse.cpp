@@ -11,6 +11,8 @@ namespace {
 /// Cubics through four values leave 0.0234 (pi / 48)^4 = 4e-7 of the highest frequency that a rate holds, and
 /// less of others.
 constexpr double cubics_per_sample = 48;
+/// Of the pulse's height, next to where its flanks begin and end.
+constexpr double break_error = 1e-6, most_cubics = 1e6;
 constexpr double off_wavelengths = 1e-9;
 constexpr std::size_t most_parts = 1 << 14;
 /// Turns are multiplied up for so many samples; then their rounding is shed.
@@ -52,8 +54,14 @@ MovingPulse::MovingPulse(const BasebandPulse& pulse, const SignalTimes& times, d
       wavenumber_rad_m_(2 * std::numbers::pi * carrier_hz / sound_speed_m_s) {
   // Cubics end where the pulse does, so that a pulse may jump there.
   const double length_s = end_s_ - begin_s_;
-  const auto count =
-      std::max<std::size_t>(4, std::size_t(std::ceil(length_s * times.rate_hz * cubics_per_sample)));
+  double cubics = length_s * times.rate_hz * cubics_per_sample;
+  // A cubic on which a break lies is off by what it makes of the cubic's length.
+  const double peak = std::abs(pulse.at(pulse.begin_s + length_s / 2));
+  for (const PulseBreak& at : pulse.breaks)
+    if (peak > 0)
+      cubics = std::max(cubics,
+                        std::min(length_s * std::sqrt(at.bend_per_s2 / (break_error * peak)), most_cubics));
+  const auto count = std::max<std::size_t>(4, std::size_t(std::ceil(cubics)));
   per_s_ = double(count) / length_s;
   last_ = double(count);
   std::vector<std::complex<double>> value;

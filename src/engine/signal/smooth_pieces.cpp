@@ -179,8 +179,9 @@ SmoothPieces::Chunk SmoothPieces::chunk_of(const OnPlane& on, std::vector<glm::d
     high = glm::max(high, p);
   }
   const glm::dvec2 extent = high - low;
-  chunk.count_u = int(std::ceil(std::max(rate.x * extent.x / 2 / most_change_, 1.0)));
-  chunk.count_v = int(std::ceil(std::max(rate.y * extent.y / 2 / most_change_, 1.0)));
+  constexpr double most_rectangles = 1e9;
+  chunk.count_u = int(std::ceil(std::clamp(rate.x * extent.x / 2 / most_change_, 1.0, most_rectangles)));
+  chunk.count_v = int(std::ceil(std::clamp(rate.y * extent.y / 2 / most_change_, 1.0, most_rectangles)));
   chunk.size_m = {extent.x / chunk.count_u, extent.y / chunk.count_v};
   chunk.change_u = rate.x * chunk.size_m.x / 2;
   chunk.change_v = rate.y * chunk.size_m.y / 2;

@@ -6,12 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <ranges>
 #include <stdexcept>
+#include <utility>
 
-#include "engine/signal/chebyshev_pulses.hpp"
 #include "engine/signal/smooth_amplitude.hpp"
 #include "engine/signal/smooth_pieces.hpp"
-#include "geometry/integrals/polygon_transform.hpp"
+#include "geometry/integrals/edge_panels.hpp"
 #include "geometry/steps/in_order.hpp"
 
 namespace tubefoot {
@@ -20,51 +21,59 @@ namespace {
 constexpr double pi = std::numbers::pi;
 /// What a task takes: part of the summation's order.
 constexpr std::size_t patches_per_task = 256;
-constexpr int most_nodes = 16, fewest_nodes = 4, most_halvings = 40;
-/// What tables of pulses may fill; long pulses have fewer nodes for it.
-constexpr double most_table_bytes = 256e6;
+constexpr int most_nodes = 24, most_halvings = 40;
 /// Radians of a pattern's wavenumber over a piece.
 constexpr double most_pattern_rad = 0.15;
+/// Radians of half the band over half the paths of a piece whose surface depends on the angle.
+constexpr double most_uneven_rad = 8;
 
-/// The carrier's wave number and those about it, as far as the pulse's band goes.
-struct Band {
-  double middle_rad_m = 0, half_rad_m = 0, tolerance = 0;
+/// What is left for each of the errors that add up: of delays, of quadratures, of breaks, of the far field.
+constexpr double each_error = 0.2;
 
-  /// Chebyshev's nodes that interpolate (1 + share x) e^{i change x}, |x| <= 1, where share is the half
-  /// band's of the carrier: the remainder is at most the n-th derivative over 2^(n-1) n!. More than `most`:
-  /// that many do not.
-  int nodes_for(double change_rad, int most) const {
-    const double share = half_rad_m / middle_rad_m;
-    double scale = 1;  // change^(n-1) / (2^(n-1) n!)
-    for (int n = 1; n <= most; ++n) {
-      if (n > 1) scale *= change_rad / (2 * n);
-      if (scale * (change_rad * (1 + share) + n * share) <= tolerance) return n;
-    }
-    return most + 1;
+/// A pulse as paths hear it.
+struct HeardPulse {
+  const BasebandPulse& pulse;
+  PulseTable table;
+  double carrier_rad_m, part_rad_m, band_rad_m, sound_speed_m_s;
+
+  HeardPulse(const CoherentReceiver& receiver, double tolerance)
+      : pulse(receiver.pulse),
+        table(receiver.pulse, receiver.times, each_error * tolerance),
+        carrier_rad_m(2 * pi * receiver.carrier_hz / receiver.sound_speed_m_s),
+        part_rad_m(pi * receiver.pulse.part_bandwidth_hz.value_or(receiver.pulse.bandwidth_hz) /
+                   receiver.sound_speed_m_s),
+        band_rad_m(pi * receiver.pulse.bandwidth_hz / receiver.sound_speed_m_s),
+        sound_speed_m_s(receiver.sound_speed_m_s) {}
+
+  /// By how much the envelope turns, at most, over half of a stretch of paths without a break.
+  double turn_rad(double half_m) const {
+    const double flank_m = pulse.flank_s * sound_speed_m_s;
+    return part_rad_m * half_m + (flank_m > 0 ? pi / 2 * std::min(1.0, 2 * half_m / flank_m) : 0);
   }
-  /// Increasing.
-  std::vector<double> nodes(int count) const {
-    std::vector<double> rad_m;
-    for (int k = 0; k < count; ++k)
-      rad_m.push_back(middle_rad_m - half_rad_m * std::cos(pi * (k + 0.5) / count));
-    return rad_m;
+  /// Whether polynomials of so many nodes, and the table's, may go on over a break within stretches of such a
+  /// half.
+  bool may_cross(const PulseBreak& at, int nodes, double half_m, double error) const {
+    const double half_s = half_m / sound_speed_m_s, of_table = table.reach_s() / 4,
+                 square = 1.5 / (double(nodes) * nodes) * half_s * half_s + of_table * of_table;
+    return at.step + at.bend_per_s2 * square <= error * table.peak();
   }
 };
 
-/// Amplitudes at some of Chebyshev's nodes of the band, and what makes coefficients of polynomials of them.
-struct BandNodes {
-  std::vector<double> rad_m, weight;  // [polynomial][node]
-  SmoothAmplitude amplitude;
-
-  BandNodes(const Band& band, int count) : rad_m(band.nodes(count)), amplitude(rad_m, band.tolerance) {
-    // T_j(-cos x) = (-1)^j cos(jx)
-    for (int j = 0; j < count; ++j)
-      for (int k = 0; k < count; ++k)
-        weight.push_back((j == 0       ? 1.0
-                          : j % 2 == 0 ? 2.0
-                                       : -2.0) /
-                         count * std::cos(j * pi * (k + 0.5) / count));
+/// Chebyshev's nodes that interpolate e^{i turn x}, |x| <= 1, to an error: the remainder is at most
+/// turn^n / (2^(n-1) n!).
+int nodes_for(double turn_rad, double error) {
+  double left = 2;
+  for (int n = 1; n < most_nodes; ++n) {
+    left *= turn_rad / (2 * n);
+    if (left <= error) return n;
   }
+  return most_nodes;
+}
+
+/// What a rough surface makes of a path: a mean over Gaussian lengths, by the trapezoidal rule.
+struct PathShift {
+  double longer_m = 0;
+  std::complex<double> weight = 1;
 };
 
 /// Both halves of a polygon, cut across a direction.
@@ -93,15 +102,14 @@ void halve(const PlanarPolygon& polygon, glm::dvec2 along, std::vector<PlanarPol
 /// The polygons of one channel, one after the other.
 class ChannelOfSmooth {
  public:
-  ChannelOfSmooth(const SignalChannel& channel, const CoherentReceiver& receiver, const Band& band,
-                  const ChebyshevPulses& pulses, const EchoLaw& law)
+  ChannelOfSmooth(const SignalChannel& channel, const CoherentReceiver& receiver, const HeardPulse& heard,
+                  const EchoLaw& law, double tolerance)
       : channel_(channel),
         receiver_(receiver),
-        band_(band),
-        pulses_(pulses),
+        heard_pulse_(heard),
         path_(law.path),
         absorption_per_m_(absorption_per_m(law.absorption_db_per_m)),
-        nodes_(std::size_t(pulses.most())),
+        tolerance_(tolerance),
         sent_(amplitude_wavenumber(channel.transmit) + amplitude_wavenumber(law.path.out.loss)),
         heard_(amplitude_wavenumber(channel.receive) + amplitude_wavenumber(law.path.back().loss)) {
     const double reach = receiver.pulse.end_s - receiver.pulse.begin_s;
@@ -143,44 +151,173 @@ class ChannelOfSmooth {
     if (piece.offsets.size() < 3) return;
     const auto [half_shortest, half_longest] = PathCutter::half_paths_of(piece, home_);
     if (2 * half_longest < first_m_ || 2 * half_shortest > last_m_) return;
-    const double path = half_shortest + half_longest,
-                 change = band_.half_rad_m * (half_longest - half_shortest);
+    const double path = half_shortest + half_longest, half_spread = half_longest - half_shortest;
     const glm::dvec2 place = place_of_shortest_path(piece, home_);
     const double out_m = std::hypot(piece.distance, place.x, place.y),
                  back_m = std::hypot(home_.distance, place.x - home_.foot.x, place.y - home_.foot.y);
-    // A rough surface loses more of its amplitude the higher the frequency.
     const double sine = (piece.distance / out_m + home_.distance / back_m) / 2,
-                 lost = 2 * std::pow(band_.middle_rad_m * sine * surface.roughness_m, 2),
-                 share = band_.half_rad_m / band_.middle_rad_m;
-    if (lost * (1 - share) * (1 - share) > 40) return;  // 4e-18 is left of it
-    const int needed = band_.nodes_for(change + lost * share * (2 + share), pulses_.most());
-    if (halvings < most_halvings && (needed > pulses_.most() || pattern_changes(piece, out_m, back_m))) {
-      halve(piece, across(piece, needed > pulses_.most()), pieces_);
+                 rough_m = 2 * sine * surface.roughness_m,
+                 lowest = std::max(heard_pulse_.carrier_rad_m - heard_pulse_.band_rad_m, 0.0);
+    if (std::pow(lowest * rough_m, 2) > 80) return;  // 4e-18 is left of it
+    const bool uneven =
+        (surface.fluid || surface.roughness_m > 0) && heard_pulse_.band_rad_m * half_spread > most_uneven_rad;
+    if (halvings < most_halvings && (uneven || pattern_changes(piece, out_m, back_m))) {
+      halve(piece, across(piece, uneven), pieces_);
       return;
     }
-    const auto count = std::size_t(std::min(needed, pulses_.most()));
-    std::optional<BandNodes>& nodes = nodes_[count - 1];
-    if (!nodes) nodes.emplace(band_, int(count));
-    values_.assign(count, 0);
-    nodes->amplitude.add(piece, home_, surface, values_);
-    const double factor = received_part(piece, path);
-    for (std::size_t k = 0; k < count; ++k)
-      values_[k] *= factor * phasor(-(nodes->rad_m[k] - band_.middle_rad_m) * path);
-    tell(nodes->weight, path / receiver_.sound_speed_m_s, out);
+    // Edges of a polygon that is small beside the wavelength all but cancel.
+    const double k = heard_pulse_.carrier_rad_m, size = std::sqrt(std::abs(area(piece)));
+    error_ = std::max(each_error * tolerance_ * std::min(1.0, k * size / 4), 1e-13);
+    SmoothSurface mirror = surface;
+    mirror.roughness_m = 0;
+    factor_ = received_part(piece) * mirror.factor(sine, k);
+    take_shifts(rough_m);
+    if (is_small(half_spread)) {
+      const FarAmplitude far = far_amplitude(piece, home_, k);
+      if (far.error <= each_error * tolerance_ * far.most) {
+        const std::complex<double> amplitude =
+            factor_ * std::exp(-absorption_per_m_ * path / 2) * far.pressure;
+        for (const PathShift& shift : shifts_)
+          heard_pulse_.table.add(amplitude * shift.weight,
+                                 (path + shift.longer_m) / receiver_.sound_speed_m_s, out);
+        return;
+      }
+    }
+    // Wide enough that pulses are not added more often than their band asks for.
+    const double most_spread = 2 * pi / heard_pulse_.band_rad_m;
+    edges_.assign(piece, home_, k + absorption_per_m_ / 2, most_spread);
+    add_image(out);
+    for (const EdgePanels::Panel& panel : edges_.panels()) add(panel, out);
   }
 
-  /// Adds the pulses of the polynomial through an amplitude's values.
-  void tell(std::span<const double> weight, double delay_s, std::complex<double>* out) {
-    const std::size_t count = values_.size();
-    coefficients_.assign(count, 0);
-    double largest = 0;
-    for (std::size_t j = 0; j < count; ++j) {
-      for (std::size_t k = 0; k < count; ++k) coefficients_[j] += weight[j * count + k] * values_[k];
-      largest = std::max(largest, std::abs(coefficients_[j]));
+  /// Whether one delay is enough for all of a piece.
+  bool is_small(double half_spread_m) const {
+    const double error = each_error * tolerance_;
+    return heard_pulse_.turn_rad(half_spread_m) <= error &&
+           std::ranges::all_of(receiver_.pulse.breaks, [&](const PulseBreak& at) {
+             return heard_pulse_.may_cross(at, 1, half_spread_m, error);
+           });
+  }
+
+  void take_shifts(double rough_m) {
+    const double k = heard_pulse_.carrier_rad_m, turn = (k + heard_pulse_.band_rad_m) * rough_m;
+    shifts_.assign(1, {});
+    if (!(turn * turn / 2 > 0.1 * error_)) return;
+    // The rule's sums of e^{i turn x} have the transform's images at every 2 pi / step.
+    const double reach = std::sqrt(2 * std::log(4 / error_)), step = 2 * pi / (turn + reach);
+    const int most = int(std::ceil(reach / step));
+    shifts_.clear();
+    for (int n = -most; n <= most; ++n) {
+      const double x = n * step, longer = x * rough_m;
+      shifts_.push_back({longer, std::polar(step / std::sqrt(2 * pi) * std::exp(-x * x / 2), k * longer)});
     }
-    for (std::size_t j = 0; j < count; ++j)
-      if (std::abs(coefficients_[j]) > 0.01 * band_.tolerance * largest)
-        pulses_.table(int(j)).add(coefficients_[j], delay_s, out);
+  }
+
+  /// A path's phase at the carrier, and what absorption leaves.
+  std::complex<double> wave(double path_m) const {
+    return std::polar(std::exp(-absorption_per_m_ * path_m / 2), heard_pulse_.carrier_rad_m * path_m);
+  }
+  double sample_of(double time_s) const {
+    return (time_s - receiver_.times.first_s) * receiver_.times.rate_hz;
+  }
+  /// The first sample not before a time.
+  std::size_t sample_from(double time_s) const {
+    return std::size_t(std::clamp(std::ceil(sample_of(time_s)), 0.0, double(receiver_.times.count)));
+  }
+
+  /// As the pulse is, of the plane's place of shortest path.
+  void add_image(std::complex<double>* out) {
+    if (edges_.image() == 0) return;
+    const std::complex<double> amplitude = factor_ * edges_.image() * wave(edges_.shortest_m());
+    const BasebandPulse& pulse = receiver_.pulse;
+    for (const PathShift& shift : shifts_) {
+      const double delay_s = (edges_.shortest_m() + shift.longer_m) / receiver_.sound_speed_m_s;
+      for (std::size_t n = sample_from(delay_s + pulse.begin_s), end = sample_from(delay_s + pulse.end_s);
+           n <= end && n < receiver_.times.count; ++n)
+        out[n] += amplitude * shift.weight * pulse.at(receiver_.times.time_s(n) - delay_s);
+    }
+  }
+
+  /// A panel's pulses: of a polynomial over its delays where no break falls on them, by parts elsewhere.
+  void add(const EdgePanels::Panel& panel, std::complex<double>* out) {
+    const double c = receiver_.sound_speed_m_s, least = panel.least_path_m(), most = panel.most_path_m(),
+                 half = (most - least) / 2, turn = heard_pulse_.turn_rad(half);
+    const int count = nodes_for(turn, error_);
+    const double node_error = error_ / 8;
+    path_nodes_.clear();
+    edges_.nodes(panel, panel.from, panel.to, turn + count, node_error, path_nodes_);
+    interpolate(count, (least + most) / 2, half);
+    const auto first_of = [&](double time_s, const PathShift& shift) {
+      return time_s + (least + shift.longer_m) / c - heard_pulse_.table.reach_s();
+    };
+    for (const PathShift& shift : shifts_) {
+      // Samples on which a break falls, in order as breaks are.
+      std::size_t next = 0;
+      const double longer_s = 2 * half / c + 2 * heard_pulse_.table.reach_s();
+      const auto add_until = [&](std::size_t end) {
+        if (next < end)
+          for (std::size_t n = 0; n < coefficients_.size(); ++n)
+            heard_pulse_.table.add(coefficients_[n] * shift.weight, (delay_m_[n] + shift.longer_m) / c, next,
+                                   end, out);
+        next = std::max(next, end);
+      };
+      for (const PulseBreak& at : receiver_.pulse.breaks) {
+        if (heard_pulse_.may_cross(at, count, half, error_)) continue;
+        const double begin_s = first_of(at.time_s, shift);
+        const std::size_t end = sample_from(begin_s + longer_s);
+        add_until(sample_from(begin_s));
+        for (; next < end; ++next) out[next] += shift.weight * by_parts(panel, next, shift.longer_m);
+      }
+      add_until(receiver_.times.count);
+    }
+  }
+
+  /// Coefficients of the pulse at Chebyshev's delays, that together are the panel's nodes.
+  void interpolate(int count, double middle_m, double half_m) {
+    const auto n = std::size_t(count);
+    moments_.assign(n, 0);
+    for (const EdgePanels::Node& node : path_nodes_) {
+      const std::complex<double> z = factor_ * node.weight * wave(node.path_m);
+      const double x = half_m > 0 ? (node.path_m - middle_m) / half_m : 0;
+      double before = 1, value = x;
+      moments_[0] += z;
+      for (std::size_t m = 1; m < n; ++m) {
+        moments_[m] += value * z;
+        before = std::exchange(value, 2 * x * value - before);
+      }
+    }
+    coefficients_.assign(n, 0);
+    delay_m_.resize(n);
+    for (std::size_t a = 0; a < n; ++a) {
+      const double angle = pi * (double(a) + 0.5) / count;
+      delay_m_[a] = middle_m + half_m * std::cos(angle);
+      for (std::size_t m = 0; m < n; ++m)
+        coefficients_[a] += (m == 0 ? 1.0 : 2.0) / count * std::cos(double(m) * angle) * moments_[m];
+    }
+  }
+
+  /// One sample of a panel that is cut where breaks fall on it.
+  std::complex<double> by_parts(const EdgePanels::Panel& panel, std::size_t sample, double longer_m) {
+    const double c = receiver_.sound_speed_m_s, least = panel.least_path_m(), most = panel.most_path_m(),
+                 time_s = receiver_.times.time_s(sample) - longer_m / c;
+    cuts_.assign(1, {panel.from, panel.from_path_m});
+    for (const PulseBreak& at : receiver_.pulse.breaks) {
+      const double path = c * (time_s - at.time_s);
+      if (path > least && path < most) cuts_.push_back({edges_.place_of(panel, path), path});
+    }
+    cuts_.push_back({panel.to, panel.to_path_m});
+    std::ranges::sort(cuts_);
+    path_nodes_.clear();
+    for (std::size_t n = 1; n < cuts_.size(); ++n) {
+      const double half_m = std::abs(cuts_[n].second - cuts_[n - 1].second) / 2;
+      edges_.nodes(panel, cuts_[n - 1].first, cuts_[n].first, heard_pulse_.turn_rad(half_m), error_ / 8,
+                   path_nodes_);
+    }
+    std::complex<double> sum = 0;
+    for (const EdgePanels::Node& node : path_nodes_)
+      if (const std::complex<double> g = receiver_.pulse.at(time_s - node.path_m / c); g != 0.0)
+        sum += node.weight * wave(node.path_m) * g;
+    return factor_ * sum;
   }
 
   bool pattern_changes(const PlanarPolygon& piece, double out_m, double back_m) const {
@@ -218,28 +355,23 @@ class ChannelOfSmooth {
     return (steep + bend * length) * length >= bend * width * width ? along : aside;
   }
 
-  /// What absorption over the middle path, and patterns and mirrors towards the centroid leave of the
-  /// amplitude.
-  double received_part(const PlanarPolygon& piece, double path_m) const {
-    const double left = std::exp(-absorption_per_m_ * path_m / 2);
+  /// What patterns and mirrors towards the centroid leave of the amplitude.
+  double received_part(const PlanarPolygon& piece) const {
     if (channel_.transmit.kind == Directivity::Kind::uniform &&
         channel_.receive.kind == Directivity::Kind::uniform && !path_.over_mirrors())
-      return left;
+      return 1;
     const glm::dvec2 place = piece.first + centroid_offset(piece);
     const glm::dvec3 there = -plane_.distance_m * plane_.normal + place.x * frame_->u + place.y * frame_->v;
     const glm::dvec3 out = glm::normalize(there), home = glm::normalize(there - back_m_);
-    return left * std::sqrt(path_.out.loss.at(out) * path_.back().loss.at(home)) *
+    return std::sqrt(path_.out.loss.at(out) * path_.back().loss.at(home)) *
            amplitude_pattern(channel_.transmit, out) * amplitude_pattern(channel_.receive, home);
   }
 
   const SignalChannel& channel_;
   const CoherentReceiver& receiver_;
-  const Band& band_;
-  const ChebyshevPulses& pulses_;
+  const HeardPulse& heard_pulse_;
   const Path& path_;
-  double absorption_per_m_;
-  std::vector<std::optional<BandNodes>> nodes_;  // by their number, less one
-  std::vector<std::complex<double>> values_, coefficients_;
+  double absorption_per_m_, tolerance_;
   double sent_, heard_;              // wave numbers of patterns
   double first_m_ = 0, last_m_ = 0;  // paths that are heard
   // Of the patch at hand; the transmitter is the origin.
@@ -250,6 +382,15 @@ class ChannelOfSmooth {
   std::vector<glm::dvec3> corners_;
   std::vector<PlanarPolygon> pieces_;
   std::vector<int> halvings_;
+  // Of the piece at hand.
+  std::complex<double> factor_;
+  double error_ = 0;
+  EdgePanels edges_;
+  std::vector<PathShift> shifts_;
+  std::vector<EdgePanels::Node> path_nodes_;
+  std::vector<std::pair<double, double>> cuts_;  // places and their paths
+  std::vector<double> delay_m_;
+  std::vector<std::complex<double>> moments_, coefficients_;
 };
 
 }  // namespace
@@ -261,9 +402,7 @@ ChannelSignals smooth_signals(const SeenPatches& patches, const CoherentReceiver
   check(receiver, law);
   if (!(tolerance >= 1e-9 && tolerance <= 0.1))
     throw std::invalid_argument(fmt::format("a tolerance must be from 1e-9 to 0.1, not {}", tolerance));
-  const Band band{2 * pi * receiver.carrier_hz / receiver.sound_speed_m_s,
-                  pi * receiver.pulse.bandwidth_hz / receiver.sound_speed_m_s, tolerance};
-  if (!(band.half_rad_m < band.middle_rad_m))
+  if (!(receiver.pulse.bandwidth_hz < 2 * receiver.carrier_hz))
     throw std::invalid_argument(fmt::format(
         "a band of {} Hz about {} Hz reaches down to frequency 0: take a pulse of less than twice the "
         "carrier",
@@ -274,17 +413,13 @@ ChannelSignals smooth_signals(const SeenPatches& patches, const CoherentReceiver
   ChannelSignals signals{receiver.channels.size(), receiver.times.count, {}};
   signals.value.assign(signals.channels * signals.samples, 0);
   if (smooth.empty()) return signals;
-  const double table_bytes = 16e3 * (receiver.pulse.end_s - receiver.pulse.begin_s) * receiver.times.rate_hz;
-  const ChebyshevPulses pulses(
-      receiver.pulse, receiver.times,
-      std::clamp(int(most_table_bytes / std::max(table_bytes, 1.0)), fewest_nodes, most_nodes),
-      tolerance * 1e-3);
+  const HeardPulse heard(receiver, tolerance);
   const std::size_t tasks = (smooth.size() + patches_per_task - 1) / patches_per_task;
   in_order(
       0, signals.channels * tasks, 16 * signals.samples,
       [&](std::size_t task) {
         std::vector<std::complex<double>> part(signals.samples);
-        ChannelOfSmooth channel(receiver.channels[task / tasks], receiver, band, pulses, law);
+        ChannelOfSmooth channel(receiver.channels[task / tasks], receiver, heard, law, tolerance);
         const std::size_t begin = task % tasks * patches_per_task,
                           end = std::min(begin + patches_per_task, smooth.size());
         for (std::size_t n = begin; n < end; ++n)

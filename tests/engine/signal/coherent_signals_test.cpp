@@ -327,6 +327,34 @@ TEST(ElementSignals, AreTheSumOverAllScatterersOfTheField) {
   }
 }
 
+// Pulses with flanks of any length, and without.
+TEST(ElementSignals, AreThatSumForFlanksOfAnyLength) {
+  const test::SignalScene scene = test::signal_scenes()[1];
+  const SignalView view(scene, {0.0, 0.0, 0.0});
+  CoherentReceiver receiver = receiver_at(view.apex_m);
+  const double length_s = 4e-4;
+  for (const double sweep_hz : {0.0, 2e4})
+    for (const double taper : {0.0, 0.02, 0.1, 0.5}) {
+      const auto envelope = [=](double t) {
+        const double flank = taper * length_s / 2, from_end = std::min(t, length_s - t),
+                     size = from_end < flank ? (1 - std::cos(pi * from_end / flank)) / 2 : 1;
+        return std::polar(size, -pi * sweep_hz * t * (t / length_s - 1));
+      };
+      receiver.pulse = {envelope, 0, length_s, sweep_hz + 2 * (1 + taper) / length_s};
+      set_flanks(receiver.pulse, taper, sweep_hz);
+      receiver.times = {5e-3, 40e3, 130};
+      const GroundField field{7, 0.03};
+      const SeenPatches seen = view.patches();
+      const ChannelSignals direct = by_every_scatterer(seen, receiver, view.law, field);
+      const double loudest = loudest_of(direct);
+      ASSERT_GT(loudest, 0);
+      for (const double tolerance : {1e-2, 1e-3, 1e-5})
+        EXPECT_LT(worst_of(element_signals(seen, receiver, view.law, field, tolerance), direct),
+                  3 * tolerance * loudest)
+            << sweep_hz << ' ' << taper << ' ' << tolerance;
+    }
+}
+
 TEST(ElementSignals, TheSamePoseHasTheSameBitsForAnyThreads) {
   const test::SignalScene scene = test::signal_scenes()[1];
   const SignalView view(scene, {0.0, 0.0, 0.0}), again(scene, {0.0, 0.0, 0.0});

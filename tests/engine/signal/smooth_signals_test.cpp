@@ -10,7 +10,6 @@
 #include <random>
 
 #include "engine/sight/tube_engine.hpp"
-#include "engine/signal/chebyshev_pulses.hpp"
 #include "engine/signal/smooth_amplitude.hpp"
 #include "fixtures/geometry/layered_scenes.hpp"
 #include "fixtures/geometry/plane_polygons.hpp"
@@ -379,22 +378,6 @@ TEST(SmoothSignals, RefuseWhatIsNone) {
   EXPECT_NO_THROW(smooth_signals(seen, receiver, {}, all_rigid));
   receiver.channels.clear();
   EXPECT_THROW(smooth_signals(seen, receiver, {}, all_rigid), std::invalid_argument);
-}
-
-// A Gaussian's are its derivatives: T_1 = x, T_2 = 2 x^2 - 1, x = 2 f / B to i d/dt / pi B.
-TEST(ChebyshevPulses, AreDerivatives) {
-  const double sigma = 1e-4;
-  const BasebandPulse pulse = gaussian_pulse(sigma);
-  const ChebyshevPulses pulses(pulse, {0, 2e5, 10}, 4, 1e-9);
-  const double peak = pulse.at(0).real(), scale = 1 / (pi * pulse.bandwidth_hz);
-  for (double t = -4.03 * sigma; t < 4 * sigma; t += 0.37 * sigma) {
-    const double g = peak * std::exp(-t * t / (2 * sigma * sigma)), first = -t / (sigma * sigma) * g,
-                 second = (t * t / (sigma * sigma) - 1) / (sigma * sigma) * g;
-    EXPECT_LT(std::abs(pulses.filtered(0).at(t) - g), 1e-12 * peak);
-    EXPECT_LT(std::abs(pulses.filtered(1).at(t) - Complex(0, scale * first)), 1e-6 * peak) << t / sigma;
-    EXPECT_LT(std::abs(pulses.filtered(2).at(t) - Complex(-2 * scale * scale * second - g)), 1e-6 * peak)
-        << t / sigma;
-  }
 }
 
 }  // namespace

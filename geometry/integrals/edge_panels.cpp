@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "geometry/integrals/edge_panels.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "geometry/integrals/ellipse_rule.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr int most_halvings = 60;
+/// An edge as near as that to the place of shortest path, times the growth, has nothing: its integral and
+/// its part of the image are each other's opposites to that.
+constexpr double through_rad = 1e-12;
+
+double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
+
+}  // namespace
+
+void EdgePanels::assign(const PlanarPolygon& polygon, const PathCutter::Receiver& home, double growth_per_m,
+                        double most_spread_m) {
+  edges_.clear();
+  panels_.clear();
+  image_ = 0;
+  growth_per_m_ = growth_per_m;
+  const double heights = polygon.distance + home.distance;
+  if (!(polygon.distance > 0) || !(home.distance > 0) || polygon.offsets.size() < 3) return;
+  const glm::dvec2 c = home.foot * (polygon.distance / heights), out_foot = -c, home_foot = home.foot - c;
+  shortest_m_ = std::sqrt(heights * heights + glm::dot(home.foot, home.foot));
+  turn_ = heights / shortest_m_;
+  const glm::dvec2 tilt = home.foot / shortest_m_;
+  double angle = 0;
+  const std::size_t n = polygon.offsets.size();
+  for (std::size_t k = 0; k < n; ++k) {
+    const glm::dvec2 step = polygon.offsets[k + 1 == n ? 0 : k + 1] - polygon.offsets[k];
+    const double length = glm::length(step);
+    if (!(length > 0)) continue;
+    const glm::dvec2 start = polygon.first - c + polygon.offsets[k], along = step / length,
+                     beside(along.y, -along.x);
+    Edge edge{cross(start, along),   glm::dot(out_foot, along), glm::dot(home_foot, along), 0, 0,
+              glm::dot(tilt, along), glm::dot(tilt, beside)};
+    if (!(std::abs(edge.height) * growth_per_m > through_rad)) continue;
+    // The point of the line nearest to c is height times beside.
+    edge.out_m = std::hypot(edge.height - glm::dot(out_foot, beside), polygon.distance);
+    edge.home_m = std::hypot(edge.height - glm::dot(home_foot, beside), home.distance);
+    const double from = glm::dot(start, along), to = from + length;
+    // The integral of turn height / (squared distance from the line through c) along the edge.
+    const double a = 1 - edge.tilt_along * edge.tilt_along,
+                 b = -edge.height * edge.tilt_beside * edge.tilt_along, rest = std::abs(edge.height) * turn_;
+    angle += std::copysign(std::atan2(a * to + b, rest) - std::atan2(a * from + b, rest), edge.height);
+    const double lowest =
+        (edge.out_at * edge.home_m + edge.home_at * edge.out_m) / (edge.out_m + edge.home_m);
+    edges_.push_back(edge);
+    if (lowest > from && lowest < to) {
+      add_panels(edges_.size() - 1, from, lowest, most_spread_m, 0);
+      add_panels(edges_.size() - 1, lowest, to, most_spread_m, 0);
+    } else {
+      add_panels(edges_.size() - 1, from, to, most_spread_m, 0);
+    }
+  }
+  // A whole turn, a half, or none, all but for rounding.
+  const double turns = std::round(angle / pi) / 2;
+  image_ = std::abs(angle / (2 * pi) - turns) < 1e-9 ? turns / shortest_m_ : angle / (2 * pi * shortest_m_);
+}
+
+double EdgePanels::path_at(const Edge& edge, double at) const {
+  const double out = at - edge.out_at, home = at - edge.home_at;
+  return std::sqrt(out * out + edge.out_m * edge.out_m) + std::sqrt(home * home + edge.home_m * edge.home_m);
+}
+
+void EdgePanels::add_panels(std::size_t edge, double from, double to, double most_spread_m, int halvings) {
+  const double from_path = path_at(edges_[edge], from), to_path = path_at(edges_[edge], to);
+  if (std::abs(to_path - from_path) > most_spread_m && halvings < most_halvings) {
+    const double middle = (from + to) / 2;
+    add_panels(edge, from, middle, most_spread_m, halvings + 1);
+    add_panels(edge, middle, to, most_spread_m, halvings + 1);
+    return;
+  }
+  panels_.push_back({edge, from, to, from_path, to_path});
+}
+
+double EdgePanels::place_of(const Panel& panel, double path_m) const {
+  const Edge& edge = edges_[panel.edge];
+  const double sign = panel.to_path_m >= panel.from_path_m ? 1 : -1;
+  double low = panel.from, high = panel.to;  // sign * (path - path_m) is below 0 at low
+  const double share = (path_m - panel.from_path_m) / (panel.to_path_m - panel.from_path_m);
+  double at = low + std::clamp(share, 0.0, 1.0) * (high - low);
+  if (!std::isfinite(at)) return (low + high) / 2;
+  for (int step = 0; step < most_halvings; ++step) {
+    const double out = at - edge.out_at, home = at - edge.home_at, r = std::hypot(out, edge.out_m),
+                 s = std::hypot(home, edge.home_m), off = r + s - path_m, slope = out / r + home / s;
+    if (std::abs(off) <= 4e-16 * path_m) return at;
+    (sign * off < 0 ? low : high) = at;
+    double next = at - off / slope;
+    if (std::abs(next - at) <= 1e-15 * std::abs(panel.to - panel.from)) return at;
+    if (!(next > low && next < high)) next = (low + high) / 2;
+    at = next;
+  }
+  return at;
+}
+
+void EdgePanels::nodes(const Panel& panel, double from, double to, double turn_rad, double error,
+                       std::vector<Node>& out) const {
+  if (!(to > from)) return;
+  const Edge& edge = edges_[panel.edge];
+  const double half_m = std::abs(path_at(edge, to) - path_at(edge, from)) / 2;
+  add_nodes(edge, from, to, growth_per_m_ + (half_m > 0 ? turn_rad / half_m : 0),
+            std::log(64.0 / 15) - std::log(error), 0, out);
+}
+
+void EdgePanels::add_nodes(const Edge& edge, double from, double to, double growth_per_m, double log_error,
+                           int halvings, std::vector<Node>& out) const {
+  const double middle = (from + to) / 2, half = (to - from) / 2, h = edge.height, d = shortest_m_;
+  // What is singular lies beside the line: where a range is zero, and where the line from the apex to the
+  // other's image is met.
+  const double a = 1 - edge.tilt_along * edge.tilt_along, b = -h * edge.tilt_beside * edge.tilt_along,
+               rho = std::min({ellipse_through((edge.out_at - middle) / half, edge.out_m / half),
+                               ellipse_through((edge.home_at - middle) / half, edge.home_m / half),
+                               ellipse_through((-b / a - middle) / half, std::abs(h) * turn_ / (a * half))});
+  const auto steepness = [&](double at) {
+    return std::abs((at - edge.out_at) / std::hypot(at - edge.out_at, edge.out_m) +
+                    (at - edge.home_at) / std::hypot(at - edge.home_at, edge.home_m));
+  };
+  const int count =
+      nodes_within(rho, growth_per_m * half * std::max(steepness(from), steepness(to)), log_error);
+  if (count > most_gauss_nodes && halvings < most_halvings) {
+    add_nodes(edge, from, middle, growth_per_m, log_error, halvings + 1, out);
+    add_nodes(edge, middle, to, growth_per_m, log_error, halvings + 1, out);
+    return;
+  }
+  const GaussRule& rule = gauss_rule(std::min(count, most_gauss_nodes));
+  const double all = -half * turn_ * h / (8 * pi * d);
+  for (std::size_t k = 0; k < rule.node.size(); ++k) {
+    const double at = middle + half * rule.node[k], away_out = at - edge.out_at,
+                 away_home = at - edge.home_at, tilted = h * edge.tilt_beside + at * edge.tilt_along,
+                 square = h * h + at * at - tilted * tilted,
+                 r = std::sqrt(away_out * away_out + edge.out_m * edge.out_m),
+                 s = std::sqrt(away_home * away_home + edge.home_m * edge.home_m),
+                 across = (d - (r - s)) * (d + (r - s));
+    out.push_back({r + s, all * rule.weight[k] * across / (square * r * s)});
+  }
+}
+
+}  // namespace tubefoot
