@@ -114,7 +114,7 @@ GroundField ground_field_of(const Survey& survey) {
     const double c = survey.sensors[s].sound_speed_m_s;
     const FrequencyBand band = band_of(model->waveform);
     field.spacing_m =
-        std::min(field.spacing_m, ground_spacing_m(band.high_hz - band.low_hz, c / carrier_hz(*model), c,
+        std::min(field.spacing_m, speckle_spacing_m(band.high_hz - band.low_hz, c / carrier_hz(*model), c,
                                                     sensor.beams().front().azimuth_width_rad));
   }
   return field;

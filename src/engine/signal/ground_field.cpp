@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <stdexcept>
 
 namespace tubefoot {
@@ -18,19 +19,42 @@ double GroundField::texture_of(glm::dvec3 cell) const {
   return std::exp(std::sqrt(log_variance) * normal_quantile(uniform) - log_variance / 2);
 }
 
-double ground_spacing_m(double bandwidth_hz, double wavelength_m, double sound_speed_m_s,
-                        double look_angles_rad, double grazing_cosine) {
+namespace {
+
+/// No plane has a cosine below 1 / sqrt 3 with the axis that it faces most, but for the weights of ties.
+constexpr double least_cosine = 0.5689;
+
+void check_seen(double bandwidth_hz, double wavelength_m, double sound_speed_m_s, double look_angles_rad,
+                double grazing_cosine) {
   if (!(bandwidth_hz > 0 && wavelength_m > 0 && sound_speed_m_s > 0 && look_angles_rad > 0 &&
         grazing_cosine > 0))
     throw std::invalid_argument(fmt::format(
         "the density of a ground field needs a bandwidth, a wavelength, a sound speed, look angles "
         "and a cosine above 0, not {} Hz, {} m, {} m/s, {} rad and {}",
         bandwidth_hz, wavelength_m, sound_speed_m_s, look_angles_rad, grazing_cosine));
+}
+
+}  // namespace
+
+double ground_spacing_m(double bandwidth_hz, double wavelength_m, double sound_speed_m_s,
+                        double look_angles_rad, double grazing_cosine) {
+  check_seen(bandwidth_hz, wavelength_m, sound_speed_m_s, look_angles_rad, grazing_cosine);
   const double per_m2 =
       2 * bandwidth_hz * grazing_cosine / sound_speed_m_s * (2 * look_angles_rad / wavelength_m);
-  // No plane has a cosine below 1 / sqrt 3 with the axis that it faces most, but for the weights of ties.
-  constexpr double least_cosine = 0.5689;
   return std::sqrt(least_cosine / per_m2);
+}
+
+double speckle_spacing_m(double bandwidth_hz, double wavelength_m, double sound_speed_m_s,
+                         double look_angles_rad, double grazing_cosine) {
+  check_seen(bandwidth_hz, wavelength_m, sound_speed_m_s, look_angles_rad, grazing_cosine);
+  // A focus whose spectrum is even over a by b wavenumbers has the weights sinc^2 (a x) sinc^2 (b y). Their
+  // sum over places that are even over cells of spacing d varies by pi^2 d^4 (2/3) (1/15) (a^3 b + a b^3) / 3
+  // of its squared mean, less terms of higher orders (docs/signals.md).
+  constexpr double variance = 0.007, per_spacing4 = 9.8696 * 2 / 3 / 15 / 3;
+  const double along = 2 * bandwidth_hz * grazing_cosine / sound_speed_m_s,
+               across = 2 * look_angles_rad / wavelength_m;
+  return std::pow(variance / (per_spacing4 * along * across * (along * along + across * across)), 0.25) *
+         std::sqrt(least_cosine);
 }
 
 void check(const GroundField& field) {

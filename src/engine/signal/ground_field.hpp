@@ -73,6 +73,12 @@ struct GroundField {
 double ground_spacing_m(double bandwidth_hz, double wavelength_m, double sound_speed_m_s,
                         double look_angles_rad, double grazing_cosine = 1);
 
+/// A spacing whose speckle is as it should be where all of a bandwidth and all look angles are brought to one
+/// focus: there the mean intensity, which depends on where scatterers are in their cells, varies by less than
+/// a hundredth of its square, on any slope, so that E[I^2] / E[I]^2 is 2 to 0.02.
+double speckle_spacing_m(double bandwidth_hz, double wavelength_m, double sound_speed_m_s,
+                         double look_angles_rad, double grazing_cosine = 1);
+
 /// Throws std::invalid_argument for spacings, shapes or cells that are not above 0, or not finite.
 void check(const GroundField& field);
 /// For places so far away that lattices of 2^31 cells do not reach them.

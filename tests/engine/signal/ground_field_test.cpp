@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <boost/math/special_functions/bessel.hpp>
 #include <cmath>
+#include <iostream>
 #include <map>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -17,6 +19,7 @@ namespace tubefoot {
 namespace {
 
 using Complex = std::complex<double>;
+constexpr double pi = std::numbers::pi;
 using Places = std::map<std::array<double, 3>, Complex>;
 
 Places places_of(const GroundField& field, const std::vector<glm::dvec3>& corners, glm::dvec3 normal) {
@@ -226,6 +229,66 @@ TEST(GroundField, FewScatterersAreAsManyForTheSecondMoment) {
     EXPECT_NEAR(statistics::scintillation(own), 2, 0.15) << n;
     EXPECT_NEAR(statistics::scintillation(even), 2 - 1 / n, 0.1) << n;
   }
+}
+
+/// Of a field seen to one focus: E[I^2] / E[I]^2 by draws of places alone, amplitudes being circular and
+/// Gaussian, and by draws of both.
+struct FocusedSpeckle {
+  double by_places, by_draws;
+
+  FocusedSpeckle(double spacing_m, double along_m, double across_m, glm::dvec3 normal, std::uint64_t seed,
+                 int draws) {
+    const auto sinc = [](double x) { return x == 0 ? 1 : std::sin(pi * x) / (pi * x); };
+    const FacetPlane plane{normal, 3};
+    const PlaneFrame frame(plane);
+    const double reach = 3;
+    std::vector<glm::dvec3> corners;
+    for (const glm::dvec2 at : {glm::dvec2(-1, -1), {1, -1}, {1, 1}, {-1, 1}})
+      corners.push_back(-3.0 * normal + reach * (at.x * along_m * frame.u + at.y * across_m * frame.v));
+    std::vector<double> means, intensities;
+    for (int draw = 0; draw < draws; ++draw) {
+      const GroundField field{seed + std::uint64_t(draw) * 7919, spacing_m};
+      double mean = 0;
+      Complex sum = 0;
+      field.for_scatterers(corners, normal, [&](glm::dvec3 place, Complex z) {
+        const glm::dvec3 off = place + 3.0 * normal;
+        const double weight =
+            sinc(glm::dot(off, frame.u) / along_m) * sinc(glm::dot(off, frame.v) / across_m);
+        mean += weight * weight;
+        sum += weight * z;
+      });
+      means.push_back(mean);
+      intensities.push_back(std::norm(sum));
+    }
+    by_places = 2 * statistics::scintillation(means);
+    by_draws = statistics::scintillation(intensities);
+  }
+};
+
+// At the spacing that runs take where the scene gives none, fully focused speckle has the moments of circular
+// Gaussian signals: 2 to 0.02, on level beds and on slopes, of square cells and of long ones.
+TEST(GroundField, DefaultSpacingHasTheSecondMomentOfSpeckle) {
+  const std::uint64_t seed = 20261127;
+  std::cout << "seed " << seed << '\n';
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  const double wavelength = 0.025, c = 1500, look = 60 * pi / 180, across = wavelength / (2 * look);
+  const int draws = 1000, many = 10000;
+  for (const double ratio : {0.5, 1.0, 6.0})
+    for (const glm::dvec3 normal : {glm::dvec3(0, 0, 1), glm::normalize(glm::dvec3(0.2, -0.3, 1)),
+                                    glm::normalize(glm::dvec3(0.99, 0.97, 1))}) {
+      const double along = ratio * across, spacing = speckle_spacing_m(c / (2 * along), wavelength, c, look);
+      const FocusedSpeckle speckle(spacing, along, across, normal, seed, draws);
+      EXPECT_NEAR(speckle.by_places, 2, 0.02) << ratio << ' ' << normal.z;
+    }
+  const FocusedSpeckle drawn(speckle_spacing_m(c / (2 * across), wavelength, c, look), across, across,
+                             {0, 0, 1}, seed, many);
+  // Four standard errors of 2 / sqrt(draws).
+  EXPECT_NEAR(drawn.by_draws, 2, 0.02 + 8 / std::sqrt(many));
+  // The density that whiteness alone asks for is too low.
+  const FocusedSpeckle white(ground_spacing_m(c / (2 * across), wavelength, c, look), across, across,
+                             {0, 0, 1}, seed, draws);
+  EXPECT_GT(white.by_places, 2.08);
+  EXPECT_THROW(speckle_spacing_m(0, 1, 1, 1), std::invalid_argument);
 }
 
 TEST(GroundField, RefusesWhatIsNone) {
