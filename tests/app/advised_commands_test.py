@@ -33,7 +33,7 @@ ogr.DontUseExceptions()
 
 tubefoot, sources = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2])
 PROGRAMS = r"(?:gdal_translate|gdalwarp|gdal_edit\.py|gdaladdo|gdalbuildvrt|gdalmdimtranslate|gdalinfo|ogr2ogr|nccopy)"
-ELSEWHERE = {"gdal_translate -oo"}  # of BAGs of variable resolution: VariableGrid.AdvisedCommandGivesTheSameSurface
+ELSEWHERE = {"gdal_translate -oo", "gdalinfo"}  # the second only reads; the first of BAGs of variable resolution: VariableGrid.AdvisedCommandGivesTheSameSurface
 executed = []  # command lines
 COLUMNS, ROWS, STEP, WEST, SOUTH = 9, 6, 2.0, 10.0, 100.0  # centres of the south-western cell; odd, and not square
 EAST, NORTH = WEST + (COLUMNS - 1) * STEP, SOUTH + (ROWS - 1) * STEP
@@ -151,7 +151,7 @@ class Case:
         assert done.returncode == 0, f"{self.name}: {command}\n{done.stdout}{done.stderr}"
         for path, digest in before.items():
             assert hashlib.sha256(path.read_bytes()).digest() == digest, f"{self.name}: {command} changed {path.name}"
-        new = [p for p in self.folder.rglob("*") if p.is_file() and p not in before and not p.name.endswith(".aux.xml")]
+        new = [p for p in self.folder.rglob("*") if p.is_file() and p not in before and not p.name.endswith((".aux.xml", ".gfs"))]
         assert new, f"{self.name}: {command} wrote nothing"
         return max(new, key=lambda p: (len(p.name), p.name))  # the last of several: bed_new2.tif
 
@@ -440,6 +440,9 @@ def cases(folder):
     case = Case(folder, "polygons in another format")
     polygon(case.folder / "map.gml", "GML")
     new = case.advised(materials(case, "map.gml", polygons)[1], "cannot be read as", {})
+    right_mud(case, *materials(case, new.name, polygons))
+    # What the message about files of corrections advises for vectors.
+    new = case.execute("ogr2ogr -a_srs EPSG:... OUT IN", {"EPSG:...": "EPSG:32632", "OUT": "named.gpkg", "IN": "map.gml"})
     right_mud(case, *materials(case, new.name, polygons))
 
     for what in ("log", "view"):
