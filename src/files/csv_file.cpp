@@ -163,6 +163,11 @@ class CsvReader {
 
   /// The columns that nobody wants. `lacking`: wanted ones that the file does not have.
   void read_further(const std::vector<Field>& fields, std::span<const std::string_view> lacking) {
+    for (const Field& field : fields)
+      if (field.text.find('\0') != field.text.npos)
+        throw InputError(
+            {place_.file, place_.line, field.column},
+            fmt::format("column names are no text{}", header_hint(field.text, fields, columns_, "")));
     for (std::size_t k = 0; k < fields.size(); ++k) {
       if (std::ranges::find(field_of_column_, k) != field_of_column_.end()) continue;
       const Field& field = fields[k];

@@ -105,11 +105,11 @@ NetcdfGrid netcdf_grid(const fs::path& file, GDALDataset& raster) {
     grid.problem =
         count == 2
             ? fmt::format(
-                  "stores '{0}' by ({1}, {2}), so that its rows run along {1}: turn it over with {3}", name,
+                  "stores '{0}' by ({1}, {2}), so that its rows run along {2}: turn it over with {3}", name,
                   y.name, x.name,
                   advised_command(fmt::format("gdalmdimtranslate -array 'name={},transpose=[1,0]'", name),
                                   file, ".nc"))
-            : fmt::format("stores '{0}' by ({1}, {2}), so that its rows run along {1}, expected ({2}, {1})",
+            : fmt::format("stores '{0}' by ({1}, {2}), so that its rows run along {2}, expected ({2}, {1})",
                           name, y.name, x.name);
     return grid;
   }

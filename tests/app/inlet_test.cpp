@@ -357,13 +357,19 @@ TEST_F(InletHash, EveryKindOfFileIsOpenedAsItIsHashed) {
         (folder / name).c_str(), source.get(), FALSE, const_cast<char**>(options), nullptr, nullptr));
     ASSERT_NE(made, nullptr);
   }
-  // GDAL takes a small grid without CRS for degrees.
+  // GDAL takes a small grid without CRS for degrees: its axes become x and y of no stated unit.
   for (const char* name : {"classic.nc", "four.nc"}) {
     int id = 0, variable = 0;
     ASSERT_EQ(nc_open((folder / name).c_str(), NC_WRITE, &id), NC_NOERR);
     nc_redef(id);
-    for (const char* axis : {"lat", "lon"})
-      if (nc_inq_varid(id, axis, &variable) == NC_NOERR) nc_del_att(id, variable, "units");
+    for (const auto& [axis, other] : {std::pair{"lat", "y"}, {"lon", "x"}}) {
+      if (nc_inq_varid(id, axis, &variable) != NC_NOERR) continue;
+      for (const char* attribute : {"units", "standard_name", "long_name"})
+        nc_del_att(id, variable, attribute);
+      nc_rename_var(id, variable, other);
+      if (int dimension = 0; nc_inq_dimid(id, axis, &dimension) == NC_NOERR)
+        nc_rename_dim(id, dimension, other);
+    }
     nc_close(id);
   }
   for (const char* raster : {"grid.tif", "grid.asc", "outer.vrt", "classic.nc", "four.nc"}) {

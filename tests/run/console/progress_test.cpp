@@ -69,15 +69,6 @@ TEST(Progress, ShowsNoEstimateBeforeATenthIsDone) {
   EXPECT_EQ(said.line(long_ms), "measuring: footprints 1/147940");
 }
 
-TEST(Progress, ShowsWhatIsLeftWithWhatComesAfterwards) {
-  SaidOnStandardError said;
-  Progress progress("pings", 10, false, 100);
-  for (int k = 0; k < 5; ++k) progress.step();
-  std::string line;
-  while (line.find("5/10") == line.npos) ASSERT_NE(line = said.line(long_ms), "");
-  EXPECT_EQ(line, "pings 5/10, 1 min 40 s left");
-}
-
 TEST(Progress, TellsThatItStillWorksWhereNobodyTellsSteps) {
   SaidOnStandardError said;
   const Progress progress("writing", false);

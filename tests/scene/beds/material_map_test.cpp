@@ -460,7 +460,7 @@ TEST_F(MaterialMaps, PolygonsThatOverlapManyTimesAreRefusedInTime) {
   const std::string map = polygons(rings);
   std::string error;
   EXPECT_LT(processor_seconds([&] { error = error_of(map); }), hostile_input_s);
-  EXPECT_THAT(error, AllOf(StartsWith("scene.toml:11:1: "), HasSubstr("cross each other more than"),
+  EXPECT_THAT(error, AllOf(StartsWith("scene.toml:12:1: "), HasSubstr("cross each other more than"),
                            HasSubstr("dissolve")));
 }
 
