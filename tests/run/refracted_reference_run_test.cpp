@@ -81,7 +81,7 @@ struct TriangleAhead {
     const auto file = folder.write(
         "triangle.obj",
         fmt::format("v 3.3 13 {0}\nv -3.3 13 {0}\nv 0 13 {1}\nf 1 2 3\n", 7 + above_m, 13 + above_m));
-    scene = "[water]\nsurface_height_m = 20\n" + water + lambert_material("plate", -20) +
+    scene = "[water]\n" + water + lambert_material("plate", -20) +
             fmt::format("[[objects]]\nname = \"plate\"\nshape = \"mesh\"\nfile = \"{}\"\n", file.string()) +
             fixed_at(0, 0, 10) +
             "[[sensors]]\nname = \"sonar\"\nkind = \"imaging\"\nbeams = 4\nhorizontal_deg = 40\n"
@@ -99,7 +99,7 @@ TEST(RefractedReferenceRun, BoundsEveryBinOfATriangleAtTheSonarsDepth) {
   const std::string apart = "receiver_arm_m = [0.4, 0, 0.2]\n";
   for (const Case& c : {Case{-0.01, 0, ""}, {-0.01, 3, ""}, {-0.5, 0, ""}, {-0.01, 0, apart.c_str()}}) {
     SCOPED_TRACE(fmt::format("{} {} {}", c.gradient_per_s, c.above_m, c.more));
-    const TriangleAhead at(c.above_m, gradient(c.gradient_per_s), c.more),
+    const TriangleAhead at(c.above_m, "surface_height_m = 20\n" + gradient(c.gradient_per_s), c.more),
         even(c.above_m, "sound_speed_m_s = 1500\nabsorption_db_per_km = 0\n", c.more);
     const KeptRun run(at.scene, {"--reference", "--tolerance", "2e-3"});
     ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
