@@ -190,8 +190,7 @@ void TruthLaws::add(PingSums& sums, const EchoBy& echo_by) const {
   EchoLaw law = silent();
   law.reflectivity = level_;
   BeamPatterns near_peak;
-  const bool is_limited =
-      truth_.label_level_db() && law_.patterns != nullptr && !is_uniform(*law_.patterns);
+  const bool is_limited = truth_.label_level_db() && law_.patterns != nullptr && !is_uniform(*law_.patterns);
   if (is_limited) {
     near_peak = *law_.patterns;
     near_peak.least = gains_below_peak(near_peak, *truth_.label_level_db(), shot_.has_receiver_apart());
