@@ -3,7 +3,12 @@
 
 #include <fmt/format.h>
 #include <netcdf.h>
+#include <netcdf_mem.h>
 
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <new>
 #include <utility>
 
 #include "files/checked_file.hpp"
@@ -13,18 +18,14 @@ namespace tubefoot {
 
 namespace fs = std::filesystem;
 
-EchoNetcdf::EchoNetcdf(fs::path path, std::size_t small_bytes) : path_(std::move(path)) {
-  // Reserved twice: creating a file gives back what it had.
-  try {
-    space_.emplace(path_);
-    reserve(small_bytes);
-    check(nc_create(path_.c_str(), NC_NETCDF4 | NC_CLOBBER, &id_), "create the file");
-    defining_ = true;
-    reserve(small_bytes);
-  } catch (...) {
-    discard();
-    throw;
-  }
+EchoNetcdf::EchoNetcdf(fs::path path) : path_(std::move(path)) {
+  // netCDF owns these bytes from here on.
+  std::vector<unsigned char> image = empty_hdf5_file(path_);
+  NC_memio memory{image.size(), std::malloc(image.size()), 0};
+  if (memory.memory == nullptr) throw std::bad_alloc();
+  std::memcpy(memory.memory, image.data(), image.size());
+  check(nc_open_memio(path_.c_str(), NC_WRITE, &memory, &id_), "create the file");
+  defining_ = true;
 }
 
 EchoNetcdf::~EchoNetcdf() {
@@ -34,9 +35,18 @@ EchoNetcdf::~EchoNetcdf() {
 EchoGroup EchoNetcdf::root() { return {*this, id_}; }
 
 Hdf5Chunks& EchoNetcdf::chunks(std::size_t bytes_of_values) {
+  constexpr std::size_t most_bytes_in_memory = std::size_t{16} << 20;
   defining_ = false;
-  check(nc_close(id_), "complete the file");
-  reserve(bytes_of_values);  // closing gave back what was not used
+  NC_memio memory{};
+  check(nc_close_memio(id_, &memory), "complete the file");
+  const std::unique_ptr<void, decltype(&std::free)> owned(memory.memory, &std::free);
+  const std::span image(static_cast<const unsigned char*>(memory.memory), memory.size);
+  if (bytes_of_values <= most_bytes_in_memory) return chunks_.emplace(path_, image);
+  write_file(path_, image);
+  space_.emplace(path_);
+  // What deflate cannot shrink stays as long as it is. A chunk's entry is some ten bytes.
+  constexpr std::size_t margin_bytes = 4 << 20;
+  space_->reserve(bytes_of_values + bytes_of_values / 64 + margin_bytes);
   return chunks_.emplace(path_);
 }
 
@@ -49,16 +59,10 @@ void EchoNetcdf::check(int status, const std::string& task) const {
   if (status != NC_NOERR) throw write_error(path_, fmt::format("cannot {}: {}", task, nc_strerror(status)));
 }
 
-void EchoNetcdf::reserve(std::size_t bytes_of_values) {
-  // What deflate cannot shrink stays as long as it is; a chunk's entry is some ten bytes.
-  constexpr std::size_t margin_bytes = 4 << 20;
-  space_->reserve(bytes_of_values + bytes_of_values / 64 + margin_bytes);
-}
-
 void EchoNetcdf::discard() {
   if (defining_) nc_abort(id_);
   chunks_.reset();
-  if (!space_) return;  // nothing was opened
+  if (!space_) return;  // all of it is in memory
   space_.reset();
   discard_file(path_);
 }

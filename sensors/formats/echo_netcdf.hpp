@@ -16,15 +16,13 @@ namespace tubefoot {
 
 class EchoGroup;
 
-/// A netCDF-4 file of echoes under construction, every call checked. What defines it and small variables are
-/// written by netCDF; then values of pings, packed by all threads. It is made on the disk, in space that is
-/// set aside for it before HDF5 writes anything (ReservedSpace says why): netCDF makes files in memory
-/// without the creation order of their variables, and opens no such file to change it. Throws
-/// std::runtime_error naming the file and what failed.
+/// A netCDF-4 file of echoes under construction. Every call is checked. netCDF writes definitions and small
+/// variables in memory, because netCDF and HDF5 crash where a disk refuses a write. Values of pings follow,
+/// packed by all threads: in memory up to 16 MB, else in space that is reserved on the disk (ReservedSpace).
+/// netCDF can open the finished file to change it. Throws std::runtime_error naming the file and what failed.
 class EchoNetcdf {
  public:
-  /// `small_bytes`: of all variables but those over pings, beams and samples.
-  EchoNetcdf(std::filesystem::path path, std::size_t small_bytes);
+  explicit EchoNetcdf(std::filesystem::path path);
   /// Removes what was not closed.
   ~EchoNetcdf();
   EchoNetcdf(const EchoNetcdf&) = delete;
@@ -38,7 +36,6 @@ class EchoNetcdf {
  private:
   friend class EchoGroup;
   void check(int status, const std::string& task) const;
-  void reserve(std::size_t bytes_of_values);
   void discard();
 
   std::filesystem::path path_;

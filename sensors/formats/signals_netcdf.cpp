@@ -294,10 +294,7 @@ void write_signals(const fs::path& path, const ElementSignals& signals, const Pr
     throw std::invalid_argument(fmt::format(
         "{}: a ping of {} receivers x {} samples is more than 512 MB: write fewer of one or the other",
         path.string(), signals.receivers(), signals.samples()));
-  constexpr std::size_t columns = 16;
-  EchoNetcdf file(
-      path, columns * sizeof(double) *
-                (signals.pings() + signals.receivers() + signals.samples() + signals.motion.track().size()));
+  EchoNetcdf file(path);
   EchoGroup root = file.root();
   root.attribute("Conventions", "tubefoot-signals-1.0");
   for (const auto& [name, value] : attributes_of(provenance))

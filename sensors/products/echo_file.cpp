@@ -178,14 +178,10 @@ void write_echoes(const fs::path& path, const std::vector<Recording>& recordings
   if (recordings.empty()) throw std::invalid_argument("no recording to write into " + path.string());
   for (const Recording& recording : recordings) check(recording);
 
-  std::size_t bytes = 0, small_bytes = 0;
-  for (const Recording& r : recordings) {
-    constexpr std::size_t variables = 32;  // more than there are over pings, over beams, over samples
+  std::size_t bytes = 0;
+  for (const Recording& r : recordings)
     bytes += (r.has_bounds() ? 2 : 1) * r.pings() * r.channels() * r.cells() * sizeof(double);
-    small_bytes += variables * sizeof(double) *
-                   (r.pings() + r.sensor->beams().size() + std::size_t(r.sensor->samples().count));
-  }
-  EchoNetcdf file(path, small_bytes);
+  EchoNetcdf file(path);
   EchoGroup root = file.root();
   for (const auto& [name, value] : attributes_of(provenance))
     std::visit([&, name = name](const auto& v) { root.attribute(name, v); }, value);

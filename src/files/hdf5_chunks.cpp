@@ -71,6 +71,23 @@ void unshuffle(const unsigned char* planes, std::span<double> values) {
     for (std::size_t plane = 0; plane < width; ++plane) bytes[k * width + plane] = planes[plane * count + k];
 }
 
+/// HDF5 refuses an image with the name of a file that exists. No file is below another.
+std::filesystem::path in_memory(const std::filesystem::path& path) { return path / "in-memory"; }
+
+bool keeps_in_memory(hid_t access) {
+  constexpr std::size_t grows_by = 1 << 20;
+  constexpr hbool_t onto_the_disk = false;
+  return H5Pset_fapl_core(access, grows_by, onto_the_disk) >= 0;
+}
+
+std::vector<unsigned char> image_of(hid_t file, const std::filesystem::path& path) {
+  const ssize_t size = H5Fget_file_image(file, nullptr, 0);
+  std::vector<unsigned char> image(size > 0 ? static_cast<std::size_t>(size) : 0);
+  if (image.empty() || H5Fget_file_image(file, image.data(), image.size()) != size)
+    throw write_error(path, "cannot complete the file in memory");
+  return image;
+}
+
 using Compressor = std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)>;
 using Decompressor = std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)>;
 
@@ -107,11 +124,39 @@ bool unpack_chunk(std::span<const unsigned char> packed, std::span<double> value
   return true;
 }
 
+std::vector<unsigned char> empty_hdf5_file(const std::filesystem::path& path) {
+  const Hdf5Silence silence;
+  keep_libraries_to_themselves();
+  const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  const Hdf5Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
+  constexpr unsigned ordered = H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED;
+  constexpr hbool_t with_times = false;  // equal contents have equal bytes
+  if (keeps_in_memory(access) && H5Pset_link_creation_order(creation, ordered) >= 0 &&
+      H5Pset_attr_creation_order(creation, ordered) >= 0 &&
+      H5Pset_obj_track_times(creation, with_times) >= 0) {
+    const Hdf5Handle file(H5Fcreate(in_memory(path).c_str(), H5F_ACC_TRUNC, creation, access), H5Fclose);
+    if (file >= 0 && H5Fflush(file, H5F_SCOPE_LOCAL) >= 0) return image_of(file, path);
+  }
+  throw write_error(path, "HDF5 cannot create it in memory, which may be short");
+}
+
 Hdf5Chunks::Hdf5Chunks(std::filesystem::path file) : path_(std::move(file)) {
   const Hdf5Silence silence;
   keep_libraries_to_themselves();
   file_ = std::make_unique<Hdf5Handle>(H5Fopen(path_.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
   if (*file_ < 0) throw write_error(path_, "HDF5 cannot open it again to add values");
+}
+
+Hdf5Chunks::Hdf5Chunks(std::filesystem::path file, std::span<const unsigned char> image)
+    : path_(std::move(file)), in_memory_(true) {
+  const Hdf5Silence silence;
+  keep_libraries_to_themselves();
+  const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  if (keeps_in_memory(access) &&
+      H5Pset_file_image(access, const_cast<unsigned char*>(image.data()), image.size()) >= 0)  // copies it
+    file_ = std::make_unique<Hdf5Handle>(H5Fopen(in_memory(path_).c_str(), H5F_ACC_RDWR, access), H5Fclose);
+  if (!file_ || *file_ < 0)
+    throw write_error(path_, "HDF5 cannot add values to it in memory, which may be short");
 }
 
 Hdf5Chunks::~Hdf5Chunks() {
@@ -136,7 +181,10 @@ void Hdf5Chunks::close() {
   const Hdf5Silence silence;
   variables_.clear();
   if (H5Fflush(*file_, H5F_SCOPE_LOCAL) < 0) throw write_error(path_, "cannot complete the file");
+  std::vector<unsigned char> image;
+  if (in_memory_) image = image_of(*file_, path_);
   file_.reset();
+  if (in_memory_) write_file(path_, image);
 }
 
 }  // namespace tubefoot

@@ -18,7 +18,7 @@ class CandidateFile {
  public:
   CandidateFile(const std::filesystem::path& file, const CandidateEchoes& candidate,
                 const WholeEchoFile& reference, std::size_t sensor)
-      : file_(file, small_bytes(candidate, reference, sensor)),
+      : file_(file),
         group_(file_.root()),
         candidate_(candidate),
         echoes_(reference.contents.sensors.at(sensor)),
@@ -72,14 +72,6 @@ class CandidateFile {
  private:
   static std::size_t bytes_of(const CandidateEchoes& candidate) {
     return candidate.energy.size() * sizeof(double);
-  }
-  /// Generously: of every variable of the reference's, as if all were copied, and of the axes.
-  static std::size_t small_bytes(const CandidateEchoes& candidate, const WholeEchoFile& reference,
-                                 std::size_t sensor) {
-    constexpr std::size_t longest_row = 4, of_axes = 8;  // a quaternion a ping
-    const std::size_t values =
-        candidate.pings + candidate.axes.beams.count() + candidate.axes.samples.count();
-    return (reference.more.at(sensor).variables.size() + of_axes) * longest_row * values * sizeof(double);
   }
 
   void attributes() {
