@@ -138,7 +138,7 @@ def test_what_makes_no_beams(signals):
             signals.beams([[0, 0, -1]], [wrong])
         with pytest.raises(ValueError, match="columns must be a whole number"):
             signals.matched_filtered().back_projected([0, 0, -5], [1, 0, 0], [0, 1, 0], wrong, 1)
-    with pytest.raises(ValueError, match="not finite"):
+    with pytest.raises(ValueError, match="reference: expected finite numbers, but element 2 is nan"):
         signals.beams([[0, 0, -1]], reference=[0, 0, np.nan])
     with pytest.raises(ValueError, match="at most pi / 2"):
         signals.matched_filtered().back_projected([0, 0, -5], [1, 0, 0], [0, 1, 0], 1, 1, half_beam_rad=np.nan)

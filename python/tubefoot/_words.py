@@ -24,16 +24,18 @@ R = TypeVar("R")
 
 def in_python(text: str) -> str:
     """A message of the command line, with arguments in place of its options: ``rays_per_beam`` for
-    ``--rays-per-beam``, ``engine="ray"`` for ``--engine ray``."""
+    ``--rays-per-beam``, ``engine="ray"`` for ``--engine ray``. Commands of GDAL between backticks stay."""
     text = re.sub(r"\b[Aa] --reference\b|'run --reference'|--reference\b", "tubefoot.reference", text)
     for name, choices in CHOICES.items():
         text = re.sub(rf"--{name} ({'|'.join(choices)})\b", rf'{name}="\1"', text)
 
     def argument(match: re.Match[str]) -> str:
         option = match[1]
+        if option is None:  # a command of GDAL
+            return match[0]
         name = _ARGUMENTS.get(option, option.replace("-", "_"))
         return f"{name}=True" if option in _FLAGS else name
-    return re.sub(r"(?<![\w-])--([a-z]+(?:-[a-z]+)*)", argument, text)
+    return re.sub(r"`(?:gdal|ogr)[^`]*`|(?<![\w-])--([a-z]+(?:-[a-z]+)*)", argument, text)
 
 
 def meant(word: object, names: Iterable[str]) -> str:
