@@ -4,6 +4,7 @@
 #   make demo    install what the program needs, build it, run scenes/wellhead, name the pictures
 #   make python  build the Python module and install it for the current user of /usr/bin/python3: docs/python.md
 #   make test    install what the tests need besides, build, run the tests
+#   make one-test NAME=SUITE.TEST  the same for one test or suite
 #   make install PREFIX=DIR  the program, man pages, completion, libraries, find_package(tubefoot): docs/packaging.md
 #   make package  Debian packages into build/
 #   make wheel    the Python module with the libraries it needs, for pip, into build/
@@ -30,7 +31,7 @@
 JOBS := $(shell nproc)
 PROGRAM := build/release/tubefoot
 
-.PHONY: demo python test install package wheel program whole build configured sanitize prove fuzz bench against atlas advise-study pairs refraction-study track-study \
+.PHONY: demo python test one-test install package wheel program whole build configured sanitize prove fuzz bench against atlas advise-study pairs refraction-study track-study \
   rays engines scaling long-run reference reference-sums docs figures format tidy clean
 
 demo: program
@@ -55,6 +56,13 @@ python: program
 test: build
 	cmake --build --preset release --parallel $(JOBS)
 	ctest --preset release --parallel $(JOBS)
+
+# One test or suite of the test programs, with * and ?: NAME='Hostile.*'. Scripts: ctest --test-dir build/release -R NAME.
+one-test: build
+	cmake --build --preset release --parallel $(JOBS)
+	@for program in build/release/tests/*_tests; do \
+	  ! $$program --gtest_filter='$(NAME)' --gtest_list_tests | grep -q '^  ' || { found=1; $$program --gtest_filter='$(NAME)' || exit; }; \
+	done; test -n "$$found" || { echo "no test is called '$(NAME)'" >&2; exit 2; }
 
 # Where the program goes, so that its man pages, completion and find_package(tubefoot) are found: below PREFIX. As root
 # into the default, or into a folder of one's own. DESTDIR, if set, comes before it.

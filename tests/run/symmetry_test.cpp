@@ -80,7 +80,7 @@ Echoes echoes_over(const TestMesh& mesh, const std::string& scene) {
   return echoes_in(folder, scene);
 }
 
-TEST(Mirror, SwapsPortAndStarboard) {
+TEST(MirroredScene, SwapsPortAndStarboard) {
   const TestMesh mesh = relief(96, 48, bumps);
   for (const double heading_deg : {0.0, 17.0}) {
     SCOPED_TRACE(heading_deg);

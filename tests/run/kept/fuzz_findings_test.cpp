@@ -17,7 +17,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-TEST(FuzzFindings, KeptRunThatSaysNothingOfItselfIsInTheWay) {
+TEST(FuzzedKeptRuns, KeptRunThatSaysNothingOfItselfIsInTheWay) {
   const TestFolder folder;
   StoreLayout layout;
   layout.sensors = {{2, 3}};
@@ -34,7 +34,7 @@ TEST(FuzzFindings, KeptRunThatSaysNothingOfItselfIsInTheWay) {
                     AllOf(HasSubstr("results.partial' is damaged"), HasSubstr("move it away or delete it"))));
 }
 
-TEST(FuzzFindings, KeptRunOfOtherWordsIsRefused) {
+TEST(FuzzedKeptRuns, KeptRunOfOtherWordsIsRefused) {
   const ordered_json asked{{"scene_hash", "12"}};
   const ordered_json good{{"asked", asked}, {"run", json_of(RunRequest())}};
   EXPECT_EQ(resumed(good, asked, {}).visibility.arithmetic, Arithmetic::fixed);

@@ -47,20 +47,20 @@ std::string waypoints_refusal(const std::string& rows) {
 
 // ---- Messages
 
-TEST(FuzzFindings, MessageGoesOnAfterANulOfTheInput) {
+TEST(FuzzedScenes, MessageGoesOnAfterANulOfTheInput) {
   EXPECT_THAT(waypoints_refusal("0,\0\x1b[2J,0,0,0,0,0\n"s),
               AllOf(HasSubstr("t.csv:2:3: "), HasSubstr("\\x00\\x1b[2J"),
                     HasSubstr("expected a finite number"), Not(HasSubstr("\x1b"))));
 }
 
-TEST(FuzzFindings, MessageQuotesALongFieldInPart) {
+TEST(FuzzedScenes, MessageQuotesALongFieldInPart) {
   const std::string message = waypoints_refusal("0," + std::string(1000000, 'x') + ",0,0,0,0,0\n");
   EXPECT_LT(message.size(), 5000u);
   EXPECT_THAT(message, AllOf(HasSubstr("t.csv:2:3: "), HasSubstr("xxx ["), HasSubstr(" characters] xxx"),
                              HasSubstr("expected a finite number")));
 }
 
-TEST(FuzzFindings, WhatIsCutOutOfAMessageLeavesCharactersWhole) {
+TEST(FuzzedScenes, WhatIsCutOutOfAMessageLeavesCharactersWhole) {
   for (std::size_t before = 0; before < 8; ++before) {
     std::string text(before, 'a');
     for (int k = 0; k < 3000; ++k) text += "\u20ac";  // three bytes
@@ -74,7 +74,7 @@ TEST(FuzzFindings, WhatIsCutOutOfAMessageLeavesCharactersWhole) {
 
 // ---- Tables
 
-TEST(FuzzFindings, WaypointsAreAtTimesAndPlacesThatCanBeInterpolated) {
+TEST(FuzzedScenes, WaypointsAreAtTimesAndPlacesThatCanBeInterpolated) {
   EXPECT_THAT(waypoints_refusal("-1e308,0,0,0,0,0,0\n1e308,0,0,0,0,0,0\n"),
               HasSubstr("t.csv:2:1: time_s is -1e+308, expected -1e+10 to 1e+10"));
   EXPECT_THAT(waypoints_refusal("0,0,0,0,0,0,0\n1,0,-2e7,0,0,0,0\n"),
@@ -84,7 +84,7 @@ TEST(FuzzFindings, WaypointsAreAtTimesAndPlacesThatCanBeInterpolated) {
   EXPECT_THAT(waypoints_refusal("-1e10,1e7,-1e7,1e7,1e6,-1e6,1e6\n1e10,0,0,0,0,0,0\n"), IsEmpty());
 }
 
-TEST(FuzzFindings, DepthsTooNearForAGradientAreRefused) {
+TEST(FuzzedScenes, DepthsTooNearForAGradientAreRefused) {
   const auto read = [](const std::filesystem::path& file) {
     WaterDescription water;
     water.profile = "table";
@@ -100,7 +100,7 @@ TEST(FuzzFindings, DepthsTooNearForAGradientAreRefused) {
 
 // ---- Meshes
 
-TEST(FuzzFindings, LengthOfAListInTextPlyIsBounded) {
+TEST(FuzzedScenes, LengthOfAListInTextPlyIsBounded) {
   const std::string ply =
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
       "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n";
@@ -133,7 +133,7 @@ std::size_t cut_by_map(const MaterialMapDescription& map) {
   return apply_material_map(mesh, terrain, materials, LocalFrame());
 }
 
-TEST(FuzzFindings, CellsAtNoPlaceAreRefused) {
+TEST(FuzzedScenes, CellsAtNoPlaceAreRefused) {
   const auto read = [](const std::filesystem::path& file) {
     RasterTerrain terrain;
     terrain.file = file;
@@ -146,7 +146,7 @@ TEST(FuzzFindings, CellsAtNoPlaceAreRefused) {
   EXPECT_THAT(refusal("r.asc", head + "cellsize 1e3\n" + cells, read), IsEmpty());
 }
 
-TEST(FuzzFindings, ReliefOfThinCellsIsRefusedBeforeItsSpectrumTakesMemoryAndTime) {
+TEST(FuzzedScenes, ReliefOfThinCellsIsRefusedBeforeItsSpectrumTakesMemoryAndTime) {
   const auto read = [](const std::filesystem::path& file) {
     MapReliefDescription map;
     map.file = file;
@@ -163,7 +163,7 @@ TEST(FuzzFindings, ReliefOfThinCellsIsRefusedBeforeItsSpectrumTakesMemoryAndTime
   EXPECT_THAT(refusal("r.asc", head + "dx 1\ndy 1000\n" + cells, read), IsEmpty());
 }
 
-TEST(FuzzFindings, ClassicNetcdfIsMeasuredBeforeItsLibraryBelievesIt) {
+TEST(FuzzedScenes, ClassicNetcdfIsMeasuredBeforeItsLibraryBelievesIt) {
   const auto measured = HasSubstr("r.nc: is cut off or damaged: its netCDF header");
   EXPECT_THAT(refusal("r.nc", greedy_netcdf(),
                       [](const std::filesystem::path& file) {
@@ -182,7 +182,7 @@ TEST(FuzzFindings, ClassicNetcdfIsMeasuredBeforeItsLibraryBelievesIt) {
               measured);
 }
 
-TEST(FuzzFindings, BordersThatReachOverMoreThanADoubleHoldsAreRefused) {
+TEST(FuzzedScenes, BordersThatReachOverMoreThanADoubleHoldsAreRefused) {
   const std::string polygon =
       R"({"type":"Feature","properties":{"material":"sand"},"geometry":{"type":"Polygon","coordinates":)"
       R"([[[0,-1e308],[4,-1e308],[4,1e308],[0,-1e308]]]}})";
@@ -219,7 +219,7 @@ std::string tiff_with_broken_geokeys() {
   return tiff + '\1';
 }
 
-TEST(FuzzFindings, NothingIsPrintedWhileADamagedMaterialMapIsRead) {
+TEST(FuzzedScenes, NothingIsPrintedWhileADamagedMaterialMapIsRead) {
   testing::internal::CaptureStderr();
   EXPECT_THAT(refusal("m.tif", tiff_with_broken_geokeys(),
                       [](const std::filesystem::path& file) {
@@ -235,7 +235,7 @@ TEST(FuzzFindings, NothingIsPrintedWhileADamagedMaterialMapIsRead) {
 // ---- Coordinate reference systems
 
 // GDAL takes the name of a file, or an address, for what is in it.
-TEST(FuzzFindings, CoordinateReferenceSystemIsNoNameOfAFile) {
+TEST(FuzzedScenes, CoordinateReferenceSystemIsNoNameOfAFile) {
   const TestFolder folder;
   const auto file = folder.write("crs.txt", "EPSG:32632");
   const SourcePlace place{"scene.toml", 2, 1};

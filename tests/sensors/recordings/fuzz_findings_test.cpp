@@ -18,7 +18,7 @@ using testing::HasSubstr;
 using testing::ThrowsMessage;
 
 // netCDF writes no such file, but reads it, and then gives all 64 values to who asked for one.
-TEST(FuzzFindings, FillValueOfManyValuesIsRefusedBeforeItIsRead) {
+TEST(FuzzedRecordings, FillValueOfManyValuesIsRefusedBeforeItIsRead) {
   const TestFolder folder;
   const auto file = write_foreign(folder.path() / "echoes.nc", least_echoes(), {}, 0);
   EXPECT_EQ(read_echo_file(file).sensors.size(), 1u);
