@@ -6,6 +6,7 @@
 #include <string>
 
 #include "files/advised_command.hpp"
+#include "files/grid_words.hpp"
 #include "files/inlet.hpp"
 #include "files/sqlite_file.hpp"
 #include "geometry/steps/stop.hpp"
@@ -33,6 +34,30 @@ std::string answer(const SqliteFile& database, const char* question) {
   return said;
 }
 
+/// Rejects the file for each of its coordinate reference systems. SQLite joins what the pages of the file
+/// divide, so a word that names a file of corrections is found wherever a page ends.
+void reject_grid_words(const SqliteFile& database) {
+  const auto fail = [&](const std::string& what) {
+    throw InputError({database.path().string(), 0, 0}, what);
+  };
+  constexpr std::size_t most_letters = 99'999;
+  // The second column stands only in files with the extension for WKT 2.
+  for (const char* column : {"definition", "definition_12_063"}) {
+    const std::string longest =
+        answer(database, fmt::format("SELECT max(length({})) FROM gpkg_spatial_ref_sys", column).c_str());
+    if (longest.empty()) continue;
+    if (longest.size() > 5)
+      fail(fmt::format("has a coordinate reference system of more than {} letters", most_letters));
+    database.ask(fmt::format("SELECT {} FROM gpkg_spatial_ref_sys", column).c_str(), {},
+                 [&](const SqliteFile::Row& row) {
+                   stop_if_wanted();
+                   GridWords words;
+                   words.feed(row.text(0));
+                   if (!words.met().empty()) fail(names_grids(words.met()));
+                 });
+  }
+}
+
 }  // namespace
 
 void refuse_geopackage_surprises(const fs::path& file) {
@@ -54,8 +79,7 @@ void refuse_geopackage_surprises(const fs::path& file) {
     fail(fmt::format("cannot be read as GeoPackage: it is damaged ({})", checked.substr(0, 200)));
   if (answer(database, "PRAGMA encoding") != "UTF-8")
     fail("is not written in UTF-8: copy it with " + advised_ogr2ogr("", file));
-  const std::string longest = answer(database, "SELECT max(length(definition)) FROM gpkg_spatial_ref_sys");
-  if (longest.size() > 5) fail("has a coordinate reference system of more than 99999 letters");
+  reject_grid_words(database);
 }
 
 }  // namespace tubefoot

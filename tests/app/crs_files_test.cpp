@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 
 #include <array>
+#include <utility>
 
 #include "fixtures/hostile.hpp"
 #include "fixtures/strangers_files.hpp"
@@ -25,10 +26,13 @@ struct CrsFiles : Inlet {
 
   CrsFiles() { folder.write("grid.asc", grid); }
 
-  /// Rejected, with `words` in the message, and nobody has opened or waited for the named file.
-  void expect_unopened(const std::string& scene, const std::string& words) const {
+  /// Rejected, with `words` in the message, and nobody has opened or waited for the named file. The first
+  /// text of a test names a pipe, too.
+  void expect_unopened(const std::string& scene, const std::string& words) {
     const fs::path file = folder.write("scene.toml", scene);
+    const bool first = std::exchange(first_, false);
     for (const bool pipe : {false, true}) {
+      if (pipe && !first) continue;
       SCOPED_TRACE(pipe ? "a pipe" : "a file");
       fs::remove(named);
       if (pipe)
@@ -42,7 +46,7 @@ struct CrsFiles : Inlet {
       EXPECT_FALSE(run.opened.read.contains(fs::weakly_canonical(named).string()));
     }
   }
-  void expect_unopened(const std::string& scene) const {
+  void expect_unopened(const std::string& scene) {
     expect_unopened(scene, "has a coordinate reference system that names files of corrections");
   }
 
@@ -64,6 +68,9 @@ struct CrsFiles : Inlet {
             "+proj=defm&#x6f;del +model=" + named + " +type=crs",
             "+proj=tinsh&#105;ft +file=" + named};
   }
+
+ private:
+  bool first_ = true;
 };
 
 TEST_F(CrsFiles, AreNotOpenedWhenXmlOfAVirtualRasterHidesTheWord) {
@@ -74,10 +81,12 @@ TEST_F(CrsFiles, AreNotOpenedWhenXmlOfAVirtualRasterHidesTheWord) {
   }
 }
 
+// GDAL reads the text as that of a virtual raster: one of each kind is enough.
 TEST_F(CrsFiles, AreNotOpenedWhenXmlBesideARasterHidesTheWord) {
-  for (const std::string& text : texts_in_xml()) {
+  for (const std::string& text :
+       {wkt("PROJ4_&#71;RIDS"), "+proj=longlat +datum=WGS84 +n&#97;dgrids=@null," + named + " +type=crs",
+        "+init=" + named + ":1", "+proj=tinsh&#105;ft +file=" + named}) {
     SCOPED_TRACE(text);
-    if (text.find("geoid") != std::string::npos) continue;  // opens nothing, and no ESRI grid takes it
     folder.write("grid.asc.aux.xml", "<PAMDataset><SRS>" + text + "</SRS></PAMDataset>");
     expect_unopened(with_raster("grid.asc"));
   }
@@ -105,8 +114,8 @@ TEST_F(CrsFiles, AreNotOpenedWhenJsonHidesTheWord) {
     SCOPED_TRACE(crs);
     map_with(crs);
     expect_unopened(local);
-    expect_unopened(on_earth);
   }
+  expect_unopened(on_earth);
 }
 
 TEST_F(CrsFiles, AreNotOpenedWhenALineBreakHidesTheWord) {
@@ -174,7 +183,6 @@ TEST_F(CrsFiles, AreNotOpenedWhenMetadataOfABagHideTheWord) {
 
 // SQLite stores a long text in pages, so a word of it may lie in two places.
 TEST_F(CrsFiles, AreNotOpenedWhenPagesOfAGeoPackageDivideTheWord) {
-  GTEST_SKIP() << "open: a GeoPackage whose pages divide the word is read without its reference system";
   GDALAllRegister();
   const fs::path file = folder / "map.gpkg";
   const auto write = [&](const std::string& definition) {
