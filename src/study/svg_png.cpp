@@ -5,9 +5,12 @@
 #include <librsvg/rsvg.h>
 #include <sys/mman.h>
 
+#include <chrono>
 #include <cmath>
 #include <memory>
 #include <new>
+#include <system_error>
+#include <thread>
 
 #include "files/checked_file.hpp"
 #include "files/threads_at_hand.hpp"
@@ -15,18 +18,41 @@
 namespace tubefoot {
 namespace {
 
-/// GLib ends the program where it is refused memory, or a thread for a font. Throws std::bad_alloc where
-/// there are not the addresses that it may come to take, and std::system_error where no thread can be
-/// started.
+/// GLib ends the program where it is refused memory. Throws std::bad_alloc where there are not the addresses
+/// that it may come to take, and std::system_error where no thread can be started.
 void require_room_for_fonts() {
   constexpr std::size_t bytes = std::size_t{256} << 20;
   void* const room = mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (room == MAP_FAILED) throw std::bad_alloc();
   munmap(room, bytes);
-  require_threads(4);  // Pango looks for fonts with several at once
+  require_threads(1);
+}
+
+/// Throws std::system_error where no thread becomes free within the patience.
+GThread* started(const gchar* name, GThreadFunc work, gpointer data) {
+  constexpr std::chrono::milliseconds pause(2);
+  constexpr std::chrono::seconds patience(10);
+  const auto begin = std::chrono::steady_clock::now();
+  for (;;) {
+    if (GThread* const thread = g_thread_try_new(name, work, data, nullptr)) return thread;
+    if (std::chrono::steady_clock::now() - begin > patience)
+      throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again));
+    std::this_thread::sleep_for(pause);
+  }
 }
 
 }  // namespace
+
+// GLib's function of this name ends the program with a signal where the thread cannot start. The dynamic
+// linker prefers this definition (CMakeLists.txt here). Pango 1.50 starts two threads for each font, which
+// end once they have found it, and nobody knows how many fonts a text needs. Pango 1.56 starts one thread. So
+// one free thread is enough where this function waits for it. Where none becomes free, std::terminate's
+// handler says so (run/console/exhausted.hpp).
+extern "C" __attribute__((visibility("default"), used)) GThread* g_thread_new(const gchar* name,
+                                                                              GThreadFunc work,
+                                                                              gpointer data) noexcept {
+  return started(name, work, data);
+}
 
 void write_png_of_svg(const std::string& svg, const std::filesystem::path& file, double scale) {
   const auto fail = [&](const std::string& why) {
