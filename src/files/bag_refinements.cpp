@@ -3,8 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <compare>
+#include <set>
 #include <span>
 
 #include "files/advised_command.hpp"
@@ -18,7 +21,10 @@ namespace tubefoot {
 namespace {
 
 constexpr float no_height = 1e6f;
-constexpr const char* coarser = "gdal_translate -oo MODE=RESAMPLED_GRID -oo RESX=METRES -oo RESY=METRES";
+// GDAL takes the highest of the nodes in a cell if it is not asked for their mean.
+constexpr const char* resampled = "gdal_translate -oo MODE=RESAMPLED_GRID -oo VALUE_POPULATION=MEAN";
+constexpr const char* coarser =
+    "gdal_translate -oo MODE=RESAMPLED_GRID -oo VALUE_POPULATION=MEAN -oo RESX=METRES -oo RESY=METRES";
 constexpr const char* metadata = "/BAG_root/varres_metadata";
 constexpr const char* refinements = "/BAG_root/varres_refinements";
 
@@ -105,7 +111,65 @@ std::vector<float> read_heights(const Table& table) {
   return heights;
 }
 
+/// The nodes of a supergrid along one side of its cell.
+struct NodeRow {
+  double first, step;
+  std::uint32_t count;
+  auto operator<=>(const NodeRow&) const = default;
+};
+
+/// Whether each of so many equal parts of the side has a node that rounding does not move to another part.
+bool fills(const NodeRow& row, double side, std::uint32_t parts) {
+  constexpr double margin = 1e-3;
+  std::uint32_t filled = 0;  // from the first part on
+  for (std::uint32_t k = 0; k < row.count && filled < parts; ++k) {
+    const double at = (row.first + k * row.step) / side * parts;
+    if (at > filled + 1 - margin) return false;
+    if (at >= filled + margin) ++filled;
+  }
+  return filled == parts;
+}
+
+/// The largest number of parts of a side that all rows fill; 0: not even one, or a hostile file makes the
+/// search too long.
+std::uint32_t most_parts(const std::set<NodeRow>& rows, double side) {
+  if (rows.empty()) return 0;
+  constexpr double most_nodes = 1e8;
+  double nodes = 0;
+  for (auto parts = std::ranges::min_element(rows, {}, &NodeRow::count)->count; parts > 0; --parts) {
+    const bool all = std::ranges::all_of(rows, [&](const NodeRow& row) {
+      return (nodes += row.count) <= most_nodes && fills(row, side, parts);
+    });
+    if (all) return parts;
+    if (nodes > most_nodes) return 0;
+  }
+  return 0;
+}
+
 }  // namespace
+
+std::string advised_resampling(const std::filesystem::path& file, double cell_x, double cell_y) {
+  std::set<NodeRow> along_x, along_y;
+  try {
+    const Hdf5Silence silence;
+    keep_libraries_to_themselves();
+    const Hdf5Handle opened(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+    if (opened < 0) return advised_command(coarser, file);
+    for (const Entry& e : read_entries(Table(opened, metadata, {file.string(), 0, 0}))) {
+      if (e.columns == 0 || e.rows == 0) continue;
+      for (const float number : {e.first_x, e.step_x, e.first_y, e.step_y})
+        if (!std::isfinite(number)) return advised_command(coarser, file);
+      along_x.insert({e.first_x, e.step_x, e.columns});
+      along_y.insert({e.first_y, e.step_y, e.rows});
+    }
+  } catch (const InputError&) {
+    return advised_command(coarser, file);
+  }
+  const std::uint32_t columns = most_parts(along_x, cell_x), rows = most_parts(along_y, cell_y);
+  if (columns == 0 || rows == 0) return advised_command(coarser, file);
+  return advised_command(
+      fmt::format("{} -oo RESX={} -oo RESY={}", resampled, cell_x / columns, cell_y / rows), file);
+}
 
 bool has_bag_refinements(const std::filesystem::path& path) {
   const Hdf5Silence silence;

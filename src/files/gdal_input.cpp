@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <deque>
 #include <functional>
 #include <mutex>
@@ -72,11 +73,13 @@ std::optional<std::string> too_large_block(GDALRasterBand& band, const std::stri
 
 constexpr const char* in_tiles = "gdal_translate -co TILED=YES";
 
-std::string overview(const fs::path& file) {
+std::string overview(const fs::path& file, GDALDataset& dataset) {
+  std::array<double, 6> transform{};
+  dataset.GetGeoTransform(transform.data());
   return fmt::format(
       "has variable resolution, and its raster is but a coarse overview: write one resolution with {} (a "
       "[[terrain]] reads all of it)",
-      advised_command("gdal_translate -oo MODE=RESAMPLED_GRID", file));
+      advised_resampling(file, std::abs(transform[1]), std::abs(transform[5])));
 }
 
 /// A copy without metadata has no overviews elsewhere.
@@ -154,7 +157,7 @@ void check_sources(const fs::path& vrt, const std::vector<fs::path>& companions)
     if (const std::string named = named_by_crs(*source, door); !named.empty())
       fail(fmt::format("is a virtual raster of '{}', which {}", part.string(), names_grids(named)));
     if (format == FileFormat::bag && has_bag_refinements(part))
-      fail(fmt::format("is a virtual raster of '{}', which {}", part.string(), overview(part)));
+      fail(fmt::format("is a virtual raster of '{}', which {}", part.string(), overview(part, *source)));
     if (source->GetRasterCount() == 0) continue;
     if (const auto problem = too_large_block(*source->GetRasterBand(1), advised_command(in_tiles, part)))
       fail(fmt::format("is a virtual raster of '{}', which {}", part.string(), *problem));
@@ -218,7 +221,7 @@ GdalInput::GdalInput(const fs::path& file, std::initializer_list<FileFormat> exp
   if (sends_elsewhere(*dataset_)) fail(elsewhere(file));
   if (const std::string named = named_by_crs(*dataset_, door_); !named.empty()) fail(names_grids(named));
   variable_resolution_ = format == FileFormat::bag && has_bag_refinements(file);
-  if (variable == Variable::refused && variable_resolution_) fail(overview(file));
+  if (variable == Variable::refused && variable_resolution_) fail(overview(file, *dataset_));
   if (is_netcdf(format) && dataset_->GetRasterCount() > 0) {
     NetcdfGrid grid = netcdf_grid(file, *dataset_);
     if (grid.turned_over) fail(grid.problem);

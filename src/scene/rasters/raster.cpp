@@ -5,7 +5,6 @@
 
 #include <glm/common.hpp>
 
-#include "files/advised_command.hpp"
 #include "files/limits.hpp"
 #include "files/memory_at_hand.hpp"
 #include "scene/rasters/raster_reader.hpp"
@@ -70,9 +69,8 @@ ComponentMesh facets_of_supergrids(const RasterReader& reader, double resolution
       const auto& supergrid = refinements.at(grid.row + row, grid.column + column);
       nodes += static_cast<double>(supergrid.columns) * supergrid.rows;
     }
-  const std::string way_out =
-      fmt::format("give a window, or write one resolution with {}",
-                  advised_command("gdal_translate -oo MODE=RESAMPLED_GRID", file.place().file));
+  const std::string way_out = fmt::format("give a window, or write one resolution with {}",
+                                          advised_resampling(file.place().file, grid.cell_x, grid.cell_y));
   require_cells(reader, nodes, fmt::format("{} nodes", nodes), way_out);
   ComponentMesh mesh = join_supergrids(grid, file.place());
   if (resolution_m > 0) {

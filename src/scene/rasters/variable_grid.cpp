@@ -9,7 +9,6 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
-#include "files/advised_command.hpp"
 #include "geometry/steps/stop.hpp"
 #include "scene/rasters/raster_reader.hpp"
 
@@ -82,7 +81,7 @@ class Joiner {
                               "resolution with {}",
                               grid_.row + row, grid_.column + column, s.columns, s.rows, s.step_x, s.step_y,
                               grid_.cell_x, grid_.cell_y,
-                              advised_command("gdal_translate -oo MODE=RESAMPLED_GRID", place_.file)));
+                              advised_resampling(place_.file, grid_.cell_x, grid_.cell_y)));
     for (std::size_t j = 0; j < s.rows; ++j)
       for (std::size_t i = 0; i < s.columns; ++i) {
         const float height = grid_.refinements.heights[s.first + j * s.columns + i];
