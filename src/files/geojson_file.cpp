@@ -11,6 +11,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "files/advised_command.hpp"
 #include "files/inlet.hpp"
 #include "files/limits.hpp"
 #include "geometry/steps/steps.hpp"
@@ -95,7 +96,8 @@ class MemberNames {
   }
 
   [[noreturn]] void fail(const std::string& what) const {
-    throw InputError(place_, what + ": keep the one that names the material (ogr2ogr -select NAME)");
+    throw InputError(place_, what + ": keep the one that names the material: " +
+                                 advised_ogr2ogr("-select NAME", place_.file));
   }
 
   static constexpr std::uint32_t none = ~std::uint32_t{0};

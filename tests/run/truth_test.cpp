@@ -344,7 +344,8 @@ constexpr int line_beams = 60;
 constexpr double wavelengths = 10;
 std::string ball_in_side_lobes(double tilt_deg = 0, std::string_view more = {}) {
   return still_water() + lambert_material("steel", -10) + lambert_material("mud", -45) +
-         "[[objects]]\nname = \"ball\"\nshape = \"sphere\"\nradius_m = 0.02\nposition_m = [0, 5, 3]\n"
+         "[[objects]]\nname = \"ball\"\nshape = \"sphere\"\nradius_m = 0.02\nchord_error_m = "
+         "0.005\nposition_m = [0, 5, 3]\n"
          "material = \"steel\"\n" +
          fixed_at(0, 0, 3) +
          fmt::format(

@@ -79,7 +79,7 @@ class McapStore : public MessageStore {
   std::vector<MessagePlace> messages(std::size_t topic) override { return places_[topic]; }
 
   std::span<const std::uint8_t> read(const MessagePlace& place) override {
-    if (place.outer != in_no_chunk) return chunk_at(place.outer, nullptr).subspan(place.inner, place.bytes);
+    if (place.outer != in_no_chunk) return chunk_at(place.outer, false).subspan(place.inner, place.bytes);
     bytes_ = source_.read(place.inner, place.bytes);
     return bytes_;
   }
@@ -107,6 +107,7 @@ class McapStore : public MessageStore {
       fail(
           "has no magic bytes at its end: the recording was cut off; mcap recover makes a whole file of what "
           "there is");
+    count_chunks(end, unpacked);
     std::uint64_t at = mcap_magic.size();
     bool has_header = false, data_ended = false;
     while (true) {
@@ -132,7 +133,7 @@ class McapStore : public MessageStore {
         return;
       }
       if (!data_ended)
-        data_record(opcode, body, length, unpacked);
+        data_record(opcode, body, length);
       else if (opcode == message || opcode == chunk)
         fail(named("a message", at) + " stands behind the end of the data section");
       if (opcode == data_end) {
@@ -150,7 +151,32 @@ class McapStore : public MessageStore {
                       [](std::uint8_t a, char b) { return a == static_cast<std::uint8_t>(b); });
   }
 
-  void data_record(std::uint8_t opcode, std::uint64_t body, std::uint64_t length, UnpackedBytes& unpacked) {
+  /// Adds what all chunks say that they unpack to, before one is unpacked. Where a record is not whole or a
+  /// chunk is too large by itself, walk() says so.
+  void count_chunks(std::uint64_t end, UnpackedBytes& unpacked) {
+    constexpr std::uint64_t times = 16,
+                            head_of_chunk = times + 8 + 4 + 4;  // size, checksum, length of a name
+    for (std::uint64_t at = mcap_magic.size(); at + record_head <= end;) {
+      stop_if_wanted();
+      const auto head = source_.read(at, record_head);
+      Fields fields(head, source_.place(), "record");
+      const auto opcode = fields.number<std::uint8_t>();
+      const auto length = fields.number<std::uint64_t>();
+      if (opcode == data_end || length > end - at - record_head) return;
+      if (opcode == chunk && length >= head_of_chunk) {
+        const auto body = source_.read(at + record_head, head_of_chunk);
+        const std::string what = named("chunk", at);
+        Fields of_chunk{std::span(body).subspan(times), source_.place(), what};
+        const auto size = of_chunk.number<std::uint64_t>();
+        of_chunk.number<std::uint32_t>();  // checksum
+        const bool packed = of_chunk.number<std::uint32_t>() > 0;
+        if (packed && size <= limits::message_bytes) unpacked.add(size, source_.place(), what);
+      }
+      at += record_head + length;
+    }
+  }
+
+  void data_record(std::uint8_t opcode, std::uint64_t body, std::uint64_t length) {
     if (opcode == schema || opcode == channel) {
       small(opcode, body, length);
       read_record(opcode, source_.read(body, length), body);
@@ -159,7 +185,7 @@ class McapStore : public MessageStore {
       const auto head = source_.read(body, message_head);
       add_message(head, in_no_chunk, body + message_head, length - message_head);
     } else if (opcode == chunk) {
-      const auto records = chunk_at(body - record_head, &unpacked);
+      const auto records = chunk_at(body - record_head, true);
       std::uint64_t at = 0;
       while (at < records.size()) {
         stop_if_wanted();
@@ -260,8 +286,8 @@ class McapStore : public MessageStore {
   }
 
   /// Records of the chunk whose record begins at `at`, unpacked; kept until another is asked for. The first
-  /// time its bytes are counted and its checksum is compared.
-  std::span<const std::uint8_t> chunk_at(std::uint64_t at, UnpackedBytes* first_time) {
+  /// time its checksum is compared.
+  std::span<const std::uint8_t> chunk_at(std::uint64_t at, bool first_time) {
     if (chunk_at_ == at) return chunk_;
     chunk_at_.reset();
     const std::string what = named("chunk", at);
@@ -281,9 +307,8 @@ class McapStore : public MessageStore {
     const auto packed = fields.take(fields.number<std::uint64_t>());
     if (size > limits::message_bytes)
       fail(fmt::format("{} unpacks to {} bytes, {} are the most", what, size, limits::message_bytes));
-    if (first_time != nullptr && !compression.empty()) first_time->add(size, source_.place(), what);
     chunk_ = unpack_chunk(compression, packed, size, source_.place(), what);
-    if (first_time != nullptr && crc != 0)
+    if (first_time && crc != 0)
       if (const std::uint32_t found = crc_of(0, chunk_); crc != found)
         fail(fmt::format("{}: its checksum is {:08x}, its bytes have {:08x}: the file is damaged", what, crc,
                          found));
