@@ -7,6 +7,7 @@ the words in capitals, runs it in a shell, and shows that the program reads the 
 user's file kept its bytes. At the end, all commands that the sources and the pages name have been run.
 """
 import hashlib
+import json
 import os
 import pathlib
 import re
@@ -443,6 +444,15 @@ def cases(folder):
     right_mud(case, *materials(case, new.name, polygons))
     # What the message about files of corrections advises for vectors.
     new = case.execute("ogr2ogr -a_srs EPSG:... OUT IN", {"EPSG:...": "EPSG:32632", "OUT": "named.gpkg", "IN": "map.gml"})
+    right_mud(case, *materials(case, new.name, polygons))
+
+    case = Case(folder, "polygons of many attributes")
+    polygon(case.folder / "map.geojson", "GeoJSON")
+    map_of_many = json.loads((case.folder / "map.geojson").read_text())
+    for feature in map_of_many["features"]:
+        feature["properties"] |= {f"attribute{k}": k for k in range(1001)}
+    (case.folder / "map.geojson").write_text(json.dumps(map_of_many))
+    new = case.advised(materials(case, "map.geojson", polygons)[1], "more than 1000 attributes", {"NAME": "material"})
     right_mud(case, *materials(case, new.name, polygons))
 
     for what in ("log", "view"):
