@@ -539,6 +539,42 @@ TEST_F(TruthOf, OverAMirrorWhatIsNearThePeakIsThatOfBothLegs) {
   EXPECT_LT(near, 0.9 * t.raw(0, 0, 0));
 }
 
+// After two scatterings the receive pattern's own peak counts. Each beam is steered 20 degrees off the
+// transmit pattern, so that its two-way peak lies 24 dB below its receive peak.
+TEST_F(TruthOf, AfterTwoScatteringsTheLevelIsBelowThePeakOfTheReceivePattern) {
+  const auto box_at = [](const char* name, double azimuth_deg) {
+    const double azimuth = azimuth_deg * std::numbers::pi / 180;
+    return fmt::format(
+        "[[objects]]\nname = \"{}\"\nshape = \"box\"\nmaterial = \"rock\"\nsize_m = [0.3, 0.3, 0.3]\n"
+        "position_m = [{}, {}, 1.2]\n",
+        name, 6 * std::sin(azimuth), 6 * std::cos(azimuth));
+  };
+  const Told t = told(still_water() + lambert_material("rock", -10) +
+                          flat_terrain(20, 20, "name = \"bed\"\nmaterial = \"rock\"\n") + box_at("aside", 6) +
+                          box_at("ahead", 20) + fixed_at(0, 0, 2) +
+                          "[paths]\norder = 2\nonly_order = 2\nscatterings = 2\npatch_m = 1\n"
+                          "[[sensors]]\nname = \"camera\"\nkind = \"imaging\"\nbeams = 2\n"
+                          "horizontal_deg = 80\nvertical_deg = 30\ntilt_deg = 15\nrange_min_m = 4\n"
+                          "range_max_m = 9\nsamples = 5\ntransmit_pattern = \"gaussian\"\n"
+                          "transmit_pattern_angle = \"azimuth\"\ntransmit_beam_width_deg = 10\n"
+                          "receive_pattern = \"gaussian\"\nreceive_pattern_angle = \"azimuth\"\n"
+                          "receive_beam_width_deg = 10\n",
+                      [](RunRequest& r) { r.label_level_db = 10; });
+  const auto sums = [&](const char* name) {  // all of the energy, and that near the peak
+    std::pair<double, double> sum;
+    for (std::size_t k = 0; k < t.truth.owners.size(); ++k)
+      for (std::size_t cell = 0; cell < t.truth.cells; ++cell) {
+        if (t.truth.owners[k].object != t.object(name)) continue;
+        sum.first += t.raw(0, k, cell);
+        sum.second += t.raw(0, t.truth.first_near_peak() + k, cell);
+      }
+    return sum;
+  };
+  EXPECT_GT(sums("ahead").second, 0.99 * sums("ahead").first);
+  EXPECT_GT(sums("aside").first, 0);
+  EXPECT_EQ(sums("aside").second, 0);  // 14 degrees off the nearer beam: 23 dB
+}
+
 TEST_F(TruthOf, TheFileNamesTheLevelOfItsLabels) {
   const auto scene = folder.write("scene.toml", ball_in_side_lobes());
   const auto out = folder / "out";

@@ -112,8 +112,8 @@ struct BeamPatterns {
   std::vector<Fringe> fringes{};
   /// By beam, or none: a beam receives nothing from directions whose two-way gain is less
   /// (pattern_levels.hpp). Energies are then integrated over a border that quadratures do not know: they are
-  /// never more than without it, and as exact as their nodes are dense. Of several scatterings the gain is
-  /// the receiver's alone.
+  /// never more than without it, and as exact as their nodes are dense. Of several scatterings the receive
+  /// gain alone counts, with its own limit (PathSettings::least_received).
   std::vector<double> least{};
 
   bool receives(std::size_t beam, double two_way_gain) const {

@@ -135,6 +135,13 @@ std::vector<double> gains_below_peak(const BeamPatterns& patterns, double level_
   return least;
 }
 
+std::vector<double> receive_gains_below_peak(const BeamPatterns& patterns, double level_db) {
+  const double factor = std::pow(10, -level_db / 10);
+  std::vector<double> least;
+  for (const Directivity& heard : patterns.receive) least.push_back(factor * one_way_peak(heard));
+  return least;
+}
+
 CosineRange cosines_of_gain(const Directivity& p, double least) {
   if (!(least > 0)) return {};
   const auto between = [&](double from_rad, double to_rad) -> CosineRange {

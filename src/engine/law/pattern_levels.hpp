@@ -16,6 +16,9 @@ double two_way_peak(const TransmitPattern& sent, const Directivity& heard);
 /// of both one-way peaks.
 std::vector<double> gains_below_peak(const BeamPatterns& patterns, double level_db, bool apart);
 
+/// By beam: the receive gain that lies `level_db` below the receive pattern's peak.
+std::vector<double> receive_gains_below_peak(const BeamPatterns& patterns, double level_db);
+
 struct CosineRange {
   double lo = -1, hi = 1;
 };

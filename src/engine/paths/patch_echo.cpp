@@ -62,11 +62,13 @@ std::pair<glm::dvec2, glm::dvec2> box_of(const std::vector<glm::dvec2>& polygon)
 
 }  // namespace
 
-PatchEcho::PatchEcho(const EchoLaw& law, const ReceiveBeams& beams, double longest_m)
+PatchEcho::PatchEcho(const EchoLaw& law, const ReceiveBeams& beams, double longest_m,
+                     std::span<const double> least_received)
     : law_(law),
       beams_(beams),
       longest_m_(longest_m),
       beta_(absorption_per_m(law.absorption_db_per_m)),
+      least_received_(least_received),
       levels_(1) {}
 
 std::size_t PatchEcho::add(const SeenBed& bed, const Point& point, const Listener& heard, glm::dvec3 local_m,
@@ -268,7 +270,7 @@ void PatchEcho::take(const Polygon& polygon, double sample) {
 
 double PatchEcho::gain_of(std::size_t beam, glm::dvec3 true_back) const {
   const double gain = law_.patterns->receive[beam].gain(true_back);
-  return law_.patterns->receives(beam, gain) ? gain : 0;
+  return least_received_.empty() || gain >= least_received_[beam] ? gain : 0;
 }
 
 void PatchEcho::take_product(double sample, glm::dvec2 p, double upper, double lower) {

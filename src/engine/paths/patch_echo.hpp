@@ -8,6 +8,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -59,7 +60,9 @@ class SparseEnergy {
 class PatchEcho {
  public:
   /// No part is longer than `longest_m`. Beams, fans and patterns are those of the true receiver's tubes.
-  PatchEcho(const EchoLaw& law, const ReceiveBeams& beams, double longest_m);
+  /// `least_received`: PathSettings::least_received.
+  PatchEcho(const EchoLaw& law, const ReceiveBeams& beams, double longest_m,
+            std::span<const double> least_received);
 
   struct Point {
     glm::dvec3 at_m{0};      ///< the point, or its image
@@ -94,6 +97,7 @@ class PatchEcho {
   const EchoLaw& law_;
   const ReceiveBeams& beams_;
   double longest_m_, beta_;
+  std::span<const double> least_received_;
   // Of the facet and the piece at hand.
   const Point* point_ = nullptr;
   const Listener* heard_ = nullptr;

@@ -170,7 +170,10 @@ class PatchPaths {
         least_(scene.settings.least()),
         beta_(absorption_per_m(scene.law.absorption_db_per_m)),
         workers_([&] {
-          return Worker{PatchEcho(scene.law, scene.beams, scene.settings.patch_m), {}, {}};
+          return Worker{
+              PatchEcho(scene.law, scene.beams, scene.settings.patch_m, scene.settings.least_received),
+              {},
+              {}};
         }) {
     before_.material = scene.law.material;
     if (scene.bent == nullptr) return;

@@ -38,8 +38,12 @@ struct PathSettings {
   /// scattering.
   std::optional<double> reference_tolerance{};
   Mirrors mirrors;
-  Binning binning = Binning::exact;       ///< of what two images share
-  const EchoLaw* before = nullptr;        ///< by which all scatterings but the last go; null: as that
+  Binning binning = Binning::exact;  ///< of what two images share
+  const EchoLaw* before = nullptr;   ///< by which all scatterings but the last go; null: as that
+  /// By beam, or none: of paths with several scatterings a beam receives nothing from directions whose
+  /// receive gain is less. BeamPatterns::least does not apply to them: the direction of the transmit leg is
+  /// that of another facet.
+  std::span<const double> least_received{};
   bool arrivals = true;                   ///< also what comes without scattering
   std::optional<SampledPaths> sampled{};  ///< instead of that
 
