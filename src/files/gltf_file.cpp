@@ -22,9 +22,6 @@
 namespace tubefoot {
 namespace {
 
-/// Assimp takes about 20 us of processor time for each.
-constexpr std::size_t most_nodes = 150'000;
-
 namespace fs = std::filesystem;
 using nlohmann::json;
 
@@ -169,9 +166,9 @@ class GltfReader {
       return number.is_number_unsigned() && number.get<std::uint64_t>() < size ? number.get<std::size_t>()
                                                                                : size;
     };
-    if (nodes.size() > most_nodes)
-      fail(fmt::format("nodes[{}]: has more than {} nodes: merge the meshes that they place", most_nodes,
-                       most_nodes));
+    if (nodes.size() > limits::gltf_nodes)
+      fail(fmt::format("nodes[{}]: has more than {} nodes: merge the meshes that they place",
+                       limits::gltf_nodes, limits::gltf_nodes));
     std::vector<std::size_t> parent(nodes.size(), nodes.size());
     std::uint64_t placed = 0;
     for (std::size_t k = 0; k < nodes.size(); ++k) {

@@ -49,6 +49,7 @@ TEST(Limits, AreThoseOfTheirPage) {
   row("pairs of attribute names that follow each other in a feature of a GeoJSON map",
       limits::map_attribute_pairs);
   row("nodes of a model, one in another", limits::model_depth);
+  row("nodes of a glTF model", limits::gltf_nodes);
   row("vertices, corners and values of morph targets that a model reads or places", limits::model_repeated,
       ", and one more per byte of the model");
   row("beams times samples of a ping", limits::ping_cells);
