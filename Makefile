@@ -4,6 +4,7 @@
 #   make demo    install what the program needs, build it, run scenes/wellhead, name the pictures
 #   make python  build the Python module and install it for the current user of /usr/bin/python3: docs/python.md
 #   make test    install what the tests need besides, build, run the tests
+#   make test-slow  the tests that take half of the time of all
 #   make one-test NAME=SUITE.TEST  the same for one test or suite
 #   make install PREFIX=DIR  the program, man pages, completion, libraries, find_package(tubefoot): docs/packaging.md
 #   make package  Debian packages into build/
@@ -31,7 +32,7 @@
 JOBS := $(shell nproc)
 PROGRAM := build/release/tubefoot
 
-.PHONY: demo python test one-test install package wheel program whole build configured sanitize prove fuzz bench against atlas advise-study pairs refraction-study track-study \
+.PHONY: demo python test test-slow one-test install package wheel program whole build configured sanitize prove fuzz bench against atlas advise-study pairs refraction-study track-study \
   rays engines scaling long-run reference reference-sums docs figures format tidy clean
 
 demo: program
@@ -55,7 +56,12 @@ python: program
 
 test: build
 	cmake --build --preset release --parallel $(JOBS)
-	ctest --preset release --parallel $(JOBS)
+	@echo "The tests with the label slow are left out: make test-slow"
+	ctest --preset release --parallel $(JOBS) --label-exclude slow
+
+test-slow: build
+	cmake --build --preset release --parallel $(JOBS)
+	ctest --preset release --parallel $(JOBS) --label-regex slow
 
 # One test or suite of the test programs, with * and ?: NAME='Hostile.*'. Scripts: ctest --test-dir build/release -R NAME.
 one-test: build
