@@ -90,13 +90,18 @@ void Smoothness::take(const Directivity& sent, const Directivity& heard) {
 /// taken as they are.
 PathCutter::Work Smoothness::work(double tolerance) const {
   constexpr int most_refinements_with_tables = 12;
-  constexpr double tolerance_with_corners = 1e-6;
+  constexpr int most_refinements_with_limit = 0;
+  constexpr double tolerance_with_corners = 1e-6, tolerance_with_limit = 1e-3;
   PathCutter::Work work;
   work.resolution_rad = angle_rad;
   work.tolerance = cornered ? std::max(tolerance, tolerance_with_corners) : tolerance;
+  // No rule agrees with another across the border of the limit. Labels need that border to a part of a cell
+  // only.
+  if (limited) work.tolerance = std::max(work.tolerance, tolerance_with_limit);
   work.agreements = cornered ? 2 : 1;
   work.analytic = !cornered && !tables && !textured;
   if (cornered || tables) work.most_refinements = most_refinements_with_tables;
+  if (limited) work.most_refinements = most_refinements_with_limit;
   return work;
 }
 

@@ -94,6 +94,7 @@ struct Smoothness {
   bool cornered = false;  ///< a law with corners
   bool tables = false;    ///< tabulated patterns
   bool textured = false;  ///< a texture, analytic over its cells, but not known how far beyond
+  bool limited = false;   ///< gains below a limit count as 0 (BeamPatterns::least)
 
   void take(const FacetBed& bed);
   /// Patterns that are multiplied.

@@ -44,6 +44,7 @@ class StaffIntegral {
     for (const EchoLaw* law : laws_)
       patterns_.angle_rad = std::min(patterns_.angle_rad, smooth_angle_rad(law->path));
     for (const Directivity& beam_sent : sent_.beams) patterns_.take(beam_sent, heard_);
+    patterns_.limited = least_ > 0;
     weighed_ = heard_.kind != Directivity::Kind::uniform || sent_.beams.size() != 1 ||
                sent_.beams[0].kind != Directivity::Kind::uniform;
     fringe_rad_ = resolution_of([&](double y) { return staff.wavenumber_rad_m * staff.baseline_m * y; });

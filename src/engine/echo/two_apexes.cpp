@@ -98,6 +98,7 @@ class FacetEcho {
     Smoothness smooth = smooth_;
     for (const Directivity& sent : transmit.beams)
       for (std::uint32_t beam = first; beam < end; ++beam) smooth.take(sent, patterns.receive[beam]);
+    smooth.limited = !patterns.least.empty();
     PathCutter::Work work = smooth.work(tolerance_);
     work.values = 1 + end - first;
     integrate(
