@@ -63,6 +63,23 @@ TEST(TwoWayPeak, OfATableIsItsHighestLevel) {
   EXPECT_NEAR(two_way_peak({}, table), std::pow(10, 0.2), 1e-12);
 }
 
+TEST(ReceiveGainsBelowPeak, DoNotDependOnTheTransmitPattern) {
+  Directivity table = pattern(Kind::table, across, 0);
+  table.table =
+      std::make_shared<const PatternTable>(std::vector{-0.3, 0.1, 0.4}, std::vector{-30., 2., -10.});
+  BeamPatterns patterns;
+  patterns.transmit = {pattern(Kind::gaussian, across, 5 * degree)};
+  patterns.receive = {pattern(Kind::gaussian, across, 5 * degree, 20), Directivity(), table};
+  patterns.fan_of_tube = {0};
+  patterns.beams_of_tube = {{0, 3}};
+  const std::vector<double> least = receive_gains_below_peak(patterns, 10);
+  ASSERT_EQ(least.size(), 3u);
+  EXPECT_NEAR(least[0], 0.1, 1e-12);
+  EXPECT_NEAR(least[1], 0.1, 1e-12);
+  EXPECT_NEAR(least[2], 0.1 * std::pow(10, 0.2), 1e-12);
+  EXPECT_LT(gains_below_peak(patterns, 10, false)[0], 1e-3 * least[0]);
+}
+
 TEST(CosinesOfGain, HoldAllDirectionsOfThatGain) {
   Directivity table = pattern(Kind::table, across, 0, 5);
   table.table = std::make_shared<const PatternTable>(std::vector{-0.4, -0.3, -0.1, 0.1, 0.4},
