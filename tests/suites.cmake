@@ -5,7 +5,7 @@
 cmake_policy(SET CMP0057 NEW)  # IN_LIST
 execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listing COMMAND_ERROR_IS_FATAL ANY)
 string(REPLACE "\n" ";" lines "${listing}")
-# Together they take half of the time of all tests: make test-slow runs them.
+# Together with the scripts of this label they take half of the time of all tests: make test-slow runs them.
 set(slow_suites AbilitiesWalk Attribute CleanEngine Faults Import InterferometricRun Mcap Outlet PackAspects Parts PathsRun
   PerfectEngine PowerCut ProductsByThreads Ranks RayRun RefractedReferenceRun RefractionRun ReliefRun Resume Scenes/TiledCommands
   SelectionRun Signals Stop)
@@ -14,11 +14,11 @@ set(suite "")
 set(tests 0)
 macro(end_suite)
   if(suite)
-    # Suites of many tests begin first, so that no processor waits for one of them at the end.
     set(label "")
     if(suite IN_LIST slow_suites)
       set(label "LABELS slow ")
     endif()
+    # Suites of many tests begin first, so that no processor waits for one of them at the end.
     string(APPEND entries "add_test([==[${suite}]==] [==[${PROGRAM}]==] [==[--gtest_filter=${suite}.*]==] --skipped-is-77)\n"
       "set_tests_properties([==[${suite}]==] PROPERTIES ${label}TIMEOUT 1800 SKIP_RETURN_CODE 77 COST ${tests})\n")
   endif()

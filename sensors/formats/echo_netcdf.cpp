@@ -19,11 +19,11 @@ namespace tubefoot {
 namespace fs = std::filesystem;
 
 EchoNetcdf::EchoNetcdf(fs::path path) : path_(std::move(path)) {
-  // netCDF owns these bytes from here on.
-  std::vector<unsigned char> image = empty_hdf5_file(path_);
+  const std::vector<unsigned char> image = empty_hdf5_file(path_);
   NC_memio memory{image.size(), std::malloc(image.size()), 0};
   if (memory.memory == nullptr) throw std::bad_alloc();
   std::memcpy(memory.memory, image.data(), image.size());
+  // netCDF owns these bytes from here on, and reallocates them.
   check(nc_open_memio(path_.c_str(), NC_WRITE, &memory, &id_), "create the file");
   defining_ = true;
 }

@@ -23,8 +23,7 @@ namespace {
 constexpr float no_height = 1e6f;
 // GDAL takes the highest of the nodes in a cell if it is not asked for their mean.
 constexpr const char* resampled = "gdal_translate -oo MODE=RESAMPLED_GRID -oo VALUE_POPULATION=MEAN";
-constexpr const char* coarser =
-    "gdal_translate -oo MODE=RESAMPLED_GRID -oo VALUE_POPULATION=MEAN -oo RESX=METRES -oo RESY=METRES";
+const std::string coarser = std::string(resampled) + " -oo RESX=METRES -oo RESY=METRES";
 constexpr const char* metadata = "/BAG_root/varres_metadata";
 constexpr const char* refinements = "/BAG_root/varres_refinements";
 

@@ -37,8 +37,8 @@ BagRefinements read_bag_refinements(const std::filesystem::path& file);
 
 /// The command that writes one resolution of a BAG of variable resolution, between backticks. Of GDAL's cells
 /// those without a node have no data. So the resolution is the finest at which each cell has a node, by the
-/// table of supergrids, where `cell_x` and `cell_y` are the sides of a cell of the overview. METRES is for the
-/// user to fill in where the table cannot be read.
+/// table of supergrids, where `cell_x` and `cell_y` are the sides of a cell of the overview. METRES is for
+/// the user to fill in where the table cannot be read.
 std::string advised_resampling(const std::filesystem::path& file, double cell_x, double cell_y);
 
 }  // namespace tubefoot

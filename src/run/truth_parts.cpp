@@ -96,11 +96,10 @@ void add_truth_of_paths(const Shot& shot, std::size_t s, const FacetMesh& mesh, 
   if (const auto level_db = shot.truth()->label_level_db(); level_db && law.patterns != nullptr)
     least_received = receive_gains_below_peak(*law.patterns, *level_db);
   laws.add(sums, [&](const EchoLaw& one) {
-    const bool near_peak = one.patterns != nullptr && !one.patterns->least.empty();
-    settings.least_received = near_peak ? std::span<const double>(least_received) : std::span<const double>();
-    return rows_of(bed.mesh(), one, settings);
+    PathSettings of_one = settings;
+    if (one.patterns != nullptr && !one.patterns->least.empty()) of_one.least_received = least_received;
+    return rows_of(bed.mesh(), one, of_one);
   });
-  settings.least_received = {};
   settings.arrivals = true;
   settings.scatterings = 1;
   sums.add_truth(shot, s, shot.truth()->unscattered(), rows_of(bed.mesh(), laws.silent(), settings));

@@ -103,7 +103,7 @@ TEST_F(Exhaustion, OfThreadsLeavesARunWithThoseThereAre) {
   ASSERT_EQ(run_program(run_words("whole")).exit_code, 0);
   const auto whole = contents("whole");
   int done = 0, fewer = 0;
-  // Below 4 the initializers of the libraries have too few. The pictures need the last of those from 5 on.
+  // Below 4 the initializers of the libraries have too few.
   for (const int most : {0, 3, 5, 6, 7, 8, 9, 10, 11, 12}) {
     SCOPED_TRACE(most);
     Surroundings few;

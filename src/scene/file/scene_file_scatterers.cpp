@@ -24,7 +24,8 @@ const TomlSection<ScatterersDescription>& scatterers_section() {
   static const auto section =
       TomlSection<S>("[scatterers]")
           .keys({field("spacing_m", &S::spacing_m,
-                       {.ranges = {spacing}, .default_value = "computed from the speckle of the scene's arrays"}),
+                       {.ranges = {spacing},
+                        .default_value = "computed from the speckle of the scene's arrays"}),
                  field("texture", &S::texture, {.choices = {"none", "gamma", "log_normal"}}),
                  field("texture_shape", &S::texture_shape, {.ranges = {shape}}),
                  field("texture_cell_m", &S::texture_cell_m, {.ranges = {spacing}})})
