@@ -4,6 +4,7 @@
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Object.h>
 #include <CGAL/Spatial_sort_traits_adapter_2.h>
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
 #include <CGAL/property_map.h>
@@ -25,6 +26,7 @@
 
 #include "geometry/mesh/near_segments.hpp"
 #include "geometry/mesh/segment_bins.hpp"
+#include "geometry/mesh/shuffled.hpp"
 #include "geometry/steps/steps.hpp"
 
 namespace tubefoot {
@@ -174,8 +176,9 @@ class Crossings {
     const auto line = [](const PlanSegment& s) {
       return Kernel::Line_2(Kernel::Point_2(s.a.x, s.a.y), Kernel::Point_2(s.b.x, s.b.y));
     };
-    const auto met = CGAL::intersection(line(lines_[i]), line(lines_[j]));
-    const auto* point = met ? boost::get<Kernel::Point_2>(&*met) : nullptr;
+    // CGAL 5 returns Boost's variant and CGAL 6 that of the standard library: CGAL::Object takes both.
+    const CGAL::Object met = CGAL::intersection(line(lines_[i]), line(lines_[j]));
+    const auto* point = CGAL::object_cast<Kernel::Point_2>(&met);
     if (point == nullptr) return;  // not of lines that cross
     // Edges of the facet (the first three) hold what lies on them.
     if (i >= 3 && !is_in_facet(*point)) return;
@@ -209,17 +212,6 @@ std::vector<std::size_t> spatial_order(const std::vector<Kernel::Point_2>& point
   using Map = CGAL::Pointer_property_map<Signs::Point_2>::type;
   CGAL::spatial_sort(order.begin(), order.end(),
                      CGAL::Spatial_sort_traits_adapter_2<Signs, Map>(CGAL::make_property_map(near)));
-  return order;
-}
-
-std::vector<std::size_t> shuffled(std::size_t count) {
-  std::vector<std::size_t> order(count);
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::uint64_t state = 1;
-  for (std::size_t k = count; k > 1; --k) {
-    state = state * 6364136223846793005u + 1442695040888963407u;
-    std::swap(order[k - 1], order[(state >> 33) % k]);
-  }
   return order;
 }
 

@@ -11,10 +11,10 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <map>
-#include <numeric>
 #include <optional>
 #include <utility>
 
+#include "geometry/mesh/shuffled.hpp"
 #include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
@@ -59,19 +59,6 @@ bool on_one_line(const std::vector<glm::dvec3>& points, Corners polygon) {
   return std::ranges::all_of(polygon, [&](std::uint32_t corner) {
     return glm::length(glm::cross(points[corner] - first, along)) <= rounding * length * length;
   });
-}
-
-/// 0 .. count - 1 in no order of their own: an edge then meets few of those that the edges before it have
-/// left, however long a comb's teeth are.
-std::vector<std::size_t> shuffled(std::size_t count) {
-  std::vector<std::size_t> order(count);
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::uint64_t state = 1;
-  for (std::size_t k = count; k > 1; --k) {
-    state = state * 6364136223846793005u + 1442695040888963407u;
-    std::swap(order[k - 1], order[(state >> 33) % k]);
-  }
-  return order;
 }
 
 }  // namespace
