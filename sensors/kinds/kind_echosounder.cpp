@@ -237,10 +237,13 @@ class EchosounderKind : public SensorKind {
     return outline;
   }
   WritingCost writing_cost(const Recording& recording, const RunContext& run) const override {
-    constexpr double received_s = 3e-7, energy_bytes = 4;
-    return run.pictures.wants(PictureSettings::Which::sequence)
-               ? cost_by_cells(recording, received_s, energy_bytes)
-               : cost_by_cells(recording, received_s, 0);
+    constexpr double sounding_s = 1.1e-7, echogram_s = 0.25, exr_cell_s = 4e-8, energy_bytes = 4;
+    WritingCost cost = cost_by_cells(recording, sounding_s, 0);
+    if (run.pictures.wants(PictureSettings::Which::sequence)) {
+      cost += {echogram_s, 0, 0};
+      cost += cost_by_cells(recording, exr_cell_s, energy_bytes);
+    }
+    return cost;
   }
 };
 

@@ -84,7 +84,7 @@ class InterferometricKind : public SensorKind {
   WritingCost writing_cost(const Recording& recording, const RunContext& run) const override {
     WritingCost cost =
         cost_of_two_sided_pictures(recording, heard_by(recording, run).has_value(), run.pictures);
-    constexpr double sounding_s = 2e-6, sounding_bytes = 200;
+    constexpr double sounding_s = 1.2e-6, sounding_bytes = 200;
     cost += cost_by_cells(recording, sounding_s, sounding_bytes);
     return cost;
   }

@@ -248,11 +248,13 @@ class MultibeamKind : public SensorKind {
     return outline;
   }
   WritingCost writing_cost(const Recording& recording, const RunContext& run) const override {
-    constexpr double sounded_s = 2e-8, format_s = 2.2e-8, format_bytes = 2;
-    WritingCost cost{0, sounded_s * static_cast<double>(recording.pings() * recording.cells()), 0};
-    if (run.frame.is_georeferenced()) cost += cost_by_cells(recording, format_s, format_bytes);
-    constexpr double sounding_bytes = 600;  // in a table and a GeoPackage
-    cost.bytes += sounding_bytes * static_cast<double>(recording.pings() * recording.sensor->beams().size());
+    constexpr double detecting_s = 3e-9, sounding_s = 2.2e-5, sounding_bytes = 600, depth_pictures_s = 0.3,
+                     depth_pictures_bytes = 5e5;
+    WritingCost cost = cost_by_cells(recording, detecting_s, run.frame.is_georeferenced() ? 2 : 0);
+    const auto soundings = static_cast<double>(recording.pings() * recording.sensor->beams().size());
+    cost += {sounding_s * soundings, 0, sounding_bytes * soundings};
+    if (run.pictures.wants(PictureSettings::Which::sequence))
+      cost += {depth_pictures_s, 0, depth_pictures_bytes};
     return cost;
   }
   std::vector<std::string> files_left_out(const Recording& recording, const RunContext& run) const override {

@@ -99,7 +99,7 @@ class SidescanKind : public SensorKind {
   WritingCost writing_cost(const Recording& recording, const RunContext& run) const override {
     WritingCost cost =
         cost_of_two_sided_pictures(recording, heard_by(recording, run).has_value(), run.pictures);
-    constexpr double received_s = 3e-7, code_bytes = 4, amplitude_bytes = 4;  // while they are written
+    constexpr double received_s = 5e-8, code_bytes = 4, amplitude_bytes = 4;  // while they are written
     cost += cost_by_cells(recording, received_s, code_bytes + amplitude_bytes);
     return cost;
   }

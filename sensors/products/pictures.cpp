@@ -159,8 +159,8 @@ std::vector<fs::path> write_fan_pictures(const fs::path& folder, const Recording
 WritingCost cost_of_fan_pictures(const Recording& recording, bool heard, const PictureSettings& settings,
                                  PictureSettings::Which otherwise) {
   using Which = PictureSettings::Which;
-  constexpr double sheet_s = 0.5, animation_frame_s = 0.4, frame_s = 0.04, picture_bytes = 6e5,
-                   gif_bytes = 1e5;
+  constexpr double sheet_s = 0.25, animation_frame_s = 0.4, first_frame_s = 0.25, frame_s = 0.05,
+                   picture_bytes = 6e5, gif_bytes = 1e5;
   const double looks = heard ? 2 : 1, pings = static_cast<double>(recording.pings());
   WritingCost cost;
   if (!settings.wants(Which::sequence, otherwise)) return cost;
@@ -168,14 +168,14 @@ WritingCost cost_of_fan_pictures(const Recording& recording, bool heard, const P
   const double frames = static_cast<double>(animation_frames(recording.pings()).size());
   if (settings.animated) cost += {looks * frames * animation_frame_s, 0, looks * frames * gif_bytes};
   if (settings.wants(Which::all, otherwise))
-    cost += {0, looks * frame_s * pings,
+    cost += {first_frame_s, looks * frame_s * pings,
              pings * (looks * picture_bytes + 4.0 * static_cast<double>(recording.cells()))};
   return cost;
 }
 
 WritingCost cost_of_two_sided_pictures(const Recording& recording, bool heard,
                                        const PictureSettings& settings) {
-  constexpr double waterfall_s = 0.5, waterfall_bytes = 1e6, exr_cell_s = 3e-8;
+  constexpr double waterfall_s = 0.25, waterfall_bytes = 1e6, exr_cell_s = 6e-8;
   if (!settings.wants(PictureSettings::Which::sequence)) return {};
   const double looks = heard ? 2 : 1;
   WritingCost cost = cost_by_cells(recording, exr_cell_s, 4);

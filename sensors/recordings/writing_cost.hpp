@@ -7,11 +7,11 @@
 
 namespace tubefoot {
 
-/// What writing files takes, about: figures of one machine (docs/performance.md).
+/// The expected cost of writing files. The constants are measured on one machine (docs/performance.md).
 struct WritingCost {
-  double seconds = 0;         ///< of one thread
-  double shared_seconds = 0;  ///< of all threads together
-  double bytes = 0;           ///< on the disk, at most
+  double seconds = 0;         ///< work of one thread
+  double shared_seconds = 0;  ///< work that all threads share
+  double bytes = 0;           ///< an upper limit of the size on the disk
 
   WritingCost& operator+=(const WritingCost& other) {
     seconds += other.seconds;
@@ -22,8 +22,11 @@ struct WritingCost {
   double seconds_on(int threads) const { return seconds + shared_seconds / std::max(threads, 1); }
 };
 
-/// Of echoes.nc.
+/// The cost of the energies in echoes.nc.
 WritingCost cost_of_echoes(const Recording& recording, bool with_bounds);
+
+/// The cost of the labels in echoes.nc, for so many objects and materials of a scene.
+WritingCost cost_of_labels(const Recording& recording, std::size_t objects, std::size_t materials);
 
 /// Of files that are made cell by cell of a ping.
 WritingCost cost_by_cells(const Recording& recording, double seconds_a_cell, double bytes_a_cell);

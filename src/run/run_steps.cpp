@@ -205,9 +205,14 @@ WritingCost expected_writing(const Survey& survey, const RunRequest& request,
                              const PictureSettings& pictures) {
   const bool with_bounds = request.reference_tolerance.has_value();
   const RunContext context = context_of(survey.scene, pictures, with_bounds);
+  constexpr double scene_picture_s = 0.1, scene_picture_bytes = 3e5;  // beyond the files written beside it
   WritingCost all;
+  if (pictures.which != PictureSettings::Which::none) all += {scene_picture_s, 0, scene_picture_bytes};
   for (const Recording& recording : recordings_to_be(survey, request.selection)) {
     all += cost_of_echoes(recording, with_bounds);
+    if (request.truth)
+      all += cost_of_labels(recording, survey.scene.report.components.size(),
+                            survey.scene.description.materials.size());
     if (recording.beam_numbers.empty())
       all += kind_of(recording.sensor->description()).writing_cost(recording, context);
   }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <regex>
 
 #include "fixtures/program.hpp"
 #include "fixtures/scene_texts.hpp"
@@ -112,9 +113,16 @@ TEST_F(RunOutputs, TellWritingBeforeAndAfter) {
   const Outcome checked = run_program({"check", (folder / "scene.toml").string()});
   EXPECT_THAT(checked.out,
               ContainsRegex("expected cost .* then about [0-9.]+ (s|minutes) for writing files"));
-  EXPECT_THAT(checked.out, ContainsRegex("expected disk .* and at most about [0-9.]+ MB for the result"));
+  std::smatch disk;
+  ASSERT_TRUE(std::regex_search(checked.out, disk,
+                                std::regex("expected disk .* and at most about ([0-9.]+) MB for the result")))
+      << checked.out;
   const Outcome outcome = run({"--threads", "1"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  double bytes = 0;
+  for (const auto& file : std::filesystem::directory_iterator(folder / "out"))
+    bytes += static_cast<double>(file.file_size());
+  EXPECT_LE(bytes, 1e6 * std::stod(disk[1].str()));
   EXPECT_THAT(outcome.err, ContainsRegex("writing will take about [0-9.]+ s, and the disk"));
   EXPECT_THAT(outcome.out,
               ContainsRegex("simulation [0-9.]+ s \\([0-9.e+]+ pings a second\\), writing [0-9.]+ s"));

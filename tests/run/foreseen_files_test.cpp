@@ -102,5 +102,31 @@ TEST_F(Foreseen, TheDriftingCameraWritesADidsonFile) {
   EXPECT_EQ(file.number(0, "WindowStart"), 7);  // 2.94 m
 }
 
+// Labels are most of what such a run writes: a channel for each object and each material.
+TEST(ExpectedWriting, CountsLabelsPicturesAndSoundings) {
+  const auto survey = open_survey(read_scene_text(
+      lambert_material("bed", -27) + flat_terrain(20, 20) + fixed_at(0, -3, 1.2) +
+          "[[sensors]]\nname = \"camera\"\nkind = \"didson\"\ntilt_deg = 20\npings = 2\n" +
+          "[[sensors]]\nname = \"swath\"\nkind = \"multibeam\"\nbeams = 100\nsamples = 500\npings = 2\n",
+      "scene.toml"));
+  RunRequest request = request_of(survey->scene.description.run);
+  PictureSettings without_pictures;
+  without_pictures.which = PictureSettings::Which::none;
+  const WritingCost plain = expected_writing(*survey, request, without_pictures),
+                    pictures = expected_writing(*survey, request, {});
+  EXPECT_GT(pictures.seconds_on(1), plain.seconds_on(1));
+  EXPECT_GT(pictures.bytes, plain.bytes);
+  request.truth = true;
+  const WritingCost labels = expected_writing(*survey, request, without_pictures);
+  const double cells = 2.0 * 100 * 500, shares = 2, seconds_per_cell = 1e-7;  // one object, one material
+  EXPECT_GT(labels.seconds_on(1), plain.seconds_on(1) + seconds_per_cell * cells);
+  EXPECT_GT(labels.bytes - plain.bytes, 8 * shares * cells);
+  request.truth = false;
+  request.selection.sensor = "swath";
+  const double seconds_per_sounding = 1e-5;
+  EXPECT_GT(expected_writing(*survey, request, without_pictures).seconds_on(8),
+            2 * 100 * seconds_per_sounding);
+}
+
 }  // namespace
 }  // namespace tubefoot

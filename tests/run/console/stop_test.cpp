@@ -10,6 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
 #include <regex>
@@ -76,14 +77,23 @@ struct Stop : testing::Test {
     surroundings.interrupt_when = [until = Clock::now() + time] { return Clock::now() >= until; };
     return surroundings;
   }
-  /// It ended because it was told to, in the middle of what it was doing.
-  void expect_stopped(const Outcome& outcome) const {
+  /// It ended because it was told to, in the middle of what it was doing. Returns the seconds that it took.
+  double expect_stopped(const Outcome& outcome) const {
     EXPECT_EQ(outcome.signal, 0);
     EXPECT_EQ(outcome.exit_code, 1) << outcome.out;
     EXPECT_THAT(outcome.err, HasSubstr("tubefoot: interrupted: nothing was written"));
     EXPECT_THAT(outcome.out, Not(HasSubstr("wrote")));
     EXPECT_LT(outcome.seconds_to_stop, long_s);
     EXPECT_EQ(names_below(folder.path()), (std::set<std::string>{"scene.toml"}));
+    return outcome.seconds_to_stop;
+  }
+  /// docs/limits.md promises one second. Of three trials the fastest counts, because the machine may be busy.
+  void expect_stopped_within_a_second(const std::vector<std::string>& command,
+                                      const std::string& word) const {
+    double fastest_s = long_s;
+    for (int trial = 0; trial < 3; ++trial)
+      fastest_s = std::min(fastest_s, expect_stopped(run_program(command, stopped_once_said(word))));
+    EXPECT_LT(fastest_s, 1);
   }
 };
 
@@ -110,6 +120,8 @@ TEST_F(Stop, AnAuditInTheMiddleOfAShot) {
                                       stopped_once_said("audited shots 0/1; tubes [0-9]+/[0-9]+"));
   expect_stopped(outcome);
   EXPECT_THAT(outcome.out, Not(HasSubstr("topology hash")));
+  expect_stopped_within_a_second({"audit", scene.string(), "--arithmetic", "rational", "--threads", "1"},
+                                 "audited shots 0/1; tubes [0-9]+/[0-9]+");
 }
 
 TEST_F(Stop, FootprintsInTheMiddleOfAPing) {
@@ -120,9 +132,9 @@ TEST_F(Stop, FootprintsInTheMiddleOfAPing) {
 }
 
 TEST_F(Stop, CoverageInTheMiddleOfAShot) {
-  expect_stopped(run_program({"coverage", scene.string(), "--arithmetic", "rational", "--threads", "1", "-o",
-                              (folder / "coverage.csv").string()},
-                             stopped_once_said("shots 0/1; tubes [0-9]+/[0-9]+")));
+  expect_stopped_within_a_second({"coverage", scene.string(), "--arithmetic", "rational", "--threads", "1",
+                                  "-o", (folder / "coverage.csv").string()},
+                                 "shots 0/1; tubes [0-9]+/[0-9]+");
 }
 
 // Each of 40 pings sees two facets in 48 tubes. A few seconds go into cutting, and ten times as many into
@@ -151,6 +163,7 @@ samples = 64
 pings = 40
 ping_interval_s = 0.5
 )");
+  double fastest_s = long_s;
   for (const std::chrono::seconds later : {std::chrono::seconds(3), std::chrono::seconds(9)}) {
     Surroundings surroundings;
     surroundings.signal = SIGTERM;
@@ -159,10 +172,11 @@ ping_interval_s = 0.5
       if (!said && err.find("facets 1/2") != std::string::npos) said = Clock::now();
       return said && Clock::now() >= *said + later;
     };
-    expect_stopped(
-        run_program({"coverage", scene.string(), "--threads", "1", "-o", (folder / "coverage.csv").string()},
-                    surroundings));
+    fastest_s = std::min(fastest_s, expect_stopped(run_program({"coverage", scene.string(), "--threads", "1",
+                                                                "-o", (folder / "coverage.csv").string()},
+                                                               surroundings)));
   }
+  EXPECT_LT(fastest_s, 1);
 }
 
 TEST_F(Stop, LoadingInItsMiddle) {
