@@ -72,7 +72,7 @@ bool is_with_unit(std::string_view name, std::string_view stem) {
 
 bool is_slip(std::string_view name, std::string_view stem) {
   constexpr std::size_t shortest = 5, long_one = 9;  // of shorter words every second one is near another
-  const auto [less, more] = std::minmax(name.size(), stem.size());
+  const auto [less, more] = std::minmax({name.size(), stem.size()});
   if (less < shortest || more - less > 2 || name.front() != stem.front()) return false;
   return edit_distance(name, stem) <= (less >= long_one ? 2 : 1);
 }
