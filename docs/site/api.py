@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pages of the interfaces: the headers that are installed, a page a room of docs/house.md, and the Python module."""
+"""Pages of the interfaces: the headers that are installed, one page per module of docs/architecture.md, and the Python module."""
 import collections
 import os
 import re
@@ -8,7 +8,7 @@ import headers
 from code_host import Anchors
 from docutils import nodes
 
-ROOMS = ("geometry", "src", "sensors")
+AREAS = ("geometry", "src", "sensors")
 PYTHON = """\
 Python module
 =============
@@ -20,11 +20,11 @@ Python module
 LEAD = """\
 # C++ headers
 
-What an installed tubefoot gives a program of one's own ([how](../docs/packaging.md#a-program-of-your-own)), by the rooms of
-[the house](../docs/house.md): each header with what it declares, without bodies and what is private. All of it is in the
-namespace `tubefoot`. Begin with [an example](../docs/examples/own-sonar/main.cpp), a sonar and an engine of one's own.
+This page lists the headers that an installed tubefoot offers to C++ programs ([guide](../docs/packaging.md#a-program-of-your-own)), by
+the modules of [the architecture](../docs/architecture.md). Each page shows public declarations without bodies. All names are in the
+namespace `tubefoot`. Begin with [the example](../docs/examples/own-sonar/main.cpp), which defines a sonar and an engine.
 
-| room | what it holds |
+| module | content |
 |---|---|
 """
 
@@ -40,28 +40,28 @@ def prose(lines):
     return re.sub(r"^(Law [A-Z]\d+ \([^)]*\):)", r"\n**\1**", text, flags=re.M)
 
 
-def page_name(room):
-    return "api/" + room.replace("/", "-")
+def page_name(module):
+    return "api/" + module.replace("/", "-")
 
 
 def write_pages(sources, site):
-    """Pages of all rooms below a folder of sources, into site/api; returns the types, where they are told."""
-    told = dict(re.findall(r"^\| `([\w/]+)` \| (.*?) \|", (sources / "docs/house.md").read_text(), re.M))
-    rooms = collections.defaultdict(list)
-    for top in ROOMS:
+    """Pages of all modules below a folder of sources, into site/api; returns the types with their pages."""
+    content_of = dict(re.findall(r"^\| `([\w/]+)` \| (.*?) \|", (sources / "docs/architecture.md").read_text(), re.M))
+    modules = collections.defaultdict(list)
+    for top in AREAS:
         for file in sorted((sources / top).rglob("*.hpp")):
-            rooms[file.parent.relative_to(sources).as_posix()].append(file)
-    rooms = {room: rooms[room] for room in sorted(rooms, key=lambda room: (list(told).index(room) if room in told else len(told)))}
+            modules[file.parent.relative_to(sources).as_posix()].append(file)
+    modules = {module: modules[module] for module in sorted(modules, key=lambda module: (list(content_of).index(module) if module in content_of else len(content_of)))}
     places = collections.defaultdict(set)
     (site / "api").mkdir(parents=True, exist_ok=True)
-    for room, files in rooms.items():
-        anchors, page = Anchors(), [f"# {room}", "", told.get(room, "").capitalize() + ".", ""]
-        anchors.next(room)
+    for module, files in modules.items():
+        anchors, page = Anchors(), [f"# {module}", "", content_of.get(module, "").capitalize() + ".", ""]
+        anchors.next(module)
         for file in files:
-            page += page_of(file, sources, anchors, page_name(room), places)
-        (site / f"{page_name(room)}.md").write_text("\n".join(page))
-    listing = "".join(f"| [{room}]({os.path.basename(page_name(room))}.md) | {told.get(room, '')} |\n" for room in rooms)
-    tree = "\n".join(f"{room} <{os.path.basename(page_name(room))}>" for room in rooms)
+            page += page_of(file, sources, anchors, page_name(module), places)
+        (site / f"{page_name(module)}.md").write_text("\n".join(page))
+    listing = "".join(f"| [{module}]({os.path.basename(page_name(module))}.md) | {content_of.get(module, '')} |\n" for module in modules)
+    tree = "\n".join(f"{module} <{os.path.basename(page_name(module))}>" for module in modules)
     (site / "api/index.md").write_text(f"{LEAD}{listing}\n```{{toctree}}\n:hidden:\n\n{tree}\n```\n")
     (site / "api/python.rst").write_text(PYTHON)
     return {name: next(iter(where)) for name, where in places.items() if len(where) == 1}
@@ -85,7 +85,7 @@ def page_of(file, sources, anchors, page, places):
 
 
 def link_types(app, page, template, context, doctree):
-    """Names of types in declarations lead to where they are told."""
+    """Names of types in declarations lead to where they are content_of."""
     types = app.config.tubefoot_types
     if not page.startswith("api/") or not types or "body" not in context:
         return

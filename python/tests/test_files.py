@@ -68,7 +68,7 @@ def written(folder, program):
     (folder / "kinds.toml").write_text(SCENE + MORE_KINDS)
     program("run", folder / "kinds.toml", "-o", folder / "kinds")
     program("run", folder / "scene.toml", "-o", folder / "one", "--sensor", "camera")
-    program("run", folder / "scene.toml", "-o", folder / "labels", "--truth")
+    program("run", folder / "scene.toml", "-o", folder / "labels", "--labels")
     program("run", folder / "scene.toml", "-o", folder / "bounds", "--reference", "--tolerance", "1e-3")
     program("footprints", folder / "scene.toml", "--sensor", "camera", "-o", folder / "footprints.nc")
     program("strength", folder / "thing.obj", "--frequency", "5kHz", "-o", folder / "strength.nc")

@@ -40,7 +40,7 @@ def test_labels_go_by_a_level_below_the_patterns_peak(folder, program):
     text = (folder / "scene.toml").read_text()
     scene = folder / "scene.toml"
     scene.write_text(text.replace("beams = 8\n", 'beams = 8\nreceive_pattern = "line"\nreceive_aperture_m = 0.1\n'))
-    program("run", folder / "scene.toml", "-o", folder / "out", "--truth", "--label-level", "3")
+    program("run", folder / "scene.toml", "-o", folder / "out", "--labels", "--label-level", "3")
     result = tubefoot.run(scene, truth=True, label_level=3, output=folder / "module")
     assert (folder / "module" / "echoes.nc").read_bytes() == (folder / "out" / "echoes.nc").read_bytes()
     whole = tubefoot.run(scene, truth=True, label_level=1000)
@@ -55,7 +55,7 @@ def test_labels_go_by_a_level_below_the_patterns_peak(folder, program):
 
 
 def test_whose_energies_are_is_what_the_commands_file_says(scene, folder, program):
-    program("run", folder / "scene.toml", "-o", folder / "out", "--truth")
+    program("run", folder / "scene.toml", "-o", folder / "out", "--labels")
     result = tubefoot.run(scene, truth=True, output=folder / "module")
     assert tubefoot.run(scene)["camera"].truth is None
     with netCDF4.Dataset(folder / "out" / "echoes.nc") as file:

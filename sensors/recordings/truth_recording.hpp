@@ -28,7 +28,7 @@ struct TruthPing {
   std::vector<std::int16_t> object_label, material_label;
 };
 
-/// Whose the energies of a recording are, and where they come from: what `run --truth` keeps.
+/// Whose the energies of a recording are, and where they come from: what `run --labels` keeps.
 struct TruthRecording {
   static constexpr std::int16_t no_label = -1;
   struct Owner {

@@ -45,6 +45,9 @@ void add_common(CLI::App& command, CommonOptions& options);
 /// CLI11's own range checks let NaN through, as it is neither too small nor too large.
 CLI::Validator finite_number(double least, bool above);
 
+/// Of the folder of a run, its echoes.nc; every other name stays as it is.
+CLI::Validator echoes_of_run();
+
 // The commands that end in a result folder (asked_run.cpp).
 void add_run(CLI::App& app, Asked& asked);
 void add_join(CLI::App& app, Asked& asked);

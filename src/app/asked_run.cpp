@@ -66,21 +66,21 @@ void add_run(CLI::App& app, Asked& asked) {
                       "let facets become fewer and larger where no point of them moves by more than this "
                       "part of what the scene's sonars tell apart there, 0 to 1 (default: 0, not at all; "
                       "docs/coarse.md)");
-  command->add_flag("--truth", run.truth,
-                    "write beside every energy whose it is, by object and material, and its mean height and "
-                    "range (docs/truth.md)");
+  command->add_flag("--labels", run.truth,
+                    "write the shares of objects and materials in each range bin, its label, mean height and "
+                    "mean range (docs/truth.md)");
   command->add_option(
       "--label-level", run.label_level_db,
-      "with --truth: an object owns a label only through what beams receive within so many dB "
-      "of their pattern's two-way peak (default: 20)");
+      "with --labels: label a range bin by contributions within this many dB of the two-way peak of the "
+      "beam pattern (default: 20)");
   command->add_flag(
       "--resume", run.resume,
       "go on with a run that was interrupted or killed, from '<output>.partial'; begin if there is "
       "none");
   command->add_option(
-      "--part", run.part,
-      "compute only part I of N (I/N) of the pings, into '<output>.part-I-of-N'; 'join' makes "
-      "the result of all parts");
+      "--shard", run.part,
+      "compute only shard I of N (I/N) of the pings, into '<output>.part-I-of-N'; 'join' combines all "
+      "shards");
   command->footer(
       "Example:\n  tubefoot run scenes/wellhead/scene.toml -o out/wellhead\n"
       "  tubefoot run scenes/wellhead/scene.toml -o out/some --sensor sidescan --pings 100:120");
@@ -89,8 +89,7 @@ void add_run(CLI::App& app, Asked& asked) {
 
 void add_join(CLI::App& app, Asked& asked) {
   JoinOptions& join = asked.join;
-  CLI::App* command =
-      app.add_subcommand("join", "Make the result of a run that was computed in parts (run --part)");
+  CLI::App* command = app.add_subcommand("join", "Combine the shards of a run (run --shard)");
   command->add_option("SCENE", join.scene, "the scene file of the parts")->required();
   command
       ->add_option("-o,--output", join.output,
@@ -102,8 +101,8 @@ void add_join(CLI::App& app, Asked& asked) {
       ->check(CLI::Range(1, 4096));
   add_scene_flags(*command, join);
   command->footer(
-      "Example:\n  tubefoot run scenes/wellhead/scene.toml -o out/wellhead --part 1/2\n"
-      "  tubefoot run scenes/wellhead/scene.toml -o out/wellhead --part 2/2\n"
+      "Example:\n  tubefoot run scenes/wellhead/scene.toml -o out/wellhead --shard 1/2\n"
+      "  tubefoot run scenes/wellhead/scene.toml -o out/wellhead --shard 2/2\n"
       "  tubefoot join scenes/wellhead/scene.toml -o out/wellhead");
   command->callback([&asked] { asked.command = [&asked] { return join_command(asked.join); }; });
 }

@@ -129,13 +129,18 @@ void add_view(CLI::App& app, Asked& asked) {
   command->add_option("--pings", view.pings,
                       "pings A:B, both included, counted from 0 (default: 0; of a sidescan or an echosounder "
                       "as many as a page shows well)");
-  CLI::Option* candidate = command->add_option(
-      "--candidate", view.candidate,
-      "echo file of another engine: its picture, and how far it is from this one, beside the scene");
+  CLI::Option* candidate =
+      command
+          ->add_option(
+              "--candidate", view.candidate,
+              "echo file of another engine, or the folder of its run: show its picture and its error")
+          ->transform(echoes_of_run());
   command
-      ->add_option("--reference", view.reference,
-                   "with --candidate: echo file of the picture that it is held against (default: RESULT's)")
-      ->needs(candidate);
+      ->add_option(
+          "--reference", view.reference,
+          "with --candidate: echo file of the reference, or the folder of its run (default: RESULT's)")
+      ->needs(candidate)
+      ->transform(echoes_of_run());
   command->add_option("--scene", view.moved_scene, "where the scene of RESULT is, if it has moved");
   command
       ->add_option("--arithmetic", view.arithmetic,
@@ -185,8 +190,10 @@ void add_presets(CLI::App& app, Asked& asked) {
   PresetsOptions& presets = asked.presets;
   CLI::App* command =
       app.add_subcommand("presets", "List the sonars that a scene's sensors can be, with their sources");
-  command->add_option("NAME", presets.name, "print this one's keys, as a scene file has them");
-  command->footer("Example:\n  tubefoot presets klein-3000-445");
+  command->add_option(
+      "NAME", presets.name,
+      "print the keys of the preset with this name, or list the presets that contain this text");
+  command->footer("Example:\n  tubefoot presets oculus\n  tubefoot presets klein-3000-445");
   command->callback([&asked] { asked.command = [&asked] { return presets_command(asked.presets); }; });
 }
 

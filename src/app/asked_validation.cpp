@@ -28,14 +28,21 @@ void add_import_scene(CLI::App& app, Asked& asked) {
 void add_compare(CLI::App& app, Asked& asked) {
   CompareOptions& compare = asked.compare;
   CLI::App* command = app.add_subcommand("compare", "Measure how far one engine's echoes are from another's");
-  command->add_option("REFERENCE", compare.reference, "echo file taken for true (docs/echo-file.md)")
-      ->required();
-  command->add_option("CANDIDATE", compare.candidate, "echo file of the engine in question")->required();
+  command
+      ->add_option("REFERENCE", compare.reference,
+                   "echo file of the reference, or the folder of its run (docs/echo-file.md)")
+      ->required()
+      ->transform(echoes_of_run());
+  command
+      ->add_option("CANDIDATE", compare.candidate,
+                   "echo file of the engine under test, or the folder of its run")
+      ->required()
+      ->transform(echoes_of_run());
   command->add_option(
       "--html", compare.html,
       "write one page into this file: findings (--diagnose), with --scene whose the error is, pictures, "
       "figures, how to repeat it");
-  command->add_option("--recipe", compare.recipe,
+  command->add_option("--output-model", compare.recipe,
                       "put the reference into the candidate's own measure by the steps of this file "
                       "(docs/recipes.md)");
   command->add_option("--json", compare.json, "write all figures into this file; -: print them instead");
@@ -65,7 +72,8 @@ void add_compare(CLI::App& app, Asked& asked) {
           "--ideal", compare.ideal,
           "with --diagnose: what of the error a perfect engine of this sampling would have: 1x512 (columns x "
           "rays of each beam) or points:512 (at random), with --scene; or an echo file of one")
-      ->needs("--diagnose");
+      ->needs("--diagnose")
+      ->transform(echoes_of_run());
   CLI::Option* scene =
       command->add_option("--scene", compare.scene, "the scene that the reference was computed of");
   command
@@ -102,8 +110,10 @@ void add_import(CLI::App& app, Asked& asked) {
   command->add_option("-o,--output", import.output, "echo file to write (.nc); originals go beside it")
       ->required();
   CLI::Option* like =
-      command->add_option("--like", import.like,
-                          "echo file of the reference: beams, ranges and poses, and the truth to test with");
+      command
+          ->add_option("--like", import.like,
+                       "echo file of the reference, or the folder of its run: beams, ranges, poses, energies")
+          ->transform(echoes_of_run());
   CLI::Option* scene =
       command->add_option("--scene", import.scene, "scene file instead: the reference is run for it")
           ->excludes(like);
@@ -157,7 +167,8 @@ void add_import(CLI::App& app, Asked& asked) {
   command->add_option("--azimuth-variable", import.azimuth_variable, "and that of its azimuths, in radians");
   command->add_option("--topic", import.topic,
                       "of a recording of ROS 2, the topic of the pictures (default: the only one with any)");
-  command->add_option("--recipe", import.recipe, "test against the truth in the engine's own measure");
+  command->add_option("--output-model", import.recipe,
+                      "output model of the engine, to test against the reference in its units");
   command->add_flag("--strict", import.strict, "refuse what the truth refutes, instead of a warning");
   command->add_flag("--confined", import.confined,
                     "of a scene, read nothing that lies outside of its file's folder, links followed");

@@ -131,7 +131,7 @@ std::string command_of(const CompareOptions& options) {
   if (options.sensor) command += " --sensor " + *options.sensor;
   if (options.any_scene) command += " --any-scene";
   if (options.frames > 1) command += fmt::format(" --frames {}", options.frames);
-  if (options.recipe) command += " --recipe " + options.recipe->string();
+  if (options.recipe) command += " --output-model " + options.recipe->string();
   if (!options.fit.empty()) command += " --fit " + options.fit;
   if (options.geometry) command += " --geometry";
   if (options.threshold) command += fmt::format(" --threshold {}", *options.threshold);

@@ -7,6 +7,8 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
@@ -25,6 +27,7 @@
 #include "files/library_settings.hpp"
 #include "files/shown.hpp"
 #include "files/usage_error.hpp"
+#include "files/words.hpp"
 #include "geometry/steps/stop.hpp"
 #include "run/console/exhausted.hpp"
 #include "run/console/interrupt.hpp"
@@ -43,6 +46,17 @@ CLI::Validator finite_number(double least, bool above) {
         return fmt::format("'{}' is no number {} {:g}", text, above ? "above" : "of at least", least);
       },
       "NUMBER");
+}
+
+CLI::Validator echoes_of_run() {
+  return CLI::Validator(
+      [](std::string& text) -> std::string {
+        const std::filesystem::path inside = std::filesystem::path(text) / "echoes.nc";
+        std::error_code unknown;
+        if (std::filesystem::is_regular_file(inside, unknown)) text = inside.string();
+        return {};
+      },
+      "");
 }
 
 void add_common(CLI::App& command, CommonOptions& options) {
@@ -67,17 +81,47 @@ void hold_closed_streams() {
     if (fcntl(stream, F_GETFD) < 0 && errno == EBADF && open("/dev/null", O_RDONLY) < 0) return;
 }
 
-/// Says so, where the first word is no command.
-bool refused_first_word(const CLI::App& app, int argc, char** argv) {
-  const auto is_named = [&](const CLI::App* sub) { return argc > 1 && sub->get_name() == argv[1]; };
-  if (argc < 2 || argv[1][0] == '-' || !app.get_subcommands(is_named).empty()) return false;
+/// Options of earlier versions. They keep their meaning and cause a warning.
+struct RenamedOption {
+  std::string_view before, now;
+};
+constexpr std::array renamed_options{RenamedOption{"--labels", "--labels"},
+                                     RenamedOption{"--output-model", "--output-model"},
+                                     RenamedOption{"--shard", "--shard"}};
+
+/// The words of the command line with present names of options, and `help COMMAND` as `COMMAND --help`.
+std::vector<std::string> present_words(int argc, char** argv) {
+  std::vector<std::string> words(argv, argv + argc);
+  const bool quiet = std::ranges::find(words, "--quiet") != words.end() || is_later_rank();
+  for (std::size_t k = 2; k < words.size() && words[k] != "--"; ++k)
+    for (const auto& [before, now] : renamed_options)
+      if (words[k] == before || words[k].starts_with(fmt::format("{}=", before))) {
+        words[k].replace(0, before.size(), now);
+        if (!quiet) say("warning: {} is deprecated: use {}\n", before, now);
+        break;
+      }
+  if (words.size() > 1 && words[1] == "help") {
+    words.erase(words.begin() + 1);
+    words.resize(std::min<std::size_t>(words.size(), 2));
+    words.emplace_back("--help");
+  }
+  return words;
+}
+
+/// Reports a missing or unknown command. Returns whether there is a command to parse.
+bool has_command(const CLI::App& app, const std::vector<std::string>& words) {
+  if (words.size() < 2) {
+    say("{}", app.help());
+    return false;
+  }
   std::vector<std::string> names;
   for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; }))
     names.push_back(sub->get_name());
-  const std::string last = names.back();
-  names.pop_back();
-  say("tubefoot: there is no command '{}': {} or {}\n", argv[1], fmt::join(names, ", "), last);
-  return true;
+  if (words[1].starts_with('-') || std::ranges::find(names, words[1]) != names.end()) return true;
+  const std::string_view meant = nearest(words[1], names);
+  say("tubefoot: unknown command '{}': {}'tubefoot help' lists the commands\n", words[1],
+      meant.empty() ? std::string() : fmt::format("did you mean '{}'? ", meant));
+  return false;
 }
 
 /// Calls the command; what it throws becomes a message and an exit code.
@@ -130,9 +174,12 @@ int obeyed(int argc, char** argv) {
                          add_view, add_refine, add_export, add_import_scene, add_compare, add_import,
                          add_chart, add_advise, add_presets, add_pack})
     add(app, asked);
-  if (refused_first_word(app, argc, argv)) return wrong_input;
+  std::vector<std::string> words = present_words(argc, argv);
+  if (!has_command(app, words)) return wrong_input;
   try {
-    app.parse(argc, argv);
+    std::vector<const char*> pointers;
+    for (const std::string& word : words) pointers.push_back(word.c_str());
+    app.parse(static_cast<int>(pointers.size()), pointers.data());
   } catch (const CLI::ParseError& error) {
     // Several ranks read the same command: one complains.
     if (argc > 1 && std::string_view(argv[1]) == "run" && is_later_rank()) return done;

@@ -90,9 +90,9 @@ int run_part(const RunOptions& options) {
   if (is_later_rank()) return 0;  // the first says it
   if (is_one_of_several_ranks())
     throw UsageError(
-        "--part is for processes that know nothing of each other, and mpirun shares a run among its own: "
+        "--shard is for processes that know nothing of each other, and mpirun shares a run among its own: "
         "leave "
-        "out --part, or start each part by itself");
+        "out --shard, or start each part by itself");
   SceneDescription description = described(options);
   const RunRequest request = requested(options, description);
   if (request.tolerance)

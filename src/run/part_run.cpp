@@ -108,7 +108,7 @@ UsageError damaged_identity(const fs::path& file) {
 PartNumber parse_part(const std::string& text) {
   if (const std::optional<PartNumber> part = part_in(text, "/")) return *part;
   throw UsageError(
-      fmt::format("--part '{}': expected a part and how many there are, 1/8 to 8/8, and no more than {}",
+      fmt::format("--shard '{}': expected a part and how many there are, 1/8 to 8/8, and no more than {}",
                   text, most_parts));
 }
 
@@ -249,7 +249,7 @@ RunParts::RunParts(const fs::path& output) : output_(output) {
   if (found.empty())
     throw UsageError(
         fmt::format("there is no part of a run beside '{}' ('{}1-of-...'): compute them first (tubefoot run "
-                    "SCENE -o {} --part 1/8)",
+                    "SCENE -o {} --shard 1/8)",
                     output.string(), any.string(), output.string()));
   if (found.size() > 1)
     throw UsageError(
@@ -264,7 +264,7 @@ RunParts::RunParts(const fs::path& output) : output_(output) {
     if (!std::binary_search(there.begin(), there.end(), number)) missing.push_back(number);
   if (!missing.empty())
     throw UsageError(fmt::format(
-        "of {} parts {} {} missing ('{}' is not there): compute {} with --part {}/{}{}", count_,
+        "of {} parts {} {} missing ('{}' is not there): compute {} with --shard {}/{}{}", count_,
         listed(missing), missing.size() == 1 ? "is" : "are", path_of(missing[0]).string(),
         missing.size() == 1 ? "it" : "them", missing[0], count_, missing.size() == 1 ? "" : " and so on"));
 }
@@ -277,14 +277,14 @@ std::unique_ptr<PartFile> RunParts::opened(int number) const {
   try {
     auto file = std::make_unique<PartFile>(path);
     if (file->identity().empty())
-      throw UsageError(fmt::format("{} has no pings yet ('{}'): compute it with --part {}/{}", in_words(part),
-                                   path.string(), number, count_));
+      throw UsageError(fmt::format("{} has no pings yet ('{}'): compute it with --shard {}/{}",
+                                   in_words(part), path.string(), number, count_));
     return file;
   } catch (const StoreInUse&) {
     throw UsageError(fmt::format("{} is being computed ('{}'): wait for it", in_words(part), path.string()));
   } catch (const UnusableStore& error) {
     throw UsageError(
-        fmt::format("{}: delete it, and compute it again with --part {}/{}", error.what(), number, count_));
+        fmt::format("{}: delete it, and compute it again with --shard {}/{}", error.what(), number, count_));
   }
 }
 
@@ -308,7 +308,7 @@ void RunParts::require(const Json& asked) const {
                                      identity.at("part").dump(), identity.at("parts").dump()));
       refuse_other_request(identity.at("asked"), asked,
                            {part, fmt::format("delete the parts that were asked for otherwise, and compute "
-                                              "them again (--part {}/{})",
+                                              "them again (--shard {}/{})",
                                               number, count_)});
     } catch (const Json::exception&) {
       throw damaged_identity(file->path());
@@ -337,7 +337,7 @@ void RunParts::require_whole(const PartDeal& deal) const {
   }
   if (unfinished.empty()) return;
   throw UsageError(
-      fmt::format("{}{}: compute {} with --part {}/{} --resume", example,
+      fmt::format("{}{}: compute {} with --shard {}/{} --resume", example,
                   unfinished.size() > 1 ? fmt::format("; unfinished are parts {}", listed(unfinished)) : "",
                   unfinished.size() > 1 ? "them" : "the others", unfinished[0], count_));
 }
@@ -356,7 +356,7 @@ void RunParts::hand_over(const PartDeal& deal, PingStore& store, bool quiet) con
       } catch (const DamagedPing& error) {
         throw UsageError(
             fmt::format("{} ('{}') is damaged at {} ({}): delete it, and compute it again with "
-                        "--part {}/{}",
+                        "--shard {}/{}",
                         in_words({number, count_}), file->path().string(), deal.in_words(unit), error.what(),
                         number, count_));
       }

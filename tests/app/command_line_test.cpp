@@ -52,6 +52,53 @@ TEST_F(CommandLine, HelpOfEverySubcommandShowsAnExample) {
     EXPECT_THAT(outcome.out, HasSubstr("\n  " + std::string(command) + " "));
 }
 
+TEST_F(CommandLine, HelpIsACommandToo) {
+  EXPECT_EQ(run_program({"help"}).out, run_program({"--help"}).out);
+  EXPECT_EQ(run_program({"help", "footprints"}).out, run_program({"footprints", "--help"}).out);
+  expect_refused({"help", "footprint"}, "unknown command 'footprint': did you mean 'footprints'?");
+}
+
+TEST_F(CommandLine, PresetsAreListedByAPartOfTheirName) {
+  const std::string listed = run_program({"presets", "Oculus"}).out;
+  std::size_t presets = 0;
+  for (std::size_t at = listed.find("\noculus-"); at != std::string::npos;
+       at = listed.find("\noculus-", at + 1))
+    ++presets;
+  EXPECT_THAT(listed, testing::StartsWith("oculus-"));
+  EXPECT_EQ(presets + 1, 6u) << listed;
+  EXPECT_THAT(run_program({"presets", "ping360"}).out, HasSubstr("kind = \"scanning\""));
+  expect_refused({"presets", "ocullus-m750d-750"}, "did you mean 'oculus-m750d-750'?");
+  expect_refused({"presets", "xyzzy"}, "no preset matches 'xyzzy': 'tubefoot presets' lists all");
+}
+
+TEST_F(CommandLine, EarlierNamesOfOptionsKeepTheirMeaningWithAWarning) {
+  const Outcome labels = run_program({"run", scene, "-o", output, "--truth", "--pictures", "none"});
+  EXPECT_EQ(labels.exit_code, 0) << labels.err;
+  EXPECT_THAT(labels.err, HasSubstr("warning: --truth is deprecated: use --labels"));
+  EXPECT_THAT(run_program({"run", scene, "-o", output + "2", "--truth", "--pictures", "none", "--quiet"}).err,
+              Not(HasSubstr("deprecated")));
+  const Outcome shard = run_program({"run", scene, "-o", output + "3", "--part=1/1"});
+  EXPECT_EQ(shard.exit_code, 0) << shard.err;
+  EXPECT_THAT(shard.err, HasSubstr("warning: --part is deprecated: use --shard"));
+  EXPECT_THAT(names_below(folder.path()), testing::Contains("results3.part-1-of-1"));
+  const std::string echoes = (folder / "results").string();
+  const Outcome recipe =
+      run_program({"compare", echoes, echoes, "--recipe", (folder / "none.toml").string()});
+  EXPECT_EQ(recipe.exit_code, 2);
+  EXPECT_THAT(recipe.err, HasSubstr("warning: --recipe is deprecated: use --output-model"));
+  EXPECT_THAT(recipe.err, HasSubstr("none.toml"));
+}
+
+TEST_F(CommandLine, TheFolderOfARunStandsForItsEchoes) {
+  ASSERT_EQ(run_program({"run", scene, "-o", output, "--pictures", "none"}).exit_code, 0);
+  const Outcome by_folder = run_program({"compare", output, output}),
+                by_file = run_program({"compare", output + "/echoes.nc", output + "/echoes.nc"});
+  EXPECT_EQ(by_folder.exit_code, 0) << by_folder.err;
+  EXPECT_EQ(by_folder.out, by_file.out);
+  EXPECT_THAT(run_program({"compare", folder.path().string(), output}).err,
+              HasSubstr("is a folder, expected an echo file (echoes.nc)"));
+}
+
 TEST_F(CommandLine, VersionIsPrinted) {
   const Outcome outcome = run_program({"--version"});
   EXPECT_EQ(outcome.exit_code, 0);
@@ -92,8 +139,8 @@ TEST_F(CommandLine, NumbersThatAreNoneAreRefused) {
 }
 
 TEST_F(CommandLine, WhatCannotBeMeantIsRefused) {
-  expect_refused({}, "subcommand");
-  expect_refused({"paint", scene}, "paint");
+  expect_refused({}, "\n  footprints ");
+  expect_refused({"paint", scene}, "unknown command 'paint': 'tubefoot help' lists the commands");
   expect_refused({"run"}, "required");
   expect_refused({"run", scene}, "--output is required");
   expect_refused({"run", scene, "-o", ""}, "-o");

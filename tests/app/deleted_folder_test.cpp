@@ -36,7 +36,7 @@ TEST_F(DeletedFolder, IsNamedByEveryCommandThatWritesBesideIt) {
   const std::string scene = at("scene.toml"), echoes = at("out/echoes.nc");
   const std::vector<std::vector<std::string>> commands{
       {"run", scene, "-o", "here"},
-      {"run", scene, "-o", "here", "--part", "1/2"},
+      {"run", scene, "-o", "here", "--shard", "1/2"},
       {"join", scene, "-o", "here"},
       {"footprints", scene, "--sensor", "camera", "-o", "here.csv"},
       {"coverage", scene, "-o", "here.csv"},

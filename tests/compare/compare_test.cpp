@@ -394,11 +394,11 @@ TEST_F(Compare, FramesAreAveraged) {
 TEST_F(Compare, ARecipePutsTheReferenceIntoTheCandidatesMeasure) {
   const std::string recipe = folder.write("recipe.toml", "[[steps]]\nstep = \"amplitude\"\n").string();
   for (double& energy : candidate.variables["energy"].values) energy = std::sqrt(energy);
-  EXPECT_EQ(figures({"--recipe", recipe})["sensors"][0]["l1_error"], 0);
-  EXPECT_EQ(figures({"--recipe", recipe})["recipe"]["file"], recipe);
+  EXPECT_EQ(figures({"--output-model", recipe})["sensors"][0]["l1_error"], 0);
+  EXPECT_EQ(figures({"--output-model", recipe})["recipe"]["file"], recipe);
   folder.write("recipe.toml", "[[steps]]\nstep = \"mean\"\n");
-  EXPECT_THAT(compare({"--recipe", recipe}).err, HasSubstr("needs the solid angle"));
-  EXPECT_EQ(compare({"--recipe", path("absent.toml")}).exit_code, 2);
+  EXPECT_THAT(compare({"--output-model", recipe}).err, HasSubstr("needs the solid angle"));
+  EXPECT_EQ(compare({"--output-model", path("absent.toml")}).exit_code, 2);
 }
 
 TEST_F(Compare, APageHasFindingsPictureFiguresAndTheCommand) {

@@ -194,8 +194,8 @@ using Names = std::vector<std::string>;
 
     def test_every_type_of_every_header_is_told(self):
         sources, types = BUILD.parents[2], 0
-        for room in ("geometry", "src", "sensors"):
-            for file in (sources / room).rglob("*.hpp"):
+        for area in ("geometry", "src", "sensors"):
+            for file in (sources / area).rglob("*.hpp"):
                 text = file.read_text()
                 told = {name for entry in headers.declared(text) for name in entry.types}
                 wanted = set(re.findall(r"^(?:class|struct|enum class) (\w+)[^;(]*\{$", text, re.M))
@@ -207,10 +207,10 @@ using Names = std::vector<std::string>;
 class WrongSites(unittest.TestCase):
     """A small site with one fault of each kind: the builder names each at its line."""
     PAGES = {
-        "README.md": "# Read me\n\nSee [the house](docs/house.md#rooms).\n",
+        "README.md": "# Read me\n\nSee [the architecture](docs/architecture.md#modules).\n",
         "docs/site/index.md": "# Front\n\n[All](docs/index.md)\n",
-        "docs/index.md": "# Documents\n\n## Learning\n\n- [Read me](../README.md)\n- [House](house.md)\n",
-        "docs/house.md": "# House\n\n## Rooms\n\n| room | what it holds | may include |\n|---|---|---|\n"
+        "docs/index.md": "# Documents\n\n## Learning\n\n- [Read me](../README.md)\n- [Architecture](architecture.md)\n",
+        "docs/architecture.md": "# Architecture\n\n## Modules\n\n| module | content | may include |\n|---|---|---|\n"
                          "| `geometry/numbers` | numbers | |\n\n```math\n\\frac{1}{2}\n```\n",
         "geometry/numbers/point.hpp": "namespace tubefoot {\n\n/// A point.\nstruct Point {\n  int x = 0;\n};\n\n}  // namespace tubefoot\n",
         "docs/packaging.md": "# Packages\n\n## A program of your own\n",
@@ -235,7 +235,7 @@ class WrongSites(unittest.TestCase):
     def test_each_fault_is_named(self):
         faults = {
             "[a](docs/nowhere.md)": "no such file: docs/nowhere.md",
-            "[b](docs/house.md#cellar)": "no such heading: docs/house.md#cellar",
+            "[b](docs/architecture.md#cellar)": "no such heading: docs/architecture.md#cellar",
             "[c](docs)": "a folder, which has no page: docs",
             "![d](docs/nothing.png)": "image file not readable: docs/nothing.png",
             "[e](../outside.md)": "no such file: ../outside.md",

@@ -34,7 +34,7 @@ struct Asked {
 const std::vector<Asked> of_runs{{Feature::reference, {"run", "--reference", "--tolerance", "1e-2"}},
                                  {Feature::double_arithmetic, {"run", "--arithmetic", "double"}},
                                  {Feature::fast_binning, {"run", "--binning", "centroid"}},
-                                 {Feature::truth, {"run", "--truth"}},
+                                 {Feature::truth, {"run", "--labels"}},
                                  {Feature::coarsening, {"run", "--coarsen", "1e-2"}},
                                  {Feature::rays, {"run", "--engine", "ray", "--rays-per-beam", "30000"}}};
 const std::vector<Asked> of_commands{

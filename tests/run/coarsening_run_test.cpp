@@ -109,7 +109,7 @@ TEST_F(CoarseningRun, IsTheSameForAnyThreadsAndInParts) {
   stats_of(scene, {"--coarsen", "0.05", "--threads", "3"});
   EXPECT_EQ(bytes_of(folder / "out1" / "echoes.nc"), bytes_of(folder / "out2" / "echoes.nc"));
   ++runs;
-  EXPECT_EQ(tried(scene, {"--coarsen", "0.05", "--part", "1/1"}).exit_code, 0);
+  EXPECT_EQ(tried(scene, {"--coarsen", "0.05", "--shard", "1/1"}).exit_code, 0);
   const Outcome joined =
       run_program({"join", (folder / "scene.toml").string(), "-o", output().string(), "--pictures", "none"});
   EXPECT_EQ(joined.exit_code, 0) << joined.err;

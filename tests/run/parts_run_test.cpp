@@ -37,7 +37,7 @@ struct Parts : testing::Test {
     return run_program(words, surroundings);
   }
   Outcome part(int number, int of, Words more = {}, const Surroundings& surroundings = {}) const {
-    more.insert(more.end(), {"--part", fmt::format("{}/{}", number, of)});
+    more.insert(more.end(), {"--shard", fmt::format("{}/{}", number, of)});
     return run(results, more, surroundings);
   }
   fs::path file(int number, int of) const {
@@ -83,8 +83,8 @@ TEST_F(Parts, JoinToTheBytesOfOneRun) {
   const fs::path whole = folder / "whole";
   for (const Words& asked : std::vector<Words>{{},
                                                {"--reference", "--tolerance", "1e-6", "--sensor", "side"},
-                                               {"--truth", "--seed", "7"},
-                                               {"--truth", "--label-level", "6", "--pings", "1:2"},
+                                               {"--labels", "--seed", "7"},
+                                               {"--labels", "--label-level", "6", "--pings", "1:2"},
                                                {"--engine", "ray", "--rays", "500", "--pings", "1:2"}}) {
     ASSERT_EQ(run(whole, asked).exit_code, 0);
     for (const int of : {1, 3, 7}) {
@@ -166,7 +166,7 @@ TEST_F(Parts, OfAnotherRunAreRefused) {
   expect_refused("part 2 of 2 ('" + file(2, 2).string() + "') had arithmetic = \"filtered\", not \"fixed\"");
   for (const int k : {1, 2}) {
     fs::remove(file(k, 2));
-    ASSERT_EQ(part(k, 2, {"--truth", "--label-level", k == 1 ? "20" : "12"}).exit_code, 0);
+    ASSERT_EQ(part(k, 2, {"--labels", "--label-level", k == 1 ? "20" : "12"}).exit_code, 0);
   }
   expect_refused("label_level_db = 12");
   for (const int k : {1, 2}) fs::remove(file(k, 2));
@@ -211,12 +211,12 @@ TEST_F(Parts, NeedSettingsThatDoNotDependOnTheMachine) {
     EXPECT_EQ(outcome.exit_code, 2);
     EXPECT_THAT(outcome.err, HasSubstr(why));
   };
-  refused({"--part", "1/2", "--tolerance", "10%"}, "tubefoot advise");
+  refused({"--shard", "1/2", "--tolerance", "10%"}, "tubefoot advise");
   for (const char* word : {"0/2", "3/2", "1", "1/", "/2", "1/2/3", "1/x", "01/2", "-1/2", "1/10001"})
-    refused({"--part", word}, "expected a part and how many there are");
+    refused({"--shard", word}, "expected a part and how many there are");
   Surroundings surroundings;
   surroundings.before = {"/usr/bin/env", "OMPI_COMM_WORLD_SIZE=2", "OMPI_COMM_WORLD_RANK=0"};
-  EXPECT_THAT(run(results, {"--part", "1/2"}, surroundings).err, HasSubstr("mpirun shares a run"));
+  EXPECT_THAT(run(results, {"--shard", "1/2"}, surroundings).err, HasSubstr("mpirun shares a run"));
   EXPECT_EQ(names(), (std::set<std::string>{"scene.toml", "thing.obj"}));
 }
 

@@ -293,7 +293,7 @@ TEST_F(TruthOf, OtherEnginesKeepTheWholeToo) {
 
 TEST_F(TruthOf, TheFileHasItAndTheFolderPictures) {
   const auto scene = folder.write("scene.toml", still_life), out = folder / "out", plain = folder / "plain";
-  const Outcome outcome = run_program({"run", scene.string(), "-o", out.string(), "--truth"});
+  const Outcome outcome = run_program({"run", scene.string(), "-o", out.string(), "--labels"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("camera-truth-0000.png"));
   EXPECT_TRUE(names_below(out).contains("camera-truth-0000.png"));
@@ -321,7 +321,7 @@ TEST_F(TruthOf, EverySensorHasItsOwn) {
       "[[sensors]]\nname = \"below\"\nkind = \"echosounder\"\nrange_max_m = 5\nsamples = 20\n";
   const auto out = folder / "out";
   const Outcome outcome =
-      run_program({"run", folder.write("scene.toml", two).string(), "-o", out.string(), "--truth"});
+      run_program({"run", folder.write("scene.toml", two).string(), "-o", out.string(), "--labels"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const NetcdfReader file(out / "echoes.nc");
   for (const char* group : {"/camera", "/side", "/below"}) {
@@ -579,15 +579,15 @@ TEST_F(TruthOf, TheFileNamesTheLevelOfItsLabels) {
   const auto scene = folder.write("scene.toml", ball_in_side_lobes());
   const auto out = folder / "out";
   const Outcome outcome =
-      run_program({"run", scene.string(), "-o", out.string(), "--truth", "--label-level", "12"});
+      run_program({"run", scene.string(), "-o", out.string(), "--labels", "--label-level", "12"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const NetcdfReader file(out / "echoes.nc");
   EXPECT_THAT(file.text("/", "long_name", "object_label"),
               HasSubstr("within 12 dB of its pattern's two-way peak"));
   for (const auto& [words, why] : std::vector<std::pair<std::vector<std::string>, std::string>>{
-           {{"--label-level", "12"}, "add --truth"},
-           {{"--truth", "--label-level", "0"}, "--label-level 0: expected decibels"},
-           {{"--truth", "--label-level", "nan"}, "--label-level"}}) {
+           {{"--label-level", "12"}, "add --labels"},
+           {{"--labels", "--label-level", "0"}, "--label-level 0: expected decibels"},
+           {{"--labels", "--label-level", "nan"}, "--label-level"}}) {
     std::vector<std::string> command{"run", scene.string(), "-o", (folder / "none").string()};
     command.insert(command.end(), words.begin(), words.end());
     const Outcome refused = run_program(command);

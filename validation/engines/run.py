@@ -134,14 +134,14 @@ def run_engine(name, scene_folder, truth, tools, folder, quick):
     candidate, recipe = folder / "echoes.nc", folder / "recipe.toml"
     options = engine.declared(sonar)
     write_recipe(recipe, engine.TITLE, truth.file(angles=True), engine.recipe(scene, sonar))
-    said = imported([tools.program, "import", folder / engine.PICTURE, "--like", truth.file(), *options, "--recipe", recipe,
+    said = imported([tools.program, "import", folder / engine.PICTURE, "--like", truth.file(), *options, "--output-model", recipe,
                      "-o", candidate])
     with netCDF4.Dataset(candidate) as file:
         number = len(file.dimensions["ping"])
     common = [tools.program, "compare", truth.file(), candidate, "--geometry", "--diagnose", "--worst", 0]
     common += ["--frames", number] if number > 1 else []
     ideal = ["--ideal", truth.file(options=("--engine", "ray", *engine.IDEAL))] if engine.IDEAL and not quick else []
-    call([*common, "--recipe", recipe, *ideal, "--json", folder / "own.json", "--html", folder / "own.html",
+    call([*common, "--output-model", recipe, *ideal, "--json", folder / "own.json", "--html", folder / "own.html",
           "--png", folder / "own.png"])
     result = {"import": {"options": " ".join(options), "said": said}, "own": figures(folder / "own.json"), "known": [] if quick else [vars(k) for k in engine.known(scene, sonar, truth)]}
     if not quick:

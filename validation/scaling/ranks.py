@@ -117,7 +117,7 @@ def writing(program, scene, lengths, rounds, quick):
         path = of_length(scene, pings)
         with tempfile.TemporaryDirectory(prefix="tubefoot-writing-", dir=scene.parent) as out:
             command = [str(program), "run", str(path), "-o", f"{out}/run", "--quiet"]
-            subprocess.run([*command, "--part", "1/1"], check=True, capture_output=True)
+            subprocess.run([*command, "--shard", "1/1"], check=True, capture_output=True)
             command[1] = "join"
             subprocess.run([*command, "--threads", "1"], check=True, capture_output=True)
             return json.loads(pathlib.Path(f"{out}/run/stats.json").read_text())["seconds"]["write"]

@@ -58,7 +58,7 @@ def opened_when_there(file, process):
 def sent_bytes(program, scene):
     """Of a ping, in the mean, as ranks send it to each other: what a run keeps that has one part, head included."""
     with tempfile.TemporaryDirectory(prefix="tubefoot-scaling-") as scratch:
-        done = subprocess.run([str(program), "run", str(scene), "-o", f"{scratch}/run", "--part", "1/1", "--quiet"],
+        done = subprocess.run([str(program), "run", str(scene), "-o", f"{scratch}/run", "--shard", "1/1", "--quiet"],
                               check=True, capture_output=True, text=True)
         pings = int(re.search(r"(\d+) pings", done.stdout)[1])
         return pathlib.Path(f"{scratch}/run.part-1-of-1").stat().st_size / pings

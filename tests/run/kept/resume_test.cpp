@@ -49,7 +49,7 @@ TEST_F(Resume, MakesTheSameBytesWhereverTheRunWasKilled) {
        std::vector<Case>{{{}, pings, {1, 300}},
                          {{"--engine", "ray", "--rays", "500"}, pings, {300}},
                          {{"--reference"}, 40, {3}},
-                         {{"--truth"}, 400, {3}}}) {
+                         {{"--labels"}, 400, {3}}}) {
     const fs::path whole = folder / "whole";
     write_scene(count);
     ASSERT_EQ(run(whole, engine).exit_code, 0);

@@ -136,8 +136,8 @@ TEST_F(Ranks, Sample) {
 
 TEST_F(Ranks, TellWhoseEnergiesAreAsOneProcessDoes) {
   const fs::path whole = folder / "whole";
-  ASSERT_EQ(alone(whole, {"--truth"}).exit_code, 0);
-  const Outcome outcome = on_ranks(2, results, {"--truth"});
+  ASSERT_EQ(alone(whole, {"--labels"}).exit_code, 0);
+  const Outcome outcome = on_ranks(2, results, {"--labels"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   expect_same(whole, results);
 }
