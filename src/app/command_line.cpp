@@ -85,9 +85,9 @@ void hold_closed_streams() {
 struct RenamedOption {
   std::string_view before, now;
 };
-constexpr std::array renamed_options{RenamedOption{"--labels", "--labels"},
-                                     RenamedOption{"--output-model", "--output-model"},
-                                     RenamedOption{"--shard", "--shard"}};
+constexpr std::array renamed_options{RenamedOption{"--truth", "--labels"},
+                                     RenamedOption{"--recipe", "--output-model"},
+                                     RenamedOption{"--part", "--shard"}};
 
 /// The words of the command line with present names of options, and `help COMMAND` as `COMMAND --help`.
 std::vector<std::string> present_words(int argc, char** argv) {
