@@ -119,7 +119,7 @@ bool has_command(const CLI::App& app, const std::vector<std::string>& words) {
     names.push_back(sub->get_name());
   if (words[1].starts_with('-') || std::ranges::find(names, words[1]) != names.end()) return true;
   const std::string_view meant = nearest(words[1], names);
-  say("tubefoot: unknown command '{}': {}'tubefoot help' lists the commands\n", words[1],
+  say("tubefoot: unknown command '{}': {}'tubefoot help' lists the commands\n", shown(words[1]),
       meant.empty() ? std::string() : fmt::format("did you mean '{}'? ", meant));
   return false;
 }

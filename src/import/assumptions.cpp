@@ -121,7 +121,8 @@ Verdict tested(const EchoShape& shape, const BinAxes& axes, const std::vector<do
     if (scale_doubted)
       verdict.doubted.push_back(fmt::format(
           "as --scale {} has it, it looks more like the truth: corr {:.2f} against {:.2f}. So do means per "
-          "bin beside sums: if the numbers are means, leave the scale and compare with a recipe (--output-model)",
+          "bin beside sums: if the numbers are means, leave the scale and compare with "
+          "--output-model",
           taken.of->other_scale, alike, taken.correlation));
     else
       verdict.found.push_back(fmt::format("corr as --scale {}: {:.2f}", taken.of->other_scale, alike));

@@ -113,7 +113,7 @@ RunRequest requested(const RunOptions& options, SceneDescription& description) {
   if (options.label_level_db) {
     constexpr double most_db = 1000;
     if (!options.truth)
-      throw UsageError("--label-level is about the labels that --labels writes: add --labels, or leave it out");
+      throw UsageError("--label-level needs --labels: add --labels, or leave out --label-level");
     if (!(*options.label_level_db > 0 && *options.label_level_db <= most_db))
       throw UsageError(fmt::format(
           "--label-level {}: expected decibels below the beam pattern's two-way peak, above 0 and at most {}",

@@ -277,18 +277,20 @@ TEST_F(Import, ARecipeBringsTheTruthToItsMeasure) {
   const Outcome without = import_file("picture.npy", roots.npy(), {"--scale", "energy"});
   EXPECT_THAT(without.err, HasSubstr("as --scale amplitude has it"));
   const std::vector<double> written = read_echoes(out).energy;
-  const Outcome with = import_file("picture.npy", roots.npy(), {"--scale", "energy", "--output-model", recipe});
+  const Outcome with =
+      import_file("picture.npy", roots.npy(), {"--scale", "energy", "--output-model", recipe});
   EXPECT_EQ(with.exit_code, 0);
   EXPECT_THAT(with.err, Not(HasSubstr("warning"))) << with.out;
   EXPECT_THAT(with.out, AllOf(HasSubstr("in the measure of"), HasSubstr("corr 1.00")));
   EXPECT_EQ(read_echoes(out).energy, written);
   // An order is refuted in it, too, and a recipe that is none is told.
-  EXPECT_THAT(
-      import_file("picture.npy", Picture(roots).flip_beams().npy(), {"--scale", "energy", "--output-model", recipe})
-          .err,
-      HasSubstr("use --flip-beams"));
+  EXPECT_THAT(import_file("picture.npy", Picture(roots).flip_beams().npy(),
+                          {"--scale", "energy", "--output-model", recipe})
+                  .err,
+              HasSubstr("use --flip-beams"));
   std::ofstream(recipe) << "[[steps]]\nstep = \"amplify\"\n";
-  const Outcome wrong = import_file("picture.npy", roots.npy(), {"--scale", "energy", "--output-model", recipe});
+  const Outcome wrong =
+      import_file("picture.npy", roots.npy(), {"--scale", "energy", "--output-model", recipe});
   EXPECT_EQ(wrong.exit_code, 2);
   EXPECT_THAT(wrong.err, HasSubstr("recipe.toml:2"));
 }
