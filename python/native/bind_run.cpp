@@ -143,7 +143,7 @@ std::shared_ptr<NativeResult> run(const NativeScene& scene, const py::dict& opti
   asked.rays_per_beam = option<std::int64_t>(options, "rays_per_beam");
   asked.seed = option<std::uint64_t>(options, "seed");
   asked.reference = option<bool>(options, "reference").value_or(false);
-  asked.truth = option<bool>(options, "truth").value_or(false);
+  asked.truth = option<bool>(options, "labels").value_or(false);
   asked.label_level_db = option<double>(options, "label_level");
   asked.tolerance = option<std::string>(options, "tolerance");
   asked.coarsen = option<std::string>(options, "coarsen");
@@ -321,7 +321,7 @@ void bind_run(py::module_& module) {
       .def_readonly("warnings", &NativeResult::warnings)
       .def("arrays", &arrays_of)
       .def("axes", &axes_of)
-      .def("truth", &truth_of)
+      .def("labels", &truth_of)
       .def("signals", &signals_of)
       .def("attributes", &attributes_of)
       .def("file_attributes", &file_attributes)

@@ -41,43 +41,53 @@ def test_labels_go_by_a_level_below_the_patterns_peak(folder, program):
     scene = folder / "scene.toml"
     scene.write_text(text.replace("beams = 8\n", 'beams = 8\nreceive_pattern = "line"\nreceive_aperture_m = 0.1\n'))
     program("run", folder / "scene.toml", "-o", folder / "out", "--labels", "--label-level", "3")
-    result = tubefoot.run(scene, truth=True, label_level=3, output=folder / "module")
+    result = tubefoot.run(scene, labels=True, label_level=3, output=folder / "module")
     assert (folder / "module" / "echoes.nc").read_bytes() == (folder / "out" / "echoes.nc").read_bytes()
-    whole = tubefoot.run(scene, truth=True, label_level=1000)
+    whole = tubefoot.run(scene, labels=True, label_level=1000)
     for name in result:
-        few, all_ = result[name].truth["object_label"], whole[name].truth["object_label"]
+        few, all_ = result[name].labels["object_label"], whole[name].labels["object_label"]
         assert ((few >= 0) <= (all_ >= 0)).all()
-        assert (result[name].truth["object_share"] == whole[name].truth["object_share"]).all()
+        assert (result[name].labels["object_share"] == whole[name].labels["object_share"]).all()
     with pytest.raises(tubefoot.UsageError, match="label_level"):
         tubefoot.run(scene, label_level=3)
     with pytest.raises(tubefoot.UsageError, match="label_level"):
-        tubefoot.run(scene, truth=True, label_level=-3)
+        tubefoot.run(scene, labels=True, label_level=-3)
 
 
 def test_whose_energies_are_is_what_the_commands_file_says(scene, folder, program):
     program("run", folder / "scene.toml", "-o", folder / "out", "--labels")
-    result = tubefoot.run(scene, truth=True, output=folder / "module")
-    assert tubefoot.run(scene)["camera"].truth is None
+    result = tubefoot.run(scene, labels=True, output=folder / "module")
+    assert tubefoot.run(scene)["camera"].labels is None
     with netCDF4.Dataset(folder / "out" / "echoes.nc") as file:
         for name, group in file.groups.items():
-            truth = result[name].truth
-            assert truth["objects"] == list(group["object_name"][:])
-            assert truth["materials"] == list(group["material_name"][:]) == ["sand", "steel"]
+            labels = result[name].labels
+            assert labels["objects"] == list(group["object_name"][:])
+            assert labels["materials"] == list(group["material_name"][:]) == ["sand", "steel"]
             for variable in ("object_share", "material_share", "mean_height", "mean_range"):
                 fill = np.nan if variable.startswith("mean") else 0
-                np.testing.assert_array_equal(truth[variable], group[variable][:].filled(fill))
-            assert (truth["object_label"] == group["object_label"][:].filled(-1)).all()
+                np.testing.assert_array_equal(labels[variable], group[variable][:].filled(fill))
+            assert (labels["object_label"] == group["object_label"][:].filled(-1)).all()
             heard = result[name].energy > 0
-            assert truth["object_share"].sum(axis=1)[heard] == pytest.approx(1, abs=1e-14)
-    assert {0, 1} <= set(np.unique(result["camera"].truth["object_label"]))
+            assert labels["object_share"].sum(axis=1)[heard] == pytest.approx(1, abs=1e-14)
+    assert {0, 1} <= set(np.unique(result["camera"].labels["object_label"]))
     assert (folder / "module" / "echoes.nc").read_bytes() == (folder / "out" / "echoes.nc").read_bytes()
-    read = tubefoot.open(folder / "out")["camera"].truth
-    for name, values in result["camera"].truth.items():
+    read = tubefoot.open(folder / "out")["camera"].labels
+    for name, values in result["camera"].labels.items():
         np.testing.assert_array_equal(read[name], values)
         if not isinstance(values, list):
             assert read[name].dtype == values.dtype
-            np.testing.assert_array_equal(tubefoot.open(folder / "out")["camera"][1:].truth[name], values[1:])
-            np.testing.assert_array_equal(result["camera"][1:].truth[name], values[1:])
+            np.testing.assert_array_equal(tubefoot.open(folder / "out")["camera"][1:].labels[name], values[1:])
+            np.testing.assert_array_equal(result["camera"][1:].labels[name], values[1:])
+
+
+def test_the_former_name_of_labels_warns(scene):
+    with pytest.warns(DeprecationWarning, match="'truth' is now 'labels'"):
+        result = tubefoot.run(scene, truth=True)
+    with pytest.warns(DeprecationWarning, match="'labels'"):
+        former = result["camera"].truth
+    np.testing.assert_array_equal(former["object_label"], result["camera"].labels["object_label"])
+    with pytest.raises(TypeError, match="'labels' and its former name 'truth'"):
+        tubefoot.run(scene, truth=True, labels=False)
 
 
 def test_an_output_folder_is_the_commands_byte_by_byte(scene, folder, program):

@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import operator
 import os
+import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Optional, Union
 
@@ -83,7 +84,7 @@ class SensorResult:
         self._native = native
         self._index = index
         self._pings: Optional[np.ndarray] = None  # of a slice: their places in what it is a slice of
-        self._truth: Optional[dict[str, Any]] = None  # once it was asked for
+        self._labels: Optional[dict[str, Any]] = None  # once it was asked for
         self._signals: Optional[Signals] = None  # the same
         self._values: dict[str, np.ndarray] = {**native.arrays(index), **native.axes(index)}
         self._altitude: Optional[np.ndarray] = self._values.pop("altitude", None)
@@ -111,7 +112,7 @@ class SensorResult:
         part = object.__new__(SensorResult)
         part.__dict__.update(self.__dict__)
         part._pings = (np.arange(len(self)) if self._pings is None else self._pings)[chosen]
-        part._truth = None
+        part._labels = None
         part._values = {name: values[chosen] if self._variables[name][0][0] == "ping" else values
                         for name, values in self._values.items()}
         part._altitude = None if self._altitude is None else self._altitude[chosen]
@@ -215,21 +216,30 @@ class SensorResult:
         return self._values["cross_real"] + 1j * self._values["cross_imag"]
 
     @property
-    def truth(self) -> Optional[dict[str, Any]]:
-        """Whose each energy is, by the names of echoes.nc (docs/truth.md); None but for a run with ``truth=True``.
+    def labels(self) -> Optional[dict[str, Any]]:
+        """Objects and materials of each range bin, by the names of echoes.nc (docs/truth.md); None except for a run with
+        ``labels=True``.
 
-        ``object_share`` (P, objects, B, K) and ``material_share`` (P, materials, B, K), ``mean_height`` and
-        ``mean_range`` (P, B, K) in m, ``object_label`` and ``material_label`` (P, B, K) int16, what the
-        beam receives most of near its pattern's peak (``label_level``), -1 where there is nothing; over mirrors also ``unscattered_share`` (P, B, K). ``objects`` and ``materials`` are lists of names.
-        Copies, made when this is first asked for. In names of a file that was opened blanks are underscores; what is
-        not known is NaN.
+        ``object_share`` (P, objects, B, K) and ``material_share`` (P, materials, B, K): shares of the energy.
+        ``mean_height`` and ``mean_range`` (P, B, K) in m. ``object_label`` and ``material_label`` (P, B, K) int16: the
+        largest contribution near the peak of the beam pattern (``label_level``), -1 in empty bins. Over mirrors also
+        ``unscattered_share`` (P, B, K). ``objects`` and ``materials`` are lists of names.
+        The arrays are copies, made at the first access. Names read from a file have underscores instead of blanks;
+        unknown values are NaN.
         """
-        if self._truth is None:
-            truth = self._native.truth(self._index)
-            if truth is not None and self._pings is not None:
-                truth = {name: value if isinstance(value, list) else value[self._pings] for name, value in truth.items()}
-            self._truth = truth
-        return self._truth
+        if self._labels is None:
+            labels = self._native.labels(self._index)
+            if labels is not None and self._pings is not None:
+                labels = {name: value if isinstance(value, list) else value[self._pings]
+                          for name, value in labels.items()}
+            self._labels = labels
+        return self._labels
+
+    @property
+    def truth(self) -> Optional[dict[str, Any]]:
+        """The former name of :attr:`labels`, with a DeprecationWarning."""
+        warnings.warn("'truth' of a sensor's result is now 'labels'", DeprecationWarning, stacklevel=2)
+        return self.labels
 
     @property
     def signals(self) -> Optional[Signals]:
@@ -387,7 +397,7 @@ def run(scene: Union[Scene, PathLike], *, engine: Union[str, Engine, None] = Non
         threads: Optional[int] = None, arithmetic: Optional[str] = None, binning: Optional[str] = None,
         sampling: Optional[str] = None, rays: Optional[int] = None, rays_per_beam: Optional[int] = None,
         seed: Optional[int] = None, sensor: Optional[str] = None, pings: Union[int, str, None] = None,
-        beams: Union[int, str, None] = None, coarsen: float = 0, truth: bool = False, label_level: Optional[float] = None,
+        beams: Union[int, str, None] = None, coarsen: float = 0, labels: bool = False, label_level: Optional[float] = None,
         output: Optional[PathLike] = None, progress: Optional[Progress] = None) -> Result:
     """Simulates all pings of a scene, as ``tubefoot run`` does, into memory.
 
@@ -410,9 +420,10 @@ def run(scene: Union[Scene, PathLike], *, engine: Union[str, Engine, None] = Non
         beams: only these of each sensor, as ``pings``, or several such between commas.
         coarsen: lets facets become fewer where no point of them moves by more than this part of what the scene's sonars
             tell apart there, 0 (not at all) to 1; ``stats["coarsening"]`` tells the bounds.
-        truth: also whose each energy is, and its mean height and range (:attr:`SensorResult.truth`).
-        label_level: with ``truth``: an object owns a label only through what beams receive within so many dB of their
-            pattern's two-way peak; by default 20.
+        labels: also compute the objects and materials of each range bin, and its mean height and range
+            (:attr:`SensorResult.labels`). The former name ``truth`` gives a DeprecationWarning.
+        label_level: with ``labels``: level in dB below the two-way peak of the beam pattern. An object owns a label only
+            through contributions above this level; by default 20.
         output: folder to write as well, as ``tubefoot run -o`` does: whole or not at all.
         progress: called now and then with the pings finished and all pings; what it raises ends the run.
 
@@ -425,7 +436,7 @@ def run(scene: Union[Scene, PathLike], *, engine: Union[str, Engine, None] = Non
         UsageError: options contradict each other, or the output folder is somebody else's.
     """
     options = dict(threads=threads, arithmetic=arithmetic, binning=binning, sampling=sampling, rays=rays,
-                   rays_per_beam=rays_per_beam, seed=seed, truth=bool(truth),
+                   rays_per_beam=rays_per_beam, seed=seed, labels=bool(labels),
                    label_level=None if label_level is None else float(label_level),
                    output=None if output is None else os.fspath(output))
     options |= dict(sensor=sensor, pings=None if pings is None else str(pings),

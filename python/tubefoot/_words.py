@@ -6,6 +6,7 @@ from __future__ import annotations
 import functools
 import inspect
 import re
+import warnings
 from collections.abc import Callable, Iterable
 from typing import ParamSpec, TypeVar
 
@@ -17,6 +18,7 @@ CHOICES = {"engine": ("tube", "ray"), "arithmetic": ("fixed", "filtered", "ratio
 
 _FLAGS = ("any-scene", "confined")
 _ARGUMENTS = {"beam": "beams"}
+FORMER_ARGUMENTS = {"truth": "labels"}
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -51,13 +53,21 @@ def one_of(names: Iterable[str]) -> str:
 
 
 def with_named_arguments(function: Callable[P, R]) -> Callable[P, R]:
-    """The function, whose error about an argument that it does not take names the one that was meant."""
+    """The function, which accepts former names of its arguments with a DeprecationWarning.
+
+    The error about an unknown argument suggests the nearest name."""
     names = list(inspect.signature(function).parameters)
 
     @functools.wraps(function)
     def called(*args: P.args, **kwargs: P.kwargs) -> R:
-        for name in kwargs:
-            if name not in names:
+        for name in list(kwargs):
+            if FORMER_ARGUMENTS.get(name) in names:
+                present = FORMER_ARGUMENTS[name]
+                if present in kwargs:
+                    raise TypeError(f"{function.__name__}() has {present!r} and its former name {name!r}: give one of them")
+                warnings.warn(f"the argument {name!r} is now {present!r}", DeprecationWarning, stacklevel=2)
+                kwargs[present] = kwargs.pop(name)
+            elif name not in names:
                 raise TypeError(f"{function.__name__}() has no argument {name!r}{meant(name, names)}")
         return function(*args, **kwargs)
     return called
