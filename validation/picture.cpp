@@ -58,7 +58,7 @@ class Strip {
       answers.push_back(locate(tube.polygons, points_, static_cast<std::uint32_t>(pixels_ * fine)));
     return answers;
   }
-  Answers shot(const NaiveRays& rays) const {
+  Answers transmission(const NaiveRays& rays) const {
     Answers answers;
     for (std::uint32_t t = 0; t < exact_.size(); ++t) {
       const Chart chart(scene_.tubes, t);
@@ -125,7 +125,7 @@ void draw(const Entry& entry, const std::filesystem::path& file) {
   strip.draw_wrong(2, fmt::format("double, tolerance {:.0e}", entry.tolerance), plain_text(entry.tuned),
                    strip.read_off(entry.tuned.sight));
   const NaiveRays rays(entry.scene, NaiveRays::Flags::usual);
-  strip.draw_wrong(3, "Embree (float)", "wrong rays: " + share_text(entry.usual), strip.shot(rays));
+  strip.draw_wrong(3, "Embree (float)", "wrong rays: " + share_text(entry.usual), strip.transmission(rays));
   canvas.write_png(file, "tubefoot stability atlas: " + entry.scene.title);
 }
 

@@ -29,17 +29,17 @@ NativeFootprints compute(NativeScene& scene, const std::string& sensor, const st
   const Survey& survey = *footprints.survey;
   const ThreadLimit limit(scene.description().run.threads);
   const std::size_t s = survey.fleet->sensor_named(sensor);
-  const Shots shots(survey, request_of(scene.description().run));
-  require_able(survey, shots.request(), Feature::footprints, s);
+  const Transmissions transmissions(survey, request_of(scene.description().run));
+  require_able(survey, transmissions.request(), Feature::footprints, s);
   const SensorPings& all = survey.sensors[s];
   const PingRange range = resolved(pings, all.times_s.size());
   const std::vector<std::uint32_t> chosen = resolved_beams(beams, all.sensor->beams().size());
-  ShotsAround around(shots);
+  TransmissionsAround around(transmissions);
   watch.total = std::size_t(range.last - range.first + 1);
   for (auto ping = std::size_t(range.first); ping <= std::size_t(range.last); ++ping, ++watch.pings)
-    for (std::size_t shot = 0; shot < all.sensor->shots(); ++shot)
-      footprints.table.append(
-          footprint_table(around.at(survey.fleet->shots_of(s), ping).heard_by(s, ping, shot), s, chosen));
+    for (std::size_t transmission = 0; transmission < all.sensor->transmissions(); ++transmission)
+      footprints.table.append(footprint_table(
+          around.at(survey.fleet->transmissions_of(s), ping).heard_by(s, ping, transmission), s, chosen));
   return footprints;
 }
 

@@ -133,13 +133,14 @@ void bind_scene(py::module_& module) {
            [](NativeScene& s, const std::string& sensor) {
              const py::gil_scoped_release released;
              const auto survey = s.survey();
-             return survey->sensors[survey->fleet->sensor_named(sensor)].sensor->shots();
+             return survey->sensors[survey->fleet->sensor_named(sensor)].sensor->transmissions();
            })
-      .def("shot", [](NativeScene& s, const std::string& sensor, std::size_t ping, std::size_t shot) {
+      .def("shot", [](NativeScene& s, const std::string& sensor, std::size_t ping, std::size_t transmission) {
         const py::gil_scoped_release released;
         const auto survey = s.survey();
-        return std::make_shared<NativeShot>(*survey, request_of(s.description().run),
-                                            HeardShot{survey->fleet->sensor_named(sensor), ping, shot});
+        return std::make_shared<NativeTransmission>(
+            *survey, request_of(s.description().run),
+            HeardTransmission{survey->fleet->sensor_named(sensor), ping, transmission});
       });
   module.def(
       "read_scene",

@@ -6,7 +6,7 @@
 namespace tubefoot::python {
 
 void bind_scene(pybind11::module_& module);
-void bind_shot(pybind11::module_& module);
+void bind_transmission(pybind11::module_& module);
 void bind_run(pybind11::module_& module);
 void bind_echo_file(pybind11::module_& module);
 void bind_picture(pybind11::module_& module);

@@ -73,7 +73,7 @@ PYBIND11_MODULE(_native, module) {
   });
   module.def("absolute_path", [](const std::string& file) { return tubefoot::absolute_path(file).string(); });
   tubefoot::python::bind_scene(module);
-  tubefoot::python::bind_shot(module);
+  tubefoot::python::bind_transmission(module);
   tubefoot::python::bind_run(module);
   tubefoot::python::bind_echo_file(module);
   tubefoot::python::bind_picture(module);

@@ -10,9 +10,9 @@
 
 namespace tubefoot::python {
 
-/// An engine that calls `function` with a Shot and takes the float64 array that it returns, of shape (beams
-/// of the shot, samples), or (4, beams, samples) with two receivers. The package has seen to shape and
-/// values. Callable with or without the interpreter's lock.
+/// An engine that calls `function` with a Transmission and takes the float64 array that it returns, of shape
+/// (beams of the transmission, samples), or (4, beams, samples) with two receivers. The package has seen to
+/// shape and values. Callable with or without the interpreter's lock.
 std::shared_ptr<const OwnEngine> own_engine(const std::string& name, const pybind11::object& function);
 
 }  // namespace tubefoot::python

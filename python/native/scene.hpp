@@ -5,7 +5,7 @@
 #include <mutex>
 
 #include "run/survey.hpp"
-#include "shot.hpp"
+#include "transmission.hpp"
 
 namespace tubefoot::python {
 

@@ -50,7 +50,7 @@ class Array : public Sensor {
   explicit Array(const SensorDescription& description);
 
  private:
-  Shot shot() const;
+  Transmission transmission() const;
 };
 
 Array::Array(const SensorDescription& description) : Sensor(description) {
@@ -72,10 +72,10 @@ Array::Array(const SensorDescription& description) : Sensor(description) {
   model.own_sights = own.own_sights;
   model.tolerance = own.signal_tolerance;
   check_sampled(model.waveform, model.sampling);
-  shots_.push_back(shot());
+  transmissions_.push_back(transmission());
 }
 
-Sensor::Shot Array::shot() const {
+Sensor::Transmission Array::transmission() const {
   const BeamAxis& beam = beams_.front();
   const double half_width_rad = beam.azimuth_width_rad / 2, half_height_rad = beam.elevation_width_rad / 2,
                tolerance = description_.cone_tolerance;
@@ -83,7 +83,7 @@ Sensor::Shot Array::shot() const {
   const double corner_rad = height_of_corners(half_height_rad, 2 * half_width_rad / slices, tolerance);
   // Two rows above 90 degrees: no tube comes close to a half space, where its rays would say nothing.
   const int rows = half_height_rad > radians(45) ? 2 : 1;
-  Shot made;
+  Transmission made;
   made.beams = {0};
   made.sectors.push_back({even_edges(-half_width_rad, half_width_rad, slices),
                           even_edges(-corner_rad, corner_rad, rows),

@@ -29,9 +29,9 @@ namespace fs = std::filesystem;
 /// Acoustic camera: a fan of beams about the camera's up axis, each over the whole elevation. Beam 0 is the
 /// port-most. (A recorder that wants starboard first, as DDF does, turns them.)
 ///
-/// A frame is one shot, or `cycles` of them: cycle k has the beams k, k + cycles, k + 2 cycles, ...
-/// Ideal beams take their own sectors only. With a receive pattern every shot lights the whole fan and
-/// its margins, and the beams of its cycle hear all of that.
+/// A frame is one transmission, or `cycles` of them: cycle k has the beams k, k + cycles, k + 2 cycles, ...
+/// Ideal beams take their own sectors only. With a receive pattern every transmission lights the whole fan
+/// and its margins, and the beams of its cycle hear all of that.
 class Didson : public Sensor {
  public:
   explicit Didson(const SensorDescription& description);
@@ -42,11 +42,11 @@ class Didson : public Sensor {
     std::vector<double> borders_rad;  ///< of the beams
     double half_width_rad, half_height_rad;
   };
-  Shot shot_of(std::size_t cycle, const Sector& sector) const;
+  Transmission transmission_of(std::size_t cycle, const Sector& sector) const;
 };
 
-/// An echo of the window's end, there and back, and what an ARIS takes besides for each of its shots. The
-/// ranges of camera windows count on 1500 m/s.
+/// An echo of the window's end, there and back, and what an ARIS takes besides for each of its transmissions.
+/// The ranges of camera windows count on 1500 m/s.
 double default_cycle_interval_s(const DidsonDescription& camera) {
   constexpr double nominal_sound_speed_m_s = 1500, overhead_s = 420e-6;
   return 2 * (camera.window_start_m + camera.window_length_m) / nominal_sound_speed_m_s + overhead_s;
@@ -117,18 +117,18 @@ Didson::Didson(const SensorDescription& description) : Sensor(description) {
   for (std::size_t place = 0; place < static_cast<std::size_t>(camera.cycles); ++place) {
     const std::size_t cycle =
         camera.firing_order.empty() ? place : static_cast<std::size_t>(camera.firing_order[place]);
-    shots_.push_back(shot_of(cycle, sector));
-    shots_.back().delay_s = static_cast<double>(place) * interval_s;
+    transmissions_.push_back(transmission_of(cycle, sector));
+    transmissions_.back().delay_s = static_cast<double>(place) * interval_s;
   }
 }
 
-Sensor::Shot Didson::shot_of(std::size_t cycle, const Sector& sector) const {
+Sensor::Transmission Didson::transmission_of(std::size_t cycle, const Sector& sector) const {
   const auto& camera = description_.kind.as<DidsonDescription>();
   const bool hears_all = tells_beams_apart(description_.receive, "elevation");
   const auto cycles = static_cast<std::size_t>(camera.cycles);
-  Shot shot;
+  Transmission transmission;
   for (std::size_t beam = cycle; beam < beams_.size(); beam += cycles)
-    shot.beams.push_back(static_cast<std::uint32_t>(beam));
+    transmission.beams.push_back(static_cast<std::uint32_t>(beam));
 
   // Two rows above 90 degrees: no tube comes close to a half space, where its rays would say nothing.
   const std::size_t rows = sector.half_height_rad > radians(45) ? 2 : 1;
@@ -143,10 +143,11 @@ Sensor::Shot Didson::shot_of(std::size_t cycle, const Sector& sector) const {
     // Walls of constant elevation are cones, tubes have planes: wide cells are several slices (see
     // slice_width_rad).
     const std::vector<double> edges = even_edges(from, to, slices_for(to - from, tolerance));
-    if (apart) shot.sectors.push_back({{from}, heights, glm::dmat3(forward_axis, starboard_axis, up_axis)});
-    std::vector<double>& azimuths = shot.sectors.back().azimuth_edges_rad;
+    if (apart)
+      transmission.sectors.push_back({{from}, heights, glm::dmat3(forward_axis, starboard_axis, up_axis)});
+    std::vector<double>& azimuths = transmission.sectors.back().azimuth_edges_rad;
     azimuths.insert(azimuths.end(), edges.begin() + 1, edges.end());
-    shot.beam_of_tube.insert(shot.beam_of_tube.end(), rows * (edges.size() - 1), own);
+    transmission.beam_of_tube.insert(transmission.beam_of_tube.end(), rows * (edges.size() - 1), own);
     apart = false;
   };
   const std::vector<double>& borders = sector.borders_rad;
@@ -160,7 +161,7 @@ Sensor::Shot Didson::shot_of(std::size_t cycle, const Sector& sector) const {
   if (hears_all && cycles > 1) widen(2 * sector.half_width_rad);
   const double corner_rad = height_of_corners(sector.half_height_rad, widest_rad, tolerance);
   heights = even_edges(-corner_rad, corner_rad, static_cast<int>(rows));
-  const auto last = static_cast<std::uint32_t>(shot.beams.size() - 1);
+  const auto last = static_cast<std::uint32_t>(transmission.beams.size() - 1);
   if (hears_all && cycles > 1) {
     // No beam has a tube of its own: as few slices as the walls allow, each in the name of the beam that
     // looks nearest to it.
@@ -170,16 +171,16 @@ Sensor::Shot Didson::shot_of(std::size_t cycle, const Sector& sector) const {
     for (std::size_t k = 0; k + 1 < edges.size(); ++k) {
       const double middle = (edges[k] + edges[k + 1]) / 2;
       std::uint32_t nearest = 0;
-      while (nearest < last &&
-             middle >
-                 (beams_[shot.beams[nearest]].azimuth_rad + beams_[shot.beams[nearest + 1]].azimuth_rad) / 2)
+      while (nearest < last && middle > (beams_[transmission.beams[nearest]].azimuth_rad +
+                                         beams_[transmission.beams[nearest + 1]].azimuth_rad) /
+                                            2)
         ++nearest;
       add(edges[k], edges[k + 1], nearest);
     }
   } else {
     if (margin_rad > 0) add(borders.front() - margin_rad, borders.front(), 0);
-    for (std::uint32_t place = 0; place < shot.beams.size(); ++place) {
-      const std::size_t beam = shot.beams[place];
+    for (std::uint32_t place = 0; place < transmission.beams.size(); ++place) {
+      const std::size_t beam = transmission.beams[place];
       apart = apart || cycles > 1;
       add(borders[beam], borders[beam + 1], place);
     }
@@ -187,9 +188,9 @@ Sensor::Shot Didson::shot_of(std::size_t cycle, const Sector& sector) const {
   }
   const std::string steering = camera.transmit_steering.value_or(
       cycles > 1 && description_.transmit.angle != "elevation" ? "beams" : "fan");
-  shot.fans.push_back({0, last + 1, static_cast<std::uint32_t>(shot.beam_of_tube.size()), forward_axis,
-                       starboard_axis, up_axis, steering == "beams"});
-  return shot;
+  transmission.fans.push_back({0, last + 1, static_cast<std::uint32_t>(transmission.beam_of_tube.size()),
+                               forward_axis, starboard_axis, up_axis, steering == "beams"});
+  return transmission;
 }
 
 /// Of an acoustic camera's beams and cycles.
@@ -302,7 +303,7 @@ class DidsonKind : public SensorKind {
     figures.frequency_khz = camera.frequency_khz;
     figures.beams = camera.beams;
     figures.samples = camera.samples;
-    figures.shots = camera.cycles;
+    figures.transmissions = camera.cycles;
     figures.sample_m = camera.window_length_m / camera.samples;
     figures.beam_deg = std::min(camera.horizontal_deg / camera.beams, camera.vertical_deg);
     figures.farthest_m = camera.window_start_m + camera.window_length_m;

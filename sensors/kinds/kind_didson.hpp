@@ -20,7 +20,7 @@ struct DidsonDescription {
   std::optional<double> transmit_horizontal_deg, transmit_vertical_deg;
   /// With a receive pattern: how far the sector that is lit and heard reaches beyond the outermost beams.
   double receive_margin_deg = 0;
-  int cycles = 1;                          ///< shots of a frame: beam b belongs to cycle b mod cycles
+  int cycles = 1;                          ///< transmissions of a frame: beam b belongs to cycle b mod cycles
   std::optional<double> cycle_interval_s;  ///< else as long as the echo of the window's end takes, and 420 us
   std::vector<int> firing_order;           ///< cycles as they follow one another; empty: 0, 1, 2, ...
   std::optional<std::string> transmit_steering;  ///< fan | beams; else beams if there are cycles

@@ -68,14 +68,15 @@ Echosounder::Echosounder(const SensorDescription& description) : Sensor(with_bea
   const int cells = half_rad > radians(45) ? 2 : 1;
   const int slices = std::max(cells, slices_for(2 * half_rad, description.cone_tolerance));
   const double corner_rad = height_of_corners(half_rad, 2 * half_rad / slices, description.cone_tolerance);
-  Shot shot;
-  shot.beams = {0};
-  shot.sectors.push_back({even_edges(-half_rad, half_rad, slices), even_edges(-corner_rad, corner_rad, cells),
-                          glm::dmat3(-up_axis, starboard_axis, forward_axis)});
-  shot.beam_of_tube.assign(static_cast<std::size_t>(slices * cells), 0u);
-  shot.fans.push_back(
-      {0, 1, static_cast<std::uint32_t>(shot.beam_of_tube.size()), -up_axis, starboard_axis, forward_axis});
-  shots_.push_back(std::move(shot));
+  Transmission transmission;
+  transmission.beams = {0};
+  transmission.sectors.push_back({even_edges(-half_rad, half_rad, slices),
+                                  even_edges(-corner_rad, corner_rad, cells),
+                                  glm::dmat3(-up_axis, starboard_axis, forward_axis)});
+  transmission.beam_of_tube.assign(static_cast<std::size_t>(slices * cells), 0u);
+  transmission.fans.push_back({0, 1, static_cast<std::uint32_t>(transmission.beam_of_tube.size()), -up_axis,
+                               starboard_axis, forward_axis});
+  transmissions_.push_back(std::move(transmission));
 }
 
 DetectionRule rule_of(const EchosounderDescription& sounder) {

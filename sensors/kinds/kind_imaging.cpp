@@ -82,15 +82,15 @@ Imaging::Imaging(const SensorDescription& description) : Sensor(description) {
       beams_.push_back({axes[beam], 0, borders[beam + 1] - borders[beam], 2 * half_height_rad});
     sector = sector_between(borders, half_height_rad, description.cone_tolerance);
   }
-  Shot shot;
-  shot.beams.resize(beams_.size());
-  std::iota(shot.beams.begin(), shot.beams.end(), 0u);
-  shot.fans.push_back({0, static_cast<std::uint32_t>(beams_.size()),
-                       static_cast<std::uint32_t>(sector.beam_of_tube.size()), forward_axis, starboard_axis,
-                       up_axis});
-  shot.beam_of_tube = std::move(sector.beam_of_tube);
-  shot.sectors.push_back(std::move(sector.grid));
-  shots_.push_back(std::move(shot));
+  Transmission transmission;
+  transmission.beams.resize(beams_.size());
+  std::iota(transmission.beams.begin(), transmission.beams.end(), 0u);
+  transmission.fans.push_back({0, static_cast<std::uint32_t>(beams_.size()),
+                               static_cast<std::uint32_t>(sector.beam_of_tube.size()), forward_axis,
+                               starboard_axis, up_axis});
+  transmission.beam_of_tube = std::move(sector.beam_of_tube);
+  transmission.sectors.push_back(std::move(sector.grid));
+  transmissions_.push_back(std::move(transmission));
 }
 
 class ImagingKind : public SensorKind {

@@ -32,7 +32,7 @@ Interferometric::Interferometric(const SensorDescription& description)
           staff.baseline_m, "above 0 and at most range_min_m");
   staff_ = {staff.baseline_m, staff.staff_tilt_deg};
   const double tilt_rad = radians(staff.staff_tilt_deg);
-  for (Fan& fan : shots_.front().fans) {
+  for (Fan& fan : transmissions_.front().fans) {
     const double side = fan.first_beam == 0 ? -1.0 : 1.0;
     fan.staff = std::sin(tilt_rad) * side * starboard_axis + std::cos(tilt_rad) * up_axis;
   }

@@ -105,21 +105,21 @@ Multibeam::Multibeam(const SensorDescription& description) : Sensor(description)
   const double corner_rad =
       height_of_corners(half_along_rad, 2 * half_across_rad / slices, description.cone_tolerance);
   const std::vector<double> along_rad{-corner_rad, corner_rad};
-  Shot shot;
+  Transmission transmission;
   const auto cut = [&](double from, double to, int parts) {
     const std::vector<double> edges = even_edges(from, to, parts);
-    std::vector<double>& all = shot.sectors.back().azimuth_edges_rad;
+    std::vector<double>& all = transmission.sectors.back().azimuth_edges_rad;
     all.insert(all.end(), edges.begin() + (all.empty() ? 0 : 1), edges.end());
   };
   const auto name = [&](std::uint32_t beam, int parts) {
-    shot.beam_of_tube.insert(shot.beam_of_tube.end(), static_cast<std::size_t>(parts), beam);
+    transmission.beam_of_tube.insert(transmission.beam_of_tube.end(), static_cast<std::size_t>(parts), beam);
   };
   const bool hears_all = tells_beams_apart(description.receive, "azimuth");
   const double from = angles.front() - half_across_rad, to = angles.back() + half_across_rad;
   const double margin_rad = lit_beyond_rad(description);
   const int beyond = margin_rad > 0 ? slices_for(margin_rad, description.cone_tolerance) : 0;
   const auto last = static_cast<std::uint32_t>(angles.size() - 1);
-  if (hears_all || side_by_side(fan)) shot.sectors.push_back({{}, along_rad, frame});
+  if (hears_all || side_by_side(fan)) transmission.sectors.push_back({{}, along_rad, frame});
   if (beyond > 0) {
     cut(from - margin_rad, from, beyond);
     name(0, beyond);
@@ -139,7 +139,7 @@ Multibeam::Multibeam(const SensorDescription& description) : Sensor(description)
   } else {
     for (std::uint32_t beam = 0; beam <= last; ++beam) {
       const double angle = angles[beam];
-      shot.sectors.push_back(
+      transmission.sectors.push_back(
           {even_edges(angle - half_across_rad, angle + half_across_rad, slices), along_rad, frame});
       name(beam, slices);
     }
@@ -148,12 +148,12 @@ Multibeam::Multibeam(const SensorDescription& description) : Sensor(description)
     cut(to, to + margin_rad, beyond);
     name(last, beyond);
   }
-  shot.beams.resize(angles.size());
-  std::iota(shot.beams.begin(), shot.beams.end(), 0u);
-  shot.fans.push_back({0, static_cast<std::uint32_t>(angles.size()),
-                       static_cast<std::uint32_t>(shot.beam_of_tube.size()), -up_axis, forward_axis,
-                       starboard_axis});
-  shots_.push_back(std::move(shot));
+  transmission.beams.resize(angles.size());
+  std::iota(transmission.beams.begin(), transmission.beams.end(), 0u);
+  transmission.fans.push_back({0, static_cast<std::uint32_t>(angles.size()),
+                               static_cast<std::uint32_t>(transmission.beam_of_tube.size()), -up_axis,
+                               forward_axis, starboard_axis});
+  transmissions_.push_back(std::move(transmission));
 }
 
 bool is_like_8101(const MultibeamDescription& fan) {

@@ -47,9 +47,9 @@ double head_rad(const ScanningDescription& scan, int step, int steps) {
   return radians(scan.scan_deg * (step - steps / 2) / steps);
 }
 
-/// One beam about the sensor's up axis that looks to port first and turns clockwise: a shot a step, each from
-/// where the carrier is by then. Beam k is what the k-th step hears; with steps narrower than the beam
-/// neighbours overlap.
+/// One beam about the sensor's up axis that looks to port first and turns clockwise: a transmission a step,
+/// each from where the carrier is by then. Beam k is what the k-th step hears; with steps narrower than the
+/// beam neighbours overlap.
 class Scanning : public Sensor {
  public:
   /// Throws std::invalid_argument for a scan, a beam, ranges or counts that make no sonar.
@@ -81,24 +81,25 @@ Scanning::Scanning(const SensorDescription& description) : Sensor(description) {
   for (int step = 0; step < steps; ++step) {
     const double head = head_rad(scan, step, steps);
     beams_.push_back({head, 0, 2 * half_width_rad, 2 * half_height_rad});
-    Shot shot;
-    shot.delay_s = step * step_interval_s(scan);
-    shot.beams = {static_cast<std::uint32_t>(step)};
-    shot.sectors.push_back({even_edges(head - half_width_rad, head + half_width_rad, slices),
-                            even_edges(-corner_rad, corner_rad, rows),
-                            glm::dmat3(forward_axis, starboard_axis, up_axis)});
-    shot.beam_of_tube.assign(static_cast<std::size_t>(slices * rows), 0u);
+    Transmission transmission;
+    transmission.delay_s = step * step_interval_s(scan);
+    transmission.beams = {static_cast<std::uint32_t>(step)};
+    transmission.sectors.push_back({even_edges(head - half_width_rad, head + half_width_rad, slices),
+                                    even_edges(-corner_rad, corner_rad, rows),
+                                    glm::dmat3(forward_axis, starboard_axis, up_axis)});
+    transmission.beam_of_tube.assign(static_cast<std::size_t>(slices * rows), 0u);
     // What the head looks along, and what lies across it.
     const glm::dvec3 ahead(std::sin(head), std::cos(head), 0), across(std::cos(head), -std::sin(head), 0);
-    shot.fans.push_back({0, 1, static_cast<std::uint32_t>(shot.beam_of_tube.size()), ahead, across, up_axis});
-    shots_.push_back(std::move(shot));
+    transmission.fans.push_back(
+        {0, 1, static_cast<std::uint32_t>(transmission.beam_of_tube.size()), ahead, across, up_axis});
+    transmissions_.push_back(std::move(transmission));
   }
 }
 
 /// By how much a scan takes longer than the time to the next one of its line, if it does.
 std::optional<double> overlap_s(const Recording& recording) {
   const Sensor& sensor = *recording.sensor;
-  const double scan_s = static_cast<double>(sensor.shots()) *
+  const double scan_s = static_cast<double>(sensor.transmissions()) *
                         step_interval_s(sensor.description().kind.as<ScanningDescription>());
   for (const PingSpan& line : recording.lines())
     for (std::size_t ping = line.first + 1; ping < line.end; ++ping)
@@ -119,12 +120,12 @@ std::string steps_table(const Recording& recording, const std::optional<Heard>& 
     const std::vector<double> energy =
         heard ? heard->energy_of(ping) : std::vector<double>(ideal.begin(), ideal.end());
     std::string lines;
-    for (std::size_t step = 0; step < sensor.shots(); ++step) {
+    for (std::size_t step = 0; step < sensor.transmissions(); ++step) {
       const std::span<const double> own = std::span(energy).subspan(
           step * static_cast<std::size_t>(samples.count), static_cast<std::size_t>(samples.count));
       const auto loudest = std::ranges::max_element(own);
       fmt::format_to(std::back_inserter(lines), "{},{},{:.9g},{:.9g},", ping, step,
-                     recording.ping_time_s[ping] + sensor.shot_delay_s(step),
+                     recording.ping_time_s[ping] + sensor.transmission_delay_s(step),
                      degrees(sensor.beams()[step].azimuth_rad));
       if (*loudest > 0)
         fmt::format_to(std::back_inserter(lines), "{:.9g},{:.9g}",
@@ -185,7 +186,7 @@ class ScanningKind : public SensorKind {
     const int steps = steps_of(scan).value_or(1);
     SensorFigures figures =
         range_figures(scan, steps, std::min(scan.beam_horizontal_deg, scan.beam_vertical_deg));
-    figures.shots = steps;
+    figures.transmissions = steps;
     return figures;
   }
 

@@ -7,8 +7,8 @@
 
 namespace tubefoot {
 
-/// Mechanically scanning sonar: one beam that a motor turns by `step_deg` from shot to shot. A ping is a scan
-/// of `scan_deg`; each of its steps is a beam of its own.
+/// Mechanically scanning sonar: one beam that a motor turns by `step_deg` from transmission to transmission.
+/// A ping is a scan of `scan_deg`; each of its steps is a beam of its own.
 struct ScanningDescription {
   double frequency_khz = 750;
   double scan_deg = 360, step_deg = 0.9;

@@ -177,22 +177,23 @@ Sidescan::Sidescan(const SensorDescription& description, const SidescanDescripti
   const int slices = slices_for(steep_rad - shallow_rad, description.cone_tolerance);
   const double corner_rad =
       height_of_corners(half_width_rad, (steep_rad - shallow_rad) / slices, description.cone_tolerance);
-  Shot shot;
-  shot.beams = {0, 1};
+  Transmission transmission;
+  transmission.beams = {0, 1};
   for (const double side : {-1.0, 1.0}) {
     beams_.push_back({side * radians(90), -axis_rad, 2 * half_width_rad, steep_rad - shallow_rad});
     // The grid's azimuth is the depression angle: 0 horizontal to the side, 90 degrees straight down.
-    shot.sectors.push_back({even_edges(shallow_rad, steep_rad, slices),
-                            {-corner_rad, corner_rad},
-                            glm::dmat3(side * starboard_axis, -up_axis, forward_axis)});
-    shot.beam_of_tube.insert(shot.beam_of_tube.end(), static_cast<std::size_t>(slices), side < 0 ? 0u : 1u);
+    transmission.sectors.push_back({even_edges(shallow_rad, steep_rad, slices),
+                                    {-corner_rad, corner_rad},
+                                    glm::dmat3(side * starboard_axis, -up_axis, forward_axis)});
+    transmission.beam_of_tube.insert(transmission.beam_of_tube.end(), static_cast<std::size_t>(slices),
+                                     side < 0 ? 0u : 1u);
     const glm::dvec3 axis = std::cos(axis_rad) * side * starboard_axis - std::sin(axis_rad) * up_axis;
     const glm::dvec3 across = std::sin(axis_rad) * side * starboard_axis + std::cos(axis_rad) * up_axis;
     const auto beam = static_cast<std::uint32_t>(beams_.size());
-    shot.fans.push_back(
-        {beam - 1, beam, static_cast<std::uint32_t>(shot.beam_of_tube.size()), axis, forward_axis, across});
+    transmission.fans.push_back({beam - 1, beam, static_cast<std::uint32_t>(transmission.beam_of_tube.size()),
+                                 axis, forward_axis, across});
   }
-  shots_.push_back(std::move(shot));
+  transmissions_.push_back(std::move(transmission));
 }
 
 const SensorSection& SidescanDescription::kind() {

@@ -31,8 +31,8 @@ void Sensor::refuse_narrow() const {
     refuse(beam.azimuth_width_rad, "the beams across", widen);
     refuse(beam.elevation_width_rad, "the beams along", widen);
   }
-  for (const Shot& shot : shots_)
-    for (const AngularGrid& sector : shot.sectors) {
+  for (const Transmission& transmission : transmissions_)
+    for (const AngularGrid& sector : transmission.sectors) {
       const char* overlap = "widen what is lit, heard, or both";
       refuse(span(sector.azimuth_edges_rad), "the sector that is lit and heard", overlap);
       refuse(span(sector.elevation_edges_rad), "the sector that is lit and heard", overlap);

@@ -19,11 +19,11 @@ RangeSamples range_window(const SensorDescription& description, const Keys& keys
 
 template <class Keys>
 SensorFigures range_figures(const Keys& keys, std::int64_t beams, double beam_deg) {
-  constexpr std::int64_t shots = 1;
+  constexpr std::int64_t transmissions = 1;
   return {keys.frequency_khz,
           beams,
           keys.samples,
-          shots,
+          transmissions,
           (keys.range_max_m - keys.range_min_m) / keys.samples,
           beam_deg,
           keys.range_max_m};

@@ -55,12 +55,12 @@ Sensor::Sensor(SensorDescription description) : description_(std::move(descripti
   receive_ = opened(description_.receive);
 }
 
-TubeSet Sensor::tubes(const Pose& sensor_pose, const WorldGrid& grid, std::size_t shot) const {
+TubeSet Sensor::tubes(const Pose& sensor_pose, const WorldGrid& grid, std::size_t transmission) const {
   TubeSet set;
   set.apex = grid.snap(sensor_pose.position_m);
   set.reach = reach(grid);
   const glm::dmat3 turn = glm::mat3_cast(glm::normalize(sensor_pose.attitude));
-  for (const AngularGrid& sector : shots_.at(shot).sectors)
+  for (const AngularGrid& sector : transmissions_.at(transmission).sectors)
     append_tubes(set, {sector.azimuth_edges_rad, sector.elevation_edges_rad, turn * sector.frame});
   return set;
 }
@@ -88,8 +88,9 @@ Directivity Sensor::directivity(const PatternDescription& pattern,
   return made;
 }
 
-BeamPatterns Sensor::patterns(const Pose& sensor_pose, double sound_speed_m_s, std::size_t shot) const {
-  const Shot& fired = shots_.at(shot);
+BeamPatterns Sensor::patterns(const Pose& sensor_pose, double sound_speed_m_s,
+                              std::size_t transmission) const {
+  const Transmission& fired = transmissions_.at(transmission);
   const glm::dmat3 turn = glm::mat3_cast(glm::normalize(sensor_pose.attitude));
   BeamPatterns made;
   made.receive.resize(fired.beams.size());
@@ -117,7 +118,7 @@ BeamPatterns Sensor::patterns(const Pose& sensor_pose, double sound_speed_m_s, s
       made.fringes.push_back({glm::normalize(turn * fan.staff), staff_.baseline_m,
                               2 * std::numbers::pi * frequency_khz_ * 1000 / sound_speed_m_s});
   }
-  made.fan_of_tube = fan_of_tube(shot);
+  made.fan_of_tube = fan_of_tube(transmission);
   for (std::size_t tube = 0; tube < made.fan_of_tube.size(); ++tube) {
     const Fan& fan = fired.fans[made.fan_of_tube[tube]];
     const std::uint32_t own = fired.beam_of_tube[tube];
@@ -172,10 +173,10 @@ Pose Sensor::receiver_pose_on(const Pose& carrier) const {
           attitude_on(carrier)};
 }
 
-std::vector<std::uint32_t> Sensor::fan_of_tube(std::size_t shot) const {
+std::vector<std::uint32_t> Sensor::fan_of_tube(std::size_t transmission) const {
   std::vector<std::uint32_t> fans;
-  for (std::uint32_t fan = 0; fan < shots_.at(shot).fans.size(); ++fan)
-    fans.resize(shots_[shot].fans[fan].end_tube, fan);
+  for (std::uint32_t fan = 0; fan < transmissions_.at(transmission).fans.size(); ++fan)
+    fans.resize(transmissions_[transmission].fans[fan].end_tube, fan);
   return fans;
 }
 

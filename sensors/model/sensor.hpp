@@ -50,27 +50,33 @@ class Sensor {
   /// plane: what pictures of it have to know.
   bool is_across_track() const { return across_track_; }
 
-  /// A ping is one shot or several (an acoustic camera that fires groups of beams in turn), each from where
-  /// the sensor is at its own time.
-  std::size_t shots() const { return shots_.size(); }
-  /// When a shot is fired, seconds after the ping's time.
-  double shot_delay_s(std::size_t shot) const { return shots_.at(shot).delay_s; }
-  /// The sensor's beams that listen to a shot. Within the shot they are numbered in this order.
-  const std::vector<std::uint32_t>& beams_of_shot(std::size_t shot) const { return shots_.at(shot).beams; }
-  /// Per tube of `tubes()`: the beam, as the shot numbers them, that it belongs to.
-  const std::vector<std::uint32_t>& beam_of_tube(std::size_t shot = 0) const {
-    return shots_.at(shot).beam_of_tube;
+  /// A ping is one transmission or several (an acoustic camera that fires groups of beams in turn), each from
+  /// where the sensor is at its own time.
+  std::size_t transmissions() const { return transmissions_.size(); }
+  /// When a transmission is fired, seconds after the ping's time.
+  double transmission_delay_s(std::size_t transmission) const {
+    return transmissions_.at(transmission).delay_s;
+  }
+  /// The sensor's beams that listen to a transmission. Within the transmission they are numbered in this
+  /// order.
+  const std::vector<std::uint32_t>& beams_of_transmission(std::size_t transmission) const {
+    return transmissions_.at(transmission).beams;
+  }
+  /// Per tube of `tubes()`: the beam, as the transmission numbers them, that it belongs to.
+  const std::vector<std::uint32_t>& beam_of_tube(std::size_t transmission = 0) const {
+    return transmissions_.at(transmission).beam_of_tube;
   }
 
-  /// The tubes of a shot from a pose of the sensor itself (mounting applied). Equal poses give equal sets.
-  TubeSet tubes(const Pose& sensor_pose, const WorldGrid& grid, std::size_t shot = 0) const;
+  /// The tubes of a transmission from a pose of the sensor itself (mounting applied). Equal poses give equal
+  /// sets.
+  TubeSet tubes(const Pose& sensor_pose, const WorldGrid& grid, std::size_t transmission = 0) const;
   /// Whether transmitter or receiver have a pattern; if not, beams are 1 inside their tubes and 0 outside.
   bool has_patterns() const { return transmit_.has_value() || receive_.has_value() || has_staff(); }
-  /// The patterns of a shot from a pose of the sensor itself, by the shot's numbers of beams. A receive
-  /// pattern is steered to its beam's axis, a transmit pattern to the middle of its fan or, where the shot's
-  /// beams are all sent at once, to each of them, added up. With a receive pattern a beam hears its whole
-  /// fan.
-  BeamPatterns patterns(const Pose& sensor_pose, double sound_speed_m_s, std::size_t shot = 0) const;
+  /// The patterns of a transmission from a pose of the sensor itself, by the transmission's numbers of beams.
+  /// A receive pattern is steered to its beam's axis, a transmit pattern to the middle of its fan or, where
+  /// the transmission's beams are all sent at once, to each of them, added up. With a receive pattern a beam
+  /// hears its whole fan.
+  BeamPatterns patterns(const Pose& sensor_pose, double sound_speed_m_s, std::size_t transmission = 0) const;
 
   /// TubeSet::reach of its tubes: the end of the last sample, in grid units.
   double reach(const WorldGrid& grid) const;
@@ -85,8 +91,8 @@ class Sensor {
   }
   /// Pose of the receiver for a pose of the carrier; that of the sensor, unless it is apart.
   Pose receiver_pose_on(const Pose& carrier) const;
-  /// By tube of a shot: the fan (one transmission and one receiver) it belongs to.
-  std::vector<std::uint32_t> fan_of_tube(std::size_t shot) const;
+  /// By tube of a transmission: the fan (one transmission and one receiver) it belongs to.
+  std::vector<std::uint32_t> fan_of_tube(std::size_t transmission) const;
   /// Throws InputError at the sensor's place for a beam or a sector of less than narrowest_rad.
   void refuse_narrow() const;
   /// How far the walls of the narrowest beam may be from where they should be, as a part of its width: rays
@@ -107,7 +113,7 @@ class Sensor {
     glm::dvec3 staff{0, 0, 1};   ///< with a baseline: from its lower to its upper receiver
   };
 
-  struct Shot {
+  struct Transmission {
     double delay_s = 0;
     std::vector<std::uint32_t> beams;  ///< the sensor's; all else counts beams by their place in here
     std::vector<std::uint32_t> beam_of_tube;
@@ -122,7 +128,7 @@ class Sensor {
   Staff staff_;
   std::optional<SignalModel> signals_;
   bool across_track_ = false;
-  std::vector<Shot> shots_;
+  std::vector<Transmission> transmissions_;
 
  private:
   /// Of both its ends.

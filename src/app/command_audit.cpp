@@ -12,9 +12,9 @@
 #include "run/console/progress.hpp"
 #include "run/console/say.hpp"
 #include "run/settings.hpp"
-#include "run/shot_ends.hpp"
-#include "run/shot_images.hpp"
 #include "run/tiles_in_view.hpp"
+#include "run/transmission_ends.hpp"
+#include "run/transmission_images.hpp"
 
 namespace tubefoot {
 
@@ -24,26 +24,28 @@ int audit_command(const AuditOptions& options) {
   const auto survey = open_survey(description);
   print_warnings(survey->scene.report.warnings, options.quiet);
   const std::size_t only = options.sensor ? survey->fleet->sensor_named(*options.sensor) : 0;
-  const Shots all(*survey, request_of(description.run));
+  const Transmissions all(*survey, request_of(description.run));
   require_able(*survey, all.request(), Feature::audit, options.sensor ? std::optional(only) : std::nullopt);
 
   struct Asked {
-    const SharedShots* group;
-    std::size_t ping, shot;
-    std::uint64_t label;  ///< of all three, so that a shot's share of the hash does not depend on what
-                          ///< else is audited
+    const SharedTransmissions* group;
+    std::size_t ping, transmission;
+    std::uint64_t label;  ///< of all three, so that a transmission's share of the hash does not depend on
+                          ///< what else is audited
   };
-  std::vector<Asked> shots;
-  for (const SharedShots& group : survey->shots) {
+  std::vector<Asked> transmissions;
+  for (const SharedTransmissions& group : survey->transmissions) {
     if (options.sensor && std::find(group.sensors.begin(), group.sensors.end(), only) == group.sensors.end())
       continue;
     const PingRange range = resolved(options.pings, survey->fleet->pings(group));
     for (std::int64_t ping = range.first; ping <= range.last; ++ping)
-      for (std::size_t shot = 0; shot < survey->fleet->shots_a_ping(group); ++shot)
-        shots.push_back({&group, static_cast<std::size_t>(ping), shot,
-                         (std::uint64_t{shot} << 40) |
-                             (static_cast<std::uint64_t>(&group - survey->shots.data()) << 24) |
-                             static_cast<std::uint64_t>(ping)});
+      for (std::size_t transmission = 0; transmission < survey->fleet->transmissions_per_ping(group);
+           ++transmission)
+        transmissions.push_back(
+            {&group, static_cast<std::size_t>(ping), transmission,
+             (std::uint64_t{transmission} << 40) |
+                 (static_cast<std::uint64_t>(&group - survey->transmissions.data()) << 24) |
+                 static_cast<std::uint64_t>(ping)});
   }
 
   std::size_t tubes = 0, pieces = 0, facets = 0, shared_facets = 0, shared_pieces = 0, failures = 0,
@@ -51,31 +53,36 @@ int audit_command(const AuditOptions& options) {
   double worst = 0;
   TopologyHash hash;
   bool has_shared = false;  // of two ends, or two images
-  const auto fail = [&](const Shot& shot, const std::string& what, double defect, const char* whole) {
+  const auto fail = [&](const Transmission& transmission, const std::string& what, double defect,
+                        const char* whole) {
     if (++failures <= 10)
-      say("sensor '{}', ping {}, shot {}, {}: off by {:.3e} of {}\n", shot.pings().sensor->description().name,
-          shot.ping(), shot.number(), what, defect, whole);
+      say("sensor '{}', ping {}, shot {}, {}: off by {:.3e} of {}\n",
+          transmission.pings().sensor->description().name, transmission.ping(), transmission.number(), what,
+          defect, whole);
     worst = std::max(worst, std::abs(defect));
   };
-  const auto add_tubes = [&](const Shot& shot, const char* of_whom, const std::vector<TubeAudit>& audits) {
+  const auto add_tubes = [&](const Transmission& transmission, const char* of_whom,
+                             const std::vector<TubeAudit>& audits) {
     for (std::size_t tube = 0; tube < audits.size(); ++tube) {
       const TubeAudit& audit = audits[tube];
       ++tubes;
       pieces += audit.pieces;
       facets += audit.facets;
       hash += audit.hash;
-      if (!audit.closes) fail(shot, fmt::format("{}tube {}", of_whom, tube), audit.defect, "the tube");
+      if (!audit.closes)
+        fail(transmission, fmt::format("{}tube {}", of_whom, tube), audit.defect, "the tube");
     }
   };
-  const auto add_shared = [&](const Shot& shot, const char* who, const std::vector<SharedAudit>& audits) {
+  const auto add_shared = [&](const Transmission& transmission, const char* who,
+                              const std::vector<SharedAudit>& audits) {
     for (const SharedAudit& shared : audits) {
       shared_facets += shared.pieces > 0;
       shared_pieces += shared.pieces;
       hash += shared.hash;
-      if (!shared.closes) fail(shot, fmt::format("what {} see", who), shared.defect, "a facet");
+      if (!shared.closes) fail(transmission, fmt::format("what {} see", who), shared.defect, "a facet");
     }
   };
-  const auto add_paths = [&](const Shot& shot, const PathAudit& paths) {
+  const auto add_paths = [&](const Transmission& transmission, const PathAudit& paths) {
     has_shared = true;
     images += paths.images.size();
     pairs += paths.pairs;
@@ -83,32 +90,33 @@ int audit_command(const AuditOptions& options) {
       const std::string whose =
           fmt::format("{}'s image in {} mirror{}", image.of_receiver ? "receiver" : "transmitter",
                       image.mirrors, image.mirrors == 1 ? "" : "s");
-      add_tubes(shot, (whose + ", ").c_str(), image.windows);
+      add_tubes(transmission, (whose + ", ").c_str(), image.windows);
       if (!image.fills())
-        fail(shot, whose + ", windows", (image.windows_sr - image.mirror_sr) / image.mirror_sr,
+        fail(transmission, whose + ", windows", (image.windows_sr - image.mirror_sr) / image.mirror_sr,
              "what is seen of the mirror");
     }
-    add_shared(shot, "two images", paths.shared);
+    add_shared(transmission, "two images", paths.shared);
   };
-  ShotsAround around(all);
-  Progress progress("audited shots", shots.size(), options.quiet);
-  for (const Asked& asked : shots) {
+  TransmissionsAround around(all);
+  Progress progress("audited shots", transmissions.size(), options.quiet);
+  for (const Asked& asked : transmissions) {
     stop_if_wanted();
-    const Shot shot = around.at(*asked.group, asked.ping).of(*asked.group, asked.ping, asked.shot);
-    if (shot.has_receiver_apart()) {
+    const Transmission transmission =
+        around.at(*asked.group, asked.ping).of(*asked.group, asked.ping, asked.transmission);
+    if (transmission.has_receiver_apart()) {
       has_shared = true;
-      const BistaticAudit audit = ShotEnds(shot, shot.first()).audit(asked.label);
-      add_tubes(shot, "transmitter's ", audit.transmit);
-      add_tubes(shot, "receiver's ", audit.receive);
-      add_shared(shot, "both ends", audit.shared);
+      const BistaticAudit audit = TransmissionEnds(transmission, transmission.first()).audit(asked.label);
+      add_tubes(transmission, "transmitter's ", audit.transmit);
+      add_tubes(transmission, "receiver's ", audit.receive);
+      add_shared(transmission, "both ends", audit.shared);
     } else {
-      add_tubes(shot, "", shot.audit(asked.label));
+      add_tubes(transmission, "", transmission.audit(asked.label));
     }
-    audit_paths(shot, asked.label, [&](const PathAudit& paths) { add_paths(shot, paths); });
+    audit_paths(transmission, asked.label, [&](const PathAudit& paths) { add_paths(transmission, paths); });
     progress.step();
   }
   tell("arithmetic     {}\n", description.run.arithmetic);
-  tell("shots          {}\n", shots.size());
+  tell("shots          {}\n", transmissions.size());
   tell("tubes          {}\n", tubes);
   tell("footprints     {}\n", facets);
   tell("pieces         {}\n", pieces);

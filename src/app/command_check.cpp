@@ -20,13 +20,13 @@
 #include "run/run_request.hpp"
 #include "run/run_steps.hpp"
 #include "run/settings.hpp"
-#include "run/shot.hpp"
 #include "run/signals.hpp"
 #include "run/silence.hpp"
 #include "run/simulation.hpp"
 #include "run/standing.hpp"
 #include "run/survey.hpp"
 #include "run/tiles_in_view.hpp"
+#include "run/transmission.hpp"
 
 namespace tubefoot {
 namespace {
@@ -157,22 +157,24 @@ struct Probe {
   double seconds = 0, largest_gap_m = 0;
 };
 
-/// Sees and integrates the shots of one ping.
-void probe(const Shots& shots, const SharedShots& group, std::size_t ping, Probe& sum) {
-  const Shots around(survey_around(shots, group, ping), shots.request());
+/// Sees and integrates the transmissions of one ping.
+void probe(const Transmissions& transmissions, const SharedTransmissions& group, std::size_t ping,
+           Probe& sum) {
+  const Transmissions around(survey_around(transmissions, group, ping), transmissions.request());
   const auto start = std::chrono::steady_clock::now();
-  for (std::size_t number = 0; number < shots.survey().fleet->shots_a_ping(group); ++number) {
-    const Shot shot = around.of(group, ping, number);
-    if (const ApparentGround* apparent = shot.ground().apparent())
+  for (std::size_t number = 0; number < transmissions.survey().fleet->transmissions_per_ping(group);
+       ++number) {
+    const Transmission transmission = around.of(group, ping, number);
+    if (const ApparentGround* apparent = transmission.ground().apparent())
       sum.largest_gap_m = std::max(sum.largest_gap_m, apparent->largest_gap_m);
-    const History history = shot.trace(&sum.candidates);
+    const History history = transmission.trace(&sum.candidates);
     sum.footprints += history.footprints.footprints.size();
     for (const std::size_t s : group.sensors) {
-      const SensorLaw law = shot.law(s);
+      const SensorLaw law = transmission.law(s);
       for (std::uint32_t fan = 0; fan < law.patterns.fringes.size(); ++fan)
-        shot.echo(shot.trace_staff(s, fan, law.patterns.fringes[fan]), s, fan, law);
-      if (!shot.sensor(s).has_staff()) shot.echo(history, s, law.law);
-      if (shot.sensor(s).signals() != nullptr) signals_heard(shot, s, history);
+        transmission.echo(transmission.trace_staff(s, fan, law.patterns.fringes[fan]), s, fan, law);
+      if (!transmission.sensor(s).has_staff()) transmission.echo(history, s, law.law);
+      if (transmission.sensor(s).signals() != nullptr) signals_heard(transmission, s, history);
     }
   }
   sum.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -183,17 +185,17 @@ void probe(const Shots& shots, const SharedShots& group, std::size_t ping, Probe
 void print_cost(const Survey& survey, RunRequest request, int threads, bool quiet) {
   const Scene& scene = survey.scene;
   request.binning = Binning::exact;
-  const Shots shots(survey, request);
+  const Transmissions transmissions(survey, request);
   const WritingCost writing = expected_writing(survey, request, {});
   double seconds = 0, largest_gap_m = 0;
   std::string told;  // once nothing is drawn any more
   auto measuring = std::make_optional<Progress>("measuring", quiet);
-  for (const SharedShots& group : survey.shots) {
+  for (const SharedTransmissions& group : survey.transmissions) {
     const std::size_t pings = survey.fleet->pings(group), probes = std::min<std::size_t>(pings, 3);
     Probe sum;
     constexpr double enough_s = 5;  // one ping that takes as long tells enough
     for (std::size_t k = 0; k < probes && sum.seconds < enough_s; ++k)
-      probe(shots, group, (2 * k + 1) * pings / (2 * probes), sum);
+      probe(transmissions, group, (2 * k + 1) * pings / (2 * probes), sum);
     const double per_ping = sum.seconds / static_cast<double>(sum.pings);
     std::string names;
     for (const std::size_t s : group.sensors)

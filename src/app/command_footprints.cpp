@@ -15,8 +15,8 @@
 #include "run/console/progress.hpp"
 #include "run/console/say.hpp"
 #include "run/settings.hpp"
-#include "run/shot.hpp"
 #include "run/tiles_in_view.hpp"
+#include "run/transmission.hpp"
 
 namespace tubefoot {
 namespace {
@@ -40,22 +40,22 @@ struct Places {
 /// The files in them.
 class Files {
  public:
-  Files(Places& places, FootprintFileMaker make, const Shots& shots, std::size_t sensor)
-      : shots_(shots), around_(shots), sensor_(sensor), places_(places) {
-    const Survey& survey = shots.survey();
+  Files(Places& places, FootprintFileMaker make, const Transmissions& transmissions, std::size_t sensor)
+      : transmissions_(transmissions), around_(transmissions), sensor_(sensor), places_(places) {
+    const Survey& survey = transmissions.survey();
     if (places.columns)
       columns_ =
           make(places.columns->path(), {survey.scene, survey.sensors[sensor].sensor->description().name});
-    if (places.exact) exact_.emplace(places.exact->path(), shots, sensor);
+    if (places.exact) exact_.emplace(places.exact->path(), transmissions, sensor);
   }
 
   /// Footprints written; without columns, pieces.
   std::size_t add(std::size_t ping, std::size_t number, std::span<const std::uint32_t> beams) {
-    const Shots& around = around_.at(shots_.survey().fleet->shots_of(sensor_), ping);
-    const Shot shot = around.heard_by(sensor_, ping, number);
-    const std::size_t pieces = exact_ ? exact_->add(shot, beams) : 0;
+    const Transmissions& around = around_.at(transmissions_.survey().fleet->transmissions_of(sensor_), ping);
+    const Transmission transmission = around.heard_by(sensor_, ping, number);
+    const std::size_t pieces = exact_ ? exact_->add(transmission, beams) : 0;
     if (!columns_) return pieces;
-    const FootprintTable table = footprint_table(shot, sensor_, beams);
+    const FootprintTable table = footprint_table(transmission, sensor_, beams);
     columns_->add(table);
     facets_of_several_rays_ += table.facets_of_several_rays;
     return table.rows();
@@ -72,8 +72,8 @@ class Files {
   const char* counted() const { return columns_ ? "footprints" : "pieces"; }
 
  private:
-  const Shots& shots_;
-  ShotsAround around_;
+  const Transmissions& transmissions_;
+  TransmissionsAround around_;
   std::size_t sensor_, facets_of_several_rays_ = 0;
   Places& places_;
   std::unique_ptr<FootprintFile> columns_;
@@ -90,8 +90,8 @@ int footprints_command(const FootprintOptions& options) {
   const ThreadLimit limit(description.run.threads);
   const auto survey = open_survey(description);
   const std::size_t index = survey->fleet->sensor_named(options.sensor);
-  const Shots shots(*survey, request_of(description.run));
-  require_able(*survey, shots.request(), Feature::footprints, index);
+  const Transmissions transmissions(*survey, request_of(description.run));
+  require_able(*survey, transmissions.request(), Feature::footprints, index);
   print_warnings(survey->scene.report.warnings, options.quiet);
   const SensorPings& pings = survey->sensors[index];
   const PingRange range = resolved(options.pings, pings.times_s.size());
@@ -105,14 +105,14 @@ int footprints_command(const FootprintOptions& options) {
                     "formats"},
                    options.quiet);
 
-  Files files(places, make, shots, index);
+  Files files(places, make, transmissions, index);
   std::size_t count = 0;
   Progress progress("pings", static_cast<std::size_t>(range.last - range.first + 1), options.quiet);
   for (auto ping = static_cast<std::size_t>(range.first); ping <= static_cast<std::size_t>(range.last);
        ++ping) {
-    for (std::size_t shot = 0; shot < pings.sensor->shots(); ++shot) {
+    for (std::size_t transmission = 0; transmission < pings.sensor->transmissions(); ++transmission) {
       stop_if_wanted();
-      count += files.add(ping, shot, beams);
+      count += files.add(ping, transmission, beams);
     }
     progress.step();
   }

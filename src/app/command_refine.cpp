@@ -8,7 +8,7 @@
 #include "run/console/say.hpp"
 #include "run/refined_bed_file.hpp"
 #include "run/settings.hpp"
-#include "run/shot_ground.hpp"
+#include "run/transmission_ground.hpp"
 
 namespace tubefoot {
 

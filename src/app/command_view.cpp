@@ -16,7 +16,7 @@
 #include "plan/scene_drawing.hpp"
 #include "run/console/say.hpp"
 #include "run/settings.hpp"
-#include "run/shot.hpp"
+#include "run/transmission.hpp"
 #include "sensors/recordings/echo_reader.hpp"
 #include "viewer/page.hpp"
 #include "viewer/view_gather.hpp"
@@ -224,7 +224,8 @@ int view_command(const ViewOptions& options) {
     range->last = range->first;
   }
 
-  ViewData view = gather_view(Shots(*survey, request_of(description.run)), sensor, range, options.quiet);
+  ViewData view =
+      gather_view(Transmissions(*survey, request_of(description.run)), sensor, range, options.quiet);
   view.version = TUBEFOOT_VERSION;
   view.source = options.scene.string();
   view.drawing = scene_drawing(*survey, {});

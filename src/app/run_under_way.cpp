@@ -25,7 +25,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// `refined`: shots had ground of their own, no finer than its tolerance asks.
+/// `refined`: transmissions had ground of their own, no finer than its tolerance asks.
 void print_reference(double tolerance, const ReferenceStats& reference, bool refined) {
   if (reference.bins_over == 0)
     tell("reference: every energy within {:g} of its bin, certified{}\n", tolerance,

@@ -110,11 +110,11 @@ void note_sensors(const Survey& survey, const std::vector<std::size_t>& chosen,
       out.push_back(fmt::format("sensor '{}': its second receiver, and so its phases", name));
     if (sensor.has_receiver_apart())
       out.push_back(fmt::format("sensor '{}': that its receiver is apart: it hears where it sends", name));
-    if (sensor.shots() > 1)
+    if (sensor.transmissions() > 1)
       out.push_back(
           fmt::format("sensor '{}': that a ping is {} shots, one after the other: all are where the "
                       "first is",
-                      name, sensor.shots()));
+                      name, sensor.transmissions()));
     if (!survey.sensors[k].poses.empty() && survey.sensors[k].times_s.size() > 1)
       out.push_back(fmt::format("sensor '{}': its other pings ({} in all): --ping K takes another", name,
                                 survey.sensors[k].times_s.size()));

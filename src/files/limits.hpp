@@ -36,7 +36,7 @@ inline constexpr std::size_t map_attributes = 1000, map_attribute_pairs = 8000;
 inline constexpr std::int64_t block_bytes = std::int64_t{1} << 29;
 /// Beams times range samples of one ping.
 inline constexpr std::int64_t ping_cells = std::int64_t{1} << 26;
-/// Pings of a sensor, times the shots of each.
-inline constexpr std::int64_t sensor_shots = 100'000'000;
+/// Pings of a sensor, times the transmissions of each.
+inline constexpr std::int64_t sensor_transmissions = 100'000'000;
 
 }  // namespace tubefoot::limits

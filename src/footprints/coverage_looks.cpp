@@ -7,14 +7,14 @@
 
 #include "engine/echo/staff_echo.hpp"
 #include "geometry/tubes/part_corner_weights.hpp"
-#include "run/shot_ends.hpp"
-#include "run/shot_images.hpp"
+#include "run/transmission_ends.hpp"
+#include "run/transmission_images.hpp"
 
 namespace tubefoot {
 namespace {
 
 /// What an end saw, as parts of the scene's facets.
-std::shared_ptr<const PartedBed> bed_of(const ShotEnd& end) {
+std::shared_ptr<const PartedBed> bed_of(const TransmissionEnd& end) {
   if (end.refined == nullptr) return nullptr;
   auto bed = std::make_shared<PartedBed>();
   bed->mesh = end.refined->mesh;
@@ -26,7 +26,7 @@ std::shared_ptr<const PartedBed> bed_of(const ShotEnd& end) {
   return bed;
 }
 
-CoverageEnd seen_by(const ShotEnd& end, std::shared_ptr<const PartedBed> bed,
+CoverageEnd seen_by(const TransmissionEnd& end, std::shared_ptr<const PartedBed> bed,
                     const VisibilityOptions& options) {
   CoverageEnd result{end.tubes, look(*end.mesh, *end.tree, end.tubes, options), std::move(bed)};
   for (TubeVisibility& seen : result.seen) seen.occluders = {};  // many looks are kept
@@ -48,27 +48,27 @@ void add_by_fans(const CoverageLook& all, std::span<const std::uint32_t> fan_of_
                      of_fan(*all.home, fan_of_home, fan)});
 }
 
-void add_straight(const Shot& shot, std::size_t sensor, std::uint32_t ping,
+void add_straight(const Transmission& transmission, std::size_t sensor, std::uint32_t ping,
                   std::vector<CoverageLook>& looks) {
-  const ShotEnds ends(shot, sensor, true);
-  const VisibilityOptions& options = shot.request().visibility;
+  const TransmissionEnds ends(transmission, sensor, true);
+  const VisibilityOptions& options = transmission.request().visibility;
   const auto bed = bed_of(ends.out());
   CoverageLook look{ping, seen_by(ends.out(), bed, options),
-                    shot.sensor(sensor).samples().first_m / shot.scene().grid.unit_m(),
-                    shot.sensor(sensor).reach(shot.scene().grid)};
+                    transmission.sensor(sensor).samples().first_m / transmission.scene().grid.unit_m(),
+                    transmission.sensor(sensor).reach(transmission.scene().grid)};
   if (!ends.are_two()) {
     looks.push_back(std::move(look));
     return;
   }
   look.home = seen_by(ends.home(), ends.apparent_pair() != nullptr ? bed_of(ends.home()) : bed, options);
-  const std::vector<std::uint32_t> fans = shot.sensor(sensor).fan_of_tube(shot.number());
+  const std::vector<std::uint32_t> fans = transmission.sensor(sensor).fan_of_tube(transmission.number());
   add_by_fans(look, fans, fans, looks);
 }
 
 /// What images see, as parts of the scene's facets.
 class ImageBeds {
  public:
-  explicit ImageBeds(const ShotImages& of) : of_(of) {
+  explicit ImageBeds(const TransmissionImages& of) : of_(of) {
     const RefinedMesh* own = of.ground().refined();
     if (own != nullptr) whole_ = made(own->mesh, own->parent, own->weights, {});
   }
@@ -103,16 +103,17 @@ class ImageBeds {
     return bed;
   }
 
-  const ShotImages& of_;
+  const TransmissionImages& of_;
   std::shared_ptr<const PartedBed> whole_;  // null: the scene's own facets
 };
 
-void add_over_mirrors(const Shot& shot, std::size_t sensor, const PathSettings& settings, std::uint32_t ping,
-                      std::vector<CoverageLook>& looks) {
-  const ShotImages of(shot, sensor, settings, PathEnds(shot, sensor), false, true);
+void add_over_mirrors(const Transmission& transmission, std::size_t sensor, const PathSettings& settings,
+                      std::uint32_t ping, std::vector<CoverageLook>& looks) {
+  const TransmissionImages of(transmission, sensor, settings, PathEnds(transmission, sensor), false, true);
   const PathImages& images = of.images();
   const ImageBeds beds(of);
-  const std::vector<std::uint32_t> fan_of_tube = shot.sensor(sensor).fan_of_tube(shot.number());
+  const std::vector<std::uint32_t> fan_of_tube =
+      transmission.sensor(sensor).fan_of_tube(transmission.number());
   const auto fans_of = [&](const Image& image) {
     std::vector<std::uint32_t> fans;
     for (const std::uint32_t tube : image.own_tube) fans.push_back(fan_of_tube[tube]);
@@ -123,9 +124,11 @@ void add_over_mirrors(const Shot& shot, std::size_t sensor, const PathSettings& 
   if (!images.one_place())
     for (const Image& image : images.heard()) heard.push_back(beds.end_of(image));
   for (const auto& [i, j] : images.pairs()) {
-    if (!is_order_wanted(shot.scene(), images.sent()[i].mirrors + images.heard()[j].mirrors + 1)) continue;
-    CoverageLook look{ping, sent[i], shot.sensor(sensor).samples().first_m / shot.scene().grid.unit_m(),
-                      shot.sensor(sensor).reach(shot.scene().grid)};
+    if (!is_order_wanted(transmission.scene(), images.sent()[i].mirrors + images.heard()[j].mirrors + 1))
+      continue;
+    CoverageLook look{ping, sent[i],
+                      transmission.sensor(sensor).samples().first_m / transmission.scene().grid.unit_m(),
+                      transmission.sensor(sensor).reach(transmission.scene().grid)};
     if (images.one_place() && i == j) {
       looks.push_back(std::move(look));
       continue;
@@ -137,12 +140,13 @@ void add_over_mirrors(const Shot& shot, std::size_t sensor, const PathSettings& 
 
 }  // namespace
 
-std::vector<CoverageLook> coverage_looks(const Shot& shot, std::size_t sensor, std::uint32_t ping) {
+std::vector<CoverageLook> coverage_looks(const Transmission& transmission, std::size_t sensor,
+                                         std::uint32_t ping) {
   std::vector<CoverageLook> looks;
-  if (is_order_wanted(shot.scene(), 1)) add_straight(shot, sensor, ping, looks);
-  if (const auto settings = path_settings(shot.scene(), shot.sensor(sensor).frequency_khz());
+  if (is_order_wanted(transmission.scene(), 1)) add_straight(transmission, sensor, ping, looks);
+  if (const auto settings = path_settings(transmission.scene(), transmission.sensor(sensor).frequency_khz());
       settings && settings->order > 1)
-    add_over_mirrors(shot, sensor, *settings, ping, looks);
+    add_over_mirrors(transmission, sensor, *settings, ping, looks);
   return looks;
 }
 

@@ -137,7 +137,7 @@ class GeoPackage : public FootprintFile {
     OGRFeature feature(upright_->GetLayerDefn());
     int f = 0;
     feature.SetField(f++, footprint);
-    for (const auto* values : {&table.ping, &table.shot, &table.beam, &table.facet})
+    for (const auto* values : {&table.ping, &table.transmission, &table.beam, &table.facet})
       feature.SetField(f++, static_cast<GIntBig>((*values)[row]));
     feature.SetField(f++, component_name(source_.scene, table, row).c_str());
     feature.SetGeometry(shape.multi_line().get());

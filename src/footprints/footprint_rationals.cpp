@@ -17,8 +17,8 @@
 #include "geometry/visibility/contradictions.hpp"
 #include "geometry/visibility/exact_direction.hpp"
 #include "run/abilities.hpp"
-#include "run/shot_ends.hpp"
-#include "run/shot_images.hpp"
+#include "run/transmission_ends.hpp"
+#include "run/transmission_images.hpp"
 
 namespace tubefoot {
 namespace {
@@ -37,10 +37,10 @@ std::string text(const ExactVector& v) {
 /// A double is a rational.
 ExactVector exact_metres(glm::dvec3 p) { return {Rational(p.x), Rational(p.y), Rational(p.z)}; }
 
-/// An end of a shot as lines: facets where they lie, told between their corners.
+/// An end of a transmission as lines: facets where they lie, told between their corners.
 class EndLines {
  public:
-  EndLines(const WorldGrid& grid, const ShotEnd& end)
+  EndLines(const WorldGrid& grid, const TransmissionEnd& end)
       : end_(end), unit_m_(grid.unit_m()), apex_m_(exact_metres(grid.to_metres(end.tubes.apex))) {}
 
   std::string apex() const { return text(apex_m_); }
@@ -75,7 +75,7 @@ class EndLines {
     return point;
   }
 
-  const ShotEnd& end_;
+  const TransmissionEnd& end_;
   Rational unit_m_;
   ExactVector apex_m_;
 };
@@ -90,9 +90,10 @@ struct RationalsFile::State {
   void write(const std::string& lines) { file.append(lines); }
 };
 
-RationalsFile::RationalsFile(const std::filesystem::path& file, const Shots& shots, std::size_t sensor) {
-  require_able(shots.survey(), shots.request(), Feature::exact_corners, sensor);
-  if (const Scene& scene = shots.survey().scene; !is_order_wanted(scene, 1))
+RationalsFile::RationalsFile(const std::filesystem::path& file, const Transmissions& transmissions,
+                             std::size_t sensor) {
+  require_able(transmissions.survey(), transmissions.request(), Feature::exact_corners, sensor);
+  if (const Scene& scene = transmissions.survey().scene; !is_order_wanted(scene, 1))
     throw InputError(
         scene.description.paths.place,
         "'only_order' leaves out paths of order 1, and exact corners are those of no other: ask for "
@@ -106,49 +107,51 @@ RationalsFile::RationalsFile(const std::filesystem::path& file, const Shots& sho
       "# of a receiver apart: receiver APEX, its tubes, and shared FACET TUBE RECEIVE_TUBE N POINT...\n"
       "# points: metres east, north and up in the local frame; axes, rays and directions: "
       "integers of any length\nsensor {}\n",
-      shots.survey().sensors[sensor].sensor->description().name));
+      transmissions.survey().sensors[sensor].sensor->description().name));
 }
 
 RationalsFile::~RationalsFile() = default;
 
-std::size_t RationalsFile::add(const Shot& shot, std::span<const std::uint32_t> beams) {
-  const std::vector<std::uint32_t> chosen = tubes_of_beams(shot, state_->sensor, beams);
+std::size_t RationalsFile::add(const Transmission& transmission, std::span<const std::uint32_t> beams) {
+  const std::vector<std::uint32_t> chosen = tubes_of_beams(transmission, state_->sensor, beams);
   if (chosen.empty()) return 0;
-  const ShotEnds ends(shot, state_->sensor);
-  state_->write(fmt::format("shot {} {}{}\n", shot.ping(), shot.number(),
-                            EndLines(shot.scene().grid, ends.out()).apex()));
+  const TransmissionEnds ends(transmission, state_->sensor);
+  state_->write(fmt::format("shot {} {}{}\n", transmission.ping(), transmission.number(),
+                            EndLines(transmission.scene().grid, ends.out()).apex()));
   // Beams are the receiver's: what it hears may come from any tube of a transmitter apart.
-  ShotEnd home = ends.home();
+  TransmissionEnd home = ends.home();
   home.tubes = only_tubes(std::move(home.tubes), chosen);
-  if (!ends.are_two()) return add_end(shot, home, chosen, nullptr);
-  const ShotEnd& out = ends.out();
+  if (!ends.are_two()) return add_end(transmission, home, chosen, nullptr);
+  const TransmissionEnd& out = ends.out();
   std::vector<std::uint32_t> all(out.tubes.tubes.size());
   std::iota(all.begin(), all.end(), 0u);
   std::vector<TubeVisibility> sent, heard;
-  std::size_t pieces = add_end(shot, out, all, &sent);
-  state_->write(fmt::format("receiver{}\n", EndLines(shot.scene().grid, home).apex()));
-  pieces += add_end(shot, home, chosen, &heard);
-  const double unit_m = shot.scene().grid.unit_m();
+  std::size_t pieces = add_end(transmission, out, all, &sent);
+  state_->write(fmt::format("receiver{}\n", EndLines(transmission.scene().grid, home).apex()));
+  pieces += add_end(transmission, home, chosen, &heard);
+  const double unit_m = transmission.scene().grid.unit_m();
   if (ends.apparent_pair() != nullptr)
     add_shared(out, chosen,
                FootprintSharer({out.tubes, sent, out.mesh, out.name},
                                {home.tubes, heard, home.mesh, home.name}, unit_m),
-               shot.scene().grid);
+               transmission.scene().grid);
   else
     add_shared(out, chosen, FootprintSharer(*out.mesh, {out.tubes, sent}, {home.tubes, heard}, unit_m),
-               shot.scene().grid);
+               transmission.scene().grid);
   return pieces;
 }
 
-std::size_t RationalsFile::add_end(const Shot& shot, const ShotEnd& end,
+std::size_t RationalsFile::add_end(const Transmission& transmission, const TransmissionEnd& end,
                                    std::span<const std::uint32_t> numbers,
                                    std::vector<TubeVisibility>* kept) {
   State& s = *state_;
-  const std::vector<std::uint32_t>& beam_of_tube = shot.sensor(s.sensor).beam_of_tube(shot.number());
-  const std::vector<std::uint32_t>& beams_of_shot = shot.sensor(s.sensor).beams_of_shot(shot.number());
-  VisibilityOptions options = shot.request().visibility;
+  const std::vector<std::uint32_t>& beam_of_tube =
+      transmission.sensor(s.sensor).beam_of_tube(transmission.number());
+  const std::vector<std::uint32_t>& beams_of_transmission =
+      transmission.sensor(s.sensor).beams_of_transmission(transmission.number());
+  VisibilityOptions options = transmission.request().visibility;
   options.open_water = true;
-  const EndLines lines(shot.scene().grid, end);
+  const EndLines lines(transmission.scene().grid, end);
   if (kept) kept->resize(numbers.size());
   std::size_t pieces = 0;
   Steps steps("tubes", numbers.size());
@@ -164,7 +167,7 @@ std::size_t RationalsFile::add_end(const Shot& shot, const ShotEnd& end,
         leave_out_contradictions(*end.mesh, end.tubes.apex, seen);
       steps.done();
       std::string& out = of_tube[tube - begin];
-      out = fmt::format("tube {} {}{}", numbers[tube], beams_of_shot[beam_of_tube[numbers[tube]]],
+      out = fmt::format("tube {} {}{}", numbers[tube], beams_of_transmission[beam_of_tube[numbers[tube]]],
                         text(gnomonic_axis(end.tubes, t)));
       for (const std::uint32_t ray : end.tubes.tubes[tube]) out += text(exact(end.tubes.rays[ray]));
       out += '\n';
@@ -188,7 +191,7 @@ std::size_t RationalsFile::add_end(const Shot& shot, const ShotEnd& end,
   return pieces;
 }
 
-void RationalsFile::add_shared(const ShotEnd& out, std::span<const std::uint32_t> receive_tubes,
+void RationalsFile::add_shared(const TransmissionEnd& out, std::span<const std::uint32_t> receive_tubes,
                                const FootprintSharer& sharer, const WorldGrid& grid) {
   const EndLines lines(grid, out);
   for (std::size_t begin = 0; begin < sharer.facets(); begin += tubes_a_block) {

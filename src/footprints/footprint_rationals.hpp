@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "run/shot_ends.hpp"
+#include "run/transmission_ends.hpp"
 
 namespace tubefoot {
 
@@ -16,17 +16,17 @@ class RationalsFile {
   /// Throws std::runtime_error where writing fails, as all else here. In refracting water corners are those
   /// between vertices that are seen where rays in doubles put them, and lie where they lie; by plain double
   /// arithmetic those where the planes meet that doubles chose.
-  RationalsFile(const std::filesystem::path& file, const Shots& shots, std::size_t sensor);
+  RationalsFile(const std::filesystem::path& file, const Transmissions& transmissions, std::size_t sensor);
   ~RationalsFile();
-  /// A shot's tubes of `beams` (sorted; empty: all); of a receiver apart its own, and all of the transmitter.
-  /// Returns the number of pieces seen.
-  std::size_t add(const Shot& shot, std::span<const std::uint32_t> beams);
+  /// A transmission's tubes of `beams` (sorted; empty: all); of a receiver apart its own, and all of the
+  /// transmitter. Returns the number of pieces seen.
+  std::size_t add(const Transmission& transmission, std::span<const std::uint32_t> beams);
   void close();
 
  private:
-  std::size_t add_end(const Shot& shot, const ShotEnd& end, std::span<const std::uint32_t> numbers,
-                      std::vector<TubeVisibility>* kept);
-  void add_shared(const ShotEnd& out, std::span<const std::uint32_t> receive_tubes,
+  std::size_t add_end(const Transmission& transmission, const TransmissionEnd& end,
+                      std::span<const std::uint32_t> numbers, std::vector<TubeVisibility>* kept);
+  void add_shared(const TransmissionEnd& out, std::span<const std::uint32_t> receive_tubes,
                   const FootprintSharer& sharer, const WorldGrid& grid);
 
   struct State;

@@ -12,8 +12,8 @@
 #include "engine/sight/path_footprints.hpp"
 #include "geometry/footprints/footprint_builder.hpp"
 #include "geometry/steps/stop.hpp"
-#include "run/shot_ends.hpp"
-#include "run/shot_images.hpp"
+#include "run/transmission_ends.hpp"
+#include "run/transmission_images.hpp"
 
 namespace tubefoot {
 namespace {
@@ -23,7 +23,7 @@ constexpr double degrees = 180 / std::numbers::pi;
 using T = FootprintTable;
 const std::array<FootprintColumn, 23> columns{{
     {"ping", "1", "ping, counted from 0", &T::ping},
-    {"shot", "1", "shot of the ping, counted from 0", &T::shot},
+    {"shot", "1", "shot of the ping, counted from 0", &T::transmission},
     {"beam", "1", "beam that the receive tube belongs to, counted from 0", &T::beam},
     {"tube", "1", "tube of the shot, counted from 0", &T::tube},
     {"receive_tube", "1", "tube of the receiver, counted from 0; the same unless it is apart",
@@ -102,7 +102,8 @@ struct RowPath {
 /// Rows of footprints, whichever way they are seen.
 class Rows {
  public:
-  Rows(const Shot& shot, std::size_t s) : shot_(shot), sensor_(shot.sensor(s)) {}
+  Rows(const Transmission& transmission, std::size_t s)
+      : transmission_(transmission), sensor_(transmission.sensor(s)) {}
 
   /// `number`: what the facet is called; `place` says where a corner lies that is seen there from the apex.
   template <class Place>
@@ -110,10 +111,10 @@ class Rows {
            FacetId base, const FacetMesh& mesh, double area_m2, double energy_j, double own_beam_energy_j,
            std::span<const FacetId> occluders, const Place& place, const RowPath& path = {}) {
     const FacetId facet = footprint.facet;
-    table.ping.push_back(static_cast<std::uint32_t>(shot_.ping()));
-    table.shot.push_back(static_cast<std::uint32_t>(shot_.number()));
-    table.beam.push_back(
-        sensor_.beams_of_shot(shot_.number())[sensor_.beam_of_tube(shot_.number())[receive_tube]]);
+    table.ping.push_back(static_cast<std::uint32_t>(transmission_.ping()));
+    table.transmission.push_back(static_cast<std::uint32_t>(transmission_.number()));
+    table.beam.push_back(sensor_.beams_of_transmission(
+        transmission_.number())[sensor_.beam_of_tube(transmission_.number())[receive_tube]]);
     table.tube.push_back(footprint.tube);
     table.receive_tube.push_back(receive_tube);
     table.facet.push_back(number);
@@ -151,26 +152,27 @@ class Rows {
   FootprintTable table;
 
  private:
-  const Shot& shot_;
+  const Transmission& transmission_;
   const Sensor& sensor_;
 };
 
 /// What two ends see together, in some tubes of the receiver.
-FootprintTable table_of_two_ends(const Shot& shot, std::size_t s, std::span<const std::uint32_t> tubes) {
-  const Sensor& sensor = shot.sensor(s);
-  const ShotEnds ends(shot, s);
+FootprintTable table_of_two_ends(const Transmission& transmission, std::size_t s,
+                                 std::span<const std::uint32_t> tubes) {
+  const Sensor& sensor = transmission.sensor(s);
+  const TransmissionEnds ends(transmission, s);
   const auto [alone, seen] = ends.seen();
-  const std::vector<std::uint32_t>& beam_of_tube = sensor.beam_of_tube(shot.number());
-  const std::vector<std::uint32_t> fans = sensor.fan_of_tube(shot.number());
+  const std::vector<std::uint32_t>& beam_of_tube = sensor.beam_of_tube(transmission.number());
+  const std::vector<std::uint32_t> fans = sensor.fan_of_tube(transmission.number());
   FootprintSet heard = seen.footprints;
   for (std::size_t k = 0; k < heard.footprints.size(); ++k) heard.footprints[k].tube = seen.receive_tube[k];
   const FootprintEnergies energies =
-      footprint_energies(heard, seen.history, beam_of_tube, shot.beams_by_fans(s, fans), sensor.samples(),
-                         ends.law(s)->law, shot.request().binning);
+      footprint_energies(heard, seen.history, beam_of_tube, transmission.beams_by_fans(s, fans),
+                         sensor.samples(), ends.law(s)->law, transmission.request().binning);
   const Occluders out = occluders_of(alone[0].footprints, ends.out()),
                   home = occluders_of(alone[1].footprints, ends.home());
-  const glm::dvec3 apex = shot.scene().grid.to_metres(ends.out().tubes.apex);
-  Rows rows(shot, s);
+  const glm::dvec3 apex = transmission.scene().grid.to_metres(ends.out().tubes.apex);
+  Rows rows(transmission, s);
   for (std::size_t k = 0; k < seen.footprints.footprints.size(); ++k) {
     stop_if_wanted();
     const Footprint& footprint = seen.footprints.footprints[k];
@@ -189,15 +191,15 @@ FootprintTable table_of_two_ends(const Shot& shot, std::size_t s, std::span<cons
 class PathRows {
  public:
   /// `tubes`: of the receiver.
-  PathRows(const Shot& shot, std::size_t s, const PathSettings& settings,
+  PathRows(const Transmission& transmission, std::size_t s, const PathSettings& settings,
            std::span<const std::uint32_t> tubes)
-      : shot_(shot),
+      : transmission_(transmission),
         s_(s),
         tubes_(tubes),
-        images_(shot, s, settings, PathEnds(shot, s)),
-        law_(shot, images_.ground(), s),
-        fans_(shot.sensor(s).fan_of_tube(shot.number())),
-        rows_(shot, s) {}
+        images_(transmission, s, settings, PathEnds(transmission, s)),
+        law_(transmission, images_.ground(), s),
+        fans_(transmission.sensor(s).fan_of_tube(transmission.number())),
+        rows_(transmission, s) {}
 
   FootprintTable table() {
     const PathImages& images = images_.images();
@@ -214,7 +216,7 @@ class PathRows {
     if (!images.one_place())
       for (const Image& image : images.heard()) home_.push_back(hidden_of(image));
     for (const ImagePair& pair : pairs)
-      if (is_order_wanted(shot_.scene(), std::get<0>(path(pair)) + 1)) add(pair);
+      if (is_order_wanted(transmission_.scene(), std::get<0>(path(pair)) + 1)) add(pair);
     return std::move(rows_.table);
   }
 
@@ -229,8 +231,8 @@ class PathRows {
     };
     std::vector<FootprintSet> of_window(image.seen.size());
     for (std::uint32_t window = 0; window < image.seen.size(); ++window)
-      append_footprints(*image.mesh, image.windows, window, image.seen[window], shot_.scene().grid.unit_m(),
-                        of_window[window]);
+      append_footprints(*image.mesh, image.windows, window, image.seen[window],
+                        transmission_.scene().grid.unit_m(), of_window[window]);
     return occluders_of(joined(of_window), End{image, *this});
   }
 
@@ -245,14 +247,15 @@ class PathRows {
     const BistaticHistory history = images.history(sent, heard);
     if (history.shared.pieces.empty()) return;
     const PathFootprints seen = path_footprints(history);
-    const PairLaw law = images.law(sent, heard, law_.law, shot_.beams_by_fans(s_, fans_));
+    const PairLaw law = images.law(sent, heard, law_.law, transmission_.beams_by_fans(s_, fans_));
     FootprintSet at_home = seen.footprints;
     for (std::size_t k = 0; k < at_home.footprints.size(); ++k)
       at_home.footprints[k].tube = seen.receive_tube[k];
-    const Sensor& sensor = shot_.sensor(s_);
-    const FootprintEnergies energies = footprint_energies(at_home, seen.history, law.beams.of_tube, law.beams,
-                                                          sensor.samples(), law.law, shot_.request().binning);
-    const glm::dvec3 apex = shot_.scene().grid.to_metres(sent.windows.apex);
+    const Sensor& sensor = transmission_.sensor(s_);
+    const FootprintEnergies energies =
+        footprint_energies(at_home, seen.history, law.beams.of_tube, law.beams, sensor.samples(), law.law,
+                           transmission_.request().binning);
+    const glm::dvec3 apex = transmission_.scene().grid.to_metres(sent.windows.apex);
     const RowPath path{sent.mirrors, heard.mirrors, sent.leg.to_true};
     const Occluders& home = (images.one_place() ? out_ : home_)[pair.heard];
     for (std::size_t k = 0; k < seen.footprints.footprints.size(); ++k) {
@@ -270,10 +273,10 @@ class PathRows {
     }
   }
 
-  const Shot& shot_;
+  const Transmission& transmission_;
   std::size_t s_;
   std::span<const std::uint32_t> tubes_;
-  ShotImages images_;
+  TransmissionImages images_;
   SensorLaw law_;
   std::vector<std::uint32_t> fans_;
   Rows rows_;
@@ -294,13 +297,15 @@ void FootprintTable::append(const FootprintTable& more) {
   append_all(occluders, more.occluders);
 }
 
-std::vector<std::uint32_t> tubes_of_beams(const Shot& shot, std::size_t s,
+std::vector<std::uint32_t> tubes_of_beams(const Transmission& transmission, std::size_t s,
                                           std::span<const std::uint32_t> beams) {
-  const std::vector<std::uint32_t>& beam_of_tube = shot.sensor(s).beam_of_tube(shot.number());
-  const std::vector<std::uint32_t>& beams_of_shot = shot.sensor(s).beams_of_shot(shot.number());
+  const std::vector<std::uint32_t>& beam_of_tube = transmission.sensor(s).beam_of_tube(transmission.number());
+  const std::vector<std::uint32_t>& beams_of_transmission =
+      transmission.sensor(s).beams_of_transmission(transmission.number());
   std::vector<std::uint32_t> tubes;
   for (std::uint32_t tube = 0; tube < beam_of_tube.size(); ++tube)
-    if (beams.empty() || std::binary_search(beams.begin(), beams.end(), beams_of_shot[beam_of_tube[tube]]))
+    if (beams.empty() ||
+        std::binary_search(beams.begin(), beams.end(), beams_of_transmission[beam_of_tube[tube]]))
       tubes.push_back(tube);
   return tubes;
 }
@@ -314,20 +319,21 @@ TubeSet only_tubes(TubeSet set, std::span<const std::uint32_t> tubes) {
 
 namespace {
 
-FootprintTable table_of_one_end(const Shot& shot, std::size_t s, std::span<const std::uint32_t> tubes) {
-  const Scene& scene = shot.scene();
-  const ShotGround& ground = shot.ground();
-  History history = shot.trace(only_tubes(shot.tubes_of(s), tubes));
+FootprintTable table_of_one_end(const Transmission& transmission, std::size_t s,
+                                std::span<const std::uint32_t> tubes) {
+  const Scene& scene = transmission.scene();
+  const TransmissionGround& ground = transmission.ground();
+  History history = transmission.trace(only_tubes(transmission.tubes_of(s), tubes));
   for (Footprint& footprint : history.footprints.footprints) footprint.tube = tubes[footprint.tube];
-  const std::vector<std::uint32_t>& beam_of_tube = shot.sensor(s).beam_of_tube(shot.number());
-  const FootprintEnergies energies =
-      footprint_energies(history.footprints, history, beam_of_tube, {shot.beams(s), beam_of_tube},
-                         shot.sensor(s).samples(), shot.law(s).law, shot.request().binning);
+  const std::vector<std::uint32_t>& beam_of_tube = transmission.sensor(s).beam_of_tube(transmission.number());
+  const FootprintEnergies energies = footprint_energies(
+      history.footprints, history, beam_of_tube, {transmission.beams(s), beam_of_tube},
+      transmission.sensor(s).samples(), transmission.law(s).law, transmission.request().binning);
 
   const FootprintSet& set = history.footprints;
   const ApparentGround* apparent = ground.apparent();
   const glm::dvec3 apex = scene.grid.to_metres(history.tubes.apex);
-  Rows rows(shot, s);
+  Rows rows(transmission, s);
   std::vector<FacetId> occluders;
   for (std::size_t k = 0; k < set.footprints.size(); ++k) {
     stop_if_wanted();
@@ -349,15 +355,17 @@ FootprintTable table_of_one_end(const Shot& shot, std::size_t s, std::span<const
 
 }  // namespace
 
-FootprintTable footprint_table(const Shot& shot, std::size_t s, std::span<const std::uint32_t> beams) {
-  const std::vector<std::uint32_t> tubes = tubes_of_beams(shot, s, beams);
+FootprintTable footprint_table(const Transmission& transmission, std::size_t s,
+                               std::span<const std::uint32_t> beams) {
+  const std::vector<std::uint32_t> tubes = tubes_of_beams(transmission, s, beams);
   FootprintTable table;
   if (tubes.empty()) return table;
-  if (is_order_wanted(shot.scene(), 1))
-    table = shot.has_receiver_apart() ? table_of_two_ends(shot, s, tubes) : table_of_one_end(shot, s, tubes);
-  if (const auto settings = path_settings(shot.scene(), shot.sensor(s).frequency_khz());
+  if (is_order_wanted(transmission.scene(), 1))
+    table = transmission.has_receiver_apart() ? table_of_two_ends(transmission, s, tubes)
+                                              : table_of_one_end(transmission, s, tubes);
+  if (const auto settings = path_settings(transmission.scene(), transmission.sensor(s).frequency_khz());
       settings && settings->order > 1)
-    table.append(PathRows(shot, s, *settings, tubes).table());
+    table.append(PathRows(transmission, s, *settings, tubes).table());
   return table;
 }
 

@@ -7,22 +7,23 @@
 #include <variant>
 #include <vector>
 
-#include "run/shot.hpp"
+#include "run/transmission.hpp"
 
 namespace tubefoot {
 
 /// Footprints of a sensor as columns, whatever they are written to (docs/footprints.md): each column has one
-/// element a footprint. Rows are ordered by ping, shot, path, tube and facet.
+/// element a footprint. Rows are ordered by ping, transmission, path, tube and facet.
 struct FootprintTable {
   /// Of the bed: several rays lead to them, and these rows are of the first that arrives. Echoes have all.
   std::size_t facets_of_several_rays = 0;
-  std::vector<std::uint32_t> ping, shot;
+  std::vector<std::uint32_t> ping, transmission;
   std::vector<std::uint32_t> beam;          ///< of the sensor, that the receive tube belongs to
-  std::vector<std::uint32_t> tube;          ///< of the shot
+  std::vector<std::uint32_t> tube;          ///< of the transmission
   std::vector<std::uint32_t> receive_tube;  ///< that it is heard in: the same, unless the receiver is apart
-  std::vector<std::uint32_t> facet, base_facet;    ///< of the shot's ground; of the scene without relief
-  std::vector<std::uint32_t> component, material;  ///< as the scene numbers them
-  std::vector<std::uint32_t> path_order;           ///< interactions of the path: 1 is the ordinary echo
+  std::vector<std::uint32_t> facet,
+      base_facet;  ///< of the transmission's ground; of the scene without relief
+  std::vector<std::uint32_t> component, material;        ///< as the scene numbers them
+  std::vector<std::uint32_t> path_order;                 ///< interactions of the path: 1 is the ordinary echo
   std::vector<std::uint32_t> mirrors_out, mirrors_home;  ///< of the way out, and of the way home
   std::vector<double> area_m2, solid_angle_sr, grazing_deg;
   /// Of the direction from the sensor to the centroid: clockwise from the local frame's north, [0, 360).
@@ -77,19 +78,19 @@ struct FootprintColumn {
 /// All columns of numbers, in the order of files.
 std::span<const FootprintColumn> footprint_columns();
 
-/// The footprints of a shot in a sensor's tubes of `beams` (of the sensor; sorted; empty: all), with energies
-/// as a run of the tube engine would count them. Through refracting water corners, centroid and area are
-/// true; solid angle, grazing angle, azimuth and ranges are those of the apparent facet. With a receiver
+/// The footprints of a transmission in a sensor's tubes of `beams` (of the sensor; sorted; empty: all), with
+/// energies as a run of the tube engine would count them. Through refracting water corners, centroid and area
+/// are true; solid angle, grazing angle, azimuth and ranges are those of the apparent facet. With a receiver
 /// apart a footprint is what one of its tubes and one of the transmitter's both see of a facet, `beams` are
 /// the receiver's, ranges half paths, the other measures as the transmitter sees it, and occluders those
 /// of either. Footprints of paths that are scattered once over mirrors follow, told like those of two ends,
 /// which are images then: tubes are those of the true apexes, directions those at them. `only_order` of
 /// [paths] chooses. Does not depend on the number of threads. Throws InputError as a run does.
-FootprintTable footprint_table(const Shot& shot, std::size_t sensor,
+FootprintTable footprint_table(const Transmission& transmission, std::size_t sensor,
                                std::span<const std::uint32_t> beams = {});
 
-/// The tubes of a shot of a sensor that belong to some of its beams (sorted; empty: all).
-std::vector<std::uint32_t> tubes_of_beams(const Shot& shot, std::size_t sensor,
+/// The tubes of a transmission of a sensor that belong to some of its beams (sorted; empty: all).
+std::vector<std::uint32_t> tubes_of_beams(const Transmission& transmission, std::size_t sensor,
                                           std::span<const std::uint32_t> beams);
 /// Of a set, those tubes and no others.
 TubeSet only_tubes(TubeSet set, std::span<const std::uint32_t> tubes);

@@ -20,22 +20,25 @@ namespace tubefoot {
 namespace {
 
 /// What some of the pings that count see.
-std::vector<CoverageLook> look(const Shots& shots, std::span<const HeardPing> pings,
+std::vector<CoverageLook> look(const Transmissions& transmissions, std::span<const HeardPing> pings,
                                std::span<const std::size_t> chosen, bool quiet) {
   struct Asked {
-    std::size_t listed, shot;
+    std::size_t listed, transmission;
   };
   std::vector<Asked> asked;
   for (const std::size_t p : chosen)
-    for (std::size_t shot = 0; shot < shots.survey().sensors[pings[p].sensor].sensor->shots(); ++shot)
-      asked.push_back({p, shot});
+    for (std::size_t transmission = 0;
+         transmission < transmissions.survey().sensors[pings[p].sensor].sensor->transmissions();
+         ++transmission)
+      asked.push_back({p, transmission});
   std::vector<std::vector<CoverageLook>> found(asked.size());
   Progress progress("shots", asked.size(), quiet);
   tbb::parallel_for(std::size_t{0}, asked.size(), [&](std::size_t l) {
     stop_if_wanted();
-    const auto& [listed, shot] = asked[l];
+    const auto& [listed, transmission] = asked[l];
     const auto& [sensor, ping] = pings[listed];
-    found[l] = coverage_looks(shots.heard_by(sensor, ping, shot), sensor, static_cast<std::uint32_t>(listed));
+    found[l] = coverage_looks(transmissions.heard_by(sensor, ping, transmission), sensor,
+                              static_cast<std::uint32_t>(listed));
     progress.step();
   });
   std::vector<CoverageLook> looks;
@@ -74,9 +77,10 @@ CoveredFacet measured(const Survey& survey, const Coverage& overlay, std::span<c
 }
 
 /// Calls `add` with the facets of a block that were met, in the order of their numbers.
-void cover_block(const Shots& shots, const FacetBlock& block, const std::vector<CoverageLook>& looks,
-                 bool quiet, const std::function<void(const CoveredFacet&)>& add) {
-  const Survey& survey = shots.survey();
+void cover_block(const Transmissions& transmissions, const FacetBlock& block,
+                 const std::vector<CoverageLook>& looks, bool quiet,
+                 const std::function<void(const CoveredFacet&)>& add) {
+  const Survey& survey = transmissions.survey();
   const Coverage coverage(survey.scene.mesh, *survey.site->tree, looks);
   // A batch at a time: facets are independent of each other, files want them in their order.
   constexpr std::size_t batch = 2048;
@@ -128,9 +132,10 @@ std::vector<CountedPing> names_of(const Survey& survey, std::span<const HeardPin
 
 void cover(const Survey& survey, const RunRequest& request, std::span<const HeardPing> pings, bool quiet,
            const std::function<void(const CoveredFacet&)>& add) {
-  const Shots shots(survey, request);
-  for (const FacetBlock& block : facet_blocks(shots, pings)) {
-    const Shots around(survey.site->is_tiled() ? survey_with_tiles(survey, block.tiles) : survey, request);
+  const Transmissions transmissions(survey, request);
+  for (const FacetBlock& block : facet_blocks(transmissions, pings)) {
+    const Transmissions around(survey.site->is_tiled() ? survey_with_tiles(survey, block.tiles) : survey,
+                               request);
     cover_block(around, block, look(around, pings, block.pings, quiet), quiet, add);
   }
 }

@@ -41,11 +41,12 @@ SectorMark sector_of(const Scene& scene, const SensorPings& pings, std::size_t s
   sector.sensor = s, sector.ping = ping;
   sector.pose = pings.poses[ping];
   sector.first_m = samples.first_m, sector.last_m = samples.first_m + samples.step_m * samples.count;
-  constexpr std::size_t most_shots = 64, most_tubes = 2048;
-  const std::size_t shot_step = stride_of(sensor.shots(), most_shots);
-  for (std::size_t shot = 0; shot < sensor.shots(); shot += shot_step) {
-    const Pose& pose = pings.shot_pose(ping, shot);
-    const TubeSet set = sensor.tubes(pose, scene.grid, shot);
+  constexpr std::size_t most_transmissions = 64, most_tubes = 2048;
+  const std::size_t transmission_step = stride_of(sensor.transmissions(), most_transmissions);
+  for (std::size_t transmission = 0; transmission < sensor.transmissions();
+       transmission += transmission_step) {
+    const Pose& pose = pings.transmission_pose(ping, transmission);
+    const TubeSet set = sensor.tubes(pose, scene.grid, transmission);
     const std::size_t tube_step = stride_of(set.tubes.size(), most_tubes);
     for (std::size_t t = 0; t < set.tubes.size(); t += tube_step) {
       std::array<glm::dvec3, 4> rays;
@@ -55,7 +56,7 @@ SectorMark sector_of(const Scene& scene, const SensorPings& pings, std::size_t s
       }
       add_cells(pose.position_m, rays, sector.cells);
     }
-    if (sensor.has_receiver_apart()) sector.receiver_m = pings.receiver_pose(ping, shot).position_m;
+    if (sensor.has_receiver_apart()) sector.receiver_m = pings.receiver_pose(ping, transmission).position_m;
   }
   return sector;
 }

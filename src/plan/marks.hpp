@@ -36,7 +36,7 @@ struct SectorMark {
   bool chosen = false;  ///< the ping of the sensor that is drawn large
   Pose pose;
   double first_m = 0, last_m = 0;        ///< of the range window
-  std::vector<SectorCell> cells;         ///< of all its shots
+  std::vector<SectorCell> cells;         ///< of all its transmissions
   std::optional<glm::dvec3> receiver_m;  ///< where that is apart
 };
 

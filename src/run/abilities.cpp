@@ -177,7 +177,7 @@ std::vector<Found> found_in(const Survey& survey, std::optional<std::size_t> onl
   if (survey.site->relief.cell_m > 0)
     found.push_back({relief, d.refinement.place, "[relief] refines facets"});
   if (survey.site->ground)
-    found.push_back({relief_each_shot, d.refinement.place, "[relief] is refined anew for each shot"});
+    found.push_back({relief_each_transmission, d.refinement.place, "[relief] is refined anew for each shot"});
   const auto add_material = [&](Feature feature, const auto& list, const char* what) {
     const auto with = std::ranges::find_if(list, [](const auto& one) { return one != nullptr; });
     if (with == list.end()) return;

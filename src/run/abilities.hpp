@@ -20,15 +20,15 @@ struct Survey;
 /// What a scene may have, what a run of it may ask for, and what else may be done with it.
 enum class Feature : unsigned char {
   // of a scene
-  refraction,        ///< water whose sound speed varies
-  mirrors,           ///< paths over mirrors, and of two scatterings
-  receiver_apart,    ///< from its transmitter
-  two_receivers,     ///< one above the other, for phases
-  signals,           ///< of elements, with phase
-  tiles,             ///< terrain of which only parts are in memory
-  relief,            ///< that facets are refined by, once or for each shot
-  relief_each_shot,  ///< relief that is refined anew for each shot
-  scattering_law,    ///< another than Lambert's
+  refraction,                ///< water whose sound speed varies
+  mirrors,                   ///< paths over mirrors, and of two scatterings
+  receiver_apart,            ///< from its transmitter
+  two_receivers,             ///< one above the other, for phases
+  signals,                   ///< of elements, with phase
+  tiles,                     ///< terrain of which only parts are in memory
+  relief,                    ///< that facets are refined by, once or for each transmission
+  relief_each_transmission,  ///< relief that is refined anew for each transmission
+  scattering_law,            ///< another than Lambert's
   micro_texture,
   unbounded_texture,  ///< a micro-texture of one's own, that has no enclosure
   inclined_mirrors,   ///< facets that mirror and are not level
@@ -48,10 +48,10 @@ enum class Feature : unsigned char {
   footprints,
   exact_corners,
   refine,
-  trial,  ///< of settings: chart, advise, --tolerance
-  shot,   ///< of the Python module, traced by itself
+  trial,         ///< of settings: chart, advise, --tolerance
+  transmission,  ///< of the Python module, traced by itself
 };
-inline constexpr int features = static_cast<int>(Feature::shot) + 1;
+inline constexpr int features = static_cast<int>(Feature::transmission) + 1;
 
 /// As in docs/abilities.md.
 std::string_view name_of(Feature feature);

@@ -82,7 +82,7 @@ struct Looks {
 
 Looks looks_of(const SensorPings& pings, const WorldGrid& grid) {
   std::vector<glm::dvec3> places;
-  for (const auto* poses : {&pings.shot_poses, &pings.receiver_poses})
+  for (const auto* poses : {&pings.transmission_poses, &pings.receiver_poses})
     for (const Pose& pose : *poses) places.push_back(vector_of(grid.snap(pose.position_m)));
   const SensorFigures figures = figures_of(pings.sensor->description());
   return {NearestPoint(std::move(places)), figures.sample_m / grid.unit_m(), glm::radians(figures.beam_deg),

@@ -7,9 +7,9 @@
 // Facets that no sonar tells apart, taken away: docs/coarse.md.
 namespace tubefoot {
 
-/// By facet of the site's mesh, grid units: the least that any sensor tells apart on it, over all shots: a
-/// sample of range, or the width of the narrowest beam at the facet's nearest point, whichever is less. 0 for
-/// facets out of every shot's reach.
+/// By facet of the site's mesh, grid units: the least that any sensor tells apart on it, over all
+/// transmissions: a sample of range, or the width of the narrowest beam at the facet's nearest point,
+/// whichever is less. 0 for facets out of every transmission's reach.
 std::vector<double> told_apart(const Site& site, const Fleet& fleet);
 
 /// In place of the site's facets: fewer, of which no point is moved by more than `tolerance` times what is

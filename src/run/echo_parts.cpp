@@ -13,10 +13,10 @@
 #include "run/paths.hpp"
 #include "run/refracted_reference.hpp"
 #include "run/refraction.hpp"
-#include "run/shot_images.hpp"
-#include "run/shot_rays.hpp"
 #include "run/signals.hpp"
 #include "run/staff_rows.hpp"
+#include "run/transmission_images.hpp"
+#include "run/transmission_rays.hpp"
 #include "run/truth_parts.hpp"
 
 namespace tubefoot {
@@ -28,79 +28,85 @@ bool staffs_are_apart(const RunRequest& request) {
 }
 
 /// Receiver apart.
-void add_refracted_pair_reference(const Shot& shot, PingSums& sums) {
-  const RefractedPairShot found = certify_refracted_pair_shot(shot);
+void add_refracted_pair_reference(const Transmission& transmission, PingSums& sums) {
+  const RefractedPairTransmission found = certify_refracted_pair_transmission(transmission);
   PingCounts& counts = sums.counts;
   counts.refraction.at_limit += found.at_limit;
   for (const ApparentGround* ground : {&found.pair.apparent.transmit, &found.pair.apparent.receive})
-    add_counts(counts.refraction, *ground, shot);
-  if (shot.site().ground) counts.refined_facets += found.facets();
-  sums.add_finer_relief(shot, found.history, found.pair.apparent.mesh, shot.sample_length_m());
+    add_counts(counts.refraction, *ground, transmission);
+  if (transmission.site().ground) counts.refined_facets += found.facets();
+  sums.add_finer_relief(transmission, found.history, found.pair.apparent.mesh,
+                        transmission.sample_length_m());
   counts.tubes += found.history.transmit.tubes.size() + found.history.receive.tubes.size();
   counts.footprints += found.history.shared.facets.size();
   counts.pieces += found.history.shared.pieces.size();
-  sums.add(shot, shot.first(), found.sensors.front().certified);
-  add_truth(shot, shot.first(), ShotGround(shot.site()), found.pair.apparent.mesh, found.history, sums);
+  sums.add(transmission, transmission.first(), found.sensors.front().certified);
+  add_truth(transmission, transmission.first(), TransmissionGround(transmission.site()),
+            found.pair.apparent.mesh, found.history, sums);
 }
 
 /// Through refracting water a reference chooses its own apparent ground.
-void add_refracted_reference(const Shot& shot, PingSums& sums) {
-  if (shot.has_receiver_apart()) return add_refracted_pair_reference(shot, sums);
-  const RefractedShot found = certify_refracted_shot(shot);
+void add_refracted_reference(const Transmission& transmission, PingSums& sums) {
+  if (transmission.has_receiver_apart()) return add_refracted_pair_reference(transmission, sums);
+  const RefractedTransmission found = certify_refracted_transmission(transmission);
   PingCounts& counts = sums.counts;
   counts.refraction.at_limit += found.at_limit;
-  add_counts(counts.refraction, *found.ground.apparent(), shot);
-  if (shot.site().ground) counts.refined_facets += found.ground.mesh().facets.size();
-  sums.add_finer_relief(shot, found.history, found.ground.mesh(), shot.sample_length_m());
+  add_counts(counts.refraction, *found.ground.apparent(), transmission);
+  if (transmission.site().ground) counts.refined_facets += found.ground.mesh().facets.size();
+  sums.add_finer_relief(transmission, found.history, found.ground.mesh(), transmission.sample_length_m());
   counts.candidates += found.candidates;
   counts.tubes += found.history.tubes.tubes.size();
   counts.footprints += found.history.footprints.footprints.size();
   counts.pieces += found.history.footprints.pieces.size();
-  for (std::size_t k = 0; k < shot.group().sensors.size(); ++k) {
-    if (shot.sensor(shot.group().sensors[k]).has_staff()) continue;
-    sums.add(shot, shot.group().sensors[k], found.sensors[k].certified);
-    add_truth(shot, shot.group().sensors[k], found.ground, found.ground.mesh(), found.history, sums);
+  for (std::size_t k = 0; k < transmission.group().sensors.size(); ++k) {
+    if (transmission.sensor(transmission.group().sensors[k]).has_staff()) continue;
+    sums.add(transmission, transmission.group().sensors[k], found.sensors[k].certified);
+    add_truth(transmission, transmission.group().sensors[k], found.ground, found.ground.mesh(), found.history,
+              sums);
   }
 }
 
-void add_refracted_staff_reference(const Shot& shot, PingSums& sums) {
+void add_refracted_staff_reference(const Transmission& transmission, PingSums& sums) {
   PingCounts& counts = sums.counts;
-  for (const std::size_t s : shot.group().sensors) {
-    if (!shot.sensor(s).has_staff()) continue;
-    StaffRows rows(shot, s);
-    for (std::uint32_t fan = 0; fan < std::uint32_t(shot.beams(s)); ++fan) {
-      const RefractedStaffShot found = certify_refracted_staff_shot(shot, s, fan);
+  for (const std::size_t s : transmission.group().sensors) {
+    if (!transmission.sensor(s).has_staff()) continue;
+    StaffRows rows(transmission, s);
+    for (std::uint32_t fan = 0; fan < std::uint32_t(transmission.beams(s)); ++fan) {
+      const RefractedStaffTransmission found = certify_refracted_staff_transmission(transmission, s, fan);
       counts.refraction.at_limit += found.at_limit;
-      for (const ApparentGround& ground : found.apparent.seen) add_counts(counts.refraction, ground, shot);
-      if (shot.site().ground) counts.refined_facets += found.facets();
-      sums.add_finer_relief(shot, found.history, found.apparent.bed.mesh, shot.sensor(s).samples().step_m);
+      for (const ApparentGround& ground : found.apparent.seen)
+        add_counts(counts.refraction, ground, transmission);
+      if (transmission.site().ground) counts.refined_facets += found.facets();
+      sums.add_finer_relief(transmission, found.history, found.apparent.bed.mesh,
+                            transmission.sensor(s).samples().step_m);
       counts.tubes += 3 * found.history.transmit.tubes.size();
       counts.footprints += 2 * found.history.shared.facets.size();
       counts.pieces += 2 * found.history.shared.pieces.size();
       rows.set(fan, found.sensors.front().certified);
-      add_truth_of_staff(shot, s, fan, found.apparent.bed.mesh, found.history, sums);
+      add_truth_of_staff(transmission, s, fan, found.apparent.bed.mesh, found.history, sums);
     }
-    rows.add_to(sums, shot, s, 1);
+    rows.add_to(sums, transmission, s, 1);
   }
 }
 
 /// `mesh`: that of the history's facets.
-void add_both(const Shot& shot, const BistaticHistory& history, const FacetMesh& mesh, PingSums& sums) {
+void add_both(const Transmission& transmission, const BistaticHistory& history, const FacetMesh& mesh,
+              PingSums& sums) {
   sums.as_echo([&] {
-    const std::size_t s = shot.first();
-    sums.add_finer_relief(shot, history, mesh, shot.sensor(s).samples().step_m);
-    SensorLaw law(shot, ShotGround(shot.site()), s);
+    const std::size_t s = transmission.first();
+    sums.add_finer_relief(transmission, history, mesh, transmission.sensor(s).samples().step_m);
+    SensorLaw law(transmission, TransmissionGround(transmission.site()), s);
     law.law.material = mesh.material;
-    const Echo echo = shot.echo(history, s, law.law);
-    if (const auto tolerance = shot.request().reference_tolerance) {
-      const std::vector<std::uint32_t> fans = shot.sensor(s).fan_of_tube(shot.number());
-      sums.add(shot, s,
-               certify_echo(mesh, history, shot.beams_by_fans(s, fans), shot.sensor(s).samples(), law.law,
-                            echo, *tolerance));
+    const Echo echo = transmission.echo(history, s, law.law);
+    if (const auto tolerance = transmission.request().reference_tolerance) {
+      const std::vector<std::uint32_t> fans = transmission.sensor(s).fan_of_tube(transmission.number());
+      sums.add(transmission, s,
+               certify_echo(mesh, history, transmission.beams_by_fans(s, fans),
+                            transmission.sensor(s).samples(), law.law, echo, *tolerance));
     } else {
-      sums.add(shot, s, 1, echo.energy);
+      sums.add(transmission, s, 1, echo.energy);
     }
-    add_truth(shot, s, law.law, mesh, history, sums);
+    add_truth(transmission, s, law.law, mesh, history, sums);
     sums.counts.tubes += history.transmit.tubes.size() + history.receive.tubes.size();
     sums.counts.footprints += history.shared.facets.size();
     sums.counts.pieces += history.shared.pieces.size();
@@ -109,75 +115,75 @@ void add_both(const Shot& shot, const BistaticHistory& history, const FacetMesh&
 }
 
 /// No energies: what the ground took that the parts after this one share.
-void count_ground(const Shot& shot, PingSums& sums) {
-  const ShotGround& ground = shot.ground();
-  if (ground.apparent() != nullptr) add_counts(sums.counts.refraction, *ground.apparent(), shot);
-  if (shot.site().ground) sums.counts.refined_facets += ground.mesh().facets.size();
+void count_ground(const Transmission& transmission, PingSums& sums) {
+  const TransmissionGround& ground = transmission.ground();
+  if (ground.apparent() != nullptr) add_counts(sums.counts.refraction, *ground.apparent(), transmission);
+  if (transmission.site().ground) sums.counts.refined_facets += ground.mesh().facets.size();
 }
 
-void add_receiver_apart(const Shot& shot, PingSums& sums) {
+void add_receiver_apart(const Transmission& transmission, PingSums& sums) {
   const auto add = [&](const BistaticHistory& history) {
-    add_both(shot, history, shot.ground().mesh(), sums);
+    add_both(transmission, history, transmission.ground().mesh(), sums);
   };
-  if (shot.request().engine == Engine::ray)
-    shot.trace_rays_of_both(*RayGround(shot), rays_of(shot), add);
+  if (transmission.request().engine == Engine::ray)
+    transmission.trace_rays_of_both(*RayGround(transmission), rays_of(transmission), add);
   else
-    add(shot.trace_both());
+    add(transmission.trace_both());
 }
 
 /// `mesh`: that of the histories' facets, which `trace(fan, staff)` makes.
 template <class Trace>
-void add_staff(const Shot& shot, std::size_t s, const SensorLaw& law, const FacetMesh& mesh, PingSums& sums,
-               const Trace& trace) {
-  const double unit_m = shot.scene().grid.unit_m();
+void add_staff(const Transmission& transmission, std::size_t s, const SensorLaw& law, const FacetMesh& mesh,
+               PingSums& sums, const Trace& trace) {
+  const double unit_m = transmission.scene().grid.unit_m();
   EchoLaw on_mesh = law.law;
   on_mesh.material = mesh.material;
-  StaffRows rows(shot, s);
+  StaffRows rows(transmission, s);
   for (std::uint32_t fan = 0; fan < law.patterns.fringes.size(); ++fan) {
     const Fringe& staff = law.patterns.fringes[fan];
     const StaffHistory history = trace(fan, staff);
     sums.as_echo([&] {
       const StaffEcho echo =
-          integrate_staff_echo(history, staff, fan, fan, shot.sensor(s).samples(), on_mesh);
-      if (const auto tolerance = shot.request().reference_tolerance) {
+          integrate_staff_echo(history, staff, fan, fan, transmission.sensor(s).samples(), on_mesh);
+      if (const auto tolerance = transmission.request().reference_tolerance) {
         const BeamPatterns patterns = patterns_of_fan(law.patterns, fan, history.upper.tubes.size());
         EchoLaw own = on_mesh;
         own.patterns = &patterns;
-        rows.set(fan, certify_staff_echo(mesh, history, unit_m, staff, shot.sensor(s).samples(), own, echo,
-                                         *tolerance));
+        rows.set(fan, certify_staff_echo(mesh, history, unit_m, staff, transmission.sensor(s).samples(), own,
+                                         echo, *tolerance));
       } else {
         rows.set(fan, echo);
       }
-      add_truth_of_staff(shot, s, fan, on_mesh, mesh, history, staff, sums);
+      add_truth_of_staff(transmission, s, fan, on_mesh, mesh, history, staff, sums);
       sums.add_finer_relief(
-          shot,
+          transmission,
           BistaticHistory{history.transmit, history.upper, unit_m, history.by_upper, history.paired_upper},
-          mesh, shot.sensor(s).samples().step_m);
+          mesh, transmission.sensor(s).samples().step_m);
       sums.counts.tubes += 3 * history.transmit.tubes.size();
       sums.counts.footprints += history.by_upper.facets.size() + history.by_lower.facets.size();
       sums.counts.pieces += history.pieces();
     });
   }
-  rows.add_to(sums, shot, s, 1);
+  rows.add_to(sums, transmission, s, 1);
 }
 
-void add_refracted_receiver_apart(const Shot& shot, PingSums& sums) {
-  const RefractedPair pair = refracted_pair_of(shot);
+void add_refracted_receiver_apart(const Transmission& transmission, PingSums& sums) {
+  const RefractedPair pair = refracted_pair_of(transmission);
   const FacetMesh& mesh = pair.apparent.mesh;
   StraighteningCounts& counts = sums.counts.refraction;
   for (const ApparentGround* ground : {&pair.apparent.transmit, &pair.apparent.receive})
-    add_counts(counts, *ground, shot);
-  if (shot.site().ground) sums.counts.refined_facets += mesh.facets.size();
+    add_counts(counts, *ground, transmission);
+  if (transmission.site().ground) sums.counts.refined_facets += mesh.facets.size();
   const auto keep_misfit = [&](const std::vector<PairedFacet>& facets) {
     for (const PairedFacet& facet : facets)
       counts.largest_gap_m = std::max(counts.largest_gap_m, facet.misfit_m);
   };
-  const std::size_t s = shot.first();
-  if (shot.sensor(s).has_staff()) {
-    SensorLaw law(shot, ShotGround(shot.site()), s);
-    law.patterns.fringes = refracted_fringes(shot, pair);
-    return add_staff(shot, s, law, mesh, sums, [&](std::uint32_t fan, const Fringe& staff) {
-      StaffHistory history = trace_staff(shot, pair, fan, staff);
+  const std::size_t s = transmission.first();
+  if (transmission.sensor(s).has_staff()) {
+    SensorLaw law(transmission, TransmissionGround(transmission.site()), s);
+    law.patterns.fringes = refracted_fringes(transmission, pair);
+    return add_staff(transmission, s, law, mesh, sums, [&](std::uint32_t fan, const Fringe& staff) {
+      StaffHistory history = trace_staff(transmission, pair, fan, staff);
       keep_misfit(history.paired_upper);
       keep_misfit(history.paired_lower);
       return history;
@@ -185,32 +191,36 @@ void add_refracted_receiver_apart(const Shot& shot, PingSums& sums) {
   }
   const auto add = [&](const BistaticHistory& history) {
     keep_misfit(history.paired);
-    add_both(shot, history, mesh, sums);
+    add_both(transmission, history, mesh, sums);
   };
-  if (shot.request().engine == Engine::ray)
-    trace_rays_of_both(shot, pair, rays_of(shot), add);
+  if (transmission.request().engine == Engine::ray)
+    trace_rays_of_both(transmission, pair, rays_of(transmission), add);
   else
-    add(trace_both(shot, pair));
+    add(trace_both(transmission, pair));
 }
 
-void add_staffs(const Shot& shot, PingSums& sums) {
-  for (const std::size_t s : shot.group().sensors)
-    if (shot.sensor(s).has_staff())
-      add_staff(shot, s, shot.law(s), shot.ground().mesh(), sums,
-                [&](std::uint32_t fan, const Fringe& staff) { return shot.trace_staff(s, fan, staff); });
+void add_staffs(const Transmission& transmission, PingSums& sums) {
+  for (const std::size_t s : transmission.group().sensors)
+    if (transmission.sensor(s).has_staff())
+      add_staff(
+          transmission, s, transmission.law(s), transmission.ground().mesh(), sums,
+          [&](std::uint32_t fan, const Fringe& staff) { return transmission.trace_staff(s, fan, staff); });
 }
 
 /// What all sensors that do not see for themselves hear of one history.
 template <class Add>
-void add_history(const Shot& shot, const History& history, PingSums& sums, const Add& add) {
+void add_history(const Transmission& transmission, const History& history, PingSums& sums, const Add& add) {
   sums.as_echo([&] {
-    for (const std::size_t s : shot.group().sensors)
-      if (sums.chosen(s).pings > 0 && !(staffs_are_apart(shot.request()) && shot.sensor(s).has_staff())) {
-        const SensorLaw law = shot.law(s);
-        sums.with_echo(shot, history, s, law.law, [&](const LitEcho& made) { add(s, law.law, made); });
-        add_truth(shot, s, law.law, shot.ground().mesh(), history, sums);
+    for (const std::size_t s : transmission.group().sensors)
+      if (sums.chosen(s).pings > 0 &&
+          !(staffs_are_apart(transmission.request()) && transmission.sensor(s).has_staff())) {
+        const SensorLaw law = transmission.law(s);
+        sums.with_echo(transmission, history, s, law.law,
+                       [&](const LitEcho& made) { add(s, law.law, made); });
+        add_truth(transmission, s, law.law, transmission.ground().mesh(), history, sums);
       }
-    sums.add_finer_relief(shot, history, shot.ground().mesh(), shot.sample_length_m());
+    sums.add_finer_relief(transmission, history, transmission.ground().mesh(),
+                          transmission.sample_length_m());
     sums.counts.tubes += history.tubes.tubes.size();
     sums.counts.footprints += history.footprints.footprints.size();
     sums.counts.pieces += history.footprints.pieces.size();
@@ -220,16 +230,16 @@ void add_history(const Shot& shot, const History& history, PingSums& sums, const
 
 /// The tubes that make the beams that are asked for; none of them said, where that is all. A beam with a
 /// pattern hears all tubes, and a reference's targets are those of all beams.
-std::vector<bool> wanted_tubes(const Shot& shot, const PingSums& sums) {
+std::vector<bool> wanted_tubes(const Transmission& transmission, const PingSums& sums) {
   std::vector<bool> wanted;
-  if (shot.request().reference_tolerance) return wanted;
-  for (const std::size_t s : shot.group().sensors) {
+  if (transmission.request().reference_tolerance) return wanted;
+  for (const std::size_t s : transmission.group().sensors) {
     const ChosenEchoes& chosen = sums.chosen(s);
     if (chosen.pings == 0) continue;
-    const Sensor& sensor = shot.sensor(s);
+    const Sensor& sensor = transmission.sensor(s);
     if (chosen.all_beams || sensor.has_patterns()) return {};
-    const std::vector<std::uint32_t>& beams = sensor.beams_of_shot(shot.number());
-    const std::vector<std::uint32_t>& beam_of_tube = sensor.beam_of_tube(shot.number());
+    const std::vector<std::uint32_t>& beams = sensor.beams_of_transmission(transmission.number());
+    const std::vector<std::uint32_t>& beam_of_tube = sensor.beam_of_tube(transmission.number());
     wanted.resize(beam_of_tube.size());
     for (std::size_t tube = 0; tube < wanted.size(); ++tube)
       if (chosen.place_of(beams[beam_of_tube[tube]])) wanted[tube] = true;
@@ -237,69 +247,71 @@ std::vector<bool> wanted_tubes(const Shot& shot, const PingSums& sums) {
   return wanted;
 }
 
-void add_measured(const Shot& shot, PingSums& sums) {
-  const History& history = traced(shot, sums);
+void add_measured(const Transmission& transmission, PingSums& sums) {
+  const History& history = traced(transmission, sums);
   sums.counts.candidates += sums.seen->candidates;
-  add_history(shot, history, sums, [&](std::size_t s, const EchoLaw&, const LitEcho& made) {
-    sums.add(shot, s, 1, made.echo.energy, made.lit);
+  add_history(transmission, history, sums, [&](std::size_t s, const EchoLaw&, const LitEcho& made) {
+    sums.add(transmission, s, 1, made.echo.energy, made.lit);
   });
 }
 
-void add_certified(const Shot& shot, PingSums& sums) {
-  const History& history = traced(shot, sums);
+void add_certified(const Transmission& transmission, PingSums& sums) {
+  const History& history = traced(transmission, sums);
   sums.counts.candidates += sums.seen->candidates;
-  const RunRequest& request = shot.request();
-  add_history(shot, history, sums, [&](std::size_t s, const EchoLaw& law, const LitEcho& made) {
-    const Sensor& sensor = shot.sensor(s);
-    sums.add(shot, s,
-             certify_echo(shot.ground().mesh(), shot.ground().tree(), history, request.visibility,
-                          sensor.beam_of_tube(shot.number()), sensor.samples(), law, made.echo,
-                          *request.reference_tolerance));
+  const RunRequest& request = transmission.request();
+  add_history(transmission, history, sums, [&](std::size_t s, const EchoLaw& law, const LitEcho& made) {
+    const Sensor& sensor = transmission.sensor(s);
+    sums.add(transmission, s,
+             certify_echo(transmission.ground().mesh(), transmission.ground().tree(), history,
+                          request.visibility, sensor.beam_of_tube(transmission.number()), sensor.samples(),
+                          law, made.echo, *request.reference_tolerance));
   });
 }
 
 /// Between different rays to one place, by tubes for rays too.
-void add_crossed_ways(const Shot& shot, PingSums& sums) {
-  const ApparentGround& ground = *shot.ground().apparent();
+void add_crossed_ways(const Transmission& transmission, PingSums& sums) {
+  const ApparentGround& ground = *transmission.ground().apparent();
   const auto take = [&](const BistaticHistory& history) {
-    for (const std::size_t s : shot.group().sensors) {
-      if (shot.sensor(s).has_staff()) continue;
-      SensorLaw law(shot, ShotGround(shot.site()), s);
+    for (const std::size_t s : transmission.group().sensors) {
+      if (transmission.sensor(s).has_staff()) continue;
+      SensorLaw law(transmission, TransmissionGround(transmission.site()), s);
       law.law.material = ground.part_material;
-      sums.add(shot, s, 1, shot.echo(history, s, law.law).energy);
-      add_truth_of_crossed_ways(shot, s, law.law, ground, history, sums);
+      sums.add(transmission, s, 1, transmission.echo(history, s, law.law).energy);
+      add_truth_of_crossed_ways(transmission, s, law.law, ground, history, sums);
     }
     sums.counts.pieces += history.shared.pieces.size();
   };
-  trace_crossed_ways(ground, shot.ground().tree(), shot.scene().grid, shot.request().visibility, shot.tubes(),
+  trace_crossed_ways(ground, transmission.ground().tree(), transmission.scene().grid,
+                     transmission.request().visibility, transmission.tubes(),
                      [&](const BistaticHistory& history) { sums.as_echo([&] { take(history); }); });
 }
 
-void add_sampled(const Shot& shot, PingSums& sums) {
-  const Scene& scene = shot.scene();
+void add_sampled(const Transmission& transmission, PingSums& sums) {
+  const Scene& scene = transmission.scene();
   History history;
-  history.tubes = shot.tubes();
+  history.tubes = transmission.tubes();
   history.grid_unit_m = scene.grid.unit_m();
   const auto add = [&](std::size_t s, const EchoLaw&, const LitEcho& made) {
-    sums.add(shot, s, 1, made.echo.energy, made.lit);
+    sums.add(transmission, s, 1, made.echo.energy, made.lit);
   };
-  const RayGuide guide = guide_of(shot);
+  const RayGuide guide = guide_of(transmission);
   trace_rays(
-      *RayGround(shot), history, rays_of(shot), shot.sensor(shot.first()).beam_of_tube(shot.number()),
-      [&] { add_history(shot, history, sums, add); }, nullptr, &guide);
+      *RayGround(transmission), history, rays_of(transmission),
+      transmission.sensor(transmission.first()).beam_of_tube(transmission.number()),
+      [&] { add_history(transmission, history, sums, add); }, nullptr, &guide);
 }
 
 /// What decides between the parts.
 struct Asked {
   bool own_engine, mirrors;
   bool direct;      ///< the way to a facet and straight back, by a built-in engine
-  bool one_ground;  ///< that, on the shot's one ground
+  bool one_ground;  ///< that, on the transmission's one ground
   bool certified, refracted, apart, staffs, others, rays, signals;
 };
 
-Asked asked_of(const Shots& shots, const SharedShots& group) {
-  const Survey& survey = shots.survey();
-  const RunRequest& request = shots.request();
+Asked asked_of(const Transmissions& transmissions, const SharedTransmissions& group) {
+  const Survey& survey = transmissions.survey();
+  const RunRequest& request = transmissions.request();
   const auto sensor = [&](std::size_t s) -> const Sensor& { return *survey.sensors[s].sensor; };
   const auto has_staff = [&](std::size_t s) { return sensor(s).has_staff(); };
   Asked asked{};
@@ -353,22 +365,23 @@ constexpr auto table = std::to_array<Row>({
 
 }  // namespace
 
-const History& traced(const Shot& shot, PingSums& sums) {
-  std::vector<bool> wanted = wanted_tubes(shot, sums);
-  const bool same = sums.seen && !shot.site().has_ground_a_shot() && sums.seen->wanted == wanted &&
-                    sums.seen->history.tubes == shot.tubes();
+const History& traced(const Transmission& transmission, PingSums& sums) {
+  std::vector<bool> wanted = wanted_tubes(transmission, sums);
+  const bool same = sums.seen && !transmission.site().has_ground_per_transmission() &&
+                    sums.seen->wanted == wanted && sums.seen->history.tubes == transmission.tubes();
   if (!same) {
     sums.seen.reset();
     PingSums::Seen seen;
-    seen.history = shot.trace(&seen.candidates, shot.request().binning != Binning::exact, wanted);
+    seen.history =
+        transmission.trace(&seen.candidates, transmission.request().binning != Binning::exact, wanted);
     seen.wanted = std::move(wanted);
     sums.seen = std::move(seen);
   }
   return sums.seen->history;
 }
 
-std::vector<EchoPart> echo_parts(const Shots& shots, const SharedShots& group) {
-  const Asked asked = asked_of(shots, group);
+std::vector<EchoPart> echo_parts(const Transmissions& transmissions, const SharedTransmissions& group) {
+  const Asked asked = asked_of(transmissions, group);
   std::vector<EchoPart> parts;
   for (const Row& row : table)
     if (row.wanted(asked)) parts.push_back(row.part);

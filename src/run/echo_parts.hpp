@@ -5,23 +5,24 @@
 #include <vector>
 
 #include "run/ping_sums.hpp"
-#include "run/shot.hpp"
+#include "run/transmission.hpp"
 
 namespace tubefoot {
 
-/// A part of what the sensors of a shot hear of it: adds its energies, bounds and counts to the ping's.
+/// A part of what the sensors of a transmission hear of it: adds its energies, bounds and counts to the
+/// ping's.
 struct EchoPart {
   std::string_view name;
-  void (*add)(const Shot& shot, PingSums& sums);
+  void (*add)(const Transmission& transmission, PingSums& sums);
 };
 
-/// The parts that make up the echoes of a group's shots, in the order in which they are added: chosen here
-/// alone, by what the scene has and what is asked for.
-std::vector<EchoPart> echo_parts(const Shots& shots, const SharedShots& group);
+/// The parts that make up the echoes of a group's transmissions, in the order in which they are added: chosen
+/// here alone, by what the scene has and what is asked for.
+std::vector<EchoPart> echo_parts(const Transmissions& transmissions, const SharedTransmissions& group);
 
-/// What a shot's tubes see of its one ground. The cycles of a camera that stands still light the same tubes
-/// from the same place: what is seen of the ground that they share is looked for once, as it is for several
-/// parts of one shot.
-const History& traced(const Shot& shot, PingSums& sums);
+/// What a transmission's tubes see of its one ground. The cycles of a camera that stands still light the same
+/// tubes from the same place: what is seen of the ground that they share is looked for once, as it is for
+/// several parts of one transmission.
+const History& traced(const Transmission& transmission, PingSums& sums);
 
 }  // namespace tubefoot

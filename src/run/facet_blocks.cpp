@@ -69,8 +69,8 @@ class Growing {
 
 }  // namespace
 
-std::vector<FacetBlock> facet_blocks(const Shots& shots, std::span<const HeardPing> pings) {
-  const Survey& survey = shots.survey();
+std::vector<FacetBlock> facet_blocks(const Transmissions& transmissions, std::span<const HeardPing> pings) {
+  const Survey& survey = transmissions.survey();
   if (!survey.site->is_tiled()) {
     FacetBlock all;
     all.pings.resize(pings.size());
@@ -85,12 +85,12 @@ std::vector<FacetBlock> facet_blocks(const Shots& shots, std::span<const HeardPi
   std::vector<std::vector<std::size_t>> met(pings.size());
   tbb::parallel_for(std::size_t{0}, pings.size(), [&](std::size_t p) {
     stop_if_wanted();
-    const SharedShots& group = survey.fleet->shots_of(pings[p].sensor);
-    choices[p] = view.of(shots, group, pings[p].ping);
+    const SharedTransmissions& group = survey.fleet->transmissions_of(pings[p].sensor);
+    choices[p] = view.of(transmissions, group, pings[p].ping);
     for (std::size_t i = 0; i < choices[p].size(); ++i)
       for (const std::uint32_t tile : choices[p][i])
         met[p].push_back(first_unit[i] + tile / scene.tiled[i].tiles->columns());
-    for (const std::size_t i : view.components_of(shots, group, pings[p].ping))
+    for (const std::size_t i : view.components_of(transmissions, group, pings[p].ping))
       met[p].push_back(first_unit[i]);
     std::ranges::sort(met[p]);
     met[p].erase(std::unique(met[p].begin(), met[p].end()), met[p].end());

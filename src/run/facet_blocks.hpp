@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "run/shot.hpp"
+#include "run/transmission.hpp"
 #include "scene/tiled_scene.hpp"
 
 namespace tubefoot {
@@ -26,6 +26,6 @@ struct FacetBlock {
 /// The facets that pings may have to do with, for what looks at facets and at the pings that see them: one
 /// block, or, where terrain is read by tiles, by increasing numbers as many as the cache for tiles asks for;
 /// none holds less than a row of tiles.
-std::vector<FacetBlock> facet_blocks(const Shots& shots, std::span<const HeardPing> pings);
+std::vector<FacetBlock> facet_blocks(const Transmissions& transmissions, std::span<const HeardPing> pings);
 
 }  // namespace tubefoot

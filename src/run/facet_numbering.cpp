@@ -9,8 +9,8 @@
 
 #include "geometry/steps/stop.hpp"
 #include "geometry/tubes/mirror.hpp"
-#include "run/shot_ground.hpp"
 #include "run/site.hpp"
+#include "run/transmission_ground.hpp"
 #include "scene/beds/material_map.hpp"
 
 namespace tubefoot {

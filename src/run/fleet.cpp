@@ -10,8 +10,8 @@
 
 namespace tubefoot {
 
-const SharedShots& Fleet::shots_of(std::size_t sensor) const {
-  return *std::ranges::find_if(shots, [&](const SharedShots& group) {
+const SharedTransmissions& Fleet::transmissions_of(std::size_t sensor) const {
+  return *std::ranges::find_if(transmissions, [&](const SharedTransmissions& group) {
     return std::ranges::find(group.sensors, sensor) != group.sensors.end();
   });
 }
@@ -39,12 +39,13 @@ Fleet Fleet::some_pings(std::size_t sensor, const std::vector<std::size_t>& ping
     some.times_s.push_back(all.times_s[ping]);
     some.poses.push_back(all.poses[ping]);
     some.altitudes_m.push_back(all.altitudes_m[ping]);
-    for (std::size_t shot = 0; shot < all.sensor->shots(); ++shot) {
-      some.shot_poses.push_back(all.shot_pose(ping, shot));
-      if (all.sensor->has_receiver_apart()) some.receiver_poses.push_back(all.receiver_pose(ping, shot));
+    for (std::size_t transmission = 0; transmission < all.sensor->transmissions(); ++transmission) {
+      some.transmission_poses.push_back(all.transmission_pose(ping, transmission));
+      if (all.sensor->has_receiver_apart())
+        some.receiver_poses.push_back(all.receiver_pose(ping, transmission));
     }
   }
-  return {{std::move(some)}, {SharedShots{{0}}}};
+  return {{std::move(some)}, {SharedTransmissions{{0}}}};
 }
 
 }  // namespace tubefoot

@@ -8,17 +8,17 @@
 
 namespace tubefoot {
 
-class Shot;
+class Transmission;
 
 /// An engine that is not built in. It runs, and is charted and compared, like those that are.
 struct OwnEngine {
   std::string name;
-  /// Fills the energies [J] that a sensor hears of a shot, [channel][beam of the shot][sample]
-  /// (Sensor::channels()), which are 0 before. Where terrain is read by tiles, the shot's survey has those
-  /// that the built-in engines need for it, and its ground knows what facets are called in all of the scene.
-  /// Called from several threads at a time. What it throws ends the run; so does a product of two receivers'
-  /// signals that their energies cannot have (std::domain_error).
-  std::function<void(const Shot& shot, std::size_t sensor, std::span<double> energy)> echo;
+  /// Fills the energies [J] that a sensor hears of a transmission, [channel][beam of the
+  /// transmission][sample] (Sensor::channels()), which are 0 before. Where terrain is read by tiles, the
+  /// transmission's survey has those that the built-in engines need for it, and its ground knows what facets
+  /// are called in all of the scene. Called from several threads at a time. What it throws ends the run; so
+  /// does a product of two receivers' signals that their energies cannot have (std::domain_error).
+  std::function<void(const Transmission& transmission, std::size_t sensor, std::span<double> energy)> echo;
 };
 
 }  // namespace tubefoot

@@ -14,10 +14,10 @@ namespace tubefoot {
 namespace {
 
 /// Two signals have no more in common than either has. `channels`: [4][beam][sample].
-void check_coherence(const Shot& shot, std::size_t s, std::span<const double> channels) {
+void check_coherence(const Transmission& transmission, std::size_t s, std::span<const double> channels) {
   constexpr double rounding = 1e-6;
   const std::size_t cells = channels.size() / 4,
-                    samples = static_cast<std::size_t>(shot.sensor(s).samples().count);
+                    samples = static_cast<std::size_t>(transmission.sensor(s).samples().count);
   for (std::size_t k = 0; k < cells; ++k) {
     const double upper = channels[k], lower = channels[cells + k],
                  product = std::hypot(channels[2 * cells + k], channels[3 * cells + k]);
@@ -25,21 +25,22 @@ void check_coherence(const Shot& shot, std::size_t s, std::span<const double> ch
       throw std::domain_error(fmt::format(
           "engine '{}': in beam {} and sample {} of {} the mean product of the two receivers' signals is "
           "{:.6g} J/m2, more than the root of the product of their energies, {:.6g} J/m2 and {:.6g} J/m2",
-          shot.request().own_engine->name, k / samples, k % samples, shot.name(), product, upper, lower));
+          transmission.request().own_engine->name, k / samples, k % samples, transmission.name(), product,
+          upper, lower));
   }
 }
 
 }  // namespace
 
-void add_own_engine(const Shot& shot, PingSums& sums) {
-  for (const std::size_t s : shot.group().sensors) {
+void add_own_engine(const Transmission& transmission, PingSums& sums) {
+  for (const std::size_t s : transmission.group().sensors) {
     if (sums.chosen(s).pings == 0) continue;
-    const Sensor& sensor = shot.sensor(s);
-    std::vector<double> energy(static_cast<std::size_t>(sensor.channels() * shot.beams(s)) *
+    const Sensor& sensor = transmission.sensor(s);
+    std::vector<double> energy(static_cast<std::size_t>(sensor.channels() * transmission.beams(s)) *
                                static_cast<std::size_t>(sensor.samples().count));
-    shot.request().own_engine->echo(shot, s, energy);
-    if (sensor.has_staff()) check_coherence(shot, s, energy);
-    sums.add(shot, s, 1, energy);
+    transmission.request().own_engine->echo(transmission, s, energy);
+    if (sensor.has_staff()) check_coherence(transmission, s, energy);
+    sums.add(transmission, s, 1, energy);
   }
 }
 

@@ -2,12 +2,12 @@
 #pragma once
 
 #include "run/ping_sums.hpp"
-#include "run/shot.hpp"
+#include "run/transmission.hpp"
 
 namespace tubefoot {
 
-/// Adds what an engine of one's own (own_engine.hpp) says that a shot returns. Throws std::domain_error where
-/// two receivers would have more in common than either hears.
-void add_own_engine(const Shot& shot, PingSums& sums);
+/// Adds what an engine of one's own (own_engine.hpp) says that a transmission returns. Throws
+/// std::domain_error where two receivers would have more in common than either hears.
+void add_own_engine(const Transmission& transmission, PingSums& sums);
 
 }  // namespace tubefoot

@@ -10,9 +10,9 @@
 #include "run/paths.hpp"
 #include "run/refracted_reference.hpp"
 #include "run/refraction.hpp"
-#include "run/shot_images.hpp"
-#include "run/shot_rays.hpp"
 #include "run/staff_rows.hpp"
+#include "run/transmission_images.hpp"
+#include "run/transmission_rays.hpp"
 #include "run/truth_parts.hpp"
 
 namespace tubefoot {
@@ -22,102 +22,107 @@ namespace {
 /// their own.
 class PathBed {
  public:
-  PathBed(const Shot& shot, std::size_t s, const PathEnds& ends) : shot_(shot) {
-    if (!shot.scene().water->refracts()) return;
-    lying_.emplace(lying_ground_of(shot));
-    water_.emplace(path_water(shot, s, ends.transmit.reach * shot.scene().grid.unit_m()));
+  PathBed(const Transmission& transmission, std::size_t s, const PathEnds& ends)
+      : transmission_(transmission) {
+    if (!transmission.scene().water->refracts()) return;
+    lying_.emplace(lying_ground_of(transmission));
+    water_.emplace(path_water(transmission, s, ends.transmit.reach * transmission.scene().grid.unit_m()));
   }
-  const ShotGround& operator*() const { return lying_ ? *lying_ : shot_.ground(); }
+  const TransmissionGround& operator*() const { return lying_ ? *lying_ : transmission_.ground(); }
   /// Null where it is even.
   const PathWater* water() const { return water_ ? &*water_ : nullptr; }
 
  private:
-  const Shot& shot_;
-  std::optional<ShotGround> lying_;
+  const Transmission& transmission_;
+  std::optional<TransmissionGround> lying_;
   std::optional<PathWater> water_;
 };
 
 template <class Work>
-auto as_seen_by(const Shot& shot, const Work& work) {
+auto as_seen_by(const Transmission& transmission, const Work& work) {
   try {
     return work();
   } catch (const RefinementTooLarge&) {
-    rethrow_as_seen_by(shot);
+    rethrow_as_seen_by(transmission);
   } catch (const std::range_error&) {
-    rethrow_as_seen_by(shot);
+    rethrow_as_seen_by(transmission);
   }
 }
 
-void count_paths(const Shot& shot, const auto& paths, PingSums& sums) {
+void count_paths(const Transmission& transmission, const auto& paths, PingSums& sums) {
   StraighteningCounts& counts = sums.counts.refraction;
-  add_counts(counts, paths.seen_by_patches, shot);
-  for (const ApparentGround& apparent : paths.grounds) add_counts(counts, apparent, shot);
+  add_counts(counts, paths.seen_by_patches, transmission);
+  for (const ApparentGround& apparent : paths.grounds) add_counts(counts, apparent, transmission);
   counts.largest_gap_m = std::max(counts.largest_gap_m, paths.largest_misfit_m);
   sums.counts.images += paths.images;
   sums.counts.arrivals += paths.arrivals;
   sums.counts.pieces += paths.shared_pieces;
 }
 
-void add_paths_of(const Shot& shot, std::size_t s, const PathSettings& asked, PingSums& sums) {
-  const Sensor& sensor = shot.sensor(s);
+void add_paths_of(const Transmission& transmission, std::size_t s, const PathSettings& asked,
+                  PingSums& sums) {
+  const Sensor& sensor = transmission.sensor(s);
   PathSettings settings = asked;
-  settings.binning = shot.request().binning;
-  const PathEnds ends(shot, s);
-  const std::vector<std::uint32_t> fans = sensor.fan_of_tube(shot.number());
-  const PathBed bed(shot, s, ends);
-  const SensorLaw law(shot, *bed, s);
+  settings.binning = transmission.request().binning;
+  const PathEnds ends(transmission, s);
+  const std::vector<std::uint32_t> fans = sensor.fan_of_tube(transmission.number());
+  const PathBed bed(transmission, s, ends);
+  const SensorLaw law(transmission, *bed, s);
   std::optional<RayGround> rays;
-  if (shot.request().engine == Engine::ray)
-    settings.sampled =
-        SampledPaths{bed.water() != nullptr ? nullptr : &*rays.emplace(shot), shot.scene().grid,
-                     rays_of(shot), sensor.beam_of_tube(shot.number()), guide_of(shot)};
+  if (transmission.request().engine == Engine::ray)
+    settings.sampled = SampledPaths{bed.water() != nullptr ? nullptr : &*rays.emplace(transmission),
+                                    transmission.scene().grid, rays_of(transmission),
+                                    sensor.beam_of_tube(transmission.number()), guide_of(transmission)};
   const auto trace_by = [&](const FacetMesh& mesh, const EchoLaw& by, const PathSettings& how,
                             const PathWater* water) {
-    return path_echo(mesh, (*bed).tree(), shot.scene().grid.unit_m(), shot.request().visibility,
-                     ends.transmit, ends.receive, shot.beams_by_fans(s, fans), sensor.samples(), by, how,
-                     water);
+    return path_echo(mesh, (*bed).tree(), transmission.scene().grid.unit_m(),
+                     transmission.request().visibility, ends.transmit, ends.receive,
+                     transmission.beams_by_fans(s, fans), sensor.samples(), by, how, water);
   };
   const auto trace = [&](const PathWater* water) {
     return trace_by((*bed).mesh(), law.law, settings, water);
   };
   const bool own_grounds = settings.reference_tolerance && bed.water() != nullptr;
-  RefractedPathsShot found = as_seen_by(shot, [&] {
-    if (!own_grounds) return RefractedPathsShot{trace(bed.water()), {}, false};
-    return certify_refracted_paths(shot, *bed.water(), ends.transmit.reach * shot.scene().grid.unit_m(),
+  RefractedPathsTransmission found = as_seen_by(transmission, [&] {
+    if (!own_grounds) return RefractedPathsTransmission{trace(bed.water()), {}, false};
+    return certify_refracted_paths(transmission, *bed.water(),
+                                   ends.transmit.reach * transmission.scene().grid.unit_m(),
                                    [&](const PathWater& water) { return trace(&water); });
   });
   const PathEcho& paths = found.paths;
   sums.counts.refraction.at_limit += found.at_limit;
   for (std::size_t order = 0; order < paths.by_order.size(); ++order) {
-    if (!is_order_wanted(shot.scene(), order)) continue;
+    if (!is_order_wanted(transmission.scene(), order)) continue;
     if (own_grounds) {
-      sums.add(shot, s, found.orders[order].certified, order);
+      sums.add(transmission, s, found.orders[order].certified, order);
       continue;
     }
     if (!settings.reference_tolerance) {
-      sums.add(shot, s, order, paths.by_order[order].energy);
+      sums.add(transmission, s, order, paths.by_order[order].energy);
       continue;
     }
     CertifiedEcho certified{paths.by_order[order], paths.bound_by_order[order]};
     hold_against(certified, *settings.reference_tolerance);
-    sums.add(shot, s, certified, order);
+    sums.add(transmission, s, certified, order);
   }
   sums.counts.hits += paths.hits;
-  count_paths(shot, paths, sums);
-  add_truth_of_paths(shot, s, (*bed).mesh(), law.law, settings, sums,
+  count_paths(transmission, paths, sums);
+  add_truth_of_paths(transmission, s, (*bed).mesh(), law.law, settings, sums,
                      [&](const FacetMesh& mesh, const EchoLaw& by, const PathSettings& how) {
-                       return wanted_orders(
-                           shot, as_seen_by(shot, [&] { return trace_by(mesh, by, how, bed.water()); }));
+                       return wanted_orders(transmission, as_seen_by(transmission, [&] {
+                                              return trace_by(mesh, by, how, bed.water());
+                                            }));
                      });
 }
 
-void add_staff_paths_of(const Shot& shot, std::size_t s, const PathSettings& settings, PingSums& sums) {
-  const Sensor& sensor = shot.sensor(s);
-  const PathEnds ends(shot, s);
-  const std::vector<std::uint32_t> fans = sensor.fan_of_tube(shot.number());
-  const PathBed bed(shot, s, ends);
-  const SensorLaw law(shot, *bed, s);
-  std::vector<StaffRows> by_order(std::size_t(settings.order) + 1, StaffRows(shot, s));
+void add_staff_paths_of(const Transmission& transmission, std::size_t s, const PathSettings& settings,
+                        PingSums& sums) {
+  const Sensor& sensor = transmission.sensor(s);
+  const PathEnds ends(transmission, s);
+  const std::vector<std::uint32_t> fans = sensor.fan_of_tube(transmission.number());
+  const PathBed bed(transmission, s, ends);
+  const SensorLaw law(transmission, *bed, s);
+  std::vector<StaffRows> by_order(std::size_t(settings.order) + 1, StaffRows(transmission, s));
   for (std::uint32_t fan = 0; fan < law.patterns.fringes.size(); ++fan) {
     const TubeSet transmit = tubes_of_fan(ends.transmit, fans, fan),
                   receive = tubes_of_fan(ends.receive, fans, fan);
@@ -125,10 +130,10 @@ void add_staff_paths_of(const Shot& shot, std::size_t s, const PathSettings& set
     EchoLaw own = law.law;
     own.patterns = &patterns;
     const auto trace = [&](const FacetMesh& mesh, const EchoLaw& by, const PathSettings& how) {
-      return as_seen_by(shot, [&] {
-        return staff_path_echo(mesh, (*bed).tree(), shot.scene().grid.unit_m(), shot.request().visibility,
-                               {transmit, receive, law.patterns.fringes[fan]}, sensor.samples(), by, how,
-                               bed.water());
+      return as_seen_by(transmission, [&] {
+        return staff_path_echo(
+            mesh, (*bed).tree(), transmission.scene().grid.unit_m(), transmission.request().visibility,
+            {transmit, receive, law.patterns.fringes[fan]}, sensor.samples(), by, how, bed.water());
       });
     };
     const StaffPathEcho paths = trace((*bed).mesh(), own, settings);
@@ -141,25 +146,27 @@ void add_staff_paths_of(const Shot& shot, std::size_t s, const PathSettings& set
       hold_staff_against(certified, *settings.reference_tolerance);
       by_order[order].set(fan, certified);
     }
-    count_paths(shot, paths, sums);
-    add_truth_of_paths(shot, s, (*bed).mesh(), own, settings, sums,
+    count_paths(transmission, paths, sums);
+    add_truth_of_paths(transmission, s, (*bed).mesh(), own, settings, sums,
                        [&](const FacetMesh& mesh, const EchoLaw& by, const PathSettings& how) {
-                         return row_of_fan(shot, s, fan, wanted_orders(shot, trace(mesh, by, how)));
+                         return row_of_fan(transmission, s, fan,
+                                           wanted_orders(transmission, trace(mesh, by, how)));
                        });
   }
   for (std::size_t order = 0; order < by_order.size(); ++order)
-    if (is_order_wanted(shot.scene(), order)) by_order[order].add_to(sums, shot, s, order);
+    if (is_order_wanted(transmission.scene(), order)) by_order[order].add_to(sums, transmission, s, order);
 }
 
 }  // namespace
 
-void add_paths(const Shot& shot, PingSums& sums) {
-  for (const std::size_t s : shot.group().sensors)
-    if (auto settings = path_settings(shot.scene(), shot.sensor(s).frequency_khz())) try {
-        settings->reference_tolerance = shot.request().reference_tolerance;
-        (shot.sensor(s).has_staff() ? add_staff_paths_of : add_paths_of)(shot, s, *settings, sums);
+void add_paths(const Transmission& transmission, PingSums& sums) {
+  for (const std::size_t s : transmission.group().sensors)
+    if (auto settings = path_settings(transmission.scene(), transmission.sensor(s).frequency_khz())) try {
+        settings->reference_tolerance = transmission.request().reference_tolerance;
+        (transmission.sensor(s).has_staff() ? add_staff_paths_of : add_paths_of)(transmission, s, *settings,
+                                                                                 sums);
       } catch (const std::length_error& error) {
-        throw too_many_images(shot.sensor(s).description(), error);
+        throw too_many_images(transmission.sensor(s).description(), error);
       }
 }
 

@@ -2,12 +2,13 @@
 #pragma once
 
 #include "run/ping_sums.hpp"
-#include "run/shot.hpp"
+#include "run/transmission.hpp"
 
 namespace tubefoot {
 
-/// The part of a shot's echoes that comes over mirrors and by second scatterings, by order, of all sensors of
-/// the shot that have such paths. Throws InputError at the sensor's place for too many images.
-void add_paths(const Shot& shot, PingSums& sums);
+/// The part of a transmission's echoes that comes over mirrors and by second scatterings, by order, of all
+/// sensors of the transmission that have such paths. Throws InputError at the sensor's place for too many
+/// images.
+void add_paths(const Transmission& transmission, PingSums& sums);
 
 }  // namespace tubefoot

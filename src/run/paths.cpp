@@ -10,7 +10,7 @@
 
 #include "engine/ground/sector.hpp"
 #include "geometry/tubes/window_tubes.hpp"
-#include "run/shot.hpp"
+#include "run/transmission.hpp"
 
 namespace tubefoot {
 
@@ -58,11 +58,12 @@ TubeSet all_round(GridPoint apex, double reach) {
 }
 
 /// Of a sensor. What other facets hide does not count: no window is left out that relief may open.
-void add_looks(const Shot& shot, std::size_t s, const PathSettings& settings, std::vector<PathLook>& looks) {
-  const Scene& scene = shot.scene();
+void add_looks(const Transmission& transmission, std::size_t s, const PathSettings& settings,
+               std::vector<PathLook>& looks) {
+  const Scene& scene = transmission.scene();
   const double unit_m = scene.grid.unit_m();
-  std::vector<TubeSet> apexes{shot.tubes()};
-  if (shot.has_receiver_apart()) apexes.push_back(shot.receive_tubes(s));
+  std::vector<TubeSet> apexes{transmission.tubes()};
+  if (transmission.has_receiver_apart()) apexes.push_back(transmission.receive_tubes(s));
   const double beam_rad = Sector(apexes.front(), unit_m).narrowest_rad();
   for (const TubeSet& tubes : apexes) looks.push_back({tubes, beam_rad});
   // No point of a path is farther from its ends.
@@ -73,12 +74,12 @@ void add_looks(const Shot& shot, std::size_t s, const PathSettings& settings, st
     for (const TubeSet& tubes : apexes) looks.push_back({all_round(tubes.apex, tubes.reach), beam_rad});
     return;
   }
-  const RefinedMesh mirrors = mirrors_about(shot, apexes.front().reach * unit_m);
+  const RefinedMesh mirrors = mirrors_about(transmission, apexes.front().reach * unit_m);
   const SceneTree tree(mirrors.mesh, SceneTree::Sheets::ignored);
-  const ImageFinder finder(mirrors.mesh, tree, shot.request().visibility, settings.mirrors, settings.least(),
-                           settings.most_images);
+  const ImageFinder finder(mirrors.mesh, tree, transmission.request().visibility, settings.mirrors,
+                           settings.least(), settings.most_images);
   for (TubeSet& tubes : apexes) {
-    tubes.reach = 2 * shot.sensor(s).reach(scene.grid);
+    tubes.reach = 2 * transmission.sensor(s).reach(scene.grid);
     for (Image& image : finder.images_of(tubes, settings.order - 1))
       if (image.mirrors > 0) looks.push_back({std::move(image.windows), beam_rad});
   }
@@ -90,13 +91,14 @@ InputError too_many_images(const SensorDescription& sensor, const std::length_er
   return InputError(sensor.place, fmt::format("sensor '{}', paths: {}", sensor.name, error.what()));
 }
 
-std::vector<PathLook> looks_of_paths(const Shot& shot) {
+std::vector<PathLook> looks_of_paths(const Transmission& transmission) {
   std::vector<PathLook> looks;
-  for (const std::size_t s : shot.group().sensors)
-    if (const auto settings = path_settings(shot.scene(), shot.sensor(s).frequency_khz())) try {
-        add_looks(shot, s, *settings, looks);
+  for (const std::size_t s : transmission.group().sensors)
+    if (const auto settings = path_settings(transmission.scene(), transmission.sensor(s).frequency_khz()))
+      try {
+        add_looks(transmission, s, *settings, looks);
       } catch (const std::length_error& error) {
-        throw too_many_images(shot.sensor(s).description(), error);
+        throw too_many_images(transmission.sensor(s).description(), error);
       }
   return looks;
 }
@@ -137,10 +139,10 @@ void check_paths(const Scene& scene, const Fleet& fleet) {
                                      height_m - d.sea_surface->height_m, d.sea_surface->height_m));
     };
     const std::string name = fmt::format("sensor '{}'", sensor.name);
-    for (const auto* poses : {&pings.shot_poses, &pings.receiver_poses})
+    for (const auto* poses : {&pings.transmission_poses, &pings.receiver_poses})
       for (const Pose& pose : *poses) check(name, pose.position_m.z);
     if (!pings.sensor->has_staff()) continue;
-    for (const Pose& pose : pings.receiver_poses.empty() ? pings.shot_poses : pings.receiver_poses)
+    for (const Pose& pose : pings.receiver_poses.empty() ? pings.transmission_poses : pings.receiver_poses)
       for (const Fringe& staff : pings.sensor->patterns(pose, pings.sound_speed_m_s).fringes)
         check("the staff of " + name, pose.position_m.z + staff.baseline_m / 2 * std::abs(staff.axis.z));
   }

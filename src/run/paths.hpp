@@ -13,16 +13,16 @@ namespace tubefoot {
 /// What has to be followed besides the ordinary echo: nothing in a scene without mirrors.
 std::optional<PathSettings> path_settings(const Scene& scene, double frequency_khz);
 
-class Shot;
+class Transmission;
 
-/// Where paths of a shot may meet relief that is refined for it.
+/// Where paths of a transmission may meet relief that is refined for it.
 struct PathLook {
   TubeSet tubes;  ///< of an apex, or of its image
   double beam_rad = 0;
 };
 /// Of both apexes and of their images, as if nothing but mirrors stood in the way; with several scatterings
 /// also all round. None without paths. Throws InputError where there are too many images.
-std::vector<PathLook> looks_of_paths(const Shot& shot);
+std::vector<PathLook> looks_of_paths(const Transmission& transmission);
 
 /// What path_echo()'s and looks_of_paths()'s std::length_error says of a sensor.
 InputError too_many_images(const SensorDescription& sensor, const std::length_error& error);

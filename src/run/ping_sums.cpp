@@ -19,8 +19,8 @@ void add_to(std::span<double> sums, std::span<const double> values) {
   std::transform(values.begin(), values.end(), sums.begin(), sums.begin(), std::plus<>());
 }
 
-/// Calls visit(row, first place of its beam) for `rows` rows [channel][beam of the shot], of those beams that
-/// are chosen.
+/// Calls visit(row, first place of its beam) for `rows` rows [channel][beam of the transmission], of those
+/// beams that are chosen.
 template <class Visit>
 void each_chosen_row(std::size_t rows, const std::vector<std::uint32_t>& beams, const ChosenEchoes& chosen,
                      const Visit& visit) {
@@ -29,7 +29,7 @@ void each_chosen_row(std::size_t rows, const std::vector<std::uint32_t>& beams, 
       visit(row, row / beams.size() * chosen.beams.size() + *beam);
 }
 
-/// `rows`: [channel][beam of the shot][sample]; `all`: of the sensor's beams that are chosen.
+/// `rows`: [channel][beam of the transmission][sample]; `all`: of the sensor's beams that are chosen.
 void add_rows(std::span<const double> rows, const std::vector<std::uint32_t>& beams, std::size_t channels,
               const ChosenEchoes& chosen, std::span<double> all) {
   const std::size_t samples = rows.size() / (beams.size() * channels);
@@ -38,8 +38,8 @@ void add_rows(std::span<const double> rows, const std::vector<std::uint32_t>& be
   });
 }
 
-/// What bounds are worth where not all of a shot's beams are chosen: of those that are, the targets being the
-/// whole shot's.
+/// What bounds are worth where not all of a transmission's beams are chosen: of those that are, the targets
+/// being the whole transmission's.
 void count_chosen(CertifiedEcho& certified, const Sensor& sensor, const std::vector<std::uint32_t>& beams,
                   const ChosenEchoes& chosen, double tolerance) {
   const auto samples = static_cast<std::size_t>(certified.echo.samples);
@@ -81,37 +81,40 @@ void keep_worst(PingCounts& kept, const PingCounts& met) {
   kept.worst_sample = met.worst_sample;
 }
 
-void PingSums::add_truth(const Shot& shot, std::size_t s, std::size_t channel,
+void PingSums::add_truth(const Transmission& transmission, std::size_t s, std::size_t channel,
                          std::span<const double> values) {
   if (chosen(s).pings == 0) return;
-  const std::vector<std::uint32_t>& beams = shot.sensor(s).beams_of_shot(shot.number());
-  const auto samples = static_cast<std::size_t>(shot.sensor(s).samples().count);
+  const std::vector<std::uint32_t>& beams =
+      transmission.sensor(s).beams_of_transmission(transmission.number());
+  const auto samples = static_cast<std::size_t>(transmission.sensor(s).samples().count);
   const std::size_t all = chosen(s).beams.size() * samples;
   add_rows(values.first(beams.size() * samples), beams, 1, chosen(s),
-           values_.energy(place_of_truth(shot.survey(), s)).subspan(channel * all, all));
+           values_.energy(place_of_truth(transmission.survey(), s)).subspan(channel * all, all));
 }
 
-void PingSums::add_signals(const Shot& shot, std::size_t s, std::span<const double> values,
+void PingSums::add_signals(const Transmission& transmission, std::size_t s, std::span<const double> values,
                            std::span<const double> bounds) {
-  const std::size_t place = place_of_signals(shot.survey(), s);
+  const std::size_t place = place_of_signals(transmission.survey(), s);
   add_to(values_.energy(place), values);
   if (!bounds.empty()) add_to(values_.bound(place), bounds);
 }
 
-void PingSums::with_echo(const Shot& shot, const Sight& sight, std::size_t s, const EchoLaw& law,
-                         const std::function<void(const LitEcho&)>& use) {
-  const std::vector<std::uint32_t> fans = shot.sensor(s).fan_of_tube(shot.number());
-  LitEcho made = integrate_lit_echo(sight, shot.beams_by_fans(s, fans), shot.sensor(s).samples(), law,
-                                    shot.request().binning, values_.take_echo_room());
+void PingSums::with_echo(const Transmission& transmission, const Sight& sight, std::size_t s,
+                         const EchoLaw& law, const std::function<void(const LitEcho&)>& use) {
+  const std::vector<std::uint32_t> fans = transmission.sensor(s).fan_of_tube(transmission.number());
+  LitEcho made =
+      integrate_lit_echo(sight, transmission.beams_by_fans(s, fans), transmission.sensor(s).samples(), law,
+                         transmission.request().binning, values_.take_echo_room());
   use(made);
   values_.give_back_echo_room(cleared_room(std::move(made)));
 }
 
-void PingSums::add(const Shot& shot, std::size_t s, std::size_t order, std::span<const double> energy,
-                   std::span<const SampleSpan> lit) {
+void PingSums::add(const Transmission& transmission, std::size_t s, std::size_t order,
+                   std::span<const double> energy, std::span<const SampleSpan> lit) {
   if (chosen(s).pings == 0) return;
-  const std::vector<std::uint32_t>& beams = shot.sensor(s).beams_of_shot(shot.number());
-  const auto samples = static_cast<std::size_t>(shot.sensor(s).samples().count);
+  const std::vector<std::uint32_t>& beams =
+      transmission.sensor(s).beams_of_transmission(transmission.number());
+  const auto samples = static_cast<std::size_t>(transmission.sensor(s).samples().count);
   // 0 changes no sum: what is not lit need not be looked at.
   double sum = 0;
   each_chosen_row(energy.size() / samples, beams, chosen(s), [&](std::size_t row, std::size_t place) {
@@ -123,10 +126,11 @@ void PingSums::add(const Shot& shot, std::size_t s, std::size_t order, std::span
   counts.energy_of_order[order] += sum;
 }
 
-void PingSums::add(const Shot& shot, std::size_t s, const CertifiedEcho& certified, std::size_t order) {
+void PingSums::add(const Transmission& transmission, std::size_t s, const CertifiedEcho& certified,
+                   std::size_t order) {
   if (chosen(s).pings == 0) return;
-  const Sensor& sensor = shot.sensor(s);
-  const std::vector<std::uint32_t>& beams = sensor.beams_of_shot(shot.number());
+  const Sensor& sensor = transmission.sensor(s);
+  const std::vector<std::uint32_t>& beams = sensor.beams_of_transmission(transmission.number());
   const auto samples = static_cast<std::size_t>(sensor.samples().count);
   add_rows(certified.bound, beams, certified.bound.size() / (beams.size() * samples), chosen(s),
            values_.bound(s));
@@ -148,15 +152,15 @@ void PingSums::add(const Shot& shot, std::size_t s, const CertifiedEcho& certifi
     keep(certified);
   } else {
     CertifiedEcho some = certified;
-    count_chosen(some, sensor, beams, chosen(s), *shot.request().reference_tolerance);
+    count_chosen(some, sensor, beams, chosen(s), *transmission.request().reference_tolerance);
     keep(some);
   }
-  add(shot, s, order, certified.echo.energy);
+  add(transmission, s, order, certified.echo.energy);
 }
 
-void PingSums::add_finer_relief(const Shot& shot, const Sight& sight, const FacetMesh& mesh,
+void PingSums::add_finer_relief(const Transmission& transmission, const Sight& sight, const FacetMesh& mesh,
                                 double sample_m) {
-  if (const auto& omitted = shot.site().relief.omitted)
+  if (const auto& omitted = transmission.site().relief.omitted)
     finer_relief += tubefoot::finer_relief(sight, mesh, *omitted, sample_m);
 }
 

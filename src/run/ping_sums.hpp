@@ -12,7 +12,7 @@
 #include "engine/echo/finer_relief.hpp"
 #include "engine/echo/lit_echo.hpp"
 #include "run/kept/ping_store.hpp"
-#include "run/shot.hpp"
+#include "run/transmission.hpp"
 
 namespace tubefoot {
 
@@ -28,24 +28,27 @@ class PingSums {
   PingCounts counts;
   FinerRelief finer_relief;
 
-  /// Energies of paths with `order` interactions that a sensor hears of a shot:
-  /// [channel][beam of the shot][sample].
+  /// Energies of paths with `order` interactions that a sensor hears of a transmission:
+  /// [channel][beam of the transmission][sample].
   /// `lit`, by row of samples: those outside are 0; none: any may be lit.
-  void add(const Shot& shot, std::size_t sensor, std::size_t order, std::span<const double> energy,
-           std::span<const SampleSpan> lit = {});
+  void add(const Transmission& transmission, std::size_t sensor, std::size_t order,
+           std::span<const double> energy, std::span<const SampleSpan> lit = {});
   /// The same with their bounds.
-  void add(const Shot& shot, std::size_t sensor, const CertifiedEcho& certified, std::size_t order = 1);
-  /// To a channel of the truth of what a sensor hears (Truth::channels()): [beam of the shot][sample], and
-  /// more channels, which are not read.
-  void add_truth(const Shot& shot, std::size_t sensor, std::size_t channel, std::span<const double> values);
+  void add(const Transmission& transmission, std::size_t sensor, const CertifiedEcho& certified,
+           std::size_t order = 1);
+  /// To a channel of the truth of what a sensor hears (Truth::channels()): [beam of the
+  /// transmission][sample], and more channels, which are not read.
+  void add_truth(const Transmission& transmission, std::size_t sensor, std::size_t channel,
+                 std::span<const double> values);
   /// To the signals of what its elements record: [receiver][sample][real, imaginary]; with their bounds, or
   /// none.
-  void add_signals(const Shot& shot, std::size_t sensor, std::span<const double> values,
+  void add_signals(const Transmission& transmission, std::size_t sensor, std::span<const double> values,
                    std::span<const double> bounds);
   /// What finer relief than the facets that are seen would change of it.
-  void add_finer_relief(const Shot& shot, const Sight& sight, const FacetMesh& mesh, double sample_m);
-  /// Shot::echo(), in memory that pings share one after the other, and `use` of it.
-  void with_echo(const Shot& shot, const Sight& sight, std::size_t sensor, const EchoLaw& law,
+  void add_finer_relief(const Transmission& transmission, const Sight& sight, const FacetMesh& mesh,
+                        double sample_m);
+  /// Transmission::echo(), in memory that pings share one after the other, and `use` of it.
+  void with_echo(const Transmission& transmission, const Sight& sight, std::size_t sensor, const EchoLaw& law,
                  const std::function<void(const LitEcho&)>& use);
   /// Does a part of the work whose seconds are the echo's, not those of what is seen.
   template <class Work>
@@ -55,7 +58,8 @@ class PingSums {
     counts.echo_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
 
-  /// What the last shot saw of the ground that all shots share, for one that looks through the same tubes.
+  /// What the last transmission saw of the ground that all transmissions share, for one that looks through
+  /// the same tubes.
   struct Seen {
     History history;
     std::size_t candidates = 0;

@@ -25,36 +25,39 @@ constexpr double coarsest = 0.1;                // tolerance that the first try 
 constexpr double least_worth = 1.2;
 constexpr int most_halvings = 30;  // of what facets are cut by, until they are cut
 
-RefractedShot certify(const Shot& shot, const ShotStraightening& seen, ApparentGround apparent) {
-  const Scene& scene = shot.scene();
-  const VisibilityOptions& options = shot.request().visibility;
+RefractedTransmission certify(const Transmission& transmission, const TransmissionStraightening& seen,
+                              ApparentGround apparent) {
+  const Scene& scene = transmission.scene();
+  const VisibilityOptions& options = transmission.request().visibility;
   const std::vector<FacetId> parent = apparent.refined.parent;
   seen.bed().name_by_scene(apparent);
-  RefractedShot found{ShotGround(shot.site(), std::move(apparent)), {}, 0, {}, false};
+  RefractedTransmission found{TransmissionGround(transmission.site(), std::move(apparent)), {}, 0, {}, false};
   const FacetMesh& mesh = found.ground.mesh();
   const StraightenedBed bed{*found.ground.apparent(), found.ground.tree(), seen.bed().mesh(), parent,
                             scene.grid};
   const TubeEngine engine(mesh, found.ground.tree(), scene.grid.unit_m(), options);
-  found.history = engine.trace(shot.tubes(), &found.candidates, false);
+  found.history = engine.trace(transmission.tubes(), &found.candidates, false);
   const glm::dvec3 apex = scene.grid.to_metres(found.history.tubes.apex);
-  for (const std::size_t s : shot.group().sensors) {
-    if (shot.sensor(s).has_staff()) {
+  for (const std::size_t s : transmission.group().sensors) {
+    if (transmission.sensor(s).has_staff()) {
       found.sensors.emplace_back();
       continue;
     }
-    const Straightening straightening = straightening_of(shot.site(), shot.survey().sensors[s], apex);
-    const RayEnclosure rays(straightening, eigenray_options(shot.site()));
-    const SensorLaw sensor_law(shot, found.ground, s);
+    const Straightening straightening =
+        straightening_of(transmission.site(), transmission.survey().sensors[s], apex);
+    const RayEnclosure rays(straightening, eigenray_options(transmission.site()));
+    const SensorLaw sensor_law(transmission, found.ground, s);
     const EchoLaw& law = sensor_law.law;
-    const Sensor& sensor = shot.sensor(s);
+    const Sensor& sensor = transmission.sensor(s);
     found.sensors.push_back(certify_refracted_echo(
-        bed, rays, found.history, options, sensor.beam_of_tube(shot.number()), sensor.samples(), law,
-        shot.echo(found.history, s, law), *shot.request().reference_tolerance));
+        bed, rays, found.history, options, sensor.beam_of_tube(transmission.number()), sensor.samples(), law,
+        transmission.echo(found.history, s, law), *transmission.request().reference_tolerance));
   }
   return found;
 }
 
-RefractedPairShot certify(const Shot& shot, const PairStraightening& seen, RefractedPair pair) {
+RefractedPairTransmission certify(const Transmission& transmission, const PairStraightening& seen,
+                                  RefractedPair pair) {
   const ApparentPair& apparent = pair.apparent;
   std::vector<FacetId> parent(apparent.mesh.facets.size());
   const auto take = [&](const ApparentGround& ground, const std::vector<FacetId>& origin) {
@@ -62,27 +65,27 @@ RefractedPairShot certify(const Shot& shot, const PairStraightening& seen, Refra
   };
   take(apparent.transmit, apparent.transmit_origin);
   take(apparent.receive, apparent.receive_origin);
-  const std::size_t s = shot.first();
-  RefractedPairShot found{std::move(pair), {}, {}, false};
+  const std::size_t s = transmission.first();
+  RefractedPairTransmission found{std::move(pair), {}, {}, false};
   const ApparentPair& own = found.pair.apparent;
-  found.history = trace_both(shot, found.pair);
+  found.history = trace_both(transmission, found.pair);
   const SceneTree out_tree(own.transmit.refined.mesh, SceneTree::Sheets::ignored),
       home_tree(own.receive.refined.mesh, SceneTree::Sheets::ignored);
-  const RayEnclosure out_rays(found.pair.transmit_water, eigenray_options(shot.site())),
-      home_rays(found.pair.receive_water, eigenray_options(shot.site()));
+  const RayEnclosure out_rays(found.pair.transmit_water, eigenray_options(transmission.site())),
+      home_rays(found.pair.receive_water, eigenray_options(transmission.site()));
   const PairedBed bed{own.mesh,
                       parent,
                       seen.bed().mesh(),
-                      shot.scene().grid,
+                      transmission.scene().grid,
                       {own.transmit, out_tree, own.transmit_origin, found.pair.transmit_water, out_rays},
                       {own.receive, home_tree, own.receive_origin, found.pair.receive_water, home_rays}};
-  SensorLaw law(shot, ShotGround(shot.site()), s);
+  SensorLaw law(transmission, TransmissionGround(transmission.site()), s);
   law.law.material = own.mesh.material;
-  const std::vector<std::uint32_t> fans = shot.sensor(s).fan_of_tube(shot.number());
+  const std::vector<std::uint32_t> fans = transmission.sensor(s).fan_of_tube(transmission.number());
   found.sensors.push_back(certify_refracted_echo(
-      bed, {found.pair.transmit_tubes, found.pair.receive_tubes}, shot.request().visibility,
-      shot.beams_by_fans(s, fans), shot.sensor(s).samples(), law.law, shot.echo(found.history, s, law.law),
-      *shot.request().reference_tolerance));
+      bed, {found.pair.transmit_tubes, found.pair.receive_tubes}, transmission.request().visibility,
+      transmission.beams_by_fans(s, fans), transmission.sensor(s).samples(), law.law,
+      transmission.echo(found.history, s, law.law), *transmission.request().reference_tolerance));
   seen.bed().name_by_scene(found.pair.apparent.transmit);
   seen.bed().name_by_scene(found.pair.apparent.receive);
   return found;
@@ -96,15 +99,16 @@ struct StaffEnds {
   const Fringe& staff;
 };
 
-RefractedStaffShot certify(const Shot& shot, const StaffEnds& seen, AlikeGrounds grounds) {
+RefractedStaffTransmission certify(const Transmission& transmission, const StaffEnds& seen,
+                                   AlikeGrounds grounds) {
   const EndsStraightening& ends = seen.ends;
-  const Sensor& sensor = shot.sensor(seen.sensor);
-  const WorldGrid& grid = shot.scene().grid;
-  const VisibilityOptions& options = shot.request().visibility;
-  RefractedStaffShot found{std::move(grounds), {}, {}, false};
+  const Sensor& sensor = transmission.sensor(seen.sensor);
+  const WorldGrid& grid = transmission.scene().grid;
+  const VisibilityOptions& options = transmission.request().visibility;
+  RefractedStaffTransmission found{std::move(grounds), {}, {}, false};
   const AlikeGrounds& own = found.apparent;
   const FacetMesh& mesh = own.bed.mesh;
-  SensorLaw law(shot, ShotGround(shot.site()), seen.sensor);
+  SensorLaw law(transmission, TransmissionGround(transmission.site()), seen.sensor);
   const BeamPatterns patterns = patterns_of_fan(law.patterns, seen.fan, ends.tubes(1).tubes.size());
   law.law.material = mesh.material;
   law.law.patterns = &patterns;
@@ -114,7 +118,7 @@ RefractedStaffShot certify(const Shot& shot, const StaffEnds& seen, AlikeGrounds
   std::vector<RayEnclosure> rays;
   for (std::size_t end = 0; end < 3; ++end) {
     trees.emplace_back(own.seen[end].refined.mesh, SceneTree::Sheets::ignored);
-    rays.emplace_back(ends.water(end), eigenray_options(shot.site()));
+    rays.emplace_back(ends.water(end), eigenray_options(transmission.site()));
   }
   const auto end_of = [&](std::size_t end) {
     return PairedEnd{own.seen[end], trees[end], own.origin[end], ends.water(end), rays[end]};
@@ -132,7 +136,7 @@ RefractedStaffShot certify(const Shot& shot, const StaffEnds& seen, AlikeGrounds
   found.sensors.push_back(certify_refracted_staff(
       {bed_of(1), bed_of(2)},
       {PairedTubes{ends.tubes(0), ends.tubes(1)}, PairedTubes{ends.tubes(0), ends.tubes(2)}}, options,
-      seen.staff, sensor.samples(), law.law, ordinary, *shot.request().reference_tolerance));
+      seen.staff, sensor.samples(), law.law, ordinary, *transmission.request().reference_tolerance));
   for (ApparentGround& ground : found.apparent.seen) ends.bed().name_by_scene(ground);
   return found;
 }
@@ -170,9 +174,10 @@ Quality quality_of(std::span<const RefractedReference> sensors) {
 }
 
 /// As finely as the first try is made for.
-StraighteningSettings first_settings(const Shot& shot, double reach_m, StraighteningSettings settings) {
-  const double unit = shot.scene().grid.unit_m(), sample = shot.sample_length_m(),
-               first = std::max(*shot.request().reference_tolerance, coarsest);
+StraighteningSettings first_settings(const Transmission& transmission, double reach_m,
+                                     StraighteningSettings settings) {
+  const double unit = transmission.scene().grid.unit_m(), sample = transmission.sample_length_m(),
+               first = std::max(*transmission.request().reference_tolerance, coarsest);
   // The scene's own keys are for ordinary runs. What is left between straight and curved shrinks with the
   // gap, and the change of a factor over a facet with its edges. The first ground is coarse: how many facets
   // a tolerance takes is known only from what it has.
@@ -195,10 +200,12 @@ double largest_gap_m(const RefractedPair& pair) {
 
 /// Ever finer. `ground(settings)`: straightened so, for certify().
 template <class Seen, class Ground>
-auto certify_ever_finer(const Shot& shot, double reach_m, const Seen& seen, const Ground& ground_of) {
-  const double unit = shot.scene().grid.unit_m();
-  StraighteningSettings settings = first_settings(shot, reach_m, straightening_settings(shot, reach_m));
-  std::optional best(certify(shot, seen, ground_of(settings)));
+auto certify_ever_finer(const Transmission& transmission, double reach_m, const Seen& seen,
+                        const Ground& ground_of) {
+  const double unit = transmission.scene().grid.unit_m();
+  StraighteningSettings settings =
+      first_settings(transmission, reach_m, straightening_settings(transmission, reach_m));
+  std::optional best(certify(transmission, seen, ground_of(settings)));
   std::size_t facets_before = best->facets();
   for (int tries = 1;; ++tries) {
     const Quality quality = quality_of(best->sensors);
@@ -229,7 +236,7 @@ auto certify_ever_finer(const Shot& shot, double reach_m, const Seen& seen, cons
     facets_before = facets;
     if (as_it_was && !quality.is_wide()) break;
     if (as_it_was) continue;
-    auto next = certify(shot, seen, std::move(*ground));
+    auto next = certify(transmission, seen, std::move(*ground));
     const Quality found = quality_of(next.sensors);
     const bool worth_more = found.is_worth_more_than(quality);
     if (worth_more || found.over <= quality.over) best.emplace(std::move(next));
@@ -242,30 +249,35 @@ auto certify_ever_finer(const Shot& shot, double reach_m, const Seen& seen, cons
 
 }  // namespace
 
-RefractedShot certify_refracted_shot(const Shot& shot) {
-  const ShotStraightening seen(shot);
-  return certify_ever_finer(shot, shot.tubes().reach * shot.scene().grid.unit_m(), seen,
+RefractedTransmission certify_refracted_transmission(const Transmission& transmission) {
+  const TransmissionStraightening seen(transmission);
+  return certify_ever_finer(transmission, transmission.tubes().reach * transmission.scene().grid.unit_m(),
+                            seen,
                             [&](const StraighteningSettings& settings) { return seen.ground(settings); });
 }
 
-RefractedPairShot certify_refracted_pair_shot(const Shot& shot) {
-  const PairStraightening seen(shot);
-  return certify_ever_finer(shot, seen.reach_m(), seen,
+RefractedPairTransmission certify_refracted_pair_transmission(const Transmission& transmission) {
+  const PairStraightening seen(transmission);
+  return certify_ever_finer(transmission, seen.reach_m(), seen,
                             [&](const StraighteningSettings& settings) { return seen.pair(settings); });
 }
 
-RefractedStaffShot certify_refracted_staff_shot(const Shot& shot, std::size_t sensor, std::uint32_t fan) {
-  const Scene& scene = shot.scene();
+RefractedStaffTransmission certify_refracted_staff_transmission(const Transmission& transmission,
+                                                                std::size_t sensor, std::uint32_t fan) {
+  const Scene& scene = transmission.scene();
   const WorldGrid& grid = scene.grid;
-  const SensorPings& pings = shot.survey().sensors[sensor];
+  const SensorPings& pings = transmission.survey().sensors[sensor];
   const Fringe staff =
-      pings.sensor->patterns(shot.receiver_pose(), pings.sound_speed_m_s, shot.number()).fringes[fan];
-  const std::vector<std::uint32_t> fans = pings.sensor->fan_of_tube(shot.number());
-  const TubeSet transmit = tubes_of_fan(shot.tubes(), fans, fan),
-                receive = shot.has_receiver_apart() ? tubes_of_fan(shot.receive_tubes(sensor), fans, fan)
-                                                    : transmit;
+      pings.sensor->patterns(transmission.receiver_pose(), pings.sound_speed_m_s, transmission.number())
+          .fringes[fan];
+  const std::vector<std::uint32_t> fans = pings.sensor->fan_of_tube(transmission.number());
+  const TubeSet transmit = tubes_of_fan(transmission.tubes(), fans, fan),
+                receive = transmission.has_receiver_apart()
+                              ? tubes_of_fan(transmission.receive_tubes(sensor), fans, fan)
+                              : transmit;
   std::vector<TubeSet> tubes{transmit};
-  std::vector<Straightening> water{straightening_of(shot.site(), pings, grid.to_metres(transmit.apex))};
+  std::vector<Straightening> water{
+      straightening_of(transmission.site(), pings, grid.to_metres(transmit.apex))};
   for (const double end : {1.0, -1.0}) {
     const glm::dvec3 at_m = grid.to_metres(receive.apex) + end * staff.baseline_m / 2 * staff.axis;
     if (const double above = at_m.z - scene.water->surface_height_m(); above > 0)
@@ -273,34 +285,35 @@ RefractedStaffShot certify_refracted_staff_shot(const Shot& shot, std::size_t se
           pings.sensor->description().place,
           fmt::format("a receiver of {} is {:.3g} m above the sea surface: lower its trajectory, "
                       "shorten 'baseline_m', or raise 'surface_height_m' of [water]",
-                      shot.name(), above));
+                      transmission.name(), above));
     tubes.push_back(moved_along(receive, staff, end, grid.unit_m()));
-    water.push_back(straightening_of(shot.site(), pings, at_m));
+    water.push_back(straightening_of(transmission.site(), pings, at_m));
   }
-  const EndsStraightening ends(shot, std::move(tubes), std::move(water));
-  return certify_ever_finer(shot, ends.reach_m(), StaffEnds{ends, sensor, fan, staff},
+  const EndsStraightening ends(transmission, std::move(tubes), std::move(water));
+  return certify_ever_finer(transmission, ends.reach_m(), StaffEnds{ends, sensor, fan, staff},
                             [&](const StraighteningSettings& settings) { return ends.grounds(settings); });
 }
 
-std::size_t RefractedPathsShot::facets() const {
+std::size_t RefractedPathsTransmission::facets() const {
   std::size_t all = 0;
   for (const ApparentGround& ground : paths.grounds) all += facets_of(ground);
   return all;
 }
 
-RefractedPathsShot certify_refracted_paths(const Shot& shot, const PathWater& water, double reach_m,
-                                           const std::function<PathEcho(const PathWater&)>& trace) {
-  const double tolerance = *shot.request().reference_tolerance;
+RefractedPathsTransmission certify_refracted_paths(const Transmission& transmission, const PathWater& water,
+                                                   double reach_m,
+                                                   const std::function<PathEcho(const PathWater&)>& trace) {
+  const double tolerance = *transmission.request().reference_tolerance;
   PathWater finer = water;
-  finer.straightening = first_settings(shot, reach_m, water.straightening);
+  finer.straightening = first_settings(transmission, reach_m, water.straightening);
   const auto certified = [&] {
-    RefractedPathsShot found{trace(finer), {}, false};
+    RefractedPathsTransmission found{trace(finer), {}, false};
     for (std::size_t order = 0; order < found.paths.by_order.size(); ++order)
       found.orders.push_back(
           reference_of({found.paths.by_order[order], found.paths.bound_by_order[order]}, tolerance));
     return found;
   };
-  RefractedPathsShot best = certified();
+  RefractedPathsTransmission best = certified();
   int halvings = 0;  // of what facets are cut by: one more each time that none is cut
   for (int tries = 1;; ++tries) {
     const Quality quality = quality_of(best.orders);
@@ -309,9 +322,10 @@ RefractedPathsShot certify_refracted_paths(const Shot& shot, const PathWater& wa
     const double room = std::sqrt(most_facets_of_paths / std::max(double(best.facets()), 1.0));
     if (room < least_worth || tries == most_tries) break;
     const double by = halvings > 0 ? std::exp2(std::min(halvings, 3)) : quality.finer(room);
-    finer.straightening.gap_m = std::max(finer.straightening.gap_m / by, 2 * shot.scene().grid.unit_m());
+    finer.straightening.gap_m =
+        std::max(finer.straightening.gap_m / by, 2 * transmission.scene().grid.unit_m());
     finer.straightening.tolerance_db /= by;
-    RefractedPathsShot next = certified();
+    RefractedPathsTransmission next = certified();
     const Quality found = quality_of(next.orders);
     const bool worth_more = found.is_worth_more_than(quality), as_it_was = next.facets() == best.facets();
     if (found.over <= quality.over || worth_more) best = std::move(next);

@@ -12,8 +12,8 @@
 
 #include "engine/rays/shared_hits.hpp"
 #include "run/paths.hpp"
-#include "run/shot_rays.hpp"
 #include "run/simulation.hpp"
+#include "run/transmission_rays.hpp"
 #include "scene/ping_times.hpp"
 #include "scene/scene_water.hpp"
 #include "sensors/recordings/sensor_kind.hpp"
@@ -22,20 +22,20 @@ namespace tubefoot {
 namespace {
 
 constexpr double degrees = 180 / std::numbers::pi;
-constexpr RefinementLimits most_a_shot{.facets = 20'000'000};
+constexpr RefinementLimits most_per_transmission{.facets = 20'000'000};
 
 std::array<double, 3> polar(glm::dvec3 direction, double range_m) {
   return {std::atan2(direction.x, direction.y) * degrees,
           std::asin(std::clamp(direction.z, -1.0, 1.0)) * degrees, range_m};
 }
 
-/// What `make` makes for a shot; what it throws, with the scene file's words.
+/// What `make` makes for a transmission; what it throws, with the scene file's words.
 template <class Make>
-auto made_for(const Shot& shot, const Make& make) {
+auto made_for(const Transmission& transmission, const Make& make) {
   try {
     return make();
   } catch (...) {
-    rethrow_as_seen_by(shot);
+    rethrow_as_seen_by(transmission);
   }
 }
 
@@ -70,23 +70,25 @@ std::string rays_left_out(const Survey& survey, bool reference) {
 /// The gap at which no phase of a pair of receivers is off by more than phase_error_rad: a place that is seen
 /// beside itself by the gap turns by gap / range, and the phase by 2 pi / wavelength times the baseline times
 /// that, or times twice the gap where that is less. Infinite without such a pair.
-double gap_of_phases_m(const Shot& shot) {
+double gap_of_phases_m(const Transmission& transmission) {
   // The standard deviation of a single look's phase at a coherence of 0.9999, which few bins have.
   constexpr double phase_error_rad = 0.01;
   // Half the path is longer than the way from the receiver by up to half of what lies between the two ends.
-  const double between_m = shot.has_receiver_apart()
-                               ? glm::distance(shot.pose().position_m, shot.receiver_pose().position_m) / 2
-                               : 0;
+  const double between_m =
+      transmission.has_receiver_apart()
+          ? glm::distance(transmission.pose().position_m, transmission.receiver_pose().position_m) / 2
+          : 0;
   double gap_m = std::numeric_limits<double>::infinity();
-  for (const std::size_t s : shot.group().sensors) {
-    const Sensor& sensor = shot.sensor(s);
+  for (const std::size_t s : transmission.group().sensors) {
+    const Sensor& sensor = transmission.sensor(s);
     if (!sensor.has_staff()) continue;
-    const double wavelength_m = shot.survey().sensors[s].sound_speed_m_s / (1e3 * sensor.frequency_khz()),
+    const double wavelength_m =
+                     transmission.survey().sensors[s].sound_speed_m_s / (1e3 * sensor.frequency_khz()),
                  baseline_m = sensor.staff().baseline_m,
                  nearest_m = std::max(sensor.samples().first_m - between_m, baseline_m / 2);
     gap_m = std::min(gap_m, phase_error_rad * wavelength_m / (2 * std::numbers::pi) * nearest_m / baseline_m);
   }
-  return std::max(gap_m, 2 * shot.scene().grid.unit_m());
+  return std::max(gap_m, 2 * transmission.scene().grid.unit_m());
 }
 
 nlohmann::ordered_json place_json(const std::array<double, 3>& place) {
@@ -95,30 +97,34 @@ nlohmann::ordered_json place_json(const std::array<double, 3>& place) {
 
 }  // namespace
 
-void rethrow_as_seen_by(const Shot& shot) {
-  const SourcePlace& place = shot.scene().description.water.place;
+void rethrow_as_seen_by(const Transmission& transmission) {
+  const SourcePlace& place = transmission.scene().description.water.place;
   try {
     throw;
   } catch (const RefinementTooLarge&) {
     throw InputError(place, fmt::format("{} needs more than {} facets to be seen through the water: raise "
                                         "'refraction_gap_m' or 'refraction_tolerance_db'",
-                                        shot.name(), most_a_shot.facets));
+                                        transmission.name(), most_per_transmission.facets));
   } catch (const GridRangeError&) {
     throw InputError(place, fmt::format("{} sees facets through the water outside of the scene's grid: "
                                         "shorten its range",
-                                        shot.name()));
+                                        transmission.name()));
   } catch (const std::range_error& error) {
     throw InputError(place, fmt::format("{} cannot be seen through the water: {}, or give the terrain "
                                         "smaller facets",
-                                        shot.name(), error.what()));
+                                        transmission.name(), error.what()));
   }
 }
 
-PathWater path_water(const Shot& shot, std::size_t sensor, double reach_m) {
-  const SensorPings& pings = shot.survey().sensors[sensor];
-  return {*pings.water,          shot.scene().water->surface_height_m(), eigenray_options(shot.site()),
-          pings.sound_speed_m_s, straightening_settings(shot, reach_m),  most_a_shot,
-          shot.scene().grid};
+PathWater path_water(const Transmission& transmission, std::size_t sensor, double reach_m) {
+  const SensorPings& pings = transmission.survey().sensors[sensor];
+  return {*pings.water,
+          transmission.scene().water->surface_height_m(),
+          eigenray_options(transmission.site()),
+          pings.sound_speed_m_s,
+          straightening_settings(transmission, reach_m),
+          most_per_transmission,
+          transmission.scene().grid};
 }
 
 EigenrayOptions eigenray_options(const Site& site) {
@@ -161,7 +167,7 @@ void put_into_water(Site& site, Fleet& fleet) {
   const double surface = scene.water->surface_height_m();
   for (SensorPings& pings : fleet.sensors) {
     pings.water = std::make_shared<const WaterColumn>(scene.water->column(pings.sensor->frequency_khz()));
-    for (const auto* poses : {&pings.poses, &pings.shot_poses, &pings.receiver_poses})
+    for (const auto* poses : {&pings.poses, &pings.transmission_poses, &pings.receiver_poses})
       for (const Pose& pose : *poses)
         if (!(pose.position_m.z <= surface))
           throw InputError(
@@ -172,32 +178,32 @@ void put_into_water(Site& site, Fleet& fleet) {
   }
 }
 
-StraighteningSettings straightening_settings(const Shot& shot, double reach_m) {
-  const WaterDescription& keys = shot.scene().description.water;
-  const double sample = shot.sample_length_m();
+StraighteningSettings straightening_settings(const Transmission& transmission, double reach_m) {
+  const WaterDescription& keys = transmission.scene().description.water;
+  const double sample = transmission.sample_length_m();
   StraighteningSettings settings;
-  settings.gap_m = keys.refraction_gap_m.value_or(std::min(sample / 4, gap_of_phases_m(shot)));
+  settings.gap_m = keys.refraction_gap_m.value_or(std::min(sample / 4, gap_of_phases_m(transmission)));
   settings.tolerance_db = keys.refraction_tolerance_db.value_or(0.1);
   // Caustics and the borders of shadows take no more edges than a sector is wide.
-  settings.shortest_edge_m = std::max({sample, reach_m / 2000, 16 * shot.scene().grid.unit_m()});
+  settings.shortest_edge_m = std::max({sample, reach_m / 2000, 16 * transmission.scene().grid.unit_m()});
   settings.shadow_edge_m = std::max(4 * settings.shortest_edge_m, reach_m / 50);
   // A gap that is asked for, or that phases need, is kept where rays do not cross: of an edge it is no more
   // than g / c a quarter of its square.
-  const double bend_per_m = shot.scene().water->profile().largest_bend_per_m();
+  const double bend_per_m = transmission.scene().water->profile().largest_bend_per_m();
   if ((keys.refraction_gap_m || settings.gap_m < sample / 4) && bend_per_m > 0)
     settings.shortest_edge_m =
         std::min(settings.shortest_edge_m,
-                 std::max(std::sqrt(settings.gap_m / bend_per_m), 16 * shot.scene().grid.unit_m()));
+                 std::max(std::sqrt(settings.gap_m / bend_per_m), 16 * transmission.scene().grid.unit_m()));
   return settings;
 }
 
-LyingBed::LyingBed(const Shot& shot, std::span<const TubeSet> tubes, std::span<const Outlook> outlooks,
-                   bool weights)
-    : site_(shot.site()) {
+LyingBed::LyingBed(const Transmission& transmission, std::span<const TubeSet> tubes,
+                   std::span<const Outlook> outlooks, bool weights)
+    : site_(transmission.site()) {
   if (!site_.ground) return;
-  std::vector<Look> looks = shot.looks(tubes);
+  std::vector<Look> looks = transmission.looks(tubes);
   for (std::size_t k = 0; k < looks.size(); ++k) looks[k].outlook = &outlooks[k];
-  relief_ = relief_seen_by(shot, looks, weights);
+  relief_ = relief_seen_by(transmission, looks, weights);
   tree_ = std::make_unique<SceneTree>(relief_.mesh, SceneTree::Sheets::ignored);
 }
 
@@ -225,50 +231,51 @@ void LyingBed::name_by_scene(ApparentGround& ground) const {
   for (UnclearPlace& place : ground.unclear) place.facet = relief_.parent[place.facet];
 }
 
-ShotStraightening::ShotStraightening(const Shot& shot, bool weights)
-    : shot_(shot),
+TransmissionStraightening::TransmissionStraightening(const Transmission& transmission, bool weights)
+    : transmission_(transmission),
       weights_(weights),
-      tubes_(shot.tubes()),
-      straightening_(straightening_of(shot.site(), shot.pings(), shot.scene().grid.to_metres(tubes_.apex))),
-      outlook_(tubes_, shot.scene().grid.unit_m(), straightening_),
-      bed_(shot, {&tubes_, 1}, {&outlook_, 1}, weights),
+      tubes_(transmission.tubes()),
+      straightening_(straightening_of(transmission.site(), transmission.pings(),
+                                      transmission.scene().grid.to_metres(tubes_.apex))),
+      outlook_(tubes_, transmission.scene().grid.unit_m(), straightening_),
+      bed_(transmission, {&tubes_, 1}, {&outlook_, 1}, weights),
       facets_(bed_.facets({&outlook_, 1})) {}
 
-ApparentGround ShotStraightening::ground(const StraighteningSettings& settings) const {
-  const Scene& scene = shot_.scene();
-  return made_for(shot_, [&] {
+ApparentGround TransmissionStraightening::ground(const StraighteningSettings& settings) const {
+  const Scene& scene = transmission_.scene();
+  return made_for(transmission_, [&] {
     return straighten(bed_.mesh(), facets_, scene.grid, straightening_,
-                      absorption_db_per_m(scene, *shot_.pings().sensor), settings,
-                      {most_a_shot.facets, weights_}, scene.scattering, &outlook_);
+                      absorption_db_per_m(scene, *transmission_.pings().sensor), settings,
+                      {most_per_transmission.facets, weights_}, scene.scattering, &outlook_);
   });
 }
 
-ShotGround refracted_ground_of(const Shot& shot, bool weights) {
-  const ShotStraightening seen(shot, weights);
+TransmissionGround refracted_ground_of(const Transmission& transmission, bool weights) {
+  const TransmissionStraightening seen(transmission, weights);
   StraighteningSettings settings =
-      straightening_settings(shot, shot.tubes().reach * shot.scene().grid.unit_m());
+      straightening_settings(transmission, transmission.tubes().reach * transmission.scene().grid.unit_m());
   settings.later_arrivals = true;
   ApparentGround ground = seen.ground(settings);
   seen.bed().name_by_scene(ground);
-  return ShotGround(shot.site(), std::move(ground));
+  return TransmissionGround(transmission.site(), std::move(ground));
 }
 
-EndsStraightening::EndsStraightening(const Shot& shot, std::vector<TubeSet> tubes,
+EndsStraightening::EndsStraightening(const Transmission& transmission, std::vector<TubeSet> tubes,
                                      std::vector<Straightening> water, bool weights)
-    : shot_(shot), weights_(weights), tubes_(std::move(tubes)), water_(std::move(water)) {
+    : transmission_(transmission), weights_(weights), tubes_(std::move(tubes)), water_(std::move(water)) {
   for (std::size_t end = 0; end < tubes_.size(); ++end)
-    outlooks_.emplace_back(tubes_[end], shot.scene().grid.unit_m(), water_[end]);
-  bed_.emplace(shot, tubes_, outlooks_, weights);
+    outlooks_.emplace_back(tubes_[end], transmission.scene().grid.unit_m(), water_[end]);
+  bed_.emplace(transmission, tubes_, outlooks_, weights);
   // What any may see: what hides from one need not be seen by another.
   facets_ = bed_->facets(outlooks_);
 }
 
 double EndsStraightening::absorption_db_per_m() const {
-  return tubefoot::absorption_db_per_m(shot_.scene(), *shot_.pings().sensor);
+  return tubefoot::absorption_db_per_m(transmission_.scene(), *transmission_.pings().sensor);
 }
 
 double EndsStraightening::reach_m() const {
-  return std::ranges::max_element(tubes_, {}, &TubeSet::reach)->reach * shot_.scene().grid.unit_m();
+  return std::ranges::max_element(tubes_, {}, &TubeSet::reach)->reach * transmission_.scene().grid.unit_m();
 }
 
 AlikeGrounds EndsStraightening::grounds(const StraighteningSettings& settings) const {
@@ -278,24 +285,27 @@ AlikeGrounds EndsStraightening::grounds(const StraighteningSettings& settings) c
     ways.push_back(&water_[end]);
     outlooks.push_back(&outlooks_[end]);
   }
-  return made_for(shot_, [&] {
-    return straighten_alike(bed_->mesh(), facets_, shot_.scene().grid, ways, absorption_db_per_m(), settings,
-                            {most_a_shot.facets, weights_}, outlooks);
+  return made_for(transmission_, [&] {
+    return straighten_alike(bed_->mesh(), facets_, transmission_.scene().grid, ways, absorption_db_per_m(),
+                            settings, {most_per_transmission.facets, weights_}, outlooks);
   });
 }
 
 namespace {
 
-std::vector<Straightening> water_of_both(const Shot& shot) {
-  const WorldGrid& grid = shot.scene().grid;
-  return {straightening_of(shot.site(), shot.pings(), grid.to_metres(shot.tubes().apex)),
-          straightening_of(shot.site(), shot.pings(), grid.to_metres(shot.receive_tubes(shot.first()).apex))};
+std::vector<Straightening> water_of_both(const Transmission& transmission) {
+  const WorldGrid& grid = transmission.scene().grid;
+  return {
+      straightening_of(transmission.site(), transmission.pings(), grid.to_metres(transmission.tubes().apex)),
+      straightening_of(transmission.site(), transmission.pings(),
+                       grid.to_metres(transmission.receive_tubes(transmission.first()).apex))};
 }
 
 }  // namespace
 
-PairStraightening::PairStraightening(const Shot& shot, bool weights)
-    : ends_(shot, {shot.tubes(), shot.receive_tubes(shot.first())}, water_of_both(shot), weights) {}
+PairStraightening::PairStraightening(const Transmission& transmission, bool weights)
+    : ends_(transmission, {transmission.tubes(), transmission.receive_tubes(transmission.first())},
+            water_of_both(transmission), weights) {}
 
 RefractedPair PairStraightening::pair(const StraighteningSettings& settings) const {
   AlikeGrounds grounds = ends_.grounds(settings);
@@ -308,50 +318,52 @@ RefractedPair PairStraightening::pair(const StraighteningSettings& settings) con
            std::move(grounds.origin[0]), std::move(grounds.origin[1])}};
 }
 
-RefractedPair refracted_pair_of(const Shot& shot, bool weights) {
-  const PairStraightening both(shot, weights);
-  RefractedPair pair = both.pair(straightening_settings(shot, both.reach_m()));
+RefractedPair refracted_pair_of(const Transmission& transmission, bool weights) {
+  const PairStraightening both(transmission, weights);
+  RefractedPair pair = both.pair(straightening_settings(transmission, both.reach_m()));
   both.bed().name_by_scene(pair.apparent.transmit);
   both.bed().name_by_scene(pair.apparent.receive);
   return pair;
 }
 
-BistaticHistory trace_both(const Shot& shot, const RefractedPair& pair) {
-  return made_for(shot, [&] {
-    return trace_bistatic(pair.apparent, shot.scene().grid, shot.request().visibility, pair.transmit_tubes,
-                          pair.receive_tubes, pair.transmit_water, pair.receive_water,
+BistaticHistory trace_both(const Transmission& transmission, const RefractedPair& pair) {
+  return made_for(transmission, [&] {
+    return trace_bistatic(pair.apparent, transmission.scene().grid, transmission.request().visibility,
+                          pair.transmit_tubes, pair.receive_tubes, pair.transmit_water, pair.receive_water,
                           pair.absorption_db_per_m);
   });
 }
 
-std::vector<Fringe> refracted_fringes(const Shot& shot, const RefractedPair& pair) {
+std::vector<Fringe> refracted_fringes(const Transmission& transmission, const RefractedPair& pair) {
   // Phases turn by the speed at the receivers, ranges are told by another.
-  const Scene& scene = shot.scene();
+  const Scene& scene = transmission.scene();
   const double stretch =
       pair.transmit_water.reference_speed_m_s() /
       scene.water->profile().at(scene.water->surface_height_m() - pair.receive_water.apex_m().z);
-  std::vector<Fringe> fringes =
-      shot.pings()
-          .sensor->patterns(shot.receiver_pose(), shot.pings().sound_speed_m_s, shot.number())
-          .fringes;
+  std::vector<Fringe> fringes = transmission.pings()
+                                    .sensor
+                                    ->patterns(transmission.receiver_pose(),
+                                               transmission.pings().sound_speed_m_s, transmission.number())
+                                    .fringes;
   for (Fringe& fringe : fringes) fringe.baseline_m *= stretch;
   return fringes;
 }
 
-StaffHistory trace_staff(const Shot& shot, const RefractedPair& pair, std::uint32_t fan,
+StaffHistory trace_staff(const Transmission& transmission, const RefractedPair& pair, std::uint32_t fan,
                          const Fringe& staff) {
-  const std::vector<std::uint32_t> fans = shot.pings().sensor->fan_of_tube(shot.number());
-  return made_for(shot, [&] {
-    return trace_staff(pair.apparent, shot.scene().grid, shot.request().visibility,
+  const std::vector<std::uint32_t> fans = transmission.pings().sensor->fan_of_tube(transmission.number());
+  return made_for(transmission, [&] {
+    return trace_staff(pair.apparent, transmission.scene().grid, transmission.request().visibility,
                        tubes_of_fan(pair.transmit_tubes, fans, fan),
                        tubes_of_fan(pair.receive_tubes, fans, fan), staff, pair.transmit_water,
                        pair.receive_water, pair.absorption_db_per_m);
   });
 }
 
-void trace_rays_of_both(const Shot& shot, const RefractedPair& pair, const RaySettings& settings,
+void trace_rays_of_both(const Transmission& transmission, const RefractedPair& pair,
+                        const RaySettings& settings,
                         const std::function<void(const BistaticHistory&)>& take) {
-  const WorldGrid& grid = shot.scene().grid;
+  const WorldGrid& grid = transmission.scene().grid;
   const ApparentPair& seen = pair.apparent;
   const RayScene sent_to(seen.transmit.refined.mesh, grid), heard_from(seen.receive.refined.mesh, grid);
   const TubeFinder sent_tubes(pair.transmit_tubes), heard_tubes(pair.receive_tubes);
@@ -364,31 +376,32 @@ void trace_rays_of_both(const Shot& shot, const RefractedPair& pair, const RaySe
   History history;
   history.tubes = pair.transmit_tubes;
   history.grid_unit_m = grid.unit_m();
-  const RayGuide guide = guide_of(shot);
+  const RayGuide guide = guide_of(transmission);
   const auto take_shared = [&] {
     BistaticHistory both = shared_hits(history, sent, heard, seen.mesh, &there);
-    both.paired = made_for(shot, [&] {
+    both.paired = made_for(transmission, [&] {
       return paired_facets(both.shared, seen, grid, pair.transmit_water, pair.receive_water,
                            pair.absorption_db_per_m);
     });
     take(both);
   };
-  trace_rays(sent_to, history, settings, shot.sensor(shot.first()).beam_of_tube(shot.number()), take_shared,
+  trace_rays(sent_to, history, settings,
+             transmission.sensor(transmission.first()).beam_of_tube(transmission.number()), take_shared,
              nullptr, &guide);
 }
 
-void add_counts(StraighteningCounts& counts, const ApparentGround& ground, const Shot& shot) {
+void add_counts(StraighteningCounts& counts, const ApparentGround& ground, const Transmission& transmission) {
   add_counts(
       counts,
       GroundCounts{ground.refined.mesh.facets.size(), ground.facets_in_shadow, ground.facets_of_several,
                    ground.facets_folded, ground.largest_gap_m, ground.unclear},
-      shot);
+      transmission);
 }
 
-void add_counts(StraighteningCounts& counts, const GroundCounts& grounds, const Shot& shot) {
+void add_counts(StraighteningCounts& counts, const GroundCounts& grounds, const Transmission& transmission) {
   StraighteningCounts own{grounds.facets, grounds.in_shadow, grounds.of_several, grounds.folded,
                           grounds.largest_gap_m};
-  const glm::dvec3 apex = shot.pose().position_m;
+  const glm::dvec3 apex = transmission.pose().position_m;
   const auto keep = [&](const UnclearPlace& place, std::array<double, 3>& kept) {
     if (kept[2] == 0) kept = polar(place.direction, glm::distance(place.at_m, apex));
   };

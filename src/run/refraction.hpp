@@ -8,7 +8,7 @@
 
 #include "engine/paths/path_echo.hpp"
 #include "run/kept/ping_store.hpp"
-#include "run/shot.hpp"
+#include "run/transmission.hpp"
 
 // Sonars in water that refracts (docs/refraction.md).
 namespace tubefoot {
@@ -24,14 +24,14 @@ void put_into_water(Site& site, Fleet& fleet);
 EigenrayOptions eigenray_options(const Site& site);
 Straightening straightening_of(const Site& site, const SensorPings& pings, glm::dvec3 apex_m);
 /// As the scene asks for.
-StraighteningSettings straightening_settings(const Shot& shot, double reach_m);
+StraighteningSettings straightening_settings(const Transmission& transmission, double reach_m);
 
-/// The bed of a shot where it lies: the scene's, or with relief as fine as bent rays need it.
+/// The bed of a transmission where it lies: the scene's, or with relief as fine as bent rays need it.
 class LyingBed {
  public:
   /// `outlooks`: of each set of tubes; `weights`: with RefinedMesh::weights.
-  LyingBed(const Shot& shot, std::span<const TubeSet> tubes, std::span<const Outlook> outlooks,
-           bool weights = false);
+  LyingBed(const Transmission& transmission, std::span<const TubeSet> tubes,
+           std::span<const Outlook> outlooks, bool weights = false);
 
   const FacetMesh& mesh() const;
   /// Of any of the outlooks, by increasing id.
@@ -45,23 +45,23 @@ class LyingBed {
   std::unique_ptr<SceneTree> tree_;  // of the relief
 };
 
-/// The facets of a shot where it sees them, if asked for with RefinedMesh::weights about the scene's facets.
-/// Throws InputError where it takes too many.
-ShotGround refracted_ground_of(const Shot& shot, bool weights = false);
+/// The facets of a transmission where it sees them, if asked for with RefinedMesh::weights about the scene's
+/// facets. Throws InputError where it takes too many.
+TransmissionGround refracted_ground_of(const Transmission& transmission, bool weights = false);
 
-/// What a shot sees of its bed, straightened as finely as one likes; facets are named by the bed.
-class ShotStraightening {
+/// What a transmission sees of its bed, straightened as finely as one likes; facets are named by the bed.
+class TransmissionStraightening {
  public:
   /// Throws as refracted_ground_of().
-  explicit ShotStraightening(const Shot& shot, bool weights = false);
-  ShotStraightening(const ShotStraightening&) = delete;
-  ShotStraightening& operator=(const ShotStraightening&) = delete;
+  explicit TransmissionStraightening(const Transmission& transmission, bool weights = false);
+  TransmissionStraightening(const TransmissionStraightening&) = delete;
+  TransmissionStraightening& operator=(const TransmissionStraightening&) = delete;
   const LyingBed& bed() const { return bed_; }
   /// Throws as refracted_ground_of().
   ApparentGround ground(const StraighteningSettings& settings) const;
 
  private:
-  const Shot& shot_;
+  const Transmission& transmission_;
   bool weights_;
   TubeSet tubes_;
   Straightening straightening_;
@@ -70,27 +70,27 @@ class ShotStraightening {
   std::vector<FacetId> facets_;
 };
 
-/// Throws what is being handled as an InputError with the scene file's words, if it is about a shot's view
-/// through the water; else as it is.
-[[noreturn]] void rethrow_as_seen_by(const Shot& shot);
+/// Throws what is being handled as an InputError with the scene file's words, if it is about a transmission's
+/// view through the water; else as it is.
+[[noreturn]] void rethrow_as_seen_by(const Transmission& transmission);
 
 /// What paths over mirrors are followed through, of tubes with that reach.
-PathWater path_water(const Shot& shot, std::size_t sensor, double reach_m);
+PathWater path_water(const Transmission& transmission, std::size_t sensor, double reach_m);
 
-/// The facets of a shot where its transmitter and its receiver, apart, see them.
+/// The facets of a transmission where its transmitter and its receiver, apart, see them.
 struct RefractedPair {
   TubeSet transmit_tubes, receive_tubes;
   Straightening transmit_water, receive_water;
   double absorption_db_per_m;
   ApparentPair apparent;
 };
-/// What several ends of a shot see of its bed, straightened alike and as finely as one likes; facets are
-/// named by the bed.
+/// What several ends of a transmission see of its bed, straightened alike and as finely as one likes; facets
+/// are named by the bed.
 class EndsStraightening {
  public:
   /// Throws as refracted_ground_of().
-  EndsStraightening(const Shot& shot, std::vector<TubeSet> tubes, std::vector<Straightening> water,
-                    bool weights = false);
+  EndsStraightening(const Transmission& transmission, std::vector<TubeSet> tubes,
+                    std::vector<Straightening> water, bool weights = false);
   EndsStraightening(const EndsStraightening&) = delete;
   EndsStraightening& operator=(const EndsStraightening&) = delete;
   const LyingBed& bed() const { return *bed_; }
@@ -102,7 +102,7 @@ class EndsStraightening {
   AlikeGrounds grounds(const StraighteningSettings& settings) const;
 
  private:
-  const Shot& shot_;
+  const Transmission& transmission_;
   bool weights_;
   std::vector<TubeSet> tubes_;
   std::vector<Straightening> water_;
@@ -113,7 +113,7 @@ class EndsStraightening {
 /// Of transmitter and receiver.
 class PairStraightening {
  public:
-  explicit PairStraightening(const Shot& shot, bool weights = false);
+  explicit PairStraightening(const Transmission& transmission, bool weights = false);
   const LyingBed& bed() const { return ends_.bed(); }
   double reach_m() const { return ends_.reach_m(); }
   RefractedPair pair(const StraighteningSettings& settings) const;
@@ -122,19 +122,20 @@ class PairStraightening {
   EndsStraightening ends_;
 };
 /// As the scene asks for, named by the scene. `weights` as there. Throws as refracted_ground_of().
-RefractedPair refracted_pair_of(const Shot& shot, bool weights = false);
+RefractedPair refracted_pair_of(const Transmission& transmission, bool weights = false);
 /// What the two share of it; the same by rays, in portions.
-BistaticHistory trace_both(const Shot& shot, const RefractedPair& pair);
-void trace_rays_of_both(const Shot& shot, const RefractedPair& pair, const RaySettings& settings,
-                        const std::function<void(const BistaticHistory&)>& take);
+BistaticHistory trace_both(const Transmission& transmission, const RefractedPair& pair);
+void trace_rays_of_both(const Transmission& transmission, const RefractedPair& pair,
+                        const RaySettings& settings, const std::function<void(const BistaticHistory&)>& take);
 
 /// What a fan's transmitter and the two receivers on its staff share of it, `staff` being one of
 /// refracted_fringes(): those with the baselines that integrate_staff_echo() asks for.
-StaffHistory trace_staff(const Shot& shot, const RefractedPair& pair, std::uint32_t fan, const Fringe& staff);
-std::vector<Fringe> refracted_fringes(const Shot& shot, const RefractedPair& pair);
+StaffHistory trace_staff(const Transmission& transmission, const RefractedPair& pair, std::uint32_t fan,
+                         const Fringe& staff);
+std::vector<Fringe> refracted_fringes(const Transmission& transmission, const RefractedPair& pair);
 
-void add_counts(StraighteningCounts& counts, const ApparentGround& ground, const Shot& shot);
-void add_counts(StraighteningCounts& counts, const GroundCounts& grounds, const Shot& shot);
+void add_counts(StraighteningCounts& counts, const ApparentGround& ground, const Transmission& transmission);
+void add_counts(StraighteningCounts& counts, const GroundCounts& grounds, const Transmission& transmission);
 void add_counts(StraighteningCounts& sum, const StraighteningCounts& more);
 
 /// For stats.json. `reference`: of a run with bounds.

@@ -29,16 +29,17 @@ bool meet(const TileChoice& a, const TileChoice& b) {
 
 }  // namespace
 
-RegionPlan::RegionPlan(const Shots& shots, std::uint64_t most_facets) {
-  const Survey& survey = shots.survey();
+RegionPlan::RegionPlan(const Transmissions& transmissions, std::uint64_t most_facets) {
+  const Survey& survey = transmissions.survey();
   const TilesInView view(*survey.site);
   constexpr std::size_t at_once = 256;  // so that no more choices than these are in memory
-  for (std::size_t g = 0; g < survey.shots.size(); ++g) {
-    const std::size_t pings = survey.fleet->pings(survey.shots[g]), before = regions_.size();
+  for (std::size_t g = 0; g < survey.transmissions.size(); ++g) {
+    const std::size_t pings = survey.fleet->pings(survey.transmissions[g]), before = regions_.size();
     for (std::size_t begin = 0; begin < pings; begin += at_once) {
       std::vector<TileChoice> choices(std::min(at_once, pings - begin));
-      tbb::parallel_for(std::size_t{0}, choices.size(),
-                        [&](std::size_t k) { choices[k] = view.of(shots, survey.shots[g], begin + k); });
+      tbb::parallel_for(std::size_t{0}, choices.size(), [&](std::size_t k) {
+        choices[k] = view.of(transmissions, survey.transmissions[g], begin + k);
+      });
       for (std::size_t k = 0; k < choices.size(); ++k) {
         stop_if_wanted();
         if (regions_.size() > before) {

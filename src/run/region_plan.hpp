@@ -13,7 +13,7 @@ namespace tubefoot {
 class RegionPlan {
  public:
   /// No region has more facets in its tiles than `most_facets`, unless one ping alone needs them.
-  RegionPlan(const Shots& shots, std::uint64_t most_facets);
+  RegionPlan(const Transmissions& transmissions, std::uint64_t most_facets);
 
   struct Region {
     std::size_t group, first_ping;

@@ -22,13 +22,14 @@ RegionalSimulation::RegionalSimulation(const Survey& survey, const RunRequest& r
     : survey_(survey),
       request_(request),
       chosen_(chosen_of(survey, request.selection)),
-      plan_(Shots(survey, request), std::min(most_facets, cache_bytes(survey) / (4 * bytes_a_region_facet))),
+      plan_(Transmissions(survey, request),
+            std::min(most_facets, cache_bytes(survey) / (4 * bytes_a_region_facet))),
       cache_(cache_bytes(survey), [this](std::size_t region) { return load(region); }) {
   survey.site->terrain_use->regions = plan_.regions().size();
 }
 
 PingCounts RegionalSimulation::run(const PingUnit& unit, PingValues& values) {
-  const std::size_t whole = unit.ping + first_ping(survey_.shots[unit.group], chosen_);
+  const std::size_t whole = unit.ping + first_ping(survey_.transmissions[unit.group], chosen_);
   const std::size_t number = plan_.of(unit.group, whole);
   const std::shared_ptr<const PingSimulation> region = cache_.get(number);
   // Who has a region's first ping loads the next one while others work.

@@ -13,7 +13,8 @@ void RunWarnings::foresee(const Survey& survey, const RunRequest& request) {
   add(survey.scene.report.warnings);
   add(vast_windows(survey));
   if (request.reference_tolerance) add(open_signals(survey));
-  if (!survey.site->has_ground_a_shot() && !survey.site->is_tiled()) add(foreseen_silence(survey, request));
+  if (!survey.site->has_ground_per_transmission() && !survey.site->is_tiled())
+    add(foreseen_silence(survey, request));
 }
 
 void RunWarnings::look_back(const Survey& survey, const RunRequest& request, const SimulationStats& stats,

@@ -17,8 +17,8 @@ class RunWarnings {
   explicit RunWarnings(Tell tell) : tell_(std::move(tell)) {}
 
   /// Of the scene, before a ping is computed: what loading it found, range windows, sensors that will hear
-  /// nothing. Where a shot's ground is made for it that is left for look_back(): one more ping takes longer
-  /// than knowing it is worth.
+  /// nothing. Where a transmission's ground is made for it that is left for look_back(): one more ping takes
+  /// longer than knowing it is worth.
   void foresee(const Survey& survey, const RunRequest& request);
   /// Of all pings: what rays did not reach, and sensors that heard nothing.
   void look_back(const Survey& survey, const RunRequest& request, const SimulationStats& stats,

@@ -63,7 +63,7 @@ std::vector<ChosenEchoes> chosen_of(const Survey& survey, const Selection& selec
   return chosen;
 }
 
-std::size_t first_ping(const SharedShots& group, const std::vector<ChosenEchoes>& chosen) {
+std::size_t first_ping(const SharedTransmissions& group, const std::vector<ChosenEchoes>& chosen) {
   for (const std::size_t s : group.sensors)
     if (chosen[s].pings > 0) return chosen[s].first_ping;
   return 0;

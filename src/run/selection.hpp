@@ -11,7 +11,7 @@
 
 namespace tubefoot {
 
-struct SharedShots;
+struct SharedTransmissions;
 struct Survey;
 
 /// What of a scene a run is asked for, in the words of a command line; unset: all.
@@ -23,8 +23,8 @@ struct Selection {
   bool is_all() const { return !sensor && !pings && !beams; }
 };
 
-/// That of one sensor. Its shots are those of the whole scene, with the same numbers and neighbours, so that
-/// what is kept of them does not depend on what else is.
+/// That of one sensor. Its transmissions are those of the whole scene, with the same numbers and neighbours,
+/// so that what is kept of them does not depend on what else is.
 struct ChosenEchoes {
   std::size_t first_ping = 0, pings = 0;  ///< none: nothing of the sensor is kept
   std::vector<std::uint32_t> beams;       ///< sorted
@@ -38,8 +38,8 @@ struct ChosenEchoes {
 /// not.
 std::vector<ChosenEchoes> chosen_of(const Survey& survey, const Selection& selection);
 
-/// The first ping that is kept of sensors that share their shots; 0 where none is.
-std::size_t first_ping(const SharedShots& group, const std::vector<ChosenEchoes>& chosen);
+/// The first ping that is kept of sensors that share their transmissions; 0 where none is.
+std::size_t first_ping(const SharedTransmissions& group, const std::vector<ChosenEchoes>& chosen);
 
 /// What is kept of a sensor, without its energies: as Recording, numbers of pings and beams included where
 /// not all are kept.

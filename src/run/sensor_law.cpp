@@ -3,34 +3,35 @@
 
 #include <algorithm>
 
-#include "run/shot.hpp"
+#include "run/transmission.hpp"
 
 namespace tubefoot {
 
-SensorLaw::SensorLaw(const Shot& shot, const ShotGround& ground, std::size_t sensor) {
-  const Scene& scene = shot.scene();
-  const SensorPings& pings = shot.survey().sensors[sensor];
+SensorLaw::SensorLaw(const Transmission& transmission, const TransmissionGround& ground, std::size_t sensor) {
+  const Scene& scene = transmission.scene();
+  const SensorPings& pings = transmission.survey().sensors[sensor];
   law = {scene.material_mu, ground.mesh().material, absorption_db_per_m(scene, *pings.sensor)};
   law.reflectivity = scene.reflectivity;
   law.scattering = scene.scattering;
-  law.path.out.apex_m =
-      scene.grid.to_metres(scene.grid.snap(pings.shot_pose(shot.ping(), shot.number()).position_m));
+  law.path.out.apex_m = scene.grid.to_metres(
+      scene.grid.snap(pings.transmission_pose(transmission.ping(), transmission.number()).position_m));
   if (ground.apparent() != nullptr) {
     law.path.facet_factor = ground.apparent()->facet_factor;
-    if (shot.truth() != nullptr || std::any_of(scene.reflectivity.begin(), scene.reflectivity.end(),
-                                               [](const auto& texture) { return texture != nullptr; })) {
+    if (transmission.truth() != nullptr ||
+        std::any_of(scene.reflectivity.begin(), scene.reflectivity.end(),
+                    [](const auto& texture) { return texture != nullptr; })) {
       facet_maps = ground.apparent()->facet_maps(law.path.out.apex_m, scene.grid);
       law.path.out.facet_map = facet_maps;
     }
   }
   if (!pings.sensor->has_patterns()) return;
-  patterns = pings.sensor->patterns(pings.shot_pose(shot.ping(), shot.number()), pings.sound_speed_m_s,
-                                    shot.number());
+  patterns = pings.sensor->patterns(pings.transmission_pose(transmission.ping(), transmission.number()),
+                                    pings.sound_speed_m_s, transmission.number());
   law.patterns = &patterns;
   if (ground.apparent() == nullptr || patterns.fringes.empty()) return;
   // Phases turn by the speed of sound at the staff, ranges are told by that of its first place.
-  const double depth_m =
-      scene.water->surface_height_m() - pings.shot_pose(shot.ping(), shot.number()).position_m.z;
+  const double depth_m = scene.water->surface_height_m() -
+                         pings.transmission_pose(transmission.ping(), transmission.number()).position_m.z;
   for (Fringe& fringe : patterns.fringes)
     fringe.baseline_m *= pings.sound_speed_m_s / scene.water->profile().at(depth_m);
 }

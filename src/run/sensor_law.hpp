@@ -2,15 +2,15 @@
 #pragma once
 
 #include "engine/echo/echo.hpp"
-#include "run/shot_ground.hpp"
+#include "run/transmission_ground.hpp"
 
 namespace tubefoot {
 
-/// The echo law of a sensor at a shot, and the patterns that it refers to. The site, and what the ground
-/// refers to, outlive it.
+/// The echo law of a sensor at a transmission, and the patterns that it refers to. The site, and what the
+/// ground refers to, outlive it.
 struct SensorLaw {
   /// On an apparent ground staffs are as much longer as integrate_staff_echo() asks for.
-  SensorLaw(const Shot& shot, const ShotGround& ground, std::size_t sensor);
+  SensorLaw(const Transmission& transmission, const TransmissionGround& ground, std::size_t sensor);
   SensorLaw(const SensorLaw&) = delete;
   SensorLaw& operator=(const SensorLaw&) = delete;
 

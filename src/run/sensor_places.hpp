@@ -13,8 +13,8 @@
 #include "files/input_error.hpp"
 #include "geometry/mesh/closed_shells.hpp"
 #include "geometry/search/vertical_line.hpp"
-#include "run/shot_ground.hpp"
 #include "run/site_below.hpp"
+#include "run/transmission_ground.hpp"
 
 namespace tubefoot {
 
@@ -56,7 +56,7 @@ class SensorPlaces {
 
  private:
   struct Column {
-    ShotGround ground;
+    TransmissionGround ground;
     std::vector<FacetId> near;
   };
   Column column(const PingPlace& where);

@@ -6,14 +6,14 @@
 #include <stdexcept>
 
 #include "run/paths.hpp"
-#include "run/shot_images.hpp"
+#include "run/transmission_images.hpp"
 
 namespace tubefoot {
 
-void for_signal_paths(const Shot& shot, std::size_t s, std::span<const SignalChannel> channels,
-                      const SignalPaths& take) {
-  const Scene& scene = shot.scene();
-  const Sensor& sensor = shot.sensor(s);
+void for_signal_paths(const Transmission& transmission, std::size_t s,
+                      std::span<const SignalChannel> channels, const SignalPaths& take) {
+  const Scene& scene = transmission.scene();
+  const Sensor& sensor = transmission.sensor(s);
   const auto settings = path_settings(scene, sensor.frequency_khz());
   if (!settings) return;
   if (settings->scatterings > 1)
@@ -27,8 +27,8 @@ void for_signal_paths(const Shot& shot, std::size_t s, std::span<const SignalCha
                                  "profile = \"constant\", or leave out its mirrors",
                                  sensor.description().name));
   try {
-    const ShotImages images(shot, s, *settings, PathEnds(shot, s));
-    const SensorLaw law(shot, images.ground(), s);
+    const TransmissionImages images(transmission, s, *settings, PathEnds(transmission, s));
+    const SensorLaw law(transmission, images.ground(), s);
     if (take.scattered)
       for_coherent_paths(images.images(), law.law, channels, [&](const CoherentPath& path) {
         if (is_order_wanted(scene, path.order)) take.scattered(path);

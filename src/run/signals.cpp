@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "run/echo_parts.hpp"
-#include "run/shot_images.hpp"
 #include "run/stored_pings.hpp"
+#include "run/transmission_images.hpp"
 #include "sensors/recordings/signal_recording.hpp"
 
 namespace tubefoot {
@@ -81,17 +81,17 @@ void attach_signals(std::vector<Recording>& recordings, const Survey& survey,
   }
 }
 
-void add_signals(const Shot& shot, PingSums& sums) {
-  for (const std::size_t s : shot.group().sensors) {
-    const SignalModel* model = shot.sensor(s).signals();
+void add_signals(const Transmission& transmission, PingSums& sums) {
+  for (const std::size_t s : transmission.group().sensors) {
+    const SignalModel* model = transmission.sensor(s).signals();
     if (model == nullptr || sums.chosen(s).pings == 0) continue;
     const bool sees_itself =
-        model->own_sights || shot.has_receiver_apart() || !is_order_wanted(shot.scene(), 1);
+        model->own_sights || transmission.has_receiver_apart() || !is_order_wanted(transmission.scene(), 1);
     const History nothing{};
-    const History& history = sees_itself ? nothing : traced(shot, sums);
+    const History& history = sees_itself ? nothing : traced(transmission, sums);
     sums.as_echo([&] {
-      const CertifiedSignals heard = signals_heard(shot, s, history);
-      sums.add_signals(shot, s, parts_of(heard.signals.value), parts_of(heard.bound));
+      const CertifiedSignals heard = signals_heard(transmission, s, history);
+      sums.add_signals(transmission, s, parts_of(heard.signals.value), parts_of(heard.bound));
     });
   }
 }

@@ -6,7 +6,7 @@
 
 #include "engine/signal/certified_signals.hpp"
 #include "run/ping_sums.hpp"
-#include "run/shot.hpp"
+#include "run/transmission.hpp"
 
 // What the elements of arrays receive, with phase (docs/signals.md): kept beside the energies of their
 // sensors, as these see them.
@@ -23,20 +23,20 @@ void add_signals(StoreLayout& layout, const Survey& survey, const std::vector<Ch
 /// array.
 GroundField ground_field_of(const Survey& survey);
 
-/// A shot's ends as its elements are at it: a channel for each receiver, local frame.
-std::vector<SignalChannel> signal_channels(const Shot& shot, std::size_t sensor);
+/// A transmission's ends as its elements are at it: a channel for each receiver, local frame.
+std::vector<SignalChannel> signal_channels(const Transmission& transmission, std::size_t sensor);
 
 /// Hands recordings of sensors that have signals these, of the pings that are chosen.
 void attach_signals(std::vector<Recording>& recordings, const Survey& survey,
                     const std::vector<ChosenEchoes>& chosen, const std::shared_ptr<PingStore>& store);
 
-/// What the elements of a sensor hear of a shot, about the frequency that it mixes with. `history`: what its
-/// tubes see; not read of those that see for themselves, or whose receiver is apart. With bounds where the
-/// run asks for them, infinite where a sample may hold what has none. Throws InputError for what has no
-/// phases, and for grounds of too many scatterers.
-CertifiedSignals signals_heard(const Shot& shot, std::size_t sensor, const History& history);
+/// What the elements of a sensor hear of a transmission, about the frequency that it mixes with. `history`:
+/// what its tubes see; not read of those that see for themselves, or whose receiver is apart. With bounds
+/// where the run asks for them, infinite where a sample may hold what has none. Throws InputError for what
+/// has no phases, and for grounds of too many scatterers.
+CertifiedSignals signals_heard(const Transmission& transmission, std::size_t sensor, const History& history);
 
-/// The part of a shot's echoes that its elements record.
-void add_signals(const Shot& shot, PingSums& sums);
+/// The part of a transmission's echoes that its elements record.
+void add_signals(const Transmission& transmission, PingSums& sums);
 
 }  // namespace tubefoot

@@ -15,9 +15,9 @@
 #include "engine/signal/smooth_signals.hpp"
 #include "run/echo_parts.hpp"
 #include "run/paths.hpp"
-#include "run/shot_images.hpp"
 #include "run/signal_paths.hpp"
 #include "run/signals.hpp"
+#include "run/transmission_images.hpp"
 
 namespace tubefoot {
 namespace {
@@ -51,8 +51,8 @@ void check_number(const SeenPatches& seen, const GroundField& field) {
 /// About the middle of the waveform's band, where its bandwidth is least.
 double carrier_hz(const SignalModel& model) { return model.waveform.centre_hz(); }
 
-CoherentReceiver receiver_of(const Shot& shot, std::size_t s) {
-  const SignalModel& model = *shot.sensor(s).signals();
+CoherentReceiver receiver_of(const Transmission& transmission, std::size_t s) {
+  const SignalModel& model = *transmission.sensor(s).signals();
   const FrequencyBand band = band_of(model.waveform);
   // Flanks have tails beyond the waveform's band: what samples hold of them counts, up to four times the
   // band, and above frequency 0.
@@ -60,7 +60,7 @@ CoherentReceiver receiver_of(const Shot& shot, std::size_t s) {
                held_hz = std::max(band_hz,
                                   std::min({model.sampling.rate_hz, 4 * band_hz, 1.9 * carrier_hz(model)}));
   CoherentReceiver receiver;
-  receiver.channels = signal_channels(shot, s);
+  receiver.channels = signal_channels(transmission, s);
   receiver.pulse = {[waveform = model.waveform, carrier = carrier_hz(model)](double time_s) {
                       return baseband_at(waveform, carrier, time_s);
                     },
@@ -68,7 +68,7 @@ CoherentReceiver receiver_of(const Shot& shot, std::size_t s) {
   set_flanks(receiver.pulse, model.waveform.taper, model.waveform.stop_hz - model.waveform.start_hz);
   receiver.times = {model.sampling.first_s, model.sampling.rate_hz, model.sampling.samples};
   receiver.carrier_hz = carrier_hz(model);
-  receiver.sound_speed_m_s = shot.survey().sensors[s].sound_speed_m_s;
+  receiver.sound_speed_m_s = transmission.survey().sensors[s].sound_speed_m_s;
   return receiver;
 }
 
@@ -120,24 +120,24 @@ GroundField ground_field_of(const Survey& survey) {
   return field;
 }
 
-std::vector<SignalChannel> signal_channels(const Shot& shot, std::size_t s) {
-  const Sensor& sensor = shot.sensor(s);
-  const SensorPings& pings = shot.survey().sensors[s];
+std::vector<SignalChannel> signal_channels(const Transmission& transmission, std::size_t s) {
+  const Sensor& sensor = transmission.sensor(s);
+  const SensorPings& pings = transmission.survey().sensors[s];
   const ElementArray& array = sensor.signals()->array;
-  const Pose& sent = pings.shot_pose(shot.ping(), shot.number());
-  const Pose& heard = pings.receiver_pose(shot.ping(), shot.number());
+  const Pose& sent = pings.transmission_pose(transmission.ping(), transmission.number());
+  const Pose& heard = pings.receiver_pose(transmission.ping(), transmission.number());
   SignalChannel channel;
   channel.transmit_m = sent.position_m + sent.attitude * array.transmitter_m;
   if (sensor.has_patterns()) {
-    const BeamPatterns patterns = sensor.patterns(sent, pings.sound_speed_m_s, shot.number());
+    const BeamPatterns patterns = sensor.patterns(sent, pings.sound_speed_m_s, transmission.number());
     if (!patterns.transmit.front().beams.empty()) channel.transmit = patterns.transmit.front().beams.front();
     channel.receive = patterns.receive.front();
   }
-  const Trajectory& track = shot.scene().trajectories[shot.scene().sensor_trajectory[s]];
+  const Trajectory& track = transmission.scene().trajectories[transmission.scene().sensor_trajectory[s]];
   std::shared_ptr<const Trajectory> on_the_way;
   if (!sensor.signals()->stop_and_hop && !track.is_fixed())
     on_the_way = std::make_shared<const Trajectory>(
-        track_from(track, pings.times_s[shot.ping()], sensor.signals()->sampling.end_s()));
+        track_from(track, pings.times_s[transmission.ping()], sensor.signals()->sampling.end_s()));
   /// Of a place on the sensor, by where that or its receiver is.
   const auto way = [&](Pose (Sensor::*pose_on)(const Pose&) const, glm::dvec3 place) -> EndWay {
     if (!on_the_way) return {};
@@ -158,16 +158,16 @@ std::vector<SignalChannel> signal_channels(const Shot& shot, std::size_t s) {
 
 namespace {
 
-/// How the elements of a sensor hear a shot.
-class ShotSignals {
+/// How the elements of a sensor hear a transmission.
+class TransmissionSignals {
  public:
-  ShotSignals(const Shot& shot, std::size_t s)
-      : shot_(shot),
+  TransmissionSignals(const Transmission& transmission, std::size_t s)
+      : transmission_(transmission),
         sensor_(s),
-        model_(*shot.sensor(s).signals()),
-        law_(shot, shot.ground(), s),
-        receiver_(receiver_of(shot, s)),
-        field_(ground_field_of(shot.survey())) {}
+        model_(*transmission.sensor(s).signals()),
+        law_(transmission, transmission.ground(), s),
+        receiver_(receiver_of(transmission, s)),
+        field_(ground_field_of(transmission.survey())) {}
 
   ChannelSignals silence() const { return silence_of(receiver_.channels); }
   /// What comes straight to what is seen and back: what all receivers hear of one sight, or each of its own.
@@ -192,11 +192,11 @@ class ShotSignals {
     return all;
   }
   bool has_mirrors() const {
-    return path_settings(shot_.scene(), shot_.sensor(sensor_).frequency_khz()).has_value();
+    return path_settings(transmission_.scene(), transmission_.sensor(sensor_).frequency_khz()).has_value();
   }
   /// Adds what comes over mirrors.
   void add_mirrored(ChannelSignals& sum) const {
-    for_signal_paths(shot_, sensor_, receiver_.channels,
+    for_signal_paths(transmission_, sensor_, receiver_.channels,
                      {[&](const CoherentPath& path) {
                         superpose(of(path.patches, path.channels, path.law), path.phase, sum);
                       },
@@ -215,8 +215,8 @@ class ShotSignals {
     if (model_.own_sights)
       for (const SignalChannel& channel : receiver_.channels)
         use(Sight(seen_with(channel.receive_m)), std::vector{channel});
-    else if (shot_.has_receiver_apart())
-      use(Sight(shot_.trace_both()), receiver_.channels);
+    else if (transmission_.has_receiver_apart())
+      use(Sight(transmission_.trace_both()), receiver_.channels);
     else
       use(Sight(history), receiver_.channels);
   }
@@ -226,11 +226,12 @@ class ShotSignals {
     return receiver;
   }
   const SmoothSurface* surface_of(FacetId facet, const EchoLaw& law) const {
-    return shot_.scene().smooth_surface(law.material[facet]);
+    return transmission_.scene().smooth_surface(law.material[facet]);
   }
   /// What mirrors is heard by its images, which have the echo of its plane.
   const SmoothSurface* heard_of(FacetId facet, const EchoLaw& law) const {
-    return shot_.scene().material_reflection[law.material[facet]] > 0 ? nullptr : surface_of(facet, law);
+    return transmission_.scene().material_reflection[law.material[facet]] > 0 ? nullptr
+                                                                              : surface_of(facet, law);
   }
   ChannelSignals of(const SeenPatches& seen, std::vector<SignalChannel> channels, const EchoLaw& law) const {
     const CoherentReceiver receiver = receiver_with(std::move(channels));
@@ -259,8 +260,9 @@ class ShotSignals {
     const TransmitWaveform& waveform = model_.waveform;
     const BistaticHistory* apart = sight.two_apexes();
     const CertifiedSmoothSignals enclosing(
-        {shot_.ground().mesh(), apart != nullptr ? apart->transmit.apex : shot_.tubes_of(sensor_).apex,
-         sight.home_m(), sight.grid_unit_m()},
+        {transmission_.ground().mesh(),
+         apart != nullptr ? apart->transmit.apex : transmission_.tubes_of(sensor_).apex, sight.home_m(),
+         sight.grid_unit_m()},
         {waveform.start_hz, waveform.stop_hz, waveform.duration_s, waveform.taper}, receiver_.times,
         model_.sampling.baseband_hz, receiver_.sound_speed_m_s);
     // What the loudest sample says of how little the others need be off by.
@@ -284,20 +286,21 @@ class ShotSignals {
     return all;
   }
   BistaticHistory seen_with(glm::dvec3 receiver_m) const {
-    const Scene& scene = shot_.scene();
-    Pose pose = shot_.receiver_pose();
+    const Scene& scene = transmission_.scene();
+    Pose pose = transmission_.receiver_pose();
     pose.position_m = receiver_m;
-    TubeSet sent = shot_.tubes_of(sensor_),
-            heard = shot_.sensor(sensor_).tubes(pose, scene.grid, shot_.number());
+    TubeSet sent = transmission_.tubes_of(sensor_),
+            heard = transmission_.sensor(sensor_).tubes(pose, scene.grid, transmission_.number());
     // Half of a path is no less than the range from either end, less half of the way between them.
-    const double apart = glm::distance(receiver_m, shot_.pose().position_m) / (2 * scene.grid.unit_m());
+    const double apart =
+        glm::distance(receiver_m, transmission_.pose().position_m) / (2 * scene.grid.unit_m());
     sent.reach += apart;
     heard.reach += apart;
-    return trace_bistatic(shot_.ground().mesh(), shot_.ground().tree(), scene.grid.unit_m(),
-                          shot_.request().visibility, sent, heard);
+    return trace_bistatic(transmission_.ground().mesh(), transmission_.ground().tree(), scene.grid.unit_m(),
+                          transmission_.request().visibility, sent, heard);
   }
 
-  const Shot& shot_;
+  const Transmission& transmission_;
   std::size_t sensor_;
   const SignalModel& model_;
   SensorLaw law_;
@@ -307,14 +310,14 @@ class ShotSignals {
 
 }  // namespace
 
-CertifiedSignals signals_heard(const Shot& shot, std::size_t s, const History& history) {
+CertifiedSignals signals_heard(const Transmission& transmission, std::size_t s, const History& history) {
   try {
-    const ShotSignals heard(shot, s);
-    const SignalModel& model = *shot.sensor(s).signals();
-    const auto tolerance = shot.request().reference_tolerance;
+    const TransmissionSignals heard(transmission, s);
+    const SignalModel& model = *transmission.sensor(s).signals();
+    const auto tolerance = transmission.request().reference_tolerance;
     ChannelSignals others = heard.silence();
     CertifiedSignals all;
-    const bool direct = is_order_wanted(shot.scene(), 1);
+    const bool direct = is_order_wanted(transmission.scene(), 1);
     if (tolerance && direct)
       all = heard.certified(history, *tolerance);
     else if (direct)
@@ -330,7 +333,8 @@ CertifiedSignals signals_heard(const Shot& shot, std::size_t s, const History& h
     }
     return all;
   } catch (const std::invalid_argument& error) {
-    throw InputError(shot.sensor(s).description().place, fmt::format("{}: {}", shot.name(), error.what()));
+    throw InputError(transmission.sensor(s).description().place,
+                     fmt::format("{}: {}", transmission.name(), error.what()));
   }
 }
 

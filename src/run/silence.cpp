@@ -13,8 +13,8 @@
 #include <optional>
 
 #include "run/paths.hpp"
-#include "run/shot.hpp"
 #include "run/tiles_in_view.hpp"
+#include "run/transmission.hpp"
 #include "scene/extent.hpp"
 
 namespace tubefoot {
@@ -65,15 +65,15 @@ TubeSet some_of(TubeSet set, std::size_t most) {
   return set;
 }
 
-/// Takes the sensors out of `silent` that a shot is heard by.
-void listen(const Shot& shot, std::vector<std::size_t>& silent) {
+/// Takes the sensors out of `silent` that a transmission is heard by.
+void listen(const Transmission& transmission, std::vector<std::size_t>& silent) {
   const auto heard_in = [&](const History& history) {
-    std::erase_if(silent, [&](std::size_t s) { return hears(shot.sensor(s), history); });
+    std::erase_if(silent, [&](std::size_t s) { return hears(transmission.sensor(s), history); });
   };
   constexpr std::size_t few = 64;  // most sensors hear something in the first of their tubes that are asked
-  const TubeSet all = shot.tubes();
-  if (all.tubes.size() > few) heard_in(shot.trace(some_of(all, few)));
-  if (!silent.empty()) heard_in(shot.trace(all));
+  const TubeSet all = transmission.tubes();
+  if (all.tubes.size() > few) heard_in(transmission.trace(some_of(all, few)));
+  if (!silent.empty()) heard_in(transmission.trace(all));
 }
 
 /// Why a sensor hears nothing at a ping.
@@ -85,8 +85,8 @@ class Reason {
         pings_(survey.sensors[s]),
         sensor_(*pings_.sensor),
         ping_(ping),
-        at_m_(pings_.shot_pose(ping, 0).position_m),
-        tubes_(sensor_.tubes(pings_.shot_pose(ping, 0), scene_.grid, 0)),
+        at_m_(pings_.transmission_pose(ping, 0).position_m),
+        tubes_(sensor_.tubes(pings_.transmission_pose(ping, 0), scene_.grid, 0)),
         all_(extent_of(scene_, Components::all)),
         terrain_(extent_of(scene_, Components::terrains)) {
     if (terrain_.empty()) terrain_ = all_;
@@ -244,10 +244,10 @@ bool is_silent(const Recording& recording) {
 std::vector<Silence> foreseen_silence(const Survey& survey, const RunRequest& request) {
   std::vector<Silence> found;
   if (!has_facets(survey.scene)) return found;  // which is told already
-  const Shots shots(survey, request);
-  ShotsAround around(shots);
+  const Transmissions transmissions(survey, request);
+  TransmissionsAround around(transmissions);
   const std::vector<ChosenEchoes> chosen = chosen_of(survey, request.selection);
-  for (const SharedShots& group : survey.shots) {
+  for (const SharedTransmissions& group : survey.transmissions) {
     std::vector<std::size_t> silent = group.sensors;
     std::erase_if(silent, [&](std::size_t s) {
       return chosen[s].pings == 0 ||
@@ -263,7 +263,8 @@ std::vector<Silence> foreseen_silence(const Survey& survey, const RunRequest& re
       const std::size_t ping = first + place;
       if (silent.empty() || (looked > 0 && std::chrono::steady_clock::now() - start > enough)) break;
       ++looked;
-      for (std::size_t number = 0; number < survey.fleet->shots_a_ping(group) && !silent.empty(); ++number)
+      for (std::size_t number = 0; number < survey.fleet->transmissions_per_ping(group) && !silent.empty();
+           ++number)
         listen(around.at(group, ping).of(group, ping, number), silent);
     }
     for (const std::size_t s : silent)

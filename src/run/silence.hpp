@@ -19,7 +19,8 @@ struct Silence {
 
 /// Sensors whose tubes meet no facet within their window at any of a few pings, spread over their track. Of a
 /// sensor that may hear by mirrors, direct sound or several scatterings nothing is foreseen. Makes the ground
-/// of these pings where each shot has its own, and reads their tiles. Throws InputError as Shot::ground().
+/// of these pings where each transmission has its own, and reads their tiles. Throws InputError as
+/// Transmission::ground().
 std::vector<Silence> foreseen_silence(const Survey& survey, const RunRequest& request);
 
 /// Sensors all of whose samples are 0; reads recordings up to the first that is not.

@@ -31,7 +31,7 @@ StoreLayout layout_of(const Survey& survey, const RunRequest& request) {
                                   static_cast<std::size_t>(sensor.samples().count),
                               static_cast<std::size_t>(sensor.channels())});
   }
-  for (const SharedShots& group : survey.shots) {
+  for (const SharedTransmissions& group : survey.transmissions) {
     StoreLayout::Group& kept = layout.groups.emplace_back();
     for (const std::size_t s : group.sensors) {
       if (chosen[s].pings == 0) continue;
@@ -45,7 +45,7 @@ StoreLayout layout_of(const Survey& survey, const RunRequest& request) {
 }
 
 PingSimulation::PingSimulation(const Survey& survey, const RunRequest& request)
-    : shots_(survey, request),
+    : transmissions_(survey, request),
       layout_(layout_of(survey, request)),
       chosen_(chosen_of(survey, request.selection)) {
   require_able_to_run(survey, request);
@@ -53,8 +53,9 @@ PingSimulation::PingSimulation(const Survey& survey, const RunRequest& request)
     by_regions_ = std::make_unique<RegionalSimulation>(survey, request);
     return;
   }
-  for (const SharedShots& group : survey.shots) parts_.push_back(echo_parts(shots_, group));
-  if (request.engine == Engine::ray && !survey.site->has_ground_a_shot()) survey.site->rays();
+  for (const SharedTransmissions& group : survey.transmissions)
+    parts_.push_back(echo_parts(transmissions_, group));
+  if (request.engine == Engine::ray && !survey.site->has_ground_per_transmission()) survey.site->rays();
 }
 
 PingSimulation::~PingSimulation() = default;
@@ -62,13 +63,14 @@ PingSimulation::~PingSimulation() = default;
 PingCounts PingSimulation::run(const PingUnit& unit, PingValues& values) const {
   if (by_regions_) return by_regions_->run(unit, values);
   const auto start = std::chrono::steady_clock::now();
-  const SharedShots& sensors = shots_.survey().shots[unit.group];
+  const SharedTransmissions& sensors = transmissions_.survey().transmissions[unit.group];
   values.clear(layout_, unit.group);
   PingSums sums(chosen_, values);
   const std::size_t ping = unit.ping + first_ping(sensors, chosen_);
-  for (std::size_t number = 0; number < shots_.survey().fleet->shots_a_ping(sensors); ++number) {
-    const Shot shot = shots_.of(sensors, ping, number);
-    for (const EchoPart& part : parts_[unit.group]) part.add(shot, sums);
+  for (std::size_t number = 0; number < transmissions_.survey().fleet->transmissions_per_ping(sensors);
+       ++number) {
+    const Transmission transmission = transmissions_.of(sensors, ping, number);
+    for (const EchoPart& part : parts_[unit.group]) part.add(transmission, sums);
   }
   PingCounts counts = sums.counts;
   counts.finer_relief_largest = sums.finer_relief.largest;
@@ -93,8 +95,8 @@ void for_each_ping(const Survey& survey, const StoreLayout& layout, const IsLeft
   Progress progress("pings", all, onlookers.quiet, onlookers.afterwards_s);
   const auto take = [&](std::size_t g, std::size_t ping) {
     if (!left(g, ping) || stop_wanted()) return;
-    // A thread that waits for others must not begin a second ping: each holds the ground of its shot, or the
-    // signals of all its elements.
+    // A thread that waits for others must not begin a second ping: each holds the ground of its transmission,
+    // or the signals of all its elements.
     try {
       if (survey.site->ground || survey.site->is_tiled() || places_of_signals(survey) > 0)
         tbb::this_task_arena::isolate([&] { keep(g, ping); });
@@ -143,10 +145,10 @@ SimulationStats totals(const Survey& survey, const PingStore& store, const Selec
   SimulationStats stats;
   PingCounts worst;
   const std::vector<ChosenEchoes> chosen = chosen_of(survey, selection);
-  for (std::size_t g = 0; g < survey.shots.size(); ++g) {
-    const std::size_t first = first_ping(survey.shots[g], chosen);
+  for (std::size_t g = 0; g < survey.transmissions.size(); ++g) {
+    const std::size_t first = first_ping(survey.transmissions[g], chosen);
     std::size_t sensors = 0, pings = 0;
-    for (const std::size_t s : survey.shots[g].sensors) {
+    for (const std::size_t s : survey.transmissions[g].sensors) {
       if (chosen[s].pings == 0) continue;
       ++sensors;
       pings = chosen[s].pings;

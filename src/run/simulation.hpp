@@ -12,7 +12,7 @@
 #include "run/echo_parts.hpp"
 #include "run/kept/ping_store.hpp"
 #include "run/ping_order.hpp"
-#include "run/shot.hpp"
+#include "run/transmission.hpp"
 #include "sensors/recordings/recording.hpp"
 
 namespace tubefoot {
@@ -34,7 +34,7 @@ struct SimulationStats {
   std::size_t images = 0, arrivals = 0;     ///< of paths (docs/paths.md)
   std::array<double, 9> energy_of_order{};  ///< by number of interactions
   double visibility_seconds = 0, echo_seconds = 0;
-  std::size_t refined_facets = 0;  ///< made for shots, with relief online
+  std::size_t refined_facets = 0;  ///< made for transmissions, with relief online
   /// What finer relief than its facets would change (FinerRelief), of the worst ping.
   double finer_relief_largest = 0, finer_relief_rms = 0;
   StraighteningCounts refraction;
@@ -68,7 +68,7 @@ class PingSimulation {
   }
 
  private:
-  Shots shots_;
+  Transmissions transmissions_;
   StoreLayout layout_;
   std::vector<ChosenEchoes> chosen_;                ///< by sensor
   std::vector<std::vector<EchoPart>> parts_;        ///< by group

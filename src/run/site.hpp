@@ -49,8 +49,8 @@ struct TerrainUse {
   std::atomic<std::size_t> most_bytes{0};         ///< held at a time
 };
 
-/// A loaded scene, ready for pings: relief is in its facets or ready to be refined for each shot, and the
-/// facets are in a tree. open_survey() and survey_with_tiles() build sites; to all others they are const.
+/// A loaded scene, ready for pings: relief is in its facets or ready to be refined for each transmission, and
+/// the facets are in a tree. open_survey() and survey_with_tiles() build sites; to all others they are const.
 /// Where terrain is read by tiles (scene.tiled), the scene's mesh has all but that.
 struct Site {
   explicit Site(Scene loaded);
@@ -60,7 +60,7 @@ struct Site {
 
   Scene scene;
   SiteRelief relief;
-  std::unique_ptr<const Ground> ground;  ///< relief online: what shots refine, each for itself
+  std::unique_ptr<const Ground> ground;  ///< relief online: what transmissions refine, each for itself
   std::unique_ptr<const SceneTree> tree;
   bool is_cut = false;           ///< by the sea surface, above which no facet is
   std::size_t facets_given = 0;  ///< before planes were merged; 0: they were not
@@ -75,8 +75,8 @@ struct Site {
   bool is_tiled() const { return !scene.tiled.empty(); }
   /// Whether relief gets into facets as tiles are loaded.
   bool refines_tiles() const { return is_tiled() && relief.cell_m > 0 && ground == nullptr; }
-  /// Whether each shot meets facets of its own.
-  bool has_ground_a_shot() const { return ground != nullptr || scene.water->refracts(); }
+  /// Whether each transmission meets facets of its own.
+  bool has_ground_per_transmission() const { return ground != nullptr || scene.water->refracts(); }
   /// The number that a facet of the mesh has where all of the scene is in memory. Thread-safe. Throws as
   /// FacetNumbering().
   FacetId number_of(FacetId facet) const;

@@ -10,7 +10,7 @@
 
 namespace tubefoot {
 
-/// A site with some tiles, and what shots ask of its facets; no tree yet.
+/// A site with some tiles, and what transmissions ask of its facets; no tree yet.
 std::unique_ptr<Site> loaded_with(const Site& site, const TileChoice& choice);
 
 /// The facets above and below one place after the other: of a tiled site with the tiles that lie there.

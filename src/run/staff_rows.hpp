@@ -8,16 +8,16 @@
 
 #include "engine/certified/staff_reference.hpp"
 #include "run/ping_sums.hpp"
-#include "run/shot.hpp"
+#include "run/transmission.hpp"
 
 namespace tubefoot {
 
 /// The four channels of a staff: [channel][beam][sample], a beam a fan. With a reference, their bounds, too.
 class StaffRows {
  public:
-  StaffRows(const Shot& shot, std::size_t s)
-      : samples_(static_cast<std::size_t>(shot.sensor(s).samples().count)),
-        beams_(static_cast<std::size_t>(shot.beams(s))),
+  StaffRows(const Transmission& transmission, std::size_t s)
+      : samples_(static_cast<std::size_t>(transmission.sensor(s).samples().count)),
+        beams_(static_cast<std::size_t>(transmission.beams(s))),
         all_{{int(4 * beams_), int(samples_), std::vector<double>(4 * beams_ * samples_)}, {}} {}
   void set(std::size_t fan, const StaffEcho& echo) { set(fan, rows_of(echo).energy, all_.echo.energy); }
   void set(std::size_t fan, const CertifiedEcho& found) {
@@ -30,9 +30,9 @@ class StaffRows {
     all_.worst_beam = int(fan);  // of whichever channel
     all_.worst_sample = found.worst_sample;
   }
-  void add_to(PingSums& sums, const Shot& shot, std::size_t s, std::size_t order) const {
-    if (all_.bound.empty()) return sums.add(shot, s, order, all_.echo.energy);
-    sums.add(shot, s, all_, order);
+  void add_to(PingSums& sums, const Transmission& transmission, std::size_t s, std::size_t order) const {
+    if (all_.bound.empty()) return sums.add(transmission, s, order, all_.echo.energy);
+    sums.add(transmission, s, all_, order);
   }
 
  private:

@@ -11,8 +11,8 @@
 #include <optional>
 
 #include "geometry/search/vertical_line.hpp"
-#include "run/shot_ground.hpp"
 #include "run/site_below.hpp"
+#include "run/transmission_ground.hpp"
 #include "scene/extent.hpp"
 
 namespace tubefoot {
@@ -26,7 +26,7 @@ class Bed {
   /// How high a place is above the highest terrain there, less than 0 below it; nothing beside all terrain.
   std::optional<double> height_over_m(glm::dvec3 place_m) {
     const Site& site = below_.in_line_with(place_m);
-    const ShotGround ground = ground_in_line_with(site, place_m);
+    const TransmissionGround ground = ground_in_line_with(site, place_m);
     const GridPoint point = site.scene.grid.snap(place_m);
     std::vector<FacetId> near;
     facets_near_vertical(ground.tree(), point, near);
@@ -134,7 +134,9 @@ std::vector<Standing> standings(const Survey& survey) {
   if (terrain.empty()) return all;
   const std::size_t terrains = scene.description.terrains.size();
   // Each place of a tiled terrain, or of one with relief, is loaded or made.
-  const std::size_t most = survey.site->is_tiled() ? 4 : survey.site->has_ground_a_shot() ? 30 : 300;
+  const std::size_t most = survey.site->is_tiled()                      ? 4
+                           : survey.site->has_ground_per_transmission() ? 30
+                                                                        : 300;
   Bed bed(*survey.site);
   for (std::size_t i = terrains; i < scene.report.components.size(); ++i) {
     const ComponentReport& object = scene.report.components[i];

@@ -63,11 +63,12 @@ std::vector<int> samples_with_surfaces(const Survey& survey, std::size_t sensor,
     const auto last = std::find_if(beam.rbegin(), beam.rend(), [](double e) { return e > 0; });
     all[b] = static_cast<int>(beam.rend() - last);
   }
-  for (std::size_t shot = 0; shot < sonar.shots(); ++shot) {
-    const std::vector<std::uint32_t>& beams = sonar.beams_of_shot(shot);
+  for (std::size_t transmission = 0; transmission < sonar.transmissions(); ++transmission) {
+    const std::vector<std::uint32_t>& beams = sonar.beams_of_transmission(transmission);
     if (std::ranges::all_of(beams, [&](std::uint32_t b) { return all[b] == samples.count; })) continue;
-    const TubeSet tubes = sonar.tubes(pings.shot_pose(ping, shot), survey.scene.grid, shot);
-    const std::vector<std::uint32_t>& beam_of_tube = sonar.beam_of_tube(shot);
+    const TubeSet tubes =
+        sonar.tubes(pings.transmission_pose(ping, transmission), survey.scene.grid, transmission);
+    const std::vector<std::uint32_t>& beam_of_tube = sonar.beam_of_tube(transmission);
     for (std::size_t t = 0; t < tubes.tubes.size(); ++t) {
       int& with_surface = all[beams[beam_of_tube[t]]];
       if (with_surface == samples.count) continue;

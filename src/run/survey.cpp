@@ -19,8 +19,8 @@
 #include "run/paths.hpp"
 #include "run/refraction.hpp"
 #include "run/sensor_places.hpp"
-#include "run/shot_ground.hpp"
 #include "run/site_below.hpp"
+#include "run/transmission_ground.hpp"
 #include "scene/ping_times.hpp"
 #include "sensors/recordings/sensor_kind.hpp"
 
@@ -31,59 +31,63 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-bool same_shots(const WorldGrid& grid, const SensorPings& a, const SensorPings& b) {
+bool same_transmissions(const WorldGrid& grid, const SensorPings& a, const SensorPings& b) {
   // Facets return by their rays' absorption, which goes by the frequency.
   if (a.water &&
       (a.sensor->frequency_khz() != b.sensor->frequency_khz() || a.sound_speed_m_s != b.sound_speed_m_s))
     return false;
-  if (a.times_s != b.times_s || a.sensor->shots() != b.sensor->shots()) return false;
+  if (a.times_s != b.times_s || a.sensor->transmissions() != b.sensor->transmissions()) return false;
   if (a.sensor->has_receiver_apart() || b.sensor->has_receiver_apart()) return false;  // two apexes
   const auto same = [](const Pose& p, const Pose& q) {
     return p.position_m == q.position_m && p.attitude == q.attitude;
   };
-  if (!std::equal(a.shot_poses.begin(), a.shot_poses.end(), b.shot_poses.begin(), same)) return false;
-  for (std::size_t shot = 0; shot < a.sensor->shots(); ++shot) {
-    TubeSet first = a.sensor->tubes(a.shot_pose(0, shot), grid, shot);
-    TubeSet second = b.sensor->tubes(b.shot_pose(0, shot), grid, shot);
+  if (!std::equal(a.transmission_poses.begin(), a.transmission_poses.end(), b.transmission_poses.begin(),
+                  same))
+    return false;
+  for (std::size_t transmission = 0; transmission < a.sensor->transmissions(); ++transmission) {
+    TubeSet first = a.sensor->tubes(a.transmission_pose(0, transmission), grid, transmission);
+    TubeSet second = b.sensor->tubes(b.transmission_pose(0, transmission), grid, transmission);
     first.reach = second.reach = 0;
     if (first != second) return false;
   }
   return true;
 }
 
-void find_shared_shots(const WorldGrid& grid, Fleet& fleet) {
+void find_shared_transmissions(const WorldGrid& grid, Fleet& fleet) {
   for (std::size_t s = 0; s < fleet.sensors.size(); ++s) {
-    const auto group = std::find_if(fleet.shots.begin(), fleet.shots.end(), [&](const SharedShots& g) {
-      return same_shots(grid, fleet.sensors[g.sensors.front()], fleet.sensors[s]);
-    });
-    if (group != fleet.shots.end())
+    const auto group = std::find_if(
+        fleet.transmissions.begin(), fleet.transmissions.end(), [&](const SharedTransmissions& g) {
+          return same_transmissions(grid, fleet.sensors[g.sensors.front()], fleet.sensors[s]);
+        });
+    if (group != fleet.transmissions.end())
       group->sensors.push_back(s);
     else
-      fleet.shots.push_back({{s}});
+      fleet.transmissions.push_back({{s}});
   }
 }
 
 /// A fixed trajectory lasts for ever; of others the loader has checked that they cover the pings' times.
-void place_shots(SensorPings& pings, const Trajectory& trajectory) {
+void place_transmissions(SensorPings& pings, const Trajectory& trajectory) {
   const Sensor& sensor = *pings.sensor;
-  const std::size_t shots = pings.times_s.size() * sensor.shots();
+  const std::size_t transmissions = pings.times_s.size() * sensor.transmissions();
   pings.poses.reserve(pings.times_s.size());
-  pings.shot_poses.reserve(shots);
-  if (sensor.has_receiver_apart()) pings.receiver_poses.reserve(shots);
+  pings.transmission_poses.reserve(transmissions);
+  if (sensor.has_receiver_apart()) pings.receiver_poses.reserve(transmissions);
   Steps placed("pings placed", pings.times_s.size());
   for (const double time_s : pings.times_s) {
     placed.done();
     pings.poses.push_back(sensor.pose_on(trajectory.at(time_s)));
-    for (std::size_t shot = 0; shot < sensor.shots(); ++shot) {
-      const double at_s = time_s + sensor.shot_delay_s(shot);
-      if (!trajectory.is_fixed() && at_s > trajectory.end_s() && sensor.shot_delay_s(shot) > 0)
+    for (std::size_t transmission = 0; transmission < sensor.transmissions(); ++transmission) {
+      const double at_s = time_s + sensor.transmission_delay_s(transmission);
+      if (!trajectory.is_fixed() && at_s > trajectory.end_s() &&
+          sensor.transmission_delay_s(transmission) > 0)
         throw InputError(
             sensor.description().place,
             fmt::format("shot {} of the ping at {:.9g} s of sensor '{}' is fired at {:.9g} s, after "
                         "its trajectory ends at {:.9g} s: ask for fewer pings or a longer trajectory",
-                        shot, time_s, sensor.description().name, at_s, trajectory.end_s()));
+                        transmission, time_s, sensor.description().name, at_s, trajectory.end_s()));
       const Pose carrier = trajectory.at(at_s);
-      pings.shot_poses.push_back(sensor.pose_on(carrier));
+      pings.transmission_poses.push_back(sensor.pose_on(carrier));
       if (sensor.has_receiver_apart()) pings.receiver_poses.push_back(sensor.receiver_pose_on(carrier));
     }
   }
@@ -118,7 +122,7 @@ void refuse_hidden_elements(const Scene& scene, const SensorPings& pings, std::s
                             SensorPlaces& places) {
   const SensorDescription& description = pings.sensor->description();
   const ElementArray& array = pings.sensor->signals()->array;
-  const Pose &sent = pings.shot_pose(ping, 0), &heard = pings.receiver_pose(ping, 0);
+  const Pose &sent = pings.transmission_pose(ping, 0), &heard = pings.receiver_pose(ping, 0);
   const std::array transmitters_m{sent.position_m + sent.attitude * array.transmitter_m};
   std::vector<glm::dvec3> receivers_m;
   for (const glm::dvec3 place : array.receivers_m)
@@ -162,14 +166,16 @@ void check_places(Site& site, Fleet& fleet) {
                    fmt::format("the {} receiver of {}", end > 0 ? "upper" : "lower", what)),
                 receiver_inside);
       if (sensor.signals() != nullptr) refuse_hidden_elements(site.scene, pings, ping, places);
-      // Of the later shots of a ping only what would spoil them.
-      for (std::size_t shot = 1; shot < sensor.shots(); ++shot) {
+      // Of the later transmissions of a ping only what would spoil them.
+      for (std::size_t transmission = 1; transmission < sensor.transmissions(); ++transmission) {
         const auto check = [&](const Pose& now, const Pose& before, const std::string& who) {
           if (now.position_m != before.position_m) places.refuse_on_facet(at(ping, now.position_m, who));
         };
-        check(pings.shot_pose(ping, shot), pings.shot_pose(ping, shot - 1), what);
+        check(pings.transmission_pose(ping, transmission), pings.transmission_pose(ping, transmission - 1),
+              what);
         if (sensor.has_receiver_apart())
-          check(pings.receiver_pose(ping, shot), pings.receiver_pose(ping, shot - 1), receiver);
+          check(pings.receiver_pose(ping, transmission), pings.receiver_pose(ping, transmission - 1),
+                receiver);
       }
     }
   }
@@ -179,7 +185,8 @@ void check_places(Site& site, Fleet& fleet) {
 bool reaches_surface(const Site& site) {
   if (site.whole) return site.whole->is_cut;
   const Scene& scene = site.scene;
-  if (!scene.description.sea_surface || site.ground) return false;  // ground of its own each shot cuts
+  if (!scene.description.sea_surface || site.ground)
+    return false;  // ground of its own each transmission cuts
   const std::int32_t height = scene.surface_height();
   return std::ranges::any_of(scene.mesh.vertices, [=](GridPoint v) { return v.z > height; }) ||
          std::ranges::any_of(scene.tiled, [&](const TiledTerrain& terrain) {
@@ -251,14 +258,14 @@ SensorPings pings_of(Site& site, const SensorDescription& description, const Tra
   pings.sensor = make_sensor(in_water(description, pings.sound_speed_m_s, &site.scene.report.warnings));
   const PingTimes times(description, trajectory, description.trajectory);
   const auto count = static_cast<double>(times.count());
-  const double shots = static_cast<double>(pings.sensor->shots()) * count;
-  require_memory(shots * sizeof(Pose) * (pings.sensor->has_receiver_apart() ? 2 : 1) +
+  const double transmissions = static_cast<double>(pings.sensor->transmissions()) * count;
+  require_memory(transmissions * sizeof(Pose) * (pings.sensor->has_receiver_apart() ? 2 : 1) +
                      count * (sizeof(Pose) + 2.0 * sizeof(double)),
-                 description.place, fmt::format("the poses of {:.3g} shots", shots),
+                 description.place, fmt::format("the poses of {:.3g} shots", transmissions),
                  "ask for fewer pings, in several scenes");
   pings.times_s = times.times_s();
   pings.line_starts = times.line_starts();
-  place_shots(pings, trajectory);
+  place_transmissions(pings, trajectory);
   if (const SignalModel* model = pings.sensor->signals())
     check_signals(site.scene, pings, *model, trajectory);
   warn_of_rounding(*pings.sensor, site.scene.report.warnings);
@@ -291,7 +298,7 @@ std::unique_ptr<const Survey> open_survey(const SceneDescription& description, F
   cut_at_surface(*site);
   put_into_water(*site, *fleet);
   check_paths(site->scene, *fleet);
-  find_shared_shots(site->scene.grid, *fleet);
+  find_shared_transmissions(site->scene.grid, *fleet);
   return std::unique_ptr<const Survey>(new Survey{site, fleet});
 }
 

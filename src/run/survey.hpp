@@ -17,7 +17,7 @@ struct Survey {
   // What of them is asked for most:
   const Scene& scene = site->scene;
   const std::vector<SensorPings>& sensors = fleet->sensors;
-  const std::vector<SharedShots>& shots = fleet->shots;
+  const std::vector<SharedTransmissions>& transmissions = fleet->transmissions;
 };
 
 /// Which facets pings meet.

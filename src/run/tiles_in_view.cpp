@@ -91,35 +91,38 @@ void TilesInView::finish(TileChoice& choice) const {
   }
 }
 
-TileChoice TilesInView::of(const Shots& shots, const SharedShots& group, std::size_t ping) const {
-  TileChoice choice = looked_at(boxes_, shots, group, ping);
+TileChoice TilesInView::of(const Transmissions& transmissions, const SharedTransmissions& group,
+                           std::size_t ping) const {
+  TileChoice choice = looked_at(boxes_, transmissions, group, ping);
   finish(choice);
   return choice;
 }
 
-std::vector<std::size_t> TilesInView::components_of(const Shots& shots, const SharedShots& group,
+std::vector<std::size_t> TilesInView::components_of(const Transmissions& transmissions,
+                                                    const SharedTransmissions& group,
                                                     std::size_t ping) const {
-  const TileChoice found = looked_at(rest_, shots, group, ping);
+  const TileChoice found = looked_at(rest_, transmissions, group, ping);
   std::vector<std::size_t> components;
   for (std::size_t i = 0; i < found.size(); ++i)
     if (!found[i].empty()) components.push_back(i);
   return components;
 }
 
-TileChoice TilesInView::looked_at(std::span<const Boxes> list, const Shots& shots, const SharedShots& group,
-                                  std::size_t ping) const {
+TileChoice TilesInView::looked_at(std::span<const Boxes> list, const Transmissions& transmissions,
+                                  const SharedTransmissions& group, std::size_t ping) const {
   const Scene& scene = site_.scene;
   const WorldGrid& grid = scene.grid;
   TileChoice choice(scene.tiled.size());
-  for (std::size_t number = 0; number < shots.survey().fleet->shots_a_ping(group); ++number) {
-    const Shot shot = shots.of(group, ping, number);
-    const SensorPings& pings = shot.pings();
-    std::vector<TubeSet> sets{shot.tubes()};
-    if (shot.has_receiver_apart()) sets.push_back(shot.receive_tubes(shot.first()));
+  for (std::size_t number = 0; number < transmissions.survey().fleet->transmissions_per_ping(group);
+       ++number) {
+    const Transmission transmission = transmissions.of(group, ping, number);
+    const SensorPings& pings = transmission.pings();
+    std::vector<TubeSet> sets{transmission.tubes()};
+    if (transmission.has_receiver_apart()) sets.push_back(transmission.receive_tubes(transmission.first()));
     const TubeSet middle = sets.back();  // of a staff
     if (pings.sensor->has_staff())
       for (const Fringe& staff :
-           pings.sensor->patterns(shot.receiver_pose(), pings.sound_speed_m_s, number).fringes)
+           pings.sensor->patterns(transmission.receiver_pose(), pings.sound_speed_m_s, number).fringes)
         for (const double end : {1.0, -1.0}) sets.push_back(moved_along(middle, staff, end, grid.unit_m()));
     for (const TubeSet& tubes : sets) {
       // How much farther a ray may come than its range says.
@@ -131,14 +134,14 @@ TileChoice TilesInView::looked_at(std::span<const Boxes> list, const Shots& shot
           boxes.add_to(choice, outlook.facets(boxes.mesh, *boxes.tree, grid, lift_m_));
         stretch = fastest_m_s(scene.water->profile()) / straightening.reference_speed_m_s();
       } else {
-        // Without ground of its own a shot knows which sheets it sees from above, which what is under and
-        // over its tubes may change: docs/big-terrain.md
+        // Without ground of its own a transmission knows which sheets it sees from above, which what is under
+        // and over its tubes may change: docs/big-terrain.md
         const Sector sector(tubes, grid.unit_m());
         for (const Boxes& boxes : list)
           boxes.add_to(choice, sector.facets(site_.ground ? *boxes.tree : *boxes.column_tree, lift_m_));
       }
       for (const std::size_t s : group.sensors) {
-        const Sensor& sensor = shot.sensor(s);
+        const Sensor& sensor = transmission.sensor(s);
         const std::optional<PathSettings> paths = path_settings(scene, sensor.frequency_khz());
         if (!paths) continue;
         const double reach = stretch * std::max(2 * sensor.reach(grid), tubes.reach);
@@ -192,10 +195,10 @@ std::uint64_t TilesInView::facets(const TileChoice& choice) const {
   return sum * site_.relief.parts_a_facet;
 }
 
-Survey survey_around(const Shots& shots, const SharedShots& group, std::size_t ping) {
-  const Survey& survey = shots.survey();
+Survey survey_around(const Transmissions& transmissions, const SharedTransmissions& group, std::size_t ping) {
+  const Survey& survey = transmissions.survey();
   if (!survey.site->is_tiled()) return survey;
-  return survey_with_tiles(survey, TilesInView(*survey.site).of(shots, group, ping));
+  return survey_with_tiles(survey, TilesInView(*survey.site).of(transmissions, group, ping));
 }
 
 void for_tiles_within(const Survey& survey, glm::dvec3 lo_m, glm::dvec3 hi_m,
@@ -211,16 +214,17 @@ void for_tiles_within(const Survey& survey, glm::dvec3 lo_m, glm::dvec3 hi_m,
     }
 }
 
-ShotsAround::ShotsAround(const Shots& shots) : shots_(shots) {
-  if (shots.survey().site->is_tiled()) view_.emplace(*shots.survey().site);
+TransmissionsAround::TransmissionsAround(const Transmissions& transmissions) : transmissions_(transmissions) {
+  if (transmissions.survey().site->is_tiled()) view_.emplace(*transmissions.survey().site);
 }
 
-const Shots& ShotsAround::at(const SharedShots& group, std::size_t ping) {
-  if (!view_) return shots_;
-  TileChoice tiles = view_->of(shots_, group, ping);
+const Transmissions& TransmissionsAround::at(const SharedTransmissions& group, std::size_t ping) {
+  if (!view_) return transmissions_;
+  TileChoice tiles = view_->of(transmissions_, group, ping);
   if (!part_ || tiles != tiles_) {
     part_.reset();  // before the next one is loaded
-    part_ = std::make_unique<const Shots>(survey_with_tiles(shots_.survey(), tiles), shots_.request());
+    part_ = std::make_unique<const Transmissions>(survey_with_tiles(transmissions_.survey(), tiles),
+                                                  transmissions_.request());
     tiles_ = std::move(tiles);
   }
   return *part_;

@@ -10,23 +10,23 @@
 #include <vector>
 
 #include "geometry/search/scene_tree.hpp"
-#include "run/shot.hpp"
+#include "run/transmission.hpp"
 #include "scene/tiled_scene.hpp"
 
 namespace tubefoot {
 
 /// Which tiles of a site's terrain a ping may have to do with: all whose facets could be candidates of a
-/// tube, carry relief that a shot refines, or be met by its paths. With only these in the mesh, a ping
-/// computes what it would with all of them, to the last bit (docs/big-terrain.md says why).
+/// tube, carry relief that a transmission refines, or be met by its paths. With only these in the mesh, a
+/// ping computes what it would with all of them, to the last bit (docs/big-terrain.md says why).
 class TilesInView {
  public:
   /// The site outlives this.
   explicit TilesInView(const Site& site);
 
-  /// Of a ping of a group of these shots, which are of this site.
-  TileChoice of(const Shots& shots, const SharedShots& group, std::size_t ping) const;
+  /// Of a ping of a group of these transmissions, which are of this site.
+  TileChoice of(const Transmissions& transmissions, const SharedTransmissions& group, std::size_t ping) const;
   /// The components in the mesh, of which the ping may have to do with a facet.
-  std::vector<std::size_t> components_of(const Shots& shots, const SharedShots& group,
+  std::vector<std::size_t> components_of(const Transmissions& transmissions, const SharedTransmissions& group,
                                          std::size_t ping) const;
   /// Those with facets that come into a box.
   TileChoice within(glm::dvec3 lo_m, glm::dvec3 hi_m) const;
@@ -46,8 +46,8 @@ class TilesInView {
     void add(std::uint32_t number, const WorldGrid& grid, glm::dvec3 lo_m, glm::dvec3 hi_m);
     void add_to(TileChoice& choice, const std::vector<FacetId>& found) const;
   };
-  TileChoice looked_at(std::span<const Boxes> list, const Shots& shots, const SharedShots& group,
-                       std::size_t ping) const;
+  TileChoice looked_at(std::span<const Boxes> list, const Transmissions& transmissions,
+                       const SharedTransmissions& group, std::size_t ping) const;
   void finish(TileChoice& choice) const;
 
   const Site& site_;
@@ -56,29 +56,30 @@ class TilesInView {
   std::vector<Boxes> rest_;  ///< of the components that are not tiled, one each
 };
 
-/// A survey that one ping can be seen in: the shots' own, or, where terrain is read by tiles, one with those
-/// that the ping needs.
-Survey survey_around(const Shots& shots, const SharedShots& group, std::size_t ping);
+/// A survey that one ping can be seen in: the transmissions' own, or, where terrain is read by tiles, one
+/// with those that the ping needs.
+Survey survey_around(const Transmissions& transmissions, const SharedTransmissions& group, std::size_t ping);
 
 /// Calls `look` with scenes that have the tiles between them that come into a box, a row of tiles at a time,
 /// and all that is not tiled each; not at all for a survey that is not tiled.
 void for_tiles_within(const Survey& survey, glm::dvec3 lo_m, glm::dvec3 hi_m,
                       const std::function<void(const Scene&)>& look);
 
-/// A survey's shots, for who asks ping by ping: where terrain is read by tiles, those of survey_around().
-class ShotsAround {
+/// A survey's transmissions, for who asks ping by ping: where terrain is read by tiles, those of
+/// survey_around().
+class TransmissionsAround {
  public:
-  /// The shots outlive this.
-  explicit ShotsAround(const Shots& shots);
-  /// Shots of the survey that this ping can be seen in, which live until another ping is asked for. Throws
-  /// InputError for a raster that can no longer be read.
-  const Shots& at(const SharedShots& group, std::size_t ping);
+  /// The transmissions outlive this.
+  explicit TransmissionsAround(const Transmissions& transmissions);
+  /// Transmissions of the survey that this ping can be seen in, which live until another ping is asked for.
+  /// Throws InputError for a raster that can no longer be read.
+  const Transmissions& at(const SharedTransmissions& group, std::size_t ping);
 
  private:
-  const Shots& shots_;
+  const Transmissions& transmissions_;
   std::optional<TilesInView> view_;
   TileChoice tiles_;
-  std::unique_ptr<const Shots> part_;
+  std::unique_ptr<const Transmissions> part_;
 };
 
 }  // namespace tubefoot

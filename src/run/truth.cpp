@@ -122,8 +122,9 @@ const FacetMesh& Truth::owned_site_mesh() const {
   return owned_;
 }
 
-TruthLaws::TruthLaws(const Shot& shot, std::size_t sensor, const EchoLaw& law, const FacetMesh& mesh)
-    : shot_(shot), truth_(*shot.truth()), sensor_(sensor), law_(law) {
+TruthLaws::TruthLaws(const Transmission& transmission, std::size_t sensor, const EchoLaw& law,
+                     const FacetMesh& mesh)
+    : transmission_(transmission), truth_(*transmission.truth()), sensor_(sensor), law_(law) {
   if (&mesh == &truth_.site_mesh()) {
     owners_ = truth_.owners_of_site();
   } else {
@@ -133,22 +134,27 @@ TruthLaws::TruthLaws(const Shot& shot, std::size_t sensor, const EchoLaw& law, c
   make_tables();
 }
 
-TruthLaws::TruthLaws(const Shot& shot, std::size_t sensor, const EchoLaw& law,
+TruthLaws::TruthLaws(const Transmission& transmission, std::size_t sensor, const EchoLaw& law,
                      std::vector<std::uint16_t> owners)
-    : shot_(shot), truth_(*shot.truth()), sensor_(sensor), law_(law), own_(std::move(owners)), owners_(own_) {
+    : transmission_(transmission),
+      truth_(*transmission.truth()),
+      sensor_(sensor),
+      law_(law),
+      own_(std::move(owners)),
+      owners_(own_) {
   make_tables();
 }
 
 void TruthLaws::make_tables() {
-  const RangeSamples& samples = shot_.sensor(sensor_).samples();
+  const RangeSamples& samples = transmission_.sensor(sensor_).samples();
   const glm::dvec3 out_m = law_.path.out.apex_m;
   // No place of a path is farther from either of its ends than the path is long.
   scale_m_ = 2 * (samples.first_m + samples.count * samples.step_m);
   lowest_m_ = out_m.z - scale_m_;
   glm::dvec3 home_m = out_m;
-  if (shot_.has_receiver_apart()) {
-    const WorldGrid& grid = shot_.scene().grid;
-    home_m = grid.to_metres(grid.snap(shot_.receiver_pose().position_m));
+  if (transmission_.has_receiver_apart()) {
+    const WorldGrid& grid = transmission_.scene().grid;
+    home_m = grid.to_metres(grid.snap(transmission_.receiver_pose().position_m));
   }
   for (const Truth::Owner& owner : truth_.owners()) {
     mu_.push_back(law_.material_mu[owner.material]);
@@ -193,7 +199,8 @@ void TruthLaws::add(PingSums& sums, const EchoBy& echo_by) const {
   const bool is_limited = truth_.label_level_db() && law_.patterns != nullptr && !is_uniform(*law_.patterns);
   if (is_limited) {
     near_peak = *law_.patterns;
-    near_peak.least = gains_below_peak(near_peak, *truth_.label_level_db(), shot_.has_receiver_apart());
+    near_peak.least =
+        gains_below_peak(near_peak, *truth_.label_level_db(), transmission_.has_receiver_apart());
   }
   std::vector<double> mu = no_mu_, all;
   auto scattering = no_scattering_;
@@ -208,15 +215,15 @@ void TruthLaws::add(PingSums& sums, const EchoBy& echo_by) const {
     const std::vector<double> energy = echo_by(law);
     if (is_limited) {
       law.patterns = &near_peak;
-      sums.add_truth(shot_, sensor_, truth_.near_peak(owner), echo_by(law));
+      sums.add_truth(transmission_, sensor_, truth_.near_peak(owner), echo_by(law));
       law.patterns = law_.patterns;
     } else if (truth_.label_level_db()) {
-      sums.add_truth(shot_, sensor_, truth_.near_peak(owner), energy);
+      sums.add_truth(transmission_, sensor_, truth_.near_peak(owner), energy);
     }
     show(owner, false);
     all.resize(energy.size(), 0);
     std::ranges::transform(all, energy, all.begin(), std::plus<>());
-    sums.add_truth(shot_, sensor_, owner, energy);
+    sums.add_truth(transmission_, sensor_, owner, energy);
   }
   law.material_mu = mu_;
   law.scattering = scattering_;
@@ -224,22 +231,22 @@ void TruthLaws::add(PingSums& sums, const EchoBy& echo_by) const {
   std::vector<double> heights = echo_by(law);
   for (std::size_t k = 0; k < heights.size(); ++k)
     heights[k] = 2 * scale_m_ * heights[k] + lowest_m_ * all[k];
-  sums.add_truth(shot_, sensor_, truth_.height(), heights);
+  sums.add_truth(transmission_, sensor_, truth_.height(), heights);
   law.reflectivity = range_;
   std::vector<double> ranges = echo_by(law);
   for (double& range : ranges) range *= scale_m_;
-  sums.add_truth(shot_, sensor_, truth_.range(), ranges);
+  sums.add_truth(transmission_, sensor_, truth_.range(), ranges);
 }
 
-OwnedBed::OwnedBed(const Shot& shot, const FacetMesh& mesh) {
-  const Truth& truth = *shot.truth();
+OwnedBed::OwnedBed(const Transmission& transmission, const FacetMesh& mesh) {
+  const Truth& truth = *transmission.truth();
   if (&mesh == &truth.site_mesh()) {
     site = &truth.owned_site_mesh();
   } else {
     own.emplace(mesh);
     own->material = truth.owners_of(mesh);
   }
-  const std::vector<double>& by_material = shot.scene().material_reflection;
+  const std::vector<double>& by_material = transmission.scene().material_reflection;
   for (const Truth::Owner& owner : truth.owners())
     reflection.push_back(owner.material < by_material.size() ? by_material[owner.material] : 0);
 }

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "run/ping_sums.hpp"
-#include "run/shot.hpp"
+#include "run/transmission.hpp"
 #include "sensors/recordings/truth_recording.hpp"
 
 // Whose each energy is, and where it comes from (docs/truth.md). A share is the same integral over fewer
@@ -59,17 +59,18 @@ class Truth {
   mutable FacetMesh owned_;
 };
 
-/// The laws of a shot's channels, as a sensor hears it.
+/// The laws of a transmission's channels, as a sensor hears it.
 class TruthLaws {
  public:
   /// `law`: as for the energies, of `mesh`. All outlive this.
-  TruthLaws(const Shot& shot, std::size_t sensor, const EchoLaw& law, const FacetMesh& mesh);
+  TruthLaws(const Transmission& transmission, std::size_t sensor, const EchoLaw& law, const FacetMesh& mesh);
   /// `owners`: by what `law.material` is by.
-  TruthLaws(const Shot& shot, std::size_t sensor, const EchoLaw& law, std::vector<std::uint16_t> owners);
+  TruthLaws(const Transmission& transmission, std::size_t sensor, const EchoLaw& law,
+            std::vector<std::uint16_t> owners);
   TruthLaws(const TruthLaws&) = delete;
   TruthLaws& operator=(const TruthLaws&) = delete;
 
-  /// An echo by a law: [beam of the shot][sample], and more channels, which are not read.
+  /// An echo by a law: [beam of the transmission][sample], and more channels, which are not read.
   using EchoBy = std::function<std::vector<double>(const EchoLaw&)>;
   /// Adds what is scattered.
   void add(PingSums& sums, const EchoBy& echo_by) const;
@@ -82,7 +83,7 @@ class TruthLaws {
   Textures weighed_by(const std::shared_ptr<const ReflectivityField>& weight) const;
   void make_tables();
 
-  const Shot& shot_;
+  const Transmission& transmission_;
   const Truth& truth_;
   std::size_t sensor_;
   const EchoLaw& law_;
@@ -97,7 +98,7 @@ class TruthLaws {
 /// A mesh with owners for materials, and what of the scene is by material, by owner: for paths, that make
 /// meshes of their own of it.
 struct OwnedBed {
-  OwnedBed(const Shot& shot, const FacetMesh& mesh);
+  OwnedBed(const Transmission& transmission, const FacetMesh& mesh);
   OwnedBed(const OwnedBed&) = delete;
   OwnedBed& operator=(const OwnedBed&) = delete;
   const FacetMesh& mesh() const { return own ? *own : *site; }

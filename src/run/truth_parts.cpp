@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "engine/law/pattern_levels.hpp"
-#include "run/shot_images.hpp"
+#include "run/transmission_images.hpp"
 
 namespace tubefoot {
 namespace {
@@ -26,33 +26,32 @@ void add(const std::vector<double>& more, std::vector<double>& all) {
 
 }  // namespace
 
-void add_truth(const Shot& shot, std::size_t s, const EchoLaw& law, const FacetMesh& mesh, const Sight& sight,
-               PingSums& sums) {
-  if (shot.truth() == nullptr) return;
-  TruthLaws(shot, s, law, mesh).add(sums, [&](const EchoLaw& one) {
-    return shot.echo(sight, s, one).energy;
-  });
-}
-
-void add_truth(const Shot& shot, std::size_t s, const ShotGround& ground, const FacetMesh& mesh,
+void add_truth(const Transmission& transmission, std::size_t s, const EchoLaw& law, const FacetMesh& mesh,
                const Sight& sight, PingSums& sums) {
-  if (shot.truth() == nullptr) return;
-  const SensorLaw law(shot, ground, s);
-  add_truth(shot, s, law.law, mesh, sight, sums);
-}
-
-void add_truth_of_crossed_ways(const Shot& shot, std::size_t s, const EchoLaw& law,
-                               const ApparentGround& ground, const Sight& sight, PingSums& sums) {
-  if (shot.truth() == nullptr) return;
-  TruthLaws(shot, s, law, owners_of_parts(*shot.truth(), ground)).add(sums, [&](const EchoLaw& one) {
-    return shot.echo(sight, s, one).energy;
+  if (transmission.truth() == nullptr) return;
+  TruthLaws(transmission, s, law, mesh).add(sums, [&](const EchoLaw& one) {
+    return transmission.echo(sight, s, one).energy;
   });
 }
 
-void add_truth_of_staff(const Shot& shot, std::size_t s, std::uint32_t fan, const EchoLaw& law,
-                        const FacetMesh& mesh, const StaffHistory& history, const Fringe& staff,
-                        PingSums& sums) {
-  if (shot.truth() == nullptr) return;
+void add_truth(const Transmission& transmission, std::size_t s, const TransmissionGround& ground,
+               const FacetMesh& mesh, const Sight& sight, PingSums& sums) {
+  if (transmission.truth() == nullptr) return;
+  const SensorLaw law(transmission, ground, s);
+  add_truth(transmission, s, law.law, mesh, sight, sums);
+}
+
+void add_truth_of_crossed_ways(const Transmission& transmission, std::size_t s, const EchoLaw& law,
+                               const ApparentGround& ground, const Sight& sight, PingSums& sums) {
+  if (transmission.truth() == nullptr) return;
+  TruthLaws(transmission, s, law, owners_of_parts(*transmission.truth(), ground))
+      .add(sums, [&](const EchoLaw& one) { return transmission.echo(sight, s, one).energy; });
+}
+
+void add_truth_of_staff(const Transmission& transmission, std::size_t s, std::uint32_t fan,
+                        const EchoLaw& law, const FacetMesh& mesh, const StaffHistory& history,
+                        const Fringe& staff, PingSums& sums) {
+  if (transmission.truth() == nullptr) return;
   const StaffHistory upper{history.transmit,
                            history.upper,
                            history.lower,
@@ -61,39 +60,40 @@ void add_truth_of_staff(const Shot& shot, std::size_t s, std::uint32_t fan, cons
                            history.middle_m,
                            history.paired_upper,
                            {}};
-  TruthLaws(shot, s, law, mesh).add(sums, [&](const EchoLaw& one) {
-    return row_of_fan(shot, s, fan,
-                      integrate_staff_echo(upper, staff, fan, fan, shot.sensor(s).samples(), one).upper_j);
+  TruthLaws(transmission, s, law, mesh).add(sums, [&](const EchoLaw& one) {
+    return row_of_fan(
+        transmission, s, fan,
+        integrate_staff_echo(upper, staff, fan, fan, transmission.sensor(s).samples(), one).upper_j);
   });
 }
 
-void add_truth_of_staff(const Shot& shot, std::size_t s, std::uint32_t fan, const FacetMesh& mesh,
-                        const BistaticHistory& history, PingSums& sums) {
-  if (shot.truth() == nullptr) return;
-  const SensorLaw law(shot, ShotGround(shot.site()), s);
+void add_truth_of_staff(const Transmission& transmission, std::size_t s, std::uint32_t fan,
+                        const FacetMesh& mesh, const BistaticHistory& history, PingSums& sums) {
+  if (transmission.truth() == nullptr) return;
+  const SensorLaw law(transmission, TransmissionGround(transmission.site()), s);
   const std::size_t tubes = history.receive.tubes.size();
   const BeamPatterns patterns = patterns_of_fan(law.patterns, fan, tubes);
   EchoLaw own = law.law;
   own.patterns = &patterns;
   const std::vector<std::uint32_t> only_beam(tubes, 0);
-  TruthLaws(shot, s, own, mesh).add(sums, [&](const EchoLaw& one) {
-    return row_of_fan(shot, s, fan,
-                      integrate_echo(history, {1, only_beam}, shot.sensor(s).samples(), one).energy);
+  TruthLaws(transmission, s, own, mesh).add(sums, [&](const EchoLaw& one) {
+    return row_of_fan(transmission, s, fan,
+                      integrate_echo(history, {1, only_beam}, transmission.sensor(s).samples(), one).energy);
   });
 }
 
-void add_truth_of_paths(const Shot& shot, std::size_t s, const FacetMesh& mesh, const EchoLaw& law,
-                        PathSettings settings, PingSums& sums, const PathRows& rows_of) {
-  if (shot.truth() == nullptr) return;
-  const OwnedBed bed(shot, mesh);
-  const TruthLaws laws(shot, s, law, mesh);
+void add_truth_of_paths(const Transmission& transmission, std::size_t s, const FacetMesh& mesh,
+                        const EchoLaw& law, PathSettings settings, PingSums& sums, const PathRows& rows_of) {
+  if (transmission.truth() == nullptr) return;
+  const OwnedBed bed(transmission, mesh);
+  const TruthLaws laws(transmission, s, law, mesh);
   const EchoLaw whole = laws.whole();
   settings.reference_tolerance.reset();
   settings.mirrors.reflection = bed.reflection;
   settings.before = &whole;
   settings.arrivals = false;
   std::vector<double> least_received;
-  if (const auto level_db = shot.truth()->label_level_db(); level_db && law.patterns != nullptr)
+  if (const auto level_db = transmission.truth()->label_level_db(); level_db && law.patterns != nullptr)
     least_received = receive_gains_below_peak(*law.patterns, *level_db);
   laws.add(sums, [&](const EchoLaw& one) {
     PathSettings of_one = settings;
@@ -102,26 +102,27 @@ void add_truth_of_paths(const Shot& shot, std::size_t s, const FacetMesh& mesh, 
   });
   settings.arrivals = true;
   settings.scatterings = 1;
-  sums.add_truth(shot, s, shot.truth()->unscattered(), rows_of(bed.mesh(), laws.silent(), settings));
+  sums.add_truth(transmission, s, transmission.truth()->unscattered(),
+                 rows_of(bed.mesh(), laws.silent(), settings));
 }
 
-std::vector<double> wanted_orders(const Shot& shot, const PathEcho& paths) {
+std::vector<double> wanted_orders(const Transmission& transmission, const PathEcho& paths) {
   std::vector<double> all(paths.by_order.front().energy.size());
   for (std::size_t order = 0; order < paths.by_order.size(); ++order)
-    if (is_order_wanted(shot.scene(), order)) add(paths.by_order[order].energy, all);
+    if (is_order_wanted(transmission.scene(), order)) add(paths.by_order[order].energy, all);
   return all;
 }
 
-std::vector<double> wanted_orders(const Shot& shot, const StaffPathEcho& paths) {
+std::vector<double> wanted_orders(const Transmission& transmission, const StaffPathEcho& paths) {
   std::vector<double> all(paths.by_order.front().upper_j.size());
   for (std::size_t order = 0; order < paths.by_order.size(); ++order)
-    if (is_order_wanted(shot.scene(), order)) add(paths.by_order[order].upper_j, all);
+    if (is_order_wanted(transmission.scene(), order)) add(paths.by_order[order].upper_j, all);
   return all;
 }
 
-std::vector<double> row_of_fan(const Shot& shot, std::size_t s, std::uint32_t fan,
+std::vector<double> row_of_fan(const Transmission& transmission, std::size_t s, std::uint32_t fan,
                                const std::vector<double>& samples) {
-  std::vector<double> rows(std::size_t(shot.beams(s)) * samples.size());
+  std::vector<double> rows(std::size_t(transmission.beams(s)) * samples.size());
   std::ranges::copy(samples, rows.begin() + std::ptrdiff_t(fan * samples.size()));
   return rows;
 }

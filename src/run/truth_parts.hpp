@@ -9,38 +9,39 @@
 #include "engine/paths/staff_paths.hpp"
 #include "run/truth.hpp"
 
-// Whose the energies of a shot's parts are (echo_parts.hpp). Nothing is done where nobody asks for the truth.
+// Whose the energies of a transmission's parts are (echo_parts.hpp). Nothing is done where nobody asks for
+// the truth.
 namespace tubefoot {
 
 /// Of what a sensor hears of a history, whose facets are those of `mesh`. `law`: as for the energies.
-void add_truth(const Shot& shot, std::size_t sensor, const EchoLaw& law, const FacetMesh& mesh,
-               const Sight& sight, PingSums& sums);
+void add_truth(const Transmission& transmission, std::size_t sensor, const EchoLaw& law,
+               const FacetMesh& mesh, const Sight& sight, PingSums& sums);
 /// By the law of a ground.
-void add_truth(const Shot& shot, std::size_t sensor, const ShotGround& ground, const FacetMesh& mesh,
-               const Sight& sight, PingSums& sums);
+void add_truth(const Transmission& transmission, std::size_t sensor, const TransmissionGround& ground,
+               const FacetMesh& mesh, const Sight& sight, PingSums& sums);
 /// Of parts of a ground that several rays show; `law.material` is by part.
-void add_truth_of_crossed_ways(const Shot& shot, std::size_t sensor, const EchoLaw& law,
+void add_truth_of_crossed_ways(const Transmission& transmission, std::size_t sensor, const EchoLaw& law,
                                const ApparentGround& ground, const Sight& sight, PingSums& sums);
 
 /// Of what the upper receiver of a fan hears.
-void add_truth_of_staff(const Shot& shot, std::size_t sensor, std::uint32_t fan, const EchoLaw& law,
-                        const FacetMesh& mesh, const StaffHistory& history, const Fringe& staff,
-                        PingSums& sums);
+void add_truth_of_staff(const Transmission& transmission, std::size_t sensor, std::uint32_t fan,
+                        const EchoLaw& law, const FacetMesh& mesh, const StaffHistory& history,
+                        const Fringe& staff, PingSums& sums);
 /// Of a history between it and the transmitter.
-void add_truth_of_staff(const Shot& shot, std::size_t sensor, std::uint32_t fan, const FacetMesh& mesh,
-                        const BistaticHistory& history, PingSums& sums);
+void add_truth_of_staff(const Transmission& transmission, std::size_t sensor, std::uint32_t fan,
+                        const FacetMesh& mesh, const BistaticHistory& history, PingSums& sums);
 
-/// What paths return: [beam of the shot][sample], all orders that are wanted.
+/// What paths return: [beam of the transmission][sample], all orders that are wanted.
 using PathRows = std::function<std::vector<double>(const FacetMesh& mesh, const EchoLaw& law,
                                                    const PathSettings& settings)>;
 /// Of these; what comes without scattering has a channel of its own.
-void add_truth_of_paths(const Shot& shot, std::size_t sensor, const FacetMesh& mesh, const EchoLaw& law,
-                        PathSettings settings, PingSums& sums, const PathRows& rows_of);
-std::vector<double> wanted_orders(const Shot& shot, const PathEcho& paths);
+void add_truth_of_paths(const Transmission& transmission, std::size_t sensor, const FacetMesh& mesh,
+                        const EchoLaw& law, PathSettings settings, PingSums& sums, const PathRows& rows_of);
+std::vector<double> wanted_orders(const Transmission& transmission, const PathEcho& paths);
 /// Of the upper receiver.
-std::vector<double> wanted_orders(const Shot& shot, const StaffPathEcho& paths);
-/// One fan's samples among the beams of a shot.
-std::vector<double> row_of_fan(const Shot& shot, std::size_t sensor, std::uint32_t fan,
+std::vector<double> wanted_orders(const Transmission& transmission, const StaffPathEcho& paths);
+/// One fan's samples among the beams of a transmission.
+std::vector<double> row_of_fan(const Transmission& transmission, std::size_t sensor, std::uint32_t fan,
                                const std::vector<double>& samples);
 
 }  // namespace tubefoot

@@ -74,8 +74,8 @@ class PageWriter {
                                 {"candidate", shown_line(data_.candidate_name)},
                                 {"stripes", shown_line(data_.stripes)},
                                 {"weakLinksLeftOut", data_.weak_links_left_out}};
-    for (const ViewShot& shot : data_.shots)
-      json["shots"].push_back({{"delay", shot.delay_s}, {"beams", shot.beams}});
+    for (const ViewTransmission& transmission : data_.transmissions)
+      json["shots"].push_back({{"delay", transmission.delay_s}, {"beams", transmission.beams}});
     for (const ViewPing& ping : data_.pings)
       json["pings"].push_back({{"number", ping.number},
                                {"time", ping.time_s},

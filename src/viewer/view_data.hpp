@@ -57,7 +57,7 @@ struct ViewLink {
 };
 
 /// One transmission of a ping, and the beams that listen to it.
-struct ViewShot {
+struct ViewTransmission {
   double delay_s = 0;
   std::vector<std::uint32_t> beams;
 };
@@ -84,8 +84,8 @@ struct ViewData {
   std::vector<double> candidate_j;
   std::string reference_name, candidate_name;
   double display_gain_db = 0;
-  std::vector<ViewShot> shots;  ///< of a ping; empty: one
-  std::string stripes;          ///< why neighbouring beams see the scene from apart; empty: they do not
+  std::vector<ViewTransmission> transmissions;  ///< of a ping; empty: one
+  std::string stripes;  ///< why neighbouring beams see the scene from apart; empty: they do not
 
   std::vector<ViewFootprint> footprints;  ///< by ping
   ViewPolygons shapes;                    ///< of footprints

@@ -19,9 +19,9 @@
 #include "geometry/steps/stop.hpp"
 #include "run/abilities.hpp"
 #include "run/console/progress.hpp"
-#include "run/shot_ends.hpp"
 #include "run/surfaces.hpp"
 #include "run/tiles_in_view.hpp"
+#include "run/transmission_ends.hpp"
 #include "sensors/recordings/sensor_kind.hpp"
 #include "viewer/view_surroundings.hpp"
 
@@ -47,10 +47,10 @@ std::vector<double> beam_angles_deg(const Sensor& sensor) {
 
 class Gatherer {
  public:
-  Gatherer(const Shots& shots, std::size_t sensor, const ViewLimits& limits)
-      : shots_(shots),
-        around_(shots),
-        pings_(shots.survey().sensors[sensor]),
+  Gatherer(const Transmissions& transmissions, std::size_t sensor, const ViewLimits& limits)
+      : transmissions_(transmissions),
+        around_(transmissions),
+        pings_(transmissions.survey().sensors[sensor]),
         sensor_(*pings_.sensor),
         index_(sensor),
         limits_(limits),
@@ -64,15 +64,15 @@ class Gatherer {
                                                        : pings_.poses[ping].position_m,
                           0});
     view.energy_j.resize(view.energy_j.size() + cells_, 0.0);
-    const Shots& around = around_.at(shots_.survey().fleet->shots_of(index_), ping);
+    const Transmissions& around = around_.at(transmissions_.survey().fleet->transmissions_of(index_), ping);
     const std::size_t shadows_before = view.shadows.corners_of.size();
-    for (std::size_t number = 0; number < sensor_.shots(); ++number) {
-      const Shot shot = around.heard_by(index_, ping, number);
-      const ShotEnds ends(shot, index_);
+    for (std::size_t number = 0; number < sensor_.transmissions(); ++number) {
+      const Transmission transmission = around.heard_by(index_, ping, number);
+      const TransmissionEnds ends(transmission, index_);
       if (ends.are_two())
-        add_two_ends(shot, ends, place);
+        add_two_ends(transmission, ends, place);
       else
-        add_one_end(shot, ends.out(), place);
+        add_one_end(transmission, ends.out(), place);
       if (view.pings.size() == 1 && number == 0 && ends.out().refined != nullptr &&
           ends.out().apparent == nullptr)
         own_mesh_ = *ends.out().mesh;
@@ -85,7 +85,7 @@ class Gatherer {
   }
 
   void finish() {
-    const Scene& scene = shots_.survey().scene;
+    const Scene& scene = transmissions_.survey().scene;
     tell_of_stripes();
     const std::size_t left_out = take_surroundings();
     if (left_out > 0)
@@ -96,7 +96,7 @@ class Gatherer {
     if (shadows_stopped_)
       view.notes.push_back(
           fmt::format("Only the first {} hidden parts of facets are drawn.", limits_.shadow_polygons));
-    if (!own_mesh_.facets.empty() && view.pings.size() * sensor_.shots() > 1)
+    if (!own_mesh_.facets.empty() && view.pings.size() * sensor_.transmissions() > 1)
       view.notes.push_back(
           "Relief is refined shot by shot; the scene's facets are drawn as the first shot has them.");
     if (scene.water->refracts())
@@ -119,7 +119,7 @@ class Gatherer {
 
  private:
   std::size_t take_surroundings() {
-    const Survey& survey = shots_.survey();
+    const Survey& survey = transmissions_.survey();
     const ViewSurroundings about = surroundings(view);
     if (!own_mesh_.facets.empty())
       return take_mesh(survey.scene, own_mesh_, about, limits_.mesh_facets, view);
@@ -130,20 +130,22 @@ class Gatherer {
     return take_mesh(near.scene, near.scene.mesh, about, limits_.mesh_facets, view);
   }
 
-  /// Of a ping in several shots on a carrier that moves: how far, at the pings shown.
+  /// Of a ping in several transmissions on a carrier that moves: how far, at the pings shown.
   void tell_of_stripes() {
-    const std::size_t shots = sensor_.shots();
-    if (shots < 2) return;
+    const std::size_t transmissions = sensor_.transmissions();
+    if (transmissions < 2) return;
     double moves_m = 0, turns_deg = 0;
     for (const ViewPing& ping : view.pings) {
-      const Pose &first = pings_.shot_pose(ping.number, 0), &last = pings_.shot_pose(ping.number, shots - 1);
+      const Pose &first = pings_.transmission_pose(ping.number, 0),
+                 &last = pings_.transmission_pose(ping.number, transmissions - 1);
       moves_m = std::max(moves_m, glm::distance(first.position_m, last.position_m));
       const double cosine =
           std::min(1.0, std::abs(glm::dot(glm::normalize(first.attitude), glm::normalize(last.attitude))));
       turns_deg = std::max(turns_deg, 2 * 180 / std::numbers::pi * std::acos(cosine));
     }
-    for (std::size_t shot = 0; shot < shots; ++shot)
-      view.shots.push_back({sensor_.shot_delay_s(shot), sensor_.beams_of_shot(shot)});
+    for (std::size_t transmission = 0; transmission < transmissions; ++transmission)
+      view.transmissions.push_back(
+          {sensor_.transmission_delay_s(transmission), sensor_.beams_of_transmission(transmission)});
     constexpr double still_m = 1e-6, still_deg = 1e-5;
     if (moves_m < still_m && turns_deg < still_deg) return;
     std::string way;
@@ -154,7 +156,7 @@ class Gatherer {
         "Stripes along the beams are the sonar's own: it fires its {} beams in {} cycles, one after another "
         "within "
         "{:.3g} ms, and{} meanwhile, so that neighbouring beams see the scene from different places.",
-        view.beams, shots, 1000 * sensor_.shot_delay_s(shots - 1), way);
+        view.beams, transmissions, 1000 * sensor_.transmission_delay_s(transmissions - 1), way);
     view.notes.push_back(view.stripes);
   }
 
@@ -171,78 +173,81 @@ class Gatherer {
                     limits_.footprints, view.pings.back().number));
   }
 
-  void shade(const Shot& shot, const ShotEnd& end, const History& history) {
+  void shade(const Transmission& transmission, const TransmissionEnd& end, const History& history) {
     if (!shadows_stopped_)
-      shadows_stopped_ = !add_shadows(shot.scene(), end, history, limits_.shadow_polygons, view.shadows);
+      shadows_stopped_ =
+          !add_shadows(transmission.scene(), end, history, limits_.shadow_polygons, view.shadows);
   }
 
-  void add_one_end(const Shot& shot, const ShotEnd& end, std::uint32_t place) {
-    const History history = shot.trace();
+  void add_one_end(const Transmission& transmission, const TransmissionEnd& end, std::uint32_t place) {
+    const History history = transmission.trace();
     require_room(history.footprints.footprints.size());
-    const ShotGround& ground = shot.ground();
-    const glm::dvec3 apex = shot.scene().grid.to_metres(history.tubes.apex);
-    const std::uint32_t first_tube = draw_tubes(shot, history.tubes, history, place, apex);
+    const TransmissionGround& ground = transmission.ground();
+    const glm::dvec3 apex = transmission.scene().grid.to_metres(history.tubes.apex);
+    const std::uint32_t first_tube = draw_tubes(transmission, history.tubes, history, place, apex);
     const auto first_footprint = static_cast<std::uint32_t>(view.footprints.size());
     for (const Footprint& f : history.footprints.footprints) {
-      const double ratio =
-          ground.apparent() == nullptr ? 1 : ground.apparent()->area_ratio(f.facet, shot.scene().grid);
-      add_footprint(shot, f, history.footprints, place, f.tube, first_tube, first_tube,
+      const double ratio = ground.apparent() == nullptr
+                               ? 1
+                               : ground.apparent()->area_ratio(f.facet, transmission.scene().grid);
+      add_footprint(transmission, f, history.footprints, place, f.tube, first_tube, first_tube,
                     ground.base_facet(f.facet), ground.mesh(), ratio * f.area_m2, f.occluder_count,
                     [&](glm::dvec3 seen_m) {
                       return ground.apparent() == nullptr
                                  ? apex + seen_m
-                                 : ground.apparent()->true_place(f.facet, apex + seen_m, shot.scene().grid);
+                                 : ground.apparent()->true_place(f.facet, apex + seen_m,
+                                                                 transmission.scene().grid);
                     });
     }
-    SensorLaw law = shot.law(index_);
+    SensorLaw law = transmission.law(index_);
     law.patterns.fringes.clear();  // what is viewed is what the transmitter sees
-    const std::vector<std::uint32_t>& beam_of_tube = sensor_.beam_of_tube(shot.number());
-    link(shot, history, {shot.beams(index_), beam_of_tube}, shot.echo(history, index_, law.law), law.law,
-         place, first_footprint);
-    shade(shot, end, history);
+    const std::vector<std::uint32_t>& beam_of_tube = sensor_.beam_of_tube(transmission.number());
+    link(transmission, history, {transmission.beams(index_), beam_of_tube},
+         transmission.echo(history, index_, law.law), law.law, place, first_footprint);
+    shade(transmission, end, history);
   }
 
   /// What both see together, and what is in the tubes of either and hidden from it.
-  void add_two_ends(const Shot& shot, const ShotEnds& ends, std::uint32_t place) {
-    const ShotEnds::Seen all = ends.seen();
+  void add_two_ends(const Transmission& transmission, const TransmissionEnds& ends, std::uint32_t place) {
+    const TransmissionEnds::Seen all = ends.seen();
     const PathFootprints& seen = all.together;
     require_room(seen.footprints.footprints.size());
     std::array<std::uint32_t, 2> first_tube{};
     std::array<std::map<std::pair<FacetId, std::uint32_t>, std::uint32_t>, 2> occluders;
     for (std::size_t k = 0; k < 2; ++k) {
-      const ShotEnd& end = ends.all()[k];
+      const TransmissionEnd& end = ends.all()[k];
       const History& history = all.alone[k];
-      first_tube[k] =
-          draw_tubes(shot, end.tubes, history, place, shot.scene().grid.to_metres(end.tubes.apex));
+      first_tube[k] = draw_tubes(transmission, end.tubes, history, place,
+                                 transmission.scene().grid.to_metres(end.tubes.apex));
       for (const Footprint& f : history.footprints.footprints)
         occluders[k][{end.name_of(f.facet), f.tube}] = f.occluder_count;
-      shade(shot, end, history);
+      shade(transmission, end, history);
     }
-    const glm::dvec3 apex = shot.scene().grid.to_metres(ends.out().tubes.apex);
+    const glm::dvec3 apex = transmission.scene().grid.to_metres(ends.out().tubes.apex);
     const auto first_footprint = static_cast<std::uint32_t>(view.footprints.size());
     for (std::size_t k = 0; k < seen.footprints.footprints.size(); ++k) {
       const Footprint& f = seen.footprints.footprints[k];
       const std::uint32_t home = seen.receive_tube[k];
-      add_footprint(shot, f, seen.footprints, place, home, first_tube[0], first_tube[1],
+      add_footprint(transmission, f, seen.footprints, place, home, first_tube[0], first_tube[1],
                     ends.base_facet(f.facet), ends.shared_mesh(), seen.area_m2(k),
                     occluders[0][{f.facet, f.tube}] + occluders[1][{f.facet, home}],
                     [&](glm::dvec3 seen_m) { return seen.place(k, seen_m, apex); });
     }
     const std::unique_ptr<SensorLaw> law = ends.law(index_);
     law->patterns.fringes.clear();
-    const std::vector<std::uint32_t> fans = sensor_.fan_of_tube(shot.number());
-    link(shot, seen.history, shot.beams_by_fans(index_, fans), shot.echo(seen.history, index_, law->law),
-         law->law, place, first_footprint);
+    const std::vector<std::uint32_t> fans = sensor_.fan_of_tube(transmission.number());
+    link(transmission, seen.history, transmission.beams_by_fans(index_, fans),
+         transmission.echo(seen.history, index_, law->law), law->law, place, first_footprint);
   }
 
   /// A tube is drawn to its farthest footprint; into open water, to the end of the samples. Returns the
   /// number of the first.
-  std::uint32_t draw_tubes(const Shot& shot, const TubeSet& tubes, const History& history,
+  std::uint32_t draw_tubes(const Transmission& transmission, const TubeSet& tubes, const History& history,
                            std::uint32_t place, glm::dvec3 apex) {
     const auto first_tube = static_cast<std::uint32_t>(view.tubes.size());
-    if (shot.scene().water->refracts()) return first_tube;
-    const std::vector<std::uint32_t>& beams = sensor_.beams_of_shot(shot.number());
-    const std::vector<std::uint32_t>& beam_of_tube = sensor_.beam_of_tube(shot.number());
+    if (transmission.scene().water->refracts()) return first_tube;
+    const std::vector<std::uint32_t>& beams = sensor_.beams_of_transmission(transmission.number());
+    const std::vector<std::uint32_t>& beam_of_tube = sensor_.beam_of_tube(transmission.number());
     const RangeSamples& samples = sensor_.samples();
     std::vector<double> length_m(tubes.tubes.size(), 0.0);
     for (const Footprint& f : history.footprints.footprints)
@@ -262,12 +267,12 @@ class Gatherer {
 
   /// `lies` says where a point lies that is seen there from the apex.
   template <class Lies>
-  void add_footprint(const Shot& shot, const Footprint& f, const FootprintSet& set, std::uint32_t place,
-                     std::uint32_t receive_tube, std::uint32_t first_tube, std::uint32_t first_receive_tube,
-                     FacetId base, const FacetMesh& mesh, double area_m2, std::uint32_t occluders,
-                     const Lies& lies) {
-    const std::uint32_t beam =
-        sensor_.beams_of_shot(shot.number())[sensor_.beam_of_tube(shot.number())[receive_tube]];
+  void add_footprint(const Transmission& transmission, const Footprint& f, const FootprintSet& set,
+                     std::uint32_t place, std::uint32_t receive_tube, std::uint32_t first_tube,
+                     std::uint32_t first_receive_tube, FacetId base, const FacetMesh& mesh, double area_m2,
+                     std::uint32_t occluders, const Lies& lies) {
+    const std::uint32_t beam = sensor_.beams_of_transmission(
+        transmission.number())[sensor_.beam_of_tube(transmission.number())[receive_tube]];
     view.footprints.push_back(
         {place, beam, f.tube, base, receive_tube, first_tube + f.tube, first_receive_tube + receive_tube,
          f.piece_count, occluders, mesh.component[f.facet], mesh.material[f.facet], area_m2, f.solid_angle_sr,
@@ -280,17 +285,18 @@ class Gatherer {
     }
   }
 
-  void link(const Shot& shot, const Sight& sight, const ReceiveBeams& hearing, const Echo& echo,
-            const EchoLaw& law, std::uint32_t place, std::uint32_t first_footprint) {
-    const std::vector<std::uint32_t>& beams = sensor_.beams_of_shot(shot.number());
+  void link(const Transmission& transmission, const Sight& sight, const ReceiveBeams& hearing,
+            const Echo& echo, const EchoLaw& law, std::uint32_t place, std::uint32_t first_footprint) {
+    const std::vector<std::uint32_t>& beams = sensor_.beams_of_transmission(transmission.number());
     const std::size_t picture = place * cells_, count = static_cast<std::size_t>(sensor_.samples().count);
     const bool patterns = law.patterns != nullptr;
     for (std::size_t b = 0; b < beams.size(); ++b)
       for (std::size_t k = 0; k < count; ++k)
         view.energy_j[picture + beams[b] * count + k] += echo.energy[b * count + k];
     view.weak_links_left_out = view.weak_links_left_out || patterns;
-    for (const Contribution& c : contributions(sight, hearing, sensor_.samples(), law, shot.request().binning,
-                                               echo, patterns ? least_share_with_patterns : 0)) {
+    for (const Contribution& c :
+         contributions(sight, hearing, sensor_.samples(), law, transmission.request().binning, echo,
+                       patterns ? least_share_with_patterns : 0)) {
       view.links.push_back({first_footprint + c.footprint,
                             static_cast<std::uint32_t>(picture + beams[c.beam] * count + c.sample),
                             c.energy_j});
@@ -298,15 +304,15 @@ class Gatherer {
     }
   }
 
-  const Shots& shots_;
-  ShotsAround around_;
+  const Transmissions& transmissions_;
+  TransmissionsAround around_;
   const SensorPings& pings_;
   const Sensor& sensor_;
   std::size_t index_;
   const ViewLimits& limits_;
   std::size_t cells_;
   bool shadows_stopped_ = false;
-  FacetMesh own_mesh_;  // of the first shot, where relief is refined for it
+  FacetMesh own_mesh_;  // of the first transmission, where relief is refined for it
 };
 
 PictureLayout layout_of(const Sensor& sensor) {
@@ -316,13 +322,13 @@ PictureLayout layout_of(const Sensor& sensor) {
 
 }  // namespace
 
-ViewData gather_view(const Shots& shots, std::size_t sensor, const std::optional<PingRange>& range,
-                     bool quiet, const ViewLimits& limits) {
-  const Survey& survey = shots.survey();
+ViewData gather_view(const Transmissions& transmissions, std::size_t sensor,
+                     const std::optional<PingRange>& range, bool quiet, const ViewLimits& limits) {
+  const Survey& survey = transmissions.survey();
   const SensorPings& pings = survey.sensors[sensor];
   const SensorDescription& description = pings.sensor->description();
-  require_able(survey, shots.request(), Feature::view, sensor);
-  Gatherer gatherer(shots, sensor, limits);
+  require_able(survey, transmissions.request(), Feature::view, sensor);
+  Gatherer gatherer(transmissions, sensor, limits);
   ViewData& view = gatherer.view;
   const Scene& scene = survey.scene;
   view.title = scene.description.title;

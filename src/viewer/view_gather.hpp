@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "run/options.hpp"
-#include "run/shot.hpp"
 #include "run/survey.hpp"
+#include "run/transmission.hpp"
 #include "viewer/view_data.hpp"
 
 namespace tubefoot {
@@ -24,7 +24,7 @@ struct ViewLimits {
 /// on, as many as the limits allow. Energies are those of the ordinary
 /// echo, one bounce. With a receiver apart footprints are those of both ends (path_footprints.hpp). Throws
 /// UsageError for more footprints than a page holds; Interrupted when somebody wants to stop.
-ViewData gather_view(const Shots& shots, std::size_t sensor, const std::optional<PingRange>& range,
-                     bool quiet, const ViewLimits& limits = {});
+ViewData gather_view(const Transmissions& transmissions, std::size_t sensor,
+                     const std::optional<PingRange>& range, bool quiet, const ViewLimits& limits = {});
 
 }  // namespace tubefoot

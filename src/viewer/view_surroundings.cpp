@@ -57,7 +57,7 @@ class Nearness {
 
 }  // namespace
 
-bool add_shadows(const Scene& scene, const ShotEnd& end, const History& history, std::size_t most,
+bool add_shadows(const Scene& scene, const TransmissionEnd& end, const History& history, std::size_t most,
                  ViewPolygons& shadows) {
   const TubeSet& tubes = history.tubes;
   const FacetMesh& mesh = *end.mesh;

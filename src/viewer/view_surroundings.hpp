@@ -4,15 +4,16 @@
 #include <cstddef>
 
 #include "engine/sight/history.hpp"
-#include "run/shot_ends.hpp"
+#include "run/transmission_ends.hpp"
 #include "viewer/view_data.hpp"
 
 // What a view shows besides footprints.
 namespace tubefoot {
 
-/// Adds the parts of facets inside the tubes of a shot's end that this does not see wholly, hidden part and
-/// all. Returns false, having stopped, once there are more than `most` of them. `history`: what it sees.
-bool add_shadows(const Scene& scene, const ShotEnd& end, const History& history, std::size_t most,
+/// Adds the parts of facets inside the tubes of a transmission's end that this does not see wholly, hidden
+/// part and all. Returns false, having stopped, once there are more than `most` of them. `history`: what it
+/// sees.
+bool add_shadows(const Scene& scene, const TransmissionEnd& end, const History& history, std::size_t most,
                  ViewPolygons& shadows);
 
 /// The box of footprints and shadows, or of the sensor's places, made larger by a quarter of its diagonal.

@@ -34,7 +34,7 @@ struct TurningKeys {
   static const SensorSection& kind();
 };
 
-/// One beam that a motor turns: a shot a direction.
+/// One beam that a motor turns: a transmission a direction.
 class TurningSonar : public Sensor {
  public:
   explicit TurningSonar(const SensorDescription& description) : Sensor(description) {
@@ -47,15 +47,15 @@ class TurningSonar : public Sensor {
         height_of_corners(radians(scan.height_deg) / 2, width_rad, description.cone_tolerance);
     for (std::uint32_t step = 0; step < static_cast<std::uint32_t>(scan.steps); ++step) {
       beams_.push_back({-half_rad + (step + 0.5) * width_rad, 0, width_rad, radians(scan.height_deg)});
-      Shot shot;
-      shot.delay_s = step * scan.step_s;
-      shot.beams = {step};
-      shot.sectors.push_back({{edges[step], edges[step + 1]},
-                              {-corner_rad, corner_rad},
-                              glm::dmat3(forward_axis, starboard_axis, up_axis)});
-      shot.beam_of_tube = {0};
-      shot.fans.push_back({0, 1, 1, forward_axis, starboard_axis, up_axis});
-      shots_.push_back(shot);
+      Transmission transmission;
+      transmission.delay_s = step * scan.step_s;
+      transmission.beams = {step};
+      transmission.sectors.push_back({{edges[step], edges[step + 1]},
+                                      {-corner_rad, corner_rad},
+                                      glm::dmat3(forward_axis, starboard_axis, up_axis)});
+      transmission.beam_of_tube = {0};
+      transmission.fans.push_back({0, 1, 1, forward_axis, starboard_axis, up_axis});
+      transmissions_.push_back(transmission);
     }
   }
 };
@@ -213,8 +213,8 @@ range_max_m = 8
   const std::string text{std::istreambuf_iterator<char>(csv), {}};
   EXPECT_THAT(text, HasSubstr(fmt::format("\n1,11,{}\n", scan.beam_total(1, 11))));
 
-  const ViewData view =
-      gather_view(Shots(*survey, request_of(survey->scene.description.run)), 0, PingRange{0, 0}, true);
+  const ViewData view = gather_view(Transmissions(*survey, request_of(survey->scene.description.run)), 0,
+                                    PingRange{0, 0}, true);
   EXPECT_EQ(view.kind, "turning");
   EXPECT_EQ(view.layout, PictureLayout::fan);
   EXPECT_GT(view.footprints.size(), 0u);

@@ -115,11 +115,11 @@ TEST_F(CoverageLooks, NeitherThreadsNorWaterThatHardlyRefractsChangeIt) {
   }
 }
 
-TEST_F(CoverageLooks, ReliefOfEachShotIsThatOfReliefOnce) {
+TEST_F(CoverageLooks, ReliefOfEachTransmissionIsThatOfReliefOnce) {
   const Covered flat = cover(scene(even + flat_sand));
   expect_near(cover(scene(even + ripples(1e-6, "online"))), flat, 1e-4);
-  // With a tolerance of 0 each shot makes the cells that all are made of once: the same facets, told by the
-  // unrefined ones or by themselves. Areas are those of slopes, which are small.
+  // With a tolerance of 0 each transmission makes the cells that all are made of once: the same facets, told
+  // by the unrefined ones or by themselves. Areas are those of slopes, which are small.
   const Covered online = cover(scene(even + ripples(0.03, "online"))),
                 offline = cover(scene(even + ripples(0.03, "offline")));
   EXPECT_LT(online.seen.size(), 20u);

@@ -62,7 +62,7 @@ struct AbilitiesWalk : testing::Test {
 
   void walk(std::set<Feature> features, const std::vector<std::string>& words) {
     if (features.contains(Feature::scatterings)) features.insert(Feature::mirrors);  // paths as they are
-    if (features.contains(Feature::relief_each_shot)) features.insert(Feature::relief);
+    if (features.contains(Feature::relief_each_transmission)) features.insert(Feature::relief);
     if (features.contains(Feature::two_receivers) && features.contains(Feature::signals))
       return;  // two kinds
     SCOPED_TRACE(fmt::format("{}\n{}", fmt::join(words, " "), scene_with(features, size)));
@@ -148,11 +148,11 @@ struct AbilitiesWalk : testing::Test {
     for (const InScene& one : of_scenes)
       for (const Asked& two : asked) {
         // A bed is refined that has relief: with what tells beds apart.
-        if (two.feature == Feature::refine && one.feature != Feature::relief_each_shot &&
+        if (two.feature == Feature::refine && one.feature != Feature::relief_each_transmission &&
             one.feature != Feature::tiles)
           continue;
         std::set<Feature> features{one.feature, two.feature};
-        if (two.feature == Feature::refine) features.insert(Feature::relief_each_shot);
+        if (two.feature == Feature::refine) features.insert(Feature::relief_each_transmission);
         walk(features, two.words);
       }
   }
@@ -206,7 +206,7 @@ TEST_F(AbilitiesWalk, TwoReceiversWithWhatTheirProductsMeet) {
   walk({two_receivers, scatterings, refraction, receiver_apart}, {"run"});
 }
 
-// A ping of several shots, each of one beam.
+// A ping of several transmissions, each of one beam.
 TEST_F(AbilitiesWalk, AHeadThatTurnsWithEachFeature) {
   size.scanning = true;
   for (const InScene& one : of_scenes) {

@@ -13,9 +13,9 @@
 
 #include "engine/signal/seen_patches.hpp"
 #include "fixtures/test_folder.hpp"
-#include "run/shot.hpp"
 #include "run/simulation.hpp"
 #include "run/survey.hpp"
+#include "run/transmission.hpp"
 #include "sensors/beamforming/back_projection.hpp"
 #include "sensors/kinds/scene_file.hpp"
 #include "sensors/products/array_files.hpp"
@@ -64,9 +64,9 @@ struct ApertureShadow : testing::Test {
   }
   /// What a ping sees of the scene that was read last.
   SeenPatches seen_at(std::size_t ping) const {
-    const Shots shots(*survey, request);
-    const Shot shot = shots.of(survey->shots.at(0), ping, 0);
-    return seen_patches(shot.trace(), shot.law(0).law);
+    const Transmissions transmissions(*survey, request);
+    const Transmission transmission = transmissions.of(survey->transmissions.at(0), ping, 0);
+    return seen_patches(transmission.trace(), transmission.law(0).law);
   }
 };
 
@@ -109,7 +109,7 @@ TEST_F(ApertureShadow, IsWhereTheFootprintsSay) {
   std::vector<double> share(pixels), all(pixels);
   for (std::size_t ping = 0; ping < survey->sensors[0].times_s.size(); ++ping) {
     const SeenPatches seen = seen_at(ping);
-    const glm::dvec3 from = survey->sensors[0].shot_pose(ping, 0).position_m;
+    const glm::dvec3 from = survey->sensors[0].transmission_pose(ping, 0).position_m;
     for (std::size_t k = 0; k < pixels; ++k) {
       const glm::dvec3 place = plane.at(k % plane.columns, k / plane.columns), way = place - from;
       const double angle = std::asin(way.y / glm::length(way)) * 180 / M_PI;

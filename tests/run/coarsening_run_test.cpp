@@ -133,7 +133,7 @@ TEST_F(CoarseningRun, WhatIsToldApartGrowsWithTheRange) {
     double nearest = std::numeric_limits<double>::infinity(), farthest = nearest;
     for (const SensorPings& pings : survey->sensors) {
       const SensorFigures figures = figures_of(pings.sensor->description());
-      for (const Pose& pose : pings.shot_poses) {
+      for (const Pose& pose : pings.transmission_poses) {
         double near = std::numeric_limits<double>::infinity(), far = 0;
         for (const VertexId v : scene.mesh.facets[f]) {
           const double away = glm::distance(pose.position_m, scene.grid.to_metres(scene.mesh.vertices[v]));

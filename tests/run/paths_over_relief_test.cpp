@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Paths over mirrors with relief that each shot refines for itself, against relief in all of the bed.
+// Paths over mirrors with relief that each transmission refines for itself, against relief in all of the bed.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -241,8 +241,8 @@ TEST(RefractedReferenceRun, HoldsOrdinaryRunsOverMirrors) {
   }
 }
 
-// Cells wherever a shot looks are those of a bed that is refined once.
-TEST(RefractedReferenceRun, ReliefOfEachShotIsThatOfAllShots) {
+// Cells wherever a transmission looks are those of a bed that is refined once.
+TEST(RefractedReferenceRun, ReliefOfEachTransmissionIsThatOfAllTransmissions) {
   const std::string scene = scene_of(relief, gradient(-0.5));
   const std::vector<std::string> asked{"--reference", "--tolerance", "2e-2"};
   const KeptRun online("[relief]\nmode = \"online\"\ncell_m = 0.4\ntolerance = 0\n" + scene, asked),

@@ -150,7 +150,7 @@ TEST(ReliefRun, ABedIsKnownByItsHeightsAllOverFewFacets) {
 }
 
 // Refined where bent rays look, with the receiver in the same place and apart.
-TEST(ReliefRun, RefractingWaterSeesTheShotsGround) {
+TEST(ReliefRun, RefractingWaterSeesTheTransmissionsGround) {
   const TestFolder folder;
   const std::string water =
       "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1600\ngradient_per_s = -10\nprofile_bottom_m = "
@@ -191,7 +191,7 @@ TEST(ReliefRun, RefractingWaterEndsReliefAtTheSurface) {
   EXPECT_GT(std::accumulate(online.energy.begin(), online.energy.end(), 0.0), 0);
 }
 
-TEST(ReliefRun, AuditAndFootprintsSeeTheShotsGround) {
+TEST(ReliefRun, AuditAndFootprintsSeeTheTransmissionsGround) {
   const TestFolder folder;
   const auto file = folder.write("scene.toml", replaced(scene, "tolerance = 0", "tolerance = 0.05"));
   const Outcome audit = run_program({"audit", file.string(), "--quiet"});
@@ -242,7 +242,7 @@ constexpr std::string_view apart = R"(
 lever_arm_m = [-0.03, 0, 0]
 receiver_arm_m = [0.03, 0, 0])";
 
-TEST(ReliefRun, AReceiverApartAndSensorsThatShareShotsSeeTheShotsGround) {
+TEST(ReliefRun, AReceiverApartAndSensorsThatShareTransmissionsSeeTheTransmissionsGround) {
   const TestFolder folder;
   const std::string head(scene.substr(0, scene.find("[relief]"))), tail(scene.substr(scene.find("[relief]")));
   const std::string camera = head.substr(head.find("[[sensors]]"));
@@ -273,7 +273,7 @@ TEST(ReliefRun, AReceiverApartAndSensorsThatShareShotsSeeTheShotsGround) {
   }
 }
 
-TEST(ReliefRun, ShotsThatSeeNoReliefAreThoseOfFlatGround) {
+TEST(ReliefRun, TransmissionsThatSeeNoReliefAreThoseOfFlatGround) {
   const TestFolder folder;
   // Relief on an object only, beside the track; and a track that looks past everything.
   const std::string object = replaced(scene, "[[terrain]]",

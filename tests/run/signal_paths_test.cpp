@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Signals of a shot over mirrors: the scene's own mirrors, the orders that it asks for, and its energies.
+// Signals of a transmission over mirrors: the scene's own mirrors, the orders that it asks for, and its
+// energies.
 #include "run/signal_paths.hpp"
 
 #include <fmt/format.h>
@@ -37,21 +38,21 @@ window_length_m = 50
 )";
 }
 
-struct OneShot {
-  explicit OneShot(const std::string& text)
+struct OneTransmission {
+  explicit OneTransmission(const std::string& text)
       : survey(open_survey(read_scene_file(folder.write("scene.toml", text)))),
-        shots(*survey, request_of(survey->scene.description.run)),
-        shot(shots.heard_by(0, 0, 0)),
-        at(shot.pose().position_m) {}
+        transmissions(*survey, request_of(survey->scene.description.run)),
+        transmission(transmissions.heard_by(0, 0, 0)),
+        at(transmission.pose().position_m) {}
   TestFolder folder;
   std::unique_ptr<const Survey> survey;
-  Shots shots;
-  Shot shot;
+  Transmissions transmissions;
+  Transmission transmission;
   glm::dvec3 at;
 };
 
 TEST(SignalPaths, HaveTheEnergiesOfARun) {
-  const OneShot one(under_the_surface("order = 3\n"));
+  const OneTransmission one(under_the_surface("order = 3\n"));
   CoherentReceiver receiver;
   receiver.channels = {{one.at, one.at}};
   receiver.pulse = gaussian_pulse(1e-3);
@@ -61,7 +62,7 @@ TEST(SignalPaths, HaveTheEnergiesOfARun) {
   std::vector<SignalSample> samples;
   for (std::uint32_t n = 0; n < receiver.times.count; ++n) samples.push_back({0, n});
   std::array<double, 4> energy{};
-  for_signal_paths(one.shot, 0, receiver.channels,
+  for_signal_paths(one.transmission, 0, receiver.channels,
                    {[&](const CoherentPath& path) {
                       CoherentReceiver own = receiver;
                       own.channels = path.channels;
@@ -78,7 +79,7 @@ TEST(SignalPaths, HaveTheEnergiesOfARun) {
   for (const std::size_t order : {1, 2, 3}) {
     double expected =
         echoes_of(under_the_surface(fmt::format("order = 3\nonly_order = {}\n", order))).total();
-    if (order == 1) {  // what is scattered is the shot's own
+    if (order == 1) {  // what is scattered is the transmission's own
       expected = 0;
       EXPECT_EQ(energy[1], 0) << "nothing arrives through the camera's sides";
     }
@@ -91,11 +92,11 @@ TEST(SignalPaths, AreOfTheOrdersThatAreAskedFor) {
   const auto orders = [](const std::string& paths, double tilt_deg) {
     std::string text = under_the_surface(paths);
     text.replace(text.find("tilt_deg = 0"), 12, fmt::format("tilt_deg = {}", tilt_deg));
-    const OneShot one(text);
+    const OneTransmission one(text);
     const std::array<SignalChannel, 1> channels{{{one.at, one.at}}};
     std::multiset<std::string> found;
     for_signal_paths(
-        one.shot, 0, channels,
+        one.transmission, 0, channels,
         {[&](const CoherentPath& path) { found.insert(fmt::format("{}", path.order)); },
          [&](const CoherentArrival& arrival) { found.insert(fmt::format("{}!", arrival.order)); }});
     return found;
@@ -113,10 +114,10 @@ TEST(SignalPaths, AreNoneWithoutMirrorsAndRefuseWhatHasNoPhase) {
   std::string plain = under_the_surface("order = 1\n");
   plain.replace(plain.find("[sea_surface]"), plain.find("[paths]") - plain.find("[sea_surface]"), "");
   const auto ask = [](const std::string& text) {
-    const OneShot one(text);
+    const OneTransmission one(text);
     const std::array<SignalChannel, 1> channels{{{one.at, one.at}}};
     const auto never = [](const auto&) { ADD_FAILURE(); };
-    for_signal_paths(one.shot, 0, channels, {never, never});
+    for_signal_paths(one.transmission, 0, channels, {never, never});
   };
   ask(plain);
   const auto message = [&](const std::string& text) -> std::string {

@@ -118,8 +118,8 @@ TEST(Standing, IsWhereThingsWerePut) {
   }
 }
 
-// A grid of 40 x 40 m at -5 m, whole and by tiles; with relief that is refined for each shot; in refracting
-// water: the same is said.
+// A grid of 40 x 40 m at -5 m, whole and by tiles; with relief that is refined for each transmission; in
+// refracting water: the same is said.
 TEST(Silence, IsForeseenOverEveryKindOfGround) {
   const TestFolder folder;
   std::string grid = "ncols 41\nnrows 41\nxllcorner -20.5\nyllcorner -20.5\ncellsize 1\n";

@@ -129,8 +129,8 @@ TEST_P(TiledCommands, ExactCornersNameTheFacetsOfTheWhole) {
 TEST_P(TiledCommands, APageShowsWhatItShowsOfTheWhole) {
   const auto page = [&](const Way& way) {
     const auto survey = open_survey(described(way));
-    ViewData view =
-        gather_view(Shots(*survey, request_of(survey->scene.description.run)), 0, PingRange{1, 2}, true);
+    ViewData view = gather_view(Transmissions(*survey, request_of(survey->scene.description.run)), 0,
+                                PingRange{1, 2}, true);
     EXPECT_GT(view.mesh_facets.size(), 1000u);
     view.scene_hash.clear();
     return view_page(view);
@@ -146,15 +146,15 @@ TEST_P(TiledCommands, AnEngineOfOnesOwnMeetsTheFacetsOfTheWhole) {
     const auto survey = open_survey(description);
     RunRequest request = request_of(description.run);
     request.own_engine = std::make_shared<const OwnEngine>(
-        OwnEngine{"own", [](const Shot& shot, std::size_t, std::span<double> energy) {
-                    const History history = shot.trace();
+        OwnEngine{"own", [](const Transmission& transmission, std::size_t, std::span<double> energy) {
+                    const History history = transmission.trace();
                     std::size_t k = 0;
                     for (const Footprint& footprint : history.footprints.footprints) {
-                      const FacetMesh& mesh = shot.ground().mesh();
+                      const FacetMesh& mesh = transmission.ground().mesh();
                       const GridPoint corner = mesh.vertices[mesh.facets[footprint.facet][0]];
                       energy[k++ % energy.size()] += footprint.area_m2 * std::abs(1.0 * corner.x + corner.z);
                       // By what it is called, too.
-                      energy[k++ % energy.size()] += shot.ground().base_facet(footprint.facet);
+                      energy[k++ % energy.size()] += transmission.ground().base_facet(footprint.facet);
                     }
                   }});
     SimulationStats stats;
@@ -195,7 +195,7 @@ TEST(TiledBlocks, HoldEachFacetOnceWithThePingsThatMaySeeIt) {
   const auto blocks_of = [&](int cache_mb) {
     description.run.terrain_cache_mb = cache_mb;
     const auto survey = open_survey(description);
-    return facet_blocks(Shots(*survey, request_of(description.run)), pings);
+    return facet_blocks(Transmissions(*survey, request_of(description.run)), pings);
   };
   EXPECT_EQ(blocks_of(512).size(), 1u);
   const std::vector<FacetBlock> blocks = blocks_of(0);

@@ -191,7 +191,7 @@ TEST(TiledTerrainFiles, NoMoreIsHeldThanTheCacheAndWhatIsInUse) {
   SceneDescription description = with_load(folder, "mosaic.vrt", "tiles", near);
   description.run.terrain_cache_mb = 0;
   const auto survey = open_survey(description);
-  const RegionPlan plan(Shots(*survey, request_of(description.run)), 0);
+  const RegionPlan plan(Transmissions(*survey, request_of(description.run)), 0);
   std::size_t largest = 0;
   for (const RegionPlan::Region& region : plan.regions())
     largest = std::max(largest, bytes_of_mesh(survey_with_tiles(*survey, region.tiles)));

@@ -53,7 +53,7 @@ TEST(Limits, AreThoseOfTheirPage) {
   row("vertices, corners and values of morph targets that a model reads or places", limits::model_repeated,
       ", and one more per byte of the model");
   row("beams times samples of a ping", limits::ping_cells);
-  row("pings times cycles of a sensor", limits::sensor_shots);
+  row("pings times cycles of a sensor", limits::sensor_transmissions);
   EXPECT_THAT(page, HasSubstr(fmt::format("a facet counts {} bytes", bytes_a_facet)));
 }
 

@@ -54,7 +54,7 @@ TEST(SurveyTrack, GoesUpAndDownLinesAboutTheMiddleOfItsArea) {
     expect_near(t.at(begin + 10).position_m, {east, 50 - sense * 20, -5});
     expect_near(t.at(end).position_m, {east, 50 + sense * 40, -5});
     expect_near(forward(t.at(begin + 10)), {0, sense, 0});
-    expect_near(t.at(end + 1).position_m, {east, 50 + sense * 42, -5});  // shots that come later
+    expect_near(t.at(end + 1).position_m, {east, 50 + sense * 42, -5});  // transmissions that come later
   }
 }
 

@@ -231,7 +231,8 @@ TEST(Waypoints, AreDividedWhereTheirLineChanges) {
   EXPECT_EQ(going.lines()[0].end_s, 10);
   EXPECT_EQ(going.lines()[1].begin_s, 40);
   EXPECT_EQ(going.lines()[1].end_s, 50);
-  expect_near(going.at(10.5).position_m, {0, 21, 0});  // straight on, as the last ping's later shots need
+  expect_near(going.at(10.5).position_m,
+              {0, 21, 0});  // straight on, as the last ping's later transmissions need
 }
 
 TEST(Waypoints, LieWhereTheirCoordinatesSay) {

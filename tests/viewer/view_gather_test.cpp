@@ -73,7 +73,8 @@ struct Case {
 /// As `tubefoot view` gathers it.
 ViewData view_of(const Survey& survey, std::size_t sensor, const std::optional<PingRange>& pings,
                  const ViewLimits& limits = {}) {
-  return gather_view(Shots(survey, request_of(survey.scene.description.run)), sensor, pings, true, limits);
+  return gather_view(Transmissions(survey, request_of(survey.scene.description.run)), sensor, pings, true,
+                     limits);
 }
 
 class Links : public testing::TestWithParam<Case> {
@@ -165,15 +166,16 @@ TEST_P(Links, LeadFromEveryFootprintInReachToSamplesThatItMeets) {
 /// All terms, however small, with patterns too.
 TEST_P(Links, LoseNothingIfNothingIsLeftOut) {
   if (survey->sensors[0].sensor->has_receiver_apart()) GTEST_SKIP() << "told by facets, not by footprints";
-  const Shots shots(*survey, request_of(survey->scene.description.run));
-  const Shot shot = shots.heard_by(0, 0, 0);
-  const Sensor& sensor = shot.sensor(0);
-  const History history = shot.trace();
-  const SensorLaw law = shot.law(0);
-  const Echo echo = shot.echo(history, 0, law.law);
+  const Transmissions transmissions(*survey, request_of(survey->scene.description.run));
+  const Transmission transmission = transmissions.heard_by(0, 0, 0);
+  const Sensor& sensor = transmission.sensor(0);
+  const History history = transmission.trace();
+  const SensorLaw law = transmission.law(0);
+  const Echo echo = transmission.echo(history, 0, law.law);
   std::vector<double> sum(echo.energy.size(), 0.0);
-  for (const Contribution& c : contributions(history, {shot.beams(0), sensor.beam_of_tube(0)},
-                                             sensor.samples(), law.law, shots.request().binning, echo))
+  for (const Contribution& c :
+       contributions(history, {transmission.beams(0), sensor.beam_of_tube(0)}, sensor.samples(), law.law,
+                     transmissions.request().binning, echo))
     sum.at(std::size_t(c.beam) * echo.samples + c.sample) += c.energy_j;
   const double peak = *std::max_element(echo.energy.begin(), echo.energy.end());
   EXPECT_GT(peak, 0);
@@ -340,10 +342,11 @@ TEST(ViewedPings, SayWhyTheirCyclesDiffer) {
   const std::string cycles = camera + "cycles = 3\ncycle_interval_s = 0.05\n";
   const auto moving = open_survey(read_scene_file(folder.write("moving.toml", rough_scene("", cycles))));
   const ViewData view = view_of(*moving, 0, PingRange{0, 0});
-  ASSERT_EQ(view.shots.size(), 3u);
+  ASSERT_EQ(view.transmissions.size(), 3u);
   EXPECT_THAT(view.stripes, testing::HasSubstr("12 beams in 3 cycles, one after another within 100 ms"));
   const SensorPings& pings = moving->sensors[0];
-  const double way_m = glm::distance(pings.shot_pose(0, 0).position_m, pings.shot_pose(0, 2).position_m);
+  const double way_m =
+      glm::distance(pings.transmission_pose(0, 0).position_m, pings.transmission_pose(0, 2).position_m);
   EXPECT_GT(way_m, 0.01);
   EXPECT_THAT(view.stripes, testing::HasSubstr(fmt::format("moves by {:.2g} cm", 100 * way_m)));
   EXPECT_THAT(view.notes, testing::Contains(view.stripes));

@@ -197,13 +197,13 @@ class Attributor {
 Attribution attribute(const SceneAtHand& scene, const SensorEchoes& reference, const EchoPair& pair,
                       std::size_t worst, bool quiet) {
   const SensorPlace place = scene.place_of(reference);
-  const Shots shots(scene.survey(), RunRequest{});
-  ShotsAround around(shots);
+  const Transmissions transmissions(scene.survey(), RunRequest{});
+  TransmissionsAround around(transmissions);
   Attributor attributor(scene, reference, pair, worst);
   Progress progress("pings", reference.pings, quiet);
   for (std::size_t ping = 0; ping < reference.pings; ++ping) {
     stop_if_wanted();
-    attributor.add(ping, place, bin_origins(shots, around, place.sensor, place.pings[ping]));
+    attributor.add(ping, place, bin_origins(transmissions, around, place.sensor, place.pings[ping]));
     progress.step();
   }
   const Sensor& sensor = *scene.survey().sensors[place.sensor].sensor;

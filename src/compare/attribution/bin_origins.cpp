@@ -6,7 +6,7 @@
 #include <tuple>
 
 #include "engine/echo/echo.hpp"
-#include "run/shot_ends.hpp"
+#include "run/transmission_ends.hpp"
 
 namespace tubefoot {
 namespace {
@@ -20,12 +20,12 @@ class Origins {
     found_.kind.assign(sensor_.beams().size() * samples_, BinKind::interior);
   }
 
-  void add(const Shot& shot) {
-    const ShotEnds ends(shot, index_);
+  void add(const Transmission& transmission) {
+    const TransmissionEnds ends(transmission, index_);
     if (ends.are_two())
-      add_two_ends(shot, ends);
+      add_two_ends(transmission, ends);
     else
-      add_one_end(shot);
+      add_one_end(transmission);
   }
 
   BinOrigins finish() {
@@ -48,43 +48,44 @@ class Origins {
   }
 
  private:
-  void add_one_end(const Shot& shot) {
-    const History history = shot.trace();
-    const ShotGround& ground = shot.ground();
-    SensorLaw law = shot.law(index_);
+  void add_one_end(const Transmission& transmission) {
+    const History history = transmission.trace();
+    const TransmissionGround& ground = transmission.ground();
+    SensorLaw law = transmission.law(index_);
     law.patterns.fringes.clear();  // what the transmitter sees
     add_parts(
-        shot, history, {shot.beams(index_), sensor_.beam_of_tube(shot.number())},
-        shot.echo(history, index_, law.law), law.law, ground.mesh(),
+        transmission, history, {transmission.beams(index_), sensor_.beam_of_tube(transmission.number())},
+        transmission.echo(history, index_, law.law), law.law, ground.mesh(),
         [&](std::size_t number) { return history.footprints.footprints[number].facet; },
         [&](FacetId facet) { return ground.base_facet(facet); });
-    add_edges(shot, history, ground.mesh(), glm::dvec3(0),
+    add_edges(transmission, history, ground.mesh(), glm::dvec3(0),
               [&](FacetId facet) { return ground.base_facet(facet); });
   }
 
-  void add_two_ends(const Shot& shot, const ShotEnds& ends) {
-    const ShotEnds::Seen all = ends.seen();
+  void add_two_ends(const Transmission& transmission, const TransmissionEnds& ends) {
+    const TransmissionEnds::Seen all = ends.seen();
     const std::unique_ptr<SensorLaw> law = ends.law(index_);
     law->patterns.fringes.clear();
-    const std::vector<std::uint32_t> fans = sensor_.fan_of_tube(shot.number());
+    const std::vector<std::uint32_t> fans = sensor_.fan_of_tube(transmission.number());
     add_parts(
-        shot, all.together.history, shot.beams_by_fans(index_, fans),
-        shot.echo(all.together.history, index_, law->law), law->law, ends.shared_mesh(),
+        transmission, all.together.history, transmission.beams_by_fans(index_, fans),
+        transmission.echo(all.together.history, index_, law->law), law->law, ends.shared_mesh(),
         [&](std::size_t number) { return all.together.footprints.footprints[number].facet; },
         [&](FacetId facet) { return ends.base_facet(facet); });
-    const WorldGrid& grid = shot.scene().grid;
-    add_edges(shot, all.alone.back(), *ends.home().mesh,
+    const WorldGrid& grid = transmission.scene().grid;
+    add_edges(transmission, all.alone.back(), *ends.home().mesh,
               grid.to_metres(ends.out().tubes.apex) - grid.to_metres(ends.home().tubes.apex),
               [&](FacetId facet) { return ends.base_facet(ends.home().name_of(facet)); });
   }
 
   template <class FacetOf, class BaseOf>
-  void add_parts(const Shot& shot, const Sight& sight, const ReceiveBeams& hearing, const Echo& echo,
-                 const EchoLaw& law, const FacetMesh& mesh, const FacetOf& facet_of, const BaseOf& base_of) {
-    const std::vector<std::uint32_t>& beams = sensor_.beams_of_shot(shot.number());
+  void add_parts(const Transmission& transmission, const Sight& sight, const ReceiveBeams& hearing,
+                 const Echo& echo, const EchoLaw& law, const FacetMesh& mesh, const FacetOf& facet_of,
+                 const BaseOf& base_of) {
+    const std::vector<std::uint32_t>& beams = sensor_.beams_of_transmission(transmission.number());
     const double least = law.patterns != nullptr ? least_share_with_patterns : 0;
     for (const Contribution& c :
-         contributions(sight, hearing, sensor_.samples(), law, shot.request().binning, echo, least)) {
+         contributions(sight, hearing, sensor_.samples(), law, transmission.request().binning, echo, least)) {
       const FacetId facet = facet_of(c.footprint);
       found_.parts.push_back({static_cast<std::uint32_t>(beams[c.beam] * samples_ + c.sample), base_of(facet),
                               mesh.component[facet], mesh.material[facet], c.energy_j});
@@ -92,11 +93,11 @@ class Origins {
   }
 
   template <class BaseOf>
-  void add_edges(const Shot& shot, const History& history, const FacetMesh& mesh, glm::dvec3 other_end_m,
-                 const BaseOf& base_of) {
-    const std::vector<std::uint32_t>& beams = sensor_.beams_of_shot(shot.number());
+  void add_edges(const Transmission& transmission, const History& history, const FacetMesh& mesh,
+                 glm::dvec3 other_end_m, const BaseOf& base_of) {
+    const std::vector<std::uint32_t>& beams = sensor_.beams_of_transmission(transmission.number());
     const BinEdges edges =
-        edges_of_bins({history, mesh.component, sensor_.beam_of_tube(shot.number()), beams.size(),
+        edges_of_bins({history, mesh.component, sensor_.beam_of_tube(transmission.number()), beams.size(),
                        sensor_.samples(), other_end_m, !sensor_.is_across_track()});
     for (std::size_t b = 0; b < beams.size(); ++b)
       for (std::size_t k = 0; k < samples_; ++k) {
@@ -130,12 +131,13 @@ class Origins {
 
 }  // namespace
 
-BinOrigins bin_origins(const Shots& shots, ShotsAround& around, std::size_t sensor, std::size_t ping) {
-  const Survey& survey = shots.survey();
+BinOrigins bin_origins(const Transmissions& transmissions, TransmissionsAround& around, std::size_t sensor,
+                       std::size_t ping) {
+  const Survey& survey = transmissions.survey();
   const Sensor& kind = *survey.sensors[sensor].sensor;
-  const Shots& near = around.at(survey.fleet->shots_of(sensor), ping);
+  const Transmissions& near = around.at(survey.fleet->transmissions_of(sensor), ping);
   Origins origins(sensor, kind);
-  for (std::size_t number = 0; number < kind.shots(); ++number)
+  for (std::size_t number = 0; number < kind.transmissions(); ++number)
     origins.add(near.heard_by(sensor, ping, number));
   return origins.finish();
 }

@@ -6,8 +6,8 @@
 
 #include "compare/attribution/bin_kinds.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
-#include "run/shot.hpp"
 #include "run/tiles_in_view.hpp"
+#include "run/transmission.hpp"
 
 namespace tubefoot {
 
@@ -31,6 +31,7 @@ struct BinOrigins {
 /// everything, what adds less than a thousandth is left out, and kinds are those of each beam's own tubes.
 /// With a receiver apart, kinds are as it sees the scene. Paths over mirrors have no parts. Throws InputError
 /// as a run does.
-BinOrigins bin_origins(const Shots& shots, ShotsAround& around, std::size_t sensor, std::size_t ping);
+BinOrigins bin_origins(const Transmissions& transmissions, TransmissionsAround& around, std::size_t sensor,
+                       std::size_t ping);
 
 }  // namespace tubefoot

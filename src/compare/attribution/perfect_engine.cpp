@@ -73,35 +73,35 @@ void run_rays(const Survey& survey, const SensorPlace& place, const BeamSampling
   }
 }
 
-/// The facets of a shot, for rays.
-class ShotRays {
+/// The facets of a transmission, for rays.
+class TransmissionRays {
  public:
-  explicit ShotRays(const Shot& shot) : shot_(shot) {
-    if (shot.ground().is_own()) own_.emplace(shot.ground().mesh(), shot.scene().grid);
+  explicit TransmissionRays(const Transmission& transmission) : transmission_(transmission) {
+    if (transmission.ground().is_own()) own_.emplace(transmission.ground().mesh(), transmission.scene().grid);
   }
-  const RayScene& operator*() const { return own_ ? *own_ : shot_.site().rays(); }
+  const RayScene& operator*() const { return own_ ? *own_ : transmission_.site().rays(); }
 
  private:
-  const Shot& shot_;
+  const Transmission& transmission_;
   std::optional<RayScene> own_;
 };
 
 void run_columns(const Survey& survey, const SensorPlace& place, const BeamSampling& sampling,
                  SensorEchoes& to, bool quiet) {
   const Sensor& sensor = *survey.sensors[place.sensor].sensor;
-  const Shots shots(survey, RunRequest{});
-  ShotsAround around(shots);
+  const Transmissions transmissions(survey, RunRequest{});
+  TransmissionsAround around(transmissions);
   Progress progress("pings", place.pings.size(), quiet);
   Copier copier(to, place);
   for (std::size_t p = 0; p < place.pings.size(); ++p) {
     stop_if_wanted();
-    const Shots& near = around.at(survey.fleet->shots_of(place.sensor), place.pings[p]);
+    const Transmissions& near = around.at(survey.fleet->transmissions_of(place.sensor), place.pings[p]);
     std::vector<double> energy(sensor.beams().size() * to.samples);
-    for (std::size_t number = 0; number < sensor.shots(); ++number) {
-      const Shot shot = near.heard_by(place.sensor, place.pings[p], number);
-      const ShotRays rays(shot);
-      const SensorLaw law = shot.law(place.sensor);
-      const TubeSet whole = shot.tubes();
+    for (std::size_t number = 0; number < sensor.transmissions(); ++number) {
+      const Transmission transmission = near.heard_by(place.sensor, place.pings[p], number);
+      const TransmissionRays rays(transmission);
+      const SensorLaw law = transmission.law(place.sensor);
+      const TubeSet whole = transmission.tubes();
       const CutTubes cut = [&] {
         try {
           return cut_into_columns(whole, sensor.beam_of_tube(number),
@@ -111,7 +111,7 @@ void run_columns(const Survey& survey, const SensorPlace& place, const BeamSampl
                                        sensor.description().name, error.what()));
         }
       }();
-      History parts{cut.set, shot.scene().grid.unit_m(), {}, {}};
+      History parts{cut.set, transmission.scene().grid.unit_m(), {}, {}};
       trace_rays(*rays, parts, {RaySampling::column, sampling.rays, RaySettings::Per::beam, 1}, cut.column,
                  [&] {
                    History history{whole, parts.grid_unit_m, {}, {}};
@@ -119,8 +119,8 @@ void run_columns(const Survey& survey, const SensorPlace& place, const BeamSampl
                      hit.tube = cut.whole[hit.tube];
                      history.hits.push_back(hit);
                    }
-                   const Echo echo = shot.echo(history, place.sensor, law.law);
-                   const auto& beams = sensor.beams_of_shot(number);
+                   const Echo echo = transmission.echo(history, place.sensor, law.law);
+                   const auto& beams = sensor.beams_of_transmission(number);
                    for (std::size_t b = 0; b < beams.size(); ++b)
                      for (std::size_t k = 0; k < to.samples; ++k)
                        energy[beams[b] * to.samples + k] += echo.energy[b * to.samples + k];
@@ -132,9 +132,9 @@ void run_columns(const Survey& survey, const SensorPlace& place, const BeamSampl
 }
 
 /// What each hit returns by itself, as a beam of its own.
-std::vector<double> energies_of_hits(const Shot& shot, std::size_t s, const EchoLaw& law,
+std::vector<double> energies_of_hits(const Transmission& transmission, std::size_t s, const EchoLaw& law,
                                      const History& history) {
-  const RangeSamples& samples = shot.sensor(s).samples();
+  const RangeSamples& samples = transmission.sensor(s).samples();
   History alone{{}, history.grid_unit_m, {}, {}};
   std::vector<std::uint32_t> beams(history.hits.size());
   std::iota(beams.begin(), beams.end(), 0U);
@@ -151,26 +151,26 @@ struct SecondMoments {
   std::vector<double> of_bin, solid_angle_sr;
 };
 
-SecondMoments second_moments(const Shots& near, std::size_t s, std::size_t ping) {
+SecondMoments second_moments(const Transmissions& near, std::size_t s, std::size_t ping) {
   const Sensor& sensor = *near.survey().sensors[s].sensor;
   const RangeSamples& samples = sensor.samples();
   const auto count = static_cast<std::size_t>(samples.count);
   SecondMoments moments{std::vector<double>(sensor.beams().size() * count),
                         std::vector<double>(sensor.beams().size())};
-  for (std::size_t number = 0; number < sensor.shots(); ++number) {
-    const Shot shot = near.heard_by(s, ping, number);
-    const ShotRays rays(shot);
-    const SensorLaw law = shot.law(s);
-    History history{shot.tubes(), shot.scene().grid.unit_m(), {}, {}};
+  for (std::size_t number = 0; number < sensor.transmissions(); ++number) {
+    const Transmission transmission = near.heard_by(s, ping, number);
+    const TransmissionRays rays(transmission);
+    const SensorLaw law = transmission.law(s);
+    History history{transmission.tubes(), transmission.scene().grid.unit_m(), {}, {}};
     const auto& beam_of_tube = sensor.beam_of_tube(number);
-    const auto& beams = sensor.beams_of_shot(number);
+    const auto& beams = sensor.beams_of_transmission(number);
     for (std::size_t t = 0; t < history.tubes.tubes.size(); ++t)
       moments.solid_angle_sr[beams[beam_of_tube[t]]] +=
           RayPatch(history.tubes, history.tubes.tubes[t]).solid_angle(0, 1, 0, 1);
     const std::int64_t rays_a_beam = std::max<std::int64_t>(100 * samples.count, 20'000);
     trace_rays(*rays, history, {RaySampling::stratified, rays_a_beam, RaySettings::Per::beam, 1},
                beam_of_tube, [&] {
-                 const std::vector<double> energy = energies_of_hits(shot, s, law.law, history);
+                 const std::vector<double> energy = energies_of_hits(transmission, s, law.law, history);
                  std::size_t number_of_hit = 0;
                  for (const RayHit hit : history.hits) {
                    const double own = energy[number_of_hit++];
@@ -314,14 +314,15 @@ std::optional<PointsForecast> points_forecast(const SceneAtHand& scene, const Se
   if (sampling.columns > 0 || !is_plain(survey, place.sensor) ||
       survey.sensors[place.sensor].sensor->has_patterns())
     return std::nullopt;
-  const Shots shots(survey, RunRequest{});
-  ShotsAround around(shots);
+  const Transmissions transmissions(survey, RunRequest{});
+  TransmissionsAround around(transmissions);
   const double threshold = lit_threshold(reference.energy);
   double error = 0, square_error = 0, square_db = 0, empty = 0, total = 0, lit = 0;
   for (std::size_t p = 0; p < place.pings.size(); ++p) {
     stop_if_wanted();
-    const SecondMoments moments = second_moments(
-        around.at(survey.fleet->shots_of(place.sensor), place.pings[p]), place.sensor, place.pings[p]);
+    const SecondMoments moments =
+        second_moments(around.at(survey.fleet->transmissions_of(place.sensor), place.pings[p]), place.sensor,
+                       place.pings[p]);
     for (std::size_t b = 0; b < reference.beams; ++b)
       for (std::size_t k = 0; k < reference.samples; ++k) {
         const double energy = reference.at(p, b, k);

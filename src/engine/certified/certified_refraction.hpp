@@ -8,8 +8,8 @@
 
 namespace tubefoot {
 
-/// Encloses the echo of one shot through refracting water: the energy that curved rays bring from the true
-/// facets, of which the bed's are the straightened ones. As certify_echo(), but for what the enclosures
+/// Encloses the echo of one transmission through refracting water: the energy that curved rays bring from the
+/// true facets, of which the bed's are the straightened ones. As certify_echo(), but for what the enclosures
 /// leave open:
 ///
 /// - a piece's energy is that of its apparent facet, of that one's law, times the enclosed factor; within

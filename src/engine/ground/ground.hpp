@@ -13,7 +13,7 @@
 #include "geometry/mesh/edge_refinement.hpp"
 #include "geometry/search/scene_tree.hpp"
 
-// The seabed with its macro-texture: facets refined and displaced, all of them or where a shot looks.
+// The seabed with its macro-texture: facets refined and displaced, all of them or where a transmission looks.
 // docs/textures.md, "Refinement"
 namespace tubefoot {
 
@@ -29,7 +29,7 @@ struct GroundSettings {
   std::vector<bool> mirrors{};
 };
 
-/// What a shot asks of the ground.
+/// What a transmission asks of the ground.
 struct Look {
   const TubeSet* tubes = nullptr;
   double first_m = 0;                ///< slant range where its samples begin
@@ -49,7 +49,7 @@ class Ground {
   RefinedMesh everywhere(const RefinementLimits& limits) const;
   /// The same of some of them: the same parts.
   RefinedMesh everywhere(std::span<const FacetId> facets, const RefinementLimits& limits) const;
-  /// All facets that these shots may see, as fine as they need; coarse beside them. Throws
+  /// All facets that these transmissions may see, as fine as they need; coarse beside them. Throws
   /// RefinementTooLarge.
   RefinedMesh seen_by(std::span<const Look> looks, const RefinementLimits& limits) const;
   /// The mirrors within a distance of a place and nothing else: the same parts as in seen_by(). Throws

@@ -23,7 +23,7 @@ struct DirectionBox {
 };
 
 /// The directions of a set of tubes and how far they reach, as a few convex pyramids that hold them all: a
-/// quick and safe answer to whether a shot may look at something.
+/// quick and safe answer to whether a transmission may look at something.
 class Sector {
  public:
   Sector(const TubeSet& tubes, double grid_unit_m);

@@ -16,7 +16,7 @@ struct StoreLayout {
     std::size_t pings = 0, cells = 0;  ///< cells of a ping: channels times beams times samples
     std::size_t channels = 1;          ///< each is packed by itself
   };
-  /// Sensors that share their shots: a ping of all of them is finished as a whole.
+  /// Sensors that share their transmissions: a ping of all of them is finished as a whole.
   struct Group {
     std::vector<std::size_t> sensors;
     std::size_t pings = 0;

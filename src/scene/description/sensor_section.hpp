@@ -17,7 +17,7 @@ class TomlSection;
 struct SensorFigures {
   double frequency_khz = 0;
   std::int64_t beams = 1, samples = 1;  ///< of a ping
-  std::int64_t shots = 1;               ///< of a ping
+  std::int64_t transmissions = 1;       ///< of a ping
   double sample_m = 0;                  ///< range that a sample covers
   double beam_deg = 0;                  ///< width of the narrowest beam
   double farthest_m = 0;                ///< range

@@ -71,13 +71,13 @@ void check_amounts(const SensorDescription& sensor, const TomlTable& table) {
         fmt::format("'beams' and 'samples' make {} range samples a ping, at most {} are taken: lower "
                     "one of the two, or share the beams among several sensors",
                     cells, limits::ping_cells));
-  const std::int64_t shots = sensor.pings.value_or(1) * figures.shots;
-  if (shots > limits::sensor_shots)
+  const std::int64_t transmissions = sensor.pings.value_or(1) * figures.transmissions;
+  if (transmissions > limits::sensor_transmissions)
     throw InputError(
         table.place_of("pings"),
         fmt::format("'pings' of {} shots each make {}, at most {} are taken: ask for fewer pings, in "
                     "several scenes",
-                    figures.shots, shots, limits::sensor_shots));
+                    figures.transmissions, transmissions, limits::sensor_transmissions));
 }
 
 void check_sensor(const SensorDescription& sensor, const TomlTable& table) {

@@ -39,9 +39,9 @@ struct Found {
   BinOrigins origins;
 
   explicit Found(const std::string& text) : survey(open_survey(read_scene(folder, text))) {
-    const Shots shots(*survey, RunRequest{});
-    ShotsAround around(shots);
-    origins = bin_origins(shots, around, 0, 0);
+    const Transmissions transmissions(*survey, RunRequest{});
+    TransmissionsAround around(transmissions);
+    origins = bin_origins(transmissions, around, 0, 0);
   }
   /// In the middle beam.
   BinKind at(double range_m) const {
@@ -79,9 +79,9 @@ TEST(BinOrigins, TheWindowCutsAtTheFirstAndTheLastSample) {
 
 TEST(BinOrigins, PartsAreTheEchoAndLieWhereTheirObjectsDo) {
   const Found found(scene_text());
-  const Shots shots(*found.survey, RunRequest{});
-  const Shot shot = shots.heard_by(0, 0, 0);
-  const Echo echo = shot.echo(shot.trace(), 0, shot.law(0).law);
+  const Transmissions transmissions(*found.survey, RunRequest{});
+  const Transmission transmission = transmissions.heard_by(0, 0, 0);
+  const Echo echo = transmission.echo(transmission.trace(), 0, transmission.law(0).law);
   std::vector<double> sum(echo.energy.size());
   std::uint32_t before = 0;
   for (const BinPart& part : found.origins.parts) {

@@ -86,23 +86,23 @@ TubeSet camera(double height_m, double tilt_deg, int beams, double width_deg = 1
 
 constexpr RangeSamples samples{2, 0.05, 120};
 
-struct Shot {
+struct Transmission {
   RefinedMesh ground;
   History history;
   Echo echo;
 };
 
-Shot fired(const RefinedMesh& ground, const TubeSet& tubes) {
-  Shot shot{ground, {}, {}};
-  const SceneTree tree(shot.ground.mesh, SceneTree::Sheets::ignored);
-  const TubeEngine engine(shot.ground.mesh, tree, grid.unit_m(), {});
-  shot.history = engine.trace(tubes);
+Transmission fired(const RefinedMesh& ground, const TubeSet& tubes) {
+  Transmission transmission{ground, {}, {}};
+  const SceneTree tree(transmission.ground.mesh, SceneTree::Sheets::ignored);
+  const TubeEngine engine(transmission.ground.mesh, tree, grid.unit_m(), {});
+  transmission.history = engine.trace(tubes);
   std::vector<std::uint32_t> beams(tubes.tubes.size());
   std::iota(beams.begin(), beams.end(), 0u);
   const std::vector<double> mu(4, 0.01);
-  shot.echo = integrate_echo(shot.history, {static_cast<int>(beams.size()), beams}, samples,
-                             {mu, shot.ground.mesh.material, 0});
-  return shot;
+  transmission.echo = integrate_echo(transmission.history, {static_cast<int>(beams.size()), beams}, samples,
+                                     {mu, transmission.ground.mesh.material, 0});
+  return transmission;
 }
 
 double total(const Echo& echo) { return std::accumulate(echo.energy.begin(), echo.energy.end(), 0.0); }
@@ -114,9 +114,9 @@ GroundSettings cells(double cell_m, double tolerance = 0) {
 Look look_of(const TubeSet& tubes) { return {&tubes, samples.first_m, samples.step_m}; }
 
 /// The polygons of every tube, wherever their facets are numbered.
-std::vector<std::vector<double>> polygons(const Shot& shot) {
+std::vector<std::vector<double>> polygons(const Transmission& transmission) {
   std::vector<std::vector<double>> all;
-  const FootprintSet& set = shot.history.footprints;
+  const FootprintSet& set = transmission.history.footprints;
   for (const Footprint& f : set.footprints)
     for (std::uint32_t p = 0; p < f.piece_count; ++p) {
       const Piece& piece = set.pieces[f.first_piece + p];
@@ -140,7 +140,7 @@ TEST(Ground, OnlineAndOfflineSeeTheSame) {
     const std::array<Look, 1> looks{look_of(tubes)};
     const RefinedMesh seen = ground.seen_by(looks, {});
     EXPECT_LT(2 * seen.mesh.facets.size(), everywhere.mesh.facets.size());
-    const Shot offline = fired(everywhere, tubes), online = fired(seen, tubes);
+    const Transmission offline = fired(everywhere, tubes), online = fired(seen, tubes);
     EXPECT_GT(online.history.footprints.footprints.size(), 500u);
     EXPECT_EQ(polygons(offline), polygons(online));
     EXPECT_EQ(offline.echo.energy, online.echo.energy);
@@ -155,7 +155,7 @@ TEST(Ground, RefiningWithoutDisplacementChangesNoEnergy) {
     const TubeSet tubes = camera(2, 25, 6);
     RefinedMesh plain;
     plain.mesh = base;
-    const Shot coarse = fired(plain, tubes), fine = fired(ground.everywhere({}), tubes);
+    const Transmission coarse = fired(plain, tubes), fine = fired(ground.everywhere({}), tubes);
     ASSERT_GT(total(coarse.echo), 0);
     EXPECT_GT(fine.history.footprints.footprints.size(), 8 * coarse.history.footprints.footprints.size());
     const double largest = *std::max_element(coarse.echo.energy.begin(), coarse.echo.energy.end());
@@ -285,19 +285,19 @@ TEST(Ground, ToleranceIsKept) {
     const TubeSet tubes = camera(2, 35, 6);
     const std::array<Look, 1> looks{look_of(tubes)};
     const RefinedMesh fine = Ground(base, grid, fields, cells(0.015)).seen_by(looks, {});
-    const Shot truth = fired(fine, tubes);
+    const Transmission truth = fired(fine, tubes);
     std::size_t last = fine.mesh.facets.size();
     for (const double tolerance : {0.03, 0.3}) {
       const RefinedMesh some = Ground(base, grid, fields, cells(0.015, tolerance)).seen_by(looks, {});
       EXPECT_LT(some.mesh.facets.size(), last);
       last = some.mesh.facets.size();
-      const Shot shot = fired(some, tubes);
+      const Transmission transmission = fired(some, tubes);
       const double largest = *std::max_element(truth.echo.energy.begin(), truth.echo.energy.end());
       double sum2 = 0;
       int lit = 0;
       for (std::size_t k = 0; k < truth.echo.energy.size(); ++k) {
         if (truth.echo.energy[k] < 0.2 * largest) continue;
-        sum2 += std::pow(shot.echo.energy[k] / truth.echo.energy[k] - 1, 2);
+        sum2 += std::pow(transmission.echo.energy[k] / truth.echo.energy[k] - 1, 2);
         ++lit;
       }
       ASSERT_GT(lit, 50);
@@ -314,7 +314,7 @@ TEST(Ground, FinerReliefChangesNoMoreThanStated) {
     const TubeSet tubes = camera(2, 35, 6);
     const std::array<Look, 1> looks{look_of(tubes)};
     const Ground coarse(base, grid, fields, cells(0.05)), fine(base, grid, fields, cells(0.02));
-    const Shot a = fired(coarse.seen_by(looks, {}), tubes), b = fired(fine.seen_by(looks, {}), tubes);
+    const Transmission a = fired(coarse.seen_by(looks, {}), tubes), b = fired(fine.seen_by(looks, {}), tubes);
     const double stated = finer_relief(a.history, a.ground.mesh, coarse.omitted(), samples.step_m).largest;
     double changed = 0;
     for (std::size_t k = 0; k < a.echo.energy.size(); ++k)

@@ -100,8 +100,8 @@ TEST(PathAudit, AMissingWindowAndAMissingPieceShow) {
   EXPECT_GT(broken, 10u);
 }
 
-// Labels of pings, groups and shots are of 64 bits. Half of them were shifted out once, and shots of a ping
-// that exchange what they see had one hash.
+// Labels of pings, groups and transmissions are of 64 bits. Half of them were shifted out once, and
+// transmissions of a ping that exchange what they see had one hash.
 TEST(AuditLabels, EveryBitCounts) {
   const Harbour harbour;
   const TubeEngine engine(harbour.mesh, harbour.tree, unit, VisibilityOptions());

@@ -115,7 +115,7 @@ TEST_F(Stop, RaysInTheMiddleOfAPing) {
       stopped_once_said("pings 0/1; portions of rays [0-9]+/[0-9]+")));
 }
 
-TEST_F(Stop, AnAuditInTheMiddleOfAShot) {
+TEST_F(Stop, AnAuditInTheMiddleOfATransmission) {
   const Outcome outcome = run_program({"audit", scene.string(), "--arithmetic", "rational", "--threads", "1"},
                                       stopped_once_said("audited shots 0/1; tubes [0-9]+/[0-9]+"));
   expect_stopped(outcome);
@@ -131,7 +131,7 @@ TEST_F(Stop, FootprintsInTheMiddleOfAPing) {
                                stopped_once_said("pings 0/1; tubes [0-9]+/[0-9]+")));
 }
 
-TEST_F(Stop, CoverageInTheMiddleOfAShot) {
+TEST_F(Stop, CoverageInTheMiddleOfATransmission) {
   expect_stopped_within_a_second({"coverage", scene.string(), "--arithmetic", "rational", "--threads", "1",
                                   "-o", (folder / "coverage.csv").string()},
                                  "shots 0/1; tubes [0-9]+/[0-9]+");

@@ -88,21 +88,21 @@ TEST(DidsonCycles, ShareOutTheBeamsInTheOrderOfFiring) {
     didson.cycle_interval_s = 0.01;
     didson.firing_order = {3, 0, 2, 1};
   });
-  ASSERT_EQ(sensor->shots(), 4u);
-  for (std::size_t shot = 0; shot < 4; ++shot) {
-    EXPECT_DOUBLE_EQ(sensor->shot_delay_s(shot), 0.01 * double(shot));
-    const std::size_t cycle = std::array{3, 0, 2, 1}[shot];
-    ASSERT_EQ(sensor->beams_of_shot(shot).size(), 24u);
+  ASSERT_EQ(sensor->transmissions(), 4u);
+  for (std::size_t transmission = 0; transmission < 4; ++transmission) {
+    EXPECT_DOUBLE_EQ(sensor->transmission_delay_s(transmission), 0.01 * double(transmission));
+    const std::size_t cycle = std::array{3, 0, 2, 1}[transmission];
+    ASSERT_EQ(sensor->beams_of_transmission(transmission).size(), 24u);
     for (std::size_t channel = 0; channel < 24; ++channel)
-      EXPECT_EQ(sensor->beams_of_shot(shot)[channel], channel * 4 + cycle);
+      EXPECT_EQ(sensor->beams_of_transmission(transmission)[channel], channel * 4 + cycle);
   }
 }
 
 TEST(DidsonCycles, FollowEachOtherWhenTheWindowsEndHasCome) {
   const auto sensor = camera([](auto&, auto& didson) { didson.cycles = 8; });
-  ASSERT_EQ(sensor->shots(), 8u);
-  EXPECT_DOUBLE_EQ(sensor->shot_delay_s(0), 0);
-  EXPECT_NEAR(sensor->shot_delay_s(7), 7 * (2 * 5.84 / 1500 + 420e-6), 1e-12);
+  ASSERT_EQ(sensor->transmissions(), 8u);
+  EXPECT_DOUBLE_EQ(sensor->transmission_delay_s(0), 0);
+  EXPECT_NEAR(sensor->transmission_delay_s(7), 7 * (2 * 5.84 / 1500 + 420e-6), 1e-12);
 }
 
 TEST(DidsonCycles, OfIdealBeamsLookWhereTheirBeamsLook) {
@@ -114,37 +114,39 @@ TEST(DidsonCycles, OfIdealBeamsLookWhereTheirBeamsLook) {
     });
     const auto all = corners(at_once->tubes(Pose{}, grid));
     std::size_t tubes = 0;
-    for (std::size_t shot = 0; shot < 8; ++shot) {
-      const auto own = corners(in_turn->tubes(Pose{}, grid, shot));
-      ASSERT_EQ(own.size(), in_turn->beam_of_tube(shot).size());
+    for (std::size_t transmission = 0; transmission < 8; ++transmission) {
+      const auto own = corners(in_turn->tubes(Pose{}, grid, transmission));
+      ASSERT_EQ(own.size(), in_turn->beam_of_tube(transmission).size());
       for (std::size_t tube = 0; tube < own.size(); ++tube)
-        EXPECT_EQ(own[tube], all[in_turn->beams_of_shot(shot)[in_turn->beam_of_tube(shot)[tube]]]);
+        EXPECT_EQ(
+            own[tube],
+            all[in_turn->beams_of_transmission(transmission)[in_turn->beam_of_tube(transmission)[tube]]]);
       tubes += own.size();
     }
     EXPECT_EQ(tubes, 96u);
   }
 }
 
-TEST(DidsonCycles, WithPatternsEveryShotLightsTheFanAndItsMarginsByTheSumOfItsBeams) {
+TEST(DidsonCycles, WithPatternsEveryTransmissionLightsTheFanAndItsMarginsByTheSumOfItsBeams) {
   const auto sensor = camera([](auto& description, auto& didson) {
     didson.cycles = 8;
     didson.receive_margin_deg = 1.5;
     description.transmit.pattern = description.receive.pattern = "line";
     description.transmit.aperture_m = description.receive.aperture_m = 0.1;
   });
-  for (std::size_t shot = 0; shot < 8; ++shot) {
-    const TubeSet set = sensor->tubes(Pose{}, grid, shot);
+  for (std::size_t transmission = 0; transmission < 8; ++transmission) {
+    const TubeSet set = sensor->tubes(Pose{}, grid, transmission);
     const auto [left, right] = extent_deg(set);
     EXPECT_NEAR(left, -16, 1e-5);
     EXPECT_NEAR(right, 16, 1e-5);
-    const BeamPatterns patterns = sensor->patterns(Pose{}, 1500, shot);
+    const BeamPatterns patterns = sensor->patterns(Pose{}, 1500, transmission);
     ASSERT_EQ(patterns.transmit.size(), 1u);
     ASSERT_EQ(patterns.transmit[0].beams.size(), 12u);
     ASSERT_EQ(patterns.receive.size(), 12u);
     ASSERT_EQ(patterns.beams_of_tube.size(), set.tubes.size());
     for (const auto& heard : patterns.beams_of_tube) EXPECT_EQ(heard, std::pair(0u, 12u));
     for (std::size_t channel = 0; channel < 12; ++channel) {
-      const double a = sensor->beams()[8 * channel + shot].azimuth_rad;
+      const double a = sensor->beams()[8 * channel + transmission].azimuth_rad;
       const glm::dvec3 axis{std::sin(a), std::cos(a), 0};
       EXPECT_NEAR(patterns.receive[channel].gain(axis), 1, 1e-12);
       EXPECT_NEAR(patterns.transmit[0].beams[channel].gain(axis), 1, 1e-12);

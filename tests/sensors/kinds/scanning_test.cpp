@@ -26,14 +26,14 @@ SensorDescription described(const Keys& keys) {
 glm::dvec3 unit(GridPoint ray) { return glm::normalize(glm::dvec3(ray.x, ray.y, ray.z)); }
 double azimuth_deg(glm::dvec3 v) { return std::atan2(v.x, v.y) / degree; }
 
-TEST(Scanning, TurnsOnceRoundClockwiseAShotAStep) {
+TEST(Scanning, TurnsOnceRoundClockwiseATransmissionAStep) {
   const auto sensor = make_sensor(described(ScanningDescription()));
-  ASSERT_EQ(sensor->shots(), 400u);
+  ASSERT_EQ(sensor->transmissions(), 400u);
   ASSERT_EQ(sensor->beams().size(), 400u);
   for (const std::size_t step : {0u, 1u, 199u, 399u}) {
     EXPECT_NEAR(sensor->beams()[step].azimuth_rad / degree, -180 + 0.9 * double(step), 1e-9);
-    EXPECT_NEAR(sensor->shot_delay_s(step), double(step) * (100.0 / 1500 + 0.02), 1e-9);
-    EXPECT_EQ(sensor->beams_of_shot(step), std::vector<std::uint32_t>{std::uint32_t(step)});
+    EXPECT_NEAR(sensor->transmission_delay_s(step), double(step) * (100.0 / 1500 + 0.02), 1e-9);
+    EXPECT_EQ(sensor->beams_of_transmission(step), std::vector<std::uint32_t>{std::uint32_t(step)});
     for (const GridPoint ray : sensor->tubes(Pose{}, grid, step).rays) {
       const double off = std::abs(azimuth_deg(unit(ray)) - sensor->beams()[step].azimuth_rad / degree);
       EXPECT_LT(std::min(off, 360 - off), 1 + 1e-6);
@@ -70,9 +70,9 @@ TEST(Scanning, LooksAtWholeMultiplesOfItsStep) {
 // A Ping360's data sheet: 9 s for a scan of 2 m, 35 s for one of 50 m.
 TEST(Scanning, TakesAsLongAsAPing360) {
   ScanningDescription scan;
-  EXPECT_NEAR(make_sensor(described(scan))->shot_delay_s(399), 35, 0.6);
+  EXPECT_NEAR(make_sensor(described(scan))->transmission_delay_s(399), 35, 0.6);
   scan.range_max_m = 2;
-  EXPECT_NEAR(make_sensor(described(scan))->shot_delay_s(399), 9, 0.2);
+  EXPECT_NEAR(make_sensor(described(scan))->transmission_delay_s(399), 9, 0.2);
 }
 
 TEST(Scanning, ItsPatternsTurnWithTheHead) {
@@ -86,7 +86,7 @@ TEST(Scanning, ItsPatternsTurnWithTheHead) {
   description.receive.width_deg = 20;
   description.receive.angle = "elevation";
   const auto sensor = make_sensor(description);
-  ASSERT_EQ(sensor->shots(), 3u);
+  ASSERT_EQ(sensor->transmissions(), 3u);
   for (std::size_t step = 0; step < 3; ++step) {
     const double head = sensor->beams()[step].azimuth_rad;
     const BeamPatterns patterns = sensor->patterns(Pose{}, 1500, step);

@@ -67,8 +67,8 @@ double largest_error(const Case& kind) {
   const double cone = std::tan(kind.height_deg / 2 * samples::degree);
   double worst = 0;
   std::size_t walls = 0;
-  for (std::size_t shot = 0; shot < sensor->shots(); ++shot) {
-    const TubeSet tubes = sensor->tubes(Pose{}, grid, shot);
+  for (std::size_t transmission = 0; transmission < sensor->transmissions(); ++transmission) {
+    const TubeSet tubes = sensor->tubes(Pose{}, grid, transmission);
     for (const Tube& tube : tubes.tubes)
       for (std::size_t k = 0; k < 4; ++k) {
         const auto ray = [&](std::size_t corner) {

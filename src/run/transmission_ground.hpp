@@ -9,20 +9,21 @@
 
 namespace tubefoot {
 
-class Shot;
+class Transmission;
 
-/// The facets that a shot meets: the site's own, or a refinement for this shot, which lives as long as this.
-class ShotGround {
+/// The facets that a transmission meets: the site's own, or a refinement for this transmission, which lives
+/// as long as this.
+class TransmissionGround {
  public:
   /// The site's own facets.
-  explicit ShotGround(const Site& site) : site_(&site) {}
-  ShotGround(const Site& site, RefinedMesh refined)
+  explicit TransmissionGround(const Site& site) : site_(&site) {}
+  TransmissionGround(const Site& site, RefinedMesh refined)
       : site_(&site),
         refined_(std::make_unique<RefinedMesh>(std::move(refined))),
         tree_(std::make_unique<SceneTree>(refined_->mesh, SceneTree::Sheets::ignored)) {}
 
   /// As the sonar sees it through refracting water.
-  ShotGround(const Site& site, ApparentGround apparent)
+  TransmissionGround(const Site& site, ApparentGround apparent)
       : site_(&site),
         apparent_(std::make_unique<ApparentGround>(std::move(apparent))),
         tree_(std::make_unique<SceneTree>(apparent_->refined.mesh, SceneTree::Sheets::ignored)) {}
@@ -37,7 +38,7 @@ class ShotGround {
     if (is_own()) facet = own().parent[facet];
     return site_->base_number_of(facet);
   }
-  /// Facets of the shot's own, as parts of the scene's; null: the site's own.
+  /// Facets of the transmission's own, as parts of the scene's; null: the site's own.
   const RefinedMesh* refined() const { return is_own() ? &own() : nullptr; }
   /// Null where facets are where they seem to be.
   const ApparentGround* apparent() const { return apparent_.get(); }
@@ -51,21 +52,23 @@ class ShotGround {
   std::unique_ptr<SceneTree> tree_;
 };
 
-/// The ground of a shot (Shot::ground() keeps it), if asked for with RefinedMesh::weights about the scene's
-/// facets. Throws InputError where it takes too many facets.
-ShotGround ground_of(const Shot& shot, bool weights = false);
+/// The ground of a transmission (Transmission::ground() keeps it), if asked for with RefinedMesh::weights
+/// about the scene's facets. Throws InputError where it takes too many facets.
+TransmissionGround ground_of(const Transmission& transmission, bool weights = false);
 /// The same where it lies, also in water that refracts.
-ShotGround lying_ground_of(const Shot& shot, bool weights = false);
-/// The relief that a shot sees. Throws InputError where it takes too many facets.
-RefinedMesh relief_seen_by(const Shot& shot, std::span<const Look> looks, bool weights = false);
-/// The mirrors within a distance of a shot, with their relief, and nothing else. Throws as relief_seen_by().
-RefinedMesh mirrors_about(const Shot& shot, double distance_m);
+TransmissionGround lying_ground_of(const Transmission& transmission, bool weights = false);
+/// The relief that a transmission sees. Throws InputError where it takes too many facets.
+RefinedMesh relief_seen_by(const Transmission& transmission, std::span<const Look> looks,
+                           bool weights = false);
+/// The mirrors within a distance of a transmission, with their relief, and nothing else. Throws as
+/// relief_seen_by().
+RefinedMesh mirrors_about(const Transmission& transmission, double distance_m);
 /// Leaves of a mesh what is in the water of a scene with [sea_surface], and of `parent`, by facet, what
 /// belongs to it; of `weights`, if given, where it lies. False: all of it was.
 bool cut_at_surface(const Scene& scene, FacetMesh& mesh, std::vector<FacetId>& parent,
                     std::vector<PartWeights>* weights = nullptr);
 /// The ground above and below a place.
-ShotGround ground_in_line_with(const Site& site, glm::dvec3 place_m);
+TransmissionGround ground_in_line_with(const Site& site, glm::dvec3 place_m);
 
 /// Settles how a scene's relief gets into its facets: nothing without relief; online, what ground_of() needs;
 /// offline, the scene's facets are refined (or loaded) here, and of a tiled site those of tiles by

@@ -7,41 +7,41 @@
 #include <vector>
 
 #include "engine/sight/path_footprints.hpp"
-#include "run/shot_ends.hpp"
+#include "run/transmission_ends.hpp"
 
 namespace tubefoot::python {
 
-/// A shot as one sensor hears it.
-struct HeardShot {
-  std::size_t sensor = 0, ping = 0, shot = 0;
+/// A transmission as one sensor hears it.
+struct HeardTransmission {
+  std::size_t sensor = 0, ping = 0, transmission = 0;
 };
 
-class NativeShot;
+class NativeTransmission;
 
-/// What one shot met, with all that its arrays point into.
+/// What one transmission met, with all that its arrays point into.
 struct NativeHistory {
-  std::shared_ptr<const NativeShot> shot;
+  std::shared_ptr<const NativeTransmission> transmission;
   FootprintSet footprints;
   std::vector<std::uint32_t> receive_tube;  ///< by footprint: the tube itself, unless the receiver is apart
   std::vector<double> receive_distance_m;   ///< of the receiver from the facet's plane
 };
 
-/// One shot of one sensor, where terrain is read by tiles with those that it needs: its ground, its tubes and
-/// how it listens.
-class NativeShot : public std::enable_shared_from_this<NativeShot> {
+/// One transmission of one sensor, where terrain is read by tiles with those that it needs: its ground, its
+/// tubes and how it listens.
+class NativeTransmission : public std::enable_shared_from_this<NativeTransmission> {
  public:
-  /// Throws UsageError where there is no such shot.
-  NativeShot(const Survey& survey, const RunRequest& request, HeardShot which);
+  /// Throws UsageError where there is no such transmission.
+  NativeTransmission(const Survey& survey, const RunRequest& request, HeardTransmission which);
 
-  const Survey& survey() const { return shots_.survey(); }
-  const HeardShot& which() const { return which_; }
+  const Survey& survey() const { return transmissions_.survey(); }
+  const HeardTransmission& which() const { return which_; }
   const SensorPings& pings() const { return survey().sensors[which_.sensor]; }
   const Sensor& sensor() const { return *pings().sensor; }
-  const Pose& pose() const { return shot_.pose(); }
-  const Pose& receiver_pose() const { return shot_.receiver_pose(); }
+  const Pose& pose() const { return transmission_.pose(); }
+  const Pose& receiver_pose() const { return transmission_.receiver_pose(); }
   /// Of facets that both ends see: where the transmitter sees them.
   const FacetMesh& mesh() const { return ends_.shared_mesh(); }
-  const ShotEnds& ends() const { return ends_; }
+  const TransmissionEnds& ends() const { return ends_; }
   const TubeSet& tubes() const { return ends_.out().tubes; }
   const TubeSet& receive_tubes() const { return ends_.home().tubes; }
   const std::vector<glm::dvec3>& vertices_m() const;
@@ -52,10 +52,10 @@ class NativeShot : public std::enable_shared_from_this<NativeShot> {
   std::shared_ptr<NativeHistory> trace() const;
 
  private:
-  const HeardShot which_;
-  const Shots shots_;
-  const Shot shot_;  ///< whose ground is made already, so that threads may share it
-  const ShotEnds ends_;
+  const HeardTransmission which_;
+  const Transmissions transmissions_;
+  const Transmission transmission_;  ///< whose ground is made already, so that threads may share it
+  const TransmissionEnds ends_;
   mutable std::once_flag vertices_made_;
   mutable std::vector<glm::dvec3> vertices_m_;  ///< of facets of its own
 };

@@ -9,12 +9,12 @@
 #include "engine/sight/bistatic_audit.hpp"
 #include "engine/sight/path_footprints.hpp"
 #include "run/refraction.hpp"
-#include "run/shot.hpp"
+#include "run/transmission.hpp"
 
 namespace tubefoot {
 
-/// One end of a shot's paths: its tubes, and the bed as they see it.
-struct ShotEnd {
+/// One end of a transmission's paths: its tubes, and the bed as they see it.
+struct TransmissionEnd {
   TubeSet tubes;
   const FacetMesh* mesh = nullptr;
   const SceneTree* tree = nullptr;
@@ -22,7 +22,7 @@ struct ShotEnd {
   const ApparentGround* apparent = nullptr;  ///< null where facets are where they seem to be
   /// By facet: the same one's name for the other end, where both ends have meshes of their own; else empty.
   std::span<const FacetId> name{};
-  const Site* site = nullptr;  ///< whose facets these are; null: they are the shot's own
+  const Site* site = nullptr;  ///< whose facets these are; null: they are the transmission's own
 
   FacetId name_of(FacetId facet) const { return name.empty() ? facet : name[facet]; }
   /// What a facet of that name is called: of the site's own, its number in all of the scene.
@@ -30,20 +30,20 @@ struct ShotEnd {
   FacetId number_of(FacetId facet) const { return number_of_name(name_of(facet)); }
 };
 
-/// The ends of a shot's paths, and what they see: one, or two where the receiver is apart. The shot outlives
-/// them.
-class ShotEnds {
+/// The ends of a transmission's paths, and what they see: one, or two where the receiver is apart. The
+/// transmission outlives them.
+class TransmissionEnds {
  public:
   /// With one end: tubes as that sensor sends them. `weights`: with RefinedMesh::weights about the scene's
-  /// facets. Throws as Shot::ground().
-  ShotEnds(const Shot& shot, std::size_t sensor, bool weights = false);
-  ShotEnds(const ShotEnds&) = delete;
-  ShotEnds& operator=(const ShotEnds&) = delete;
+  /// facets. Throws as Transmission::ground().
+  TransmissionEnds(const Transmission& transmission, std::size_t sensor, bool weights = false);
+  TransmissionEnds(const TransmissionEnds&) = delete;
+  TransmissionEnds& operator=(const TransmissionEnds&) = delete;
 
   bool are_two() const { return ends_.size() == 2; }
-  const ShotEnd& out() const { return ends_.front(); }
-  const ShotEnd& home() const { return ends_.back(); }
-  std::span<const ShotEnd> all() const { return ends_; }
+  const TransmissionEnd& out() const { return ends_.front(); }
+  const TransmissionEnd& home() const { return ends_.back(); }
+  std::span<const TransmissionEnd> all() const { return ends_; }
   /// Facets of what two ends see together, and, in refracting water, where each sees them; null in even
   /// water.
   const FacetMesh& shared_mesh() const { return pair_ ? pair_->apparent.mesh : *out().mesh; }
@@ -57,9 +57,9 @@ class ShotEnds {
     PathFootprints together;
   };
   Seen seen() const;
-  /// How the shot hears what two ends see together.
+  /// How the transmission hears what two ends see together.
   std::unique_ptr<SensorLaw> law(std::size_t sensor) const;
-  /// The laws of both; `label` tells shots apart in the hash.
+  /// The laws of both; `label` tells transmissions apart in the hash.
   BistaticAudit audit(std::uint64_t label) const;
 
  private:
@@ -67,12 +67,12 @@ class ShotEnds {
   Looks look_from_all(bool open_water) const;
   FootprintSharer sharer(const Looks& looks) const;
 
-  const Shot& shot_;
-  std::optional<ShotGround> ground_;  ///< with weights
+  const Transmission& transmission_;
+  std::optional<TransmissionGround> ground_;  ///< with weights
   std::optional<RefractedPair> pair_;
   std::vector<FacetId> pair_parent_;               ///< by facet of the pair's mesh: the scene's
   std::vector<std::unique_ptr<SceneTree>> trees_;  ///< of the pair
-  std::vector<ShotEnd> ends_;
+  std::vector<TransmissionEnd> ends_;
 };
 
 }  // namespace tubefoot

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "run/shot_ground.hpp"
+#include "run/transmission_ground.hpp"
 
 #include <fmt/format.h>
 
@@ -15,13 +15,13 @@
 #include "run/paths.hpp"
 #include "run/refined_bed_file.hpp"
 #include "run/refraction.hpp"
-#include "run/shot.hpp"
+#include "run/transmission.hpp"
 
 namespace tubefoot {
 namespace {
 
 /// A facet of a refined bed with its share of vertices and tree takes some 60 bytes.
-constexpr RefinementLimits most_offline{.facets = 100'000'000}, most_a_shot{.facets = 20'000'000};
+constexpr RefinementLimits most_offline{.facets = 100'000'000}, most_per_transmission{.facets = 20'000'000};
 
 std::vector<bool> mirror_materials(const Scene& scene) {
   std::vector<bool> mirrors;
@@ -179,32 +179,33 @@ void lay_relief(Site& site) {
 namespace {
 
 template <class Refine>
-RefinedMesh refined_for(const Shot& shot, const Refine& refine) {
+RefinedMesh refined_for(const Transmission& transmission, const Refine& refine) {
   try {
     return refine();
   } catch (const RefinementTooLarge&) {
-    throw InputError(shot.scene().description.refinement.place,
+    throw InputError(transmission.scene().description.refinement.place,
                      fmt::format("{} looks at more than {} facets of its ground: use a larger 'cell_m' or "
                                  "'tolerance'",
-                                 shot.name(), most_a_shot.facets));
+                                 transmission.name(), most_per_transmission.facets));
   }
 }
 
 }  // namespace
 
-RefinedMesh relief_seen_by(const Shot& shot, std::span<const Look> looks, bool weights) {
-  RefinedMesh bed = refined_for(shot, [&] {
-    return shot.site().ground->seen_by(looks, {most_a_shot.facets, weights});
+RefinedMesh relief_seen_by(const Transmission& transmission, std::span<const Look> looks, bool weights) {
+  RefinedMesh bed = refined_for(transmission, [&] {
+    return transmission.site().ground->seen_by(looks, {most_per_transmission.facets, weights});
   });
-  cut_at_surface(shot.scene(), bed.mesh, bed.parent, weights ? &bed.weights : nullptr);
+  cut_at_surface(transmission.scene(), bed.mesh, bed.parent, weights ? &bed.weights : nullptr);
   return bed;
 }
 
-RefinedMesh mirrors_about(const Shot& shot, double distance_m) {
-  RefinedMesh mirrors = refined_for(shot, [&] {
-    return shot.site().ground->mirrors_within(shot.pose().position_m, distance_m, most_a_shot);
+RefinedMesh mirrors_about(const Transmission& transmission, double distance_m) {
+  RefinedMesh mirrors = refined_for(transmission, [&] {
+    return transmission.site().ground->mirrors_within(transmission.pose().position_m, distance_m,
+                                                      most_per_transmission);
   });
-  cut_at_surface(shot.scene(), mirrors.mesh, mirrors.parent);
+  cut_at_surface(transmission.scene(), mirrors.mesh, mirrors.parent);
   return mirrors;
 }
 
@@ -230,25 +231,26 @@ bool cut_at_surface(const Scene& scene, FacetMesh& mesh, std::vector<FacetId>& p
   return true;
 }
 
-ShotGround ground_of(const Shot& shot, bool weights) {
-  return shot.scene().water->refracts() ? refracted_ground_of(shot, weights) : lying_ground_of(shot, weights);
+TransmissionGround ground_of(const Transmission& transmission, bool weights) {
+  return transmission.scene().water->refracts() ? refracted_ground_of(transmission, weights)
+                                                : lying_ground_of(transmission, weights);
 }
 
-ShotGround lying_ground_of(const Shot& shot, bool weights) {
-  const Site& site = shot.site();
-  if (!site.ground) return ShotGround(site);
-  std::vector<TubeSet> tubes{shot.tubes()};
-  if (shot.has_receiver_apart()) tubes.push_back(shot.receive_tubes(shot.first()));
-  std::vector<Look> looks = shot.looks(tubes);
-  const std::vector<PathLook> of_paths = looks_of_paths(shot);
+TransmissionGround lying_ground_of(const Transmission& transmission, bool weights) {
+  const Site& site = transmission.site();
+  if (!site.ground) return TransmissionGround(site);
+  std::vector<TubeSet> tubes{transmission.tubes()};
+  if (transmission.has_receiver_apart()) tubes.push_back(transmission.receive_tubes(transmission.first()));
+  std::vector<Look> looks = transmission.looks(tubes);
+  const std::vector<PathLook> of_paths = looks_of_paths(transmission);
   for (const PathLook& look : of_paths)
-    looks.push_back({&look.tubes, 0, shot.sample_length_m(), nullptr, look.beam_rad});
-  return ShotGround(site, relief_seen_by(shot, looks, weights));
+    looks.push_back({&look.tubes, 0, transmission.sample_length_m(), nullptr, look.beam_rad});
+  return TransmissionGround(site, relief_seen_by(transmission, looks, weights));
 }
 
-ShotGround ground_in_line_with(const Site& site, glm::dvec3 place_m) {
-  if (!site.ground) return ShotGround(site);
-  return ShotGround(site, site.ground->in_line_with(place_m));
+TransmissionGround ground_in_line_with(const Site& site, glm::dvec3 place_m) {
+  if (!site.ground) return TransmissionGround(site);
+  return TransmissionGround(site, site.ground->in_line_with(place_m));
 }
 
 }  // namespace tubefoot

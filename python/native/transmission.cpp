@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "shot.hpp"
+#include "transmission.hpp"
 
 #include <fmt/format.h>
 
@@ -10,36 +10,38 @@
 namespace tubefoot::python {
 namespace {
 
-/// The request, of a shot that there is and that can be traced by itself. A shot needs no function to compute
-/// echoes, which might hold it in turn.
-RunRequest checked(const Survey& survey, RunRequest request, const HeardShot& which) {
+/// The request, of a transmission that there is and that can be traced by itself. A transmission needs no
+/// function to compute echoes, which might hold it in turn.
+RunRequest checked(const Survey& survey, RunRequest request, const HeardTransmission& which) {
   const SensorPings& pings = survey.sensors.at(which.sensor);
   const std::string& name = pings.sensor->description().name;
   if (which.ping >= pings.times_s.size())
     throw UsageError(
         fmt::format("ping {}: sensor '{}' has pings 0 to {}", which.ping, name, pings.times_s.size() - 1));
-  if (which.shot >= pings.sensor->shots())
-    throw UsageError(fmt::format("shot {}: a ping of sensor '{}' has shots 0 to {}", which.shot, name,
-                                 pings.sensor->shots() - 1));
+  if (which.transmission >= pings.sensor->transmissions())
+    throw UsageError(fmt::format("shot {}: a ping of sensor '{}' has shots 0 to {}", which.transmission, name,
+                                 pings.sensor->transmissions() - 1));
   request.own_engine.reset();
-  require_able(survey, request, Feature::shot, which.sensor);
+  require_able(survey, request, Feature::transmission, which.sensor);
   return request;
 }
 
-Survey around(const Survey& survey, const RunRequest& request, const HeardShot& which) {
+Survey around(const Survey& survey, const RunRequest& request, const HeardTransmission& which) {
   if (!survey.site->is_tiled()) return survey;
-  return survey_around(Shots(survey, request), survey.fleet->shots_of(which.sensor), which.ping);
+  return survey_around(Transmissions(survey, request), survey.fleet->transmissions_of(which.sensor),
+                       which.ping);
 }
 
 }  // namespace
 
-NativeShot::NativeShot(const Survey& survey, const RunRequest& request, HeardShot which)
+NativeTransmission::NativeTransmission(const Survey& survey, const RunRequest& request,
+                                       HeardTransmission which)
     : which_(which),
-      shots_(around(survey, checked(survey, request, which), which), checked(survey, request, which)),
-      shot_(shots_.heard_by(which.sensor, which.ping, which.shot)),
-      ends_(shot_, which.sensor) {}
+      transmissions_(around(survey, checked(survey, request, which), which), checked(survey, request, which)),
+      transmission_(transmissions_.heard_by(which.sensor, which.ping, which.transmission)),
+      ends_(transmission_, which.sensor) {}
 
-const std::vector<glm::dvec3>& NativeShot::vertices_m() const {
+const std::vector<glm::dvec3>& NativeTransmission::vertices_m() const {
   if (ends_.out().refined == nullptr) return survey().site->vertices_m();
   std::call_once(vertices_made_, [this] {
     const auto& vertices = ends_.out().mesh->vertices;
@@ -49,14 +51,14 @@ const std::vector<glm::dvec3>& NativeShot::vertices_m() const {
   return vertices_m_;
 }
 
-std::shared_ptr<NativeHistory> NativeShot::trace() const {
+std::shared_ptr<NativeHistory> NativeTransmission::trace() const {
   if (ends_.are_two()) {
     PathFootprints seen = ends_.seen().together;
     return std::make_shared<NativeHistory>(NativeHistory{shared_from_this(), std::move(seen.footprints),
                                                          std::move(seen.receive_tube),
                                                          std::move(seen.receive_distance_m)});
   }
-  NativeHistory history{shared_from_this(), shot_.trace(tubes()).footprints, {}, {}};
+  NativeHistory history{shared_from_this(), transmission_.trace(tubes()).footprints, {}, {}};
   for (const Footprint& footprint : history.footprints.footprints) {
     history.receive_tube.push_back(footprint.tube);
     history.receive_distance_m.push_back(footprint.plane_distance_m);

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "run/shot_ends.hpp"
+#include "run/transmission_ends.hpp"
 
 #include "engine/sight/looks.hpp"
 #include "engine/sight/part_label.hpp"
 
 namespace tubefoot {
 
-ShotEnds::ShotEnds(const Shot& shot, std::size_t sensor, bool weights) : shot_(shot) {
-  const bool apart = shot.has_receiver_apart();
-  if (apart && shot.scene().water->refracts()) {
-    pair_.emplace(refracted_pair_of(shot, weights));
+TransmissionEnds::TransmissionEnds(const Transmission& transmission, std::size_t sensor, bool weights)
+    : transmission_(transmission) {
+  const bool apart = transmission.has_receiver_apart();
+  if (apart && transmission.scene().water->refracts()) {
+    pair_.emplace(refracted_pair_of(transmission, weights));
     const ApparentPair& pair = pair_->apparent;
     pair_parent_.resize(pair.mesh.facets.size());
     const auto add = [&](const TubeSet& tubes, const ApparentGround& ground,
@@ -22,8 +23,9 @@ ShotEnds::ShotEnds(const Shot& shot, std::size_t sensor, bool weights) : shot_(s
     add(pair_->receive_tubes, pair.receive, pair.receive_origin);
     return;
   }
-  if (weights && shot.site().has_ground_a_shot()) ground_.emplace(ground_of(shot, true));
-  const ShotGround& ground = ground_ ? *ground_ : shot.ground();
+  if (weights && transmission.site().has_ground_per_transmission())
+    ground_.emplace(ground_of(transmission, true));
+  const TransmissionGround& ground = ground_ ? *ground_ : transmission.ground();
   const auto add = [&](TubeSet tubes) {
     ends_.push_back({std::move(tubes),
                      &ground.mesh(),
@@ -31,44 +33,44 @@ ShotEnds::ShotEnds(const Shot& shot, std::size_t sensor, bool weights) : shot_(s
                      ground.refined(),
                      ground.apparent(),
                      {},
-                     ground.is_own() ? nullptr : &shot.site()});
+                     ground.is_own() ? nullptr : &transmission.site()});
   };
-  add(apart ? shot.tubes() : shot.tubes_of(sensor));
-  if (apart) add(shot.receive_tubes(sensor));
+  add(apart ? transmission.tubes() : transmission.tubes_of(sensor));
+  if (apart) add(transmission.receive_tubes(sensor));
 }
 
-FacetId ShotEnds::base_facet(FacetId shared) const {
+FacetId TransmissionEnds::base_facet(FacetId shared) const {
   if (pair_)
     shared = pair_parent_[shared];
   else if (out().refined != nullptr)
     shared = out().refined->parent[shared];
-  return shot_.site().base_number_of(shared);
+  return transmission_.site().base_number_of(shared);
 }
 
-std::unique_ptr<SensorLaw> ShotEnds::law(std::size_t sensor) const {
-  auto law = std::make_unique<SensorLaw>(shot_, ShotGround(shot_.site()), sensor);
+std::unique_ptr<SensorLaw> TransmissionEnds::law(std::size_t sensor) const {
+  auto law = std::make_unique<SensorLaw>(transmission_, TransmissionGround(transmission_.site()), sensor);
   law->law.material = shared_mesh().material;
   return law;
 }
 
-ShotEnds::Looks ShotEnds::look_from_all(bool open_water) const {
-  VisibilityOptions options = shot_.request().visibility;
+TransmissionEnds::Looks TransmissionEnds::look_from_all(bool open_water) const {
+  VisibilityOptions options = transmission_.request().visibility;
   options.open_water = options.open_water || open_water;
   Looks looks;
-  for (const ShotEnd& end : ends_) looks.push_back(look(*end.mesh, *end.tree, end.tubes, options));
+  for (const TransmissionEnd& end : ends_) looks.push_back(look(*end.mesh, *end.tree, end.tubes, options));
   return looks;
 }
 
-FootprintSharer ShotEnds::sharer(const Looks& looks) const {
-  const double unit_m = shot_.scene().grid.unit_m();
+FootprintSharer TransmissionEnds::sharer(const Looks& looks) const {
+  const double unit_m = transmission_.scene().grid.unit_m();
   if (!pair_) return {*out().mesh, {out().tubes, looks[0]}, {home().tubes, looks[1]}, unit_m};
   return {{out().tubes, looks[0], out().mesh, out().name},
           {home().tubes, looks[1], home().mesh, home().name},
           unit_m};
 }
 
-ShotEnds::Seen ShotEnds::seen() const {
-  const WorldGrid& grid = shot_.scene().grid;
+TransmissionEnds::Seen TransmissionEnds::seen() const {
+  const WorldGrid& grid = transmission_.scene().grid;
   const Looks looks = look_from_all(false);
   Seen seen;
   for (std::size_t k = 0; k < ends_.size(); ++k)
@@ -81,7 +83,7 @@ ShotEnds::Seen ShotEnds::seen() const {
   return seen;
 }
 
-BistaticAudit ShotEnds::audit(std::uint64_t label) const {
+BistaticAudit TransmissionEnds::audit(std::uint64_t label) const {
   const Looks looks = look_from_all(true);
   constexpr std::uint64_t of_home = std::uint64_t{1} << 62;
   return {audit_tubes(*out().mesh, out().tubes, looks[0], label),

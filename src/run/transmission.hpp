@@ -13,68 +13,69 @@
 #include "engine/sight/tube_engine.hpp"
 #include "run/run_request.hpp"
 #include "run/sensor_law.hpp"
-#include "run/shot_ground.hpp"
 #include "run/survey.hpp"
+#include "run/transmission_ground.hpp"
 
 // The one way from a survey to what a transmission meets and returns: whatever computes, proves, draws or
-// writes a ping asks its shots.
+// writes a ping asks its transmissions.
 namespace tubefoot {
 
-class Shot;
+class Transmission;
 class Truth;
 
-/// The shots of a survey, as one run asks for them, and what they share. Thread-safe.
-class Shots {
+/// The transmissions of a survey, as one run asks for them, and what they share. Thread-safe.
+class Transmissions {
  public:
-  Shots(Survey survey, RunRequest request);
-  ~Shots();
-  Shots(const Shots&) = delete;
-  Shots& operator=(const Shots&) = delete;
+  Transmissions(Survey survey, RunRequest request);
+  ~Transmissions();
+  Transmissions(const Transmissions&) = delete;
+  Transmissions& operator=(const Transmissions&) = delete;
 
   const Survey& survey() const { return survey_; }
   const RunRequest& request() const { return request_; }
   /// Null where it is not asked for.
   const Truth* truth() const { return truth_.get(); }
-  /// Shot `number` of a ping of one of the survey's groups. This outlives it.
-  Shot of(const SharedShots& group, std::size_t ping, std::size_t number) const;
+  /// Transmission `number` of a ping of one of the survey's groups. This outlives it.
+  Transmission of(const SharedTransmissions& group, std::size_t ping, std::size_t number) const;
   /// The one that a sensor takes part in.
-  Shot heard_by(std::size_t sensor, std::size_t ping, std::size_t number) const;
+  Transmission heard_by(std::size_t sensor, std::size_t ping, std::size_t number) const;
 
  private:
-  friend class Shot;
+  friend class Transmission;
   const Survey survey_;
   const RunRequest request_;
-  const ShotGround whole_;   ///< the site's own facets
-  const TubeEngine engine_;  ///< of these: keeps its threads' buffers from shot to shot
+  const TransmissionGround whole_;  ///< the site's own facets
+  const TubeEngine engine_;  ///< of these: keeps its threads' buffers from transmission to transmission
   const std::unique_ptr<const Truth> truth_;
 };
 
 /// One transmission of the sensors of a group. Its ground is made when it is first asked for, by one thread,
 /// and kept.
-class Shot {
+class Transmission {
  public:
-  Shot(const Shots& shots, const SharedShots& group, std::size_t ping, std::size_t number);
-  Shot(const Shot&) = delete;
-  Shot& operator=(const Shot&) = delete;
+  Transmission(const Transmissions& transmissions, const SharedTransmissions& group, std::size_t ping,
+               std::size_t number);
+  Transmission(const Transmission&) = delete;
+  Transmission& operator=(const Transmission&) = delete;
 
-  const Survey& survey() const { return shots_.survey_; }
+  const Survey& survey() const { return transmissions_.survey_; }
   const Site& site() const { return *survey().site; }
   const Scene& scene() const { return survey().scene; }
-  const RunRequest& request() const { return shots_.request_; }
-  const Truth* truth() const { return shots_.truth(); }
-  const SharedShots& group() const { return group_; }
+  const RunRequest& request() const { return transmissions_.request_; }
+  const Truth* truth() const { return transmissions_.truth(); }
+  const SharedTransmissions& group() const { return group_; }
   std::size_t ping() const { return ping_; }
   std::size_t number() const { return number_; }
-  /// "shot 0 of ping 3 of sensor 'a'", for messages.
+  /// "transmission 0 of ping 3 of sensor 'a'", for messages.
   std::string name() const;
 
   /// Of the group's first sensor: places, times and tubes are all its sensors'.
   std::size_t first() const { return group_.sensors.front(); }
   const SensorPings& pings() const { return survey().sensors[first()]; }
   const Sensor& sensor(std::size_t s) const { return *survey().sensors[s].sensor; }
-  const Pose& pose() const { return pings().shot_pose(ping_, number_); }
+  const Pose& pose() const { return pings().transmission_pose(ping_, number_); }
   const Pose& receiver_pose() const { return pings().receiver_pose(ping_, number_); }
-  /// A receiver that is apart shares its shots with nobody.
+  /// A receiver that is apart shares its transmissions with nobody.
   bool has_receiver_apart() const { return pings().sensor->has_receiver_apart(); }
   /// The shortest range sample of its sensors'.
   double sample_length_m() const;
@@ -90,7 +91,7 @@ class Shot {
   std::vector<Look> looks(std::span<const TubeSet> tubes) const;
   /// The facets that it meets, for all its sensors, and for a receiver that is apart. Throws InputError where
   /// that takes too many.
-  const ShotGround& ground() const;
+  const TransmissionGround& ground() const;
   /// How a sensor hears the ground.
   SensorLaw law(std::size_t sensor) const { return {*this, ground(), sensor}; }
 
@@ -105,14 +106,14 @@ class Shot {
                           const std::function<void(const BistaticHistory&)>& take) const;
   /// What a fan's transmitter and the two receivers on its staff see.
   StaffHistory trace_staff(std::size_t sensor, std::uint32_t fan, const Fringe& staff) const;
-  /// The closure law for each of its tubes; `label` tells shots apart in the hash.
+  /// The closure law for each of its tubes; `label` tells transmissions apart in the hash.
   std::vector<TubeAudit> audit(std::uint64_t label) const;
 
-  /// The beams of a shot that a sensor hears in (Sensor::beams_of_shot).
-  int beams(std::size_t s) const { return static_cast<int>(sensor(s).beams_of_shot(number_).size()); }
+  /// The beams of a transmission that a sensor hears in (Sensor::beams_of_transmission).
+  int beams(std::size_t s) const { return static_cast<int>(sensor(s).beams_of_transmission(number_).size()); }
   /// Which beams hear what; `fans`, which outlives it, is the sensor's fan_of_tube().
   ReceiveBeams beams_by_fans(std::size_t sensor, const std::vector<std::uint32_t>& fans) const;
-  /// What a sensor hears of what is seen, by a law of this shot.
+  /// What a sensor hears of what is seen, by a law of this transmission.
   Echo echo(const Sight& sight, std::size_t sensor, const EchoLaw& law) const;
   StaffEcho echo(const StaffHistory& history, std::size_t sensor, std::uint32_t fan,
                  const SensorLaw& law) const;
@@ -120,10 +121,10 @@ class Shot {
  private:
   const TubeEngine& engine() const;
 
-  const Shots& shots_;
-  const SharedShots& group_;
+  const Transmissions& transmissions_;
+  const SharedTransmissions& group_;
   std::size_t ping_, number_;
-  mutable std::optional<ShotGround> ground_;
+  mutable std::optional<TransmissionGround> ground_;
   mutable std::optional<TubeEngine> own_engine_;  ///< of ground of its own
 };
 

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+
+#include "engine/rays/ray_engine.hpp"
+#include "run/transmission.hpp"
+
+namespace tubefoot {
+
+/// The rays of a transmission: every ping draws its own sample, so that errors of neighbours are independent.
+RaySettings rays_of(const Transmission& transmission);
+
+/// What adaptive rays of a transmission go by: the shortest range samples of its sensors, and how bright its
+/// materials are, whatever their law, at 45 degrees.
+RayGuide guide_of(const Transmission& transmission);
+
+/// A transmission's ground, made ready for rays.
+class RayGround {
+ public:
+  explicit RayGround(const Transmission& transmission) : site_(transmission.site()) {
+    if (transmission.ground().is_own()) own_.emplace(transmission.ground().mesh(), transmission.scene().grid);
+  }
+  const RayScene& operator*() const { return own_ ? *own_ : site_.rays(); }
+
+ private:
+  const Site& site_;
+  std::optional<RayScene> own_;
+};
+
+}  // namespace tubefoot
