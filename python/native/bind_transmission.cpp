@@ -48,16 +48,17 @@ py::array by_beam(const NativeTransmission& transmission, Value value) {
 }
 
 /// Of each beam's fan; none with one receiver.
-py::object staffs(const NativeTransmission& transmission) {
+py::object receiver_pairs(const NativeTransmission& transmission) {
   const std::size_t number = transmission.which().transmission;
   const BeamPatterns patterns = transmission.sensor().patterns(transmission.receiver_pose(),
                                                                transmission.pings().sound_speed_m_s, number);
-  if (patterns.fringes.empty()) return py::none();
+  if (patterns.baselines.empty()) return py::none();
   std::vector<double> ways(3 * transmission.sensor().beams_of_transmission(number).size());
   const std::vector<std::uint32_t>& beams = transmission.sensor().beam_of_tube(number);
   for (std::size_t tube = 0; tube < beams.size(); ++tube) {
-    const Fringe& staff = patterns.fringes[patterns.fan_of_tube[tube]];
-    for (int k = 0; k < 3; ++k) ways[3 * beams[tube] + std::size_t(k)] = staff.baseline_m * staff.axis[k];
+    const ReceiverBaseline& receiver_pair = patterns.baselines[patterns.fan_of_tube[tube]];
+    for (int k = 0; k < 3; ++k)
+      ways[3 * beams[tube] + std::size_t(k)] = receiver_pair.baseline_m * receiver_pair.axis[k];
   }
   return array_of(ways, 3);
 }
@@ -118,7 +119,7 @@ void bind_transmission_class(py::module_& module) {
                                return by_beam(s, [](const BeamAxis& b) { return b.elevation_rad; });
                              })
       .def_property_readonly("range_edges_m", &range_edges)
-      .def_property_readonly("staff_m", &staffs)
+      .def_property_readonly("staff_m", &receiver_pairs)
       .def_property_readonly("rays", [](const NativeTransmission& s) { return rays(s.tubes()); })
       .def_property_readonly("receive_rays",
                              [](const NativeTransmission& s) { return rays(s.receive_tubes()); })

@@ -35,10 +35,10 @@ struct DepthEstimate {
   double angle_sigma_rad = 0, depth_sigma_m = 0;  ///< standard deviations, to first order
 };
 
-/// Two receivers on a staff, for waves that are plane along it: a point at slant range R seems
+/// Two receivers on a receiver pair, for waves that are plane along it: a point at slant range R seems
 /// (baseline / R)^2 / 16 rad away from its place at most. An angle of arrival is measured from the horizontal
-/// downwards, and so is the tilt, of the direction that the staff faces. What arrives from behind the staff
-/// is not told apart from its mirror image in front.
+/// downwards, and so is the tilt, of the direction that the receiver pair faces. What arrives from behind the
+/// receiver pair is not told apart from its mirror image in front.
 ///
 /// phase = (2 pi baseline / wavelength) sin(angle - tilt), known up to whole turns. Up to half a wavelength
 /// of baseline there is one angle for a phase; a longer baseline has about 2 baseline / wavelength of them,
@@ -54,9 +54,9 @@ class Interferometer {
   /// All angles within a right angle of the tilt that have the wrapped phase, ascending. May be none.
   std::vector<double> angles(double phase_rad) const;
   /// Of the angles that a phase stands for, the one whose unwrapped phase is nearest to that of
-  /// `expected_rad`: within half a turn, but where no angle in front of the staff is, which noise can bring
-  /// about near its ends. A phase that no wave has (noise on a baseline below half a wavelength) stands for
-  /// the end of the staff whose phase is nearest.
+  /// `expected_rad`: within half a turn, but where no angle in front of the receiver pair is, which noise can
+  /// bring about near its ends. A phase that no wave has (noise on a baseline below half a wavelength) stands
+  /// for the end of the receiver pair whose phase is nearest.
   double angle_near(double phase_rad, double expected_rad) const;
   /// Standard deviation wavelength sigma / (2 pi baseline cos(angle - tilt)), no more than that of an angle
   /// of which nothing is known, pi / sqrt 12.
@@ -67,7 +67,7 @@ class Interferometer {
  private:
   double sine(double angle_rad) const;
 
-  double turn_;  ///< 2 pi baseline / wavelength: phase of a wave along the staff
+  double turn_;  ///< 2 pi baseline / wavelength: phase of a wave along the receiver pair
   double tilt_rad_;
 };
 

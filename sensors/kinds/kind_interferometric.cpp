@@ -8,7 +8,7 @@
 #include "sensors/model/angles.hpp"
 #include "sensors/products/pictures.hpp"
 #include "sensors/products/received.hpp"
-#include "sensors/products/staff_files.hpp"
+#include "sensors/products/receiver_pair_files.hpp"
 #include "sensors/recordings/sensor_kind.hpp"
 
 namespace tubefoot {
@@ -16,8 +16,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A sidescan with a staff on each side: two receivers, half a baseline above and below the transmitter, on a
-/// line across the direction that the staff faces. Each has its own ranges and sees for itself.
+/// A sidescan with a receiver pair on each side: two receivers, half a baseline above and below the
+/// transmitter, on a line across the direction that the receiver pair faces. Each has its own ranges and sees
+/// for itself.
 class Interferometric : public Sidescan {
  public:
   /// Throws std::invalid_argument for what makes no sidescan, or a baseline that is not above 0 and at most
@@ -27,14 +28,14 @@ class Interferometric : public Sidescan {
 
 Interferometric::Interferometric(const SensorDescription& description)
     : Sidescan(description, description.kind.as<InterferometricDescription>()) {
-  const auto& staff = description.kind.as<InterferometricDescription>();
-  require(staff.baseline_m > 0 && staff.baseline_m <= staff.range_min_m, description, "baseline_m",
-          staff.baseline_m, "above 0 and at most range_min_m");
-  staff_ = {staff.baseline_m, staff.staff_tilt_deg};
-  const double tilt_rad = radians(staff.staff_tilt_deg);
+  const auto& receiver_pair = description.kind.as<InterferometricDescription>();
+  require(receiver_pair.baseline_m > 0 && receiver_pair.baseline_m <= receiver_pair.range_min_m, description,
+          "baseline_m", receiver_pair.baseline_m, "above 0 and at most range_min_m");
+  receiver_pair_ = {receiver_pair.baseline_m, receiver_pair.receiver_pair_tilt_deg};
+  const double tilt_rad = radians(receiver_pair.receiver_pair_tilt_deg);
   for (Fan& fan : transmissions_.front().fans) {
     const double side = fan.first_beam == 0 ? -1.0 : 1.0;
-    fan.staff = std::sin(tilt_rad) * side * starboard_axis + std::cos(tilt_rad) * up_axis;
+    fan.receiver_pair = std::sin(tilt_rad) * side * starboard_axis + std::cos(tilt_rad) * up_axis;
   }
 }
 
@@ -47,7 +48,7 @@ class InterferometricKind : public SensorKind {
     std::vector<TomlField<I>> fields = inherited<I>(sidescan_fields());
     fields.push_back(
         field("baseline_m", &I::baseline_m, {.ranges = {{.lo = 0, .hi = 10, .lo_excluded = true}}}));
-    fields.push_back(field("staff_tilt_deg", &I::staff_tilt_deg, {.ranges = {pitch}}));
+    fields.push_back(field("staff_tilt_deg", &I::receiver_pair_tilt_deg, {.ranges = {pitch}}));
     fields.push_back(field("phase_noise", &I::phase_noise));
     section.kind<I>("kind", name(), fields);
   }
@@ -75,7 +76,7 @@ class InterferometricKind : public SensorKind {
         recording.sensor->description().kind.as<InterferometricDescription>().phase_noise;
     std::vector<fs::path> files =
         write_two_sided_pictures(folder, recording, heard_by(recording, run), run.pictures, warnings);
-    append(files, write_staff_files(folder, recording, run, phase_noise));
+    append(files, write_receiver_pair_files(folder, recording, run, phase_noise));
     return files;
   }
   std::optional<SonarOutline> outline(const SensorDescription& sensor) const override {

@@ -114,9 +114,9 @@ BeamPatterns Sensor::patterns(const Pose& sensor_pose, double sound_speed_m_s,
       apart.push_back(
           told_apart(std::span(made.receive).subspan(fan.first_beam, fan.end_beam - fan.first_beam)));
     }
-    if (has_staff())
-      made.fringes.push_back({glm::normalize(turn * fan.staff), staff_.baseline_m,
-                              2 * std::numbers::pi * frequency_khz_ * 1000 / sound_speed_m_s});
+    if (has_receiver_pair())
+      made.baselines.push_back({glm::normalize(turn * fan.receiver_pair), receiver_pair_.baseline_m,
+                                2 * std::numbers::pi * frequency_khz_ * 1000 / sound_speed_m_s});
   }
   made.fan_of_tube = fan_of_tube(transmission);
   for (std::size_t tube = 0; tube < made.fan_of_tube.size(); ++tube) {
@@ -132,7 +132,7 @@ BeamPatterns Sensor::patterns(const Pose& sensor_pose, double sound_speed_m_s,
 
 double Sensor::reach(const WorldGrid& grid) const {
   // Half a path is no shorter than the range from the transmitter less a quarter of the baseline.
-  const double apart_m = signals_ ? signals_->farthest_element_m() : staff_.baseline_m / 2;
+  const double apart_m = signals_ ? signals_->farthest_element_m() : receiver_pair_.baseline_m / 2;
   return (samples_.first_m + samples_.count * samples_.step_m + apart_m) / grid.unit_m();
 }
 

@@ -36,14 +36,14 @@ class Sensor {
   const RangeSamples& samples() const { return samples_; }
   /// What is kept of each beam and sample: 1: its energy; 4: those of the upper and of the lower receiver,
   /// and the real and the imaginary part of the mean product of their signals.
-  int channels() const { return has_staff() ? 4 : 1; }
+  int channels() const { return has_receiver_pair() ? 4 : 1; }
   /// Of fans with two receivers each, half a baseline above and below the transmitter.
-  struct Staff {
-    double baseline_m = 0;  ///< 0: there is no staff, and one receiver
+  struct ReceiverPair {
+    double baseline_m = 0;  ///< 0: there is no receiver pair, and one receiver
     double tilt_deg = 0;    ///< of the direction that it faces, below the horizontal
   };
-  const Staff& staff() const { return staff_; }
-  bool has_staff() const { return staff_.baseline_m > 0; }
+  const ReceiverPair& receiver_pair() const { return receiver_pair_; }
+  bool has_receiver_pair() const { return receiver_pair_.baseline_m > 0; }
   /// How its elements send and hear, with phase; null: it keeps energies alone.
   const SignalModel* signals() const { return signals_ ? &*signals_ : nullptr; }
   /// Whether the fan of beams is spread across the track and looks down, else in the sensor's horizontal
@@ -71,7 +71,7 @@ class Sensor {
   /// sets.
   TubeSet tubes(const Pose& sensor_pose, const WorldGrid& grid, std::size_t transmission = 0) const;
   /// Whether transmitter or receiver have a pattern; if not, beams are 1 inside their tubes and 0 outside.
-  bool has_patterns() const { return transmit_.has_value() || receive_.has_value() || has_staff(); }
+  bool has_patterns() const { return transmit_.has_value() || receive_.has_value() || has_receiver_pair(); }
   /// The patterns of a transmission from a pose of the sensor itself, by the transmission's numbers of beams.
   /// A receive pattern is steered to its beam's axis, a transmit pattern to the middle of its fan or, where
   /// the transmission's beams are all sent at once, to each of them, added up. With a receive pattern a beam
@@ -109,8 +109,8 @@ class Sensor {
     std::uint32_t first_beam = 0, end_beam = 0, end_tube = 0;  ///< tubes: from the end of the fan before
     glm::dvec3 axis{0, 1, 0};                                  ///< its middle, in the sensor's frame
     glm::dvec3 azimuth{1, 0, 0}, elevation{0, 0, 1};           ///< where the two angles' directions grow
-    bool sent_by_beams = false;  ///< the transmit pattern is steered to each beam, else to `axis`
-    glm::dvec3 staff{0, 0, 1};   ///< with a baseline: from its lower to its upper receiver
+    bool sent_by_beams = false;         ///< the transmit pattern is steered to each beam, else to `axis`
+    glm::dvec3 receiver_pair{0, 0, 1};  ///< with a baseline: from its lower to its upper receiver
   };
 
   struct Transmission {
@@ -125,7 +125,7 @@ class Sensor {
   double frequency_khz_ = 0;
   std::vector<BeamAxis> beams_;
   RangeSamples samples_;
-  Staff staff_;
+  ReceiverPair receiver_pair_;
   std::optional<SignalModel> signals_;
   bool across_track_ = false;
   std::vector<Transmission> transmissions_;

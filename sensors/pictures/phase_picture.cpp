@@ -9,7 +9,7 @@
 #include <cmath>
 #include <vector>
 
-#include "sensors/detection/staff_soundings.hpp"
+#include "sensors/detection/receiver_pair_soundings.hpp"
 #include "sensors/pictures/decibel_scale.hpp"
 #include "sensors/pictures/phase_colour.hpp"
 #include "sensors/pictures/pixel_span.hpp"
@@ -20,7 +20,7 @@ namespace {
 constexpr int margin = 28, header_height = 2 * margin + 44, axis_height = 62, axis_width = 72;
 
 /// Adds what lies under a pixel in one ping.
-void add(const StaffPing& ping, std::size_t beam, PixelSpan samples, const InterferometricNoise* noise,
+void add(const ReceiverPairPing& ping, std::size_t beam, PixelSpan samples, const InterferometricNoise* noise,
          InterferometricSample& sum) {
   for (std::size_t k = samples.first; k < samples.end; ++k) {
     const InterferometricSample own = noise ? ping.received(beam, k, *noise) : ping.ideal(beam, k);
@@ -46,10 +46,10 @@ Canvas draw_phases(const Recording& recording, const std::string& font, const In
   const int left = margin + axis_width, top = header_height, bottom = top + rows, middle = left + side;
   const std::string title =
       fmt::format("{}   phase of upper against lower receiver", sensor.description().name);
-  const Sensor::Staff& staff = sensor.staff();
-  const std::string subtitle =
-      fmt::format("{:g} kHz, baseline {:g} m, staff tilted by {:g} degrees; brightness: coherence{}",
-                  sensor.frequency_khz(), staff.baseline_m, staff.tilt_deg, noise ? "; as received" : "");
+  const Sensor::ReceiverPair& receiver_pair = sensor.receiver_pair();
+  const std::string subtitle = fmt::format(
+      "{:g} kHz, baseline {:g} m, staff tilted by {:g} degrees; brightness: coherence{}",
+      sensor.frequency_khz(), receiver_pair.baseline_m, receiver_pair.tilt_deg, noise ? "; as received" : "");
   const int page_width = margin + std::max({middle + side + DecibelScale::legend_width + margin,
                                             margin + text_width(title, title_size, font),
                                             margin + text_width(subtitle, label_size, font)});
@@ -58,7 +58,7 @@ Canvas draw_phases(const Recording& recording, const std::string& font, const In
     const PixelSpan pings = items_under(row, rows, recording.pings());
     std::vector<std::array<InterferometricSample, 2>> sums(static_cast<std::size_t>(side));
     for (std::size_t ping = pings.first; ping < pings.end; ++ping) {
-      const StaffPing heard(recording, ping);
+      const ReceiverPairPing heard(recording, ping);
       for (int x = 0; x < side; ++x)
         for (const std::size_t beam : {0, 1})
           add(heard, beam, items_under(x, side, count), noise, sums[static_cast<std::size_t>(x)][beam]);

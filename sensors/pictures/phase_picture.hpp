@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "sensors/detection/staff_soundings.hpp"
+#include "sensors/detection/receiver_pair_soundings.hpp"
 #include "sensors/pictures/canvas.hpp"
 #include "sensors/recordings/recording.hpp"
 

@@ -29,7 +29,7 @@ std::vector<double> column(const std::vector<Item>& items, Value value) {
 
 constexpr struct {
   const char *name, *long_name;
-} staff_variables[] = {
+} receiver_pair_variables[] = {
     {"energy_lower",
      "echo energy per beam and range sample that the lower receiver hears; energy is the upper's"},
     {"cross_real", "mean product of the upper receiver's signal and the lower one's conjugate, real part"},
@@ -46,8 +46,8 @@ std::string meaning_of(const std::string& name) {
     return "certified half-width: the true " + (of == "energy" ? "energy" : "value of " + of) +
            " lies within " + of + " +- " + name;
   }
-  for (const auto& staff : staff_variables)
-    if (name == staff.name) return staff.long_name;
+  for (const auto& receiver_pair : receiver_pair_variables)
+    if (name == receiver_pair.name) return receiver_pair.long_name;
   throw std::invalid_argument("no variable " + name);
 }
 
@@ -65,7 +65,7 @@ std::vector<PingVariable> ping_variables(const Recording& recording) {
                          }});
   };
   const auto name_of = [](std::size_t channel) -> std::string {
-    return channel == 0 ? "energy" : staff_variables[channel - 1].name;
+    return channel == 0 ? "energy" : receiver_pair_variables[channel - 1].name;
   };
   for (std::size_t c = 0; c < recording.channels(); ++c) add(name_of(c), c, false);
   for (std::size_t c = 0; c < recording.channels() && recording.has_bounds(); ++c)

@@ -34,7 +34,7 @@ std::vector<double> ranges_m(const RangeSamples& samples) {
   return ranges;
 }
 
-std::size_t receivers(const Recording& recording) { return recording.sensor->has_staff() ? 2 : 1; }
+std::size_t receivers(const Recording& recording) { return recording.sensor->has_receiver_pair() ? 2 : 1; }
 
 /// What receivers hear, [ping][receiver][beam][sample]: cross products of their signals can't be told in dB.
 /// `values`: the recording's energies, or their bounds.

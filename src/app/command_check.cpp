@@ -171,9 +171,9 @@ void probe(const Transmissions& transmissions, const SharedTransmissions& group,
     sum.footprints += history.footprints.footprints.size();
     for (const std::size_t s : group.sensors) {
       const SensorLaw law = transmission.law(s);
-      for (std::uint32_t fan = 0; fan < law.patterns.fringes.size(); ++fan)
-        transmission.echo(transmission.trace_staff(s, fan, law.patterns.fringes[fan]), s, fan, law);
-      if (!transmission.sensor(s).has_staff()) transmission.echo(history, s, law.law);
+      for (std::uint32_t fan = 0; fan < law.patterns.baselines.size(); ++fan)
+        transmission.echo(transmission.trace_receiver_pair(s, fan, law.patterns.baselines[fan]), s, fan, law);
+      if (!transmission.sensor(s).has_receiver_pair()) transmission.echo(history, s, law.law);
       if (transmission.sensor(s).signals() != nullptr) signals_heard(transmission, s, history);
     }
   }

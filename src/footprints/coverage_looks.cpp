@@ -5,7 +5,7 @@
 #include <numeric>
 #include <utility>
 
-#include "engine/echo/staff_echo.hpp"
+#include "engine/echo/receiver_pair_echo.hpp"
 #include "geometry/tubes/part_corner_weights.hpp"
 #include "run/transmission_ends.hpp"
 #include "run/transmission_images.hpp"

@@ -164,7 +164,7 @@ std::vector<Found> found_in(const Survey& survey, std::optional<std::size_t> onl
     if (path_settings(scene, sensor.frequency_khz()))
       add(mirrors, "has paths over mirrors or two scatterings");
     if (sensor.has_receiver_apart()) add(receiver_apart, "has its receiver apart");
-    if (sensor.has_staff()) add(two_receivers, "has two receivers");
+    if (sensor.has_receiver_pair()) add(two_receivers, "has two receivers");
     if (sensor.signals() != nullptr) add(signals, "records signals");
   }
   if (const auto material = material_of_inclined_mirrors(scene))

@@ -5,16 +5,16 @@
 #include <array>
 #include <stdexcept>
 
-#include "engine/certified/staff_reference.hpp"
+#include "engine/certified/receiver_pair_reference.hpp"
 #include "engine/rays/ray_engine.hpp"
 #include "engine/sight/crossed_ways.hpp"
 #include "run/own_engine_part.hpp"
 #include "run/path_parts.hpp"
 #include "run/paths.hpp"
+#include "run/receiver_pair_rows.hpp"
 #include "run/refracted_reference.hpp"
 #include "run/refraction.hpp"
 #include "run/signals.hpp"
-#include "run/staff_rows.hpp"
 #include "run/transmission_images.hpp"
 #include "run/transmission_rays.hpp"
 #include "run/truth_parts.hpp"
@@ -22,8 +22,8 @@
 namespace tubefoot {
 namespace {
 
-/// Each receiver of a staff sees for itself; else by the transmitter's history, as others do.
-bool staffs_are_apart(const RunRequest& request) {
+/// Each receiver of a receiver pair sees for itself; else by the transmitter's history, as others do.
+bool receiver_pairs_are_bistatic(const RunRequest& request) {
   return request.engine == Engine::tube && request.binning == Binning::exact;
 }
 
@@ -59,20 +59,21 @@ void add_refracted_reference(const Transmission& transmission, PingSums& sums) {
   counts.footprints += found.history.footprints.footprints.size();
   counts.pieces += found.history.footprints.pieces.size();
   for (std::size_t k = 0; k < transmission.group().sensors.size(); ++k) {
-    if (transmission.sensor(transmission.group().sensors[k]).has_staff()) continue;
+    if (transmission.sensor(transmission.group().sensors[k]).has_receiver_pair()) continue;
     sums.add(transmission, transmission.group().sensors[k], found.sensors[k].certified);
     add_truth(transmission, transmission.group().sensors[k], found.ground, found.ground.mesh(), found.history,
               sums);
   }
 }
 
-void add_refracted_staff_reference(const Transmission& transmission, PingSums& sums) {
+void add_refracted_receiver_pair_reference(const Transmission& transmission, PingSums& sums) {
   PingCounts& counts = sums.counts;
   for (const std::size_t s : transmission.group().sensors) {
-    if (!transmission.sensor(s).has_staff()) continue;
-    StaffRows rows(transmission, s);
+    if (!transmission.sensor(s).has_receiver_pair()) continue;
+    ReceiverPairRows rows(transmission, s);
     for (std::uint32_t fan = 0; fan < std::uint32_t(transmission.beams(s)); ++fan) {
-      const RefractedStaffTransmission found = certify_refracted_staff_transmission(transmission, s, fan);
+      const RefractedReceiverPairTransmission found =
+          certify_refracted_receiver_pair_transmission(transmission, s, fan);
       counts.refraction.at_limit += found.at_limit;
       for (const ApparentGround& ground : found.apparent.seen)
         add_counts(counts.refraction, ground, transmission);
@@ -83,7 +84,7 @@ void add_refracted_staff_reference(const Transmission& transmission, PingSums& s
       counts.footprints += 2 * found.history.shared.facets.size();
       counts.pieces += 2 * found.history.shared.pieces.size();
       rows.set(fan, found.sensors.front().certified);
-      add_truth_of_staff(transmission, s, fan, found.apparent.bed.mesh, found.history, sums);
+      add_truth_of_receiver_pair(transmission, s, fan, found.apparent.bed.mesh, found.history, sums);
     }
     rows.add_to(sums, transmission, s, 1);
   }
@@ -131,30 +132,30 @@ void add_receiver_apart(const Transmission& transmission, PingSums& sums) {
     add(transmission.trace_both());
 }
 
-/// `mesh`: that of the histories' facets, which `trace(fan, staff)` makes.
+/// `mesh`: that of the histories' facets, which `trace(fan, receiver pair)` makes.
 template <class Trace>
-void add_staff(const Transmission& transmission, std::size_t s, const SensorLaw& law, const FacetMesh& mesh,
-               PingSums& sums, const Trace& trace) {
+void add_receiver_pair(const Transmission& transmission, std::size_t s, const SensorLaw& law,
+                       const FacetMesh& mesh, PingSums& sums, const Trace& trace) {
   const double unit_m = transmission.scene().grid.unit_m();
   EchoLaw on_mesh = law.law;
   on_mesh.material = mesh.material;
-  StaffRows rows(transmission, s);
-  for (std::uint32_t fan = 0; fan < law.patterns.fringes.size(); ++fan) {
-    const Fringe& staff = law.patterns.fringes[fan];
-    const StaffHistory history = trace(fan, staff);
+  ReceiverPairRows rows(transmission, s);
+  for (std::uint32_t fan = 0; fan < law.patterns.baselines.size(); ++fan) {
+    const ReceiverBaseline& receiver_pair = law.patterns.baselines[fan];
+    const ReceiverPairHistory history = trace(fan, receiver_pair);
     sums.as_echo([&] {
-      const StaffEcho echo =
-          integrate_staff_echo(history, staff, fan, fan, transmission.sensor(s).samples(), on_mesh);
+      const ReceiverPairEcho echo = integrate_receiver_pair_echo(history, receiver_pair, fan, fan,
+                                                                 transmission.sensor(s).samples(), on_mesh);
       if (const auto tolerance = transmission.request().reference_tolerance) {
         const BeamPatterns patterns = patterns_of_fan(law.patterns, fan, history.upper.tubes.size());
         EchoLaw own = on_mesh;
         own.patterns = &patterns;
-        rows.set(fan, certify_staff_echo(mesh, history, unit_m, staff, transmission.sensor(s).samples(), own,
-                                         echo, *tolerance));
+        rows.set(fan, certify_receiver_pair_echo(mesh, history, unit_m, receiver_pair,
+                                                 transmission.sensor(s).samples(), own, echo, *tolerance));
       } else {
         rows.set(fan, echo);
       }
-      add_truth_of_staff(transmission, s, fan, on_mesh, mesh, history, staff, sums);
+      add_truth_of_receiver_pair(transmission, s, fan, on_mesh, mesh, history, receiver_pair, sums);
       sums.add_finer_relief(
           transmission,
           BistaticHistory{history.transmit, history.upper, unit_m, history.by_upper, history.paired_upper},
@@ -179,15 +180,16 @@ void add_refracted_receiver_apart(const Transmission& transmission, PingSums& su
       counts.largest_gap_m = std::max(counts.largest_gap_m, facet.misfit_m);
   };
   const std::size_t s = transmission.first();
-  if (transmission.sensor(s).has_staff()) {
+  if (transmission.sensor(s).has_receiver_pair()) {
     SensorLaw law(transmission, TransmissionGround(transmission.site()), s);
-    law.patterns.fringes = refracted_fringes(transmission, pair);
-    return add_staff(transmission, s, law, mesh, sums, [&](std::uint32_t fan, const Fringe& staff) {
-      StaffHistory history = trace_staff(transmission, pair, fan, staff);
-      keep_misfit(history.paired_upper);
-      keep_misfit(history.paired_lower);
-      return history;
-    });
+    law.patterns.baselines = refracted_receiver_baselines(transmission, pair);
+    return add_receiver_pair(
+        transmission, s, law, mesh, sums, [&](std::uint32_t fan, const ReceiverBaseline& receiver_pair) {
+          ReceiverPairHistory history = trace_receiver_pair(transmission, pair, fan, receiver_pair);
+          keep_misfit(history.paired_upper);
+          keep_misfit(history.paired_lower);
+          return history;
+        });
   }
   const auto add = [&](const BistaticHistory& history) {
     keep_misfit(history.paired);
@@ -199,12 +201,13 @@ void add_refracted_receiver_apart(const Transmission& transmission, PingSums& su
     add(trace_both(transmission, pair));
 }
 
-void add_staffs(const Transmission& transmission, PingSums& sums) {
+void add_receiver_pairs(const Transmission& transmission, PingSums& sums) {
   for (const std::size_t s : transmission.group().sensors)
-    if (transmission.sensor(s).has_staff())
-      add_staff(
-          transmission, s, transmission.law(s), transmission.ground().mesh(), sums,
-          [&](std::uint32_t fan, const Fringe& staff) { return transmission.trace_staff(s, fan, staff); });
+    if (transmission.sensor(s).has_receiver_pair())
+      add_receiver_pair(transmission, s, transmission.law(s), transmission.ground().mesh(), sums,
+                        [&](std::uint32_t fan, const ReceiverBaseline& receiver_pair) {
+                          return transmission.trace_receiver_pair(s, fan, receiver_pair);
+                        });
 }
 
 /// What all sensors that do not see for themselves hear of one history.
@@ -212,8 +215,8 @@ template <class Add>
 void add_history(const Transmission& transmission, const History& history, PingSums& sums, const Add& add) {
   sums.as_echo([&] {
     for (const std::size_t s : transmission.group().sensors)
-      if (sums.chosen(s).pings > 0 &&
-          !(staffs_are_apart(transmission.request()) && transmission.sensor(s).has_staff())) {
+      if (sums.chosen(s).pings > 0 && !(receiver_pairs_are_bistatic(transmission.request()) &&
+                                        transmission.sensor(s).has_receiver_pair())) {
         const SensorLaw law = transmission.law(s);
         sums.with_echo(transmission, history, s, law.law,
                        [&](const LitEcho& made) { add(s, law.law, made); });
@@ -273,7 +276,7 @@ void add_crossed_ways(const Transmission& transmission, PingSums& sums) {
   const ApparentGround& ground = *transmission.ground().apparent();
   const auto take = [&](const BistaticHistory& history) {
     for (const std::size_t s : transmission.group().sensors) {
-      if (transmission.sensor(s).has_staff()) continue;
+      if (transmission.sensor(s).has_receiver_pair()) continue;
       SensorLaw law(transmission, TransmissionGround(transmission.site()), s);
       law.law.material = ground.part_material;
       sums.add(transmission, s, 1, transmission.echo(history, s, law.law).energy);
@@ -306,14 +309,14 @@ struct Asked {
   bool own_engine, mirrors;
   bool direct;      ///< the way to a facet and straight back, by a built-in engine
   bool one_ground;  ///< that, on the transmission's one ground
-  bool certified, refracted, apart, staffs, others, rays, signals;
+  bool certified, refracted, apart, receiver_pairs, others, rays, signals;
 };
 
 Asked asked_of(const Transmissions& transmissions, const SharedTransmissions& group) {
   const Survey& survey = transmissions.survey();
   const RunRequest& request = transmissions.request();
   const auto sensor = [&](std::size_t s) -> const Sensor& { return *survey.sensors[s].sensor; };
-  const auto has_staff = [&](std::size_t s) { return sensor(s).has_staff(); };
+  const auto has_receiver_pair = [&](std::size_t s) { return sensor(s).has_receiver_pair(); };
   Asked asked{};
   asked.own_engine = request.own_engine != nullptr;
   asked.mirrors = std::ranges::any_of(group.sensors, [&](std::size_t s) {
@@ -324,10 +327,10 @@ Asked asked_of(const Transmissions& transmissions, const SharedTransmissions& gr
   asked.refracted = survey.scene.water->refracts();
   asked.apart = sensor(group.sensors.front()).has_receiver_apart();
   asked.one_ground = asked.direct && !(asked.refracted && (asked.certified || asked.apart));
-  // Only a transmitter in their middle can see for both receivers of a staff.
-  const bool apart = staffs_are_apart(request) || asked.apart;
-  asked.staffs = apart && std::ranges::any_of(group.sensors, has_staff);
-  asked.others = !(apart && std::ranges::all_of(group.sensors, has_staff));
+  // Only a transmitter in their middle can see for both receivers of a receiver pair.
+  const bool apart = receiver_pairs_are_bistatic(request) || asked.apart;
+  asked.receiver_pairs = apart && std::ranges::any_of(group.sensors, has_receiver_pair);
+  asked.others = !(apart && std::ranges::all_of(group.sensors, has_receiver_pair));
   asked.rays = request.engine == Engine::ray;
   asked.signals =
       std::ranges::any_of(group.sensors, [&](std::size_t s) { return sensor(s).signals() != nullptr; });
@@ -345,14 +348,15 @@ constexpr auto table = std::to_array<Row>({
     {{"paths over mirrors", add_paths}, [](A a) { return a.mirrors && !a.own_engine; }},
     {{"certified, through refracting water", add_refracted_reference},
      [](A a) { return a.direct && a.refracted && a.certified && a.others; }},
-    {{"each receiver of a staff, certified, through refracting water", add_refracted_staff_reference},
-     [](A a) { return a.direct && a.refracted && a.certified && a.staffs; }},
+    {{"each receiver of a staff, certified, through refracting water", add_refracted_receiver_pair_reference},
+     [](A a) { return a.direct && a.refracted && a.certified && a.receiver_pairs; }},
     {{"a receiver apart, through refracting water", add_refracted_receiver_apart},
      [](A a) { return a.direct && a.refracted && a.apart && !a.certified; }},
     {{"the ground", count_ground},
      [](A a) { return a.one_ground || (a.mirrors && !a.own_engine && !a.refracted); }},
-    {{"a receiver apart", add_receiver_apart}, [](A a) { return a.one_ground && a.apart && !a.staffs; }},
-    {{"each receiver of a staff", add_staffs}, [](A a) { return a.one_ground && a.staffs; }},
+    {{"a receiver apart", add_receiver_apart},
+     [](A a) { return a.one_ground && a.apart && !a.receiver_pairs; }},
+    {{"each receiver of a staff", add_receiver_pairs}, [](A a) { return a.one_ground && a.receiver_pairs; }},
     {{"sampled", add_sampled}, [](A a) { return a.one_ground && !a.apart && a.others && a.rays; }},
     {{"certified", add_certified},
      [](A a) { return a.one_ground && !a.apart && a.others && !a.rays && a.certified; }},

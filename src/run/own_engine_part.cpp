@@ -39,7 +39,7 @@ void add_own_engine(const Transmission& transmission, PingSums& sums) {
     std::vector<double> energy(static_cast<std::size_t>(sensor.channels() * transmission.beams(s)) *
                                static_cast<std::size_t>(sensor.samples().count));
     transmission.request().own_engine->echo(transmission, s, energy);
-    if (sensor.has_staff()) check_coherence(transmission, s, energy);
+    if (sensor.has_receiver_pair()) check_coherence(transmission, s, energy);
     sums.add(transmission, s, 1, energy);
   }
 }

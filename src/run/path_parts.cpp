@@ -6,11 +6,11 @@
 #include <stdexcept>
 
 #include "engine/paths/path_echo.hpp"
-#include "engine/paths/staff_paths.hpp"
+#include "engine/paths/receiver_pair_paths.hpp"
 #include "run/paths.hpp"
+#include "run/receiver_pair_rows.hpp"
 #include "run/refracted_reference.hpp"
 #include "run/refraction.hpp"
-#include "run/staff_rows.hpp"
 #include "run/transmission_images.hpp"
 #include "run/transmission_rays.hpp"
 #include "run/truth_parts.hpp"
@@ -115,15 +115,15 @@ void add_paths_of(const Transmission& transmission, std::size_t s, const PathSet
                      });
 }
 
-void add_staff_paths_of(const Transmission& transmission, std::size_t s, const PathSettings& settings,
-                        PingSums& sums) {
+void add_receiver_pair_paths_of(const Transmission& transmission, std::size_t s, const PathSettings& settings,
+                                PingSums& sums) {
   const Sensor& sensor = transmission.sensor(s);
   const PathEnds ends(transmission, s);
   const std::vector<std::uint32_t> fans = sensor.fan_of_tube(transmission.number());
   const PathBed bed(transmission, s, ends);
   const SensorLaw law(transmission, *bed, s);
-  std::vector<StaffRows> by_order(std::size_t(settings.order) + 1, StaffRows(transmission, s));
-  for (std::uint32_t fan = 0; fan < law.patterns.fringes.size(); ++fan) {
+  std::vector<ReceiverPairRows> by_order(std::size_t(settings.order) + 1, ReceiverPairRows(transmission, s));
+  for (std::uint32_t fan = 0; fan < law.patterns.baselines.size(); ++fan) {
     const TubeSet transmit = tubes_of_fan(ends.transmit, fans, fan),
                   receive = tubes_of_fan(ends.receive, fans, fan);
     const BeamPatterns patterns = patterns_of_fan(law.patterns, fan, receive.tubes.size());
@@ -131,19 +131,19 @@ void add_staff_paths_of(const Transmission& transmission, std::size_t s, const P
     own.patterns = &patterns;
     const auto trace = [&](const FacetMesh& mesh, const EchoLaw& by, const PathSettings& how) {
       return as_seen_by(transmission, [&] {
-        return staff_path_echo(
+        return receiver_pair_path_echo(
             mesh, (*bed).tree(), transmission.scene().grid.unit_m(), transmission.request().visibility,
-            {transmit, receive, law.patterns.fringes[fan]}, sensor.samples(), by, how, bed.water());
+            {transmit, receive, law.patterns.baselines[fan]}, sensor.samples(), by, how, bed.water());
       });
     };
-    const StaffPathEcho paths = trace((*bed).mesh(), own, settings);
+    const ReceiverPairPathEcho paths = trace((*bed).mesh(), own, settings);
     for (std::size_t order = 0; order < paths.by_order.size(); ++order) {
       if (!settings.reference_tolerance) {
         by_order[order].set(fan, paths.by_order[order]);
         continue;
       }
       CertifiedEcho certified{rows_of(paths.by_order[order]), rows_of(paths.bound_by_order[order]).energy};
-      hold_staff_against(certified, *settings.reference_tolerance);
+      compare_receiver_pair_with(certified, *settings.reference_tolerance);
       by_order[order].set(fan, certified);
     }
     count_paths(transmission, paths, sums);
@@ -163,8 +163,8 @@ void add_paths(const Transmission& transmission, PingSums& sums) {
   for (const std::size_t s : transmission.group().sensors)
     if (auto settings = path_settings(transmission.scene(), transmission.sensor(s).frequency_khz())) try {
         settings->reference_tolerance = transmission.request().reference_tolerance;
-        (transmission.sensor(s).has_staff() ? add_staff_paths_of : add_paths_of)(transmission, s, *settings,
-                                                                                 sums);
+        (transmission.sensor(s).has_receiver_pair() ? add_receiver_pair_paths_of : add_paths_of)(
+            transmission, s, *settings, sums);
       } catch (const std::length_error& error) {
         throw too_many_images(transmission.sensor(s).description(), error);
       }

@@ -141,10 +141,12 @@ void check_paths(const Scene& scene, const Fleet& fleet) {
     const std::string name = fmt::format("sensor '{}'", sensor.name);
     for (const auto* poses : {&pings.transmission_poses, &pings.receiver_poses})
       for (const Pose& pose : *poses) check(name, pose.position_m.z);
-    if (!pings.sensor->has_staff()) continue;
+    if (!pings.sensor->has_receiver_pair()) continue;
     for (const Pose& pose : pings.receiver_poses.empty() ? pings.transmission_poses : pings.receiver_poses)
-      for (const Fringe& staff : pings.sensor->patterns(pose, pings.sound_speed_m_s).fringes)
-        check("the staff of " + name, pose.position_m.z + staff.baseline_m / 2 * std::abs(staff.axis.z));
+      for (const ReceiverBaseline& receiver_pair :
+           pings.sensor->patterns(pose, pings.sound_speed_m_s).baselines)
+        check("the staff of " + name,
+              pose.position_m.z + receiver_pair.baseline_m / 2 * std::abs(receiver_pair.axis.z));
   }
 }
 

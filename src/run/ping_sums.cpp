@@ -8,7 +8,7 @@
 #include <numeric>
 #include <optional>
 
-#include "engine/certified/staff_reference.hpp"
+#include "engine/certified/receiver_pair_reference.hpp"
 #include "run/signals.hpp"
 #include "run/truth.hpp"
 
@@ -46,7 +46,7 @@ void count_chosen(CertifiedEcho& certified, const Sensor& sensor, const std::vec
   const auto row_of = [&](std::vector<double>& values, std::size_t row) {
     return std::span(values).subspan(row * samples, samples);
   };
-  if (!sensor.has_staff()) {
+  if (!sensor.has_receiver_pair()) {
     for (std::size_t beam = 0; beam < beams.size(); ++beam)
       if (!chosen.place_of(beams[beam])) std::ranges::fill(row_of(certified.bound, beam), 0.0);
     hold_against(certified, tolerance);
@@ -61,7 +61,7 @@ void count_chosen(CertifiedEcho& certified, const Sensor& sensor, const std::vec
       std::ranges::copy(row_of(certified.echo.energy, row), std::back_inserter(own.echo.energy));
       std::ranges::copy(row_of(certified.bound, row), std::back_inserter(own.bound));
     }
-    hold_staff_against(own, tolerance);
+    compare_receiver_pair_with(own, tolerance);
     certified.bins_over += own.bins_over;
     if (!(own.worst_ratio > certified.worst_ratio)) continue;
     certified.worst_ratio = own.worst_ratio;

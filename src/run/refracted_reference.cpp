@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "engine/certified/refracted_staff.hpp"
+#include "engine/certified/refracted_receiver_pair.hpp"
 #include "engine/sight/bistatic_history.hpp"
 #include "engine/sight/tube_engine.hpp"
 #include "run/refraction.hpp"
@@ -39,7 +39,7 @@ RefractedTransmission certify(const Transmission& transmission, const Transmissi
   found.history = engine.trace(transmission.tubes(), &found.candidates, false);
   const glm::dvec3 apex = scene.grid.to_metres(found.history.tubes.apex);
   for (const std::size_t s : transmission.group().sensors) {
-    if (transmission.sensor(s).has_staff()) {
+    if (transmission.sensor(s).has_receiver_pair()) {
       found.sensors.emplace_back();
       continue;
     }
@@ -91,21 +91,22 @@ RefractedPairTransmission certify(const Transmission& transmission, const PairSt
   return found;
 }
 
-/// One fan of a staff, whose ends the ground was straightened for: transmitter, upper and lower receiver.
-struct StaffEnds {
+/// One fan of a receiver pair, whose ends the ground was straightened for: transmitter, upper and lower
+/// receiver.
+struct ReceiverPairEnds {
   const EndsStraightening& ends;
   std::size_t sensor;
   std::uint32_t fan;
-  const Fringe& staff;
+  const ReceiverBaseline& receiver_pair;
 };
 
-RefractedStaffTransmission certify(const Transmission& transmission, const StaffEnds& seen,
-                                   AlikeGrounds grounds) {
+RefractedReceiverPairTransmission certify(const Transmission& transmission, const ReceiverPairEnds& seen,
+                                          AlikeGrounds grounds) {
   const EndsStraightening& ends = seen.ends;
   const Sensor& sensor = transmission.sensor(seen.sensor);
   const WorldGrid& grid = transmission.scene().grid;
   const VisibilityOptions& options = transmission.request().visibility;
-  RefractedStaffTransmission found{std::move(grounds), {}, {}, false};
+  RefractedReceiverPairTransmission found{std::move(grounds), {}, {}, false};
   const AlikeGrounds& own = found.apparent;
   const FacetMesh& mesh = own.bed.mesh;
   SensorLaw law(transmission, TransmissionGround(transmission.site()), seen.sensor);
@@ -133,10 +134,10 @@ RefractedStaffTransmission certify(const Transmission& transmission, const Staff
                                    ends.water(1 + e), ends.absorption_db_per_m());
     ordinary[e] = integrate_echo(found.history, {1, of_tube}, sensor.samples(), law.law);
   }
-  found.sensors.push_back(certify_refracted_staff(
+  found.sensors.push_back(certify_refracted_receiver_pair(
       {bed_of(1), bed_of(2)},
       {PairedTubes{ends.tubes(0), ends.tubes(1)}, PairedTubes{ends.tubes(0), ends.tubes(2)}}, options,
-      seen.staff, sensor.samples(), law.law, ordinary, *transmission.request().reference_tolerance));
+      seen.receiver_pair, sensor.samples(), law.law, ordinary, *transmission.request().reference_tolerance));
   for (ApparentGround& ground : found.apparent.seen) ends.bed().name_by_scene(ground);
   return found;
 }
@@ -262,14 +263,14 @@ RefractedPairTransmission certify_refracted_pair_transmission(const Transmission
                             [&](const StraighteningSettings& settings) { return seen.pair(settings); });
 }
 
-RefractedStaffTransmission certify_refracted_staff_transmission(const Transmission& transmission,
-                                                                std::size_t sensor, std::uint32_t fan) {
+RefractedReceiverPairTransmission certify_refracted_receiver_pair_transmission(
+    const Transmission& transmission, std::size_t sensor, std::uint32_t fan) {
   const Scene& scene = transmission.scene();
   const WorldGrid& grid = scene.grid;
   const SensorPings& pings = transmission.survey().sensors[sensor];
-  const Fringe staff =
+  const ReceiverBaseline receiver_pair =
       pings.sensor->patterns(transmission.receiver_pose(), pings.sound_speed_m_s, transmission.number())
-          .fringes[fan];
+          .baselines[fan];
   const std::vector<std::uint32_t> fans = pings.sensor->fan_of_tube(transmission.number());
   const TubeSet transmit = tubes_of_fan(transmission.tubes(), fans, fan),
                 receive = transmission.has_receiver_apart()
@@ -279,18 +280,19 @@ RefractedStaffTransmission certify_refracted_staff_transmission(const Transmissi
   std::vector<Straightening> water{
       straightening_of(transmission.site(), pings, grid.to_metres(transmit.apex))};
   for (const double end : {1.0, -1.0}) {
-    const glm::dvec3 at_m = grid.to_metres(receive.apex) + end * staff.baseline_m / 2 * staff.axis;
+    const glm::dvec3 at_m =
+        grid.to_metres(receive.apex) + end * receiver_pair.baseline_m / 2 * receiver_pair.axis;
     if (const double above = at_m.z - scene.water->surface_height_m(); above > 0)
       throw InputError(
           pings.sensor->description().place,
           fmt::format("a receiver of {} is {:.3g} m above the sea surface: lower its trajectory, "
                       "shorten 'baseline_m', or raise 'surface_height_m' of [water]",
                       transmission.name(), above));
-    tubes.push_back(moved_along(receive, staff, end, grid.unit_m()));
+    tubes.push_back(moved_along(receive, receiver_pair, end, grid.unit_m()));
     water.push_back(straightening_of(transmission.site(), pings, at_m));
   }
   const EndsStraightening ends(transmission, std::move(tubes), std::move(water));
-  return certify_ever_finer(transmission, ends.reach_m(), StaffEnds{ends, sensor, fan, staff},
+  return certify_ever_finer(transmission, ends.reach_m(), ReceiverPairEnds{ends, sensor, fan, receiver_pair},
                             [&](const StraighteningSettings& settings) { return ends.grounds(settings); });
 }
 

@@ -15,7 +15,7 @@ struct RefractedTransmission {
   TransmissionGround ground;
   History history;
   std::size_t candidates = 0;
-  std::vector<RefractedReference> sensors;  ///< as the group's; of staffs nothing
+  std::vector<RefractedReference> sensors;  ///< as the group's; of receiver pairs nothing
   bool at_limit = false;  ///< bounds are wider than asked, and a finer ground would have too many facets
 
   std::size_t facets() const { return ground.mesh().facets.size(); }
@@ -31,11 +31,11 @@ struct RefractedPairTransmission {
   std::size_t facets() const { return pair.apparent.mesh.facets.size(); }
 };
 
-/// The same of one fan of a staff.
-struct RefractedStaffTransmission {
+/// The same of one fan of a receiver pair.
+struct RefractedReceiverPairTransmission {
   AlikeGrounds apparent;                    ///< of the transmitter, of the upper and of the lower receiver
   BistaticHistory history;                  ///< of the upper one
-  std::vector<RefractedReference> sensors;  ///< one, by rows (certify_refracted_staff())
+  std::vector<RefractedReference> sensors;  ///< one, by rows (certify_refracted_receiver_pair())
   bool at_limit = false;
 
   std::size_t facets() const { return apparent.bed.mesh.facets.size(); }
@@ -46,8 +46,8 @@ struct RefractedStaffTransmission {
 /// have more facets than a reference is worth.
 RefractedTransmission certify_refracted_transmission(const Transmission& transmission);
 RefractedPairTransmission certify_refracted_pair_transmission(const Transmission& transmission);
-RefractedStaffTransmission certify_refracted_staff_transmission(const Transmission& transmission,
-                                                                std::size_t sensor, std::uint32_t fan);
+RefractedReceiverPairTransmission certify_refracted_receiver_pair_transmission(
+    const Transmission& transmission, std::size_t sensor, std::uint32_t fan);
 
 /// The certified echoes of a sensor's paths over mirrors, by order.
 struct RefractedPathsTransmission {

@@ -47,9 +47,9 @@ bool has_ways_of_first_rays(const Survey& survey) {
   });
 }
 
-bool has_staff(const Survey& survey) {
+bool has_receiver_pair(const Survey& survey) {
   return std::ranges::any_of(survey.sensors,
-                             [](const SensorPings& pings) { return pings.sensor->has_staff(); });
+                             [](const SensorPings& pings) { return pings.sensor->has_receiver_pair(); });
 }
 
 std::string turning_points(const Survey& survey) {
@@ -61,7 +61,7 @@ std::string turning_points(const Survey& survey) {
 std::string rays_left_out(const Survey& survey, bool reference) {
   if (reference || has_ways_of_first_rays(survey))
     return "to receivers apart, over mirrors and in references only the first to arrive is followed";
-  if (has_staff(survey))
+  if (has_receiver_pair(survey))
     return "two receivers' phases have each of them out and home again, but not what goes out along one and "
            "comes home along another";
   return {};
@@ -81,10 +81,10 @@ double gap_of_phases_m(const Transmission& transmission) {
   double gap_m = std::numeric_limits<double>::infinity();
   for (const std::size_t s : transmission.group().sensors) {
     const Sensor& sensor = transmission.sensor(s);
-    if (!sensor.has_staff()) continue;
+    if (!sensor.has_receiver_pair()) continue;
     const double wavelength_m =
                      transmission.survey().sensors[s].sound_speed_m_s / (1e3 * sensor.frequency_khz()),
-                 baseline_m = sensor.staff().baseline_m,
+                 baseline_m = sensor.receiver_pair().baseline_m,
                  nearest_m = std::max(sensor.samples().first_m - between_m, baseline_m / 2);
     gap_m = std::min(gap_m, phase_error_rad * wavelength_m / (2 * std::numbers::pi) * nearest_m / baseline_m);
   }
@@ -334,29 +334,31 @@ BistaticHistory trace_both(const Transmission& transmission, const RefractedPair
   });
 }
 
-std::vector<Fringe> refracted_fringes(const Transmission& transmission, const RefractedPair& pair) {
+std::vector<ReceiverBaseline> refracted_receiver_baselines(const Transmission& transmission,
+                                                           const RefractedPair& pair) {
   // Phases turn by the speed at the receivers, ranges are told by another.
   const Scene& scene = transmission.scene();
   const double stretch =
       pair.transmit_water.reference_speed_m_s() /
       scene.water->profile().at(scene.water->surface_height_m() - pair.receive_water.apex_m().z);
-  std::vector<Fringe> fringes = transmission.pings()
-                                    .sensor
-                                    ->patterns(transmission.receiver_pose(),
-                                               transmission.pings().sound_speed_m_s, transmission.number())
-                                    .fringes;
-  for (Fringe& fringe : fringes) fringe.baseline_m *= stretch;
-  return fringes;
+  std::vector<ReceiverBaseline> baselines =
+      transmission.pings()
+          .sensor
+          ->patterns(transmission.receiver_pose(), transmission.pings().sound_speed_m_s,
+                     transmission.number())
+          .baselines;
+  for (ReceiverBaseline& baseline : baselines) baseline.baseline_m *= stretch;
+  return baselines;
 }
 
-StaffHistory trace_staff(const Transmission& transmission, const RefractedPair& pair, std::uint32_t fan,
-                         const Fringe& staff) {
+ReceiverPairHistory trace_receiver_pair(const Transmission& transmission, const RefractedPair& pair,
+                                        std::uint32_t fan, const ReceiverBaseline& receiver_pair) {
   const std::vector<std::uint32_t> fans = transmission.pings().sensor->fan_of_tube(transmission.number());
   return made_for(transmission, [&] {
-    return trace_staff(pair.apparent, transmission.scene().grid, transmission.request().visibility,
-                       tubes_of_fan(pair.transmit_tubes, fans, fan),
-                       tubes_of_fan(pair.receive_tubes, fans, fan), staff, pair.transmit_water,
-                       pair.receive_water, pair.absorption_db_per_m);
+    return trace_receiver_pair(pair.apparent, transmission.scene().grid, transmission.request().visibility,
+                               tubes_of_fan(pair.transmit_tubes, fans, fan),
+                               tubes_of_fan(pair.receive_tubes, fans, fan), receiver_pair,
+                               pair.transmit_water, pair.receive_water, pair.absorption_db_per_m);
   });
 }
 

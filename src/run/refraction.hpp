@@ -128,11 +128,12 @@ BistaticHistory trace_both(const Transmission& transmission, const RefractedPair
 void trace_rays_of_both(const Transmission& transmission, const RefractedPair& pair,
                         const RaySettings& settings, const std::function<void(const BistaticHistory&)>& take);
 
-/// What a fan's transmitter and the two receivers on its staff share of it, `staff` being one of
-/// refracted_fringes(): those with the baselines that integrate_staff_echo() asks for.
-StaffHistory trace_staff(const Transmission& transmission, const RefractedPair& pair, std::uint32_t fan,
-                         const Fringe& staff);
-std::vector<Fringe> refracted_fringes(const Transmission& transmission, const RefractedPair& pair);
+/// What a fan's transmitter and the two receivers on its receiver pair share of it, `receiver_pair` being one
+/// of refracted_receiver_baselines(): those with the baselines that integrate_receiver_pair_echo() asks for.
+ReceiverPairHistory trace_receiver_pair(const Transmission& transmission, const RefractedPair& pair,
+                                        std::uint32_t fan, const ReceiverBaseline& receiver_pair);
+std::vector<ReceiverBaseline> refracted_receiver_baselines(const Transmission& transmission,
+                                                           const RefractedPair& pair);
 
 void add_counts(StraighteningCounts& counts, const ApparentGround& ground, const Transmission& transmission);
 void add_counts(StraighteningCounts& counts, const GroundCounts& grounds, const Transmission& transmission);

@@ -28,12 +28,12 @@ SensorLaw::SensorLaw(const Transmission& transmission, const TransmissionGround&
   patterns = pings.sensor->patterns(pings.transmission_pose(transmission.ping(), transmission.number()),
                                     pings.sound_speed_m_s, transmission.number());
   law.patterns = &patterns;
-  if (ground.apparent() == nullptr || patterns.fringes.empty()) return;
-  // Phases turn by the speed of sound at the staff, ranges are told by that of its first place.
+  if (ground.apparent() == nullptr || patterns.baselines.empty()) return;
+  // Phases turn by the speed of sound at the receiver pair, ranges are told by that of its first place.
   const double depth_m = scene.water->surface_height_m() -
                          pings.transmission_pose(transmission.ping(), transmission.number()).position_m.z;
-  for (Fringe& fringe : patterns.fringes)
-    fringe.baseline_m *= pings.sound_speed_m_s / scene.water->profile().at(depth_m);
+  for (ReceiverBaseline& baseline : patterns.baselines)
+    baseline.baseline_m *= pings.sound_speed_m_s / scene.water->profile().at(depth_m);
 }
 
 }  // namespace tubefoot

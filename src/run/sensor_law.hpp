@@ -9,7 +9,7 @@ namespace tubefoot {
 /// The echo law of a sensor at a transmission, and the patterns that it refers to. The site, and what the
 /// ground refers to, outlive it.
 struct SensorLaw {
-  /// On an apparent ground staffs are as much longer as integrate_staff_echo() asks for.
+  /// On an apparent ground receiver pairs are as much longer as integrate_receiver_pair_echo() asks for.
   SensorLaw(const Transmission& transmission, const TransmissionGround& ground, std::size_t sensor);
   SensorLaw(const SensorLaw&) = delete;
   SensorLaw& operator=(const SensorLaw&) = delete;

@@ -32,8 +32,8 @@ struct Span {
 
 Span window_of(const Sensor& sensor) {
   const RangeSamples& samples = sensor.samples();
-  // A staff's receivers are apart from where the range is counted from.
-  const double aside_m = sensor.staff().baseline_m / 2;
+  // A receiver pair's receivers are apart from where the range is counted from.
+  const double aside_m = sensor.receiver_pair().baseline_m / 2;
   return {samples.first_m - aside_m, samples.first_m + samples.step_m * samples.count + aside_m};
 }
 

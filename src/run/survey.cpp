@@ -157,14 +157,15 @@ void check_places(Site& site, Fleet& fleet) {
       pings.altitudes_m.push_back(places.check(at(ping, pings.poses[ping].position_m, what), inside));
       if (sensor.has_receiver_apart())
         places.check(at(ping, pings.receiver_pose(ping, 0).position_m, receiver), receiver_inside);
-      if (sensor.has_staff())
-        for (const Fringe& staff :
-             sensor.patterns(pings.receiver_pose(ping, 0), pings.sound_speed_m_s, 0).fringes)
+      if (sensor.has_receiver_pair())
+        for (const ReceiverBaseline& receiver_pair :
+             sensor.patterns(pings.receiver_pose(ping, 0), pings.sound_speed_m_s, 0).baselines)
           for (const double end : {1.0, -1.0})
-            places.check(
-                at(ping, pings.receiver_pose(ping, 0).position_m + end * staff.baseline_m / 2 * staff.axis,
-                   fmt::format("the {} receiver of {}", end > 0 ? "upper" : "lower", what)),
-                receiver_inside);
+            places.check(at(ping,
+                            pings.receiver_pose(ping, 0).position_m +
+                                end * receiver_pair.baseline_m / 2 * receiver_pair.axis,
+                            fmt::format("the {} receiver of {}", end > 0 ? "upper" : "lower", what)),
+                         receiver_inside);
       if (sensor.signals() != nullptr) refuse_hidden_elements(site.scene, pings, ping, places);
       // Of the later transmissions of a ping only what would spoil them.
       for (std::size_t transmission = 1; transmission < sensor.transmissions(); ++transmission) {

@@ -6,7 +6,7 @@
 #include <glm/vector_relational.hpp>
 #include <optional>
 
-#include "engine/echo/staff_echo.hpp"
+#include "engine/echo/receiver_pair_echo.hpp"
 #include "engine/ground/ground.hpp"
 #include "engine/ground/outlook.hpp"
 #include "engine/ground/sector.hpp"
@@ -119,11 +119,12 @@ TileChoice TilesInView::looked_at(std::span<const Boxes> list, const Transmissio
     const SensorPings& pings = transmission.pings();
     std::vector<TubeSet> sets{transmission.tubes()};
     if (transmission.has_receiver_apart()) sets.push_back(transmission.receive_tubes(transmission.first()));
-    const TubeSet middle = sets.back();  // of a staff
-    if (pings.sensor->has_staff())
-      for (const Fringe& staff :
-           pings.sensor->patterns(transmission.receiver_pose(), pings.sound_speed_m_s, number).fringes)
-        for (const double end : {1.0, -1.0}) sets.push_back(moved_along(middle, staff, end, grid.unit_m()));
+    const TubeSet middle = sets.back();  // of a receiver pair
+    if (pings.sensor->has_receiver_pair())
+      for (const ReceiverBaseline& receiver_pair :
+           pings.sensor->patterns(transmission.receiver_pose(), pings.sound_speed_m_s, number).baselines)
+        for (const double end : {1.0, -1.0})
+          sets.push_back(moved_along(middle, receiver_pair, end, grid.unit_m()));
     for (const TubeSet& tubes : sets) {
       // How much farther a ray may come than its range says.
       double stretch = 1;

@@ -125,12 +125,13 @@ void Transmission::trace_rays_of_both(const RayScene& rays, const RaySettings& s
       [&] { take(shared_hits(history, sent, heard, ground().mesh())); }, nullptr, &guide);
 }
 
-StaffHistory Transmission::trace_staff(std::size_t s, std::uint32_t fan, const Fringe& staff) const {
+ReceiverPairHistory Transmission::trace_receiver_pair(std::size_t s, std::uint32_t fan,
+                                                      const ReceiverBaseline& receiver_pair) const {
   const std::vector<std::uint32_t> fans = sensor(s).fan_of_tube(number_);
-  return tubefoot::trace_staff(ground().mesh(), ground().tree(), scene().grid.unit_m(), request().visibility,
-                               tubes_of_fan(tubes(), fans, fan),
-                               tubes_of_fan(has_receiver_apart() ? receive_tubes(s) : tubes(), fans, fan),
-                               staff);
+  return tubefoot::trace_receiver_pair(
+      ground().mesh(), ground().tree(), scene().grid.unit_m(), request().visibility,
+      tubes_of_fan(tubes(), fans, fan),
+      tubes_of_fan(has_receiver_apart() ? receive_tubes(s) : tubes(), fans, fan), receiver_pair);
 }
 
 ReceiveBeams Transmission::beams_by_fans(std::size_t s, const std::vector<std::uint32_t>& fans) const {
@@ -142,9 +143,10 @@ Echo Transmission::echo(const Sight& sight, std::size_t s, const EchoLaw& law) c
   return integrate_echo(sight, beams_by_fans(s, fans), sensor(s).samples(), law, request().binning);
 }
 
-StaffEcho Transmission::echo(const StaffHistory& history, std::size_t s, std::uint32_t fan,
-                             const SensorLaw& law) const {
-  return integrate_staff_echo(history, law.patterns.fringes[fan], fan, fan, sensor(s).samples(), law.law);
+ReceiverPairEcho Transmission::echo(const ReceiverPairHistory& history, std::size_t s, std::uint32_t fan,
+                                    const SensorLaw& law) const {
+  return integrate_receiver_pair_echo(history, law.patterns.baselines[fan], fan, fan, sensor(s).samples(),
+                                      law.law);
 }
 
 }  // namespace tubefoot

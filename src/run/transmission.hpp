@@ -8,7 +8,7 @@
 #include <string>
 
 #include "engine/echo/echo.hpp"
-#include "engine/echo/staff_echo.hpp"
+#include "engine/echo/receiver_pair_echo.hpp"
 #include "engine/rays/ray_engine.hpp"
 #include "engine/sight/tube_engine.hpp"
 #include "run/run_request.hpp"
@@ -104,8 +104,9 @@ class Transmission {
   /// The same by rays, in portions.
   void trace_rays_of_both(const RayScene& scene, const RaySettings& settings,
                           const std::function<void(const BistaticHistory&)>& take) const;
-  /// What a fan's transmitter and the two receivers on its staff see.
-  StaffHistory trace_staff(std::size_t sensor, std::uint32_t fan, const Fringe& staff) const;
+  /// What a fan's transmitter and the two receivers on its receiver pair see.
+  ReceiverPairHistory trace_receiver_pair(std::size_t sensor, std::uint32_t fan,
+                                          const ReceiverBaseline& receiver_pair) const;
   /// The closure law for each of its tubes; `label` tells transmissions apart in the hash.
   std::vector<TubeAudit> audit(std::uint64_t label) const;
 
@@ -115,8 +116,8 @@ class Transmission {
   ReceiveBeams beams_by_fans(std::size_t sensor, const std::vector<std::uint32_t>& fans) const;
   /// What a sensor hears of what is seen, by a law of this transmission.
   Echo echo(const Sight& sight, std::size_t sensor, const EchoLaw& law) const;
-  StaffEcho echo(const StaffHistory& history, std::size_t sensor, std::uint32_t fan,
-                 const SensorLaw& law) const;
+  ReceiverPairEcho echo(const ReceiverPairHistory& history, std::size_t sensor, std::uint32_t fan,
+                        const SensorLaw& law) const;
 
  private:
   const TubeEngine& engine() const;

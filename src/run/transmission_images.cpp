@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "engine/echo/staff_echo.hpp"
+#include "engine/echo/receiver_pair_echo.hpp"
 #include "engine/sight/part_label.hpp"
 #include "run/refraction.hpp"
 
@@ -56,17 +56,17 @@ void audit_paths(const Transmission& transmission, std::uint64_t label,
       use(audit_paths(images.images(), label_of_part(label, of_paths + number++)));
     };
     const PathEnds ends(transmission, s);
-    if (!transmission.sensor(s).has_staff()) {
+    if (!transmission.sensor(s).has_receiver_pair()) {
       audit(ends);
       continue;
     }
     const std::vector<std::uint32_t> fans = transmission.sensor(s).fan_of_tube(transmission.number());
     const SensorLaw law = transmission.law(s);
-    for (std::uint32_t fan = 0; fan < law.patterns.fringes.size(); ++fan)
+    for (std::uint32_t fan = 0; fan < law.patterns.baselines.size(); ++fan)
       for (const double end : {1.0, -1.0}) {
         PathEnds own = ends;
         own.transmit = tubes_of_fan(ends.transmit, fans, fan);
-        own.receive = moved_along(tubes_of_fan(ends.receive, fans, fan), law.patterns.fringes[fan], end,
+        own.receive = moved_along(tubes_of_fan(ends.receive, fans, fan), law.patterns.baselines[fan], end,
                                   transmission.scene().grid.unit_m());
         audit(std::move(own));
       }

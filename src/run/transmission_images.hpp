@@ -49,8 +49,8 @@ class TransmissionImages {
 };
 
 /// Calls `use` with what holds of the paths of a transmission that are scattered once over mirrors, for each
-/// of its sensors that has any; of a staff for each of its fans and ends. `label` as Transmission::audit().
-/// Throws as TransmissionImages.
+/// of its sensors that has any; of a receiver pair for each of its fans and ends. `label` as
+/// Transmission::audit(). Throws as TransmissionImages.
 void audit_paths(const Transmission& transmission, std::uint64_t label,
                  const std::function<void(const PathAudit&)>& use);
 

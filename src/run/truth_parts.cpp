@@ -48,27 +48,28 @@ void add_truth_of_crossed_ways(const Transmission& transmission, std::size_t s, 
       .add(sums, [&](const EchoLaw& one) { return transmission.echo(sight, s, one).energy; });
 }
 
-void add_truth_of_staff(const Transmission& transmission, std::size_t s, std::uint32_t fan,
-                        const EchoLaw& law, const FacetMesh& mesh, const StaffHistory& history,
-                        const Fringe& staff, PingSums& sums) {
+void add_truth_of_receiver_pair(const Transmission& transmission, std::size_t s, std::uint32_t fan,
+                                const EchoLaw& law, const FacetMesh& mesh, const ReceiverPairHistory& history,
+                                const ReceiverBaseline& receiver_pair, PingSums& sums) {
   if (transmission.truth() == nullptr) return;
-  const StaffHistory upper{history.transmit,
-                           history.upper,
-                           history.lower,
-                           history.by_upper,
-                           {},
-                           history.middle_m,
-                           history.paired_upper,
-                           {}};
+  const ReceiverPairHistory upper{history.transmit,
+                                  history.upper,
+                                  history.lower,
+                                  history.by_upper,
+                                  {},
+                                  history.middle_m,
+                                  history.paired_upper,
+                                  {}};
   TruthLaws(transmission, s, law, mesh).add(sums, [&](const EchoLaw& one) {
     return row_of_fan(
         transmission, s, fan,
-        integrate_staff_echo(upper, staff, fan, fan, transmission.sensor(s).samples(), one).upper_j);
+        integrate_receiver_pair_echo(upper, receiver_pair, fan, fan, transmission.sensor(s).samples(), one)
+            .upper_j);
   });
 }
 
-void add_truth_of_staff(const Transmission& transmission, std::size_t s, std::uint32_t fan,
-                        const FacetMesh& mesh, const BistaticHistory& history, PingSums& sums) {
+void add_truth_of_receiver_pair(const Transmission& transmission, std::size_t s, std::uint32_t fan,
+                                const FacetMesh& mesh, const BistaticHistory& history, PingSums& sums) {
   if (transmission.truth() == nullptr) return;
   const SensorLaw law(transmission, TransmissionGround(transmission.site()), s);
   const std::size_t tubes = history.receive.tubes.size();
@@ -113,7 +114,7 @@ std::vector<double> wanted_orders(const Transmission& transmission, const PathEc
   return all;
 }
 
-std::vector<double> wanted_orders(const Transmission& transmission, const StaffPathEcho& paths) {
+std::vector<double> wanted_orders(const Transmission& transmission, const ReceiverPairPathEcho& paths) {
   std::vector<double> all(paths.by_order.front().upper_j.size());
   for (std::size_t order = 0; order < paths.by_order.size(); ++order)
     if (is_order_wanted(transmission.scene(), order)) add(paths.by_order[order].upper_j, all);

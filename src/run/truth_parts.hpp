@@ -4,9 +4,9 @@
 #include <functional>
 #include <vector>
 
-#include "engine/echo/staff_echo.hpp"
+#include "engine/echo/receiver_pair_echo.hpp"
 #include "engine/paths/path_echo.hpp"
-#include "engine/paths/staff_paths.hpp"
+#include "engine/paths/receiver_pair_paths.hpp"
 #include "run/truth.hpp"
 
 // Whose the energies of a transmission's parts are (echo_parts.hpp). Nothing is done where nobody asks for
@@ -24,12 +24,12 @@ void add_truth_of_crossed_ways(const Transmission& transmission, std::size_t sen
                                const ApparentGround& ground, const Sight& sight, PingSums& sums);
 
 /// Of what the upper receiver of a fan hears.
-void add_truth_of_staff(const Transmission& transmission, std::size_t sensor, std::uint32_t fan,
-                        const EchoLaw& law, const FacetMesh& mesh, const StaffHistory& history,
-                        const Fringe& staff, PingSums& sums);
+void add_truth_of_receiver_pair(const Transmission& transmission, std::size_t sensor, std::uint32_t fan,
+                                const EchoLaw& law, const FacetMesh& mesh, const ReceiverPairHistory& history,
+                                const ReceiverBaseline& receiver_pair, PingSums& sums);
 /// Of a history between it and the transmitter.
-void add_truth_of_staff(const Transmission& transmission, std::size_t sensor, std::uint32_t fan,
-                        const FacetMesh& mesh, const BistaticHistory& history, PingSums& sums);
+void add_truth_of_receiver_pair(const Transmission& transmission, std::size_t sensor, std::uint32_t fan,
+                                const FacetMesh& mesh, const BistaticHistory& history, PingSums& sums);
 
 /// What paths return: [beam of the transmission][sample], all orders that are wanted.
 using PathRows = std::function<std::vector<double>(const FacetMesh& mesh, const EchoLaw& law,
@@ -39,7 +39,7 @@ void add_truth_of_paths(const Transmission& transmission, std::size_t sensor, co
                         const EchoLaw& law, PathSettings settings, PingSums& sums, const PathRows& rows_of);
 std::vector<double> wanted_orders(const Transmission& transmission, const PathEcho& paths);
 /// Of the upper receiver.
-std::vector<double> wanted_orders(const Transmission& transmission, const StaffPathEcho& paths);
+std::vector<double> wanted_orders(const Transmission& transmission, const ReceiverPairPathEcho& paths);
 /// One fan's samples among the beams of a transmission.
 std::vector<double> row_of_fan(const Transmission& transmission, std::size_t sensor, std::uint32_t fan,
                                const std::vector<double>& samples);

@@ -200,7 +200,7 @@ class Gatherer {
                     });
     }
     SensorLaw law = transmission.law(index_);
-    law.patterns.fringes.clear();  // what is viewed is what the transmitter sees
+    law.patterns.baselines.clear();  // what is viewed is what the transmitter sees
     const std::vector<std::uint32_t>& beam_of_tube = sensor_.beam_of_tube(transmission.number());
     link(transmission, history, {transmission.beams(index_), beam_of_tube},
          transmission.echo(history, index_, law.law), law.law, place, first_footprint);
@@ -234,7 +234,7 @@ class Gatherer {
                     [&](glm::dvec3 seen_m) { return seen.place(k, seen_m, apex); });
     }
     const std::unique_ptr<SensorLaw> law = ends.law(index_);
-    law->patterns.fringes.clear();
+    law->patterns.baselines.clear();
     const std::vector<std::uint32_t> fans = sensor_.fan_of_tube(transmission.number());
     link(transmission, seen.history, transmission.beams_by_fans(index_, fans),
          transmission.echo(seen.history, index_, law->law), law->law, place, first_footprint);

@@ -89,7 +89,7 @@ struct AbilitiesWalk : testing::Test {
     return energies[scene] = NetcdfReader(output / "echoes.nc").values("/", "energy");
   }
 
-  /// What a staff's footprints are told with is what the transmitter's own place would hear.
+  /// What a receiver pair's footprints are told with is what the transmitter's own place would hear.
   static double footprints_tolerance(const std::set<Feature>& features) {
     return features.contains(Feature::two_receivers) ? 0.02 : 1e-9;
   }

@@ -335,7 +335,7 @@ const std::string surface =
     "[water]\nsound_speed_m_s = 1500\n[sea_surface]\nheight_m = 4\nloss_db = 1\n[paths]\norder = 3\n";
 
 // Both receivers in one place hear what a sidescan does, over mirrors and by two scatterings.
-TEST(InterferometricRun, OverMirrorsAShortStaffIsOneReceiver) {
+TEST(InterferometricRun, OverMirrorsAShortReceiverPairIsOneReceiver) {
   for (const std::string paths : {"only_order = 2\n", "only_order = 3\nscatterings = 2\npatch_m = 2\n"}) {
     const Channels one(short_scene("sidescan", surface + paths)),
         both(short_scene("interferometric", surface + paths, "baseline_m = 1e-5\n"));
@@ -360,7 +360,7 @@ TEST(InterferometricRun, OverMirrorsReceiversHaveNoMoreInCommonThanEither) {
   EXPECT_GT(turned, 0.3);
 }
 
-TEST(InterferometricRun, AStaffOverTheSurfaceIsRefused) {
+TEST(InterferometricRun, AReceiverPairOverTheSurfaceIsRefused) {
   const SceneRun run(short_scene("interferometric", replaced(surface, "height_m = 4", "height_m = 0.005"),
                                  "baseline_m = 0.02\nstaff_tilt_deg = 0\n"));
   EXPECT_EQ(run.outcome.exit_code, 2);
@@ -376,19 +376,22 @@ std::string gradient(double per_s) {
       per_s);
 }
 
-TEST(InterferometricRun, ATransmitterBesideItsStaffByNothingIsInItsMiddle) {
+TEST(InterferometricRun, ATransmitterBesideItsReceiverPairByNothingIsInItsMiddle) {
   // Facets that bent rays see keep 0.1 dB.
   for (const auto& [water, tolerance] : {std::pair(still_water(), 1e-4), std::pair(gradient(2), 0.02)}) {
-    const std::string staff = "baseline_m = 0.02\nstaff_tilt_deg = 20\n";
-    expect_near(Channels(short_scene("interferometric", water, staff + "receiver_arm_m = [1e-5, 0, 0]\n")),
-                Channels(short_scene("interferometric", water, staff)), tolerance);
+    const std::string receiver_pair = "baseline_m = 0.02\nstaff_tilt_deg = 20\n";
+    expect_near(
+        Channels(short_scene("interferometric", water, receiver_pair + "receiver_arm_m = [1e-5, 0, 0]\n")),
+        Channels(short_scene("interferometric", water, receiver_pair)), tolerance);
   }
 }
 
-TEST(InterferometricRun, ATransmitterBesideItsStaffInEvenWaterThatIsToldAsLayers) {
-  const std::string staff = "baseline_m = 0.02\nstaff_tilt_deg = 20\nreceiver_arm_m = [0.5, 0.2, -0.8]\n";
-  expect_near(Channels(short_scene("interferometric", gradient(1e-7), staff)),
-              Channels(short_scene("interferometric", "[water]\nsound_speed_m_s = 1500\n", staff)), 1e-3);
+TEST(InterferometricRun, ATransmitterBesideItsReceiverPairInEvenWaterThatIsToldAsLayers) {
+  const std::string receiver_pair =
+      "baseline_m = 0.02\nstaff_tilt_deg = 20\nreceiver_arm_m = [0.5, 0.2, -0.8]\n";
+  expect_near(Channels(short_scene("interferometric", gradient(1e-7), receiver_pair)),
+              Channels(short_scene("interferometric", "[water]\nsound_speed_m_s = 1500\n", receiver_pair)),
+              1e-3);
 }
 
 /// In a vertical plane of water in which sound is faster by 5 m/s a metre of depth.
@@ -403,7 +406,7 @@ double time_between(Place a, Place b) {
   return std::acosh(1 + Place::g * Place::g * d2 / (2 * a.speed() * b.speed())) / Place::g;
 }
 
-constexpr double staff_m = 0.02, staff_first_m = 12, staff_sample_m = 0.05;
+constexpr double receiver_pair_m = 0.02, receiver_pair_first_m = 12, receiver_pair_sample_m = 0.05;
 std::string far_scene(double tilt_deg, const std::string& more) {
   std::string text = short_scene("interferometric", gradient(Place::g),
                                  fmt::format("baseline_m = 0.02\nstaff_tilt_deg = {}\n{}", tilt_deg, more));
@@ -413,11 +416,12 @@ std::string far_scene(double tilt_deg, const std::string& more) {
   return replaced(text, "position_m = [14, 0, -5]", "position_m = [-14, 0, -5]");
 }
 
-/// Phases in 260 cells, the first at `cells`, are those of travel times to both ends of a staff; `speed`:
-/// that ranges are told by.
+/// Phases in 260 cells, the first at `cells`, are those of travel times to both ends of a receiver pair;
+/// `speed`: that ranges are told by.
 void expect_phases_of_times(const Channels& both, std::size_t cells, Place sent, Place middle, double speed,
                             double tilt_deg) {
-  const double ax = staff_m / 2 * std::sin(tilt_deg * degree), az = staff_m / 2 * std::cos(tilt_deg * degree);
+  const double ax = receiver_pair_m / 2 * std::sin(tilt_deg * degree),
+               az = receiver_pair_m / 2 * std::cos(tilt_deg * degree);
   const Place upper{middle.x + ax, middle.z + az}, lower{middle.x - ax, middle.z - az};
   std::size_t compared = 0;
   for (std::size_t k = 0; k < 260; ++k) {
@@ -425,7 +429,7 @@ void expect_phases_of_times(const Channels& both, std::size_t cells, Place sent,
     if (!(both.energy[cell] > 0) ||
         !(std::hypot(both.real[cell], both.imaginary[cell]) > 0.8 * both.energy[cell]))
       continue;
-    const double half = staff_first_m + (double(k) + 0.5) * staff_sample_m;
+    const double half = receiver_pair_first_m + (double(k) + 0.5) * receiver_pair_sample_m;
     double low = 3, high = 40;
     for (int i = 0; i < 60; ++i) {
       const Place met{(low + high) / 2, -8};
@@ -441,8 +445,8 @@ void expect_phases_of_times(const Channels& both, std::size_t cells, Place sent,
   EXPECT_GT(compared, 100u);
 }
 
-// The staff hangs 4 m below its transmitter, where sound is faster.
-TEST(InterferometricRun, PhasesOfAStaffBelowItsTransmitterAreThoseOfTravelTimes) {
+// The receiver pair hangs 4 m below its transmitter, where sound is faster.
+TEST(InterferometricRun, PhasesOfAReceiverPairBelowItsTransmitterAreThoseOfTravelTimes) {
   const Channels both(far_scene(20, "receiver_arm_m = [0.5, 0, -4]\n"));
   ASSERT_EQ(both.energy.size(), 520u);
   const Place sent{0, 0};

@@ -52,7 +52,7 @@ class Origins {
     const History history = transmission.trace();
     const TransmissionGround& ground = transmission.ground();
     SensorLaw law = transmission.law(index_);
-    law.patterns.fringes.clear();  // what the transmitter sees
+    law.patterns.baselines.clear();  // what the transmitter sees
     add_parts(
         transmission, history, {transmission.beams(index_), sensor_.beam_of_tube(transmission.number())},
         transmission.echo(history, index_, law.law), law.law, ground.mesh(),
@@ -65,7 +65,7 @@ class Origins {
   void add_two_ends(const Transmission& transmission, const TransmissionEnds& ends) {
     const TransmissionEnds::Seen all = ends.seen();
     const std::unique_ptr<SensorLaw> law = ends.law(index_);
-    law->patterns.fringes.clear();
+    law->patterns.baselines.clear();
     const std::vector<std::uint32_t> fans = sensor_.fan_of_tube(transmission.number());
     add_parts(
         transmission, all.together.history, transmission.beams_by_fans(index_, fans),

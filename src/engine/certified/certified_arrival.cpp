@@ -115,13 +115,14 @@ void certify_arrival(const EnclosedRay& ray, const Arrival& arrival, bool sure, 
   }
 }
 
-std::array<Bounded, 2> certify_arrivals_product(const GridPoint& way, double unit_m, const Fringe& staff,
-                                                const Bounded& upper, const Bounded& lower) {
+std::array<Bounded, 2> certify_arrivals_product(const GridPoint& way, double unit_m,
+                                                const ReceiverBaseline& receiver_pair, const Bounded& upper,
+                                                const Bounded& lower) {
   const std::array<double, 3> units{double(way.x), double(way.y), double(way.z)};
   Ball along, to_upper, to_lower;
   for (std::size_t k = 0; k < 3; ++k) {
     const Ball middle = Ball(units[k]) * Ball(unit_m),
-               half = Ball(staff.baseline_m) / Ball(2) * Ball(staff.axis[int(k)]);
+               half = Ball(receiver_pair.baseline_m) / Ball(2) * Ball(receiver_pair.axis[int(k)]);
     along += middle * half;
     to_upper += squared(middle + half);
     to_lower += squared(middle - half);
@@ -130,7 +131,7 @@ std::array<Bounded, 2> certify_arrivals_product(const GridPoint& way, double uni
   const Ball further = Ball(4) * along / (root(to_upper) + root(to_lower)),
              size = root(ball_of(upper) * ball_of(lower));
   Ball sine, cosine;
-  sin_cos(Ball(staff.wavenumber_rad_m) * further, sine, cosine);
+  sin_cos(Ball(receiver_pair.wavenumber_rad_m) * further, sine, cosine);
   return {bounded(size * cosine), bounded(size * sine)};
 }
 

@@ -49,10 +49,11 @@ struct Bounded {
   double value = 0, bound = 0;
 };
 
-/// What the signals of two receivers on a staff, of these energies, have in common that came straight from
-/// one place: the root of both energies, with the phase between the two ends. `way`: from there to the
-/// staff's middle, grid units. Real and imaginary part.
-std::array<Bounded, 2> certify_arrivals_product(const GridPoint& way, double unit_m, const Fringe& staff,
-                                                const Bounded& upper, const Bounded& lower);
+/// What the signals of two receivers on a receiver pair, of these energies, have in common that came straight
+/// from one place: the root of both energies, with the phase between the two ends. `way`: from there to the
+/// receiver pair's middle, grid units. Real and imaginary part.
+std::array<Bounded, 2> certify_arrivals_product(const GridPoint& way, double unit_m,
+                                                const ReceiverBaseline& receiver_pair, const Bounded& upper,
+                                                const Bounded& lower);
 
 }  // namespace tubefoot

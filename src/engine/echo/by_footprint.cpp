@@ -90,7 +90,7 @@ FootprintEnergies footprint_energies(const FootprintSet& footprints, const Sight
   EchoLaw own_law = law;
   if (law.patterns != nullptr) {
     patterns = *law.patterns;
-    patterns.fringes.clear();  // footprints are the transmitter's
+    patterns.baselines.clear();  // footprints are the transmitter's
     own_law.patterns = &patterns;
   }
   Quadrature owned = how;

@@ -18,7 +18,7 @@ void check(const BeamPatterns& patterns, const ReceiveBeams& beams, std::size_t 
   bool fits = patterns.receive.size() == std::size_t(beams.count) && patterns.fan_of_tube.size() == tubes &&
               patterns.beams_of_tube.size() == tubes;
   for (const std::uint32_t fan : patterns.fan_of_tube) fits = fits && fan < patterns.transmit.size();
-  fits = fits && (patterns.fringes.empty() || patterns.fringes.size() == patterns.transmit.size());
+  fits = fits && (patterns.baselines.empty() || patterns.baselines.size() == patterns.transmit.size());
   for (const TransmitPattern& fan : patterns.transmit) fits = fits && !fan.beams.empty();
   fits = fits && (patterns.least.empty() || patterns.least.size() == patterns.receive.size());
   for (const auto& [first, end] : patterns.beams_of_tube)
@@ -32,12 +32,12 @@ void check_one_apex(const Sight& sight, const ReceiveBeams& beams, const RangeSa
     refuse("footprints of one apex are there and back; two legs need what both apexes share");
   if (law.patterns == nullptr) return;
   check(*law.patterns, beams, beams.of_tube.size());
-  for (const Fringe& fringe : law.patterns->fringes)
-    if (!(fringe.baseline_m >= 0 && fringe.baseline_m <= samples.first_m))
-      refuse(fmt::format("a baseline of {} m needs samples from there on, not from {} m", fringe.baseline_m,
+  for (const ReceiverBaseline& baseline : law.patterns->baselines)
+    if (!(baseline.baseline_m >= 0 && baseline.baseline_m <= samples.first_m))
+      refuse(fmt::format("a baseline of {} m needs samples from there on, not from {} m", baseline.baseline_m,
                          samples.first_m));
-  if (!law.patterns->fringes.empty() && binning == Binning::exact && sight.first() < sight.end())
-    refuse("footprints of one apex cannot be cut for the two receivers of a staff (staff_echo.hpp)");
+  if (!law.patterns->baselines.empty() && binning == Binning::exact && sight.first() < sight.end())
+    refuse("footprints of one apex cannot be cut for the two receivers of a staff (receiver_pair_echo.hpp)");
 }
 
 void check_two_apexes(const BistaticHistory& history, const ReceiveBeams& beams, const RangeSamples& samples,

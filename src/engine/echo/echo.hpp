@@ -52,7 +52,7 @@ struct Quadrature {
 };
 
 /// Energy [J] per beam and range sample of one ping, beam-major: energy[beam * samples + sample]. With
-/// fringes (BeamPatterns) that is what the upper receiver hears, and three more such blocks follow.
+/// baselines (BeamPatterns) that is what the upper receiver hears, and three more such blocks follow.
 struct Echo {
   int beams = 0;
   int samples = 0;
@@ -118,7 +118,7 @@ struct FootprintEnergies {
 
 /// The energies that integrate() puts into its bins, by footprint instead. `footprints`: the Sight's, number
 /// by number (of two apexes: path_footprints.hpp). A footprint's own beam is `beam_of_footprint_tube`'s of
-/// its tube. With fringes: what the transmitter's own place would hear.
+/// its tube. With baselines: what the transmitter's own place would hear.
 FootprintEnergies footprint_energies(const FootprintSet& footprints, const Sight& sight,
                                      std::span<const std::uint32_t> beam_of_footprint_tube,
                                      const ReceiveBeams& beams, const RangeSamples& samples,

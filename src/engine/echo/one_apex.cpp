@@ -82,7 +82,8 @@ class OneApex {
     energy_.resize(rows * std::size_t(samples.count));
     lit_.resize(rows);
     if (law.patterns == nullptr) return;
-    for (const Fringe& fringe : law.patterns->fringes) spread_m_ = std::max(spread_m_, fringe.baseline_m);
+    for (const ReceiverBaseline& baseline : law.patterns->baselines)
+      spread_m_ = std::max(spread_m_, baseline.baseline_m);
   }
 
   LitEcho integrate() {
@@ -290,10 +291,10 @@ class OneApex {
   }
   /// One that is on no even Lambert bed.
   void hit(const RayHit& hit) {
-    const bool staffs = law_.patterns != nullptr && !law_.patterns->fringes.empty();
+    const bool receiver_pairs = law_.patterns != nullptr && !law_.patterns->baselines.empty();
     const double r = hit.slant_range_m, sine = hit.sine_grazing;
     const FacetBed bed = law_.bed(hit.facet);
-    if (!(r > 0 && sine > 0 && (staffs || finder_.holds(r)))) return;
+    if (!(r > 0 && sine > 0 && (receiver_pairs || finder_.holds(r)))) return;
     const double cosine = std::sqrt(std::max((1 - sine) * (1 + sine), 0.0));
     const auto direction = [&] { return glm::normalize(glm::dvec3(hit.direction)); };
     const double texture = bed.texture == nullptr ? 1 : texture_at(bed, hit.facet, r * direction());
@@ -316,7 +317,7 @@ class OneApex {
   }
   /// Puts energy that comes from one direction, evenly from slant ranges near to far (or all from one), into
   /// the rows of the beams that hear the tube. The direction, a unit vector, is asked for only where there
-  /// are patterns. The receivers of a staff have ranges of their own; visibility and loss are the
+  /// are patterns. The receivers of a receiver pair have ranges of their own; visibility and loss are the
   /// transmitter's.
   template <class Direction>
   void share(std::uint32_t tube, double energy, double range_m, double near_m, double far_m,
@@ -338,16 +339,16 @@ class OneApex {
       if (!patterns.receives(beam, sent * received)) continue;
       const double heard = energy_sent * received;
       double* row = energy_.data() + beam * samples;
-      if (patterns.fringes.empty()) {
+      if (patterns.baselines.empty()) {
         finder_.share(near_m, far_m, 0, 0, [&](std::size_t k, double part) { row[k] += part * heard; });
         continue;
       }
-      const Fringe& fringe = patterns.fringes[fan];
-      const double cosine = glm::dot(d, fringe.axis);
+      const ReceiverBaseline& baseline = patterns.baselines[fan];
+      const double cosine = glm::dot(d, baseline.axis);
       // Half a path is longer than the range from the transmitter by half of the difference.
-      const double upper = (fringe.range_from(1, range_m, cosine) - range_m) / 2,
-                   lower = (fringe.range_from(-1, range_m, cosine) - range_m) / 2;
-      const std::complex<double> cross = heard * fringe.product(range_m, cosine);
+      const double upper = (baseline.range_from(1, range_m, cosine) - range_m) / 2,
+                   lower = (baseline.range_from(-1, range_m, cosine) - range_m) / 2;
+      const std::complex<double> cross = heard * baseline.product(range_m, cosine);
       finder_.share(near_m, far_m, upper, upper, [&](std::size_t k, double part) { row[k] += part * heard; });
       finder_.share(near_m, far_m, lower, lower,
                     [&](std::size_t k, double part) { row[channel + k] += part * heard; });

@@ -179,11 +179,12 @@ std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const Fac
   return paired;
 }
 
-StaffLayOut::StaffLayOut(const FacetMesh& bed, const ApparentEnd& transmit,
-                         const std::array<const Straightening*, 2>& receivers, const WorldGrid& grid)
+ReceiverPairLayOut::ReceiverPairLayOut(const FacetMesh& bed, const ApparentEnd& transmit,
+                                       const std::array<const Straightening*, 2>& receivers,
+                                       const WorldGrid& grid)
     : bed_(bed), transmit_(transmit), receivers_(receivers), grid_(grid) {}
 
-const StaffLayOut::Image& StaffLayOut::image(std::size_t receiver, VertexId vertex) {
+const ReceiverPairLayOut::Image& ReceiverPairLayOut::image(std::size_t receiver, VertexId vertex) {
   const auto known = images_[receiver].find(vertex);
   if (known != images_[receiver].end()) return known->second;
   const Straightening& water = *receivers_[receiver];
@@ -193,7 +194,7 @@ const StaffLayOut::Image& StaffLayOut::image(std::size_t receiver, VertexId vert
       .first->second;
 }
 
-std::vector<PairedFacet> StaffLayOut::of(const SharedFootprints& shared, std::size_t receiver) {
+std::vector<PairedFacet> ReceiverPairLayOut::of(const SharedFootprints& shared, std::size_t receiver) {
   std::vector<PairedFacet> all;
   all.reserve(shared.facets.size());
   for (const SharedFacet& of : shared.facets) {

@@ -47,8 +47,8 @@ struct PairedFacet {
   std::array<Corner, 3> corners;
   double misfit_m = 0;  ///< of half paths at the corners
 
-  /// To the end of a staff whose middle the way home leads to: the apparent bed stays where it is. False: the
-  /// plane is not in front of it.
+  /// To the end of a receiver pair whose middle the way home leads to: the apparent bed stays where it is.
+  /// False: the plane is not in front of it.
   bool move_receiver(glm::dvec3 by_m);
 };
 
@@ -78,14 +78,14 @@ std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const App
                                        const WorldGrid& grid, const Straightening& transmit,
                                        const Straightening& receive, double reference_absorption_db_per_m);
 
-/// Lays out facets for a staff: on one plane for both of its receivers, with edges as these see them, so that
-/// their ranges, and what these differ by, are as right as they can be; the transmitter is put where its
-/// distances to the corners are right. Corners of the result (Corner) are left as they are made.
-class StaffLayOut {
+/// Lays out facets for a receiver pair: on one plane for both of its receivers, with edges as these see them,
+/// so that their ranges, and what these differ by, are as right as they can be; the transmitter is put where
+/// its distances to the corners are right. Corners of the result (Corner) are left as they are made.
+class ReceiverPairLayOut {
  public:
   /// `receivers`: upper and lower. All outlive it.
-  StaffLayOut(const FacetMesh& bed, const ApparentEnd& transmit,
-              const std::array<const Straightening*, 2>& receivers, const WorldGrid& grid);
+  ReceiverPairLayOut(const FacetMesh& bed, const ApparentEnd& transmit,
+                     const std::array<const Straightening*, 2>& receivers, const WorldGrid& grid);
   /// Facets that one of them shares with the transmitter, in their order.
   std::vector<PairedFacet> of(const SharedFootprints& shared, std::size_t receiver);
 

@@ -105,13 +105,13 @@ double TransmitPattern::gain(glm::dvec3 direction) const {
   return sum;
 }
 
-double Fringe::path_difference(double range_m, double cosine) const {
+double ReceiverBaseline::path_difference(double range_m, double cosine) const {
   // (upper^2 - lower^2) / (upper + lower): no cancellation where the baseline is short.
   const double level = range_m * range_m + baseline_m * baseline_m / 4, tilt = range_m * baseline_m * cosine;
   return -2 * tilt / (std::sqrt(std::max(level - tilt, 0.0)) + std::sqrt(std::max(level + tilt, 0.0)));
 }
 
-double Fringe::range_from(double end, double range_m, double cosine) const {
+double ReceiverBaseline::range_from(double end, double range_m, double cosine) const {
   return std::sqrt(
       std::max(range_m * range_m + baseline_m * baseline_m / 4 - end * range_m * baseline_m * cosine, 0.0));
 }

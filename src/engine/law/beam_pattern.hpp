@@ -80,10 +80,10 @@ struct TransmitPattern {
   double gain(glm::dvec3 direction) const;
 };
 
-/// Two receivers of a fan on a staff, at half the baseline to either side of the transmitter. What they make
-/// of a point depends on its range from the transmitter and on one cosine only.
-struct Fringe {
-  glm::dvec3 axis{0, 0, 1};  ///< unit, along the staff, from the lower to the upper receiver
+/// Two receivers of a fan on a receiver pair, at half the baseline to either side of the transmitter. What
+/// they make of a point depends on its range from the transmitter and on one cosine only.
+struct ReceiverBaseline {
+  glm::dvec3 axis{0, 0, 1};  ///< unit, along the receiver pair, from the lower to the upper receiver
   double baseline_m = 0;
   double wavenumber_rad_m = 0;  ///< 2 pi / wavelength
 
@@ -106,10 +106,10 @@ struct BeamPatterns {
   std::vector<std::uint32_t> fan_of_tube;  ///< by tube
   /// By tube: the beams [first, second) that hear it.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> beams_of_tube;
-  /// By fan, or none. With fringes an echo has four channels: energies of the upper and of the lower
+  /// By fan, or none. With baselines an echo has four channels: energies of the upper and of the lower
   /// receiver, each by its own range, and the real and the imaginary part of energies times Fringe::product
   /// where both are in the same sample.
-  std::vector<Fringe> fringes{};
+  std::vector<ReceiverBaseline> baselines{};
   /// By beam, or none: a beam receives nothing from directions whose two-way gain is less
   /// (pattern_levels.hpp). Energies are then integrated over a border that quadratures do not know: they are
   /// never more than without it, and as exact as their nodes are dense. Of several scatterings the receive
@@ -119,7 +119,7 @@ struct BeamPatterns {
   bool receives(std::size_t beam, double two_way_gain) const {
     return least.empty() || two_way_gain >= least[beam];
   }
-  int channels() const { return fringes.empty() ? 1 : 4; }
+  int channels() const { return baselines.empty() ? 1 : 4; }
 };
 
 }  // namespace tubefoot

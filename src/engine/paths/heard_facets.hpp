@@ -19,8 +19,8 @@
 // What hears the last scattering, and how a facet is met from anywhere, through whatever water. docs/paths.md
 namespace tubefoot {
 
-/// What an image of a receiver sees, or those of both ends of a staff in the same mirrors, by facet, in
-/// coordinates of the plane that the facet lies in: made once for all points that light it.
+/// What an image of a receiver sees, or those of both ends of a receiver pair in the same mirrors, by facet,
+/// in coordinates of the plane that the facet lies in: made once for all points that light it.
 class HeardFacets {
  public:
   /// `apex_m`: where the image is, in the frame of the points that will be asked about; `bed`: what it sees.

@@ -134,7 +134,7 @@ void PatchEcho::clip(const std::vector<glm::dvec2>& by, Polygon& polygon) {
   }
 }
 
-double PatchEcho::fringe_rad_a_m(glm::dvec2 centre) const {
+double PatchEcho::phase_rad_per_m(glm::dvec2 centre) const {
   return heard_->wavenumber_rad_m * glm::length(home_[0].slope(centre, home_[0].range(centre)) -
                                                 home_[1].slope(centre, home_[1].range(centre)));
 }
@@ -145,13 +145,13 @@ void PatchEcho::halve(std::size_t level) {
   const glm::dvec2 size = high - low, centre = (low + high) * 0.5;
   const double diameter = glm::length(size);
   const double rt = lit_.range(centre), rr = home_[0].range(centre), half = (rt + rr) / 2;
-  // A half path changes by no more than the way (as it is seen), and that of the other end of a staff is no
-  // further off.
+  // A half path changes by no more than the way (as it is seen), and that of the other end of a receiver pair
+  // is no further off.
   const double steepest = (lit_.steepest() + home_[0].steepest()) / 2,
                off = steepest * diameter / 2 + glm::length(heard_->arm_m) / 2;
   if (half + off < samples_.first_m || half - off >= samples_.first_m + samples_.step_m * samples_.count)
     return;
-  const bool turned = heard_->is_product() && fringe_rad_a_m(centre) * diameter > most_turned_rad;
+  const bool turned = heard_->is_product() && phase_rad_per_m(centre) * diameter > most_turned_rad;
   const bool small =
       !turned && (diameter <= smallest_part * longest_m_ ||
                   (diameter <= longest_m_ && diameter <= largest_angle * std::min(rt, rr) &&
@@ -276,7 +276,7 @@ double PatchEcho::gain_of(std::size_t beam, glm::dvec3 true_back) const {
 void PatchEcho::take_product(double sample, glm::dvec2 p, double upper, double lower) {
   LyingPlane seen = home_[0].seen();
   seen.foot_m += heard_->hears.ends().front().apex_m;
-  // (upper^2 - lower^2) / (upper + lower) of the ranges: no cancellation where the staff is short.
+  // (upper^2 - lower^2) / (upper + lower) of the ranges: no cancellation where the receiver pair is short.
   const double further =
       -2 * glm::dot(seen.at(p) - heard_->middle_m, heard_->arm_m) / (home_[0].range(p) + home_[1].range(p));
   double size = std::sqrt(upper * lower);

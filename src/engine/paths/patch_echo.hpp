@@ -18,14 +18,14 @@
 // What a point that scatters sends to a receiver by one more scattering. docs/paths.md
 namespace tubefoot {
 
-/// Who hears the last scattering: an image of a receiver, or those of both receivers of a staff in the same
-/// mirrors.
+/// Who hears the last scattering: an image of a receiver, or those of both receivers of a receiver pair in
+/// the same mirrors.
 struct Listener {
-  HeardFacets hears;  ///< of a staff for the mean product: what both hear
-  /// Of a staff: the row of bins that energies go to; a product's real and imaginary part go to this and the
-  /// next. None: those of the beams that hear them.
+  HeardFacets hears;  ///< of a receiver pair for the mean product: what both hear
+  /// Of a receiver pair: the row of bins that energies go to; a product's real and imaginary part go to this
+  /// and the next. None: those of the beams that hear them.
   std::optional<std::uint32_t> row{};
-  glm::dvec3 middle_m{0}, arm_m{0};  ///< of the staff's image: from its lower to its upper end
+  glm::dvec3 middle_m{0}, arm_m{0};  ///< of the receiver pair's image: from its lower to its upper end
   double wavenumber_rad_m = 0;
 
   bool is_product() const { return hears.ends().size() > 1; }
@@ -89,7 +89,7 @@ class PatchEcho {
   void cut_for_both(const Polygon& polygon, double sample, double middle, glm::dvec2 gradient,
                     glm::dvec2 centre);
   void take(const Polygon& polygon, double sample);
-  double fringe_rad_a_m(glm::dvec2 centre) const;
+  double phase_rad_per_m(glm::dvec2 centre) const;
   /// Of a receive pattern, in a direction from the true apex.
   double gain_of(std::size_t beam, glm::dvec3 true_back) const;
   void take_product(double sample, glm::dvec2 p, double upper, double lower);

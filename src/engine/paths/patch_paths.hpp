@@ -41,7 +41,7 @@ void add_scattered_paths(const PathScene& scene, std::span<const Image> sent, st
                          PathEcho& echo);
 
 /// The same for listeners that may have rows of their own, of which `echo` then has as many as beams:
-/// energies at either end of a staff, and products of both, through whatever water there is.
+/// energies at either end of a receiver pair, and products of both, through whatever water there is.
 void add_scattered_paths(const PathScene& scene, std::span<const Image> sent, std::span<const Listener> heard,
                          PathEcho& echo);
 

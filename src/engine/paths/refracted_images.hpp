@@ -64,7 +64,7 @@ class RefractedImages {
   ~RefractedImages();
 
   /// As ImageFinder::images_of() has them. `beside`: the tubes of a place near the end, which looks at what
-  /// is seen from there (the end of a staff).
+  /// is seen from there (the end of a receiver pair).
   std::vector<Image> images_of(std::size_t end, std::span<const GridPoint> heard_at = {},
                                const TubeSet* beside = nullptr);
   /// How far an image is from that of its end.

@@ -12,8 +12,8 @@
 namespace tubefoot {
 
 /// A part of a facet that is seen elsewhere than where it lies, and the rays to it. Places are relative to
-/// the apex that sees it. The end of a staff sees the bed where its middle does, whose rays are its own but
-/// for direction and range, which are from the end.
+/// the apex that sees it. The end of a receiver pair sees the bed where its middle does, whose rays are its
+/// own but for direction and range, which are from the end.
 struct BentFacet {
   FacetMap lies;          ///< from where places are seen to where they lie
   FacetMap seen;          ///< and back

@@ -48,7 +48,7 @@ class GatedIntegral {
     patterns_.take(a.transmit, a.receive);
     if (!one_) patterns_.take(b.transmit, b.receive);
     const double apart = glm::distance(a.transmit_m, b.transmit_m) + glm::distance(a.receive_m, b.receive_m);
-    if (!one_) fringe_rad_ = resolution_of([&](double y) { return wavenumber_ * apart * y; });
+    if (!one_) phase_rad_ = resolution_of([&](double y) { return wavenumber_ * apart * y; });
     for (auto& sum : sums_) sum.assign(std::size_t(samples_) * values(), 0);
   }
 
@@ -83,7 +83,7 @@ class GatedIntegral {
     smooth.take(a.path().bed);
     PathCutter::Work work = smooth.work(tolerance_);
     work.values = values();
-    work.resolution_rad = std::min(work.resolution_rad, fringe_rad_);
+    work.resolution_rad = std::min(work.resolution_rad, phase_rad_);
     work.from_second = !one_;
     const glm::dvec3 foot = -a.plane().distance_m * a.plane().normal;
     const auto pattern = [](const ChannelOnPatch& on, glm::dvec3 there, glm::dvec3 back) {
@@ -150,7 +150,7 @@ class GatedIntegral {
   bool one_;
   PathCutter cutter_;
   Smoothness patterns_;
-  double fringe_rad_ = 1;
+  double phase_rad_ = 1;
   std::vector<glm::dvec3> corners_;
   PlanarPolygon polygon_;
   TextureCells cells_;

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """40 digits of what a triangle returns between two apexes, and to both ends of a staff, by sample: the values in
-path_reference_test.cpp and staff_reference_test.cpp.
+path_reference_test.cpp and receiver_pair_reference_test.cpp.
 
 Plane Cartesian coordinates, x outside, y inside, by mpmath's own quadrature: nothing of the program's way.
 """

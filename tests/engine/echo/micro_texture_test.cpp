@@ -10,7 +10,7 @@
 #include <random>
 
 #include "engine/echo/echo.hpp"
-#include "engine/echo/staff_echo.hpp"
+#include "engine/echo/receiver_pair_echo.hpp"
 #include "engine/law/layered_reflectivity.hpp"
 #include "fixtures/geometry/plane_polygons.hpp"
 #include "fixtures/world/histories.hpp"
@@ -335,11 +335,11 @@ TEST(MicroTexture, PatternsAndTextureAgreeWithBruteForce) {
     }
 }
 
-TEST(MicroTexture, TwoReceiversOnAStaffAgreeWithBruteForce) {
+TEST(MicroTexture, TwoReceiversOfAPairAgreeWithBruteForce) {
   const FacetPlane bed = flat_bed(4);
   const PlaneFrame frame(bed);
   const glm::dvec2 lo{3, 1}, hi{4.3, 2.2};
-  StaffHistory history;
+  ReceiverPairHistory history;
   for (SharedFootprints* shared : {&history.by_upper, &history.by_lower}) {
     for (const glm::dvec2 p : rectangle(lo, hi))
       shared->corners_m.push_back(p.x * frame.u + p.y * frame.v - bed.distance_m * bed.normal);
@@ -350,9 +350,9 @@ TEST(MicroTexture, TwoReceiversOnAStaffAgreeWithBruteForce) {
     facet.transmit_distance_m = bed.distance_m;
     shared->facets = {facet};
   }
-  const Fringe staff{glm::normalize(glm::dvec3(1, 1, 0)), 0.05, 700};
-  const BeamPatterns patterns{{TransmitPattern()}, {Directivity()}, {0}, {{0, 1}}, {staff}};
-  const glm::dvec3 end = staff.baseline_m / 2 * staff.axis;
+  const ReceiverBaseline receiver_pair{glm::normalize(glm::dvec3(1, 1, 0)), 0.05, 700};
+  const BeamPatterns patterns{{TransmitPattern()}, {Directivity()}, {0}, {{0, 1}}, {receiver_pair}};
+  const glm::dvec3 end = receiver_pair.baseline_m / 2 * receiver_pair.axis;
   for (const auto& [name, texture] : textures()) {
     const std::vector<Field> fields{texture};
     const std::vector<double> material_mu{mu};
@@ -360,7 +360,8 @@ TEST(MicroTexture, TwoReceiversOnAStaffAgreeWithBruteForce) {
     EchoLaw law{material_mu, one_facet, 0.2, &patterns};
     law.reflectivity = fields;
     law.path.out.apex_m = apex;
-    const StaffEcho echo = integrate_staff_echo(history, staff, 0, 0, {0.1, 100, 1}, law);
+    const ReceiverPairEcho echo =
+        integrate_receiver_pair_echo(history, receiver_pair, 0, 0, {0.1, 100, 1}, law);
     // quadrature() has the law of one apex: what is more by way of a receiver.
     const auto further = [&](glm::dvec3 p, glm::dvec3 receiver) {
       const double height = glm::dot(bed.normal, receiver - p), range = glm::distance(p, receiver);

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-#include "engine/echo/staff_echo.hpp"
+#include "engine/echo/receiver_pair_echo.hpp"
 #include "engine/law/perlin_reflectivity.hpp"
 #include "fixtures/geometry/plane_polygons.hpp"
 #include "fixtures/world/histories.hpp"
@@ -117,11 +117,11 @@ TEST(GatedCovariance, BetweenTwoApexesItIsTodaysEnergyWithLawsAndTextures) {
   check(1e-12);
 }
 
-TEST(GatedCovariance, ReceiversOfAStaffAreItsEcho) {
-  const Fringe staff{{std::sin(0.4), 0, std::cos(0.4)}, 0.3, 2 * pi * 30e3 / 1500};
+TEST(GatedCovariance, ReceiversOfAReceiverPairAreItsEcho) {
+  const ReceiverBaseline receiver_pair{{std::sin(0.4), 0, std::cos(0.4)}, 0.3, 2 * pi * 30e3 / 1500};
   const RangeSamples samples{6, 0.1, 40};
   const Polygon2 polygon{{3, -2}, {8, -1}, {7, 3}, {4, 2}};
-  StaffHistory history;
+  ReceiverPairHistory history;
   history.transmit.tubes = history.upper.tubes = history.lower.tubes = {Tube{}};
   const SeenPatches seen = on_bed(5, polygon);
   SharedFacet facet{0, 0, 1, {0, 0, 1}, 5, 5};
@@ -129,13 +129,13 @@ TEST(GatedCovariance, ReceiversOfAStaffAreItsEcho) {
   history.by_upper.pieces = {{0, 0, 0, 4}};
   history.by_upper.facets = {facet};
   history.by_lower = history.by_upper;
-  const BeamPatterns patterns{{Directivity()}, {Directivity()}, {0}, {{0, 1}}, {staff}};
+  const BeamPatterns patterns{{Directivity()}, {Directivity()}, {0}, {{0, 1}}, {receiver_pair}};
   EchoLaw law = even_law();
   law.patterns = &patterns;
-  const StaffEcho echo = integrate_staff_echo(history, staff, 0, 0, samples, law);
-  const glm::dvec3 end = staff.baseline_m / 2 * staff.axis;
+  const ReceiverPairEcho echo = integrate_receiver_pair_echo(history, receiver_pair, 0, 0, samples, law);
+  const glm::dvec3 end = receiver_pair.baseline_m / 2 * receiver_pair.axis;
   const SampleCovariances both = gated_covariances(seen, {glm::dvec3(0), end}, {glm::dvec3(0), -end}, samples,
-                                                   staff.wavenumber_rad_m, law);
+                                                   receiver_pair.wavenumber_rad_m, law);
   for (int k = 0; k < samples.count; ++k) {
     const auto n = std::size_t(k);
     const Complex expected(echo.cross_real_j[n], echo.cross_imag_j[n]);
@@ -143,13 +143,13 @@ TEST(GatedCovariance, ReceiversOfAStaffAreItsEcho) {
   }
 }
 
-// A flat bed 10 m below, a staff tilted by 30 degrees with the transmitter at its lower end, 250 kHz, the
-// sample of 75 mm from 30 m on.
+// A flat bed 10 m below, a receiver pair tilted by 30 degrees with the transmitter at its lower end, 250 kHz,
+// the sample of 75 mm from 30 m on.
 TEST(GatedCovariance, FootprintsThatAreShiftedDecorrelate) {
   const double step = 0.075, baseline = 0.06, range = 30, k = 2 * pi * 250e3 / 1500;
   const SeenPatches strip = on_bed(10, rectangle(5, 40, -5e-4, 5e-4));
   const EchoLaw law = even_law();
-  const glm::dvec3 staff = baseline * glm::dvec3(0.5, 0, std::sqrt(0.75));
+  const glm::dvec3 receiver_pair = baseline * glm::dvec3(0.5, 0, std::sqrt(0.75));
   const auto coherence = [&](glm::dvec3 one_end, glm::dvec3 other_end, double first_m) {
     const RangeSamples samples{first_m, step, 1};
     const SignalChannel one{{}, one_end}, other{{}, other_end};
@@ -160,18 +160,18 @@ TEST(GatedCovariance, FootprintsThatAreShiftedDecorrelate) {
   // The spread of phases alone: what gates shift out of one sample is in its neighbours.
   const RangeSamples three{range - step, step, 3};
   const auto all = [&](double wavenumber) {
-    const SampleCovariances r = gated_covariances(strip, {{}, staff}, {}, three, wavenumber, law);
+    const SampleCovariances r = gated_covariances(strip, {{}, receiver_pair}, {}, three, wavenumber, law);
     return std::abs(r.at(1, 0) + r.at(1, 1) + r.at(1, 2));
   };
   EXPECT_NEAR(all(k) / all(0), 0.999875684, 2e-8);
-  EXPECT_NEAR(coherence(staff, {}, range), 0.927009, 3e-6);
-  // With the transmitter in the staff's middle and the sample about 30 m: docs/sensors.md.
-  EXPECT_NEAR(coherence(staff / 2.0, -staff / 2.0, range - step / 2), 0.926810, 2e-6);
+  EXPECT_NEAR(coherence(receiver_pair, {}, range), 0.927009, 3e-6);
+  // With the transmitter in the receiver pair's middle and the sample about 30 m: docs/sensors.md.
+  EXPECT_NEAR(coherence(receiver_pair / 2.0, -receiver_pair / 2.0, range - step / 2), 0.926810, 2e-6);
   // The closed form, for which energy is even over a sample.
   const auto delta = [&](double r) { return baseline * std::sin(std::asin(10 / r) - pi / 6); };
   const double kappa = k * std::abs(delta(range + step / 2) - delta(range - step / 2)) / step,
                shift = std::abs(delta(range)) / 2;
-  EXPECT_NEAR(coherence(staff / 2.0, -staff / 2.0, range - step / 2),
+  EXPECT_NEAR(coherence(receiver_pair / 2.0, -receiver_pair / 2.0, range - step / 2),
               std::sin((step - shift) * kappa / 2) / (step * kappa / 2), 5e-6);
 }
 

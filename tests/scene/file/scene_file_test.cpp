@@ -230,7 +230,7 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(swath.along_track_deg, 0.9);
   EXPECT_EQ(swath.range_max_m, 120);
   EXPECT_EQ(swath.baseline_m, 0.02);
-  EXPECT_EQ(swath.staff_tilt_deg, 35);
+  EXPECT_EQ(swath.receiver_pair_tilt_deg, 35);
   EXPECT_TRUE(swath.phase_noise);
 
   EXPECT_EQ(scene.run.start_utc, "2024-02-29T12:00:00Z");

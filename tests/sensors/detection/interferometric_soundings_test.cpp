@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "fixtures/world/recordings.hpp"
-#include "sensors/detection/staff_soundings.hpp"
+#include "sensors/detection/receiver_pair_soundings.hpp"
 #include "sensors/kinds/kind_interferometric.hpp"
 #include "sensors/receiver/phase_noise.hpp"
 
@@ -24,11 +24,11 @@ struct FlatBed {
 
   /// Echoes from `nearest_m` on, of a bed that is level in the frame of the sensor.
   explicit FlatBed(double nearest_m, double altitude_m, double coherence = 1,
-                   glm::dquat attitude = {1, 0, 0, 0}, double staff_m = baseline_m) {
+                   glm::dquat attitude = {1, 0, 0, 0}, double receiver_pair_m = baseline_m) {
     InterferometricDescription swath;
     swath.frequency_khz = 500;
-    swath.baseline_m = staff_m;
-    swath.staff_tilt_deg = 30;
+    swath.baseline_m = receiver_pair_m;
+    swath.receiver_pair_tilt_deg = 30;
     swath.samples = 1000;
     swath.range_min_m = 10;
     swath.range_max_m = 40;
@@ -45,8 +45,8 @@ struct FlatBed {
     for (std::size_t cell = 0; cell < 2000; ++cell) {
       const double range = 10 + (double(cell % 1000) + 0.5) * 0.03;
       if (range < std::max(nearest_m, depth_m)) continue;
-      const double phase =
-          2 * std::numbers::pi * staff_m / wavelength_m * std::sin(std::asin(depth_m / range) - tilt_rad);
+      const double phase = 2 * std::numbers::pi * receiver_pair_m / wavelength_m *
+                           std::sin(std::asin(depth_m / range) - tilt_rad);
       values[cell] = values[2000 + cell] = 2;
       values[4000 + cell] = 2 * coherence * std::cos(phase);
       values[6000 + cell] = 2 * coherence * std::sin(phase);

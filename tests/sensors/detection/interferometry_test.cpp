@@ -88,29 +88,29 @@ TEST(InterferometricSample, HalfATurnIsPlusPi) {
 
 TEST(Interferometer, HalfAWavelengthIsUnambiguous) {
   const double tilt = 30 * degree;
-  const Interferometer staff(wavelength / 2, wavelength, tilt);
+  const Interferometer receiver_pair(wavelength / 2, wavelength, tilt);
   for (double off = -89; off <= 89; off += 1) {
     const double angle = tilt + off * degree;
-    EXPECT_NEAR(staff.phase(angle), pi * std::sin(off * degree), 1e-12);
-    const auto angles = staff.angles(staff.phase(angle));
+    EXPECT_NEAR(receiver_pair.phase(angle), pi * std::sin(off * degree), 1e-12);
+    const auto angles = receiver_pair.angles(receiver_pair.phase(angle));
     ASSERT_EQ(angles.size(), 1) << off;
     EXPECT_NEAR(angles[0], angle, 1e-11);
   }
-  EXPECT_EQ(staff.angles(pi).size(), 2);  // straight up and down the staff
+  EXPECT_EQ(receiver_pair.angles(pi).size(), 2);  // straight up and down the receiver pair
 }
 
 TEST(Interferometer, LongBaselinesHaveAllAnglesOfAPhase) {
   const double tilt = 20 * degree, ratio = 3.2;
-  const Interferometer staff(ratio * wavelength, wavelength, tilt);
+  const Interferometer receiver_pair(ratio * wavelength, wavelength, tilt);
   for (double off = -88; off <= 88; off += 0.5) {
-    const double angle = tilt + off * degree, phase = staff.phase(angle);
-    const auto angles = staff.angles(phase);
+    const double angle = tilt + off * degree, phase = receiver_pair.phase(angle);
+    const auto angles = receiver_pair.angles(phase);
     EXPECT_GE(angles.size(), 6);  // 2 * 3.2 turns hold 6 or 7
     EXPECT_LE(angles.size(), 7);
     EXPECT_TRUE(std::is_sorted(angles.begin(), angles.end()));
     double nearest = 10;
     for (const double candidate : angles) {
-      EXPECT_NEAR(wrapped(staff.phase(candidate) - phase), 0, 1e-11);
+      EXPECT_NEAR(wrapped(receiver_pair.phase(candidate) - phase), 0, 1e-11);
       nearest = std::min(nearest, std::abs(candidate - angle));
     }
     EXPECT_LT(nearest, 1e-10);
@@ -118,12 +118,12 @@ TEST(Interferometer, LongBaselinesHaveAllAnglesOfAPhase) {
     for (const double turns : {-0.49, 0.0, 0.49}) {
       const double expected_sine = std::sin(off * degree) + turns / ratio;
       if (std::abs(expected_sine) > 1) continue;
-      const auto found = staff.angle_near(phase, tilt + std::asin(expected_sine));
+      const auto found = receiver_pair.angle_near(phase, tilt + std::asin(expected_sine));
       EXPECT_NEAR(found, angle, 1e-10);
     }
     const double far = std::sin(off * degree) + 0.51 / ratio;  // and one beyond it the next
     if (far > 1 || std::sin(off * degree) + 1 / ratio > 1) continue;
-    EXPECT_NEAR(std::sin(staff.angle_near(phase, tilt + std::asin(far)) - tilt),
+    EXPECT_NEAR(std::sin(receiver_pair.angle_near(phase, tilt + std::asin(far)) - tilt),
                 std::sin(off * degree) + 1 / ratio, 1e-10);
   }
 }
@@ -131,26 +131,28 @@ TEST(Interferometer, LongBaselinesHaveAllAnglesOfAPhase) {
 // Noise may bring a phase where the expected branch has no angle: there is one on another branch.
 TEST(Interferometer, EveryPhaseHasAnAngleFromHalfAWavelengthOn) {
   for (const double ratio : {0.5, 0.75, 1.0, 3.2}) {
-    const Interferometer staff(ratio * wavelength, wavelength, 30 * degree);
+    const Interferometer receiver_pair(ratio * wavelength, wavelength, 30 * degree);
     for (double expected = -59; expected <= 119; expected += 1)
       for (double phase = -3.14; phase <= 3.14; phase += 0.01) {
-        const double found = staff.angle_near(phase, expected * degree);
-        ASSERT_NEAR(std::remainder(staff.phase(found) - phase, 2 * pi), 0, 1e-9) << ratio << " " << expected;
+        const double found = receiver_pair.angle_near(phase, expected * degree);
+        ASSERT_NEAR(std::remainder(receiver_pair.phase(found) - phase, 2 * pi), 0, 1e-9)
+            << ratio << " " << expected;
         // No other angle of the phase is nearer to what is expected.
         const double wanted = std::sin(expected * degree - 30 * degree),
                      got = std::abs(std::sin(found - 30 * degree) - wanted);
-        for (const double other : staff.angles(phase))
+        for (const double other : receiver_pair.angles(phase))
           ASSERT_LE(got, std::abs(std::sin(other - 30 * degree) - wanted) + 1e-9);
       }
   }
 }
 
-TEST(Interferometer, APhaseThatNoWaveHasIsTheStaffsEnd) {
-  const Interferometer staff(wavelength / 4, wavelength, 0);  // phases up to pi / 2
-  EXPECT_TRUE(staff.angles(3).empty());
-  EXPECT_NEAR(staff.angle_near(3, 0.1), pi / 2, 1e-12);  // the end of the staff that is nearest in phase
-  EXPECT_NEAR(staff.angle_near(-2, 0.1), -pi / 2, 1e-12);
-  EXPECT_NEAR(staff.angles(pi / 2).at(0), pi / 2, 1e-6);
+TEST(Interferometer, APhaseThatNoWaveHasIsTheReceiverPairsEnd) {
+  const Interferometer receiver_pair(wavelength / 4, wavelength, 0);  // phases up to pi / 2
+  EXPECT_TRUE(receiver_pair.angles(3).empty());
+  EXPECT_NEAR(receiver_pair.angle_near(3, 0.1), pi / 2,
+              1e-12);  // the end of the receiver pair that is nearest in phase
+  EXPECT_NEAR(receiver_pair.angle_near(-2, 0.1), -pi / 2, 1e-12);
+  EXPECT_NEAR(receiver_pair.angles(pi / 2).at(0), pi / 2, 1e-6);
 }
 
 /// Angle below the horizontal at which slant range R meets a plane H below the receivers that falls away at
@@ -163,15 +165,15 @@ TEST(Interferometer, TiltedPlaneComesOutAtItsDepth) {
   const double height = 15;
   for (const double slope : {-10 * degree, 0.0, 8 * degree})
     for (const double baseline : {0.5 * wavelength, 2.5 * wavelength}) {
-      const Interferometer staff(baseline, wavelength, 30 * degree);
+      const Interferometer receiver_pair(baseline, wavelength, 30 * degree);
       double expected = angle_on_plane(height, slope, 16);
       for (double range = 16; range < 60; range += 0.02) {
         const double angle = angle_on_plane(height, slope, range);
         InterferometricSample sample;
         sample.add(1e-10, baseline * std::sin(angle - 30 * degree), wavelength);
-        const auto found = staff.angle_near(*sample.phase_rad(), expected);
+        const auto found = receiver_pair.angle_near(*sample.phase_rad(), expected);
         expected = found;  // the sample before chooses among the angles
-        const DepthEstimate point = staff.point(range, found, 0);
+        const DepthEstimate point = receiver_pair.point(range, found, 0);
         EXPECT_NEAR(point.depth_m, height + point.horizontal_m * std::tan(slope), 1e-9);
         EXPECT_NEAR(std::hypot(point.depth_m, point.horizontal_m), range, 1e-11);
         EXPECT_EQ(point.depth_sigma_m, 0);
@@ -180,16 +182,17 @@ TEST(Interferometer, TiltedPlaneComesOutAtItsDepth) {
 }
 
 TEST(Interferometer, ReceiversAtFiniteRangeAgreeToSecondOrder) {
-  // The true ways to two receivers, half a baseline above and below the middle of a staff that is tilted.
+  // The true ways to two receivers, half a baseline above and below the middle of a receiver pair that is
+  // tilted.
   const double baseline = 0.03, tilt = 25 * degree, range = 20;
-  const Interferometer staff(baseline, wavelength, tilt);
+  const Interferometer receiver_pair(baseline, wavelength, tilt);
   for (double angle = -20 * degree; angle < 85 * degree; angle += degree) {
     const double x = range * std::cos(angle), z = range * std::sin(angle);  // z down
     const double up_x = baseline / 2 * std::sin(tilt), up_z = -baseline / 2 * std::cos(tilt);
     const double difference = std::hypot(x - up_x, z - up_z) - std::hypot(x + up_x, z + up_z);
     InterferometricSample sample;
     sample.add(1, difference, wavelength);
-    const auto found = staff.angle_near(*sample.phase_rad(), angle);
+    const auto found = receiver_pair.angle_near(*sample.phase_rad(), angle);
     const double off = angle - tilt;
     EXPECT_NEAR(found - angle, -std::pow(baseline / range, 2) / 8 * std::sin(off) * std::cos(off), 1e-11);
   }
@@ -199,27 +202,28 @@ TEST(Interferometer, PhaseNoiseBecomesAngleAndDepthNoise) {
   const std::uint64_t seed = 20261121;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   const double coherence = 0.99, angle = 50 * degree, range = 30;
-  const Interferometer staff(2 * wavelength, wavelength, 30 * degree);
+  const Interferometer receiver_pair(2 * wavelength, wavelength, 30 * degree);
   const double sigma = std::sqrt(phase_variance(coherence));
-  EXPECT_NEAR(staff.angle_sigma(angle, 0.01), 0.01 / (4 * pi * std::cos(20 * degree)), 1e-15);
-  EXPECT_NEAR(staff.angle_sigma(120 * degree, 0.01), pi / std::sqrt(12.0), 1e-12);  // along the staff
+  EXPECT_NEAR(receiver_pair.angle_sigma(angle, 0.01), 0.01 / (4 * pi * std::cos(20 * degree)), 1e-15);
+  EXPECT_NEAR(receiver_pair.angle_sigma(120 * degree, 0.01), pi / std::sqrt(12.0),
+              1e-12);  // along the receiver pair
   std::vector<double> depths;
   const std::uint32_t n = 20000;
   for (std::uint32_t i = 0; i < n; ++i) {
     const double phase =
-        wrapped(staff.phase(angle) + draw_phase_error(SampleRandom(seed, 0, 0, i), coherence));
-    depths.push_back(staff.point(range, staff.angle_near(phase, angle), sigma).depth_m);
+        wrapped(receiver_pair.phase(angle) + draw_phase_error(SampleRandom(seed, 0, 0, i), coherence));
+    depths.push_back(receiver_pair.point(range, receiver_pair.angle_near(phase, angle), sigma).depth_m);
   }
-  const DepthEstimate point = staff.point(range, angle, sigma);
+  const DepthEstimate point = receiver_pair.point(range, angle, sigma);
   EXPECT_DOUBLE_EQ(point.depth_m, range * std::sin(angle));
   EXPECT_DOUBLE_EQ(point.horizontal_m, range * std::cos(angle));
-  EXPECT_DOUBLE_EQ(point.depth_sigma_m, point.horizontal_m * staff.angle_sigma(angle, sigma));
+  EXPECT_DOUBLE_EQ(point.depth_sigma_m, point.horizontal_m * receiver_pair.angle_sigma(angle, sigma));
   EXPECT_NEAR(statistics::mean(depths), point.depth_m, 6 * point.depth_sigma_m / std::sqrt(n));
   // Heavy tails, fourth moment 37 sigma^4: six standard deviations of this estimate are 0.13.
   EXPECT_NEAR(std::sqrt(statistics::variance(depths)) / point.depth_sigma_m, 1, 0.15);
 }
 
-TEST(Interferometer, RefusesWhatIsNoStaff) {
+TEST(Interferometer, RefusesWhatIsNoReceiverPair) {
   const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
   EXPECT_THROW(Interferometer(0, wavelength, 0), std::invalid_argument);
   EXPECT_THROW(Interferometer(1, 0, 0), std::invalid_argument);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Imaging sonar, echosounder and interferometric sidescan as sensors: beams, tubes, staffs.
+// Imaging sonar, echosounder and interferometric sidescan as sensors: beams, tubes, receiver pairs.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -102,11 +102,11 @@ TEST(Echosounder, RefusesWhatIsNoSounder) {
   refused([](EchosounderDescription& d) { d.range_max_m = d.range_min_m; });
 }
 
-TEST(Interferometric, StaffsStandAcrossWhatTheyFace) {
+TEST(Interferometric, ReceiverPairsStandAcrossWhatTheyFace) {
   InterferometricDescription swath;
   swath.frequency_khz = 250;
   swath.baseline_m = 0.02;
-  swath.staff_tilt_deg = 25;
+  swath.receiver_pair_tilt_deg = 25;
   const auto sensor = sensor_of(swath), sidescan = sensor_of(static_cast<const SidescanDescription&>(swath));
   EXPECT_EQ(sensor->channels(), 4);
   EXPECT_TRUE(sensor->tubes(Pose{}, grid).rays == sidescan->tubes(Pose{}, grid).rays);
@@ -115,14 +115,14 @@ TEST(Interferometric, StaffsStandAcrossWhatTheyFace) {
   Pose turned;
   turned.attitude = attitude_from_angles(90 * degree, 0, 0);  // starboard is south
   const BeamPatterns patterns = sensor->patterns(turned, 1500);
-  ASSERT_EQ(patterns.fringes.size(), 2u);
+  ASSERT_EQ(patterns.baselines.size(), 2u);
   for (const int side : {-1, 1}) {
-    const Fringe& fringe = patterns.fringes[side < 0 ? 0 : 1];
-    EXPECT_NEAR(fringe.axis.x, 0, 1e-12);
-    EXPECT_NEAR(fringe.axis.y, -side * std::sin(25 * degree), 1e-12);
-    EXPECT_NEAR(fringe.axis.z, std::cos(25 * degree), 1e-12);
-    EXPECT_EQ(fringe.baseline_m, 0.02);
-    EXPECT_NEAR(fringe.wavenumber_rad_m, 2 * std::numbers::pi / 0.006, 1e-9);
+    const ReceiverBaseline& baseline = patterns.baselines[side < 0 ? 0 : 1];
+    EXPECT_NEAR(baseline.axis.x, 0, 1e-12);
+    EXPECT_NEAR(baseline.axis.y, -side * std::sin(25 * degree), 1e-12);
+    EXPECT_NEAR(baseline.axis.z, std::cos(25 * degree), 1e-12);
+    EXPECT_EQ(baseline.baseline_m, 0.02);
+    EXPECT_NEAR(baseline.wavenumber_rad_m, 2 * std::numbers::pi / 0.006, 1e-9);
   }
   swath.baseline_m = 0;
   EXPECT_THROW(sensor_of(swath), std::invalid_argument);

@@ -86,12 +86,12 @@ TEST(Labels, OfWaterfallsAndPhasesStayApart) {
     for (const int pings : {1, 2, 7, 1000})
       for (const double spacing_m : {0.0, 0.001, 0.5, 12.5}) {
         SensorDescription description = samples::sidescan(16);
-        InterferometricDescription staff;
-        static_cast<SidescanDescription&>(staff) = description.kind.as<SidescanDescription>();
+        InterferometricDescription receiver_pair;
+        static_cast<SidescanDescription&>(receiver_pair) = description.kind.as<SidescanDescription>();
         for (const bool phases : {false, true}) {
           if (phases && (spacing_m > 0 || pings == 1000)) continue;  // all the same for them
           if (phases)
-            description.kind = staff;
+            description.kind = receiver_pair;
           else
             description.kind.edit<SidescanDescription>();
           if (phases) {

@@ -129,10 +129,10 @@ TEST(ProductsByThreads, OfASidescan) {
 }
 
 TEST(ProductsByThreads, OfAnInterferometricSonar) {
-  InterferometricDescription staff;
-  staff.samples = 100;
-  staff.phase_noise = true;
-  const auto made = survey(sonar("staff", staff), 40);
+  InterferometricDescription receiver_pair;
+  receiver_pair.samples = 100;
+  receiver_pair.phase_noise = true;
+  const auto made = survey(sonar("staff", receiver_pair), 40);
   EXPECT_THAT(same_files(made.recording, tangent),
               AllOf(Contains("staff-soundings.csv"), Contains("staff-phase-received.png"),
                     Contains("staff-coherence.exr")));

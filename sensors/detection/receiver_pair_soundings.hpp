@@ -12,7 +12,7 @@
 
 namespace tubefoot {
 
-/// A bottom point that two receivers on a staff find in one sample.
+/// A bottom point that two receivers on a receiver pair find in one sample.
 struct InterferometricSounding {
   std::uint32_t beam = 0, sample = 0;  ///< beam 0: port
   double range_m = 0;                  ///< of the sample's middle
@@ -29,9 +29,9 @@ struct InterferometricNoise {
 };
 
 /// A ping of a recording with four channels: the two receivers' products in its cells.
-class StaffPing {
+class ReceiverPairPing {
  public:
-  StaffPing(const Recording& recording, std::size_t ping);
+  ReceiverPairPing(const Recording& recording, std::size_t ping);
   InterferometricSample ideal(std::size_t beam, std::size_t sample) const;
   /// As the receivers have it: with their noise, and the phase that a sounding of the cell is made of.
   InterferometricSample received(std::size_t beam, std::size_t sample,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "sensors/products/staff_files.hpp"
+#include "sensors/products/receiver_pair_files.hpp"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -8,7 +8,7 @@
 
 #include "files/streamed_file.hpp"
 #include "geometry/steps/in_order.hpp"
-#include "sensors/detection/staff_soundings.hpp"
+#include "sensors/detection/receiver_pair_soundings.hpp"
 #include "sensors/model/angles.hpp"
 #include "sensors/pictures/image_file.hpp"
 #include "sensors/pictures/phase_picture.hpp"
@@ -52,7 +52,7 @@ void write_cells_exr(const fs::path& file, const Recording& recording, const cha
   Steps steps("pings of a picture", recording.pings());
   tbb::parallel_for(std::size_t{0}, recording.pings(), [&](std::size_t ping) {
     float* port = cells.data() + 2 * count * ping;
-    const StaffPing heard(recording, ping);
+    const ReceiverPairPing heard(recording, ping);
     for (std::size_t k = 0; k < count; ++k) {
       port[count - 1 - k] = static_cast<float>(value(heard.ideal(0, k)));
       port[count + k] = static_cast<float>(value(heard.ideal(1, k)));
@@ -70,8 +70,8 @@ void write_cells_exr(const fs::path& file, const Recording& recording, const cha
 
 }  // namespace
 
-std::vector<fs::path> write_staff_files(const fs::path& folder, const Recording& recording,
-                                        const RunContext& run, bool phase_noise) {
+std::vector<fs::path> write_receiver_pair_files(const fs::path& folder, const Recording& recording,
+                                                const RunContext& run, bool phase_noise) {
   check(recording);
   const SensorDescription& sensor = recording.sensor->description();
   const bool pictures = run.pictures.wants(PictureSettings::Which::sequence);

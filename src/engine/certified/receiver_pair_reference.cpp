@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/certified/staff_reference.hpp"
+#include "engine/certified/receiver_pair_reference.hpp"
 
 #include <tbb/parallel_for.h>
 
@@ -9,8 +9,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "engine/certified/receiver_pair_integrand.hpp"
 #include "engine/certified/reference_parts.hpp"
-#include "engine/certified/staff_integrand.hpp"
 #include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
@@ -18,16 +18,17 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-class StaffEncloser {
+class ReceiverPairEncloser {
  public:
-  StaffEncloser(const FacetMesh& mesh, const StaffHistory& history, double unit_m, const Fringe& staff,
-                const RangeSamples& samples, std::array<const EchoLaw*, 2> laws,
-                std::span<const std::shared_ptr<const CertifiedTexture>> textures,
-                std::span<const double> target, double working)
+  ReceiverPairEncloser(const FacetMesh& mesh, const ReceiverPairHistory& history, double unit_m,
+                       const ReceiverBaseline& receiver_pair, const RangeSamples& samples,
+                       std::array<const EchoLaw*, 2> laws,
+                       std::span<const std::shared_ptr<const CertifiedTexture>> textures,
+                       std::span<const double> target, double working)
       : mesh_(mesh),
         history_(history),
         unit_m_(unit_m),
-        staff_(staff),
+        receiver_pair_(receiver_pair),
         laws_(laws),
         textures_(textures),
         borders_(sample_borders_m(samples)),
@@ -35,7 +36,7 @@ class StaffEncloser {
         working_(working),
         beta_(Ball(laws[0]->absorption_db_per_m) * log(Ball(10)) / Ball(10)) {
     for (std::size_t k = 0; k < 3; ++k) {
-      const Ball half = Ball(staff.baseline_m) / Ball(2) * Ball(staff.axis[int(k)]),
+      const Ball half = Ball(receiver_pair.baseline_m) / Ball(2) * Ball(receiver_pair.axis[int(k)]),
                  middle(history.middle_m[int(k)]);
       at_m_[0][k] = middle + half;
       at_m_[1][k] = middle - half;
@@ -100,7 +101,7 @@ class StaffEncloser {
     }
   }
 
-  StaffWay ends(std::size_t end, FacetId facet, const CertifiedPolygon& polygon) const {
+  ReceiverPairPath ends(std::size_t end, FacetId facet, const CertifiedPolygon& polygon) const {
     const EchoLaw& law = *laws_[end];
     CertifiedPathEnergy energy(polygon, at_m_[end], law, law.bed(facet), beta_);
     CertifiedPathGains gains(energy.out(), energy.home(), law.patterns->transmit.front(),
@@ -140,7 +141,7 @@ class StaffEncloser {
     if (!faces(end, polygon)) return;
     by_cells(facet, polygon,
              [&](const CertifiedPolygon& part, const CertifiedCell* cell, const Ball& even, double cells) {
-               StaffWay own = ends(end, facet, part);
+               ReceiverPairPath own = ends(end, facet, part);
                const ApexOverPlane out = own.energy.out().over(), home = own.energy.home().over();
                CertifiedPathIntegrand integrand(std::move(own.energy), std::move(own.gains), cell);
                integrator.add(
@@ -157,12 +158,13 @@ class StaffEncloser {
     if (polygon.points.empty()) return;
     by_cells(facet, polygon,
              [&](const CertifiedPolygon& part, const CertifiedCell* cell, const Ball& even, double cells) {
-               const StaffWay upper = ends(0, facet, part), lower = ends(1, facet, part);
-               StaffIntegrand integrand({upper.energy, upper.gains}, {lower.energy, lower.gains},
-                                        StaffPhase(upper.energy.out(), staff_, history_.middle_m), cell);
+               const ReceiverPairPath upper = ends(0, facet, part), lower = ends(1, facet, part);
+               ReceiverPairIntegrand integrand(
+                   {upper.energy, upper.gains}, {lower.energy, lower.gains},
+                   ReceiverPairPhase(upper.energy.out(), receiver_pair_, history_.middle_m), cell);
                const ApexOverPlane homes[2] = {upper.energy.home().over(), lower.energy.home().over()};
                integrator.add(part, upper.energy.out().over(),
-                              std::span(homes).first(staff_.baseline_m > 0 ? 2 : 1), integrand,
+                              std::span(homes).first(receiver_pair_.baseline_m > 0 ? 2 : 1), integrand,
                               {working_ / 3,
                                [&](std::size_t v, std::size_t k) {
                                  return allowed(1 + std::max<std::size_t>(v, 1), k, cells);
@@ -175,9 +177,10 @@ class StaffEncloser {
   void add_unsure(FacetId facet, const CertifiedPolygon& polygon, const Ball& unsure,
                   CertifiedPathIntegrator& integrator, Bins& bins) {
     const CertifiedTexture* texture = textures_[laws_[0]->material[facet]].get();
-    const StaffWay upper = ends(0, facet, polygon), lower = ends(1, facet, polygon);
-    StaffIntegrand integrand({upper.energy, upper.gains}, {lower.energy, lower.gains},
-                             StaffPhase(upper.energy.out(), staff_, history_.middle_m), nullptr);
+    const ReceiverPairPath upper = ends(0, facet, polygon), lower = ends(1, facet, polygon);
+    ReceiverPairIntegrand integrand({upper.energy, upper.gains}, {lower.energy, lower.gains},
+                                    ReceiverPairPhase(upper.energy.out(), receiver_pair_, history_.middle_m),
+                                    nullptr);
     const ApexOverPlane home = upper.energy.home().over();
     integrator.add(polygon, upper.energy.out().over(), {&home, 1}, integrand,
                    {0, [](std::size_t, std::size_t) { return least_allowed; }},
@@ -192,9 +195,9 @@ class StaffEncloser {
   }
 
   const FacetMesh& mesh_;
-  const StaffHistory& history_;
+  const ReceiverPairHistory& history_;
   double unit_m_;
-  const Fringe& staff_;
+  const ReceiverBaseline& receiver_pair_;
   std::array<const EchoLaw*, 2> laws_;  // by receiver
   std::span<const std::shared_ptr<const CertifiedTexture>> textures_;
   std::vector<double> borders_;
@@ -205,15 +208,17 @@ class StaffEncloser {
   std::atomic<bool> coarse_ = false;
 };
 
-CertifiedEcho enclosed(const FacetMesh& mesh, const StaffHistory& history, double grid_unit_m,
-                       const Fringe& staff, const RangeSamples& samples, std::array<const EchoLaw*, 2> laws,
-                       const StaffEcho& ordinary, double tolerance, bool energies) {
+CertifiedEcho enclosed(const FacetMesh& mesh, const ReceiverPairHistory& history, double grid_unit_m,
+                       const ReceiverBaseline& receiver_pair, const RangeSamples& samples,
+                       std::array<const EchoLaw*, 2> laws, const ReceiverPairEcho& ordinary, double tolerance,
+                       bool energies) {
   if (!history.paired_upper.empty() || !history.paired_lower.empty())
     throw std::invalid_argument("facets that two apexes see elsewhere are not enclosed");
   const auto textures = certified_textures(*laws[0]);
   return narrowed(tolerance, [&](double working, bool& coarse) {
-    const std::vector<double> target = staff_targets(ordinary.upper_j, ordinary.lower_j, working);
-    StaffEncloser encloser(mesh, history, grid_unit_m, staff, samples, laws, textures, target, working);
+    const std::vector<double> target = receiver_pair_targets(ordinary.upper_j, ordinary.lower_j, working);
+    ReceiverPairEncloser encloser(mesh, history, grid_unit_m, receiver_pair, samples, laws, textures, target,
+                                  working);
     const std::vector<Ball> total = encloser.enclose(energies, coarse);
     CertifiedEcho certified{rows_of(ordinary), std::vector<double>(total.size())};
     const std::size_t sizes = total.size() / 2;
@@ -228,15 +233,15 @@ CertifiedEcho enclosed(const FacetMesh& mesh, const StaffHistory& history, doubl
       certified.echo.energy[bin] = middle;
       certified.bound[bin] = std::max({off.hi(), -off.lo(), 0.0});
     }
-    hold_staff_against(certified, tolerance);
+    compare_receiver_pair_with(certified, tolerance);
     return certified;
   });
 }
 
 }  // namespace
 
-std::vector<double> staff_targets(std::span<const double> upper, std::span<const double> lower,
-                                  double tolerance) {
+std::vector<double> receiver_pair_targets(std::span<const double> upper, std::span<const double> lower,
+                                          double tolerance) {
   Echo rows{3, int(upper.size()), {}};
   for (const auto& row : {upper, lower}) rows.energy.insert(rows.energy.end(), row.begin(), row.end());
   for (std::size_t k = 0; k < upper.size(); ++k) rows.energy.push_back(std::sqrt(upper[k] * lower[k]));
@@ -246,14 +251,14 @@ std::vector<double> staff_targets(std::span<const double> upper, std::span<const
   return target;
 }
 
-Echo rows_of(const StaffEcho& echo) {
+Echo rows_of(const ReceiverPairEcho& echo) {
   Echo rows{4, int(echo.upper_j.size()), {}};
   for (const auto* row : {&echo.upper_j, &echo.lower_j, &echo.cross_real_j, &echo.cross_imag_j})
     rows.energy.insert(rows.energy.end(), row->begin(), row->end());
   return rows;
 }
 
-void hold_staff_against(CertifiedEcho& certified, double tolerance) {
+void compare_receiver_pair_with(CertifiedEcho& certified, double tolerance) {
   const auto row = std::size_t(certified.echo.samples);
   std::vector<double> sure(2 * row);
   for (std::size_t bin = 0; bin < sure.size(); ++bin) {
@@ -261,7 +266,7 @@ void hold_staff_against(CertifiedEcho& certified, double tolerance) {
     sure[bin] = least > 0 ? least : 0;
   }
   const std::vector<double> asked =
-      staff_targets(std::span(sure).first(row), std::span(sure).last(row), tolerance * (1 + 1e-6));
+      receiver_pair_targets(std::span(sure).first(row), std::span(sure).last(row), tolerance * (1 + 1e-6));
   certified.bins_over = 0;
   certified.worst_ratio = 0;
   for (std::size_t bin = 0; bin < asked.size(); ++bin) {
@@ -274,18 +279,21 @@ void hold_staff_against(CertifiedEcho& certified, double tolerance) {
   }
 }
 
-CertifiedEcho certify_staff_echo(const FacetMesh& mesh, const StaffHistory& history, double grid_unit_m,
-                                 const Fringe& staff, const RangeSamples& samples, const EchoLaw& law,
-                                 const StaffEcho& ordinary, double tolerance) {
-  return enclosed(mesh, history, grid_unit_m, staff, samples, {&law, &law}, ordinary, tolerance, true);
+CertifiedEcho certify_receiver_pair_echo(const FacetMesh& mesh, const ReceiverPairHistory& history,
+                                         double grid_unit_m, const ReceiverBaseline& receiver_pair,
+                                         const RangeSamples& samples, const EchoLaw& law,
+                                         const ReceiverPairEcho& ordinary, double tolerance) {
+  return enclosed(mesh, history, grid_unit_m, receiver_pair, samples, {&law, &law}, ordinary, tolerance,
+                  true);
 }
 
-CertifiedEcho certify_staff_products(const FacetMesh& mesh, const StaffHistory& history, double grid_unit_m,
-                                     const Fringe& staff, const RangeSamples& samples,
-                                     const EchoLaw& by_upper, const EchoLaw& by_lower,
-                                     const StaffEcho& ordinary, double tolerance) {
-  return enclosed(mesh, history, grid_unit_m, staff, samples, {&by_upper, &by_lower}, ordinary, tolerance,
-                  false);
+CertifiedEcho certify_receiver_pair_products(const FacetMesh& mesh, const ReceiverPairHistory& history,
+                                             double grid_unit_m, const ReceiverBaseline& receiver_pair,
+                                             const RangeSamples& samples, const EchoLaw& by_upper,
+                                             const EchoLaw& by_lower, const ReceiverPairEcho& ordinary,
+                                             double tolerance) {
+  return enclosed(mesh, history, grid_unit_m, receiver_pair, samples, {&by_upper, &by_lower}, ordinary,
+                  tolerance, false);
 }
 
 }  // namespace tubefoot

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/certified/staff_pieces.hpp"
+#include "engine/certified/receiver_pair_pieces.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "engine/certified/certified_cells.hpp"
 #include "engine/certified/laid_out.hpp"
-#include "engine/certified/staff_integrand.hpp"
+#include "engine/certified/receiver_pair_integrand.hpp"
 #include "geometry/numbers/enclosure_slack.hpp"
 
 namespace tubefoot {
@@ -40,8 +40,9 @@ struct Sums {
 
 }  // namespace
 
-StaffPieces::StaffPieces(const EchoLaw& law, double wavenumber_rad_m, std::span<const double> borders_m,
-                         double step_m, std::vector<double> target, double tolerance)
+ReceiverPairPieces::ReceiverPairPieces(const EchoLaw& law, double wavenumber_rad_m,
+                                       std::span<const double> borders_m, double step_m,
+                                       std::vector<double> target, double tolerance)
     : law_(law),
       wavenumber_(wavenumber_rad_m),
       borders_(borders_m),
@@ -51,7 +52,7 @@ StaffPieces::StaffPieces(const EchoLaw& law, double wavenumber_rad_m, std::span<
       textures_(certified_textures(law)),
       beta_(Ball(law.absorption_db_per_m) * log(Ball(10)) / Ball(10)) {}
 
-StaffPieces::OnFacet StaffPieces::on(FacetId facet, const By& upper, const By& lower) const {
+ReceiverPairPieces::OnFacet ReceiverPairPieces::on(FacetId facet, const By& upper, const By& lower) const {
   // Hardly more than what is known, and so wide that ellipses about a border are told apart with ease.
   const double shift = std::max({upper.proven.shift_m, lower.proven.shift_m, 1e-7 * step_m_}) * (1 + slack);
   OnFacet on{upper, lower, law_.material[facet], ShiftedSamples(borders_, step_m_, shift), nullptr};
@@ -59,7 +60,7 @@ StaffPieces::OnFacet StaffPieces::on(FacetId facet, const By& upper, const By& l
   return on;
 }
 
-void StaffPieces::add(OnFacet& on, const Seen& upper, const Seen& lower, Products& found) const {
+void ReceiverPairPieces::add(OnFacet& on, const Seen& upper, const Seen& lower, Products& found) const {
   const CertifiedPolygon seen = laid_out(upper.corners_m, upper.receiver_m, on.upper.paired),
                          other = laid_out(lower.corners_m, lower.receiver_m, on.lower.paired);
   if (seen.edges.size() < 3 || other.edges.size() < 3) return;
@@ -67,11 +68,11 @@ void StaffPieces::add(OnFacet& on, const Seen& upper, const Seen& lower, Product
   const bool is_any = part.edges.size() >= 3;
   if (!is_any && !(uncertain.hi() > 0)) return;
   const bool weighed = law_.patterns != nullptr;
-  StaffWay by_upper{energy_of(on.upper.paired, on.upper.proven, law_, on.material, beta_), {}},
+  ReceiverPairPath by_upper{energy_of(on.upper.paired, on.upper.proven, law_, on.material, beta_), {}},
       by_lower{energy_of(on.lower.paired, on.lower.proven, law_, on.material, beta_), {}};
   const ApexOverPlane out = by_upper.energy.out().over(),
                       homes[2]{by_upper.energy.home().over(), by_lower.energy.home().over()};
-  const StaffPhase phase(homes[0], homes[1], wavenumber_);
+  const ReceiverPairPhase phase(homes[0], homes[1], wavenumber_);
   const std::span both = std::span(homes).first(phase.growth > 0 ? 2 : 1);
   // Either energy of an even bed without patterns: the root of their product is no more than their mean.
   CertifiedPathIntegrand plain[2]{{by_upper.energy, {}, nullptr}, {by_lower.energy, {}, nullptr}};
@@ -131,7 +132,7 @@ void StaffPieces::add(OnFacet& on, const Seen& upper, const Seen& lower, Product
           part, out, both, plain[r], allowance(0.05, 20, 1),
           [&](std::size_t sample, std::span<const Ball> values) { alone[r][sample] += values[0].hi(); });
   const auto add_part = [&](const CertifiedPolygon& polygon, const CertifiedCell* cell) {
-    StaffIntegrand integrand(by_upper, by_lower, phase, cell, weighed);
+    ReceiverPairIntegrand integrand(by_upper, by_lower, phase, cell, weighed);
     const double parts = 200 * double(std::max<std::size_t>(cells, 1)) * even.hi;
     on.integrator->add(
         polygon, out, both, integrand, allowance(tolerance_ / 8, parts, 1),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Two receivers on a staff, and paths that are scattered more than once in refracting water: what each hears
-// and how much alike that is, against sums over points with arcs in closed form to both ends, even water, one
-// receiver, and laws.
+// Two receivers on a receiver pair, and paths that are scattered more than once in refracting water: what
+// each hears and how much alike that is, against sums over points with arcs in closed form to both ends, even
+// water, one receiver, and laws.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 #include <numeric>
 
 #include "fixtures/world/bent_rays.hpp"
-#include "fixtures/world/staffs.hpp"
+#include "fixtures/world/receiver_pairs.hpp"
 
 namespace tubefoot {
 namespace {
@@ -25,16 +25,16 @@ Setting scattered(int times, double patch_m = 0.5) {
   return s;
 }
 
-const Fringe staff{slanting_axis, 0.12, 60};
+const ReceiverBaseline receiver_pair{slanting_axis, 0.12, 60};
 
-StaffPathEcho heard_through(const WaterColumn& column, const Setting& s, const Fringe& by = staff,
-                            double gap_m = 1e-2) {
+ReceiverPairPathEcho heard_through(const WaterColumn& column, const Setting& s,
+                                   const ReceiverBaseline& by = receiver_pair, double gap_m = 1e-2) {
   const PathWater water = through_water(column, gap_m);
-  return heard_by_staff(s, by, &water);
+  return heard_by_receiver_pair(s, by, &water);
 }
 
 /// To parts of all that the upper one hears, in total and in each bin.
-void expect_sums(const StaffEcho& echo, const StaffSums& sums, double of_total, double of_bin,
+void expect_sums(const ReceiverPairEcho& echo, const ReceiverPairSums& sums, double of_total, double of_bin,
                  const char* what) {
   double upper = 0, lower = 0, energy = 0, turned = 0;
   for (std::size_t k = 0; k < sums.upper.size(); ++k) {
@@ -55,18 +55,18 @@ void expect_sums(const StaffEcho& echo, const StaffSums& sums, double of_total, 
   EXPECT_GT(turned, 5 * of_bin * energy) << what;  // there is a phase to know
 }
 
-TEST(RefractedStaffPatches, TwoAndThreeScatteringsAgreeWithSumsOverPoints) {
+TEST(RefractedReceiverPairPatches, TwoAndThreeScatteringsAgreeWithSumsOverPoints) {
   for (const double g : {-60.0, 60.0}) {
     SCOPED_TRACE(g);
     const Setting s = scattered(g < 0 ? 3 : 2, 0.25);
     const Arcs arcs{1500 - 3 * g, g, s.absorption_db_per_m};
-    const StaffPathEcho paths = heard_through(column_of(arcs), s, staff, 2e-3),
-                        straight = heard_by_staff(s, staff);
-    const PointSum sum(s, 8, arcs, staff);
-    const StaffSums two = sum.twice_by_staff();
+    const ReceiverPairPathEcho paths = heard_through(column_of(arcs), s, receiver_pair, 2e-3),
+                               straight = heard_by_receiver_pair(s, receiver_pair);
+    const PointSum sum(s, 8, arcs, receiver_pair);
+    const ReceiverPairSums two = sum.twice_by_receiver_pair();
     expect_sums(paths.by_order[2], two, 0.01, 0.01, "two");
     // Delays that are kept in steps of a sample blur its ends, as in even water.
-    if (g < 0) expect_sums(paths.by_order[3], sum.thrice_by_staff(), 0.015, 0.04, "three");
+    if (g < 0) expect_sums(paths.by_order[3], sum.thrice_by_receiver_pair(), 0.015, 0.04, "three");
     // Which bending has its part in.
     double moved = 0, energy = 0;
     for (std::size_t k = 0; k < two.upper.size(); ++k) {
@@ -77,8 +77,8 @@ TEST(RefractedStaffPatches, TwoAndThreeScatteringsAgreeWithSumsOverPoints) {
   }
 }
 
-// Every path begins and ends at the surface, in which the staff is upside down.
-TEST(RefractedStaffPatches, MirrorScatterScatterMirrorAgreesWithSumsOverPoints) {
+// Every path begins and ends at the surface, in which the receiver pair is upside down.
+TEST(RefractedReceiverPairPatches, MirrorScatterScatterMirrorAgreesWithSumsOverPoints) {
   Setting s = scattered(2, 0.25);
   s.transmit = around({-0.5, 0.25, -2}, 10, 89.99, 3, 60, 4);
   s.receive = around({0.8, -0.5, -1.75}, 10, 89.99, 3, 60, 4);
@@ -88,23 +88,24 @@ TEST(RefractedStaffPatches, MirrorScatterScatterMirrorAgreesWithSumsOverPoints) 
   const double g = -50;
   const Arcs arcs{1700, g, s.absorption_db_per_m};
   const ArcsBySurface by_surface{{1700, g}, 0.7, s.absorption_db_per_m};
-  const StaffPathEcho paths = heard_through(column_of(arcs), s, staff, 2e-3);
+  const ReceiverPairPathEcho paths = heard_through(column_of(arcs), s, receiver_pair, 2e-3);
   EXPECT_GT(paths.patches, 0u);
   EXPECT_GT(paths.seen_by_patches.facets, 0u);
-  expect_sums(paths.by_order[4], PointSum(s, 12, arcs, by_surface, staff).twice_by_staff(), 0.02, 0.02,
-              "surface");
+  expect_sums(paths.by_order[4], PointSum(s, 12, arcs, by_surface, receiver_pair).twice_by_receiver_pair(),
+              0.02, 0.02, "surface");
 }
 
 // Patches are cut otherwise than in even water: to the error of patches.
-TEST(RefractedStaffPatches, EvenWaterIsTheStraightEngine) {
+TEST(RefractedReceiverPairPatches, EvenWaterIsTheStraightEngine) {
   Setting s = scattered(3);
   s.paths.mirrors.surface = SeaSurface{0, 0.7, 0.4};
   const WaterColumn even{SoundSpeedProfile({{0, c_ref}, {8, c_ref}}), {0.3, 0.3, 0.3}};
-  const StaffPathEcho straight = heard_by_staff(s, staff), bent = heard_through(even, s);
+  const ReceiverPairPathEcho straight = heard_by_receiver_pair(s, receiver_pair),
+                             bent = heard_through(even, s);
   EXPECT_EQ(bent.seen_by_patches.in_shadow, 0u);
   EXPECT_EQ(bent.seen_by_patches.folded, 0u);
   for (std::size_t order = 2; order < 4; ++order) {
-    const StaffEcho &a = straight.by_order[order], &b = bent.by_order[order];
+    const ReceiverPairEcho &a = straight.by_order[order], &b = bent.by_order[order];
     const double all = std::reduce(a.upper_j.begin(), a.upper_j.end());
     EXPECT_GT(all, 0);
     for (std::size_t k = 0; k < a.upper_j.size(); ++k) {
@@ -116,13 +117,14 @@ TEST(RefractedStaffPatches, EvenWaterIsTheStraightEngine) {
 }
 
 // To first order: half of the gradient moves energies and products half as far.
-TEST(RefractedStaffPatches, AGradientThatGoesToZeroLeavesEvenWater) {
+TEST(RefractedReceiverPairPatches, AGradientThatGoesToZeroLeavesEvenWater) {
   Setting s = plates(false);
   s.samples = {1, 20, 1};
   const auto at = [&](double g) {
-    return heard_through(column_of({1500 - 4 * g, g, s.absorption_db_per_m}), s, staff, 1).by_order[2];
+    return heard_through(column_of({1500 - 4 * g, g, s.absorption_db_per_m}), s, receiver_pair, 1)
+        .by_order[2];
   };
-  const StaffEcho even = at(1e-9), whole = at(4), half = at(2);
+  const ReceiverPairEcho even = at(1e-9), whole = at(4), half = at(2);
   const auto expect_half = [](Complex none, Complex by_half, Complex by_whole) {
     const Complex moved = by_whole - none;
     EXPECT_GT(std::abs(moved), 1e-4 * std::abs(none));
@@ -133,12 +135,12 @@ TEST(RefractedStaffPatches, AGradientThatGoesToZeroLeavesEvenWater) {
   expect_half(product(even, 0), product(half, 0), product(whole, 0));
 }
 
-TEST(RefractedStaffPatches, WithoutLengthAStaffIsOneReceiver) {
+TEST(RefractedReceiverPairPatches, WithoutLengthAReceiverPairIsOneReceiver) {
   Setting s = scattered(3);
   s.paths.mirrors.surface = SeaSurface{0, 0.7, 0.4};
   const WaterColumn column = column_of({1500 + 180, -60, s.absorption_db_per_m});
   const PathEcho one = through(through_water(column, 1e-2), s);
-  const StaffPathEcho both = heard_through(column, s, {slanting_axis, 1e-8, 60});
+  const ReceiverPairPathEcho both = heard_through(column, s, {slanting_axis, 1e-8, 60});
   for (std::size_t order = 2; order <= 3; ++order) {
     const std::vector<double>& alone = one.by_order[order].energy;
     // Where rounding cuts one part more, a sample passes a little on to its neighbour.
@@ -152,14 +154,15 @@ TEST(RefractedStaffPatches, WithoutLengthAStaffIsOneReceiver) {
   }
 }
 
-// The other way round a staff hears the same, with its phase the other way.
-TEST(RefractedStaffPatches, ReceiversExchangePlaces) {
+// The other way round a receiver pair hears the same, with its phase the other way.
+TEST(RefractedReceiverPairPatches, ReceiversExchangePlaces) {
   const Setting s = scattered(3);
   const WaterColumn column = column_of({1500 - 180, 60, s.absorption_db_per_m});
-  const Fringe turned{-staff.axis, staff.baseline_m, staff.wavenumber_rad_m};
-  const StaffPathEcho there = heard_through(column, s), back = heard_through(column, s, turned);
+  const ReceiverBaseline turned{-receiver_pair.axis, receiver_pair.baseline_m,
+                                receiver_pair.wavenumber_rad_m};
+  const ReceiverPairPathEcho there = heard_through(column, s), back = heard_through(column, s, turned);
   for (std::size_t order = 2; order <= 3; ++order) {
-    const StaffEcho &a = there.by_order[order], &b = back.by_order[order];
+    const ReceiverPairEcho &a = there.by_order[order], &b = back.by_order[order];
     const double most = *std::ranges::max_element(a.upper_j);
     for (std::size_t k = 0; k < a.upper_j.size(); ++k) {
       EXPECT_NEAR(b.upper_j[k], a.lower_j[k], 1e-9 * most) << order << ' ' << k;
@@ -173,18 +176,18 @@ TEST(RefractedStaffPatches, ReceiversExchangePlaces) {
 // Each end hears what a receiver there would, whose bed appears from its own place, but for the baseline
 // times the gradient over the speed of sound, which both together do not have; and what that would send to
 // the transmitter, but for the square of the speed of sound at each.
-TEST(RefractedStaffPatches, EitherEndIsAReceiverThereAndSoundComesBack) {
+TEST(RefractedReceiverPairPatches, EitherEndIsAReceiverThereAndSoundComesBack) {
   Setting s = scattered(2, 0.3);
   s.receive = around({-0.25, -0.5, -3.5}, -89.99, 20, 3, 60, 4);
   const double g = -60;
   const Arcs arcs{1500 - 3 * g, g, s.absorption_db_per_m};
   const WaterColumn column = column_of(arcs);
-  const StaffEcho both = heard_through(column, s).by_order[2];
+  const ReceiverPairEcho both = heard_through(column, s).by_order[2];
   const glm::dvec3 middle = metres(s.receive.apex);
-  const double by_baseline = staff.baseline_m * -g / (arcs.c0 - middle.z * g);
+  const double by_baseline = receiver_pair.baseline_m * -g / (arcs.c0 - middle.z * g);
   double heard = 0, alone = 0;
   for (const double end : {1.0, -1.0}) {
-    const glm::dvec3 place = middle + end * staff.baseline_m / 2 * staff.axis;
+    const glm::dvec3 place = middle + end * receiver_pair.baseline_m / 2 * receiver_pair.axis;
     const Echo by_end{1, s.samples.count, end > 0 ? both.upper_j : both.lower_j};
     Setting one = s;
     one.receive = around(place, -89.99, 20, 3, 60, 4);

@@ -6,20 +6,23 @@
 #include <span>
 #include <vector>
 
-#include "engine/certified/staff_reference.hpp"
+#include "engine/certified/receiver_pair_reference.hpp"
 #include "run/ping_sums.hpp"
 #include "run/transmission.hpp"
 
 namespace tubefoot {
 
-/// The four channels of a staff: [channel][beam][sample], a beam a fan. With a reference, their bounds, too.
-class StaffRows {
+/// The four channels of a receiver pair: [channel][beam][sample], a beam a fan. With a reference, their
+/// bounds, too.
+class ReceiverPairRows {
  public:
-  StaffRows(const Transmission& transmission, std::size_t s)
+  ReceiverPairRows(const Transmission& transmission, std::size_t s)
       : samples_(static_cast<std::size_t>(transmission.sensor(s).samples().count)),
         beams_(static_cast<std::size_t>(transmission.beams(s))),
         all_{{int(4 * beams_), int(samples_), std::vector<double>(4 * beams_ * samples_)}, {}} {}
-  void set(std::size_t fan, const StaffEcho& echo) { set(fan, rows_of(echo).energy, all_.echo.energy); }
+  void set(std::size_t fan, const ReceiverPairEcho& echo) {
+    set(fan, rows_of(echo).energy, all_.echo.energy);
+  }
   void set(std::size_t fan, const CertifiedEcho& found) {
     all_.bound.resize(all_.echo.energy.size());
     set(fan, found.echo.energy, all_.echo.energy);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/echo/staff_echo.hpp"
+#include "engine/echo/receiver_pair_echo.hpp"
 
 #include <tbb/parallel_for.h>
 
@@ -23,23 +23,24 @@ constexpr double tolerance = 1e-8;
 constexpr std::size_t facets_per_task = 64;
 
 /// Where the bed is seen elsewhere over one chain of mirrors than over another, so are its ends.
-bool in_the_middle(const StaffHistory& history) {
+bool in_the_middle(const ReceiverPairHistory& history) {
   return history.middle_m == glm::dvec3(0) && history.paired_upper.empty() && history.paired_lower.empty();
 }
 
 /// Sums one fan's echo; one per task.
-class StaffIntegral {
+class ReceiverPairIntegral {
  public:
-  StaffIntegral(const StaffHistory& history, const Fringe& staff, std::uint32_t fan, std::uint32_t beam,
-                std::span<const double> borders, std::array<const EchoLaw*, 2> laws)
+  ReceiverPairIntegral(const ReceiverPairHistory& history, const ReceiverBaseline& receiver_pair,
+                       std::uint32_t fan, std::uint32_t beam, std::span<const double> borders,
+                       std::array<const EchoLaw*, 2> laws)
       : history_(history),
-        staff_(staff),
+        receiver_pair_(receiver_pair),
         sent_(laws[0]->patterns->transmit[fan]),
         heard_(laws[0]->patterns->receive[beam]),
         least_(laws[0]->patterns->least.empty() ? 0 : laws[0]->patterns->least[beam]),
         laws_(laws),
         cutter_(borders) {
-    const glm::dvec3 half = staff.baseline_m / 2 * staff.axis;
+    const glm::dvec3 half = receiver_pair.baseline_m / 2 * receiver_pair.axis;
     at_m_ = {history.middle_m + half, history.middle_m - half};
     for (const EchoLaw* law : laws_)
       patterns_.angle_rad = std::min(patterns_.angle_rad, smooth_angle_rad(law->path));
@@ -47,7 +48,8 @@ class StaffIntegral {
     patterns_.limited = least_ > 0;
     weighed_ = heard_.kind != Directivity::Kind::uniform || sent_.beams.size() != 1 ||
                sent_.beams[0].kind != Directivity::Kind::uniform;
-    fringe_rad_ = resolution_of([&](double y) { return staff.wavenumber_rad_m * staff.baseline_m * y; });
+    phase_rad_ = resolution_of(
+        [&](double y) { return receiver_pair.wavenumber_rad_m * receiver_pair.baseline_m * y; });
     const std::size_t samples = borders.size() - 1;
     for (auto& sum : energy_) sum.assign(samples, 0);
     cross_.assign(3 * samples, 0);
@@ -119,9 +121,9 @@ class StaffIntegral {
       if (!(distance_m > 0)) return false;
       paths_[end] = PathOnFacet(plane_, frame_, at_m_[end], distance_m, facet.facet, *laws_[end]);
     }
-    along_ = {
-        glm::dot(frame_.u, staff_.axis), glm::dot(frame_.v, staff_.axis),
-        -plane_.distance_m * glm::dot(plane_.normal, staff_.axis) - glm::dot(history_.middle_m, staff_.axis)};
+    along_ = {glm::dot(frame_.u, receiver_pair_.axis), glm::dot(frame_.v, receiver_pair_.axis),
+              -plane_.distance_m * glm::dot(plane_.normal, receiver_pair_.axis) -
+                  glm::dot(history_.middle_m, receiver_pair_.axis)};
     return true;
   }
 
@@ -132,8 +134,8 @@ class StaffIntegral {
       if (!moved.move_receiver(at_m_[end] - history_.middle_m)) return false;
       paths_[end] = PathOnFacet(moved, facet.facet, *laws_[end]);
     }
-    along_ = {glm::dot(seen.u, staff_.axis), glm::dot(seen.v, staff_.axis),
-              glm::dot(seen.foot_m, staff_.axis)};
+    along_ = {glm::dot(seen.u, receiver_pair_.axis), glm::dot(seen.v, receiver_pair_.axis),
+              glm::dot(seen.foot_m, receiver_pair_.axis)};
     return true;
   }
 
@@ -160,7 +162,7 @@ class StaffIntegral {
     PathCutter::Work work = smooth_.work(tolerance);
     if (paths.size() > 1) {
       work.values = 3;
-      work.resolution_rad = std::min(work.resolution_rad, fringe_rad_);
+      work.resolution_rad = std::min(work.resolution_rad, phase_rad_);
       // With the transmitter in their middle neither is much nearer than the other.
       work.from_second = !in_the_middle(history_);
     }
@@ -179,30 +181,32 @@ class StaffIntegral {
           if (paths.size() == 1) return;
           // (upper^2 - lower^2) / (upper + lower): no cancellation where the baseline is short.
           const double along = along_.x * p.x + along_.y * p.y + along_.z;
-          const double further = -2 * staff_.baseline_m * along / (rr + other);
-          const std::complex<double> product = std::polar(values[0], staff_.wavenumber_rad_m * further);
+          const double further = -2 * receiver_pair_.baseline_m * along / (rr + other);
+          const std::complex<double> product =
+              std::polar(values[0], receiver_pair_.wavenumber_rad_m * further);
           values[1] = product.real();
           values[2] = product.imag();
         },
         work, out);
   }
 
-  const StaffHistory& history_;
-  const Fringe& staff_;
+  const ReceiverPairHistory& history_;
+  const ReceiverBaseline& receiver_pair_;
   const TransmitPattern& sent_;
   const Directivity& heard_;
   double least_;                        // two-way gain that is received
   std::array<const EchoLaw*, 2> laws_;  // by receiver
   PathCutter cutter_;
   Smoothness patterns_;
-  double fringe_rad_ = 1;
+  double phase_rad_ = 1;
   bool weighed_ = false;
   std::array<glm::dvec3, 2> at_m_;  // the receivers, relative to the transmitter
   // Of the facet at hand.
   const PairedFacet* paired_ = nullptr;
   FacetPlane plane_;
   PlaneFrame frame_{FacetPlane{}};
-  glm::dvec3 along_{0};  // the staff's axis times a place from its middle: of x, of y, and of the foot point
+  glm::dvec3 along_{
+      0};  // the receiver pair's axis times a place from its middle: of x, of y, and of the foot point
   std::array<PathOnFacet, 2> paths_;  // by way of either receiver
   Smoothness smooth_;
   PlanarPolygon polygon_;
@@ -221,9 +225,10 @@ TubeSet tubes_of_fan(const TubeSet& tubes, std::span<const std::uint32_t> fan_of
   return part;
 }
 
-TubeSet moved_along(const TubeSet& tubes, const Fringe& staff, double end, double grid_unit_m) {
+TubeSet moved_along(const TubeSet& tubes, const ReceiverBaseline& receiver_pair, double end,
+                    double grid_unit_m) {
   TubeSet moved = tubes;
-  const glm::dvec3 way = glm::round(end * staff.baseline_m / (2 * grid_unit_m) * staff.axis);
+  const glm::dvec3 way = glm::round(end * receiver_pair.baseline_m / (2 * grid_unit_m) * receiver_pair.axis);
   moved.apex.x += std::int32_t(way.x);
   moved.apex.y += std::int32_t(way.y);
   moved.apex.z += std::int32_t(way.z);
@@ -234,12 +239,12 @@ glm::dvec3 way_m(GridPoint from, GridPoint to, double grid_unit_m) {
   return glm::dvec3(double(to.x) - from.x, double(to.y) - from.y, double(to.z) - from.z) * grid_unit_m;
 }
 
-StaffHistory trace_staff(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
-                         const VisibilityOptions& options, TubeSet transmit, const TubeSet& receive,
-                         const Fringe& staff) {
-  StaffHistory history;
-  history.upper = moved_along(receive, staff, 1, grid_unit_m);
-  history.lower = moved_along(receive, staff, -1, grid_unit_m);
+ReceiverPairHistory trace_receiver_pair(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
+                                        const VisibilityOptions& options, TubeSet transmit,
+                                        const TubeSet& receive, const ReceiverBaseline& receiver_pair) {
+  ReceiverPairHistory history;
+  history.upper = moved_along(receive, receiver_pair, 1, grid_unit_m);
+  history.lower = moved_along(receive, receiver_pair, -1, grid_unit_m);
   history.middle_m = way_m(transmit.apex, receive.apex, grid_unit_m);
   history.transmit = std::move(transmit);
   const auto sent = look(mesh, tree, history.transmit, options);
@@ -252,16 +257,18 @@ StaffHistory trace_staff(const FacetMesh& mesh, const SceneTree& tree, double gr
   return history;
 }
 
-StaffHistory trace_staff(const ApparentPair& pair, const WorldGrid& grid, const VisibilityOptions& options,
-                         TubeSet transmit, const TubeSet& receive, const Fringe& staff,
-                         const Straightening& transmit_water, const Straightening& receive_water,
-                         double reference_absorption_db_per_m) {
-  StaffHistory history;
+ReceiverPairHistory trace_receiver_pair(const ApparentPair& pair, const WorldGrid& grid,
+                                        const VisibilityOptions& options, TubeSet transmit,
+                                        const TubeSet& receive, const ReceiverBaseline& receiver_pair,
+                                        const Straightening& transmit_water,
+                                        const Straightening& receive_water,
+                                        double reference_absorption_db_per_m) {
+  ReceiverPairHistory history;
   history.middle_m = way_m(transmit.apex, receive.apex, grid.unit_m());
   history.transmit = std::move(transmit);
   const auto end = [&](double which, TubeSet& tubes, SharedFootprints& shared,
                        std::vector<PairedFacet>& paired) {
-    tubes = moved_along(receive, staff, which, grid.unit_m());
+    tubes = moved_along(receive, receiver_pair, which, grid.unit_m());
     BistaticHistory both = trace_bistatic(pair, grid, options, history.transmit, tubes, transmit_water,
                                           receive_water, reference_absorption_db_per_m);
     shared = std::move(both.shared);
@@ -275,10 +282,12 @@ StaffHistory trace_staff(const ApparentPair& pair, const WorldGrid& grid, const 
 namespace {
 
 /// `laws`: by receiver.
-StaffEcho integrated(const StaffHistory& history, const Fringe& staff, std::uint32_t fan, std::uint32_t beam,
-                     const RangeSamples& samples, std::array<const EchoLaw*, 2> laws, bool energies) {
+ReceiverPairEcho integrated(const ReceiverPairHistory& history, const ReceiverBaseline& receiver_pair,
+                            std::uint32_t fan, std::uint32_t beam, const RangeSamples& samples,
+                            std::array<const EchoLaw*, 2> laws, bool energies) {
   const std::vector<double> borders = sample_borders_m(samples);
-  if (!(staff.baseline_m >= 0 && (staff.baseline_m <= samples.first_m || !in_the_middle(history))))
+  if (!(receiver_pair.baseline_m >= 0 &&
+        (receiver_pair.baseline_m <= samples.first_m || !in_the_middle(history))))
     throw std::invalid_argument("a staff's baseline may not be longer than the nearest range");
   struct Job {
     const SharedFacet *upper, *lower;
@@ -290,9 +299,10 @@ StaffEcho integrated(const StaffHistory& history, const Fringe& staff, std::uint
                has_lower = d != down.end() && (u == up.end() || d->facet <= u->facet);
     jobs.push_back({has_upper ? &*u++ : nullptr, has_lower ? &*d++ : nullptr});
   }
-  std::vector<std::optional<StaffIntegral>> parts((jobs.size() + facets_per_task - 1) / facets_per_task);
+  std::vector<std::optional<ReceiverPairIntegral>> parts((jobs.size() + facets_per_task - 1) /
+                                                         facets_per_task);
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t task) {
-    StaffIntegral& part = parts[task].emplace(history, staff, fan, beam, borders, laws);
+    ReceiverPairIntegral& part = parts[task].emplace(history, receiver_pair, fan, beam, borders, laws);
     const std::size_t end = std::min((task + 1) * facets_per_task, jobs.size());
     for (std::size_t k = task * facets_per_task; k < end; ++k) {
       stop_if_wanted();
@@ -303,8 +313,8 @@ StaffEcho integrated(const StaffHistory& history, const Fringe& staff, std::uint
     }
   });
   const auto count = std::size_t(samples.count);
-  StaffEcho echo{std::vector<double>(count), std::vector<double>(count), std::vector<double>(count),
-                 std::vector<double>(count)};
+  ReceiverPairEcho echo{std::vector<double>(count), std::vector<double>(count), std::vector<double>(count),
+                        std::vector<double>(count)};
   for (const auto& part : parts)
     for (std::size_t k = 0; k < count; ++k) {
       echo.upper_j[k] += part->energy(0)[k];
@@ -317,21 +327,25 @@ StaffEcho integrated(const StaffHistory& history, const Fringe& staff, std::uint
 
 }  // namespace
 
-StaffEcho integrate_staff_echo(const StaffHistory& history, const Fringe& staff, std::uint32_t fan,
-                               std::uint32_t beam, const RangeSamples& samples, const EchoLaw& law) {
-  return integrate_staff_echo(history, staff, fan, beam, samples, law, law);
+ReceiverPairEcho integrate_receiver_pair_echo(const ReceiverPairHistory& history,
+                                              const ReceiverBaseline& receiver_pair, std::uint32_t fan,
+                                              std::uint32_t beam, const RangeSamples& samples,
+                                              const EchoLaw& law) {
+  return integrate_receiver_pair_echo(history, receiver_pair, fan, beam, samples, law, law);
 }
 
-StaffEcho integrate_staff_echo(const StaffHistory& history, const Fringe& staff, std::uint32_t fan,
-                               std::uint32_t beam, const RangeSamples& samples, const EchoLaw& by_upper,
-                               const EchoLaw& by_lower) {
-  return integrated(history, staff, fan, beam, samples, {&by_upper, &by_lower}, true);
+ReceiverPairEcho integrate_receiver_pair_echo(const ReceiverPairHistory& history,
+                                              const ReceiverBaseline& receiver_pair, std::uint32_t fan,
+                                              std::uint32_t beam, const RangeSamples& samples,
+                                              const EchoLaw& by_upper, const EchoLaw& by_lower) {
+  return integrated(history, receiver_pair, fan, beam, samples, {&by_upper, &by_lower}, true);
 }
 
-StaffEcho integrate_staff_products(const StaffHistory& history, const Fringe& staff, std::uint32_t fan,
-                                   std::uint32_t beam, const RangeSamples& samples, const EchoLaw& by_upper,
-                                   const EchoLaw& by_lower) {
-  return integrated(history, staff, fan, beam, samples, {&by_upper, &by_lower}, false);
+ReceiverPairEcho integrate_receiver_pair_products(const ReceiverPairHistory& history,
+                                                  const ReceiverBaseline& receiver_pair, std::uint32_t fan,
+                                                  std::uint32_t beam, const RangeSamples& samples,
+                                                  const EchoLaw& by_upper, const EchoLaw& by_lower) {
+  return integrated(history, receiver_pair, fan, beam, samples, {&by_upper, &by_lower}, false);
 }
 
 }  // namespace tubefoot

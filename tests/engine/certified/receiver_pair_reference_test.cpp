@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What two receivers on a staff hear with proven bounds: against the ordinary integrals, and what must hold
-// of it.
-#include "engine/certified/staff_reference.hpp"
+// What two receivers on a receiver pair hear with proven bounds: against the ordinary integrals, and what
+// must hold of it.
+#include "engine/certified/receiver_pair_reference.hpp"
 
 #include <gtest/gtest.h>
 
@@ -17,8 +17,8 @@ namespace {
 const std::vector<double> material_mu{0.003};
 
 /// A bed of random heights with a wall on it, looked at sideways.
-struct StaffScene {
-  explicit StaffScene(std::uint64_t seed)
+struct ReceiverPairScene {
+  explicit ReceiverPairScene(std::uint64_t seed)
       : grid(20, glm::dvec3(0)), mesh(test::mesh_of(facets(seed), grid)), tree(mesh) {}
 
   static std::vector<std::array<glm::dvec3, 3>> facets(std::uint64_t seed) {
@@ -39,7 +39,7 @@ struct StaffScene {
   }
 
   struct Result {
-    StaffEcho ordinary;
+    ReceiverPairEcho ordinary;
     CertifiedEcho certified;
     std::vector<double> rows() const {
       std::vector<double> all;
@@ -49,16 +49,16 @@ struct StaffScene {
       return all;
     }
   };
-  /// `middle_m`: of the staff; the transmitter is at the origin.
-  Result run(const Fringe& staff, double tolerance, const Directivity& transmit = {},
+  /// `middle_m`: of the receiver pair; the transmitter is at the origin.
+  Result run(const ReceiverBaseline& receiver_pair, double tolerance, const Directivity& transmit = {},
              const Directivity& receive = {}, glm::dvec3 middle_m = glm::dvec3(0)) const {
-    const StaffHistory history =
-        trace_staff(mesh, tree, grid.unit_m(), {}, tubes_from(glm::dvec3(0)), tubes_from(middle_m), staff);
-    const BeamPatterns patterns{{transmit}, {receive}, {0}, {{0, 1}}, {staff}};
+    const ReceiverPairHistory history = trace_receiver_pair(
+        mesh, tree, grid.unit_m(), {}, tubes_from(glm::dvec3(0)), tubes_from(middle_m), receiver_pair);
+    const BeamPatterns patterns{{transmit}, {receive}, {0}, {{0, 1}}, {receiver_pair}};
     const EchoLaw law{material_mu, mesh.material, 0.05, &patterns};
-    Result result{integrate_staff_echo(history, staff, 0, 0, samples, law), {}};
-    result.certified =
-        certify_staff_echo(mesh, history, grid.unit_m(), staff, samples, law, result.ordinary, tolerance);
+    Result result{integrate_receiver_pair_echo(history, receiver_pair, 0, 0, samples, law), {}};
+    result.certified = certify_receiver_pair_echo(mesh, history, grid.unit_m(), receiver_pair, samples, law,
+                                                  result.ordinary, tolerance);
     return result;
   }
 
@@ -85,11 +85,11 @@ struct StaffScene {
   const RangeSamples samples{6, 0.5, 14};
 };
 
-Fringe staff_of(double baseline, double wavelength) {
+ReceiverBaseline receiver_pair_of(double baseline, double wavelength) {
   return {glm::normalize(glm::dvec3(0.5, 0.1, 0.8)), baseline, 2 * 3.141592653589793 / wavelength};
 }
 
-void expect_holds(const StaffScene::Result& result, double tolerance, double ordinary_error = 1e-7) {
+void expect_holds(const ReceiverPairScene::Result& result, double tolerance, double ordinary_error = 1e-7) {
   const std::vector<double> ordinary = result.rows();
   const std::size_t row = ordinary.size() / 4;
   const auto& bound = result.certified.bound;
@@ -111,10 +111,10 @@ void expect_holds(const StaffScene::Result& result, double tolerance, double ord
   }
 }
 
-TEST(StaffReference, OrdinaryEnergiesAndProductsLieWithin) {
-  const StaffScene scene(11);
+TEST(ReceiverPairReference, OrdinaryEnergiesAndProductsLieWithin) {
+  const ReceiverPairScene scene(11);
   for (const auto& [baseline, wavelength] : {std::pair{0.06, 0.015}, {0.4, 0.03}}) {
-    const auto result = scene.run(staff_of(baseline, wavelength), 1e-4);
+    const auto result = scene.run(receiver_pair_of(baseline, wavelength), 1e-4);
     expect_holds(result, 1e-4);
     double turned = 0;
     for (std::size_t k = 0; k < 14; ++k) turned = std::max(turned, std::abs(result.ordinary.cross_imag_j[k]));
@@ -122,12 +122,12 @@ TEST(StaffReference, OrdinaryEnergiesAndProductsLieWithin) {
   }
 }
 
-TEST(StaffReference, SwappedReceiversAreConjugateAndNoBaselineIsOneReceiver) {
-  const StaffScene scene(12);
-  Fringe staff = staff_of(0.1, 0.02);
-  const auto there = scene.run(staff, 1e-4);
-  staff.axis = -staff.axis;
-  const auto back = scene.run(staff, 1e-4);
+TEST(ReceiverPairReference, SwappedReceiversAreConjugateAndNoBaselineIsOneReceiver) {
+  const ReceiverPairScene scene(12);
+  ReceiverBaseline receiver_pair = receiver_pair_of(0.1, 0.02);
+  const auto there = scene.run(receiver_pair, 1e-4);
+  receiver_pair.axis = -receiver_pair.axis;
+  const auto back = scene.run(receiver_pair, 1e-4);
   const auto near = [&](const CertifiedEcho& a, std::size_t x, const CertifiedEcho& b, std::size_t y,
                         double sign) {
     for (std::size_t k = 0; k < 14; ++k)
@@ -139,7 +139,7 @@ TEST(StaffReference, SwappedReceiversAreConjugateAndNoBaselineIsOneReceiver) {
   near(there.certified, 1, back.certified, 0, 1);
   near(there.certified, 2, back.certified, 2, 1);
   near(there.certified, 3, back.certified, 3, -1);
-  const auto one = scene.run(staff_of(0, 0.02), 1e-4);
+  const auto one = scene.run(receiver_pair_of(0, 0.02), 1e-4);
   near(one.certified, 0, one.certified, 1, 1);
   near(one.certified, 0, one.certified, 2, 1);
   near(one.certified, 3, one.certified, 3, -1);
@@ -147,15 +147,15 @@ TEST(StaffReference, SwappedReceiversAreConjugateAndNoBaselineIsOneReceiver) {
 }
 
 // On a bed and behind a wall, above and below the transmitter, before and behind it.
-TEST(StaffReference, TheReceiversMayBeElsewhere) {
-  const StaffScene scene(14);
+TEST(ReceiverPairReference, TheReceiversMayBeElsewhere) {
+  const ReceiverPairScene scene(14);
   for (const glm::dvec3 middle : {glm::dvec3(-0.5, 0.2, 0.4), {1, -0.1, -0.75}, {0, 0.02, 3}}) {
     SCOPED_TRACE(testing::Message() << middle.x << ' ' << middle.y << ' ' << middle.z);
-    Fringe staff = staff_of(0.2, 0.02);
-    const auto there = scene.run(staff, 1e-4, {}, {}, middle);
+    ReceiverBaseline receiver_pair = receiver_pair_of(0.2, 0.02);
+    const auto there = scene.run(receiver_pair, 1e-4, {}, {}, middle);
     expect_holds(there, 1e-4);
-    staff.axis = -staff.axis;
-    const auto back = scene.run(staff, 1e-4, {}, {}, middle);
+    receiver_pair.axis = -receiver_pair.axis;
+    const auto back = scene.run(receiver_pair, 1e-4, {}, {}, middle);
     double turned = 0;
     for (std::size_t k = 0; k < 14; ++k) {
       const auto &a = there.certified, &b = back.certified;
@@ -168,20 +168,20 @@ TEST(StaffReference, TheReceiversMayBeElsewhere) {
 }
 
 // Without a baseline all four rows are those of two apexes, which another integral encloses.
-TEST(StaffReference, AStaffWithoutLengthElsewhereIsOneReceiverApart) {
-  const StaffScene scene(15);
+TEST(ReceiverPairReference, AReceiverPairWithoutLengthElsewhereIsOneReceiverApart) {
+  const ReceiverPairScene scene(15);
   const glm::dvec3 middle(-0.5, 0.2, 0.4);
-  const auto staff = scene.run(staff_of(0, 0.02), 1e-6, {}, {}, middle);
+  const auto receiver_pair = scene.run(receiver_pair_of(0, 0.02), 1e-6, {}, {}, middle);
   const auto one = scene.run_apart(middle, 1e-6);
   for (std::size_t k = 0; k < 14; ++k)
     for (const std::size_t row : {0, 1, 2})
-      EXPECT_LE(std::abs(staff.certified.echo.energy[14 * row + k] - one.echo.energy[k]),
-                staff.certified.bound[14 * row + k] + one.bound[k])
+      EXPECT_LE(std::abs(receiver_pair.certified.echo.energy[14 * row + k] - one.echo.energy[k]),
+                receiver_pair.certified.bound[14 * row + k] + one.bound[k])
           << row << ' ' << k;
-  EXPECT_EQ(staff.certified.bins_over, 0u);
+  EXPECT_EQ(receiver_pair.certified.bins_over, 0u);
 }
 
-TEST(StaffReference, FortyDigitsFromOutsideTheProgram) {
+TEST(ReceiverPairReference, FortyDigitsFromOutsideTheProgram) {
   // path_reference_digits.py: rows upper, lower, real and imaginary part.
   const std::vector<double> digits{
       0.00000666012425293253596666488624802893750327,    0.000006167856021495902909254603098731560623421,
@@ -200,17 +200,17 @@ TEST(StaffReference, FortyDigitsFromOutsideTheProgram) {
     test::add_pyramid(set, {glm::dvec3(-1, -1, -0.1), {1, -1, -0.1}, {1, 1, -0.1}, {-1, 1, -0.1}});
     return set;
   };
-  const Fringe staff{{0, 0.6, 0.8}, 0.25, 64};
-  const StaffHistory history =
-      trace_staff(mesh, tree, grid.unit_m(), {}, down({-1, 0.5, 6}), down({1.5, -1, 4}), staff);
-  const BeamPatterns patterns{{Directivity()}, {Directivity()}, {0}, {{0, 1}}, {staff}};
+  const ReceiverBaseline receiver_pair{{0, 0.6, 0.8}, 0.25, 64};
+  const ReceiverPairHistory history = trace_receiver_pair(mesh, tree, grid.unit_m(), {}, down({-1, 0.5, 6}),
+                                                          down({1.5, -1, 4}), receiver_pair);
+  const BeamPatterns patterns{{Directivity()}, {Directivity()}, {0}, {{0, 1}}, {receiver_pair}};
   const std::vector<double> bright{0x1p-9};
   const EchoLaw law{bright, mesh.material, 0.0625, &patterns};
   const RangeSamples samples{4.5, 0.75, 3};
-  const StaffEcho ordinary = integrate_staff_echo(history, staff, 0, 0, samples, law);
+  const ReceiverPairEcho ordinary = integrate_receiver_pair_echo(history, receiver_pair, 0, 0, samples, law);
   for (const double tolerance : {1e-2, 1e-8}) {
-    const CertifiedEcho found =
-        certify_staff_echo(mesh, history, grid.unit_m(), staff, samples, law, ordinary, tolerance);
+    const CertifiedEcho found = certify_receiver_pair_echo(mesh, history, grid.unit_m(), receiver_pair,
+                                                           samples, law, ordinary, tolerance);
     EXPECT_EQ(found.bins_over, 0u) << found.worst_ratio;
     for (std::size_t k = 0; k < digits.size(); ++k) {
       EXPECT_LE(std::abs(found.echo.energy[k] - digits[k]), found.bound[k] + 1e-15 * std::abs(digits[k]))
@@ -220,22 +220,23 @@ TEST(StaffReference, FortyDigitsFromOutsideTheProgram) {
   }
 }
 
-TEST(StaffReference, RefusesFacetsThatAreSeenElsewhere) {
-  StaffHistory history;
+TEST(ReceiverPairReference, RefusesFacetsThatAreSeenElsewhere) {
+  ReceiverPairHistory history;
   history.paired_upper.resize(1);
   const EchoLaw law{material_mu, {}, 0};
-  EXPECT_THROW(certify_staff_echo({}, history, 1, {}, {1, 1, 1}, law, {}, 1e-3), std::invalid_argument);
+  EXPECT_THROW(certify_receiver_pair_echo({}, history, 1, {}, {1, 1, 1}, law, {}, 1e-3),
+               std::invalid_argument);
 }
 
-TEST(StaffReference, PatternsOfAllAreHeld) {
-  const StaffScene scene(13);
+TEST(ReceiverPairReference, PatternsOfAllAreHeld) {
+  const ReceiverPairScene scene(13);
   Directivity line{Directivity::Kind::line, glm::normalize(glm::dvec3(0.5, 0.1, 0.8))},
       gauss{Directivity::Kind::gaussian, {0.8, 0, -0.6}, true};
   line.size = 0.9;  // zeros would have corners
   gauss.size = 0.7;
-  const auto result = scene.run(staff_of(0.06, 0.02), 1e-3, gauss, line);
+  const auto result = scene.run(receiver_pair_of(0.06, 0.02), 1e-3, gauss, line);
   expect_holds(result, 1e-3, 1e-6);
-  expect_holds(scene.run(staff_of(0.06, 0.02), 1e-3, gauss, line, {0.5, 0.1, 0.3}), 1e-3, 1e-6);
+  expect_holds(scene.run(receiver_pair_of(0.06, 0.02), 1e-3, gauss, line, {0.5, 0.1, 0.3}), 1e-3, 1e-6);
 }
 
 }  // namespace

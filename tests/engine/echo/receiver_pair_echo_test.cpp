@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Covariances of the two receivers of a staff against closed forms, against sums over scatterers, and against
-// realisations of scatterers.
-#include "engine/echo/staff_echo.hpp"
+// Covariances of the two receivers of a receiver pair against closed forms, against sums over scatterers, and
+// against realisations of scatterers.
+#include "engine/echo/receiver_pair_echo.hpp"
 
 #include <gtest/gtest.h>
 
@@ -23,14 +23,14 @@ constexpr double pi = std::numbers::pi, mu = 0.003;
 const std::vector<double> material_mu{mu, 0};
 const std::vector<std::uint16_t> one_material(64, 0);
 
-BeamPatterns patterns_of(const Fringe& staff, const Directivity& transmit = {},
+BeamPatterns patterns_of(const ReceiverBaseline& receiver_pair, const Directivity& transmit = {},
                          const Directivity& receive = {}) {
-  return {{transmit}, {receive}, {0}, {{0, 1}}, {staff}};
+  return {{transmit}, {receive}, {0}, {{0, 1}}, {receiver_pair}};
 }
 
 /// A piece of one facet that all see.
-StaffHistory piece_on(const FacetPlane& plane, const Polygon2& polygon) {
-  StaffHistory history;
+ReceiverPairHistory piece_on(const FacetPlane& plane, const Polygon2& polygon) {
+  ReceiverPairHistory history;
   SharedFacet facet;
   facet.piece_count = 1;
   facet.plane_normal = plane.normal;
@@ -43,21 +43,22 @@ StaffHistory piece_on(const FacetPlane& plane, const Polygon2& polygon) {
   return history;
 }
 
-StaffEcho echo_of(const StaffHistory& history, const BeamPatterns& patterns, const RangeSamples& samples,
-                  std::span<const std::uint16_t> material = one_material) {
-  return integrate_staff_echo(history, patterns.fringes[0], 0, 0, samples,
-                              {material_mu, material, 0, &patterns});
+ReceiverPairEcho echo_of(const ReceiverPairHistory& history, const BeamPatterns& patterns,
+                         const RangeSamples& samples,
+                         std::span<const std::uint16_t> material = one_material) {
+  return integrate_receiver_pair_echo(history, patterns.baselines[0], 0, 0, samples,
+                                      {material_mu, material, 0, &patterns});
 }
 
-Complex cross_of(const StaffEcho& echo, std::size_t k) {
+Complex cross_of(const ReceiverPairEcho& echo, std::size_t k) {
   return {echo.cross_real_j[k], echo.cross_imag_j[k]};
 }
-double coherence(const StaffEcho& echo, std::size_t k) {
+double coherence(const ReceiverPairEcho& echo, std::size_t k) {
   return std::abs(cross_of(echo, k)) / std::sqrt(echo.upper_j[k] * echo.lower_j[k]);
 }
 
 /// A strip, 1 mm wide along the track (y), of a plane `depth` below that rises by `slope` to starboard (x).
-StaffHistory strip(double depth, double slope, double from, double to) {
+ReceiverPairHistory strip(double depth, double slope, double from, double to) {
   const FacetPlane plane{glm::normalize(glm::dvec3(-slope, 0, 1)), depth / std::hypot(1, slope)};
   const PlaneFrame frame(plane);
   const auto on = [&](double x, double y) { return frame.project({x, y, -depth + slope * x}); };
@@ -69,7 +70,7 @@ StaffHistory strip(double depth, double slope, double from, double to) {
   return piece_on(plane, polygon);
 }
 
-Fringe staff_at(double tilt_rad, double baseline_m, double frequency_hz) {
+ReceiverBaseline receiver_pair_at(double tilt_rad, double baseline_m, double frequency_hz) {
   return {{std::sin(tilt_rad), 0, std::cos(tilt_rad)}, baseline_m, 2 * pi * frequency_hz / 1500};
 }
 
@@ -84,15 +85,15 @@ double expected_coherence(double range, double step, double wavenumber, const De
 }
 
 // A facet whose plane passes between the two ends is seen by one of them, whatever the other one is.
-TEST(StaffEcho, AFacetThatOnlyOneEndFacesIsHeardByThatEnd) {
+TEST(ReceiverPairEcho, AFacetThatOnlyOneEndFacesIsHeardByThatEnd) {
   const FacetPlane plane{{1, 0, 0}, 0.02};
-  StaffHistory history = piece_on(plane, {{3, 3}, {4, 3}, {4, 4}});
+  ReceiverPairHistory history = piece_on(plane, {{3, 3}, {4, 3}, {4, 4}});
   const RangeSamples samples{3, 1, 4};
   history.by_lower = {};
-  const StaffEcho across = echo_of(history, patterns_of({{1, 0, 0}, 0.1, 100}), samples);
+  const ReceiverPairEcho across = echo_of(history, patterns_of({{1, 0, 0}, 0.1, 100}), samples);
   // The upper end in the same place, the lower one next to it, before the plane.
   history.middle_m = {0.045, 0, 0};
-  const StaffEcho before = echo_of(history, patterns_of({{1, 0, 0}, 0.01, 100}), samples);
+  const ReceiverPairEcho before = echo_of(history, patterns_of({{1, 0, 0}, 0.01, 100}), samples);
   double all = 0;
   for (std::size_t k = 0; k < 4; ++k) {
     EXPECT_NEAR(across.upper_j[k], before.upper_j[k], 1e-7 * before.upper_j[k]) << k;
@@ -103,30 +104,31 @@ TEST(StaffEcho, AFacetThatOnlyOneEndFacesIsHeardByThatEnd) {
   EXPECT_GT(all, 0);
 }
 
-TEST(StaffEcho, CoherenceOfTheFlatBedHasTheShiftOfTheReceiversSamples) {
+TEST(ReceiverPairEcho, CoherenceOfTheFlatBedHasTheShiftOfTheReceiversSamples) {
   const double range = 30, step = 0.075;
-  const Fringe staff = staff_at(pi / 6, 0.06, 250e3);
-  const StaffEcho echo = echo_of(strip(10, 0, 5, 40), patterns_of(staff), {range - step / 2, step, 1});
+  const ReceiverBaseline receiver_pair = receiver_pair_at(pi / 6, 0.06, 250e3);
+  const ReceiverPairEcho echo =
+      echo_of(strip(10, 0, 5, 40), patterns_of(receiver_pair), {range - step / 2, step, 1});
   // Summed over eight million scatterers: 0.9268102. Without the shift it is 0.999876.
   EXPECT_NEAR(coherence(echo, 0), 0.926810, 2e-6);
   const double lean = std::asin(1.0 / 3) - pi / 6;
   EXPECT_NEAR(coherence(echo, 0), 0.999876 * (1 - 0.03 * std::abs(std::sin(lean)) / step), 5e-5);
 }
 
-TEST(StaffEcho, TiltedBedsAndLongBaselinesFollowTheClosedForm) {
+TEST(ReceiverPairEcho, TiltedBedsAndLongBaselinesFollowTheClosedForm) {
   const double depth = 10;
   for (const double slope : {-0.2, 0.0, 0.15})
     for (const double baseline : {0.01, 0.06, 0.2})
       for (const double step : {0.02, 0.075})
         for (const double range : {16.0, 24.0, 30.0}) {
-          const Fringe staff = staff_at(pi / 6, baseline, 250e3);
+          const ReceiverBaseline receiver_pair = receiver_pair_at(pi / 6, baseline, 250e3);
           const double rise = std::atan(slope);
           const auto delta = [&](double r) {
             return baseline * std::sin(std::asin(depth * std::cos(rise) / r) - rise - pi / 6);
           };
-          const StaffEcho echo =
-              echo_of(strip(depth, slope, 2, 60), patterns_of(staff), {range - step / 2, step, 1});
-          const double expected = expected_coherence(range, step, staff.wavenumber_rad_m, delta);
+          const ReceiverPairEcho echo =
+              echo_of(strip(depth, slope, 2, 60), patterns_of(receiver_pair), {range - step / 2, step, 1});
+          const double expected = expected_coherence(range, step, receiver_pair.wavenumber_rad_m, delta);
           // Energy is not quite even over the sample: to a few times its length over the range.
           EXPECT_NEAR(coherence(echo, 0), expected, 3 * step / range)
               << slope << ", baseline " << baseline << ", step " << step << ", range " << range;
@@ -134,10 +136,10 @@ TEST(StaffEcho, TiltedBedsAndLongBaselinesFollowTheClosedForm) {
         }
 }
 
-TEST(StaffEcho, SamplesThatDoNotMeetHaveNoCoherence) {
+TEST(ReceiverPairEcho, SamplesThatDoNotMeetHaveNoCoherence) {
   // The samples are shifted against each other by half the path difference, 15 cm at least.
-  const Fringe staff = staff_at(-pi / 3, 0.5, 250e3);
-  const StaffEcho echo = echo_of(strip(10, 0, 5, 40), patterns_of(staff), {20, 0.1, 100});
+  const ReceiverBaseline receiver_pair = receiver_pair_at(-pi / 3, 0.5, 250e3);
+  const ReceiverPairEcho echo = echo_of(strip(10, 0, 5, 40), patterns_of(receiver_pair), {20, 0.1, 100});
   for (std::size_t k = 0; k < 100; ++k) {
     EXPECT_GT(echo.upper_j[k], 0);
     EXPECT_GT(echo.lower_j[k], 0);
@@ -145,19 +147,19 @@ TEST(StaffEcho, SamplesThatDoNotMeetHaveNoCoherence) {
   }
 }
 
-TEST(StaffEcho, AnInfinitelyShortBaselineIsOneReceiverAndSwappedOnesAreConjugate) {
-  Fringe staff = staff_at(pi / 6, 1e-7, 250e3);
-  const StaffHistory bed = strip(10, 0.1, 2, 40);
+TEST(ReceiverPairEcho, AnInfinitelyShortBaselineIsOneReceiverAndSwappedOnesAreConjugate) {
+  ReceiverBaseline receiver_pair = receiver_pair_at(pi / 6, 1e-7, 250e3);
+  const ReceiverPairHistory bed = strip(10, 0.1, 2, 40);
   const RangeSamples samples{14, 0.5, 40};
-  const StaffEcho one = echo_of(bed, patterns_of(staff), samples);
+  const ReceiverPairEcho one = echo_of(bed, patterns_of(receiver_pair), samples);
   for (std::size_t k = 0; k < 40; ++k) {
     EXPECT_NEAR(one.cross_real_j[k], one.upper_j[k], 2e-6 * one.upper_j[k]);
     EXPECT_NEAR(one.lower_j[k], one.upper_j[k], 2e-6 * one.upper_j[k]);
   }
-  staff = staff_at(pi / 6, 0.1, 250e3);
-  const StaffEcho there = echo_of(bed, patterns_of(staff), samples);
-  staff.axis = -staff.axis;
-  const StaffEcho back = echo_of(bed, patterns_of(staff), samples);
+  receiver_pair = receiver_pair_at(pi / 6, 0.1, 250e3);
+  const ReceiverPairEcho there = echo_of(bed, patterns_of(receiver_pair), samples);
+  receiver_pair.axis = -receiver_pair.axis;
+  const ReceiverPairEcho back = echo_of(bed, patterns_of(receiver_pair), samples);
   for (std::size_t k = 0; k < 40; ++k) {
     EXPECT_NEAR(there.upper_j[k], back.lower_j[k], 1e-9 * there.upper_j[k]);
     EXPECT_LT(std::abs(cross_of(there, k) - std::conj(cross_of(back, k))), 1e-8 * there.upper_j[k]);
@@ -204,7 +206,7 @@ double over_polygon(const FacetPlane& plane, const Polygon2& polygon, const Dens
 }
 
 // All in one sample: nothing but the integrals, with patterns; then with the transmitter elsewhere.
-TEST(StaffEcho, TotalsAgreeWithQuadratureInSpaceWithPatterns) {
+TEST(ReceiverPairEcho, TotalsAgreeWithQuadratureInSpaceWithPatterns) {
   const unsigned seed = 161803;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   std::mt19937_64 random(seed);
@@ -213,7 +215,8 @@ TEST(StaffEcho, TotalsAgreeWithQuadratureInSpaceWithPatterns) {
   const auto unit = [&] { return glm::normalize(glm::dvec3(gauss(random), gauss(random), gauss(random))); };
   for (int i = 0; i < 16; ++i) {
     const FacetPlane plane = test::random_plane(random, distance(random));
-    const Fringe staff{unit(), 0.9 * plane.distance_m * share(random), 2 * pi * waves(random)};
+    const ReceiverBaseline receiver_pair{unit(), 0.9 * plane.distance_m * share(random),
+                                         2 * pi * waves(random)};
     Directivity transmit, receive;
     if (i % 3 > 0) transmit = {Directivity::Kind::gaussian, unit(), true, 0, 0.9};
     // Of a line's nulls the product has corners, which take long.
@@ -221,24 +224,24 @@ TEST(StaffEcho, TotalsAgreeWithQuadratureInSpaceWithPatterns) {
     if (i % 3 > 1 && i >= 8) receive = {Directivity::Kind::gaussian, unit(), true, 0, 1.2};
     const glm::dvec2 centre = i % 4 ? glm::dvec2(place(random), place(random)) : glm::dvec2(0.2, -0.1);
     const Polygon2 polygon = test::random_convex(random, centre, 2.5, 1.5);
-    StaffHistory history = piece_on(plane, polygon);
+    ReceiverPairHistory history = piece_on(plane, polygon);
     if (i >= 8) {
       // Off along the plane, and above it by as much as its ends need.
       const PlaneFrame frame(plane);
       history.middle_m =
           place(random) * frame.u + place(random) * frame.v + (distance(random) - 0.1) / 2 * plane.normal;
     }
-    const glm::dvec3 half = staff.baseline_m / 2 * staff.axis, end = history.middle_m + half,
+    const glm::dvec3 half = receiver_pair.baseline_m / 2 * receiver_pair.axis, end = history.middle_m + half,
                      other = history.middle_m - half;
-    const StaffEcho echo =
-        echo_of(history, patterns_of(staff, transmit, receive), {0.9 * plane.distance_m, 100, 1});
+    const ReceiverPairEcho echo =
+        echo_of(history, patterns_of(receiver_pair, transmit, receive), {0.9 * plane.distance_m, 100, 1});
     const auto energy = [&](glm::dvec3 at, glm::dvec3 receiver) {
       return heard(plane, at, 1, receiver, {0, 1e6, 1}).energy * transmit.gain(glm::normalize(at)) *
              receive.gain(glm::normalize(at - receiver));
     };
     const auto product = [&](glm::dvec3 at) {
       return std::polar(std::sqrt(energy(at, end) * energy(at, other)),
-                        staff.wavenumber_rad_m * (glm::distance(at, end) - glm::distance(at, other)));
+                        receiver_pair.wavenumber_rad_m * (glm::distance(at, end) - glm::distance(at, other)));
     };
     const double upper = over_polygon(plane, polygon, [&](glm::dvec3 at) { return energy(at, end); }),
                  lower = over_polygon(plane, polygon, [&](glm::dvec3 at) { return energy(at, other); });
@@ -256,7 +259,7 @@ TEST(StaffEcho, TotalsAgreeWithQuadratureInSpaceWithPatterns) {
 
 // Independent of all cuts: the bed as a lattice of a million scatterers, each by its own ranges. About the
 // foot point both receivers' ellipses are small and far from each other.
-TEST(StaffEcho, AgreesWithSumsOverScatterers) {
+TEST(ReceiverPairEcho, AgreesWithSumsOverScatterers) {
   const unsigned seed = 161803;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   std::mt19937_64 random(seed);
@@ -266,10 +269,10 @@ TEST(StaffEcho, AgreesWithSumsOverScatterers) {
     const FacetPlane plane = test::random_plane(random, distance(random));
     const glm::dvec2 centre = i % 2 ? glm::dvec2(place(random), place(random)) : glm::dvec2(0.2, -0.1);
     const Polygon2 polygon = test::random_convex(random, centre, 2.5, 1.5);
-    Fringe staff{glm::normalize(glm::dvec3(gauss(random), gauss(random), gauss(random))),
-                 0.9 * plane.distance_m * share(random), 2 * pi * 2.5};
+    ReceiverBaseline receiver_pair{glm::normalize(glm::dvec3(gauss(random), gauss(random), gauss(random))),
+                                   0.9 * plane.distance_m * share(random), 2 * pi * 2.5};
     const RangeSamples samples{plane.distance_m * 0.97, i % 4 < 2 ? 0.05 : 0.3, i % 4 < 2 ? 160 : 30};
-    const StaffEcho echo = echo_of(piece_on(plane, polygon), patterns_of(staff), samples);
+    const ReceiverPairEcho echo = echo_of(piece_on(plane, polygon), patterns_of(receiver_pair), samples);
 
     constexpr int n = 1200;
     glm::dvec2 low = polygon[0], high = low;
@@ -287,14 +290,14 @@ TEST(StaffEcho, AgreesWithSumsOverScatterers) {
         const glm::dvec2 p = low + cell * glm::dvec2(x + 0.5, y + 0.5);
         if (!inside(polygon, p)) continue;
         const glm::dvec3 at = p.x * frame.u + p.y * frame.v - plane.distance_m * plane.normal;
-        const glm::dvec3 end = staff.baseline_m / 2 * staff.axis;
+        const glm::dvec3 end = receiver_pair.baseline_m / 2 * receiver_pair.axis;
         const Heard u = heard(plane, at, cell.x * cell.y, end, samples),
                     l = heard(plane, at, cell.x * cell.y, -end, samples);
         if (u.sample >= 0) upper[std::size_t(u.sample)] += u.energy;
         if (l.sample >= 0) lower[std::size_t(l.sample)] += l.energy;
         if (u.sample >= 0 && u.sample == l.sample)
-          cross[std::size_t(u.sample)] +=
-              std::polar(std::sqrt(u.energy * l.energy), staff.wavenumber_rad_m * (u.range - l.range));
+          cross[std::size_t(u.sample)] += std::polar(std::sqrt(u.energy * l.energy),
+                                                     receiver_pair.wavenumber_rad_m * (u.range - l.range));
       }
     double loudest = 0;
     for (const double e : upper) loudest = std::max(loudest, e);
@@ -308,17 +311,17 @@ TEST(StaffEcho, AgreesWithSumsOverScatterers) {
 }
 
 // The covariance is one of random fields: realisations of scatterers with circular Gaussian amplitudes.
-TEST(StaffEcho, RealisationsOfScatterersHaveThisCovariance) {
+TEST(ReceiverPairEcho, RealisationsOfScatterersHaveThisCovariance) {
   const unsigned seed = 2718;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   std::mt19937_64 random(seed);
   std::normal_distribution<double> gauss(0, std::sqrt(0.5));
   const double depth = 10, step = 0.05;
-  const Fringe staff = staff_at(pi / 6, 0.05, 250e3);
+  const ReceiverBaseline receiver_pair = receiver_pair_at(pi / 6, 0.05, 250e3);
   const RangeSamples samples{28, step, 3};
-  const StaffEcho echo = echo_of(strip(depth, 0, 5, 40), patterns_of(staff), samples);
+  const ReceiverPairEcho echo = echo_of(strip(depth, 0, 5, 40), patterns_of(receiver_pair), samples);
   const FacetPlane plane{{0, 0, 1}, depth};
-  const glm::dvec3 end = staff.baseline_m / 2 * staff.axis;
+  const glm::dvec3 end = receiver_pair.baseline_m / 2 * receiver_pair.axis;
   struct One {
     Heard upper, lower;
   };
@@ -340,7 +343,7 @@ TEST(StaffEcho, RealisationsOfScatterersHaveThisCovariance) {
       for (const auto& [one, y] : {std::pair(&s.upper, &y_upper), {&s.lower, &y_lower}})
         if (one->sample >= 0)
           (*y)[std::size_t(one->sample)] +=
-              field * std::polar(std::sqrt(one->energy), staff.wavenumber_rad_m * one->range);
+              field * std::polar(std::sqrt(one->energy), receiver_pair.wavenumber_rad_m * one->range);
     }
     for (std::size_t k = 0; k < 3; ++k) {
       cross[k] += y_upper[k] * std::conj(y_lower[k]) / double(realisations);
@@ -358,7 +361,7 @@ TEST(StaffEcho, RealisationsOfScatterersHaveThisCovariance) {
 
 /// A strip of bed 10 m below, and a wall across it whose edge shades the bed behind: the upper receiver sees
 /// more of it.
-TEST(StaffEcho, WhatOneReceiverAloneSeesIsHeardByItAlone) {
+TEST(ReceiverPairEcho, WhatOneReceiverAloneSeesIsHeardByItAlone) {
   constexpr double depth = 10, wall_x = 10, wall_top = -6, baseline = 1;
   const WorldGrid grid = WorldGrid::fitting(glm::dvec3(-50), glm::dvec3(50));
   FacetMesh mesh;
@@ -380,22 +383,24 @@ TEST(StaffEcho, WhatOneReceiverAloneSeesIsHeardByItAlone) {
   append_tubes(tubes, {{0.1, 0.6, 1.1, 1.5},
                        {-0.05, 0.05},
                        glm::dmat3(glm::dvec3(1, 0, 0), glm::dvec3(0, 0, -1), glm::dvec3(0, 1, 0))});
-  const Fringe staff = staff_at(0.1, baseline, 20e3);
-  const BeamPatterns patterns = patterns_of(staff);
-  const StaffHistory history = trace_staff(mesh, tree, grid.unit_m(), {}, tubes, tubes, staff);
+  const ReceiverBaseline receiver_pair = receiver_pair_at(0.1, baseline, 20e3);
+  const BeamPatterns patterns = patterns_of(receiver_pair);
+  const ReceiverPairHistory history =
+      trace_receiver_pair(mesh, tree, grid.unit_m(), {}, tubes, tubes, receiver_pair);
   const RangeSamples samples{12, 0.25, 60};
-  const StaffEcho echo = echo_of(history, patterns, samples, mesh.material);
+  const ReceiverPairEcho echo = echo_of(history, patterns, samples, mesh.material);
   VisibilityOptions doubles;  // nothing here is degenerate
   doubles.arithmetic = Arithmetic::plain_double;
-  const StaffEcho plain = echo_of(trace_staff(mesh, tree, grid.unit_m(), doubles, tubes, tubes, staff),
-                                  patterns, samples, mesh.material);
+  const ReceiverPairEcho plain =
+      echo_of(trace_receiver_pair(mesh, tree, grid.unit_m(), doubles, tubes, tubes, receiver_pair), patterns,
+              samples, mesh.material);
   for (std::size_t k = 0; k < echo.upper_j.size(); ++k) {
     EXPECT_NEAR(plain.upper_j[k], echo.upper_j[k], 1e-12 * echo.upper_j[k]) << k;
     EXPECT_NEAR(plain.lower_j[k], echo.lower_j[k], 1e-12 * echo.lower_j[k]) << k;
     EXPECT_LT(std::abs(cross_of(plain, k) - cross_of(echo, k)), 1e-12 * echo.upper_j[k] + 1e-20) << k;
   }
 
-  const glm::dvec3 end = baseline / 2 * staff.axis;
+  const glm::dvec3 end = baseline / 2 * receiver_pair.axis;
   const auto sees = [&](glm::dvec3 apex, double x) {
     return x < wall_x || apex.z + (wall_x - apex.x) / (x - apex.x) * (-depth - apex.z) > wall_top;
   };
@@ -414,7 +419,7 @@ TEST(StaffEcho, WhatOneReceiverAloneSeesIsHeardByItAlone) {
     if (by_lower) lower[std::size_t(l.sample)] += l.energy;
     if (by_upper && by_lower && u.sample == l.sample)
       cross[std::size_t(u.sample)] +=
-          std::polar(std::sqrt(u.energy * l.energy), staff.wavenumber_rad_m * (u.range - l.range));
+          std::polar(std::sqrt(u.energy * l.energy), receiver_pair.wavenumber_rad_m * (u.range - l.range));
   }
   std::size_t by_one = 0, dark = 0;
   for (std::size_t k = 0; k < count; ++k) {
@@ -429,9 +434,9 @@ TEST(StaffEcho, WhatOneReceiverAloneSeesIsHeardByItAlone) {
   EXPECT_GE(dark, 5u);
 }
 
-TEST(StaffEcho, RefusesWhatHasNoCommonFootprints) {
-  const Fringe staff = staff_at(0, 1.1, 250e3);
-  EXPECT_THROW(echo_of({}, patterns_of(staff), {1, 1, 3}), std::invalid_argument);
+TEST(ReceiverPairEcho, RefusesWhatHasNoCommonFootprints) {
+  const ReceiverBaseline receiver_pair = receiver_pair_at(0, 1.1, 250e3);
+  EXPECT_THROW(echo_of({}, patterns_of(receiver_pair), {1, 1, 3}), std::invalid_argument);
 }
 
 }  // namespace

@@ -6,35 +6,36 @@
 
 #include "engine/certified/certified_path_energy.hpp"
 
-// The mean product of what two receivers on a staff hear of a facet, in balls. Heavy: include only in .cpp
-// files.
+// The mean product of what two receivers on a receiver pair hear of a facet, in balls. Heavy: include only in
+// .cpp files.
 namespace tubefoot {
 
 /// The way by one of them: what the bed returns along it, and patterns.
-struct StaffWay {
+struct ReceiverPairPath {
   CertifiedPathEnergy energy;
   CertifiedPathGains gains;
 };
 
 /// The phase between both: turn * along / (range to the upper + range to the lower).
-struct StaffPhase {
+struct ReceiverPairPhase {
   CertifiedEnd::Trace along;
   Ball turn;
   double growth = 0;  ///< about how much it changes over a radian
 
-  /// Of a place that lies where it is seen, the staff's middle there from the apex of the way out:
+  /// Of a place that lies where it is seen, the receiver pair's middle there from the apex of the way out:
   /// (upper^2 - lower^2) / (upper + lower), so that nothing cancels where the baseline is short.
-  StaffPhase(const CertifiedEnd& out, const Fringe& staff, const glm::dvec3& middle_m);
+  ReceiverPairPhase(const CertifiedEnd& out, const ReceiverBaseline& receiver_pair,
+                    const glm::dvec3& middle_m);
   /// Of two receivers over the plane of a facet that is laid out flat.
-  StaffPhase(const ApexOverPlane& upper, const ApexOverPlane& lower, double wavenumber_rad_m);
+  ReceiverPairPhase(const ApexOverPlane& upper, const ApexOverPlane& lower, double wavenumber_rad_m);
 };
 
 /// The root of both energies' product: its size, and its parts with the phase between the receivers.
-class StaffIntegrand : public CertifiedIntegrand {
+class ReceiverPairIntegrand : public CertifiedIntegrand {
  public:
   /// `with_energies`: two values more, both energies.
-  StaffIntegrand(StaffWay upper, StaffWay lower, StaffPhase phase, const CertifiedCell* texture,
-                 bool with_energies = false)
+  ReceiverPairIntegrand(ReceiverPairPath upper, ReceiverPairPath lower, ReceiverPairPhase phase,
+                        const CertifiedCell* texture, bool with_energies = false)
       : upper_(std::move(upper)),
         lower_(std::move(lower)),
         phase_(std::move(phase)),
@@ -51,8 +52,8 @@ class StaffIntegrand : public CertifiedIntegrand {
   void log_bounds(const PlanePlace<ComplexBall>& p, std::vector<double>& bounds) const override;
 
  private:
-  StaffWay upper_, lower_;
-  StaffPhase phase_;
+  ReceiverPairPath upper_, lower_;
+  ReceiverPairPhase phase_;
   const CertifiedCell* texture_;
   bool with_energies_;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What two receivers on a staff hear over mirrors, with proven bounds: against ordinary energies and
+// What two receivers on a receiver pair hear over mirrors, with proven bounds: against ordinary energies and
 // products, the scene of the images, and closed forms.
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <cmath>
 #include <complex>
 
-#include "engine/certified/staff_reference.hpp"
-#include "engine/paths/staff_paths.hpp"
+#include "engine/certified/receiver_pair_reference.hpp"
+#include "engine/paths/receiver_pair_paths.hpp"
 #include "fixtures/world/path_scenes.hpp"
 
 namespace tubefoot {
@@ -16,20 +16,21 @@ namespace {
 
 using namespace test;
 
-const Fringe slanting{glm::normalize(glm::dvec3(0.5, -0.2, 1)), 0.3, 12};
+const ReceiverBaseline slanting{glm::normalize(glm::dvec3(0.5, -0.2, 1)), 0.3, 12};
 
 BeamPatterns even_patterns(const TubeSet& tubes) {
   return patterns_of_fan({{Directivity()}, {Directivity()}, {}, {}}, 0, tubes.tubes.size());
 }
 
-/// `receive` has the staff in its middle.
-StaffPathEcho run(const Setting& s, const Fringe& staff, const BeamPatterns& patterns) {
+/// `receive` has the receiver pair in its middle.
+ReceiverPairPathEcho run(const Setting& s, const ReceiverBaseline& receiver_pair,
+                         const BeamPatterns& patterns) {
   const SceneTree tree(s.mesh);
   const std::vector<double> none(s.mu.size(), 0);
   PathSettings settings = s.paths;
   settings.mirrors.reflection = s.reflection.empty() ? none : s.reflection;
-  return staff_path_echo(s.mesh, tree, unit, {}, {s.transmit, s.receive, staff}, s.samples,
-                         s.law(s.transmit, &patterns), settings);
+  return receiver_pair_path_echo(s.mesh, tree, unit, {}, {s.transmit, s.receive, receiver_pair}, s.samples,
+                                 s.law(s.transmit, &patterns), settings);
 }
 
 /// A sloping bed with a plate on it that mirrors, below a rough surface at z = 0.
@@ -49,8 +50,8 @@ Setting basin(bool apart) {
 }
 
 /// `error`: of the ordinary ones, over the energies' size.
-void expect_holds(const StaffPathEcho& ordinary, const StaffPathEcho& reference, double tolerance,
-                  double error) {
+void expect_holds(const ReceiverPairPathEcho& ordinary, const ReceiverPairPathEcho& reference,
+                  double tolerance, double error) {
   ASSERT_EQ(reference.bound_by_order.size(), ordinary.by_order.size());
   EXPECT_EQ(reference.arrivals, ordinary.arrivals);
   for (std::size_t order = 1; order < ordinary.by_order.size(); ++order) {
@@ -58,7 +59,7 @@ void expect_holds(const StaffPathEcho& ordinary, const StaffPathEcho& reference,
                proven = rows_of(reference.by_order[order]).energy,
                bound = rows_of(reference.bound_by_order[order]).energy;
     CertifiedEcho held{rows_of(reference.by_order[order]), bound};
-    hold_staff_against(held, 2 * tolerance);  // paths share a bin, each of which keeps it
+    compare_receiver_pair_with(held, 2 * tolerance);  // paths share a bin, each of which keeps it
     EXPECT_EQ(held.bins_over, 0u) << order << ' ' << held.worst_ratio;
     const std::size_t row = plain.size() / 4;
     const double most = *std::max_element(plain.begin(), plain.begin() + std::ptrdiff_t(row));
@@ -73,19 +74,19 @@ void expect_holds(const StaffPathEcho& ordinary, const StaffPathEcho& reference,
   }
 }
 
-TEST(StaffPathBounds, HoldTheOrdinaryEnergiesAndProducts) {
+TEST(ReceiverPairPathBounds, HoldTheOrdinaryEnergiesAndProducts) {
   for (const bool apart : {false, true}) {
     SCOPED_TRACE(apart);
     Setting s = basin(apart);
     const BeamPatterns patterns = even_patterns(s.receive);
-    const StaffPathEcho ordinary = run(s, slanting, patterns);
+    const ReceiverPairPathEcho ordinary = run(s, slanting, patterns);
     EXPECT_TRUE(ordinary.bound_by_order.empty());
     s.paths.reference_tolerance = 1e-2;
     expect_holds(ordinary, run(s, slanting, patterns), 1e-2, 1e-7);
   }
 }
 
-TEST(StaffPathBounds, PatternsAtBothEnds) {
+TEST(ReceiverPairPathBounds, PatternsAtBothEnds) {
   Setting s = basin(true);
   s.mesh = square_bed(-6, 3);
   s.samples = {3, 2, 2};
@@ -95,14 +96,14 @@ TEST(StaffPathBounds, PatternsAtBothEnds) {
   BeamPatterns patterns = even_patterns(s.receive);
   patterns.transmit = {sent};
   patterns.receive = {heard};
-  const StaffPathEcho ordinary = run(s, slanting, patterns);
+  const ReceiverPairPathEcho ordinary = run(s, slanting, patterns);
   s.paths.reference_tolerance = 5e-2;
   expect_holds(ordinary, run(s, slanting, patterns), 5e-2, 1e-6);
 }
 
-// The surface's image of the staff, without a mirror, and that of the transmitter: the same products but for
-// what the surface takes.
-TEST(StaffPathBounds, AMirrorIsTheImageScene) {
+// The surface's image of the receiver pair, without a mirror, and that of the transmitter: the same products
+// but for what the surface takes.
+TEST(ReceiverPairPathBounds, AMirrorIsTheImageScene) {
   Setting s;
   s.mesh = square_bed(-6, 12);
   s.transmit = around({0, 0, -3}, -89, 89, 2, 40, 4);
@@ -112,28 +113,29 @@ TEST(StaffPathBounds, AMirrorIsTheImageScene) {
   s.paths.order = 2;
   s.paths.mirrors.surface = SeaSurface{0, 0.5, 0};
   s.paths.reference_tolerance = 1e-4;
-  Fringe staff = slanting;
-  staff.wavenumber_rad_m = 15;
+  ReceiverBaseline receiver_pair = slanting;
+  receiver_pair.wavenumber_rad_m = 15;
   const BeamPatterns patterns = even_patterns(s.receive);
-  const StaffPathEcho over = run(s, staff, patterns);
+  const ReceiverPairPathEcho over = run(s, receiver_pair, patterns);
   const SceneTree tree(s.mesh);
   std::vector<double> energy(12), bound(12);
-  const auto add = [&](glm::dvec3 out, glm::dvec3 home, const Fringe& of) {
+  const auto add = [&](glm::dvec3 out, glm::dvec3 home, const ReceiverBaseline& of) {
     const TubeSet there = around(out, -89, -1, 2, 40, 4), back = around(home, -89, -1, 2, 40, 4);
-    const StaffHistory history = trace_staff(s.mesh, tree, unit, {}, there, back, of);
+    const ReceiverPairHistory history = trace_receiver_pair(s.mesh, tree, unit, {}, there, back, of);
     const BeamPatterns own = even_patterns(back);
     const EchoLaw law = s.law(there, &own);
-    const StaffEcho ordinary = integrate_staff_echo(history, of, 0, 0, s.samples, law);
-    const CertifiedEcho found = certify_staff_echo(s.mesh, history, unit, of, s.samples, law, ordinary, 1e-4);
+    const ReceiverPairEcho ordinary = integrate_receiver_pair_echo(history, of, 0, 0, s.samples, law);
+    const CertifiedEcho found =
+        certify_receiver_pair_echo(s.mesh, history, unit, of, s.samples, law, ordinary, 1e-4);
     for (std::size_t k = 0; k < energy.size(); ++k) {
       energy[k] += 0.5 * found.echo.energy[k];
       bound[k] += 0.5 * found.bound[k];
     }
   };
-  Fringe image = staff;
+  ReceiverBaseline image = receiver_pair;
   image.axis.z = -image.axis.z;
   add({0, 0, -3}, {-1, 0.75, 4}, image);
-  add({0, 0, 3}, {-1, 0.75, -4}, staff);
+  add({0, 0, 3}, {-1, 0.75, -4}, receiver_pair);
   const auto found = rows_of(over.by_order[2]).energy, found_bound = rows_of(over.bound_by_order[2]).energy;
   double turned = 0;
   for (std::size_t k = 0; k < energy.size(); ++k) {
@@ -145,8 +147,8 @@ TEST(StaffPathBounds, AMirrorIsTheImageScene) {
   EXPECT_GT(turned, 0.02 * *std::ranges::max_element(found));
 }
 
-// 4 m up and 8 m down to the staff's middle, which is 5 m aside: 13 m.
-TEST(StaffPathBounds, ArrivalsHaveTheProductInClosedForm) {
+// 4 m up and 8 m down to the receiver pair's middle, which is 5 m aside: 13 m.
+TEST(ReceiverPairPathBounds, ArrivalsHaveTheProductInClosedForm) {
   Setting s;
   s.mesh = square_bed(-50, 1);
   s.mu = {0};
@@ -157,8 +159,8 @@ TEST(StaffPathBounds, ArrivalsHaveTheProductInClosedForm) {
   s.paths.mirrors.surface = SeaSurface{0, 0.5, 0};
   s.paths.reference_tolerance = 1e-9;
   s.absorption_db_per_m = 0.05;
-  const Fringe staff{{0, 0, 1}, 0.25, 500};
-  const StaffPathEcho paths = run(s, staff, even_patterns(s.receive));
+  const ReceiverBaseline receiver_pair{{0, 0, 1}, 0.25, 500};
+  const ReceiverPairPathEcho paths = run(s, receiver_pair, even_patterns(s.receive));
   ASSERT_EQ(paths.arrivals, 2u);
   const auto length = [](long double down) { return std::sqrt(25 + (4 + down) * (4 + down)); };
   const auto energy = [](long double way) { return 0.5L * std::pow(10.0L, -0.05L * way / 10) / (way * way); };
@@ -176,7 +178,7 @@ TEST(StaffPathBounds, ArrivalsHaveTheProductInClosedForm) {
   }
   // Half of the one is below a border, half of the other above it: they have nothing in common.
   s.samples = {5.5, 1, 2};
-  const StaffPathEcho apart = run(s, staff, even_patterns(s.receive));
+  const ReceiverPairPathEcho apart = run(s, receiver_pair, even_patterns(s.receive));
   for (std::size_t k = 0; k < 2; ++k) {
     EXPECT_GT(k == 0 ? apart.by_order[1].upper_j[k] : apart.by_order[1].lower_j[k], 0);
     EXPECT_EQ(apart.by_order[1].cross_real_j[k], 0) << k;
@@ -184,7 +186,7 @@ TEST(StaffPathBounds, ArrivalsHaveTheProductInClosedForm) {
   }
 }
 
-TEST(StaffPathBounds, TwoScatteringsAreRefused) {
+TEST(ReceiverPairPathBounds, TwoScatteringsAreRefused) {
   Setting s = basin(false);
   s.paths.scatterings = 2;
   s.paths.reference_tolerance = 1e-3;

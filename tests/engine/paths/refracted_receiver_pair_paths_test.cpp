@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Two receivers on a staff that hear over mirrors in refracting water: against even water, rays of one
-// gradient in closed form and in steps to both ends, and a gradient that goes to zero.
+// Two receivers on a receiver pair that hear over mirrors in refracting water: against even water, rays of
+// one gradient in closed form and in steps to both ends, and a gradient that goes to zero.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,27 +11,28 @@
 #include <random>
 
 #include "fixtures/world/bent_rays.hpp"
-#include "fixtures/world/staffs.hpp"
+#include "fixtures/world/receiver_pairs.hpp"
 
 namespace tubefoot {
 namespace {
 
 using namespace test;
 
-TEST(RefractedStaffPaths, EvenWaterIsTheStraightEngine) {
+TEST(RefractedReceiverPairPaths, EvenWaterIsTheStraightEngine) {
   const WaterColumn even{SoundSpeedProfile({{0, c_ref}, {60, c_ref}}), {0.02, 0.02, 0.02}};
   const PathWater water = water_of(even);
-  const Fringe staff{slanting_axis, 0.3, 40};
+  const ReceiverBaseline receiver_pair{slanting_axis, 0.3, 40};
   for (const bool apart : {false, true}) {
     Setting s = furnished(apart);
     s.absorption_db_per_m = 0.02;
     s.paths.direct = false;
     s.paths.mirrors.surface->roughness = 0.8;
-    const StaffPathEcho straight = heard_by_staff(s, staff), bent = heard_by_staff(s, staff, &water);
+    const ReceiverPairPathEcho straight = heard_by_receiver_pair(s, receiver_pair),
+                               bent = heard_by_receiver_pair(s, receiver_pair, &water);
     EXPECT_EQ(bent.arrivals, straight.arrivals);
     EXPECT_EQ(straight.arrivals, apart ? 2u : 0u);  // by the surface, to both ends
     for (std::size_t order = apart ? 1 : 2; order < straight.by_order.size(); ++order) {
-      const StaffEcho &a = straight.by_order[order], &b = bent.by_order[order];
+      const ReceiverPairEcho &a = straight.by_order[order], &b = bent.by_order[order];
       const double peak = *std::ranges::max_element(a.upper_j);
       EXPECT_GT(peak, 0) << order;
       double turned = 0;
@@ -50,7 +51,7 @@ TEST(RefractedStaffPaths, EvenWaterIsTheStraightEngine) {
 }
 
 // To first order: half of the gradient moves energies and products half as far from those of even water.
-TEST(RefractedStaffPaths, AGradientThatGoesToZeroLeavesEvenWater) {
+TEST(RefractedReceiverPairPaths, AGradientThatGoesToZeroLeavesEvenWater) {
   Setting s = under_surface(3);
   s.mesh = FacetMesh();
   for (double x = -40; x < 40; x += 10)
@@ -58,18 +59,18 @@ TEST(RefractedStaffPaths, AGradientThatGoesToZeroLeavesEvenWater) {
       add_quad(s.mesh, {x, y, -20}, {x + 10, y, -20}, {x + 10, y + 10, -20}, {x, y + 10, -20});
   s.receive = around({2, -3, -7}, -88, 88, 8, 120);
   s.samples = {22, 2, 6};
-  const Fringe staff{slanting_axis, 0.3, 8};
-  const StaffPathEcho straight = heard_by_staff(s, staff);
+  const ReceiverBaseline receiver_pair{slanting_axis, 0.3, 8};
+  const ReceiverPairPathEcho straight = heard_by_receiver_pair(s, receiver_pair);
   const auto at = [&](double g) {
     const WaterColumn column = gradient(g, 1500 - 5 * g);
     const PathWater water = water_of(column, 1);
-    return heard_by_staff(s, staff, &water);
+    return heard_by_receiver_pair(s, receiver_pair, &water);
   };
-  const StaffPathEcho whole = at(4e-3), half = at(2e-3), next_to_none = at(1e-9);
+  const ReceiverPairPathEcho whole = at(4e-3), half = at(2e-3), next_to_none = at(1e-9);
   for (const std::size_t order : {2, 3})
     for (const std::size_t k : {2, 3, 4}) {
-      const StaffEcho& even = straight.by_order[order];
-      const auto moved = [&](const StaffPathEcho& bent) {
+      const ReceiverPairEcho& even = straight.by_order[order];
+      const auto moved = [&](const ReceiverPairPathEcho& bent) {
         return (product(bent.by_order[order], k) - product(even, k)) / even.upper_j[k];
       };
       EXPECT_GT(std::abs(moved(whole)), 1e-6) << order << ' ' << k;
@@ -79,8 +80,8 @@ TEST(RefractedStaffPaths, AGradientThatGoesToZeroLeavesEvenWater) {
 }
 
 // Places all over a flat bed, joined to the transmitter and to both ends by rays of one gradient in closed
-// form: nothing is taken from the staff's middle.
-TEST(RefractedStaffPaths, PointsOfAFlatBedWithRaysToBothEnds) {
+// form: nothing is taken from the receiver pair's middle.
+TEST(RefractedReceiverPairPaths, PointsOfAFlatBedWithRaysToBothEnds) {
   for (const double g : {-0.6, 0.5})
     for (const bool apart : {false, true}) {
       Setting s = under_surface(3);
@@ -88,14 +89,15 @@ TEST(RefractedStaffPaths, PointsOfAFlatBedWithRaysToBothEnds) {
       add_quad(s.mesh, {0, -60, -20}, {60, -60, -20}, {60, 60, -20}, {0, 60, -20});
       if (apart) s.receive = around({2, -3, -7}, -88, 88, 8, 120);
       s.samples = {25, 4, 5};
-      const Fringe staff{slanting_axis, 0.3, 12};
+      const ReceiverBaseline receiver_pair{slanting_axis, 0.3, 12};
       const WaterColumn column = gradient(g, 1510);
       const PathWater water = water_of(column, 2e-3);
-      const StaffPathEcho paths = heard_by_staff(s, staff, &water);
+      const ReceiverPairPathEcho paths = heard_by_receiver_pair(s, receiver_pair, &water);
       const Circles circles{1510, g};
-      std::array<StaffSums, 4> sums{StaffSums(s.samples), StaffSums(s.samples), StaffSums(s.samples),
-                                    StaffSums(s.samples)};
-      const glm::dvec3 middle = metres(s.receive.apex), half = staff.baseline_m / 2 * staff.axis;
+      std::array<ReceiverPairSums, 4> sums{ReceiverPairSums(s.samples), ReceiverPairSums(s.samples),
+                                           ReceiverPairSums(s.samples), ReceiverPairSums(s.samples)};
+      const glm::dvec3 middle = metres(s.receive.apex),
+                       half = receiver_pair.baseline_m / 2 * receiver_pair.axis;
       constexpr int rings = 180, around_it = 24;
       const std::array<std::vector<double>, 2> chains{std::vector<double>{}, {0.0}};
       for (int n = 0; n < rings; ++n) {
@@ -120,13 +122,13 @@ TEST(RefractedStaffPaths, PointsOfAFlatBedWithRaysToBothEnds) {
                               std::sin(out[there].arrival) * std::sin(back[end].arrival) /
                               (out[there].area * back[end].area_back);
               sums[there + home + 1].add(energy, c_ref * out[there].t, {c_ref * back[0].t, c_ref * back[1].t},
-                                         staff.wavenumber_rad_m);
+                                         receiver_pair.wavenumber_rad_m);
             }
           }
         }
       }
       for (const std::size_t order : {2, 3}) {
-        const StaffEcho& echo = paths.by_order[order];
+        const ReceiverPairEcho& echo = paths.by_order[order];
         const double peak = *std::ranges::max_element(sums[order].upper);
         double turned = 0;
         for (std::size_t k = 1; k < 4; ++k) {
@@ -144,7 +146,7 @@ TEST(RefractedStaffPaths, PointsOfAFlatBedWithRaysToBothEnds) {
 
 // What comes unscattered over surface and bed, to ends that are at another speed of sound than ranges are
 // told by.
-TEST(RefractedStaffPaths, ArrivalsHaveThePhaseOfTheirTimes) {
+TEST(RefractedReceiverPairPaths, ArrivalsHaveThePhaseOfTheirTimes) {
   Setting s;
   add_quad(s.mesh, {-2, -5, -20}, {45, -5, -20}, {45, 5, -20}, {-2, 5, -20});
   s.transmit = around({0, 0, -5}, -86, 86, 2, 180);
@@ -155,15 +157,15 @@ TEST(RefractedStaffPaths, ArrivalsHaveThePhaseOfTheirTimes) {
   s.paths.order = 2;
   s.paths.cutoff_db = 300;
   s.paths.mirrors.surface = SeaSurface{0, 0.8, 0};
-  const Fringe staff{slanting_axis, 0.3, 1000};
+  const ReceiverBaseline receiver_pair{slanting_axis, 0.3, 1000};
   const Circles circles{1470, 0.4};
   const WaterColumn column = gradient(0.4, 1470);
   const PathWater water = water_of(column, 1);
-  const StaffPathEcho paths = heard_by_staff(s, staff, &water);
+  const ReceiverPairPathEcho paths = heard_by_receiver_pair(s, receiver_pair, &water);
   EXPECT_EQ(paths.arrivals, 8u);
-  const glm::dvec3 middle = metres(s.receive.apex), half = staff.baseline_m / 2 * staff.axis;
+  const glm::dvec3 middle = metres(s.receive.apex), half = receiver_pair.baseline_m / 2 * receiver_pair.axis;
   for (std::size_t order = 1; order <= 2; ++order) {
-    StaffSums sums(s.samples);
+    ReceiverPairSums sums(s.samples);
     for (const bool surface_first : {true, false}) {
       std::vector<double> mirrors;
       double passes = 1;
@@ -179,11 +181,11 @@ TEST(RefractedStaffPaths, ArrivalsHaveThePhaseOfTheirTimes) {
         energy[end] = passes / ray.area;
         way[end] = c_ref * ray.t;
       }
-      sums.add(energy, 0, way, staff.wavenumber_rad_m);
+      sums.add(energy, 0, way, receiver_pair.wavenumber_rad_m);
     }
     int met = 0;
     for (std::size_t k = 0; k < sums.upper.size(); ++k) {
-      const StaffEcho& echo = paths.by_order[order];
+      const ReceiverPairEcho& echo = paths.by_order[order];
       EXPECT_NEAR(echo.upper_j[k], sums.upper[k], 1e-6 * sums.upper[k] + 1e-14) << order << ' ' << k;
       EXPECT_NEAR(echo.lower_j[k], sums.lower[k], 1e-6 * sums.lower[k] + 1e-14) << order << ' ' << k;
       if (sums.cross[k] == 0.0) continue;
@@ -196,15 +198,15 @@ TEST(RefractedStaffPaths, ArrivalsHaveThePhaseOfTheirTimes) {
 
 // Rays that are stepped through the water and reflected; each place that they light is joined to both ends by
 // rays in closed form, which are stepped, too, to see what hides them.
-TEST(RefractedStaffPaths, AgreeWithBruteForceRays) {
+TEST(RefractedReceiverPairPaths, AgreeWithBruteForceRays) {
   Setting s = furnished(true);
   s.paths.direct = false;
   const double g = -1.2;
   const Circles circles{1510, g};
   const WaterColumn column = gradient(g, 1510);
   const PathWater water = water_of(column, 2e-3);
-  const Fringe staff{slanting_axis, 0.3, 3};
-  const StaffPathEcho paths = heard_by_staff(s, staff, &water);
+  const ReceiverBaseline receiver_pair{slanting_axis, 0.3, 3};
+  const ReceiverPairPathEcho paths = heard_by_receiver_pair(s, receiver_pair, &water);
   const Stepped rays{s, circles};
   const unsigned seed = 21;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -213,7 +215,7 @@ TEST(RefractedStaffPaths, AgreeWithBruteForceRays) {
   constexpr int count = 6000;
   const double top = std::sin(86 * pi / 180), whole = 2 * pi * 2 * top;
   const glm::dvec3 apex = metres(s.transmit.apex), middle = metres(s.receive.apex),
-                   half = staff.baseline_m / 2 * staff.axis;
+                   half = receiver_pair.baseline_m / 2 * receiver_pair.axis;
   const auto reflected = [&](int what) {
     return what == Stepped::surface ? 0.6 : s.reflection[s.mesh.material[std::size_t(what)]];
   };
@@ -252,8 +254,8 @@ TEST(RefractedStaffPaths, AgreeWithBruteForceRays) {
     const double z = top * (2 * (n + any(random)) / count - 1), azimuth = 2 * pi * any(random);
     const double flat = std::sqrt(1 - z * z);
     const auto met = rays.follow(apex, {flat * std::cos(azimuth), flat * std::sin(azimuth), z}, 2);
-    std::array<StaffSums, 4> own{StaffSums(s.samples), StaffSums(s.samples), StaffSums(s.samples),
-                                 StaffSums(s.samples)};
+    std::array<ReceiverPairSums, 4> own{ReceiverPairSums(s.samples), ReceiverPairSums(s.samples),
+                                        ReceiverPairSums(s.samples), ReceiverPairSums(s.samples)};
     double passed = 1;
     for (std::size_t there = 0; there < met.size(); ++there) {
       const Stepped::Meeting& lit = met[there];
@@ -264,7 +266,7 @@ TEST(RefractedStaffPaths, AgreeWithBruteForceRays) {
         const Back up = back_to(lit, middle + half, chain), down = back_to(lit, middle - half, chain);
         const double sent = whole * passed * s.mu[s.mesh.material[std::size_t(lit.what)]];
         own[order].add({sent * up.energy, sent * down.energy}, c_ref * lit.t, {up.way_m, down.way_m},
-                       staff.wavenumber_rad_m);
+                       receiver_pair.wavenumber_rad_m);
       }
       if (there + 1 < met.size()) passed *= reflected(lit.what);
     }

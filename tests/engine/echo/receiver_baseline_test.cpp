@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Two receivers on a staff: products of their signals against true distances in space and against closed
-// forms.
+// Two receivers on a receiver pair: products of their signals against true distances in space and against
+// closed forms.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -32,9 +32,9 @@ Echo echo_of(const History& history, const RangeSamples& samples, const BeamPatt
                         EchoLaw{material_mu, one_facet, 0, &patterns, 1e-11}, binning);
 }
 
-BeamPatterns one_beam(const Fringe& fringe, const Directivity& transmit = {},
+BeamPatterns one_beam(const ReceiverBaseline& baseline, const Directivity& transmit = {},
                       const Directivity& receive = {}) {
-  return {{transmit}, {receive}, {0}, {{0, 1}}, {fringe}};
+  return {{transmit}, {receive}, {0}, {{0, 1}}, {baseline}};
 }
 
 Complex cross_of(const Echo& echo, int sample) {
@@ -47,22 +47,22 @@ glm::dvec3 random_unit(std::mt19937_64& random) {
   return glm::normalize(glm::dvec3(gauss(random), gauss(random), gauss(random)));
 }
 
-TEST(Fringe, PathDifferenceIsThatOfTheTrueWays) {
+TEST(ReceiverBaseline, PathDifferenceIsThatOfTheTrueWays) {
   const unsigned seed = 8128;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> range(0.5, 200), share(0, 1);
   for (int i = 0; i < 1000; ++i) {
-    Fringe fringe{random_unit(random), 0, 1};
+    ReceiverBaseline baseline{random_unit(random), 0, 1};
     const double r = range(random);
-    fringe.baseline_m = r * std::pow(share(random), 4);
-    const glm::dvec3 p = r * random_unit(random), upper = fringe.baseline_m / 2 * fringe.axis;
+    baseline.baseline_m = r * std::pow(share(random), 4);
+    const glm::dvec3 p = r * random_unit(random), upper = baseline.baseline_m / 2 * baseline.axis;
     const double expected = glm::distance(p, upper) - glm::distance(p, -upper);
-    EXPECT_NEAR(fringe.path_difference(r, glm::dot(p, fringe.axis) / r), expected,
-                4e-16 * r + 1e-13 * fringe.baseline_m);
+    EXPECT_NEAR(baseline.path_difference(r, glm::dot(p, baseline.axis) / r), expected,
+                4e-16 * r + 1e-13 * baseline.baseline_m);
   }
   // The lower receiver is nearer to what lies below.
-  EXPECT_GT((Fringe{{0, 0, 1}, 0.1, 1}.path_difference(10, -0.5)), 0);
+  EXPECT_GT((ReceiverBaseline{{0, 0, 1}, 0.1, 1}.path_difference(10, -0.5)), 0);
 }
 
 /// A strip, 2 mm wide along the track, of a plane below that rises by `slope` to starboard (x).
@@ -83,19 +83,19 @@ struct Slope {
   }
 };
 
-Fringe staff(double tilt_rad, double baseline_m, double wavelength_m) {
+ReceiverBaseline receiver_pair(double tilt_rad, double baseline_m, double wavelength_m) {
   return {{std::sin(tilt_rad), 0, std::cos(tilt_rad)}, baseline_m, 2 * pi / wavelength_m};
 }
 
-TEST(Fringe, RaysAndCentroidsHaveThePhaseOfTheirPlace) {
-  const Fringe fringe = staff(0.3, 0.2, 0.01);
+TEST(ReceiverBaseline, RaysAndCentroidsHaveThePhaseOfTheirPlace) {
+  const ReceiverBaseline baseline = receiver_pair(0.3, 0.2, 0.01);
   const glm::dvec3 d = glm::normalize(glm::dvec3(2, 0.1, -1));
   History rays;
   rays.hits.push_back({0, 0, 7.25, 0.5, 1e-3, glm::vec3(d)});
   const double direct =
       2 * pi / 0.01 *
-      (glm::distance(7.25 * d, 0.1 * fringe.axis) - glm::distance(7.25 * d, -0.1 * fringe.axis));
-  const Echo echo = echo_of(rays, {7, 0.5, 1}, one_beam(fringe));
+      (glm::distance(7.25 * d, 0.1 * baseline.axis) - glm::distance(7.25 * d, -0.1 * baseline.axis));
+  const Echo echo = echo_of(rays, {7, 0.5, 1}, one_beam(baseline));
   EXPECT_GT(echo.at(0, 0), 0);
   EXPECT_LT(std::abs(cross_of(echo, 0) / echo.at(0, 0) - std::polar(1.0, direct)), 1e-4);  // float direction
 
@@ -103,36 +103,36 @@ TEST(Fringe, RaysAndCentroidsHaveThePhaseOfTheirPlace) {
   measure(bed.history.footprints);
   const glm::dvec3 c = bed.history.footprints.footprints[0].centroid_m;
   const double expected =
-      2 * pi / 0.01 * (glm::distance(c, 0.1 * fringe.axis) - glm::distance(c, -0.1 * fringe.axis));
-  const Echo binned = echo_of(bed.history, {1, 30, 1}, one_beam(fringe), Binning::centroid);
+      2 * pi / 0.01 * (glm::distance(c, 0.1 * baseline.axis) - glm::distance(c, -0.1 * baseline.axis));
+  const Echo binned = echo_of(bed.history, {1, 30, 1}, one_beam(baseline), Binning::centroid);
   EXPECT_LT(std::abs(cross_of(binned, 0) / binned.at(0, 0) - std::polar(1.0, expected)), 1e-9);
 }
 
 // Ranges of the two receivers differ: a hit near a sample's border is in another one of each.
-TEST(Fringe, HitsAndCentroidsFallIntoEachReceiversOwnSample) {
-  const Fringe fringe = staff(0.3, 0.2, 0.01);
+TEST(ReceiverBaseline, HitsAndCentroidsFallIntoEachReceiversOwnSample) {
+  const ReceiverBaseline baseline = receiver_pair(0.3, 0.2, 0.01);
   const glm::dvec3 d = glm::normalize(glm::dvec3(2, 0.1, -1));
-  const double range = 7.25, upper = (range + glm::distance(range * d, 0.1 * fringe.axis)) / 2,
-               lower = (range + glm::distance(range * d, -0.1 * fringe.axis)) / 2;
+  const double range = 7.25, upper = (range + glm::distance(range * d, 0.1 * baseline.axis)) / 2,
+               lower = (range + glm::distance(range * d, -0.1 * baseline.axis)) / 2;
   ASSERT_GT(upper - lower, 0.01);
   History rays;
   rays.hits.push_back({0, 0, range, 0.5, 1e-3, glm::vec3(d)});
   const double border = (upper + lower) / 2;
-  const Echo apart = echo_of(rays, {border - 1, 1, 2}, one_beam(fringe));  // upper in 1, lower in 0
-  const double all = echo_of(rays, {7, 0.5, 1}, one_beam(fringe)).energy[0];
+  const Echo apart = echo_of(rays, {border - 1, 1, 2}, one_beam(baseline));  // upper in 1, lower in 0
+  const double all = echo_of(rays, {7, 0.5, 1}, one_beam(baseline)).energy[0];
   const std::vector<double> expected{0, all, all, 0, 0, 0, 0, 0};
   for (std::size_t k = 0; k < 8; ++k) EXPECT_DOUBLE_EQ(apart.energy.at(k), expected[k]) << k;
 
   Slope bed;
   measure(bed.history.footprints);
-  const Echo whole = echo_of(bed.history, {1, 30, 1}, one_beam(fringe), Binning::spread),
-             cut = echo_of(bed.history, {9, 0.01, 500}, one_beam(fringe), Binning::spread);
+  const Echo whole = echo_of(bed.history, {1, 30, 1}, one_beam(baseline), Binning::spread),
+             cut = echo_of(bed.history, {9, 0.01, 500}, one_beam(baseline), Binning::spread);
   const double per_sample = whole.energy[0] * 0.01 /
                             (bed.history.footprints.footprints[0].slant_range_max_m -
                              bed.history.footprints.footprints[0].slant_range_min_m);
   const glm::dvec3 c = bed.history.footprints.footprints[0].centroid_m;
   const double shift =
-      std::abs(glm::distance(c, 0.1 * fringe.axis) - glm::distance(c, -0.1 * fringe.axis)) / 2;
+      std::abs(glm::distance(c, 0.1 * baseline.axis) - glm::distance(c, -0.1 * baseline.axis)) / 2;
   for (int k = 100; k < 400; ++k) {
     EXPECT_NEAR(cut.energy.at(std::size_t(k)), per_sample, 1e-9 * per_sample);
     EXPECT_NEAR(cut.energy.at(500 + std::size_t(k)), per_sample, 1e-9 * per_sample);
@@ -140,15 +140,16 @@ TEST(Fringe, HitsAndCentroidsFallIntoEachReceiversOwnSample) {
   }
 }
 
-TEST(Fringe, FootprintsOfOneApexAreNotCutForTwoReceivers) {
+TEST(ReceiverBaseline, FootprintsOfOneApexAreNotCutForTwoReceivers) {
   const Slope bed;
-  EXPECT_THROW(echo_of(bed.history, {9, 0.5, 20}, one_beam(staff(0.4, 0.1, 0.006))), std::invalid_argument);
+  EXPECT_THROW(echo_of(bed.history, {9, 0.5, 20}, one_beam(receiver_pair(0.4, 0.1, 0.006))),
+               std::invalid_argument);
 }
 
-TEST(Fringe, RefusesABaselineLongerThanTheNearestRange) {
-  EXPECT_THROW(echo_of({}, {1, 1, 3}, one_beam(staff(0, 1.1, 0.01))), std::invalid_argument);
-  BeamPatterns two = one_beam(staff(0, 0.1, 0.01));
-  two.fringes.push_back(two.fringes[0]);
+TEST(ReceiverBaseline, RefusesABaselineLongerThanTheNearestRange) {
+  EXPECT_THROW(echo_of({}, {1, 1, 3}, one_beam(receiver_pair(0, 1.1, 0.01))), std::invalid_argument);
+  BeamPatterns two = one_beam(receiver_pair(0, 0.1, 0.01));
+  two.baselines.push_back(two.baselines[0]);
   EXPECT_THROW(echo_of({}, {1, 1, 3}, two), std::invalid_argument);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/certified/refracted_staff.hpp"
+#include "engine/certified/refracted_receiver_pair.hpp"
 
 #include <tbb/parallel_for.h>
 
@@ -7,8 +7,8 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/certified/staff_pieces.hpp"
-#include "engine/certified/staff_reference.hpp"
+#include "engine/certified/receiver_pair_pieces.hpp"
+#include "engine/certified/receiver_pair_reference.hpp"
 #include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
@@ -31,20 +31,20 @@ std::vector<std::array<std::size_t, 2>> common_facets(const std::array<PairedPar
   return both;
 }
 
-StaffPieces::Seen piece_of(const SharedFootprints& shared, const SharedPiece& piece) {
+ReceiverPairPieces::Seen piece_of(const SharedFootprints& shared, const SharedPiece& piece) {
   return {std::span(shared.corners_m).subspan(piece.first, piece.count), shared.receiver_m};
 }
 
-std::vector<StaffPieces::Products> products_of(const std::array<PairedParts, 2>& parts,
-                                               const StaffPieces& pieces) {
+std::vector<ReceiverPairPieces::Products> products_of(const std::array<PairedParts, 2>& parts,
+                                                      const ReceiverPairPieces& pieces) {
   const auto facets = common_facets(parts);
-  std::vector<StaffPieces::Products> found(facets.size());
+  std::vector<ReceiverPairPieces::Products> found(facets.size());
   const SharedFootprints &by_upper = parts[0].shared, &by_lower = parts[1].shared;
   tbb::parallel_for(std::size_t{0}, facets.size(), [&](std::size_t number) {
     const auto [u, d] = facets[number];
     const SharedFacet &upper = by_upper.facets[u], &lower = by_lower.facets[d];
-    StaffPieces::OnFacet on = pieces.on(upper.facet, {parts[0].paired[u], parts[0].facets[u]},
-                                        {parts[1].paired[d], parts[1].facets[d]});
+    ReceiverPairPieces::OnFacet on = pieces.on(upper.facet, {parts[0].paired[u], parts[0].facets[u]},
+                                               {parts[1].paired[d], parts[1].facets[d]});
     for (std::uint32_t k = 0; k < upper.piece_count; ++k)
       for (std::uint32_t m = 0; m < lower.piece_count; ++m) {
         const SharedPiece &one = by_upper.pieces[upper.first_piece + k],
@@ -59,29 +59,33 @@ std::vector<StaffPieces::Products> products_of(const std::array<PairedParts, 2>&
 
 }  // namespace
 
-RefractedReference certify_refracted_staff(const std::array<PairedBed, 2>& beds,
-                                           const std::array<PairedTubes, 2>& tubes,
-                                           const VisibilityOptions& options, const Fringe& staff,
-                                           const RangeSamples& samples, const EchoLaw& law,
-                                           const std::array<Echo, 2>& ordinary, double tolerance) {
+RefractedReference certify_refracted_receiver_pair(const std::array<PairedBed, 2>& beds,
+                                                   const std::array<PairedTubes, 2>& tubes,
+                                                   const VisibilityOptions& options,
+                                                   const ReceiverBaseline& receiver_pair,
+                                                   const RangeSamples& samples, const EchoLaw& law,
+                                                   const std::array<Echo, 2>& ordinary, double tolerance) {
   std::array<PairedBed, 2> both = beds;
   for (std::size_t e = 0; e < 2; ++e) {
     both[e].beside = &beds[1 - e].home;
-    both[e].ranges_within_m = tolerance / (16 * staff.wavenumber_rad_m);
+    both[e].ranges_within_m = tolerance / (16 * receiver_pair.wavenumber_rad_m);
   }
-  StaffLayOut staff_out(beds[0].mesh, {beds[0].out.ground, beds[0].out.water},
-                        {&beds[0].home.water, &beds[1].home.water}, beds[0].grid);
+  ReceiverPairLayOut receiver_pair_out(beds[0].mesh, {beds[0].out.ground, beds[0].out.water},
+                                       {&beds[0].home.water, &beds[1].home.water}, beds[0].grid);
   std::array<LayOut, 2> lay_out;
   for (const std::size_t e : {0, 1})
-    lay_out[e] = [&staff_out, e](const SharedFootprints& shared) { return staff_out.of(shared, e); };
+    lay_out[e] = [&receiver_pair_out, e](const SharedFootprints& shared) {
+      return receiver_pair_out.of(shared, e);
+    };
   const std::array<PairedParts, 2> parts =
       paired_parts(both, tubes, options, samples, law, ordinary, tolerance, lay_out);
 
   const auto row = std::size_t(samples.count);
-  const std::vector<double> targets = staff_targets(ordinary[0].energy, ordinary[1].energy, tolerance),
+  const std::vector<double> targets =
+                                receiver_pair_targets(ordinary[0].energy, ordinary[1].energy, tolerance),
                             borders = sample_borders_m(samples);
-  const StaffPieces pieces(
-      law, staff.wavenumber_rad_m, borders, samples.step_m,
+  const ReceiverPairPieces pieces(
+      law, receiver_pair.wavenumber_rad_m, borders, samples.step_m,
       {targets.begin() + std::ptrdiff_t(2 * row), targets.begin() + std::ptrdiff_t(3 * row)}, tolerance);
   std::vector<Between> total(4 * row);
   std::vector<double> unsure(row, 0);
@@ -95,7 +99,7 @@ RefractedReference certify_refracted_staff(const std::array<PairedBed, 2>& beds,
     // What the transmitter is not certain of is that of both.
     for (const BinsBetween& bins : all.subspan(parts[e].first_doubt[e == 0 ? 0 : 1])) take_unsure(bins);
   }
-  for (const StaffPieces::Products& of : products_of(parts, pieces)) {
+  for (const ReceiverPairPieces::Products& of : products_of(parts, pieces)) {
     for (const auto& [bin, part] : of.sure) {
       total[2 * row + bin].lo += part.lo;
       total[2 * row + bin].hi += part.hi;
@@ -116,10 +120,10 @@ RefractedReference certify_refracted_staff(const std::array<PairedBed, 2>& beds,
     certified.bound[bin] = (hi - lo) / 2 * (1 + slack) + slack * std::max(std::abs(lo), std::abs(hi));
   }
   return reference_of(
-      std::move(certified), [&](CertifiedEcho& echo) { hold_staff_against(echo, tolerance); },
+      std::move(certified), [&](CertifiedEcho& echo) { compare_receiver_pair_with(echo, tolerance); },
       [&](Echo&& least) {
         const std::span sure(least.energy);
-        return staff_targets(sure.first(row), sure.subspan(row, row), tolerance);
+        return receiver_pair_targets(sure.first(row), sure.subspan(row, row), tolerance);
       });
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "sensors/detection/staff_soundings.hpp"
+#include "sensors/detection/receiver_pair_soundings.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,19 +9,19 @@
 
 namespace tubefoot {
 
-StaffPing::StaffPing(const Recording& recording, std::size_t ping)
+ReceiverPairPing::ReceiverPairPing(const Recording& recording, std::size_t ping)
     : number_(recording.number_of(ping)),
       samples_(static_cast<std::size_t>(recording.sensor->samples().count)),
       channels_{recording.channel_of(ping, 0), recording.channel_of(ping, 1), recording.channel_of(ping, 2),
                 recording.channel_of(ping, 3)} {}
 
-InterferometricSample StaffPing::ideal(std::size_t beam, std::size_t sample) const {
+InterferometricSample ReceiverPairPing::ideal(std::size_t beam, std::size_t sample) const {
   const std::size_t cell = beam * samples_ + sample;
   return {channels_[0][cell], channels_[1][cell], {channels_[2][cell], channels_[3][cell]}};
 }
 
-InterferometricSample StaffPing::received(std::size_t beam, std::size_t sample,
-                                          const InterferometricNoise& noise) const {
+InterferometricSample ReceiverPairPing::received(std::size_t beam, std::size_t sample,
+                                                 const InterferometricNoise& noise) const {
   InterferometricSample products = ideal(beam, sample);
   products.add_noise(noise.receiver_noise_j, noise.receiver_noise_j);
   if (!noise.phase_noise || !products.phase_rad()) return products;
@@ -35,13 +35,13 @@ std::vector<InterferometricSounding> interferometric_soundings(const Recording& 
                                                                const InterferometricNoise& noise,
                                                                const RunContext& run) {
   const Sensor& sensor = *recording.sensor;
-  const Sensor::Staff& staff = sensor.staff();
+  const Sensor::ReceiverPair& receiver_pair = sensor.receiver_pair();
   const SoundingPlacer placer(recording, run);
   const Pose& pose = recording.ping_pose[ping];
-  const Interferometer interferometer(staff.baseline_m,
+  const Interferometer interferometer(receiver_pair.baseline_m,
                                       placer.sound_speed_m_s(pose) / (1000 * sensor.frequency_khz()),
-                                      radians(staff.tilt_deg));
-  const StaffPing heard(recording, ping);
+                                      radians(receiver_pair.tilt_deg));
+  const ReceiverPairPing heard(recording, ping);
   std::vector<InterferometricSounding> found;
   for (std::uint32_t beam = 0; beam < 2; ++beam) {
     std::optional<double> depth_m;

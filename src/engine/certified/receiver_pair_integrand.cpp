@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/certified/staff_integrand.hpp"
+#include "engine/certified/receiver_pair_integrand.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -34,14 +34,16 @@ std::vector<CertifiedPolygon::Point> without_short_edges(const CertifiedPolygon&
 
 }  // namespace
 
-StaffPhase::StaffPhase(const CertifiedEnd& out, const Fringe& staff, const glm::dvec3& middle_m)
-    : along(out.trace(staff.axis)),
-      turn(Ball(-2) * Ball(staff.baseline_m) * Ball(staff.wavenumber_rad_m)),
+ReceiverPairPhase::ReceiverPairPhase(const CertifiedEnd& out, const ReceiverBaseline& receiver_pair,
+                                     const glm::dvec3& middle_m)
+    : along(out.trace(receiver_pair.axis)),
+      turn(Ball(-2) * Ball(receiver_pair.baseline_m) * Ball(receiver_pair.wavenumber_rad_m)),
       growth(std::abs(turn.middle()) / 2) {
-  for (int k = 0; k < 3; ++k) along.at_foot += Ball(-middle_m[k]) * Ball(staff.axis[k]);
+  for (int k = 0; k < 3; ++k) along.at_foot += Ball(-middle_m[k]) * Ball(receiver_pair.axis[k]);
 }
 
-StaffPhase::StaffPhase(const ApexOverPlane& upper, const ApexOverPlane& lower, double wavenumber_rad_m)
+ReceiverPairPhase::ReceiverPairPhase(const ApexOverPlane& upper, const ApexOverPlane& lower,
+                                     double wavenumber_rad_m)
     : turn(wavenumber_rad_m) {
   const Ball x = upper.x - lower.x, y = upper.y - lower.y, height = upper.height - lower.height;
   along.at_foot = height * (upper.height + lower.height) + x * (upper.x + lower.x) + y * (upper.y + lower.y);
@@ -50,12 +52,12 @@ StaffPhase::StaffPhase(const ApexOverPlane& upper, const ApexOverPlane& lower, d
   growth = wavenumber_rad_m * std::hypot(x.middle(), y.middle(), height.middle());
 }
 
-double StaffIntegrand::scale_m(const PlanePlace<Ball>& p) const {
+double ReceiverPairIntegrand::scale_m(const PlanePlace<Ball>& p) const {
   return std::min(upper_.energy.scale_m(p), lower_.energy.scale_m(p)) * upper_.gains.smooth_rad() /
          (1 + phase_.growth);
 }
 
-void StaffIntegrand::at(const PlanePlace<Ball>& p, std::vector<Ball>& values) const {
+void ReceiverPairIntegrand::at(const PlanePlace<Ball>& p, std::vector<Ball>& values) const {
   const Ball out = upper_.energy.out().range(p), up = upper_.energy.home().range(p),
              down = lower_.energy.home().range(p);
   std::vector<Ball> one{upper_.energy.density_at(p, out, up)}, other{lower_.energy.density_at(p, out, down)};
@@ -71,7 +73,7 @@ void StaffIntegrand::at(const PlanePlace<Ball>& p, std::vector<Ball>& values) co
       values.push_back(texture_ == nullptr ? energy : energy * texture_->factor_at(p.x, p.y));
 }
 
-bool StaffIntegrand::take(const PlanePlace<Ball>& box, std::vector<double>& off) {
+bool ReceiverPairIntegrand::take(const PlanePlace<Ball>& box, std::vector<double>& off) {
   const Ball out = upper_.energy.out().range(box);
   std::vector<double> one(1, 0), other(1, 0);
   upper_.gains.take_segments(box, out, upper_.energy.home().range(box), one);
@@ -84,14 +86,14 @@ bool StaffIntegrand::take(const PlanePlace<Ball>& box, std::vector<double>& off)
          lower_.gains.has_no_zero(box, lower_.energy.home().range(box));
 }
 
-void StaffIntegrand::take_whole() {
-  for (StaffWay* way : {&upper_, &lower_}) {
+void ReceiverPairIntegrand::take_whole() {
+  for (ReceiverPairPath* way : {&upper_, &lower_}) {
     way->gains.take_tables();
     way->energy.take_all_pieces();
   }
 }
 
-void StaffIntegrand::log_bounds(const PlanePlace<ComplexBall>& p, std::vector<double>& bounds) const {
+void ReceiverPairIntegrand::log_bounds(const PlanePlace<ComplexBall>& p, std::vector<double>& bounds) const {
   CertifiedEnd::Bound out, up, down;
   std::vector<double> one{upper_.energy.log_bound(p, out, up)}, other{lower_.energy.log_bound(p, out, down)};
   bounds.assign(values(), infinite);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Two receivers on a staff that hear over mirrors: against the staff's image, against points with rays to
-// both of its ends, and in closed form.
-#include "engine/paths/staff_paths.hpp"
+// Two receivers on a receiver pair that hear over mirrors: against the receiver pair's image, against points
+// with rays to both of its ends, and in closed form.
+#include "engine/paths/receiver_pair_paths.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,23 +12,24 @@
 #include <optional>
 
 #include "fixtures/world/point_sum.hpp"
-#include "fixtures/world/staffs.hpp"
+#include "fixtures/world/receiver_pairs.hpp"
 
 namespace tubefoot {
 namespace {
 
 using namespace test;
 
-const Fringe slanting{slanting_axis, 0.3, 40};
+const ReceiverBaseline slanting{slanting_axis, 0.3, 40};
 
 /// The ordinary echo, and those over one mirror and over two.
-std::array<StaffEcho, 3> by_mirrors(const Setting& s, const Fringe& staff) {
+std::array<ReceiverPairEcho, 3> by_mirrors(const Setting& s, const ReceiverBaseline& receiver_pair) {
   const SceneTree tree(s.mesh);
   const std::size_t tubes = s.receive.tubes.size();
   const BeamPatterns patterns = even_patterns(tubes);
-  StaffPathEcho paths = heard_by_staff(s, staff);
-  return {integrate_staff_echo(trace_staff(s.mesh, tree, unit, {}, s.transmit, s.receive, staff), staff, 0, 0,
-                               s.samples, s.law(s.transmit, &patterns)),
+  ReceiverPairPathEcho paths = heard_by_receiver_pair(s, receiver_pair);
+  return {integrate_receiver_pair_echo(
+              trace_receiver_pair(s.mesh, tree, unit, {}, s.transmit, s.receive, receiver_pair),
+              receiver_pair, 0, 0, s.samples, s.law(s.transmit, &patterns)),
           std::move(paths.by_order[2]), std::move(paths.by_order[3])};
 }
 
@@ -124,7 +125,7 @@ class Rays {
 };
 
 /// Of n^2 points a facet, by the number of mirrors.
-std::array<StaffSums, 3> over_points(const Setting& s, const Fringe& staff, int n) {
+std::array<ReceiverPairSums, 3> over_points(const Setting& s, const ReceiverBaseline& receiver_pair, int n) {
   const Rays rays(s.mesh);
   using Mirror = Rays::Mirror;
   const std::vector<std::vector<Mirror>> chains{
@@ -134,9 +135,9 @@ std::array<StaffSums, 3> over_points(const Setting& s, const Fringe& staff, int 
     for (const Mirror& mirror : chain) part *= mirror ? s.reflection[1] : s.paths.mirrors.surface->reflection;
     return part;
   };
-  const StaffSums none(s.samples);
-  std::array<StaffSums, 3> sums{none, none, none};
-  const glm::dvec3 half = staff.baseline_m / 2 * staff.axis, middle = metres(s.receive.apex);
+  const ReceiverPairSums none(s.samples);
+  std::array<ReceiverPairSums, 3> sums{none, none, none};
+  const glm::dvec3 half = receiver_pair.baseline_m / 2 * receiver_pair.axis, middle = metres(s.receive.apex);
   for (std::size_t f = 0; f < s.mesh.facets.size(); ++f) {
     const auto& [i, j, k] = s.mesh.facets[f];
     const glm::dvec3 a = metres(s.mesh.vertices[i]), u = (metres(s.mesh.vertices[j]) - a) / double(n),
@@ -168,7 +169,7 @@ std::array<StaffSums, 3> over_points(const Setting& s, const Fringe& staff, int 
                               std::pow(there.length * back->length, 2) * loss(chains[out]) *
                               loss(chains[home]);
               }
-              sums[mirrors].add(energy, there.length, way, staff.wavenumber_rad_m);
+              sums[mirrors].add(energy, there.length, way, receiver_pair.wavenumber_rad_m);
             }
         }
   }
@@ -176,9 +177,9 @@ std::array<StaffSums, 3> over_points(const Setting& s, const Fringe& staff, int 
 }
 
 /// Adds what comes to both ends over two mirrors, unscattered: of order 2, as what is scattered over one.
-void add_arrivals(const Setting& s, const Fringe& staff, StaffSums& to) {
+void add_arrivals(const Setting& s, const ReceiverBaseline& receiver_pair, ReceiverPairSums& to) {
   const Rays rays(s.mesh);
-  const glm::dvec3 half = staff.baseline_m / 2 * staff.axis, middle = metres(s.receive.apex);
+  const glm::dvec3 half = receiver_pair.baseline_m / 2 * receiver_pair.axis, middle = metres(s.receive.apex);
   for (const std::vector<Rays::Mirror>& chain :
        {std::vector<Rays::Mirror>{{}, 2}, std::vector<Rays::Mirror>{2, {}}}) {
     std::array<std::optional<Rays::Way>, 2> ways;
@@ -190,15 +191,15 @@ void add_arrivals(const Setting& s, const Fringe& staff, StaffSums& to) {
       energy[end] = s.reflection[1] * s.paths.mirrors.surface->reflection *
                     std::pow(10, -s.absorption_db_per_m * length[end] / 10) / (length[end] * length[end]);
     }
-    to.add(energy, 0, length, staff.wavenumber_rad_m);
+    to.add(energy, 0, length, receiver_pair.wavenumber_rad_m);
   }
 }
 
-void expect_sums(const std::array<StaffEcho, 3>& echo, const std::array<StaffSums, 3>& sums,
+void expect_sums(const std::array<ReceiverPairEcho, 3>& echo, const std::array<ReceiverPairSums, 3>& sums,
                  double tolerance) {
   for (std::size_t mirrors = 0; mirrors <= 2; ++mirrors) {
-    const StaffEcho& one = echo[mirrors];
-    const StaffSums& expected = sums[mirrors];
+    const ReceiverPairEcho& one = echo[mirrors];
+    const ReceiverPairSums& expected = sums[mirrors];
     const double most = *std::ranges::max_element(expected.upper);
     EXPECT_GT(most, 0);
     for (std::size_t k = 0; k < expected.upper.size(); ++k) {
@@ -211,7 +212,7 @@ void expect_sums(const std::array<StaffEcho, 3>& echo, const std::array<StaffSum
   }
 }
 
-TEST(StaffPaths, PointsWithRaysOverMirrorsToBothEnds) {
+TEST(ReceiverPairPaths, PointsWithRaysOverMirrorsToBothEnds) {
   for (const bool apart : {false, true}) {
     Setting s = before_a_plate(3);
     if (apart) s.receive = around({-0.4, 0.7, -1.2}, -89.9, 89.9, 4, 24);
@@ -219,12 +220,13 @@ TEST(StaffPaths, PointsWithRaysOverMirrorsToBothEnds) {
     s.samples = {0.5, 20, 1};
     auto sums = over_points(s, slanting, 160);
     add_arrivals(s, slanting, sums[1]);
-    for (const StaffSums& one : sums) EXPECT_LT(std::abs(one.cross[0]), 0.9 * one.upper[0]);  // phases differ
+    for (const ReceiverPairSums& one : sums)
+      EXPECT_LT(std::abs(one.cross[0]), 0.9 * one.upper[0]);  // phases differ
     expect_sums(by_mirrors(s, slanting), sums, 3e-3);
   }
 }
 
-TEST(StaffPaths, EachReceiverHasItsOwnSamples) {
+TEST(ReceiverPairPaths, EachReceiverHasItsOwnSamples) {
   for (const bool apart : {false, true}) {
     Setting s = before_a_plate(3);
     if (apart) s.receive = around({-0.4, 0.7, -1.2}, -89.9, 89.9, 4, 24);
@@ -234,8 +236,8 @@ TEST(StaffPaths, EachReceiverHasItsOwnSamples) {
   }
 }
 
-// The surface and back: the staff's image looks down from above the water.
-TEST(StaffPaths, AStaffInTheSurfaceIsItsImage) {
+// The surface and back: the receiver pair's image looks down from above the water.
+TEST(ReceiverPairPaths, AReceiverPairInTheSurfaceIsItsImage) {
   Setting s;
   s.mesh = square_bed(-9, 14);
   const auto looking = [](double z, double up) {
@@ -252,17 +254,18 @@ TEST(StaffPaths, AStaffInTheSurfaceIsItsImage) {
   s.paths.order = 3;
   s.paths.cutoff_db = 300;
   s.paths.mirrors.surface = SeaSurface{0, 0.7, 0};
-  Fringe staff = slanting;
-  staff.wavenumber_rad_m = 8;
-  const StaffPathEcho echo = heard_by_staff(s, staff);
-  Fringe image = staff;
+  ReceiverBaseline receiver_pair = slanting;
+  receiver_pair.wavenumber_rad_m = 8;
+  const ReceiverPairPathEcho echo = heard_by_receiver_pair(s, receiver_pair);
+  ReceiverBaseline image = receiver_pair;
   image.axis.z = -image.axis.z;
   const TubeSet down = looking(5, -1);
   const SceneTree tree(s.mesh);
   const std::size_t tubes = down.tubes.size();
   const BeamPatterns patterns = even_patterns(tubes);
-  const StaffEcho expected = integrate_staff_echo(trace_staff(s.mesh, tree, unit, {}, down, down, image),
-                                                  image, 0, 0, s.samples, s.law(down, &patterns));
+  const ReceiverPairEcho expected =
+      integrate_receiver_pair_echo(trace_receiver_pair(s.mesh, tree, unit, {}, down, down, image), image, 0,
+                                   0, s.samples, s.law(down, &patterns));
   double turned = 0;
   for (std::size_t k = 0; k < 40; ++k) {
     const double scale = 1e-6 * (expected.upper_j[k] + expected.upper_j[k > 0 ? k - 1 : 0]) + 1e-20;
@@ -276,16 +279,16 @@ TEST(StaffPaths, AStaffInTheSurfaceIsItsImage) {
 
 // What comes straight from an image has the phase of its two lengths, also in mirrors that the grid does not
 // hold exactly.
-TEST(StaffPaths, ArrivalsHaveThePhaseOfTheirLengths) {
+TEST(ReceiverPairPaths, ArrivalsHaveThePhaseOfTheirLengths) {
   Setting s = before_a_plate(1);
   s.receive = around({0.6, -0.4, -2.2}, -89.9, 89.9, 4, 24);
   s.samples = {0.5, 0.5, 30};
-  Fringe staff = slanting;
-  staff.wavenumber_rad_m = 2000;
-  const StaffPathEcho echo = heard_by_staff(s, staff);
+  ReceiverBaseline receiver_pair = slanting;
+  receiver_pair.wavenumber_rad_m = 2000;
+  const ReceiverPairPathEcho echo = heard_by_receiver_pair(s, receiver_pair);
   const Rays rays(s.mesh);
   const glm::dvec3 from = metres(s.transmit.apex), middle = metres(s.receive.apex),
-                   half = staff.baseline_m / 2 * staff.axis;
+                   half = receiver_pair.baseline_m / 2 * receiver_pair.axis;
   std::size_t met = 0;
   std::vector<double> upper(30), lower(30);
   std::vector<Complex> cross(30);
@@ -300,8 +303,8 @@ TEST(StaffPaths, ArrivalsHaveThePhaseOfTheirLengths) {
     upper[sample(*u)] += energy(*u);
     lower[sample(*l)] += energy(*l);
     if (sample(*u) == sample(*l))
-      cross[sample(*u)] +=
-          std::polar(std::sqrt(energy(*u) * energy(*l)), staff.wavenumber_rad_m * (u->length - l->length));
+      cross[sample(*u)] += std::polar(std::sqrt(energy(*u) * energy(*l)),
+                                      receiver_pair.wavenumber_rad_m * (u->length - l->length));
   }
   EXPECT_EQ(met, 2u);
   for (std::size_t k = 0; k < 30; ++k) {
@@ -311,18 +314,18 @@ TEST(StaffPaths, ArrivalsHaveThePhaseOfTheirLengths) {
   }
 }
 
-TEST(StaffPaths, WithoutLengthAStaffIsOneReceiver) {
+TEST(ReceiverPairPaths, WithoutLengthAReceiverPairIsOneReceiver) {
   Setting s = before_a_plate(3);
   s.paths.scatterings = 3;
   s.paths.patch_m = 1.5;
   s.samples = {1, 0.5, 20};
-  Fringe staff = slanting;
-  staff.baseline_m = 1e-8;
-  const StaffPathEcho echo = heard_by_staff(s, staff);
+  ReceiverBaseline receiver_pair = slanting;
+  receiver_pair.baseline_m = 1e-8;
+  const ReceiverPairPathEcho echo = heard_by_receiver_pair(s, receiver_pair);
   const PathEcho one = s.run();
   for (std::size_t order = 1; order <= 3; ++order)
     for (std::size_t k = 0; k < 20; ++k) {
-      const StaffEcho& both = echo.by_order[order];
+      const ReceiverPairEcho& both = echo.by_order[order];
       const double scale = 1e-6 * *std::ranges::max_element(one.by_order[order].energy);
       EXPECT_NEAR(both.upper_j[k], one.by_order[order].energy[k], scale) << order << " " << k;
       EXPECT_NEAR(both.lower_j[k], one.by_order[order].energy[k], scale) << order << " " << k;
@@ -331,7 +334,7 @@ TEST(StaffPaths, WithoutLengthAStaffIsOneReceiver) {
 }
 
 // A bed and a wall that light each other: all pairs of points of the two.
-TEST(StaffPaths, TwoScatteringsAgreeWithPairsOfPoints) {
+TEST(ReceiverPairPaths, TwoScatteringsAgreeWithPairsOfPoints) {
   Setting s;
   s.mesh = square_bed(-4, 1.5);
   add_quad(s.mesh, {2, -1.5, -3.5}, {2, -1.5, -1}, {2, 1.5, -1}, {2, 1.5, -3.5}, 1);
@@ -341,10 +344,10 @@ TEST(StaffPaths, TwoScatteringsAgreeWithPairsOfPoints) {
   s.paths.order = s.paths.scatterings = 2;
   s.paths.patch_m = 0.4;
   s.paths.cutoff_db = 300;
-  const StaffPathEcho echo = heard_by_staff(s, slanting);
+  const ReceiverPairPathEcho echo = heard_by_receiver_pair(s, slanting);
 
-  const StaffSums sums = PointSum(s, 28, slanting).twice_by_staff();
-  const StaffEcho& two = echo.by_order[2];
+  const ReceiverPairSums sums = PointSum(s, 28, slanting).twice_by_receiver_pair();
+  const ReceiverPairEcho& two = echo.by_order[2];
   const double most = *std::ranges::max_element(sums.upper);
   double coherent = 0;
   for (std::size_t k = 0; k < 15; ++k) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // References of two receivers through refracting water: against closed forms of one gradient integrated
-// apart, straight references of staffs, references of one receiver, and laws that hold whatever the water.
-#include "engine/certified/refracted_staff.hpp"
+// apart, straight references of receiver pairs, references of one receiver, and laws that hold whatever the
+// water.
+#include "engine/certified/refracted_receiver_pair.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -11,7 +12,7 @@
 #include <glm/geometric.hpp>
 #include <numeric>
 
-#include "engine/certified/staff_reference.hpp"
+#include "engine/certified/receiver_pair_reference.hpp"
 #include "fixtures/world/gradient_pairs.hpp"
 #include "fixtures/world/textures.hpp"
 
@@ -20,12 +21,12 @@ namespace {
 
 using namespace test;
 
-/// A transmitter and a staff over a flat bed, and what stands on it.
+/// A transmitter and a receiver pair over a flat bed, and what stands on it.
 struct Staffed {
   const GradientBed& site;
   const WaterColumn& water;
   glm::dvec3 sent_m{0}, middle_m{0};
-  Fringe staff{};
+  ReceiverBaseline receiver_pair{};
   RangeSamples samples{22, 0.8, 16};
   double absorption = 0;
   BeamPatterns patterns{{TransmitPattern()}, {Directivity()}, {}, {}};
@@ -33,7 +34,9 @@ struct Staffed {
 
   EigenrayOptions options{.deepest_turn_m = GradientBed::apex_depth_m + GradientBed::below_m};
   TubeSet tubes_from(glm::dvec3 apex_m) const { return at(bed_fan(width_deg), site.grid, apex_m); }
-  glm::dvec3 end_m(double end) const { return middle_m + end * staff.baseline_m / 2 * staff.axis; }
+  glm::dvec3 end_m(double end) const {
+    return middle_m + end * receiver_pair.baseline_m / 2 * receiver_pair.axis;
+  }
   Straightening seen_from(glm::dvec3 apex_m) const {
     return Straightening(water, apex_m, GradientBed::apex_depth_m, options, 1500);
   }
@@ -49,8 +52,8 @@ struct Staffed {
     std::iota(all.begin(), all.end(), 0u);
     const double unit = site.grid.unit_m();
     const TubeSet sent = tubes_from(sent_m), middle = tubes_from(middle_m);
-    const std::array<TubeSet, 2> heard{moved_along(middle, staff, 1, unit),
-                                       moved_along(middle, staff, -1, unit)};
+    const std::array<TubeSet, 2> heard{moved_along(middle, receiver_pair, 1, unit),
+                                       moved_along(middle, receiver_pair, -1, unit)};
     const Straightening out = seen_from(site.grid.to_metres(sent.apex)), upper = seen_from(end_m(1)),
                         lower = seen_from(end_m(-1));
     const Outlook from_out(sent, unit, out), from_upper(heard[0], unit, upper),
@@ -84,26 +87,26 @@ struct Staffed {
                        {alike.seen[0], trees[0], alike.origin[0], out, out_rays},
                        {alike.seen[1 + e], trees[1 + e], alike.origin[1 + e], *waters[e], *rays[e]}};
     };
-    return certify_refracted_staff({bed(0), bed(1)}, {PairedTubes{sent, heard[0]}, {sent, heard[1]}}, {},
-                                   staff, samples, law, ordinary, tolerance);
+    return certify_refracted_receiver_pair({bed(0), bed(1)}, {PairedTubes{sent, heard[0]}, {sent, heard[1]}},
+                                           {}, receiver_pair, samples, law, ordinary, tolerance);
   }
 
-  /// Without bounds: receivers in the bed as it appears from the staff's middle.
-  StaffEcho ordinary(const StraighteningSettings& settings) const {
+  /// Without bounds: receivers in the bed as it appears from the receiver pair's middle.
+  ReceiverPairEcho ordinary(const StraighteningSettings& settings) const {
     std::vector<FacetId> all(site.base.facets.size());
     std::iota(all.begin(), all.end(), 0u);
     const TubeSet sent = tubes_from(sent_m), middle = tubes_from(middle_m);
     const Straightening out = seen_from(sent_m), home = seen_from(middle_m);
     const ApparentPair pair = straighten_pair(site.base, all, site.grid, out, home, absorption, settings);
-    Fringe stretched = staff;
+    ReceiverBaseline stretched = receiver_pair;
     stretched.baseline_m *=
         1500 / water.profile.at(GradientBed::apex_depth_m - site.grid.to_metres(middle.apex).z);
-    const StaffHistory history =
-        trace_staff(pair, site.grid, {}, sent, middle, stretched, out, home, absorption);
+    const ReceiverPairHistory history =
+        trace_receiver_pair(pair, site.grid, {}, sent, middle, stretched, out, home, absorption);
     EchoLaw law = site.law(pair.mesh, absorption);
     const BeamPatterns own = for_tubes(sent);
     law.patterns = &own;
-    return integrate_staff_echo(history, stretched, 0, 0, samples, law);
+    return integrate_receiver_pair_echo(history, stretched, 0, 0, samples, law);
   }
 
   CertifiedEcho straight(double tolerance) const {
@@ -112,16 +115,17 @@ struct Staffed {
     const TubeSet sent = tubes_from(sent_m);
     const BeamPatterns own = for_tubes(sent);
     law.patterns = &own;
-    const StaffHistory history =
-        trace_staff(site.base, tree, site.grid.unit_m(), {}, sent, tubes_from(middle_m), staff);
-    const StaffEcho echo = integrate_staff_echo(history, staff, 0, 0, samples, law);
-    return certify_staff_echo(site.base, history, site.grid.unit_m(), staff, samples, law, echo, tolerance);
+    const ReceiverPairHistory history = trace_receiver_pair(site.base, tree, site.grid.unit_m(), {}, sent,
+                                                            tubes_from(middle_m), receiver_pair);
+    const ReceiverPairEcho echo = integrate_receiver_pair_echo(history, receiver_pair, 0, 0, samples, law);
+    return certify_receiver_pair_echo(site.base, history, site.grid.unit_m(), receiver_pair, samples, law,
+                                      echo, tolerance);
   }
 
   GradientPath by(double g, double end) const { return {g, sent_m, end_m(end), absorption, &patterns}; }
 };
 
-/// Rows as certify_staff_echo() has them, of a rectangle of the bed.
+/// Rows as certify_receiver_pair_echo() has them, of a rectangle of the bed.
 std::vector<double> rectangle_rows(const Staffed& scene, double g, glm::dvec2 from, glm::dvec2 to) {
   const RangeSamples& samples = scene.samples;
   const GradientPath upper = scene.by(g, 1), lower = scene.by(g, -1);
@@ -135,7 +139,7 @@ std::vector<double> rectangle_rows(const Staffed& scene, double g, glm::dvec2 fr
               const auto product = [&](double x) {
                 const glm::dvec3 place = GradientPath::place(x, y);
                 const double phase =
-                    scene.staff.wavenumber_rad_m * 1500 *
+                    scene.receiver_pair.wavenumber_rad_m * 1500 *
                     (BentPath(g, upper.home, place).time_s - BentPath(g, lower.home, place).time_s);
                 return std::polar(std::sqrt(upper.density(x, y) * lower.density(x, y)), phase);
               };
@@ -147,7 +151,7 @@ std::vector<double> rectangle_rows(const Staffed& scene, double g, glm::dvec2 fr
   return rows;
 }
 
-Fringe staff_of(double baseline_m, double wavelength_m) {
+ReceiverBaseline receiver_pair_of(double baseline_m, double wavelength_m) {
   return {glm::normalize(glm::dvec3(0.4, 0.1, 0.9)), baseline_m, 2 * std::numbers::pi / wavelength_m};
 }
 
@@ -166,7 +170,7 @@ double share(const RefractedReference& found) {
 
 // Energies and products to receivers whose rays are arcs, times and all, the transmitter in their middle or
 // elsewhere. Bounds shrink with the gap, and fail when a value is moved by twice the bound.
-TEST(RefractedStaff, HoldsTheClosedFormOfOneGradient) {
+TEST(RefractedReceiverPair, HoldsTheClosedFormOfOneGradient) {
   const GradientBed bed = plate(from, to);
   for (const bool apart : {false, true})
     for (const double g : {-0.6, 0.3}) {
@@ -177,7 +181,7 @@ TEST(RefractedStaff, HoldsTheClosedFormOfOneGradient) {
       Staffed scene{.site = bed,
                     .water = water,
                     .middle_m = apart ? receiver : transmitter,
-                    .staff = staff_of(0.12, 0.03),
+                    .receiver_pair = receiver_pair_of(0.12, 0.03),
                     .absorption = absorption};
       if (weighed) {
         scene.patterns.transmit = patterns_for({}).transmit;
@@ -227,7 +231,7 @@ void expect_agree(const CertifiedEcho& a, const CertifiedEcho& b) {
 }
 
 // Of laws, textures, patterns and a board that hides some of it from each.
-TEST(RefractedStaff, EvenWaterIsTheStraightReference) {
+TEST(RefractedReceiverPair, EvenWaterIsTheStraightReference) {
   const WaterColumn even{SoundSpeedProfile({{0, 1500}, {50, 1500}}), {}};
   for (int kind = 0; kind < 4; ++kind)
     for (const glm::dvec3 middle : {transmitter, receiver}) {
@@ -239,7 +243,7 @@ TEST(RefractedStaff, EvenWaterIsTheStraightReference) {
       Staffed scene{.site = bed,
                     .water = even,
                     .middle_m = middle,
-                    .staff = staff_of(0.1, 0.03),
+                    .receiver_pair = receiver_pair_of(0.1, 0.03),
                     .samples = {24, 2, 3},
                     .width_deg = 40};
       if (kind == 3)
@@ -253,15 +257,15 @@ TEST(RefractedStaff, EvenWaterIsTheStraightReference) {
 }
 
 // What a gradient changes shrinks with it, in the first order.
-TEST(RefractedStaff, AGradientThatGoesToZeroLeavesEvenWater) {
+TEST(RefractedReceiverPair, AGradientThatGoesToZeroLeavesEvenWater) {
   const GradientBed bed = plate(from, to);
   const WaterColumn even{SoundSpeedProfile({{-10, 1500}, {60, 1500}}), {}};
-  Staffed scene{.site = bed, .water = even, .staff = staff_of(0.12, 0.03)};
+  Staffed scene{.site = bed, .water = even, .receiver_pair = receiver_pair_of(0.12, 0.03)};
   const CertifiedEcho straight = scene.straight(1e-5);
   double changed[2];
   for (int k = 0; k < 2; ++k) {
     const WaterColumn water = bed_gradient(k == 0 ? 0.6 : 0.3);
-    Staffed bent{.site = bed, .water = water, .staff = scene.staff};
+    Staffed bent{.site = bed, .water = water, .receiver_pair = scene.receiver_pair};
     const CertifiedEcho found = bent.certified({.gap_m = 1e-3}, 1e-2).certified;
     changed[k] = 0;
     double bounds = 0;
@@ -273,29 +277,30 @@ TEST(RefractedStaff, AGradientThatGoesToZeroLeavesEvenWater) {
   }
   EXPECT_NEAR(changed[0] / changed[1], 2, 0.2);
   const WaterColumn hardly = bed_gradient(1e-6);
-  expect_agree(
-      Staffed{.site = bed, .water = hardly, .staff = scene.staff}.certified({.gap_m = 1e-2}, 1e-2).certified,
-      straight);
+  expect_agree(Staffed{.site = bed, .water = hardly, .receiver_pair = scene.receiver_pair}
+                   .certified({.gap_m = 1e-2}, 1e-2)
+                   .certified,
+               straight);
 }
 
-TEST(RefractedStaff, SwappedReceiversAreConjugateAndNoBaselineIsOneReceiver) {
+TEST(RefractedReceiverPair, SwappedReceiversAreConjugateAndNoBaselineIsOneReceiver) {
   const WaterColumn water = bed_gradient(-0.4);
   GradientBed bed(board(), 24, 8);
   for (const glm::dvec3 middle : {transmitter, receiver}) {
     Staffed scene{.site = bed,
                   .water = water,
                   .middle_m = middle,
-                  .staff = staff_of(0.1, 0.03),
+                  .receiver_pair = receiver_pair_of(0.1, 0.03),
                   .samples = {24, 2, 4},
                   .width_deg = 40};
     const CertifiedEcho there = scene.certified({.gap_m = 5e-3}, 1e-2).certified;
-    scene.staff.axis = -scene.staff.axis;
+    scene.receiver_pair.axis = -scene.receiver_pair.axis;
     const CertifiedEcho back = scene.certified({.gap_m = 5e-3}, 1e-2).certified;
     expect_agree(there, 0, back, 1);
     expect_agree(there, 1, back, 0);
     expect_agree(there, 2, back, 2);
     expect_agree(there, 3, back, 3, -1);
-    scene.staff.baseline_m = 0;
+    scene.receiver_pair.baseline_m = 0;
     const CertifiedEcho one = scene.certified({.gap_m = 5e-3}, 1e-2).certified;
     expect_agree(one, 0, one, 1);
     expect_agree(one, 2, one, 0);
@@ -308,12 +313,13 @@ TEST(RefractedStaff, SwappedReceiversAreConjugateAndNoBaselineIsOneReceiver) {
 }
 
 // Two parts of a bed add up; what both hear alike is no more than either hears.
-TEST(RefractedStaff, PartsOfTheBedAddUp) {
+TEST(RefractedReceiverPair, PartsOfTheBedAddUp) {
   const glm::dvec2 lower_end(17, from.y), upper_end(17, to.y);
   const GradientBed whole = plate(from, to), near = plate(from, upper_end), far = plate(lower_end, to);
   const WaterColumn water = bed_gradient(-0.5);
   const auto of = [&](const GradientBed& bed) {
-    return Staffed{.site = bed, .water = water, .middle_m = receiver, .staff = staff_of(0.12, 0.03)}
+    return Staffed{
+        .site = bed, .water = water, .middle_m = receiver, .receiver_pair = receiver_pair_of(0.12, 0.03)}
         .certified({.gap_m = 4e-3}, 1e-2)
         .certified;
   };
@@ -332,8 +338,8 @@ TEST(RefractedStaff, PartsOfTheBedAddUp) {
                   all.bound[2 * row + k] + all.bound[3 * row + k]);
 }
 
-// What is computed without bounds takes the bed as it appears from the staff's middle.
-TEST(RefractedStaff, OrdinaryEnergiesAndProductsLieWithin) {
+// What is computed without bounds takes the bed as it appears from the receiver pair's middle.
+TEST(RefractedReceiverPair, OrdinaryEnergiesAndProductsLieWithin) {
   GradientBed bed(board(), 24, 8);
   const WaterColumn water = bed_gradient(-0.4);
   for (const glm::dvec3 middle : {transmitter, receiver}) {
@@ -341,7 +347,7 @@ TEST(RefractedStaff, OrdinaryEnergiesAndProductsLieWithin) {
     Staffed scene{.site = bed,
                   .water = water,
                   .middle_m = middle,
-                  .staff = staff_of(0.1, 0.03),
+                  .receiver_pair = receiver_pair_of(0.1, 0.03),
                   .samples = {24, 2, 4},
                   .width_deg = 40};
     const std::vector<double> ordinary =

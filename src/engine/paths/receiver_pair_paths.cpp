@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/paths/staff_paths.hpp"
+#include "engine/paths/receiver_pair_paths.hpp"
 
 #include <tbb/parallel_for.h>
 
@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "engine/certified/certified_arrival.hpp"
-#include "engine/certified/staff_reference.hpp"
+#include "engine/certified/receiver_pair_reference.hpp"
 #include "engine/paths/image_pairs.hpp"
 #include "engine/paths/patch_paths.hpp"
 #include "geometry/steps/steps.hpp"
@@ -41,29 +41,30 @@ glm::dvec3 image_m(GridPoint place, std::span<const MirrorPlane> chain, GridPoin
 
 /// As the bed that appears from its middle makes it: phases turn by the speed of sound there, ranges are told
 /// by another.
-Fringe apparent_staff(const StaffEnds& ends, const PathWater& water) {
-  Fringe staff = ends.staff;
+ReceiverBaseline apparent_receiver_pair(const ReceiverPairEnds& ends, const PathWater& water) {
+  ReceiverBaseline receiver_pair = ends.receiver_pair;
   const double depth_m = water.surface_height_m - water.grid.to_metres(ends.receive.apex).z;
-  staff.baseline_m *= water.reference_speed_m_s / water.column.profile.at(depth_m);
-  return staff;
+  receiver_pair.baseline_m *= water.reference_speed_m_s / water.column.profile.at(depth_m);
+  return receiver_pair;
 }
 
 /// Images of the transmitter and of both receivers, and what passes between them.
-class StaffTracer {
+class ReceiverPairTracer {
  public:
-  StaffTracer(const FacetMesh& mesh, const SceneTree& tree, double unit_m, const VisibilityOptions& options,
-              const StaffEnds& ends, const RangeSamples& samples, const EchoLaw& law,
-              const PathSettings& settings, const PathWater* water)
+  ReceiverPairTracer(const FacetMesh& mesh, const SceneTree& tree, double unit_m,
+                     const VisibilityOptions& options, const ReceiverPairEnds& ends,
+                     const RangeSamples& samples, const EchoLaw& law, const PathSettings& settings,
+                     const PathWater* water)
       : mesh_(mesh),
         unit_m_(unit_m),
-        staff_(water != nullptr ? apparent_staff(ends, *water) : ends.staff),
+        receiver_pair_(water != nullptr ? apparent_receiver_pair(ends, *water) : ends.receiver_pair),
         samples_(samples),
         law_(law),
         settings_(settings),
         apex_(ends.transmit.apex),
         middle_(ends.receive.apex),
-        ends_{moved_along(ends.receive, ends.staff, 1, unit_m),
-              moved_along(ends.receive, ends.staff, -1, unit_m)},
+        ends_{moved_along(ends.receive, ends.receiver_pair, 1, unit_m),
+              moved_along(ends.receive, ends.receiver_pair, -1, unit_m)},
         only_beam_(ends.receive.tubes.size(), 0),
         finder_(mesh, tree, options, settings.mirrors, settings.least(), settings.most_images) {
     const std::array<GridPoint, 2> heard_at{ends_[0].apex, ends_[1].apex};
@@ -79,7 +80,7 @@ class StaffTracer {
                     law.absorption_db_per_m, *water, std::move(places), settings.order);
       sent_ = bent_->images_of(0, heard_at);
       for (std::size_t end = 0; end < 2; ++end) {
-        const TubeSet beside = moved_along(ends.receive, staff_, end == 0 ? 1 : -1, unit_m);
+        const TubeSet beside = moved_along(ends.receive, receiver_pair_, end == 0 ? 1 : -1, unit_m);
         heard_[end] = bent_->images_of(middle, {}, &beside);
       }
     }
@@ -90,14 +91,14 @@ class StaffTracer {
     echo_.images = sent_.size() + heard_[0].size() + heard_[1].size() - 3;
   }
 
-  StaffPathEcho trace() {
+  ReceiverPairPathEcho trace() {
     std::array<std::vector<ArrivedEnergy>, 2> arrived;
     PathSettings once = settings_;
     once.scatterings = 1;
     for (std::size_t end = 0; end < 2; ++end) {
       PathEcho one = path_echo(mesh_, unit_m_, {finder_, sent_, heard_[end], bent_ ? &*bent_ : nullptr},
                                ends_[end], {1, only_beam_}, samples_, law_, once);
-      const auto row = [end](StaffEcho& echo) -> std::vector<double>& {
+      const auto row = [end](ReceiverPairEcho& echo) -> std::vector<double>& {
         return end == 0 ? echo.upper_j : echo.lower_j;
       };
       for (std::size_t order = 0; order < one.by_order.size(); ++order)
@@ -123,7 +124,7 @@ class StaffTracer {
   }
 
   glm::dvec3 axis_of(const Image& receiver) const {
-    return glm::transpose(receiver.leg.to_true) * staff_.axis;
+    return glm::transpose(receiver.leg.to_true) * receiver_pair_.axis;
   }
 
   /// What tells chains of mirrors apart, in even water or in water that refracts.
@@ -144,7 +145,7 @@ class StaffTracer {
     const auto widen = [&](double& bound, double more, double sum) {
       bound = (bound + more) * (1 + rounding) + std::abs(sum) * rounding;
     };
-    StaffEcho& bounds = echo_.bound_by_order[order];
+    ReceiverPairEcho& bounds = echo_.bound_by_order[order];
     widen(bounds.cross_real_j[sample], real.bound, echo_.by_order[order].cross_real_j[sample]);
     widen(bounds.cross_imag_j[sample], imag.bound, echo_.by_order[order].cross_imag_j[sample]);
   }
@@ -185,9 +186,9 @@ class StaffTracer {
         add(all[k].sent->mirrors + all[k].upper->mirrors + 1, bin.sample, bin.real, bin.imag);
   }
 
-  /// Rows as certify_staff_echo(); without a reference no bounds.
+  /// Rows as certify_receiver_pair_echo(); without a reference no bounds.
   CertifiedEcho product_of(const Image& sent, const Image& upper, const Image& lower) const {
-    StaffHistory history;
+    ReceiverPairHistory history;
     history.transmit.apex = sent.windows.apex;
     history.middle_m = image_m(middle_, upper.chain, sent.windows.apex, unit_m_);
     share(sent, upper, history.by_upper, history.paired_upper);
@@ -203,15 +204,19 @@ class StaffTracer {
     by_lower.path.home = lower.leg;
     const BeamPatterns patterns = as_images_have(*law_.patterns, by_upper.path);
     by_upper.patterns = by_lower.patterns = &patterns;
-    const Fringe staff{axis_of(upper), staff_.baseline_m, staff_.wavenumber_rad_m};
+    const ReceiverBaseline receiver_pair{axis_of(upper), receiver_pair_.baseline_m,
+                                         receiver_pair_.wavenumber_rad_m};
     if (!settings_.reference_tolerance)
-      return {rows_of(integrate_staff_products(history, staff, 0, 0, samples_, by_upper, by_lower)), {}};
-    const StaffEcho ordinary = integrate_staff_echo(history, staff, 0, 0, samples_, by_upper, by_lower);
-    return certify_staff_products(mesh_, history, unit_m_, staff, samples_, by_upper, by_lower, ordinary,
-                                  *settings_.reference_tolerance);
+      return {rows_of(integrate_receiver_pair_products(history, receiver_pair, 0, 0, samples_, by_upper,
+                                                       by_lower)),
+              {}};
+    const ReceiverPairEcho ordinary =
+        integrate_receiver_pair_echo(history, receiver_pair, 0, 0, samples_, by_upper, by_lower);
+    return certify_receiver_pair_products(mesh_, history, unit_m_, receiver_pair, samples_, by_upper,
+                                          by_lower, ordinary, *settings_.reference_tolerance);
   }
 
-  /// What both ends see of the bed, in refracting water from the staff's middle.
+  /// What both ends see of the bed, in refracting water from the receiver pair's middle.
   void share(const Image& sent, const Image& heard, SharedFootprints& shared,
              std::vector<PairedFacet>& paired) const {
     if (!bent_) {
@@ -243,16 +248,17 @@ class StaffTracer {
         if (upper.bin != lower.bin || apart(upper, lower) > std::min(nearest[0][u], nearest[1][l])) continue;
         if (settings_.reference_tolerance) {
           const auto [real, imag] =
-              certify_arrivals_product(middle_ - upper.from, unit_m_, staff_, {upper.energy_j, upper.bound_j},
-                                       {lower.energy_j, lower.bound_j});
+              certify_arrivals_product(middle_ - upper.from, unit_m_, receiver_pair_,
+                                       {upper.energy_j, upper.bound_j}, {lower.energy_j, lower.bound_j});
           add(upper.order, upper.bin, real, imag);
           continue;
         }
         const glm::dvec3 way = (way_m({}, upper.way, unit_m_) + way_m({}, lower.way, unit_m_)) / 2.0,
-                         half = staff_.baseline_m / 2 * staff_.axis;
+                         half = receiver_pair_.baseline_m / 2 * receiver_pair_.axis;
         const double further = 4 * glm::dot(way, half) / (glm::length(way + half) + glm::length(way - half));
         add(upper.order, upper.bin,
-            std::polar(std::sqrt(upper.energy_j * lower.energy_j), staff_.wavenumber_rad_m * further));
+            std::polar(std::sqrt(upper.energy_j * lower.energy_j),
+                       receiver_pair_.wavenumber_rad_m * further));
       }
   }
 
@@ -270,7 +276,7 @@ class StaffTracer {
         const Image& upper = heard_[0][u];
         HeardFacets both(listeners[u].hears, listeners[heard_[0].size() + k].hears);
         listeners.push_back({std::move(both), 2, image_m(middle_, upper.chain, apex_, unit_m_),
-                             staff_.baseline_m * axis_of(upper), staff_.wavenumber_rad_m});
+                             receiver_pair_.baseline_m * axis_of(upper), receiver_pair_.wavenumber_rad_m});
       }
     const auto count = std::size_t(samples_.count);
     PathEcho rows;
@@ -278,7 +284,7 @@ class StaffTracer {
     for (Echo& echo : rows.by_order) echo.energy.assign(4 * count, 0);
     add_scattered_paths(scene, sent_, listeners, rows);
     for (std::size_t order = 0; order < rows.by_order.size(); ++order) {
-      StaffEcho& to = echo_.by_order[order];
+      ReceiverPairEcho& to = echo_.by_order[order];
       const std::vector<double>& energy = rows.by_order[order].energy;
       for (std::size_t k = 0; k < count; ++k) {
         to.upper_j[k] += energy[k];
@@ -293,11 +299,11 @@ class StaffTracer {
 
   const FacetMesh& mesh_;
   double unit_m_;
-  const Fringe staff_;
+  const ReceiverBaseline receiver_pair_;
   const RangeSamples& samples_;
   const EchoLaw& law_;
   const PathSettings& settings_;
-  GridPoint apex_, middle_;      // true ones, of the transmitter and of the staff
+  GridPoint apex_, middle_;      // true ones, of the transmitter and of the receiver pair
   std::array<TubeSet, 2> ends_;  // upper, lower
   std::vector<std::uint32_t> only_beam_;
   ImageFinder finder_;
@@ -305,18 +311,18 @@ class StaffTracer {
   std::vector<Image> sent_;
   std::array<std::vector<Image>, 2> heard_;
   std::map<Chain, std::vector<std::size_t>> by_chain_;  // of the lower receiver's images
-  StaffPathEcho echo_;
+  ReceiverPairPathEcho echo_;
 };
 
 }  // namespace
 
-StaffPathEcho staff_path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
-                              const VisibilityOptions& options, const StaffEnds& ends,
-                              const RangeSamples& samples, const EchoLaw& law, const PathSettings& settings,
-                              const PathWater* water) {
+ReceiverPairPathEcho receiver_pair_path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
+                                             const VisibilityOptions& options, const ReceiverPairEnds& ends,
+                                             const RangeSamples& samples, const EchoLaw& law,
+                                             const PathSettings& settings, const PathWater* water) {
   if (settings.reference_tolerance && settings.scatterings > 1)
     throw std::invalid_argument("patches that scatter on are points: what they return has no proven bound");
-  return StaffTracer(mesh, tree, grid_unit_m, options, ends, samples, law, settings, water).trace();
+  return ReceiverPairTracer(mesh, tree, grid_unit_m, options, ends, samples, law, settings, water).trace();
 }
 
 }  // namespace tubefoot

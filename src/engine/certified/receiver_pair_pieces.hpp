@@ -15,13 +15,14 @@
 // enclosed piece by piece. Heavy: include only in .cpp files.
 namespace tubefoot {
 
-/// Of one fan of a staff. On a facet that is laid out alike for both receivers (StaffLayOut) each has its
-/// factor and its ranges; the phase is that of those laid out but for their differences' (HomeRanges).
-class StaffPieces {
+/// Of one fan of a receiver pair. On a facet that is laid out alike for both receivers (ReceiverPairLayOut)
+/// each has its factor and its ranges; the phase is that of those laid out but for their differences'
+/// (HomeRanges).
+class ReceiverPairPieces {
  public:
   /// `law`: with the fan's patterns alone, if with any. `target`: by sample, how wide products may be.
-  StaffPieces(const EchoLaw& law, double wavenumber_rad_m, std::span<const double> borders_m, double step_m,
-              std::vector<double> target, double tolerance);
+  ReceiverPairPieces(const EchoLaw& law, double wavenumber_rad_m, std::span<const double> borders_m,
+                     double step_m, std::vector<double> target, double tolerance);
 
   /// By sample (beam 0), and of the second beam the imaginary part. `unsure.hi`: either part may have so much
   /// more or less besides.

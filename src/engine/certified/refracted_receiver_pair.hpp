@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "engine/certified/paired_reference.hpp"
+
+namespace tubefoot {
+
+/// Encloses what the two receivers of a fan's receiver pair hear through refracting water: rows as
+/// certify_receiver_pair_echo() has them. Each receiver is an end of a path of its own, whose rays lead to
+/// its true place; tubes look from the grid point next to it, in directions about it. So energies are those
+/// of two paths, and the phase between them is that of the times along both arcs home.
+///
+/// `beds`, `tubes`: of one fan, with the upper and the lower receiver as their homes; `receiver_pair`: its
+/// wavenumber. `law.patterns`: those of the fan alone. `ordinary`: energies of either path, to guide the
+/// work. Throws as certify_refracted_echo().
+RefractedReference certify_refracted_receiver_pair(const std::array<PairedBed, 2>& beds,
+                                                   const std::array<PairedTubes, 2>& tubes,
+                                                   const VisibilityOptions& options,
+                                                   const ReceiverBaseline& receiver_pair,
+                                                   const RangeSamples& samples, const EchoLaw& law,
+                                                   const std::array<Echo, 2>& ordinary, double tolerance);
+
+}  // namespace tubefoot
