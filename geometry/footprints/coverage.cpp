@@ -298,19 +298,19 @@ void Coverage::add_regions(FacetRegions& facet, std::span<const Part> parts) con
         if (there.edge_on || (!what.hidden_too && out.seen.reversed != there.seen.reversed)) continue;
         const FacetRegions::Window window = facet.window(look, out, &there);
         if (window.none) continue;
-        std::vector<Placed> heard;
+        std::vector<Placed> received;
         for (const Part& its : listened)
           if (its.own == own_home)
             if (LinePolygon p = polygon(there, its); !p.empty()) {
               const ChartBox box = box_of(corners_of(p));
-              heard.push_back({std::move(p), box});
+              received.push_back({std::move(p), box});
             }
         for (const Part& its : sent) {
           if (its.own != own) continue;
           const LinePolygon from = polygon(out, its);
           if (from.empty()) continue;
           const ChartBox box = box_of(corners_of(from));
-          for (const Placed& other : heard) {
+          for (const Placed& other : received) {
             stop_if_wanted();
             if (!box.meets(other.box)) continue;
             LinePolygon both = from;

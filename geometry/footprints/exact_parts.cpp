@@ -59,7 +59,7 @@ std::vector<ExactPart> FootprintSharer::exact(std::size_t number) const {
   std::vector<ExactPart> parts;
   LinePolygon polygon;
   for (SeenPiece& s : on.sent)
-    for (SeenPiece& h : on.heard) {
+    for (SeenPiece& h : on.received) {
       stop_if_wanted();
       if (!images_ && !s.may_meet(h)) continue;
       shared_by(s, h, polygon);

@@ -140,7 +140,7 @@ class SeenPiece {
 };
 
 /// What two pieces of a facet share, empty if nothing.
-inline void shared_by(SeenPiece& sent, SeenPiece& heard, LinePolygon& polygon) {
+inline void shared_by(SeenPiece& sent, SeenPiece& received, LinePolygon& polygon) {
   thread_local std::vector<int> sides;
   const auto clip_by = [&](SeenPiece& other, bool edges_too) {
     const auto& walls = other.lines();
@@ -149,20 +149,20 @@ inline void shared_by(SeenPiece& sent, SeenPiece& heard, LinePolygon& polygon) {
   };
   // What is seen lies on the facet, whose own edges cut nothing off, unless it is of a part that a mirror
   // cut.
-  if (sent.is_whole_facet() && !heard.is_whole_facet()) {
-    polygon = heard.polygon();
-    if (heard.is_of_cut_facet()) clip_by(sent, true);
+  if (sent.is_whole_facet() && !received.is_whole_facet()) {
+    polygon = received.polygon();
+    if (received.is_of_cut_facet()) clip_by(sent, true);
     return;
   }
   polygon = sent.polygon();
-  if (sent.is_of_cut_facet() || !heard.is_whole_facet()) clip_by(heard, sent.is_of_cut_facet());
+  if (sent.is_of_cut_facet() || !received.is_whole_facet()) clip_by(received, sent.is_of_cut_facet());
 }
 
 /// Of one facet: how both apexes see it, and what each sees of it, whose pieces refer to the cones here.
 struct FootprintSharer::OnFacet {
   FacetCone from_transmitter, from_receiver;
   FacetChart chart;
-  std::vector<SeenPiece> sent, heard;
+  std::vector<SeenPiece> sent, received;
 
   OnFacet(const FootprintSharer& sharer, const Both& both);
   OnFacet(const OnFacet&) = delete;

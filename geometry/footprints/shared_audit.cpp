@@ -50,36 +50,37 @@ Fraction area_of(const std::vector<LinePolygon>& polygons) {
 
 SharedAudit FootprintSharer::audit(std::size_t number, std::uint64_t label) const {
   OnFacet on(*this, facets_[number]);
-  std::vector<Walls> walls_sent, walls_heard;
+  std::vector<Walls> walls_sent, walls_received;
   for (SeenPiece& s : on.sent) walls_sent.push_back(walls_of(s));
-  for (SeenPiece& h : on.heard) walls_heard.push_back(walls_of(h));
+  for (SeenPiece& h : on.received) walls_received.push_back(walls_of(h));
 
   SharedAudit result;
   bool inside = true;
   // Windows of images overlap by what their corners are rounded: of them one is held at a time.
   const bool windows = transmit_.mesh != nullptr;
   const auto of_tube = [&](SeenPiece& piece) { return windows ? piece.tube() : 0; };
-  std::map<std::uint32_t, std::vector<LinePolygon>> by_sent, by_heard;  // what is shared
-  std::map<std::uint32_t, std::vector<Walls>> sent_by, heard_by;
+  std::map<std::uint32_t, std::vector<LinePolygon>> by_sent, by_received;  // what is shared
+  std::map<std::uint32_t, std::vector<Walls>> sent_by, received_by;
   for (std::size_t s = 0; s < on.sent.size(); ++s) sent_by[of_tube(on.sent[s])].push_back(walls_sent[s]);
-  for (std::size_t h = 0; h < on.heard.size(); ++h) heard_by[of_tube(on.heard[h])].push_back(walls_heard[h]);
-  std::vector<LinePolygon> shared, all_sent, all_heard;
+  for (std::size_t h = 0; h < on.received.size(); ++h)
+    received_by[of_tube(on.received[h])].push_back(walls_received[h]);
+  std::vector<LinePolygon> shared, all_sent, all_received;
   for (std::size_t s = 0; s < on.sent.size(); ++s) {
     if (!on.sent[s].polygon().empty()) all_sent.push_back(on.sent[s].polygon());
-    for (std::size_t h = 0; h < on.heard.size(); ++h) {
+    for (std::size_t h = 0; h < on.received.size(); ++h) {
       stop_if_wanted();
-      if (!images_ && !on.sent[s].may_meet(on.heard[h])) continue;
+      if (!images_ && !on.sent[s].may_meet(on.received[h])) continue;
       LinePolygon polygon;
-      shared_by(on.sent[s], on.heard[h], polygon);
+      shared_by(on.sent[s], on.received[h], polygon);
       if (polygon.empty()) continue;
-      inside = inside && lies_within(polygon, walls_sent[s]) && lies_within(polygon, walls_heard[h]);
+      inside = inside && lies_within(polygon, walls_sent[s]) && lies_within(polygon, walls_received[h]);
       by_sent[of_tube(on.sent[s])].push_back(polygon);
-      by_heard[of_tube(on.heard[h])].push_back(polygon);
+      by_received[of_tube(on.received[h])].push_back(polygon);
       shared.push_back(std::move(polygon));
     }
   }
-  for (SeenPiece& h : on.heard)
-    if (!h.polygon().empty()) all_heard.push_back(h.polygon());
+  for (SeenPiece& h : on.received)
+    if (!h.polygon().empty()) all_received.push_back(h.polygon());
 
   const auto u = [&](std::size_t k) {
     const std::array<std::int64_t, 3> p{on.from_transmitter.point[k].x, on.from_transmitter.point[k].y,
@@ -100,8 +101,8 @@ SharedAudit FootprintSharer::audit(std::size_t number, std::uint64_t label) cons
     adds_up = false;
     result.defect += std::abs(share_of(sum({left, {Integer(-own.numerator), own.denominator}}), whole).share);
   };
-  for (const auto& [tube, walls] : heard_by) check(all_sent, walls, by_heard[tube]);
-  for (const auto& [tube, walls] : sent_by) check(all_heard, walls, by_sent[tube]);
+  for (const auto& [tube, walls] : received_by) check(all_sent, walls, by_received[tube]);
+  for (const auto& [tube, walls] : sent_by) check(all_received, walls, by_sent[tube]);
   result.closes = inside && adds_up;
   result.pieces = shared.size();
   if (!shared.empty()) {

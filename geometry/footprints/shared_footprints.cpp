@@ -69,10 +69,10 @@ FootprintSharer::FootprintSharer(const ApexLook& transmit, const ApexLook& recei
 
 bool FootprintSharer::make_cones(const Both& both, FacetCone& from_transmitter,
                                  FacetCone& from_receiver) const {
-  const Seen &sent = transmit_pieces_[both.transmit_first], &heard = receive_pieces_[both.receive_first];
+  const Seen &sent = transmit_pieces_[both.transmit_first], &received = receive_pieces_[both.receive_first];
   const FacetMesh& other = images_ ? *receive_.mesh : mesh_;
   const FacetId seen = images_ ? transmit_.seen[sent.tube].pieces[sent.piece].facet : both.facet,
-                seen_there = images_ ? receive_.seen[heard.tube].pieces[heard.piece].facet : both.facet;
+                seen_there = images_ ? receive_.seen[received.tube].pieces[received.piece].facet : both.facet;
   return FacetCone::make(mesh_, seen, transmit_.tubes.apex, from_transmitter) &&
          FacetCone::make(other, seen_there, receive_.tubes.apex, from_receiver);
 }
@@ -113,8 +113,8 @@ FootprintSharer::OnFacet::OnFacet(const FootprintSharer& sharer, const Both& bot
   }
   for (std::uint32_t k = both.receive_first; k < both.receive_end; ++k) {
     const Seen& piece = sharer.receive_pieces_[k];
-    heard.emplace_back(mesh, sharer.receive_, piece.tube, piece.piece, from_receiver, chart,
-                       sharer.images_ ? &from_transmitter : nullptr);
+    received.emplace_back(mesh, sharer.receive_, piece.tube, piece.piece, from_receiver, chart,
+                          sharer.images_ ? &from_transmitter : nullptr);
   }
 }
 
@@ -128,7 +128,7 @@ void FootprintSharer::append(std::size_t number, SharedFootprints& out) const {
   LinePolygon polygon;
   for (SeenPiece& s : on.sent) {
     stop_if_wanted();
-    for (SeenPiece& h : on.heard) {
+    for (SeenPiece& h : on.received) {
       if (!images_ && !s.may_meet(h)) continue;
       SharedPiece piece{s.tube(), h.tube(), static_cast<std::uint32_t>(out.corners_m.size()), 0};
       if (h.is_whole_facet()) {

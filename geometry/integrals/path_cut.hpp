@@ -82,8 +82,8 @@ class PathCutter {
            const Work& work, std::span<double> out) {
     add(polygon, std::span(&receiver, 1), integrand, work, out);
   }
-  /// One or two receivers: sample k holds what both of them hear in sample k. `receive_range` is that of the
-  /// first one.
+  /// One or two receivers: sample k holds what both of them receive in sample k. `receive_range` is that of
+  /// the first one.
   void add(const PlanarPolygon& polygon, std::span<const Receiver> receivers, const Integrand& integrand,
            const Work& work, std::span<double> out);
   /// Sample k holds what lies in sample k of both ways.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where a second receiver hears a point in the same sample.
+// Where a second receiver receives a point in the same sample.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -119,7 +119,7 @@ std::optional<PathCutter::Stretch> PathCutter::in_second(double path, glm::dvec2
   return Stretch{on.c / (root - on.b), (root - on.b) / on.a};
 }
 
-/// The part of a cell that the second receiver hears in the sample, too.
+/// The part of a cell that the second receiver receives in the sample, too.
 void PathCutter::integrate_both(const Curve& near, const Curve& far, double from, double to, const Cell& cell,
                                 std::span<double> out) {
   const std::optional<Stretch> outer = in_second(to, cell.middle), inner = in_second(from, cell.middle);

@@ -66,7 +66,7 @@ std::shared_ptr<NativeCoverage> compute(NativeScene& scene, const Asked& asked) 
   const RunRequest request = request_of(scene.description().run);
   require_able(survey, request, Feature::coverage,
                asked.sensor ? std::optional(survey.fleet->sensor_named(*asked.sensor)) : std::nullopt);
-  const std::vector<HeardPing> pings = counted_pings(survey, asked.sensor, asked.pings);
+  const std::vector<ReceivedPing> pings = counted_pings(survey, asked.sensor, asked.pings);
   coverage->pings = names_of(survey, pings);
   coverage->title = coverage_title(survey, asked.sensor, pings.size());
   coverage->picture.emplace(survey);

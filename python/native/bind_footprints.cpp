@@ -39,7 +39,7 @@ NativeFootprints compute(NativeScene& scene, const std::string& sensor, const st
   for (auto ping = std::size_t(range.first); ping <= std::size_t(range.last); ++ping, ++watch.pings)
     for (std::size_t transmission = 0; transmission < all.sensor->transmissions(); ++transmission)
       footprints.table.append(footprint_table(
-          around.at(survey.fleet->transmissions_of(s), ping).heard_by(s, ping, transmission), s, chosen));
+          around.at(survey.fleet->transmissions_of(s), ping).received_by(s, ping, transmission), s, chosen));
   return footprints;
 }
 

@@ -41,7 +41,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// Warnings on their way to Python, which hears them from the thread that has its lock.
+/// Warnings on their way to Python, which receives them from the thread that has its lock.
 class Warnings {
  public:
   void add(const std::string& warning, bool is_silence) {
@@ -49,13 +49,13 @@ class Warnings {
     waiting_.emplace_back(warning, is_silence);
   }
   /// Tells those that nobody was told, with the lock.
-  void tell(const py::object& listener) {
+  void tell(const py::object& image_receiver) {
     std::vector<std::pair<std::string, bool>> now;
     {
       const std::scoped_lock lock(mutex_);
       now.swap(waiting_);
     }
-    for (const auto& [warning, is_silence] : now) listener(warning, is_silence);
+    for (const auto& [warning, is_silence] : now) image_receiver(warning, is_silence);
   }
 
  private:

@@ -78,7 +78,7 @@ std::vector<std::string> names_of(const std::vector<T>& described) {
   return names;
 }
 
-/// As `tubefoot check` has them, each with whether it is of a sensor that hears nothing.
+/// As `tubefoot check` has them, each with whether it is of a sensor that receives nothing.
 std::vector<std::pair<std::string, bool>> warnings_of(const Survey& survey) {
   std::vector<std::pair<std::string, bool>> all;
   const auto add = [&](const std::vector<std::string>& warnings) {
@@ -140,7 +140,7 @@ void bind_scene(py::module_& module) {
         const auto survey = s.survey();
         return std::make_shared<NativeTransmission>(
             *survey, request_of(s.description().run),
-            HeardTransmission{survey->fleet->sensor_named(sensor), ping, transmission});
+            ReceivedTransmission{survey->fleet->sensor_named(sensor), ping, transmission});
       });
   module.def(
       "read_scene",

@@ -18,17 +18,18 @@ std::shared_ptr<const OwnEngine> own_engine(const std::string& name, const py::o
     const py::gil_scoped_acquire inner;
     delete object;
   });
-  return std::make_shared<const OwnEngine>(OwnEngine{
-      name, [held](const Transmission& heard, std::size_t sensor, std::span<double> energy) {
-        const auto transmission = std::make_shared<NativeTransmission>(
-            heard.survey(), heard.request(), HeardTransmission{sensor, heard.ping(), heard.number()});
-        const py::gil_scoped_acquire lock;
-        using Energies = py::array_t<double, py::array::c_style | py::array::forcecast>;
-        const auto values = (*held)(transmission).cast<Energies>();
-        if (std::size_t(values.size()) != energy.size())
-          throw std::length_error("an engine's energies have another size than its shot");
-        std::copy_n(values.data(), energy.size(), energy.begin());
-      }});
+  return std::make_shared<const OwnEngine>(
+      OwnEngine{name, [held](const Transmission& received, std::size_t sensor, std::span<double> energy) {
+                  const auto transmission = std::make_shared<NativeTransmission>(
+                      received.survey(), received.request(),
+                      ReceivedTransmission{sensor, received.ping(), received.number()});
+                  const py::gil_scoped_acquire lock;
+                  using Energies = py::array_t<double, py::array::c_style | py::array::forcecast>;
+                  const auto values = (*held)(transmission).cast<Energies>();
+                  if (std::size_t(values.size()) != energy.size())
+                    throw std::length_error("an engine's energies have another size than its shot");
+                  std::copy_n(values.data(), energy.size(), energy.begin());
+                }});
 }
 
 }  // namespace tubefoot::python

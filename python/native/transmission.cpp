@@ -12,7 +12,7 @@ namespace {
 
 /// The request, of a transmission that there is and that can be traced by itself. A transmission needs no
 /// function to compute echoes, which might hold it in turn.
-RunRequest checked(const Survey& survey, RunRequest request, const HeardTransmission& which) {
+RunRequest checked(const Survey& survey, RunRequest request, const ReceivedTransmission& which) {
   const SensorPings& pings = survey.sensors.at(which.sensor);
   const std::string& name = pings.sensor->description().name;
   if (which.ping >= pings.times_s.size())
@@ -26,7 +26,7 @@ RunRequest checked(const Survey& survey, RunRequest request, const HeardTransmis
   return request;
 }
 
-Survey around(const Survey& survey, const RunRequest& request, const HeardTransmission& which) {
+Survey around(const Survey& survey, const RunRequest& request, const ReceivedTransmission& which) {
   if (!survey.site->is_tiled()) return survey;
   return survey_around(Transmissions(survey, request), survey.fleet->transmissions_of(which.sensor),
                        which.ping);
@@ -35,10 +35,10 @@ Survey around(const Survey& survey, const RunRequest& request, const HeardTransm
 }  // namespace
 
 NativeTransmission::NativeTransmission(const Survey& survey, const RunRequest& request,
-                                       HeardTransmission which)
+                                       ReceivedTransmission which)
     : which_(which),
       transmissions_(around(survey, checked(survey, request, which), which), checked(survey, request, which)),
-      transmission_(transmissions_.heard_by(which.sensor, which.ping, which.transmission)),
+      transmission_(transmissions_.received_by(which.sensor, which.ping, which.transmission)),
       ends_(transmission_, which.sensor) {}
 
 const std::vector<glm::dvec3>& NativeTransmission::vertices_m() const {

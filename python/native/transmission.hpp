@@ -11,8 +11,8 @@
 
 namespace tubefoot::python {
 
-/// A transmission as one sensor hears it.
-struct HeardTransmission {
+/// A transmission as one sensor receives it.
+struct ReceivedTransmission {
   std::size_t sensor = 0, ping = 0, transmission = 0;
 };
 
@@ -31,10 +31,10 @@ struct NativeHistory {
 class NativeTransmission : public std::enable_shared_from_this<NativeTransmission> {
  public:
   /// Throws UsageError where there is no such transmission.
-  NativeTransmission(const Survey& survey, const RunRequest& request, HeardTransmission which);
+  NativeTransmission(const Survey& survey, const RunRequest& request, ReceivedTransmission which);
 
   const Survey& survey() const { return transmissions_.survey(); }
-  const HeardTransmission& which() const { return which_; }
+  const ReceivedTransmission& which() const { return which_; }
   const SensorPings& pings() const { return survey().sensors[which_.sensor]; }
   const Sensor& sensor() const { return *pings().sensor; }
   const Pose& pose() const { return transmission_.pose(); }
@@ -52,7 +52,7 @@ class NativeTransmission : public std::enable_shared_from_this<NativeTransmissio
   std::shared_ptr<NativeHistory> trace() const;
 
  private:
-  const HeardTransmission which_;
+  const ReceivedTransmission which_;
   const Transmissions transmissions_;
   const Transmission transmission_;  ///< whose ground is made already, so that threads may share it
   const TransmissionEnds ends_;

@@ -102,11 +102,11 @@ class Projector {
     const TwoWayPath path = path_emitted_at(signals_.waveform.duration_s / 2, ways_[ping].transmitter, point,
                                             ways_[ping].receivers[receiver], signals_.sound_speed_m_s);
     const double delay_s = path.delay_s();
-    const Complex heard =
+    const Complex received =
         interpolator_.at(signals_.channel(ping, receiver), (delay_s - sampling.first_s) * sampling.rate_hz);
-    if (heard == 0.0) return 0;
+    if (received == 0.0) return 0;
     const double gain = spreading_undone_ ? path.out_m * path.home_m : 1;
-    return heard * std::polar(gain, -2 * std::numbers::pi * sampling.baseband_hz * delay_s);
+    return received * std::polar(gain, -2 * std::numbers::pi * sampling.baseband_hz * delay_s);
   }
 
   const ElementSignals& signals_;

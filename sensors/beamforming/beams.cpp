@@ -45,7 +45,7 @@ BeamSteering normalised(const ElementSignals& signals, std::size_t ping, BeamSte
   return steering;
 }
 
-/// How much later than by the reference place a receiver hears what comes from afar.
+/// How much later than by the reference place a receiver receives what comes from afar.
 double far_delay_s(const ElementSignals& signals, const BeamSteering& steering, std::size_t beam,
                    std::size_t receiver) {
   const glm::dvec3 offset = signals.array.transmitter_m - steering.reference_m +
@@ -71,10 +71,11 @@ void add_focused(const ElementSignals& signals, std::size_t ping, const BeamStee
       const glm::dvec3 point = from + direction * (0.5 * signals.sound_speed_m_s * time_s);
       const double delay_s =
           path_emitted_at(sent_s, transmitter, point, own, signals.sound_speed_m_s).delay_s();
-      const Complex heard =
+      const Complex received =
           interpolator.at(signals.channel(ping, receiver), (delay_s - sampling.first_s) * sampling.rate_hz);
-      if (heard == 0.0) continue;
-      out[k] += heard * std::polar(steering.weights[receiver], -baseband_rad_s(signals) * (delay_s - time_s));
+      if (received == 0.0) continue;
+      out[k] +=
+          received * std::polar(steering.weights[receiver], -baseband_rad_s(signals) * (delay_s - time_s));
     }
   }
 }

@@ -12,7 +12,7 @@
 namespace tubefoot {
 
 /// Receive beams of an array: the signal that a transducer would have which transmits and receives at one
-/// reference place and hears one direction. Its sample at the time t is of what is c t / 2 away.
+/// reference place and receives one direction. Its sample at the time t is of what is c t / 2 away.
 struct BeamSteering {
   std::vector<glm::dvec3> directions{};  ///< on the vehicle's axes; of any length above 0
   std::vector<double> weights{};         ///< of the receivers, their sum not 0; empty: all 1

@@ -41,7 +41,7 @@ std::vector<InterferometricSounding> interferometric_soundings(const Recording& 
   const Interferometer interferometer(receiver_pair.baseline_m,
                                       placer.sound_speed_m_s(pose) / (1000 * sensor.frequency_khz()),
                                       radians(receiver_pair.tilt_deg));
-  const ReceiverPairPing heard(recording, ping);
+  const ReceiverPairPing of_ping(recording, ping);
   std::vector<InterferometricSounding> found;
   for (std::uint32_t beam = 0; beam < 2; ++beam) {
     std::optional<double> depth_m;
@@ -49,7 +49,7 @@ std::vector<InterferometricSounding> interferometric_soundings(const Recording& 
       depth_m = recording.altitude_m[ping];
     for (std::uint32_t k = 0; k < static_cast<std::uint32_t>(sensor.samples().count); ++k) {
       InterferometricSounding sounding{beam, k};
-      InterferometricSample products = heard.ideal(beam, k);
+      InterferometricSample products = of_ping.ideal(beam, k);
       sounding.energy_j = products.upper_j;
       products.add_noise(noise.receiver_noise_j, noise.receiver_noise_j);
       const std::optional<double> phase = products.phase_rad();

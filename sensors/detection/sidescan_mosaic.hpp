@@ -8,7 +8,7 @@
 
 namespace tubefoot {
 
-/// What a sidescan heard of one ping.
+/// What a sidescan received of one ping.
 struct SidescanPing {
   Pose pose;                               ///< of the sensor in the local frame
   double altitude_m = 0;                   ///< height of the sensor above the bed below it

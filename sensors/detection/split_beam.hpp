@@ -29,7 +29,7 @@ struct SplitBeamDetection {
 };
 
 /// The sample at which what arrives comes from a beam's axis. The halves of an array, both steered along the
-/// axis, hear what comes from beside it with phases of opposite signs: over a slanting bed the phase of
+/// axis, receive what comes from beside it with phases of opposite signs: over a slanting bed the phase of
 /// `product`, one half's signal times the other's conjugate, goes through zero evenly. The first line is
 /// the one with which the product adds up best, which no wrapping disturbs; then least squares, weighed by
 /// the product's modulus, within the main lobe. The standard deviation is that of the line's residuals. None

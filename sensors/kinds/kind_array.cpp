@@ -267,7 +267,7 @@ class ArrayKind : public SensorKind {
     check_products(own, table);
   }
   bool looks_ahead() const override { return true; }
-  bool hears_phases() const override { return true; }
+  bool receives_phases() const override { return true; }
   SensorFigures figures(const SensorDescription& sensor) const override {
     const auto& own = sensor.kind.as<ArrayDescription>();
     SensorFigures figures;

@@ -19,7 +19,7 @@ struct ArrayDescription {
   std::optional<double> sampling_frequency_khz;  ///< complex samples; else 1.25 times the pulse's band
   std::optional<double> baseband_khz;            ///< else frequency_khz
   double range_min_m = 0.5, range_max_m = 50;
-  double horizontal_deg = 60, vertical_deg = 20;  ///< sector that is lit and heard
+  double horizontal_deg = 60, vertical_deg = 20;  ///< sector that is lit and received
   int receivers = 32;
   /// From one to the next, on the sensor's axes; else half a wavelength to starboard.
   std::optional<std::array<double, 3>> receiver_spacing_m;

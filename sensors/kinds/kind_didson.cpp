@@ -31,7 +31,7 @@ namespace fs = std::filesystem;
 ///
 /// A frame is one transmission, or `cycles` of them: cycle k has the beams k, k + cycles, k + 2 cycles, ...
 /// Ideal beams take their own sectors only. With a receive pattern every transmission lights the whole fan
-/// and its margins, and the beams of its cycle hear all of that.
+/// and its margins, and the beams of its cycle receive all of that.
 class Didson : public Sensor {
  public:
   explicit Didson(const SensorDescription& description);
@@ -124,7 +124,7 @@ Didson::Didson(const SensorDescription& description) : Sensor(description) {
 
 Sensor::Transmission Didson::transmission_of(std::size_t cycle, const Sector& sector) const {
   const auto& camera = description_.kind.as<DidsonDescription>();
-  const bool hears_all = tells_beams_apart(description_.receive, "elevation");
+  const bool receives_all = tells_beams_apart(description_.receive, "elevation");
   const auto cycles = static_cast<std::size_t>(camera.cycles);
   Transmission transmission;
   for (std::size_t beam = cycle; beam < beams_.size(); beam += cycles)
@@ -151,18 +151,18 @@ Sensor::Transmission Didson::transmission_of(std::size_t cycle, const Sector& se
     apart = false;
   };
   const std::vector<double>& borders = sector.borders_rad;
-  const double margin_rad = hears_all ? radians(camera.receive_margin_deg) : 0;
+  const double margin_rad = receives_all ? radians(camera.receive_margin_deg) : 0;
   double widest_rad = 0;
   const auto widen = [&](double width_rad) {
     widest_rad = std::max(widest_rad, width_rad / slices_for(width_rad, tolerance));
   };
   for (std::size_t beam = 0; beam + 1 < borders.size(); ++beam) widen(borders[beam + 1] - borders[beam]);
   if (margin_rad > 0) widen(margin_rad);
-  if (hears_all && cycles > 1) widen(2 * sector.half_width_rad);
+  if (receives_all && cycles > 1) widen(2 * sector.half_width_rad);
   const double corner_rad = height_of_corners(sector.half_height_rad, widest_rad, tolerance);
   heights = even_edges(-corner_rad, corner_rad, static_cast<int>(rows));
   const auto last = static_cast<std::uint32_t>(transmission.beams.size() - 1);
-  if (hears_all && cycles > 1) {
+  if (receives_all && cycles > 1) {
     // No beam has a tube of its own: as few slices as the walls allow, each in the name of the beam that
     // looks nearest to it.
     const double from = std::max(borders.front() - margin_rad, -sector.half_width_rad),
@@ -329,7 +329,7 @@ class DidsonKind : public SensorKind {
     using Which = PictureSettings::Which;
     const std::string& scene_says = recording.sensor->description().kind.as<DidsonDescription>().pictures;
     std::vector<fs::path> files =
-        write_fan_pictures(folder, recording, heard_by(recording, run), run.pictures,
+        write_fan_pictures(folder, recording, receiver_output_of(recording, run), run.pictures,
                            scene_says == "sequence" ? Which::sequence : Which::all, warnings);
     append(files, write_camera_files(folder, recording, run, warnings));
     return files;
@@ -354,8 +354,8 @@ class DidsonKind : public SensorKind {
     using Which = PictureSettings::Which;
     const bool sheet_alone =
         recording.sensor->description().kind.as<DidsonDescription>().pictures == "sequence";
-    WritingCost cost = cost_of_fan_pictures(recording, heard_by(recording, run).has_value(), run.pictures,
-                                            sheet_alone ? Which::sequence : Which::all);
+    WritingCost cost = cost_of_fan_pictures(recording, receiver_output_of(recording, run).has_value(),
+                                            run.pictures, sheet_alone ? Which::sequence : Which::all);
     constexpr double code_s = 2e-7;
     if (camera_files_left_out(recording, run).empty()) cost += cost_by_cells(recording, code_s, 1);
     return cost;

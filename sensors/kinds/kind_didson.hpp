@@ -18,7 +18,7 @@ struct DidsonDescription {
   double horizontal_deg = 29, vertical_deg = 14;  ///< receive sector
   /// Transmit sector, about the same axis; without it, the receive sector. Tubes cover what both look at.
   std::optional<double> transmit_horizontal_deg, transmit_vertical_deg;
-  /// With a receive pattern: how far the sector that is lit and heard reaches beyond the outermost beams.
+  /// With a receive pattern: how far the sector that is lit and received reaches beyond the outermost beams.
   double receive_margin_deg = 0;
   int cycles = 1;                          ///< transmissions of a frame: beam b belongs to cycle b mod cycles
   std::optional<double> cycle_interval_s;  ///< else as long as the echo of the window's end takes, and 420 us

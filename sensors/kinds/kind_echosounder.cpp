@@ -126,7 +126,7 @@ void write_exr_of(const fs::path& file, const Recording& recording, const std::v
 }
 
 /// What its files have of a ping.
-struct HeardPing {
+struct ReceivedPing {
   std::vector<float> energies, received;
   double ideal_m = 0, range_m = 0;  ///< to the bottom; not numbers where there is none
   std::string line;
@@ -141,7 +141,7 @@ std::vector<fs::path> write_echosounder_files(const fs::path& folder, const Reco
   const Sensor& sensor = *recording.sensor;
   const std::string stem = sensor.description().name;
   const DetectionRule rule = rule_of(sensor.description().kind.as<EchosounderDescription>());
-  const std::optional<Heard> heard = heard_by(recording, run);
+  const std::optional<ReceiverOutput> receiver_output = receiver_output_of(recording, run);
   const std::vector<double> floor_j = noise_floor_j(recording, run);
   const SoundingPlacer placer(recording, run);
   std::vector<float> energies, received;
@@ -152,11 +152,11 @@ std::vector<fs::path> write_echosounder_files(const fs::path& folder, const Reco
   const auto sounded = [&](std::size_t ping) {
     const PingEnergies kept = recording.energy_of(ping);
     const std::span<const double> energy = kept;
-    HeardPing made;
+    ReceivedPing made;
     made.energies.assign(energy.begin(), energy.end());
     made.ideal_m = range_of(detect_bottom(energy, sensor.samples(), rule));
-    std::vector<double> own =
-        heard ? heard->energy_of(ping) : std::vector<double>(energy.begin(), energy.end());
+    std::vector<double> own = receiver_output ? receiver_output->energy_of(ping)
+                                              : std::vector<double>(energy.begin(), energy.end());
     made.received.assign(own.begin(), own.end());
     for (std::size_t k = 0; k < own.size(); ++k)
       if (own[k] < floor_j[k]) own[k] = 0;
@@ -167,7 +167,7 @@ std::vector<fs::path> write_echosounder_files(const fs::path& folder, const Reco
   };
   Steps steps("pings of an echosounder's files", recording.pings());
   in_order(steps, 0, recording.pings(), 2 * sizeof(float) * recording.cells(), sounded,
-           [&](std::size_t, const HeardPing& made) {
+           [&](std::size_t, const ReceivedPing& made) {
              energies.insert(energies.end(), made.energies.begin(), made.energies.end());
              received.insert(received.end(), made.received.begin(), made.received.end());
              ideal_bottoms.push_back(made.ideal_m);
@@ -183,9 +183,9 @@ std::vector<fs::path> write_echosounder_files(const fs::path& folder, const Reco
   draw_echogram(recording, energies, ideal_bottoms, font)
       .write_png(folder / files[1], stem, run.pictures.bits);
   write_exr_of(folder / files[2], recording, energies);
-  if (heard) {
+  if (receiver_output) {
     files.emplace_back(stem + "-received.png");
-    draw_echogram(recording, received, bottoms, font, heard->said)
+    draw_echogram(recording, received, bottoms, font, receiver_output->said)
         .write_png(folder / files.back(), stem, run.pictures.bits);
   }
   return files;

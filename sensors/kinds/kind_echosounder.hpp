@@ -8,7 +8,7 @@
 
 namespace tubefoot {
 
-/// One beam straight down. Where no patterns are given it sends and hears with a Gaussian about its axis.
+/// One beam straight down. Where no patterns are given it sends and receives with a Gaussian about its axis.
 struct EchosounderDescription {
   double frequency_khz = 200;
   double beam_deg = 7;               ///< full one-way width at -3 dB

@@ -141,7 +141,7 @@ class ImagingKind : public SensorKind {
   std::vector<fs::path> write_products(const fs::path& folder, const Recording& recording,
                                        const RunContext& run,
                                        std::vector<std::string>& warnings) const override {
-    return write_fan_pictures(folder, recording, heard_by(recording, run), run.pictures,
+    return write_fan_pictures(folder, recording, receiver_output_of(recording, run), run.pictures,
                               PictureSettings::Which::all, warnings);
   }
   std::optional<SonarOutline> outline(const SensorDescription& sensor) const override {
@@ -158,7 +158,7 @@ class ImagingKind : public SensorKind {
     return outline;
   }
   WritingCost writing_cost(const Recording& recording, const RunContext& run) const override {
-    return cost_of_fan_pictures(recording, heard_by(recording, run).has_value(), run.pictures,
+    return cost_of_fan_pictures(recording, receiver_output_of(recording, run).has_value(), run.pictures,
                                 PictureSettings::Which::all);
   }
 };

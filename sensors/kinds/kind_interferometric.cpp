@@ -74,8 +74,8 @@ class InterferometricKind : public SensorKind {
                                        std::vector<std::string>& warnings) const override {
     const bool phase_noise =
         recording.sensor->description().kind.as<InterferometricDescription>().phase_noise;
-    std::vector<fs::path> files =
-        write_two_sided_pictures(folder, recording, heard_by(recording, run), run.pictures, warnings);
+    std::vector<fs::path> files = write_two_sided_pictures(
+        folder, recording, receiver_output_of(recording, run), run.pictures, warnings);
     append(files, write_receiver_pair_files(folder, recording, run, phase_noise));
     return files;
   }
@@ -84,7 +84,7 @@ class InterferometricKind : public SensorKind {
   }
   WritingCost writing_cost(const Recording& recording, const RunContext& run) const override {
     WritingCost cost =
-        cost_of_two_sided_pictures(recording, heard_by(recording, run).has_value(), run.pictures);
+        cost_of_two_sided_pictures(recording, receiver_output_of(recording, run).has_value(), run.pictures);
     constexpr double sounding_s = 1.2e-6, sounding_bytes = 200;
     cost += cost_by_cells(recording, sounding_s, sounding_bytes);
     return cost;

@@ -64,7 +64,7 @@ bool side_by_side(const MultibeamDescription& fan) {
 
 /// With a receive pattern that tells beams apart the transmission opens so far beyond the outermost beams,
 /// either side: three widths of those, as they are steered (beam_across_deg / cosine), up to 1 degree short
-/// of the horizontal. 0 for ideal beams, which hear nothing from there.
+/// of the horizontal. 0 for ideal beams, which receive nothing from there.
 double lit_beyond_rad(const SensorDescription& description) {
   const auto& fan = description.kind.as<MultibeamDescription>();
   if (!tells_beams_apart(description.receive, "azimuth")) return 0;
@@ -114,12 +114,12 @@ Multibeam::Multibeam(const SensorDescription& description) : Sensor(description)
   const auto name = [&](std::uint32_t beam, int parts) {
     transmission.beam_of_tube.insert(transmission.beam_of_tube.end(), static_cast<std::size_t>(parts), beam);
   };
-  const bool hears_all = tells_beams_apart(description.receive, "azimuth");
+  const bool receives_all = tells_beams_apart(description.receive, "azimuth");
   const double from = angles.front() - half_across_rad, to = angles.back() + half_across_rad;
   const double margin_rad = lit_beyond_rad(description);
   const int beyond = margin_rad > 0 ? slices_for(margin_rad, description.cone_tolerance) : 0;
   const auto last = static_cast<std::uint32_t>(angles.size() - 1);
-  if (hears_all || side_by_side(fan)) transmission.sectors.push_back({{}, along_rad, frame});
+  if (receives_all || side_by_side(fan)) transmission.sectors.push_back({{}, along_rad, frame});
   if (beyond > 0) {
     cut(from - margin_rad, from, beyond);
     name(0, beyond);
@@ -127,9 +127,9 @@ Multibeam::Multibeam(const SensorDescription& description) : Sensor(description)
   if (side_by_side(fan)) {
     cut(from, to, static_cast<int>(angles.size()) * slices);
     for (std::uint32_t beam = 0; beam <= last; ++beam) name(beam, slices);
-  } else if (hears_all) {
-    // No beam has a tube of its own, and none is to be heard twice where beams overlap: the fan is cut midway
-    // between them.
+  } else if (receives_all) {
+    // No beam has a tube of its own, and none is to be received twice where beams overlap: the fan is cut
+    // midway between them.
     for (std::uint32_t beam = 0; beam <= last; ++beam) {
       const double begin = beam == 0 ? from : (angles[beam - 1] + angles[beam]) / 2,
                    end = beam == last ? to : (angles[beam] + angles[beam + 1]) / 2;

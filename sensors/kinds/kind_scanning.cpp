@@ -48,8 +48,8 @@ double head_rad(const ScanningDescription& scan, int step, int steps) {
 }
 
 /// One beam about the sensor's up axis that looks to port first and turns clockwise: a transmission a step,
-/// each from where the carrier is by then. Beam k is what the k-th step hears; with steps narrower than the
-/// beam neighbours overlap.
+/// each from where the carrier is by then. Beam k is what the k-th step receives; with steps narrower than
+/// the beam neighbours overlap.
 class Scanning : public Sensor {
  public:
   /// Throws std::invalid_argument for a scan, a beam, ranges or counts that make no sonar.
@@ -109,8 +109,8 @@ std::optional<double> overlap_s(const Recording& recording) {
   return std::nullopt;
 }
 
-/// A line a step: when, where to, and at what range it heard the loudest echo.
-std::string steps_table(const Recording& recording, const std::optional<Heard>& heard) {
+/// A line a step: when, where to, and at what range it received the loudest echo.
+std::string steps_table(const Recording& recording, const std::optional<ReceiverOutput>& receiver_output) {
   const Sensor& sensor = *recording.sensor;
   const RangeSamples& samples = sensor.samples();
   std::string text = "ping,step,time_s,head_deg,loudest_range_m,loudest_energy_j\n";
@@ -118,7 +118,7 @@ std::string steps_table(const Recording& recording, const std::optional<Heard>& 
     const PingEnergies kept = recording.energy_of(ping);
     const std::span<const double> ideal = kept;
     const std::vector<double> energy =
-        heard ? heard->energy_of(ping) : std::vector<double>(ideal.begin(), ideal.end());
+        receiver_output ? receiver_output->energy_of(ping) : std::vector<double>(ideal.begin(), ideal.end());
     std::string lines;
     for (std::size_t step = 0; step < sensor.transmissions(); ++step) {
       const std::span<const double> own = std::span(energy).subspan(
@@ -201,11 +201,11 @@ class ScanningKind : public SensorKind {
       warnings.push_back(fmt::format(
           "'{}' begins its scans {:.6g} s before the one before is over: raise 'ping_interval_s' by that",
           recording.sensor->description().name, *too_soon_s));
-    const std::optional<Heard> heard = heard_by(recording, run);
-    std::vector<fs::path> files =
-        write_fan_pictures(folder, recording, heard, run.pictures, PictureSettings::Which::all, warnings);
+    const std::optional<ReceiverOutput> receiver_output = receiver_output_of(recording, run);
+    std::vector<fs::path> files = write_fan_pictures(folder, recording, receiver_output, run.pictures,
+                                                     PictureSettings::Which::all, warnings);
     files.emplace_back(recording.sensor->description().name + "-steps.csv");
-    write_file(folder / files.back(), steps_table(recording, heard));
+    write_file(folder / files.back(), steps_table(recording, receiver_output));
     return files;
   }
   std::optional<SonarOutline> outline(const SensorDescription& sensor) const override {
@@ -225,7 +225,7 @@ class ScanningKind : public SensorKind {
     return outline;
   }
   WritingCost writing_cost(const Recording& recording, const RunContext& run) const override {
-    return cost_of_fan_pictures(recording, heard_by(recording, run).has_value(), run.pictures,
+    return cost_of_fan_pictures(recording, receiver_output_of(recording, run).has_value(), run.pictures,
                                 PictureSettings::Which::all);
   }
 };

@@ -86,8 +86,8 @@ class SidescanKind : public SensorKind {
                                        const RunContext& run,
                                        std::vector<std::string>& warnings) const override {
     const auto& fan = recording.sensor->description().kind.as<SidescanDescription>();
-    std::vector<fs::path> files =
-        write_two_sided_pictures(folder, recording, heard_by(recording, run), run.pictures, warnings);
+    std::vector<fs::path> files = write_two_sided_pictures(
+        folder, recording, receiver_output_of(recording, run), run.pictures, warnings);
     append(files, write_two_sided_files(
                       folder, recording, run,
                       {fan.along_track_deg, fan.depression_max_deg - fan.depression_min_deg}, warnings));
@@ -98,7 +98,7 @@ class SidescanKind : public SensorKind {
   }
   WritingCost writing_cost(const Recording& recording, const RunContext& run) const override {
     WritingCost cost =
-        cost_of_two_sided_pictures(recording, heard_by(recording, run).has_value(), run.pictures);
+        cost_of_two_sided_pictures(recording, receiver_output_of(recording, run).has_value(), run.pictures);
     constexpr double received_s = 5e-8, code_bytes = 4, amplitude_bytes = 4;  // while they are written
     cost += cost_by_cells(recording, received_s, code_bytes + amplitude_bytes);
     return cost;

@@ -44,7 +44,7 @@ class Sensor {
   };
   const ReceiverPair& receiver_pair() const { return receiver_pair_; }
   bool has_receiver_pair() const { return receiver_pair_.baseline_m > 0; }
-  /// How its elements send and hear, with phase; null: it keeps energies alone.
+  /// How its elements send and receive, with phase; null: it keeps energies alone.
   const SignalModel* signals() const { return signals_ ? &*signals_ : nullptr; }
   /// Whether the fan of beams is spread across the track and looks down, else in the sensor's horizontal
   /// plane: what pictures of it have to know.
@@ -75,7 +75,7 @@ class Sensor {
   /// The patterns of a transmission from a pose of the sensor itself, by the transmission's numbers of beams.
   /// A receive pattern is steered to its beam's axis, a transmit pattern to the middle of its fan or, where
   /// the transmission's beams are all sent at once, to each of them, added up. With a receive pattern a beam
-  /// hears its whole fan.
+  /// receives its whole fan.
   BeamPatterns patterns(const Pose& sensor_pose, double sound_speed_m_s, std::size_t transmission = 0) const;
 
   /// TubeSet::reach of its tubes: the end of the last sample, in grid units.
@@ -104,7 +104,7 @@ class Sensor {
  protected:
   explicit Sensor(SensorDescription description);
 
-  /// One transmission, heard by the receiver of the beams [first_beam, end_beam).
+  /// One transmission, received by the receiver of the beams [first_beam, end_beam).
   struct Fan {
     std::uint32_t first_beam = 0, end_beam = 0, end_tube = 0;  ///< tubes: from the end of the fan before
     glm::dvec3 axis{0, 1, 0};                                  ///< its middle, in the sensor's frame

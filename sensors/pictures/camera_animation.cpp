@@ -82,13 +82,14 @@ class Gif {
 std::vector<std::size_t> animation_frames(std::size_t pings) { return spread_frames(pings, 200); }
 
 void write_camera_animation(const std::filesystem::path& file, const Recording& recording,
-                            const std::string& font, const Heard* heard) {
+                            const std::string& font, const ReceiverOutput* receiver_output) {
   const std::vector<std::size_t> frames = animation_frames(recording.pings());
   std::vector<double> of_scale;  // one for all frames: that of the sequence's picture
   for (const std::size_t ping : sequence_frames(recording.pings())) {
     const PingEnergies ideal = recording.energy_of(ping);
-    const std::vector<double> received =
-        heard != nullptr && heard->has_gain ? heard->energy_of(ping) : std::vector<double>();
+    const std::vector<double> received = receiver_output != nullptr && receiver_output->has_gain
+                                             ? receiver_output->energy_of(ping)
+                                             : std::vector<double>();
     const std::span<const double> shown =
         received.empty() ? ideal.values() : std::span<const double>(received);
     of_scale.insert(of_scale.end(), shown.begin(), shown.end());
@@ -101,8 +102,9 @@ void write_camera_animation(const std::filesystem::path& file, const Recording& 
   constexpr std::size_t block = 16;  // drawn by all threads; one encodes
   for (std::size_t first = 0; first < frames.size(); first += block) {
     std::vector<std::optional<Canvas>> drawn(std::min(block, frames.size() - first));
-    tbb::parallel_for(std::size_t{0}, drawn.size(),
-                      [&](std::size_t k) { drawn[k].emplace(drawing.draw(frames[first + k], heard)); });
+    tbb::parallel_for(std::size_t{0}, drawn.size(), [&](std::size_t k) {
+      drawn[k].emplace(drawing.draw(frames[first + k], receiver_output));
+    });
     if (!gif)
       gif.emplace(file, drawn.front()->width(), drawn.front()->height(), frames.size(),
                   frame_rate(recording, frames));

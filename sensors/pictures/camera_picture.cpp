@@ -33,16 +33,18 @@ CameraFrames::CameraFrames(const Recording& recording, std::string font, const C
       scale_(look.scale),
       page_(CameraFan(*recording.sensor, look.widest, look.highest)) {}
 
-Canvas CameraFrames::draw(std::size_t ping, const Heard* heard) const {
+Canvas CameraFrames::draw(std::size_t ping, const ReceiverOutput* receiver_output) const {
   const Recording& recording = recording_;
   const Sensor& sensor = *recording.sensor;
   const CameraFan& fan = page_.fan();
   const PingEnergies ideal = recording.energy_of(ping);
-  const std::vector<double> received = heard ? heard->energy_of(ping) : std::vector<double>();
-  const std::span<const double> energy = heard ? std::span<const double>(received) : ideal.values();
-  const DecibelScale scale = scale_ ? *scale_
-                                    : DecibelScale(heard && heard->has_gain ? energy : ideal.values(),
-                                                   sensor.description().signal.display_gain_db);
+  const std::vector<double> received =
+      receiver_output ? receiver_output->energy_of(ping) : std::vector<double>();
+  const std::span<const double> energy = receiver_output ? std::span<const double>(received) : ideal.values();
+  const DecibelScale scale =
+      scale_ ? *scale_
+             : DecibelScale(receiver_output && receiver_output->has_gain ? energy : ideal.values(),
+                            sensor.description().signal.display_gain_db);
   const PingEchoes echoes{energy, surfaces_of(recording, ping)};
 
   const std::string title = fmt::format("{}   ping {}   t = {:.2f} s", sensor.description().name,
@@ -51,7 +53,7 @@ Canvas CameraFrames::draw(std::size_t ping, const Heard* heard) const {
       "{:g} kHz, {} beam{} over {:g} degrees, {} samples over {:.2f} to {:.2f} m", sensor.frequency_khz(),
       fan.beams(), fan.beams() == 1 ? "" : "s", std::round(degrees(fan.extent_rad()) * 100) / 100,
       fan.samples(), fan.near_m(), fan.far_m());
-  if (heard) subtitle += "; " + heard->said;
+  if (receiver_output) subtitle += "; " + receiver_output->said;
   const std::string footer = scale.reference_j() > 0
                                  ? fmt::format("0 dB: {} dB re 1 J/m2; darkest: no echo{}",
                                                tick_label(10 * std::log10(scale.reference_j()), 0.1),
@@ -62,8 +64,8 @@ Canvas CameraFrames::draw(std::size_t ping, const Heard* heard) const {
 }
 
 Canvas draw_camera_frame(const Recording& recording, std::size_t ping, const std::string& font,
-                         const Heard* heard, const CameraFrameLook& look) {
-  return CameraFrames(recording, font, look).draw(ping, heard);
+                         const ReceiverOutput* receiver_output, const CameraFrameLook& look) {
+  return CameraFrames(recording, font, look).draw(ping, receiver_output);
 }
 
 std::vector<std::size_t> sequence_frames(std::size_t pings) { return spread_frames(pings, 20); }
@@ -75,22 +77,23 @@ std::vector<std::size_t> spread_frames(std::size_t pings, std::size_t most) {
   return picked;
 }
 
-Canvas draw_camera_sequence(const Recording& recording, const std::string& font, const Heard* heard) {
+Canvas draw_camera_sequence(const Recording& recording, const std::string& font,
+                            const ReceiverOutput* receiver_output) {
   constexpr int columns_at_most = 5, gap = 16, caption_height = 30;
   const Sensor& sensor = *recording.sensor;
   const CameraFan fan(sensor, 340, 260);
   const CameraPixels pixels(fan);
   const std::vector<std::size_t> frames = sequence_frames(recording.pings());
   // One scale for all of them.
-  std::vector<double> ideal(frames.size() * recording.cells()), received(heard ? ideal.size() : 0);
+  std::vector<double> ideal(frames.size() * recording.cells()), received(receiver_output ? ideal.size() : 0);
   tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t k) {
     const auto place = static_cast<std::ptrdiff_t>(k * recording.cells());
     const PingEnergies kept = recording.energy_of(frames[k]);
     std::ranges::copy(kept.values(), ideal.begin() + place);
-    if (heard) std::ranges::copy(heard->energy_of(frames[k]), received.begin() + place);
+    if (receiver_output) std::ranges::copy(receiver_output->energy_of(frames[k]), received.begin() + place);
   });
-  const std::vector<double>& all = heard ? received : ideal;
-  const DecibelScale scale(heard && heard->has_gain ? received : ideal,
+  const std::vector<double>& all = receiver_output ? received : ideal;
+  const DecibelScale scale(receiver_output && receiver_output->has_gain ? received : ideal,
                            recording.sensor->description().signal.display_gain_db);
 
   const int columns = std::min(columns_at_most, static_cast<int>(frames.size()));
@@ -104,7 +107,7 @@ Canvas draw_camera_sequence(const Recording& recording, const std::string& font,
       fmt::format("{}   {} of {} pings", sensor.description().name, frames.size(), recording.pings());
   const std::string subtitle =
       fmt::format("{:g} kHz, {:.2f} to {:.2f} m, one scale for all{}", sensor.frequency_khz(), fan.near_m(),
-                  fan.far_m(), heard ? "; " + heard->said : std::string());
+                  fan.far_m(), receiver_output ? "; " + receiver_output->said : std::string());
   const int content = std::max({columns * cell_width + DecibelScale::legend_width,
                                 text_width(title, title_size, font), text_width(subtitle, label_size, font)});
   Canvas canvas(2 * margin + content, header_height + std::max(rows * cell_height, 240) + margin,

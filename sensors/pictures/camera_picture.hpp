@@ -8,7 +8,7 @@
 #include "sensors/pictures/canvas.hpp"
 #include "sensors/pictures/decibel_scale.hpp"
 #include "sensors/pictures/fan_page.hpp"
-#include "sensors/recordings/heard.hpp"
+#include "sensors/recordings/receiver_output.hpp"
 #include "sensors/recordings/recording.hpp"
 
 namespace tubefoot {
@@ -26,9 +26,9 @@ class CameraFrames {
   /// `font` as for Canvas. The recording must outlive this.
   CameraFrames(const Recording& recording, std::string font, const CameraFrameLook& look = {});
 
-  /// With `heard`, what the instrument shows, on the scale of the ideal picture unless the receiver has a
-  /// gain of its own. Threads may draw at once.
-  Canvas draw(std::size_t ping, const Heard* heard = nullptr) const;
+  /// With `receiver_output`, what the instrument shows, on the scale of the ideal picture unless the receiver
+  /// has a gain of its own. Threads may draw at once.
+  Canvas draw(std::size_t ping, const ReceiverOutput* receiver_output = nullptr) const;
 
  private:
   const Recording& recording_;
@@ -39,7 +39,7 @@ class CameraFrames {
 
 /// One of them.
 Canvas draw_camera_frame(const Recording& recording, std::size_t ping, const std::string& font,
-                         const Heard* heard = nullptr, const CameraFrameLook& look = {});
+                         const ReceiverOutput* receiver_output = nullptr, const CameraFrameLook& look = {});
 
 /// At most so many of the pings, evenly spread, the first and the last among them.
 std::vector<std::size_t> spread_frames(std::size_t pings, std::size_t most);
@@ -48,6 +48,6 @@ std::vector<std::size_t> spread_frames(std::size_t pings, std::size_t most);
 std::vector<std::size_t> sequence_frames(std::size_t pings);
 /// Draws them as small fans, five a row, all on one scale of decibels.
 Canvas draw_camera_sequence(const Recording& recording, const std::string& font,
-                            const Heard* heard = nullptr);
+                            const ReceiverOutput* receiver_output = nullptr);
 
 }  // namespace tubefoot

@@ -58,10 +58,11 @@ Canvas draw_phases(const Recording& recording, const std::string& font, const In
     const PixelSpan pings = items_under(row, rows, recording.pings());
     std::vector<std::array<InterferometricSample, 2>> sums(static_cast<std::size_t>(side));
     for (std::size_t ping = pings.first; ping < pings.end; ++ping) {
-      const ReceiverPairPing heard(recording, ping);
+      const ReceiverPairPing receiver_output(recording, ping);
       for (int x = 0; x < side; ++x)
         for (const std::size_t beam : {0, 1})
-          add(heard, beam, items_under(x, side, count), noise, sums[static_cast<std::size_t>(x)][beam]);
+          add(receiver_output, beam, items_under(x, side, count), noise,
+              sums[static_cast<std::size_t>(x)][beam]);
     }
     for (int x = 0; x < side; ++x) {
       const auto& [port, starboard] = sums[static_cast<std::size_t>(x)];

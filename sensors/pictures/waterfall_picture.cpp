@@ -139,9 +139,9 @@ struct Waterfall::Layout {
   std::vector<CellSpan> columns;  ///< from the track outwards
 };
 
-Waterfall::Echoes Waterfall::echoes_of(const Heard* heard) const {
+Waterfall::Echoes Waterfall::echoes_of(const ReceiverOutput* receiver_output) const {
   std::vector<double> gain = gain_by_sample(recording_);
-  if (heard && heard->has_gain) std::fill(gain.begin(), gain.end(), 1.0);
+  if (receiver_output && receiver_output->has_gain) std::fill(gain.begin(), gain.end(), 1.0);
   const std::size_t count = gain.size(), side = layout_->columns.size();
   const std::vector<Strip>& strips = layout_->strips;
   Echoes all;
@@ -164,15 +164,15 @@ Waterfall::Echoes Waterfall::echoes_of(const Heard* heard) const {
           for (std::size_t p = 0; p < under.weights.size(); ++p) {
             const std::size_t ping = under.first + p;
             if (asked != ping) {
-              if (heard)
-                received = heard->energy_of(ping);
+              if (receiver_output)
+                received = receiver_output->energy_of(ping);
               else
                 ideal = recording_.energy_of(ping);
               if (recording_.surfaces) surfaces = recording_.surfaces(ping);
               asked = ping;
             }
             const std::span<const double> energy =
-                heard ? std::span<const double>(received) : ideal->values();
+                receiver_output ? std::span<const double>(received) : ideal->values();
             const double share = under.weights[p] / weight;
             for (std::size_t beam = 0; beam < sides; ++beam) {
               for (std::size_t k = 0; k < count; ++k)
@@ -205,16 +205,16 @@ Waterfall::Waterfall(const Recording& recording, std::string font)
 
 Waterfall::~Waterfall() = default;
 
-Canvas Waterfall::draw(const Heard* heard) const {
+Canvas Waterfall::draw(const ReceiverOutput* receiver_output) const {
   const Recording& recording = recording_;
   const Sensor& sensor = *recording.sensor;
   const RangeSamples& samples = sensor.samples();
   const auto& [far_m, pixels_per_m, spacing_m, stretch, side, rows, strips, columns] = *layout_;
   const auto pings = recording.pings();
   const double rows_per_ping = rows / static_cast<double>(pings);
-  const bool own_gain = heard && heard->has_gain;
-  const Echoes as_heard = heard ? echoes_of(heard) : Echoes();
-  const Echoes& drawn = heard ? as_heard : *ideal_;
+  const bool own_gain = receiver_output && receiver_output->has_gain;
+  const Echoes as_received = receiver_output ? echoes_of(receiver_output) : Echoes();
+  const Echoes& drawn = receiver_output ? as_received : *ideal_;
   const DecibelScale scale =
       own_gain ? DecibelScale(drawn.energy_j, sensor.description().signal.display_gain_db) : scale_;
 
@@ -230,7 +230,7 @@ Canvas Waterfall::draw(const Heard* heard) const {
                 (stretch < 10 ? fmt::format("{:.2g}", stretch) : fmt::format("{:.0f}", stretch));
   else
     subtitle += ", equal scales";
-  if (heard) subtitle += "; " + heard->said;
+  if (receiver_output) subtitle += "; " + receiver_output->said;
   const std::string footer = scale.reference_j() > 0
                                  ? fmt::format("{}; 0 dB: {} dB re 1 J/m2 at 1 m; darkest: no echo{}",
                                                own_gain ? "the sonar's own time-varied gain"

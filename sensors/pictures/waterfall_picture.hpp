@@ -6,7 +6,7 @@
 
 #include "sensors/pictures/canvas.hpp"
 #include "sensors/pictures/decibel_scale.hpp"
-#include "sensors/recordings/heard.hpp"
+#include "sensors/recordings/receiver_output.hpp"
 #include "sensors/recordings/recording.hpp"
 
 namespace tubefoot {
@@ -23,14 +23,14 @@ class Waterfall {
   Waterfall(const Waterfall&) = delete;
   Waterfall& operator=(const Waterfall&) = delete;
 
-  /// With `heard`, what the instrument shows: on the scale of the ideal picture, or, where the receiver has a
-  /// gain of its own, after that gain alone and on its own scale.
-  Canvas draw(const Heard* heard = nullptr) const;
+  /// With `receiver_output`, what the instrument shows: on the scale of the ideal picture, or, where the
+  /// receiver has a gain of its own, after that gain alone and on its own scale.
+  Canvas draw(const ReceiverOutput* receiver_output = nullptr) const;
 
  private:
   struct Echoes;
   struct Layout;
-  Echoes echoes_of(const Heard* heard) const;
+  Echoes echoes_of(const ReceiverOutput* receiver_output) const;
 
   const Recording& recording_;
   std::string font_;

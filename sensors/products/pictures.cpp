@@ -94,7 +94,7 @@ const std::string& font_for(const std::string& sensor, std::vector<std::string>&
 }
 
 std::vector<fs::path> write_two_sided_pictures(const fs::path& folder, const Recording& recording,
-                                               const std::optional<Heard>& heard,
+                                               const std::optional<ReceiverOutput>& receiver_output,
                                                const PictureSettings& settings,
                                                std::vector<std::string>& warnings) {
   check(recording);
@@ -105,16 +105,16 @@ std::vector<fs::path> write_two_sided_pictures(const fs::path& folder, const Rec
   const Waterfall waterfall(recording, font);
   waterfall.draw().write_png(folder / files[0], stem, settings.bits);
   write_two_sided_exr(folder / files[1], recording);
-  if (heard) {
+  if (receiver_output) {
     files.push_back(stem + "-received.png");
-    waterfall.draw(&*heard).write_png(folder / files.back(), stem, settings.bits);
+    waterfall.draw(&*receiver_output).write_png(folder / files.back(), stem, settings.bits);
   }
   return files;
 }
 
 std::vector<fs::path> write_fan_pictures(const fs::path& folder, const Recording& recording,
-                                         const std::optional<Heard>& heard, const PictureSettings& settings,
-                                         PictureSettings::Which otherwise,
+                                         const std::optional<ReceiverOutput>& receiver_output,
+                                         const PictureSettings& settings, PictureSettings::Which otherwise,
                                          std::vector<std::string>& warnings) {
   check(recording);
   using Which = PictureSettings::Which;
@@ -123,17 +123,18 @@ std::vector<fs::path> write_fan_pictures(const fs::path& folder, const Recording
   const std::string stem = stem_of(*recording.sensor);
   const std::string& font = font_for(stem, warnings);
   std::vector<fs::path> files;
-  const auto write_sequence = [&](const std::string& part, const Heard* as_heard) {
+  const auto write_sequence = [&](const std::string& part, const ReceiverOutput* as_received) {
     if (recording.pings() > 1 || !each_ping) {
       files.push_back(stem + part + ".png");
-      draw_camera_sequence(recording, font, as_heard).write_png(folder / files.back(), stem, settings.bits);
+      draw_camera_sequence(recording, font, as_received)
+          .write_png(folder / files.back(), stem, settings.bits);
     }
     if (!settings.animated || recording.pings() == 1) return;
     files.push_back(stem + part + ".gif");
-    write_camera_animation(folder / files.back(), recording, font, as_heard);
+    write_camera_animation(folder / files.back(), recording, font, as_received);
   };
   write_sequence("-sequence", nullptr);
-  if (heard) write_sequence("-sequence-received", &*heard);
+  if (receiver_output) write_sequence("-sequence-received", &*receiver_output);
   if (!each_ping) return files;
   const auto name = [&](std::size_t ping, const char* ending) {
     return fs::path(fmt::format("{}-{:04}{}", stem, recording.number_of(ping), ending));
@@ -143,25 +144,25 @@ std::vector<fs::path> write_fan_pictures(const fs::path& folder, const Recording
   tbb::parallel_for(std::size_t{0}, recording.pings(), [&](std::size_t ping) {
     const std::string what = fmt::format("{}, ping {}", stem, recording.number_of(ping));
     frames.draw(ping).write_png(folder / name(ping, ".png"), what, settings.bits);
-    if (heard)
-      frames.draw(ping, &*heard)
+    if (receiver_output)
+      frames.draw(ping, &*receiver_output)
           .write_png(folder / name(ping, "-received.png"), what + ", as received", settings.bits);
     write_fan_exr(folder / name(ping, ".exr"), recording, ping);
     steps.done();
   });
   for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
     files.insert(files.end(), {name(ping, ".png"), name(ping, ".exr")});
-    if (heard) files.push_back(name(ping, "-received.png"));
+    if (receiver_output) files.push_back(name(ping, "-received.png"));
   }
   return files;
 }
 
-WritingCost cost_of_fan_pictures(const Recording& recording, bool heard, const PictureSettings& settings,
-                                 PictureSettings::Which otherwise) {
+WritingCost cost_of_fan_pictures(const Recording& recording, bool receiver_output,
+                                 const PictureSettings& settings, PictureSettings::Which otherwise) {
   using Which = PictureSettings::Which;
   constexpr double sheet_s = 0.25, animation_frame_s = 0.4, first_frame_s = 0.25, frame_s = 0.05,
                    picture_bytes = 6e5, gif_bytes = 1e5;
-  const double looks = heard ? 2 : 1, pings = static_cast<double>(recording.pings());
+  const double looks = receiver_output ? 2 : 1, pings = static_cast<double>(recording.pings());
   WritingCost cost;
   if (!settings.wants(Which::sequence, otherwise)) return cost;
   cost += {looks * sheet_s, 0, looks * picture_bytes};
@@ -173,11 +174,11 @@ WritingCost cost_of_fan_pictures(const Recording& recording, bool heard, const P
   return cost;
 }
 
-WritingCost cost_of_two_sided_pictures(const Recording& recording, bool heard,
+WritingCost cost_of_two_sided_pictures(const Recording& recording, bool receiver_output,
                                        const PictureSettings& settings) {
   constexpr double waterfall_s = 0.25, waterfall_bytes = 1e6, exr_cell_s = 6e-8;
   if (!settings.wants(PictureSettings::Which::sequence)) return {};
-  const double looks = heard ? 2 : 1;
+  const double looks = receiver_output ? 2 : 1;
   WritingCost cost = cost_by_cells(recording, exr_cell_s, 4);
   cost += {looks * waterfall_s, 0, looks * waterfall_bytes};
   return cost;

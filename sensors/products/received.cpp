@@ -50,17 +50,19 @@ std::vector<double> ReceivedPings::of(std::size_t ping) const {
 
 std::vector<double> ReceivedPings::of_beam(std::size_t ping, std::size_t beam,
                                            std::span<const double> energies) const {
-  std::span<const double> heard = energies.subspan(beam * gains_.size(), gains_.size());
+  std::span<const double> receiver_output = energies.subspan(beam * gains_.size(), gains_.size());
   std::vector<double> spread;
-  if (extent_m_) heard = spread = spread_over_pulse(heard, recording_->sensor->samples(), *extent_m_);
-  if (chain_.noise_j() == 0) heard = heard.first(lit_samples(heard).end);
-  std::vector<double> received(heard.size());
-  chain_.receive_beam(recording_->number_of(ping), static_cast<std::uint32_t>(beam), heard, gains_, received);
+  if (extent_m_)
+    receiver_output = spread = spread_over_pulse(receiver_output, recording_->sensor->samples(), *extent_m_);
+  if (chain_.noise_j() == 0) receiver_output = receiver_output.first(lit_samples(receiver_output).end);
+  std::vector<double> received(receiver_output.size());
+  chain_.receive_beam(recording_->number_of(ping), static_cast<std::uint32_t>(beam), receiver_output, gains_,
+                      received);
   received.resize(lit_samples(received).end);
   return received;
 }
 
-std::optional<Heard> heard_by(const Recording& recording, const RunContext& run) {
+std::optional<ReceiverOutput> receiver_output_of(const Recording& recording, const RunContext& run) {
   const SignalDescription& signal = recording.sensor->description().signal;
   std::vector<std::string> parts;
   if (signal.speckle != "none") parts.push_back("speckle");
@@ -68,8 +70,9 @@ std::optional<Heard> heard_by(const Recording& recording, const RunContext& run)
   if (signal.tvg_spreading) parts.push_back("the sonar's own gain");
   if (signal.pulse_length_us) parts.push_back("the pulse's length");
   if (parts.empty()) return std::nullopt;
-  return Heard{[pings = ReceivedPings(recording, run)](std::size_t ping) { return pings.of(ping); },
-               signal.tvg_spreading.has_value(), fmt::format("as received, with {}", fmt::join(parts, ", "))};
+  return ReceiverOutput{[pings = ReceivedPings(recording, run)](std::size_t ping) { return pings.of(ping); },
+                        signal.tvg_spreading.has_value(),
+                        fmt::format("as received, with {}", fmt::join(parts, ", "))};
 }
 
 }  // namespace tubefoot

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sensors/receiver/receiver.hpp"
-#include "sensors/recordings/heard.hpp"
+#include "sensors/recordings/receiver_output.hpp"
 #include "sensors/recordings/recording.hpp"
 #include "sensors/recordings/run_context.hpp"
 
@@ -43,6 +43,6 @@ class ReceivedPings {
 };
 
 /// The same for pictures; nothing where the receiver leaves energies as they are.
-std::optional<Heard> heard_by(const Recording& recording, const RunContext& run);
+std::optional<ReceiverOutput> receiver_output_of(const Recording& recording, const RunContext& run);
 
 }  // namespace tubefoot

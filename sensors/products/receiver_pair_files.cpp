@@ -52,10 +52,10 @@ void write_cells_exr(const fs::path& file, const Recording& recording, const cha
   Steps steps("pings of a picture", recording.pings());
   tbb::parallel_for(std::size_t{0}, recording.pings(), [&](std::size_t ping) {
     float* port = cells.data() + 2 * count * ping;
-    const ReceiverPairPing heard(recording, ping);
+    const ReceiverPairPing receiver_output(recording, ping);
     for (std::size_t k = 0; k < count; ++k) {
-      port[count - 1 - k] = static_cast<float>(value(heard.ideal(0, k)));
-      port[count + k] = static_cast<float>(value(heard.ideal(1, k)));
+      port[count - 1 - k] = static_cast<float>(value(receiver_output.ideal(0, k)));
+      port[count + k] = static_cast<float>(value(receiver_output.ideal(1, k)));
     }
     steps.done();
   });

@@ -62,11 +62,12 @@ ElementSignals compressed_ping(const ElementSignals& signals, std::size_t ping, 
 /// Of some receivers only.
 ElementSignals of_receivers(const ElementSignals& one_ping, const std::vector<std::size_t>& receivers);
 
-/// Middle between the transmitter and the receivers: where a transducer would be that hears what they hear.
+/// Middle between the transmitter and the receivers: where a transducer would be that receives what they
+/// receive.
 glm::dvec3 phase_centre_m(const ElementArray& array);
 /// The slant ranges that samples are of, each about the middle of its own; from the phase centre.
 RangeSamples ranges_of(const SignalSampling& sampling, double sound_speed_m_s);
-/// Beams [beam][sample] that hear such directions, focused at every range from the phase centre. `one`: a
+/// Beams [beam][sample] that receive such directions, focused at every range from the phase centre. `one`: a
 /// ping.
 std::vector<std::complex<double>> focused_beams(const ElementSignals& one,
                                                 const std::vector<glm::dvec3>& directions,

@@ -40,7 +40,7 @@ void check(const SignalFan& fan, const char* of, const ElementArray& array) {
   weights_along(array, starboard_axis, fan.window);
 }
 
-/// Whether an array hears port and starboard alike: elements on a line forward do.
+/// Whether an array receives port and starboard alike: elements on a line forward do.
 bool knows_sides(const ElementArray& array) {
   const auto away = [](glm::dvec3 a) { return glm::length(glm::dvec3(a.x, 0, a.z)); };
   return std::ranges::any_of(array.receivers_m, [&](glm::dvec3 place) {

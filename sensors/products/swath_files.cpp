@@ -158,7 +158,8 @@ class SwathFiles {
         warnings_(warnings),
         name_(recording.sensor->description().name),
         finder_(recording, run, settings.rule) {
-    if (heard_by(recording, run)) ideal_finder_.emplace(BottomFinder::ideal(recording, settings.rule, run));
+    if (receiver_output_of(recording, run))
+      ideal_finder_.emplace(BottomFinder::ideal(recording, settings.rule, run));
     for (const char* ending : {".csv", ".gpkg"})
       tables_.push_back(std::make_unique<SoundingsFile>(new_file("-soundings", ending), run.frame));
     open_formats();

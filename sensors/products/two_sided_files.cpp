@@ -31,7 +31,7 @@ double altitude_m(const Recording& recording, std::size_t ping) {
 }
 
 /// The XTF file of a recording. Its samples begin at range 0 and are as many as bring the last one to its
-/// place: none is farther than half a sample from where it was heard.
+/// place: none is farther than half a sample from where it was received.
 class XtfRecord {
  public:
   XtfRecord(const fs::path& file, const Recording& recording, const RunContext& run,
@@ -105,7 +105,7 @@ class XtfRecord {
   }
 
   const Recording& recording_;
-  std::size_t before_;  ///< samples from range 0 to the first that was heard
+  std::size_t before_;  ///< samples from range 0 to the first that was received
   XtfFile file_;
   NavigationTrack track_;
   std::vector<std::uint16_t> port_, starboard_;
@@ -296,15 +296,15 @@ std::vector<fs::path> write_two_sided_files(const fs::path& folder, const Record
     if (!why_not) xtf.emplace(folder / (of_line + ".xtf"), recording, run, widths, amplitudes.largest_upa());
     Map map{of_line, CellMeans(cell_m)};
     const auto coded = [&](std::size_t ping) {
-      const std::vector<float> heard = amplitudes.of(ping);
+      const std::vector<float> receiver_output = amplitudes.of(ping);
       CodedPing made;
-      if (xtf) made.xtf = codes_of(heard, all);
+      if (xtf) made.xtf = codes_of(receiver_output, all);
       if (picture) {
-        made.row = codes_of(heard, visible);
+        made.row = codes_of(receiver_output, visible);
         std::ranges::reverse(made.row.begin(),
-                             made.row.begin() + static_cast<std::ptrdiff_t>(heard.size() / 2));
+                             made.row.begin() + static_cast<std::ptrdiff_t>(receiver_output.size() / 2));
       }
-      if (!why_no_map) made.mapped = mapped(recording, lines[k], ping, heard, cell_m);
+      if (!why_no_map) made.mapped = mapped(recording, lines[k], ping, receiver_output, cell_m);
       return made;
     };
     constexpr std::size_t bytes_a_cell = 2 * sizeof(std::uint16_t) + 2 * sizeof(CellSum);

@@ -18,7 +18,7 @@ struct SonarOutline {
   std::string kind;                   ///< as a scene file has it; empty: the kind's own name
   bool looks_down = false;            ///< its fan lies about "down", not about "ahead"
   bool even = true;                   ///< equal steps of angle
-  bool narrowly_lit = false;          ///< it hears more than it sends to
+  bool narrowly_lit = false;          ///< it receives more than it sends to
   double vertical_deg = 0;            ///< across the fan; two sides: of each, across the track
   double depression_deg = 0;          ///< two sides: of the middle of each
   double along_track_deg = 0;         ///< two sides

@@ -17,7 +17,7 @@ struct Recording;
 
 /// Of one ping, beside its energies: [beam][sample] each, [object or material][beam][sample] the shares.
 struct TruthPing {
-  /// Parts of a sample's energy: with `unscattered_share` they add up to 1. 0 where nothing is heard.
+  /// Parts of a sample's energy: with `unscattered_share` they add up to 1. 0 where nothing is received.
   std::vector<double> object_share, material_share;
   std::vector<double> unscattered_share;  ///< empty where all paths are scattered
   /// Means over what is scattered, weighed by energy, in the local frame [m]: of the height (z), and of the

@@ -5,7 +5,7 @@
 
 namespace tubefoot {
 
-/// How a sonar's elements send and hear: what of signals does not depend on where it is.
+/// How a sonar's elements send and receive: what of signals does not depend on where it is.
 struct SignalModel {
   /// On the sensor's own axes, from the place of its transmitter; receivers from that of its receiver, where
   /// this is apart.
@@ -14,8 +14,8 @@ struct SignalModel {
   SignalSampling sampling;
   /// It stands still from a ping to the next one; else it moves while sound is under way.
   bool stop_and_hop = true;
-  /// Each receiver hears what the transmitter and its own place both see; else all hear what is seen from the
-  /// one place of the sensor, or the two of one whose receiver is apart.
+  /// Each receiver receives what the transmitter and its own place both see; else all receive what is seen
+  /// from the one place of the sensor, or the two of one whose receiver is apart.
   bool own_sights = false;
   /// Of signals, about, relative to what they would be without interference.
   double tolerance = 1e-3;

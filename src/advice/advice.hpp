@@ -48,7 +48,7 @@ struct LookedAt {
 struct Advice {
   Tolerance tolerance;
   std::vector<LookedAt> sensors;
-  std::vector<std::string> silent;    ///< sensors that hear nothing on the probes: only exact cuts are safe
+  std::vector<std::string> silent;  ///< sensors that receive nothing on the probes: only exact cuts are safe
   std::vector<Candidate> candidates;  ///< the first is the yardstick: tubes, exact cuts
   std::size_t chosen = 0;             ///< the cheapest that holds
 

@@ -36,9 +36,9 @@ std::vector<double> ranges_m(const RangeSamples& samples) {
 
 std::size_t receivers(const Recording& recording) { return recording.sensor->has_receiver_pair() ? 2 : 1; }
 
-/// What receivers hear, [ping][receiver][beam][sample]: cross products of their signals can't be told in dB.
-/// `values`: the recording's energies, or their bounds.
-std::vector<double> heard(const Recording& recording, std::span<const double> values) {
+/// What receivers receive, [ping][receiver][beam][sample]: cross products of their signals can't be told in
+/// dB. `values`: the recording's energies, or their bounds.
+std::vector<double> received(const Recording& recording, std::span<const double> values) {
   if (values.empty()) return {};
   std::vector<double> all;
   for (std::size_t p = 0; p < recording.pings(); ++p) {
@@ -134,8 +134,8 @@ TrialScene::TrialScene(const SceneDescription& scene, const Choice& choice,
   PingWork ignored;
   reference_ = record(request, ignored);
   for (const Recording& r : reference_) {
-    const double total = sum(heard(r, r.energy));
-    if (total > 0) bound_ = std::max(bound_, sum(heard(r, r.energy_bound)) / total);
+    const double total = sum(received(r, r.energy));
+    if (total > 0) bound_ = std::max(bound_, sum(received(r, r.energy_bound)) / total);
   }
 }
 
@@ -215,8 +215,8 @@ Trial TrialScene::run(const EngineSetting& setting, int repeats) const {
     const std::vector<double> ranges = ranges_m(reference.sensor->samples());
     const EchoShape ping{1, receivers(reference) * reference.sensor->beams().size(), ranges.size()};
     const EchoShape all{reference.ping_time_s.size(), ping.beams, ping.samples};
-    const std::vector<double> sure = heard(reference, reference.energy),
-                              tried = heard(candidate[s], candidate[s].energy);
+    const std::vector<double> sure = received(reference, reference.energy),
+                              tried = received(candidate[s], candidate[s].energy);
     const EchoErrors errors = echo_errors({all, sure, tried, {}, ranges});
     trial.l1_error = std::max(trial.l1_error, errors.l1);
     trial.rms_db_error = std::max(trial.rms_db_error, errors.rms_db);

@@ -57,7 +57,7 @@ class TrialScene {
   std::size_t beams() const;
   /// Of the reference: sum of its half-widths over the sum of its energies, of the worst sensor.
   double bound() const { return bound_; }
-  /// Sensors that hear nothing at all in the chosen pings: errors say nothing about them.
+  /// Sensors that receive nothing at all in the chosen pings: errors say nothing about them.
   std::vector<std::string> silent_sensors() const;
 
   /// Why a setting cannot compute this scene (abilities.hpp); empty if it can.

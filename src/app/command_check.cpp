@@ -174,7 +174,7 @@ void probe(const Transmissions& transmissions, const SharedTransmissions& group,
       for (std::uint32_t fan = 0; fan < law.patterns.baselines.size(); ++fan)
         transmission.echo(transmission.trace_receiver_pair(s, fan, law.patterns.baselines[fan]), s, fan, law);
       if (!transmission.sensor(s).has_receiver_pair()) transmission.echo(history, s, law.law);
-      if (transmission.sensor(s).signals() != nullptr) signals_heard(transmission, s, history);
+      if (transmission.sensor(s).signals() != nullptr) signals_received(transmission, s, history);
     }
   }
   sum.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

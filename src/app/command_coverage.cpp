@@ -54,7 +54,7 @@ int coverage_command(const CoverageOptions& options) {
   require_able(*survey, request, Feature::coverage,
                options.sensor ? std::optional(survey->fleet->sensor_named(*options.sensor)) : std::nullopt);
 
-  const std::vector<HeardPing> pings = counted_pings(*survey, options.sensor, options.pings);
+  const std::vector<ReceivedPing> pings = counted_pings(*survey, options.sensor, options.pings);
   output.begin(*survey, names_of(*survey, pings));
   CoverageTotals totals;
   cover(*survey, request, pings, options.quiet, [&](const CoveredFacet& facet) {

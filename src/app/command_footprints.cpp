@@ -52,7 +52,7 @@ class Files {
   /// Footprints written; without columns, pieces.
   std::size_t add(std::size_t ping, std::size_t number, std::span<const std::uint32_t> beams) {
     const Transmissions& around = around_.at(transmissions_.survey().fleet->transmissions_of(sensor_), ping);
-    const Transmission transmission = around.heard_by(sensor_, ping, number);
+    const Transmission transmission = around.received_by(sensor_, ping, number);
     const std::size_t pieces = exact_ ? exact_->add(transmission, beams) : 0;
     if (!columns_) return pieces;
     const FootprintTable table = footprint_table(transmission, sensor_, beams);

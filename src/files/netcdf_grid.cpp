@@ -89,7 +89,7 @@ NetcdfGrid netcdf_grid(const fs::path& file, GDALDataset& raster) {
   const char* const variable = raster.GetRasterBand(1)->GetMetadataItem("NETCDF_VARNAME");
   if (variable == nullptr) return grid;
   constexpr const char* drivers[] = {"netCDF", nullptr};
-  const CPLErrorHandlerPusher quiet(CPLQuietErrorHandler);  // who opened the raster heard it all
+  const CPLErrorHandlerPusher quiet(CPLQuietErrorHandler);  // who opened the raster received it all
   const GDALDatasetUniquePtr whole(
       GDALDataset::Open(plain_name(file).c_str(), GDAL_OF_MULTIDIM_RASTER | GDAL_OF_READONLY, drivers));
   const std::shared_ptr<GDALGroup> root = whole == nullptr ? nullptr : whole->GetRootGroup();

@@ -33,7 +33,7 @@ CoverageEnd seen_by(const TransmissionEnd& end, std::shared_ptr<const PartedBed>
   return result;
 }
 
-/// Adds looks of two ends, a fan each: nobody hears what one fan sends to another.
+/// Adds looks of two ends, a fan each: nobody receives what one fan sends to another.
 void add_by_fans(const CoverageLook& all, std::span<const std::uint32_t> fan_of_out,
                  std::span<const std::uint32_t> fan_of_home, std::vector<CoverageLook>& looks) {
   const auto of_fan = [](const CoverageEnd& end, std::span<const std::uint32_t> fans, std::uint32_t fan) {
@@ -119,12 +119,12 @@ void add_over_mirrors(const Transmission& transmission, std::size_t sensor, cons
     for (const std::uint32_t tube : image.own_tube) fans.push_back(fan_of_tube[tube]);
     return fans;
   };
-  std::vector<CoverageEnd> sent, heard;
+  std::vector<CoverageEnd> sent, received;
   for (const Image& image : images.sent()) sent.push_back(beds.end_of(image));
   if (!images.one_place())
-    for (const Image& image : images.heard()) heard.push_back(beds.end_of(image));
+    for (const Image& image : images.received()) received.push_back(beds.end_of(image));
   for (const auto& [i, j] : images.pairs()) {
-    if (!is_order_wanted(transmission.scene(), images.sent()[i].mirrors + images.heard()[j].mirrors + 1))
+    if (!is_order_wanted(transmission.scene(), images.sent()[i].mirrors + images.received()[j].mirrors + 1))
       continue;
     CoverageLook look{ping, sent[i],
                       transmission.sensor(sensor).samples().first_m / transmission.scene().grid.unit_m(),
@@ -133,8 +133,8 @@ void add_over_mirrors(const Transmission& transmission, std::size_t sensor, cons
       looks.push_back(std::move(look));
       continue;
     }
-    look.home = images.one_place() ? sent[j] : heard[j];
-    add_by_fans(look, fans_of(images.sent()[i]), fans_of(images.heard()[j]), looks);
+    look.home = images.one_place() ? sent[j] : received[j];
+    add_by_fans(look, fans_of(images.sent()[i]), fans_of(images.received()[j]), looks);
   }
 }
 

@@ -118,25 +118,25 @@ std::size_t RationalsFile::add(const Transmission& transmission, std::span<const
   const TransmissionEnds ends(transmission, state_->sensor);
   state_->write(fmt::format("shot {} {}{}\n", transmission.ping(), transmission.number(),
                             EndLines(transmission.scene().grid, ends.out()).apex()));
-  // Beams are the receiver's: what it hears may come from any tube of a transmitter apart.
+  // Beams are the receiver's: what it receives may come from any tube of a transmitter apart.
   TransmissionEnd home = ends.home();
   home.tubes = only_tubes(std::move(home.tubes), chosen);
   if (!ends.are_two()) return add_end(transmission, home, chosen, nullptr);
   const TransmissionEnd& out = ends.out();
   std::vector<std::uint32_t> all(out.tubes.tubes.size());
   std::iota(all.begin(), all.end(), 0u);
-  std::vector<TubeVisibility> sent, heard;
+  std::vector<TubeVisibility> sent, received;
   std::size_t pieces = add_end(transmission, out, all, &sent);
   state_->write(fmt::format("receiver{}\n", EndLines(transmission.scene().grid, home).apex()));
-  pieces += add_end(transmission, home, chosen, &heard);
+  pieces += add_end(transmission, home, chosen, &received);
   const double unit_m = transmission.scene().grid.unit_m();
   if (ends.apparent_pair() != nullptr)
     add_shared(out, chosen,
                FootprintSharer({out.tubes, sent, out.mesh, out.name},
-                               {home.tubes, heard, home.mesh, home.name}, unit_m),
+                               {home.tubes, received, home.mesh, home.name}, unit_m),
                transmission.scene().grid);
   else
-    add_shared(out, chosen, FootprintSharer(*out.mesh, {out.tubes, sent}, {home.tubes, heard}, unit_m),
+    add_shared(out, chosen, FootprintSharer(*out.mesh, {out.tubes, sent}, {home.tubes, received}, unit_m),
                transmission.scene().grid);
   return pieces;
 }

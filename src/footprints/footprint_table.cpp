@@ -164,10 +164,11 @@ FootprintTable table_of_two_ends(const Transmission& transmission, std::size_t s
   const auto [alone, seen] = ends.seen();
   const std::vector<std::uint32_t>& beam_of_tube = sensor.beam_of_tube(transmission.number());
   const std::vector<std::uint32_t> fans = sensor.fan_of_tube(transmission.number());
-  FootprintSet heard = seen.footprints;
-  for (std::size_t k = 0; k < heard.footprints.size(); ++k) heard.footprints[k].tube = seen.receive_tube[k];
+  FootprintSet received = seen.footprints;
+  for (std::size_t k = 0; k < received.footprints.size(); ++k)
+    received.footprints[k].tube = seen.receive_tube[k];
   const FootprintEnergies energies =
-      footprint_energies(heard, seen.history, beam_of_tube, transmission.beams_by_fans(s, fans),
+      footprint_energies(received, seen.history, beam_of_tube, transmission.beams_by_fans(s, fans),
                          sensor.samples(), ends.law(s)->law, transmission.request().binning);
   const Occluders out = occluders_of(alone[0].footprints, ends.out()),
                   home = occluders_of(alone[1].footprints, ends.home());
@@ -177,7 +178,7 @@ FootprintTable table_of_two_ends(const Transmission& transmission, std::size_t s
     stop_if_wanted();
     const Footprint& footprint = seen.footprints.footprints[k];
     if (!std::ranges::binary_search(tubes, seen.receive_tube[k])) continue;
-    if (fans[footprint.tube] != fans[seen.receive_tube[k]]) continue;  // nobody hears that
+    if (fans[footprint.tube] != fans[seen.receive_tube[k]]) continue;  // nobody receives that
     rows.add(footprint, seen.footprints, seen.receive_tube[k], ends.out().number_of_name(footprint.facet),
              ends.base_facet(footprint.facet), ends.shared_mesh(), seen.area_m2(k), energies.all_beams[k],
              energies.own_beam[k],
@@ -206,15 +207,16 @@ class PathRows {
     std::vector<ImagePair> pairs = images.pairs();
     if (images.one_place())  // sound goes both ways
       for (std::size_t k = pairs.size(); k-- > 0;)
-        if (pairs[k].sent != pairs[k].heard) pairs.push_back({pairs[k].heard, pairs[k].sent});
+        if (pairs[k].sent != pairs[k].received) pairs.push_back({pairs[k].received, pairs[k].sent});
     const auto path = [&](const ImagePair& pair) {
-      const std::uint32_t out = images.sent()[pair.sent].mirrors, home = images.heard()[pair.heard].mirrors;
-      return std::tuple(out + home, out, pair.sent, pair.heard);
+      const std::uint32_t out = images.sent()[pair.sent].mirrors,
+                          home = images.received()[pair.received].mirrors;
+      return std::tuple(out + home, out, pair.sent, pair.received);
     };
     std::ranges::sort(pairs, {}, path);
     for (const Image& image : images.sent()) out_.push_back(hidden_of(image));
     if (!images.one_place())
-      for (const Image& image : images.heard()) home_.push_back(hidden_of(image));
+      for (const Image& image : images.received()) home_.push_back(hidden_of(image));
     for (const ImagePair& pair : pairs)
       if (is_order_wanted(transmission_.scene(), std::get<0>(path(pair)) + 1)) add(pair);
     return std::move(rows_.table);
@@ -243,11 +245,11 @@ class PathRows {
   void add(const ImagePair& pair) {
     stop_if_wanted();
     const PathImages& images = images_.images();
-    const Image &sent = images.sent()[pair.sent], &heard = images.heard()[pair.heard];
-    const BistaticHistory history = images.history(sent, heard);
+    const Image &sent = images.sent()[pair.sent], &received = images.received()[pair.received];
+    const BistaticHistory history = images.history(sent, received);
     if (history.shared.pieces.empty()) return;
     const PathFootprints seen = path_footprints(history);
-    const PairLaw law = images.law(sent, heard, law_.law, transmission_.beams_by_fans(s_, fans_));
+    const PairLaw law = images.law(sent, received, law_.law, transmission_.beams_by_fans(s_, fans_));
     FootprintSet at_home = seen.footprints;
     for (std::size_t k = 0; k < at_home.footprints.size(); ++k)
       at_home.footprints[k].tube = seen.receive_tube[k];
@@ -256,13 +258,13 @@ class PathRows {
         footprint_energies(at_home, seen.history, law.beams.of_tube, law.beams, sensor.samples(), law.law,
                            transmission_.request().binning);
     const glm::dvec3 apex = transmission_.scene().grid.to_metres(sent.windows.apex);
-    const RowPath path{sent.mirrors, heard.mirrors, sent.leg.to_true};
-    const Occluders& home = (images.one_place() ? out_ : home_)[pair.heard];
+    const RowPath path{sent.mirrors, received.mirrors, sent.leg.to_true};
+    const Occluders& home = (images.one_place() ? out_ : home_)[pair.received];
     for (std::size_t k = 0; k < seen.footprints.footprints.size(); ++k) {
       Footprint footprint = seen.footprints.footprints[k];
-      const std::uint32_t window = footprint.tube, receive_tube = heard.own_tube[seen.receive_tube[k]];
+      const std::uint32_t window = footprint.tube, receive_tube = received.own_tube[seen.receive_tube[k]];
       if (!std::ranges::binary_search(tubes_, receive_tube)) continue;
-      if (!law.beams.in_one_fan(window, seen.receive_tube[k])) continue;  // nobody hears that
+      if (!law.beams.in_one_fan(window, seen.receive_tube[k])) continue;  // nobody receives that
       footprint.tube = sent.own_tube[window];
       rows_.add(
           footprint, seen.footprints, receive_tube, number_of(footprint.facet),

@@ -17,9 +17,10 @@ struct FootprintTable {
   /// Of the bed: several rays lead to them, and these rows are of the first that arrives. Echoes have all.
   std::size_t facets_of_several_rays = 0;
   std::vector<std::uint32_t> ping, transmission;
-  std::vector<std::uint32_t> beam;          ///< of the sensor, that the receive tube belongs to
-  std::vector<std::uint32_t> tube;          ///< of the transmission
-  std::vector<std::uint32_t> receive_tube;  ///< that it is heard in: the same, unless the receiver is apart
+  std::vector<std::uint32_t> beam;  ///< of the sensor, that the receive tube belongs to
+  std::vector<std::uint32_t> tube;  ///< of the transmission
+  std::vector<std::uint32_t>
+      receive_tube;  ///< that it is received in: the same, unless the receiver is apart
   std::vector<std::uint32_t> facet,
       base_facet;  ///< of the transmission's ground; of the scene without relief
   std::vector<std::uint32_t> component, material;        ///< as the scene numbers them
@@ -29,7 +30,7 @@ struct FootprintTable {
   /// Of the direction from the sensor to the centroid: clockwise from the local frame's north, [0, 360).
   std::vector<double> azimuth_deg;
   std::vector<double> slant_range_min_m, slant_range_max_m;
-  /// What it adds to the echo over all range samples, in all beams that hear it and in its own beam
+  /// What it adds to the echo over all range samples, in all beams that receive it and in its own beam
   /// (FootprintEnergies).
   std::vector<double> energy_j, own_beam_energy_j;
   std::vector<double> centroid_east_m, centroid_north_m, centroid_up_m;  ///< in the local frame

@@ -20,7 +20,7 @@ namespace tubefoot {
 namespace {
 
 /// What some of the pings that count see.
-std::vector<CoverageLook> look(const Transmissions& transmissions, std::span<const HeardPing> pings,
+std::vector<CoverageLook> look(const Transmissions& transmissions, std::span<const ReceivedPing> pings,
                                std::span<const std::size_t> chosen, bool quiet) {
   struct Asked {
     std::size_t listed, transmission;
@@ -37,7 +37,7 @@ std::vector<CoverageLook> look(const Transmissions& transmissions, std::span<con
     stop_if_wanted();
     const auto& [listed, transmission] = asked[l];
     const auto& [sensor, ping] = pings[listed];
-    found[l] = coverage_looks(transmissions.heard_by(sensor, ping, transmission), sensor,
+    found[l] = coverage_looks(transmissions.received_by(sensor, ping, transmission), sensor,
                               static_cast<std::uint32_t>(listed));
     progress.step();
   });
@@ -110,9 +110,9 @@ void cover_block(const Transmissions& transmissions, const FacetBlock& block,
 
 }  // namespace
 
-std::vector<HeardPing> counted_pings(const Survey& survey, const std::optional<std::string>& sensor,
-                                     const std::string& pings) {
-  std::vector<HeardPing> counted;
+std::vector<ReceivedPing> counted_pings(const Survey& survey, const std::optional<std::string>& sensor,
+                                        const std::string& pings) {
+  std::vector<ReceivedPing> counted;
   for (std::size_t s = 0; s < survey.sensors.size(); ++s) {
     if (sensor && survey.fleet->sensor_named(*sensor) != s) continue;
     const PingRange range = resolved(pings, survey.sensors[s].times_s.size());
@@ -123,14 +123,14 @@ std::vector<HeardPing> counted_pings(const Survey& survey, const std::optional<s
   return counted;
 }
 
-std::vector<CountedPing> names_of(const Survey& survey, std::span<const HeardPing> pings) {
+std::vector<CountedPing> names_of(const Survey& survey, std::span<const ReceivedPing> pings) {
   std::vector<CountedPing> names;
   for (const auto& [sensor, ping] : pings)
     names.push_back({survey.sensors[sensor].sensor->description().name, ping});
   return names;
 }
 
-void cover(const Survey& survey, const RunRequest& request, std::span<const HeardPing> pings, bool quiet,
+void cover(const Survey& survey, const RunRequest& request, std::span<const ReceivedPing> pings, bool quiet,
            const std::function<void(const CoveredFacet&)>& add) {
   const Transmissions transmissions(survey, request);
   for (const FacetBlock& block : facet_blocks(transmissions, pings)) {

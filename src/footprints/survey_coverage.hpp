@@ -19,14 +19,14 @@ namespace tubefoot {
 
 /// The pings that a coverage counts: "2:5" or the like (resolved()) of a sensor, or of each. Throws
 /// UsageError where there is no such sensor or ping.
-std::vector<HeardPing> counted_pings(const Survey& survey, const std::optional<std::string>& sensor,
-                                     const std::string& pings);
+std::vector<ReceivedPing> counted_pings(const Survey& survey, const std::optional<std::string>& sensor,
+                                        const std::string& pings);
 /// Their sensors by name.
-std::vector<CountedPing> names_of(const Survey& survey, std::span<const HeardPing> pings);
+std::vector<CountedPing> names_of(const Survey& survey, std::span<const ReceivedPing> pings);
 
 /// Lays what these pings see over each other and calls `add` with the facets that they met, in the order of
 /// their numbers. Throws InputError as a run does, Interrupted when somebody wants to stop.
-void cover(const Survey& survey, const RunRequest& request, std::span<const HeardPing> pings, bool quiet,
+void cover(const Survey& survey, const RunRequest& request, std::span<const ReceivedPing> pings, bool quiet,
            const std::function<void(const CoveredFacet&)>& add);
 
 /// Areas of all facets that were met, m^2.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where beams are: even in angle, even in tangent, anywhere; and what they hear beside themselves.
+// Where beams are: even in angle, even in tangent, anywhere; and what they receive beside themselves.
 #include <fmt/format.h>
 
 #include "pack/scene_text.hpp"

@@ -22,10 +22,10 @@ struct SectorCell {
   glm::dvec3 apex_m{0};
   std::array<glm::dvec3, 4> directions;  ///< unit vectors, in turn
   std::array<double, 4>
-      heard_to_m{};  ///< along each: to the bed, the sea surface or the end of the range window
+      recorded_to_m{};  ///< along each: to the bed, the sea surface or the end of the range window
 
-  bool is_heard(double from_m) const {
-    return std::ranges::any_of(heard_to_m, [&](double end_m) { return end_m > from_m; });
+  bool is_received(double from_m) const {
+    return std::ranges::any_of(recorded_to_m, [&](double end_m) { return end_m > from_m; });
   }
   glm::dvec3 at(std::size_t corner, double range_m) const { return apex_m + range_m * directions[corner]; }
 };

@@ -215,7 +215,7 @@ void Painter::draw_sectors(const Panel& panel, bool near) {
     if (near && !sector.chosen) continue;
     stop_if_wanted();
     const Box box = grown(panel.box(), 3);
-    Silhouette nearer(box), window(box), heard(box);
+    Silhouette nearer(box), window(box), received(box);
     for (const SectorCell& cell : sector.cells) {
       std::vector<glm::dvec2> to_window{panel.at(cell.apex_m)}, to_end, to_bed;
       for (std::size_t k = 0; k < 4; ++k) {
@@ -223,12 +223,12 @@ void Painter::draw_sectors(const Panel& panel, bool near) {
         to_window.push_back(first);
         to_end.push_back(first);
         to_end.push_back(panel.at(cell.at(k, sector.last_m)));
-        to_bed.push_back(panel.at(cell.at(k, std::min(sector.first_m, cell.heard_to_m[k]))));
-        to_bed.push_back(panel.at(cell.at(k, cell.heard_to_m[k])));
+        to_bed.push_back(panel.at(cell.at(k, std::min(sector.first_m, cell.recorded_to_m[k]))));
+        to_bed.push_back(panel.at(cell.at(k, cell.recorded_to_m[k])));
       }
       nearer.add(to_window);
       window.add(to_end);
-      if (cell.is_heard(sector.first_m)) heard.add(to_bed);
+      if (cell.is_received(sector.first_m)) received.add(to_bed);
     }
     const std::string colour = series_colour(sector.sensor);
     const double weight = sector.chosen ? 1 : 0.55;
@@ -240,7 +240,7 @@ void Painter::draw_sectors(const Panel& panel, bool near) {
     };
     draw(nearer, 0.07, 0.6, " stroke-dasharray=\"1 3\"");
     draw(window, 0.17, 0.85, " stroke-dasharray=\"4 3\"");
-    draw(heard, 0.32, 1, "");
+    draw(received, 0.32, 1, "");
   }
 }
 

@@ -64,13 +64,13 @@ double largest_side_m(const Extent& extent) {
   return extent.empty() ? 0 : std::max({size.x, size.y, size.z});
 }
 
-/// Where a sector is heard, and where it begins to be; all of its window where nothing is.
+/// Where a sector is received, and where it begins to be; all of its window where nothing is.
 void add_reach(const SectorMark& sector, Places& places) {
   places.add(sector.pose.position_m);
   for (const SectorCell& cell : sector.cells)
     for (std::size_t k = 0; k < 4; ++k) {
       places.add(cell.at(k, sector.first_m));
-      places.add(cell.at(k, cell.is_heard(sector.first_m) ? cell.heard_to_m[k] : sector.last_m));
+      places.add(cell.at(k, cell.is_received(sector.first_m) ? cell.recorded_to_m[k] : sector.last_m));
     }
 }
 

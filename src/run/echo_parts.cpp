@@ -210,7 +210,7 @@ void add_receiver_pairs(const Transmission& transmission, PingSums& sums) {
                         });
 }
 
-/// What all sensors that do not see for themselves hear of one history.
+/// What all sensors that do not see for themselves receive of one history.
 template <class Add>
 void add_history(const Transmission& transmission, const History& history, PingSums& sums, const Add& add) {
   sums.as_echo([&] {
@@ -232,7 +232,7 @@ void add_history(const Transmission& transmission, const History& history, PingS
 }
 
 /// The tubes that make the beams that are asked for; none of them said, where that is all. A beam with a
-/// pattern hears all tubes, and a reference's targets are those of all beams.
+/// pattern receives all tubes, and a reference's targets are those of all beams.
 std::vector<bool> wanted_tubes(const Transmission& transmission, const PingSums& sums) {
   std::vector<bool> wanted;
   if (transmission.request().reference_tolerance) return wanted;

@@ -9,7 +9,7 @@
 
 namespace tubefoot {
 
-/// A part of what the sensors of a transmission hear of it: adds its energies, bounds and counts to the
+/// A part of what the sensors of a transmission receive of it: adds its energies, bounds and counts to the
 /// ping's.
 struct EchoPart {
   std::string_view name;

@@ -69,7 +69,8 @@ class Growing {
 
 }  // namespace
 
-std::vector<FacetBlock> facet_blocks(const Transmissions& transmissions, std::span<const HeardPing> pings) {
+std::vector<FacetBlock> facet_blocks(const Transmissions& transmissions,
+                                     std::span<const ReceivedPing> pings) {
   const Survey& survey = transmissions.survey();
   if (!survey.site->is_tiled()) {
     FacetBlock all;

@@ -11,8 +11,8 @@
 
 namespace tubefoot {
 
-/// A ping as a sensor hears it.
-struct HeardPing {
+/// A ping as a sensor receives it.
+struct ReceivedPing {
   std::size_t sensor = 0, ping = 0;
 };
 
@@ -26,6 +26,6 @@ struct FacetBlock {
 /// The facets that pings may have to do with, for what looks at facets and at the pings that see them: one
 /// block, or, where terrain is read by tiles, by increasing numbers as many as the cache for tiles asks for;
 /// none holds less than a row of tiles.
-std::vector<FacetBlock> facet_blocks(const Transmissions& transmissions, std::span<const HeardPing> pings);
+std::vector<FacetBlock> facet_blocks(const Transmissions& transmissions, std::span<const ReceivedPing> pings);
 
 }  // namespace tubefoot

@@ -10,7 +10,7 @@
 namespace tubefoot {
 namespace {
 
-/// Of all that a sensor hears.
+/// Of all that a sensor receives.
 std::vector<std::string> open_ways(const Survey& survey, std::size_t s) {
   const Sensor& sensor = *survey.sensors[s].sensor;
   const Scene& scene = survey.scene;

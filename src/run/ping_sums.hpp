@@ -28,7 +28,7 @@ class PingSums {
   PingCounts counts;
   FinerRelief finer_relief;
 
-  /// Energies of paths with `order` interactions that a sensor hears of a transmission:
+  /// Energies of paths with `order` interactions that a sensor receives of a transmission:
   /// [channel][beam of the transmission][sample].
   /// `lit`, by row of samples: those outside are 0; none: any may be lit.
   void add(const Transmission& transmission, std::size_t sensor, std::size_t order,
@@ -36,7 +36,7 @@ class PingSums {
   /// The same with their bounds.
   void add(const Transmission& transmission, std::size_t sensor, const CertifiedEcho& certified,
            std::size_t order = 1);
-  /// To a channel of the truth of what a sensor hears (Truth::channels()): [beam of the
+  /// To a channel of the truth of what a sensor receives (Truth::channels()): [beam of the
   /// transmission][sample], and more channels, which are not read.
   void add_truth(const Transmission& transmission, std::size_t sensor, std::size_t channel,
                  std::span<const double> values);

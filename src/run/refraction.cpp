@@ -367,20 +367,20 @@ void trace_rays_of_both(const Transmission& transmission, const RefractedPair& p
                         const std::function<void(const BistaticHistory&)>& take) {
   const WorldGrid& grid = transmission.scene().grid;
   const ApparentPair& seen = pair.apparent;
-  const RayScene sent_to(seen.transmit.refined.mesh, grid), heard_from(seen.receive.refined.mesh, grid);
-  const TubeFinder sent_tubes(pair.transmit_tubes), heard_tubes(pair.receive_tubes);
+  const RayScene sent_to(seen.transmit.refined.mesh, grid), received_from(seen.receive.refined.mesh, grid);
+  const TubeFinder sent_tubes(pair.transmit_tubes), received_tubes(pair.receive_tubes);
   const SampledEnd sent{sent_to, pair.transmit_tubes, sent_tubes, seen.transmit_origin},
-      heard{heard_from, pair.receive_tubes, heard_tubes, seen.receive_origin};
+      received{received_from, pair.receive_tubes, received_tubes, seen.receive_origin};
   ApparentFacets there;
-  there.heard.assign(seen.mesh.facets.size(), ApparentFacets::none);
+  there.received.assign(seen.mesh.facets.size(), ApparentFacets::none);
   for (FacetId facet = 0; facet < seen.receive_origin.size(); ++facet)
-    there.heard[seen.receive_origin[facet]] = facet;
+    there.received[seen.receive_origin[facet]] = facet;
   History history;
   history.tubes = pair.transmit_tubes;
   history.grid_unit_m = grid.unit_m();
   const RayGuide guide = guide_of(transmission);
   const auto take_shared = [&] {
-    BistaticHistory both = shared_hits(history, sent, heard, seen.mesh, &there);
+    BistaticHistory both = shared_hits(history, sent, received, seen.mesh, &there);
     both.paired = made_for(transmission, [&] {
       return paired_facets(both.shared, seen, grid, pair.transmit_water, pair.receive_water,
                            pair.absorption_db_per_m);

@@ -16,11 +16,11 @@ class RunWarnings {
   using Tell = std::function<void(const std::string& warning, bool is_silence)>;
   explicit RunWarnings(Tell tell) : tell_(std::move(tell)) {}
 
-  /// Of the scene, before a ping is computed: what loading it found, range windows, sensors that will hear
+  /// Of the scene, before a ping is computed: what loading it found, range windows, sensors that will receive
   /// nothing. Where a transmission's ground is made for it that is left for look_back(): one more ping takes
   /// longer than knowing it is worth.
   void foresee(const Survey& survey, const RunRequest& request);
-  /// Of all pings: what rays did not reach, and sensors that heard nothing.
+  /// Of all pings: what rays did not reach, and sensors that received nothing.
   void look_back(const Survey& survey, const RunRequest& request, const SimulationStats& stats,
                  const std::vector<Recording>& recordings);
   void add(const std::vector<std::string>& warnings);
@@ -35,7 +35,7 @@ class RunWarnings {
 
   Tell tell_;
   std::vector<std::string> all_;
-  std::vector<std::size_t> silent_;  ///< sensors that were told to hear nothing
+  std::vector<std::size_t> silent_;  ///< sensors that were told to receive nothing
 };
 
 }  // namespace tubefoot

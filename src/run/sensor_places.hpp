@@ -44,7 +44,7 @@ class SensorPlaces {
   explicit SensorPlaces(Site& site);
 
   /// A surface through the apex has no side that could be seen, hides nothing, and returns nothing: that is
-  /// no limit of what a sensor beside it hears, so it is no place for one: throws InputError.
+  /// no limit of what a sensor beside it receives, so it is no place for one: throws InputError.
   void refuse_on_facet(const PingPlace& where);
   /// The same, and throws InputError for a place below the terrain, which is a mistake in the scene; one
   /// inside an object may be in its own housing, which is a warning, once for each of `inside`. Returns the

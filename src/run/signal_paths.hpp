@@ -10,14 +10,14 @@
 
 namespace tubefoot {
 
-/// What is done with what a transmission's channels hear over mirrors.
+/// What is done with what a transmission's channels receive over mirrors.
 struct SignalPaths {
   std::function<void(const CoherentPath&)> scattered{};   ///< once; its references end with the call
   std::function<void(const CoherentArrival&)> arrived{};  ///< without scattering
 };
 
-/// Hands out what channels of a sensor hear of a transmission over mirrors, of the orders that [paths] asks
-/// for; the straight way to a facet and back, order 1 as well, is the transmission's own
+/// Hands out what channels of a sensor receive of a transmission over mirrors, of the orders that [paths]
+/// asks for; the straight way to a facet and back, order 1 as well, is the transmission's own
 /// (Transmission::trace()). `channels`: near the sensor's place, local frame. Nothing in a scene without
 /// mirrors. Throws InputError for water that refracts, for second scatterings, and where there are too many
 /// images.

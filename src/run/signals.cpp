@@ -90,8 +90,8 @@ void add_signals(const Transmission& transmission, PingSums& sums) {
     const History nothing{};
     const History& history = sees_itself ? nothing : traced(transmission, sums);
     sums.as_echo([&] {
-      const CertifiedSignals heard = signals_heard(transmission, s, history);
-      sums.add_signals(transmission, s, parts_of(heard.signals.value), parts_of(heard.bound));
+      const CertifiedSignals received = signals_received(transmission, s, history);
+      sums.add_signals(transmission, s, parts_of(received.signals.value), parts_of(received.bound));
     });
   }
 }

@@ -30,11 +30,12 @@ std::vector<SignalChannel> signal_channels(const Transmission& transmission, std
 void attach_signals(std::vector<Recording>& recordings, const Survey& survey,
                     const std::vector<ChosenEchoes>& chosen, const std::shared_ptr<PingStore>& store);
 
-/// What the elements of a sensor hear of a transmission, about the frequency that it mixes with. `history`:
-/// what its tubes see; not read of those that see for themselves, or whose receiver is apart. With bounds
-/// where the run asks for them, infinite where a sample may hold what has none. Throws InputError for what
-/// has no phases, and for grounds of too many scatterers.
-CertifiedSignals signals_heard(const Transmission& transmission, std::size_t sensor, const History& history);
+/// What the elements of a sensor receive of a transmission, about the frequency that it mixes with.
+/// `history`: what its tubes see; not read of those that see for themselves, or whose receiver is apart. With
+/// bounds where the run asks for them, infinite where a sample may hold what has none. Throws InputError for
+/// what has no phases, and for grounds of too many scatterers.
+CertifiedSignals signals_received(const Transmission& transmission, std::size_t sensor,
+                                  const History& history);
 
 /// The part of a transmission's echoes that its elements record.
 void add_signals(const Transmission& transmission, PingSums& sums);

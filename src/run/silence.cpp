@@ -37,8 +37,9 @@ Span window_of(const Sensor& sensor) {
   return {samples.first_m - aside_m, samples.first_m + samples.step_m * samples.count + aside_m};
 }
 
-/// Whether some of what was met may be heard. A receiver apart hears other ranges than the transmitter's.
-bool hears(const Sensor& sensor, const History& history) {
+/// Whether some of what was met may be received. A receiver apart receives other ranges than the
+/// transmitter's.
+bool receives(const Sensor& sensor, const History& history) {
   const Span window = window_of(sensor);
   return std::ranges::any_of(history.footprints.footprints, [&](const Footprint& footprint) {
     return sensor.has_receiver_apart() ||
@@ -65,18 +66,19 @@ TubeSet some_of(TubeSet set, std::size_t most) {
   return set;
 }
 
-/// Takes the sensors out of `silent` that a transmission is heard by.
+/// Takes the sensors out of `silent` that a transmission is received by.
 void listen(const Transmission& transmission, std::vector<std::size_t>& silent) {
-  const auto heard_in = [&](const History& history) {
-    std::erase_if(silent, [&](std::size_t s) { return hears(transmission.sensor(s), history); });
+  const auto received_in = [&](const History& history) {
+    std::erase_if(silent, [&](std::size_t s) { return receives(transmission.sensor(s), history); });
   };
-  constexpr std::size_t few = 64;  // most sensors hear something in the first of their tubes that are asked
+  constexpr std::size_t few =
+      64;  // most sensors receive something in the first of their tubes that are asked
   const TubeSet all = transmission.tubes();
-  if (all.tubes.size() > few) heard_in(transmission.trace(some_of(all, few)));
-  if (!silent.empty()) heard_in(transmission.trace(all));
+  if (all.tubes.size() > few) received_in(transmission.trace(some_of(all, few)));
+  if (!silent.empty()) received_in(transmission.trace(all));
 }
 
-/// Why a sensor hears nothing at a ping.
+/// Why a sensor receives nothing at a ping.
 class Reason {
  public:
   Reason(const Survey& survey, const RunRequest& request, std::size_t s, std::size_t ping)
@@ -285,7 +287,8 @@ std::vector<Silence> met_silence(const Survey& survey, const RunRequest& request
     const SensorDescription& sensor = recording.sensor->description();
     const std::size_t s = survey.fleet->sensor_named(sensor.name);
     const std::size_t first = recording.number_of(0);
-    if (!recording.beam_numbers.empty())  // others may hear something: there is nothing wrong with the sensor
+    if (!recording.beam_numbers
+             .empty())  // others may receive something: there is nothing wrong with the sensor
       found.push_back({s, fmt::format("{}: sensor '{}' hears nothing in the beams that are asked for: all "
                                       "samples are 0",
                                       to_string(sensor.place), sensor.name)});

@@ -11,15 +11,15 @@
 
 namespace tubefoot {
 
-/// A sensor that hears nothing.
+/// A sensor that receives nothing.
 struct Silence {
   std::size_t sensor = 0;  ///< index in the survey
   std::string warning;     ///< which, where, why, and what to do, in the scene's terms
 };
 
 /// Sensors whose tubes meet no facet within their window at any of a few pings, spread over their track. Of a
-/// sensor that may hear by mirrors, direct sound or several scatterings nothing is foreseen. Makes the ground
-/// of these pings where each transmission has its own, and reads their tiles. Throws InputError as
+/// sensor that may receive by mirrors, direct sound or several scatterings nothing is foreseen. Makes the
+/// ground of these pings where each transmission has its own, and reads their tiles. Throws InputError as
 /// Transmission::ground().
 std::vector<Silence> foreseen_silence(const Survey& survey, const RunRequest& request);
 

@@ -117,16 +117,16 @@ void warn_of_aperture(const SensorPings& pings, std::vector<std::string>& warnin
         figures.frequency_khz, antenna_m));
 }
 
-/// Elements of an array hear from where they are: in the water, and in nothing else.
+/// Elements of an array receive from where they are: in the water, and in nothing else.
 void refuse_hidden_elements(const Scene& scene, const SensorPings& pings, std::size_t ping,
                             SensorPlaces& places) {
   const SensorDescription& description = pings.sensor->description();
   const ElementArray& array = pings.sensor->signals()->array;
-  const Pose &sent = pings.transmission_pose(ping, 0), &heard = pings.receiver_pose(ping, 0);
+  const Pose &sent = pings.transmission_pose(ping, 0), &received = pings.receiver_pose(ping, 0);
   const std::array transmitters_m{sent.position_m + sent.attitude * array.transmitter_m};
   std::vector<glm::dvec3> receivers_m;
   for (const glm::dvec3 place : array.receivers_m)
-    receivers_m.push_back(heard.position_m + heard.attitude * place);
+    receivers_m.push_back(received.position_m + received.attitude * place);
   places.refuse_hidden(
       {description.place, description.name, ping, pings.times_s[ping], transmitters_m, receivers_m});
   if (!scene.description.sea_surface) return;

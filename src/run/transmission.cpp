@@ -36,7 +36,7 @@ Transmission Transmissions::of(const SharedTransmissions& group, std::size_t pin
   return Transmission(*this, group, ping, number);
 }
 
-Transmission Transmissions::heard_by(std::size_t sensor, std::size_t ping, std::size_t number) const {
+Transmission Transmissions::received_by(std::size_t sensor, std::size_t ping, std::size_t number) const {
   return Transmission(*this, survey_.fleet->transmissions_of(sensor), ping, number);
 }
 
@@ -117,12 +117,12 @@ void Transmission::trace_rays_of_both(const RayScene& rays, const RaySettings& s
   History history;
   history.tubes = tubes();
   history.grid_unit_m = scene().grid.unit_m();
-  const TubeFinder sent_tubes(history.tubes), heard_tubes(receive);
-  const SampledEnd sent{rays, history.tubes, sent_tubes}, heard{rays, receive, heard_tubes};
+  const TubeFinder sent_tubes(history.tubes), received_tubes(receive);
+  const SampledEnd sent{rays, history.tubes, sent_tubes}, received{rays, receive, received_tubes};
   const RayGuide guide = guide_of(*this);
   trace_rays(
       rays, history, settings, sensor(first()).beam_of_tube(number_),
-      [&] { take(shared_hits(history, sent, heard, ground().mesh())); }, nullptr, &guide);
+      [&] { take(shared_hits(history, sent, received, ground().mesh())); }, nullptr, &guide);
 }
 
 ReceiverPairHistory Transmission::trace_receiver_pair(std::size_t s, std::uint32_t fan,

@@ -38,7 +38,7 @@ class Transmissions {
   /// Transmission `number` of a ping of one of the survey's groups. This outlives it.
   Transmission of(const SharedTransmissions& group, std::size_t ping, std::size_t number) const;
   /// The one that a sensor takes part in.
-  Transmission heard_by(std::size_t sensor, std::size_t ping, std::size_t number) const;
+  Transmission received_by(std::size_t sensor, std::size_t ping, std::size_t number) const;
 
  private:
   friend class Transmission;
@@ -92,7 +92,7 @@ class Transmission {
   /// The facets that it meets, for all its sensors, and for a receiver that is apart. Throws InputError where
   /// that takes too many.
   const TransmissionGround& ground() const;
-  /// How a sensor hears the ground.
+  /// How a sensor receives the ground.
   SensorLaw law(std::size_t sensor) const { return {*this, ground(), sensor}; }
 
   /// What its tubes see, those that are `wanted`, or others from the same place (TubeEngine).
@@ -110,11 +110,11 @@ class Transmission {
   /// The closure law for each of its tubes; `label` tells transmissions apart in the hash.
   std::vector<TubeAudit> audit(std::uint64_t label) const;
 
-  /// The beams of a transmission that a sensor hears in (Sensor::beams_of_transmission).
+  /// The beams of a transmission that a sensor receives in (Sensor::beams_of_transmission).
   int beams(std::size_t s) const { return static_cast<int>(sensor(s).beams_of_transmission(number_).size()); }
-  /// Which beams hear what; `fans`, which outlives it, is the sensor's fan_of_tube().
+  /// Which beams receive what; `fans`, which outlives it, is the sensor's fan_of_tube().
   ReceiveBeams beams_by_fans(std::size_t sensor, const std::vector<std::uint32_t>& fans) const;
-  /// What a sensor hears of what is seen, by a law of this transmission.
+  /// What a sensor receives of what is seen, by a law of this transmission.
   Echo echo(const Sight& sight, std::size_t sensor, const EchoLaw& law) const;
   ReceiverPairEcho echo(const ReceiverPairHistory& history, std::size_t sensor, std::uint32_t fan,
                         const SensorLaw& law) const;

@@ -57,7 +57,7 @@ class TransmissionEnds {
     PathFootprints together;
   };
   Seen seen() const;
-  /// How the transmission hears what two ends see together.
+  /// How the transmission receives what two ends see together.
   std::unique_ptr<SensorLaw> law(std::size_t sensor) const;
   /// The laws of both; `label` tells transmissions apart in the hash.
   BistaticAudit audit(std::uint64_t label) const;

@@ -22,7 +22,7 @@ struct PathEnds {
   PathEnds(const Transmission& transmission, std::size_t sensor);
 };
 
-/// The images of a transmission's ends, for what a sensor hears over mirrors and scattered once. The
+/// The images of a transmission's ends, for what a sensor receives over mirrors and scattered once. The
 /// transmission outlives them.
 class TransmissionImages {
  public:

@@ -59,7 +59,7 @@ class Truth {
   mutable FacetMesh owned_;
 };
 
-/// The laws of a transmission's channels, as a sensor hears it.
+/// The laws of a transmission's channels, as a sensor receives it.
 class TruthLaws {
  public:
   /// `law`: as for the energies, of `mesh`. All outlive this.

@@ -13,7 +13,7 @@
 // the truth.
 namespace tubefoot {
 
-/// Of what a sensor hears of a history, whose facets are those of `mesh`. `law`: as for the energies.
+/// Of what a sensor receives of a history, whose facets are those of `mesh`. `law`: as for the energies.
 void add_truth(const Transmission& transmission, std::size_t sensor, const EchoLaw& law,
                const FacetMesh& mesh, const Sight& sight, PingSums& sums);
 /// By the law of a ground.
@@ -23,7 +23,7 @@ void add_truth(const Transmission& transmission, std::size_t sensor, const Trans
 void add_truth_of_crossed_ways(const Transmission& transmission, std::size_t sensor, const EchoLaw& law,
                                const ApparentGround& ground, const Sight& sight, PingSums& sums);
 
-/// Of what the upper receiver of a fan hears.
+/// Of what the upper receiver of a fan receives.
 void add_truth_of_receiver_pair(const Transmission& transmission, std::size_t sensor, std::uint32_t fan,
                                 const EchoLaw& law, const FacetMesh& mesh, const ReceiverPairHistory& history,
                                 const ReceiverBaseline& receiver_pair, PingSums& sums);

@@ -28,7 +28,7 @@
 namespace tubefoot {
 namespace {
 
-/// With beam patterns all beams hear all footprints; what is weaker than this in its sample is left out.
+/// With beam patterns all beams receive all footprints; what is weaker than this in its sample is left out.
 constexpr double least_share_with_patterns = 1e-3;
 
 /// The angle of each beam across the fan that the beams make: in the sensor's horizontal plane, or in the one
@@ -67,7 +67,7 @@ class Gatherer {
     const Transmissions& around = around_.at(transmissions_.survey().fleet->transmissions_of(index_), ping);
     const std::size_t shadows_before = view.shadows.corners_of.size();
     for (std::size_t number = 0; number < sensor_.transmissions(); ++number) {
-      const Transmission transmission = around.heard_by(index_, ping, number);
+      const Transmission transmission = around.received_by(index_, ping, number);
       const TransmissionEnds ends(transmission, index_);
       if (ends.are_two())
         add_two_ends(transmission, ends, place);

@@ -125,13 +125,13 @@ Surroundings with_streams(const std::string& redirected) {
 
 // A log on a full disk, a terminal that was closed: a run of hours goes on.
 TEST_F(CommandOutputs, RunsOutliveALogThatCannotBeWritten) {
-  const fs::path unheard = folder / "unheard";
+  const fs::path unreceived = folder / "unheard";
   for (const std::string redirected : {"2>/dev/full", "2>&-", "<&- 2>&-"}) {
     SCOPED_TRACE(redirected);
-    const Outcome outcome = run_program({"run", scene, "-o", unheard.string()}, with_streams(redirected));
+    const Outcome outcome = run_program({"run", scene, "-o", unreceived.string()}, with_streams(redirected));
     EXPECT_EQ(outcome.exit_code, 0);
     EXPECT_EQ(outcome.signal, 0);
-    EXPECT_EQ(bytes_of(unheard / "echoes.nc"), bytes_of(echoes));
+    EXPECT_EQ(bytes_of(unreceived / "echoes.nc"), bytes_of(echoes));
     EXPECT_EQ(run_program({"check", "nowhere.toml"}, with_streams(redirected)).exit_code, 2);
   }
 }

@@ -125,9 +125,9 @@ TEST_F(CoverageOverMirrors, FacetsThatAMirrorsPlaneCutsEndThere) {
   EXPECT_GT(mirrored.seen_m2, 10);
 }
 
-// A sidescan's fans hear themselves alone: what one sends to the other by way of a wall, or of where its
+// A sidescan's fans receive themselves alone: what one sends to the other by way of a wall, or of where its
 // receiver hangs, is not seen.
-TEST_F(CoverageOverMirrors, NobodyHearsWhatOneFanSendsToAnother) {
+TEST_F(CoverageOverMirrors, NobodyReceivesWhatOneFanSendsToAnother) {
   const std::string wall =
       "[[materials]]\nname = \"steel\"\nspecular_loss_db = 3\n[[objects]]\nname = \"wall\"\nshape = \"box\"\n"
       "material = \"steel\"\nsize_m = [10, 0.5, 8]\nposition_m = [0, 5, 2]\n";
@@ -145,12 +145,12 @@ TEST_F(CoverageOverMirrors, NobodyHearsWhatOneFanSendsToAnother) {
     const Outcome outcome = run_program({"footprints", folder.write("scene.toml", of_both).string(),
                                          "--sensor", "side", "-o", file.string(), "--quiet"});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-    double heard_m2 = 0;  // each path once; footprints may overlap
+    double received_m2 = 0;  // each path once; footprints may overlap
     for (const auto& row : csv_rows(file))
       if (std::stod(row.at("energy_j")) > 0 && row.at("mirrors_home") == "0")
-        heard_m2 += std::stod(row.at("area_m2"));
-    EXPECT_LE(all.seen_m2, heard_m2 * (1 + 1e-6)) << beginning;
-    EXPECT_GT(all.seen_m2, 0.5 * heard_m2) << beginning;
+        received_m2 += std::stod(row.at("area_m2"));
+    EXPECT_LE(all.seen_m2, received_m2 * (1 + 1e-6)) << beginning;
+    EXPECT_GT(all.seen_m2, 0.5 * received_m2) << beginning;
   }
 }
 

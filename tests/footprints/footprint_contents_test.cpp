@@ -100,13 +100,13 @@ TEST_P(FootprintEnergies, SumToTheEchoes) {
   }
   ASSERT_EQ(own.size(), 12u);
   for (const auto& [place, energy] : own) {
-    const double heard = echoes.beam_total(std::size_t(place.first), std::size_t(place.second));
+    const double received = echoes.beam_total(std::size_t(place.first), std::size_t(place.second));
     if (by_beam) {
-      EXPECT_NEAR(energy, heard, tolerance * echoes.total());
+      EXPECT_NEAR(energy, received, tolerance * echoes.total());
       EXPECT_EQ(energy, all[place]);
     } else {
       EXPECT_GT(energy, 0);
-      EXPECT_LE(energy, heard * (1 + 1e-5)) << "others add to what a beam hears of its own tubes";
+      EXPECT_LE(energy, received * (1 + 1e-5)) << "others add to what a beam hears of its own tubes";
     }
   }
 }

@@ -138,7 +138,7 @@ std::string imaging(const std::string& keys) {
   return "[[sensors]]\nname = \"eye\"\nkind = \"imaging\"\nbeams = 20\nsamples = 50\n" + keys;
 }
 
-TEST(SceneDrawing, AxesTellWhereASensorIsAndHowFarItHears) {
+TEST(SceneDrawing, AxesTellWhereASensorIsAndHowFarItReceives) {
   // 4 m over a flat bed, looking east, 30 degrees down, a fan of 40 x 20 degrees.
   const std::string svg = drawing_of(
       ground + flat_terrain(40, 30) + fixed_at(-12, 3, 4, "heading_deg = 90\n") +
@@ -158,10 +158,10 @@ TEST(SceneDrawing, AxesTellWhereASensorIsAndHowFarItHears) {
   const double down = std::cos(rad(20)) * std::cos(rad(10)) * std::sin(rad(30)) -
                       std::sin(rad(10)) * std::cos(rad(30)),
                far_m = 4 / down;
-  const Box heard = plan.outline(svg, first_colour), from_side = section.outline(svg, first_colour);
-  EXPECT_NEAR(heard.right, -12 + far_m * ahead(10), 2 * pixel);
-  EXPECT_NEAR(heard.bottom, 3 + far_m * std::sin(rad(20)) * std::cos(rad(10)), 2 * pixel);
-  EXPECT_NEAR(heard.top, 3 - far_m * std::sin(rad(20)) * std::cos(rad(10)), 2 * pixel);
+  const Box received = plan.outline(svg, first_colour), from_side = section.outline(svg, first_colour);
+  EXPECT_NEAR(received.right, -12 + far_m * ahead(10), 2 * pixel);
+  EXPECT_NEAR(received.bottom, 3 + far_m * std::sin(rad(20)) * std::cos(rad(10)), 2 * pixel);
+  EXPECT_NEAR(received.top, 3 - far_m * std::sin(rad(20)) * std::cos(rad(10)), 2 * pixel);
   EXPECT_NEAR(from_side.right, far_m * ahead(10), 2 * near_pixel);
   EXPECT_NEAR(from_side.top, 0, 2 * near_pixel) << "to the bed";
   EXPECT_NEAR(from_side.left, 2 * ahead(-10), 2 * near_pixel) << "from where the window begins";
@@ -205,16 +205,16 @@ TEST(SceneDrawing, ObjectsAreDrawnWhereTheyAreAndBuriedOnesAreTold) {
   EXPECT_THAT(svg, HasSubstr("object under the bed"));
 }
 
-TEST(SceneDrawing, WhatIsNotHeardIsNotDrawnAsHeard) {
+TEST(SceneDrawing, WhatIsNotReceivedIsNotDrawnAsReceived) {
   const std::string bed = ground + flat_terrain(40, 30) + fixed_at(0, 0, 3);
-  const auto heard = [](const std::string& svg) {
+  const auto received = [](const std::string& svg) {
     for (const auto& path : elements(svg, "path"))
       if (path.contains("stroke") && path.at("stroke") == first_colour && !path.contains("stroke-dasharray"))
         return true;
     return false;
   };
-  EXPECT_TRUE(heard(drawing_of(bed + imaging("tilt_deg = 25\nrange_min_m = 1\nrange_max_m = 20\n"))));
-  EXPECT_FALSE(heard(drawing_of(
+  EXPECT_TRUE(received(drawing_of(bed + imaging("tilt_deg = 25\nrange_min_m = 1\nrange_max_m = 20\n"))));
+  EXPECT_FALSE(received(drawing_of(
       bed +
       imaging(
           "horizontal_deg = 40\nvertical_deg = 15\ntilt_deg = 25\nrange_min_m = 60\nrange_max_m = 65\n"))))

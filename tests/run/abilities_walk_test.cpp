@@ -89,7 +89,7 @@ struct AbilitiesWalk : testing::Test {
     return energies[scene] = NetcdfReader(output / "echoes.nc").values("/", "energy");
   }
 
-  /// What a receiver pair's footprints are told with is what the transmitter's own place would hear.
+  /// What a receiver pair's footprints are told with is what the transmitter's own place would receive.
   static double footprints_tolerance(const std::set<Feature>& features) {
     return features.contains(Feature::two_receivers) ? 0.02 : 1e-9;
   }
@@ -128,7 +128,7 @@ struct AbilitiesWalk : testing::Test {
     }
   }
 
-  /// Shares are of something wherever something is heard, and of all of it.
+  /// Shares are of something wherever something is received, and of all of it.
   static void add_up(const NetcdfReader& file, const std::vector<double>& energy) {
     const std::vector<std::string> names = file.variables("/");
     std::vector<double> whole(energy.size());

@@ -39,7 +39,7 @@ double sum_of_sample(const Echoes& echoes, std::size_t sample) {
   return sum;
 }
 
-TEST(BistaticRun, AReceiverAtTheTransmitterHearsTheSame) {
+TEST(BistaticRun, AReceiverAtTheTransmitterReceivesTheSame) {
   const Echoes alone = echoes_of(scene(""));
   const Echoes same = echoes_of(scene("receiver_arm_m = [0, 0, 0]"));
   EXPECT_EQ(alone.energy, same.energy);

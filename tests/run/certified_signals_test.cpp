@@ -35,7 +35,7 @@ struct Rectangle {
   double z, west, south, east, north;
   double reflection;
 
-  /// What of a plane below a point source does not light, or a receiver does not hear.
+  /// What of a plane below a point source does not light, or a receiver does not receive.
   Rectangle shadow(glm::dvec3 of, double on_z) const {
     const double far = (of.z - on_z) / (of.z - z);
     return {on_z,
@@ -72,8 +72,8 @@ std::string scene(const std::string& sensor, const std::string& more = "") {
       more, sensor);
 }
 
-/// A pulse at a distance: what a time hears of paths, and its change by them.
-struct Heard {
+/// A pulse at a distance: what a time receives of paths, and its change by them.
+struct Reception {
   const ElementSignals& signals;
   double time_s;
 
@@ -137,12 +137,12 @@ class SurfaceIntegral {
         longest_ = std::max(longest_, r + s);
       }
   }
-  Complex at(const Heard& heard, bool& even) const {
+  Complex at(const Reception& received, bool& even) const {
     if (points_.empty()) return 0;
-    even = even && heard.is_even(shortest_ - 0.03, longest_ + 0.03);
+    even = even && received.is_even(shortest_ - 0.03, longest_ + 0.03);
     Complex sum = 0;
     for (const Point& p : points_) {
-      const auto [value, slope] = heard.of(p.path);
+      const auto [value, slope] = received.of(p.path);
       sum += p.weight * (value * p.first - slope * p.second);
     }
     return sum;
@@ -179,7 +179,7 @@ struct CertifiedSignals : testing::Test {
   /// What the scene has, by the surfaces less what those above hide from the transmitter, and from another
   /// place: of one sensor's receiver, or of each element.
   static void expect_held(const ElementSignals& signals, const std::vector<Rectangle>& surfaces,
-                          const std::function<std::optional<glm::dvec3>(std::size_t)>& heard_from) {
+                          const std::function<std::optional<glm::dvec3>(std::size_t)>& received_from) {
     ASSERT_EQ(signals.bound.size(), signals.pressure.size());
     for (std::size_t e = 0; e < signals.receivers(); ++e) {
       const glm::dvec3 from(0), to = signals.array.receivers_m[e];
@@ -189,7 +189,7 @@ struct CertifiedSignals : testing::Test {
         for (const Rectangle& above : surfaces) {
           if (above.z <= surface.z) continue;
           dark.push_back(above.shadow(from, surface.z));
-          if (const auto place = heard_from(e)) dark.push_back(above.shadow(*place, surface.z));
+          if (const auto place = received_from(e)) dark.push_back(above.shadow(*place, surface.z));
         }
         for (std::size_t some = 0; some < std::size_t(1) << dark.size(); ++some) {  // of a union
           Rectangle part = surface;
@@ -208,10 +208,10 @@ struct CertifiedSignals : testing::Test {
       ASSERT_GT(peak, 0.1);
       std::size_t even_ones = 0;
       for (std::size_t k = 0; k < signals.samples(); ++k) {
-        const Heard heard{signals, signals.sampling.time_s(k)};
+        const Reception received{signals, signals.sampling.time_s(k)};
         bool even = true;
         Complex truth = 0;
-        for (const auto& [factor, part] : parts) truth += factor * part.at(heard, even);
+        for (const auto& [factor, part] : parts) truth += factor * part.at(received, even);
         const Complex value = signals.channel(0, e)[k], bound = signals.bound[e * signals.samples() + k];
         // The rules meet no border of the pulse, or one at which it bends.
         const double rules = (even ? 1e-12 : 2e-6) * peak;
@@ -272,7 +272,7 @@ TEST_F(CertifiedSignals, AreThoseOfAnOrdinaryRun) {
 }
 
 // A rough floor: nothing is told of samples that may hold its speckle; before it all is as without.
-TEST_F(CertifiedSignals, AreOpenWhereRoughSurfacesAreHeard) {
+TEST_F(CertifiedSignals, AreOpenWhereRoughSurfacesAreReceived) {
   const std::string sensor = "bandwidth_khz = 0\npulse_length_us = 600\npulse_taper = 1\n";
   std::string rough = scene(sensor);
   const std::string smooth_floor = "name = \"foam\"\nsmooth = true\nreflection = -0.5\n";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Elements of an array that lie where nothing can be heard: told with their number, ping, and what to do.
+// Elements of an array that lie where nothing can be received: told with their number, ping, and what to do.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -210,7 +210,7 @@ samples = 8
   }
 }
 
-// Half a baseline is longer than the sonar is high: one receiver would lie in the bed, and hear nothing.
+// Half a baseline is longer than the sonar is high: one receiver would lie in the bed, and receive nothing.
 TEST(InterferometricRun, AReceiverInTheBedIsRefused) {
   const TestFolder folder;
   const auto file = folder.write("scene.toml", R"(
@@ -334,7 +334,7 @@ void expect_near(const Channels& a, const Channels& b, double tolerance) {
 const std::string surface =
     "[water]\nsound_speed_m_s = 1500\n[sea_surface]\nheight_m = 4\nloss_db = 1\n[paths]\norder = 3\n";
 
-// Both receivers in one place hear what a sidescan does, over mirrors and by two scatterings.
+// Both receivers in one place receive what a sidescan does, over mirrors and by two scatterings.
 TEST(InterferometricRun, OverMirrorsAShortReceiverPairIsOneReceiver) {
   for (const std::string paths : {"only_order = 2\n", "only_order = 3\nscatterings = 2\npatch_m = 2\n"}) {
     const Channels one(short_scene("sidescan", surface + paths)),

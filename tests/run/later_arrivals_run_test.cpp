@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Several rays to the bed, through the whole program: a thermocline turns rays back down to a flat bed, and
-// all of them are heard, against a fan of rays in closed form.
+// all of them are received, against a fan of rays in closed form.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -81,7 +81,7 @@ std::vector<double> crossed(std::size_t samples) {
 
 double sum_of(const std::vector<double>& energy) { return std::reduce(energy.begin(), energy.end()); }
 
-TEST(LaterArrivalsRun, AreAllHeard) {
+TEST(LaterArrivalsRun, AreAllReceived) {
   const ProfileFolder folder;
   const Echoes echoes = echoes_in(folder, scene());
   const std::vector<double> straight = fan(1e-4, 0.8, echoes.samples),

@@ -126,7 +126,7 @@ TEST_F(NetcdfFiles, ThatClaimCfHaveUnitsThatItsLibraryKnows) {
   EXPECT_THAT(conventions, Not(HasSubstr("CF-")));
 }
 
-TEST_F(NetcdfFiles, EchoesSayWhenAndWhereTheyWereHeard) {
+TEST_F(NetcdfFiles, EchoesSayWhenAndWhereTheyWereReceived) {
   int file = -1;
   ASSERT_EQ(nc_open((folder / "out/echoes.nc").c_str(), NC_NOWRITE, &file), NC_NOERR);
   EXPECT_EQ(text_of(file, NC_GLOBAL, "start_utc"), "2024-06-01T12:30:00.5Z");

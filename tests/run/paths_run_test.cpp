@@ -65,7 +65,7 @@ TEST(PathsRun, TheCheaperSettingsHearTheSame) {
   }
   EXPECT_GT(by_rays, 0);
   EXPECT_LT(by_rays, 0.02 * exact.total());
-  // Order 1 is not heard here: what a fast binning changes is the paths'.
+  // Order 1 is not received here: what a fast binning changes is the paths'.
   EXPECT_NE(echoes_of(text, {"--binning", "centroid"}).energy, exact.energy);
 }
 
@@ -93,8 +93,8 @@ TEST(PathsRun, OneOrderAloneAndAllOrdersAddUp) {
     EXPECT_NEAR(first.energy[k], plain.energy[k], 1e-6 * plain.energy[k] + 1e-16) << k;
 }
 
-// A quay that stands out of the water neither hides its mirror image nor is heard above the surface.
-TEST(PathsRun, WhatIsAboveTheSurfaceIsNotHeard) {
+// A quay that stands out of the water neither hides its mirror image nor is received above the surface.
+TEST(PathsRun, WhatIsAboveTheSurfaceIsNotReceived) {
   const auto echoes = [](double top_m, double bottom_m) {
     std::string text = scene(surface + "[paths]\norder = 3\n");
     for (const auto& [from, to] : {std::pair("tilt_deg = -90", "tilt_deg = 0"),
@@ -110,7 +110,7 @@ TEST(PathsRun, WhatIsAboveTheSurfaceIsNotHeard) {
   const Echoes level = echoes(0, -21), high = echoes(25, -21);
   EXPECT_GT(level.total(), 0);
   // Where the surface cuts the higher quay its corners are rounded to the grid (1e-6 m): 1e-6 of a bin, and
-  // 1e-9 of all that is heard for a bin whose sliver of a facet is as narrow as the rounding.
+  // 1e-9 of all that is received for a bin whose sliver of a facet is as narrow as the rounding.
   for (std::size_t k = 0; k < level.energy.size(); ++k)
     EXPECT_NEAR(high.energy[k], level.energy[k], 1e-6 * level.energy[k] + 1e-9 * level.total()) << k;
   // A bridge, seen from straight below.
@@ -167,7 +167,7 @@ TEST(PathsRun, ScatteringsInRefractingWater) {
   EXPECT_NEAR(strongly, even, 0.2 * even);
 }
 
-// What two receivers hear of the hollow's second scatterings, and how much alike.
+// What two receivers receive of the hollow's second scatterings, and how much alike.
 TEST(PathsRun, ScatteringsInRefractingWaterToTwoReceivers) {
   const TestFolder folder;
   std::string text = hollow(2, 8);
@@ -183,22 +183,23 @@ range_min_m = 10
 range_max_m = 30
 samples = 10
 )");
-  struct Heard {
+  struct Reception {
     std::vector<double> upper, lower, real, imaginary;
     nlohmann::json refraction;
   };
-  const auto heard = [&](const std::string& scene, const std::string& name) {
+  const auto received = [&](const std::string& scene, const std::string& name) {
     const auto out = folder / name;
     const Outcome outcome =
         run_program({"run", folder.write(name + ".toml", scene).string(), "-o", out.string(), "--quiet"});
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     const NetcdfReader file(out / "echoes.nc");
     const nlohmann::json stats = nlohmann::json::parse(std::ifstream(out / "stats.json"));
-    return Heard{file.values("/", "energy"), file.values("/", "energy_lower"), file.values("/", "cross_real"),
-                 file.values("/", "cross_imag"), stats.value("refraction", nlohmann::json())};
+    return Reception{file.values("/", "energy"), file.values("/", "energy_lower"),
+                     file.values("/", "cross_real"), file.values("/", "cross_imag"),
+                     stats.value("refraction", nlohmann::json())};
   };
-  const Heard even = heard(text, "even"), almost = heard(bent(text, 1e-6, ""), "almost"),
-              strongly = heard(bent(text, -2, ""), "strongly");
+  const Reception even = received(text, "even"), almost = received(bent(text, 1e-6, ""), "almost"),
+                  strongly = received(bent(text, -2, ""), "strongly");
   EXPECT_GT(almost.refraction.at("apparent_facets").get<int>(), 100);  // of patches, too
   const double total = std::reduce(even.upper.begin(), even.upper.end());
   EXPECT_GT(total, 0);
@@ -308,7 +309,7 @@ range_max_m = 50
 samples = 49
 receiver_arm_m = [0, 1, 0]
 )";
-  const auto heard = [&](const std::string& scene, const std::string& name) {
+  const auto received = [&](const std::string& scene, const std::string& name) {
     const auto out = folder / name;
     const Outcome outcome =
         run_program({"run", folder.write(name + ".toml", scene).string(), "-o", out.string(), "--quiet"});
@@ -317,8 +318,8 @@ receiver_arm_m = [0, 1, 0]
         read_echoes(out / "echoes.nc"),
         nlohmann::json::parse(std::ifstream(out / "stats.json")).at("paths").at("energy_of_order"));
   };
-  const auto [even, orders] = heard(text, "even");
-  const auto [almost, its_orders] = heard(bent(text, 1e-6), "almost");
+  const auto [even, orders] = received(text, "even");
+  const auto [almost, its_orders] = received(bent(text, 1e-6), "almost");
   for (const char* order : {"2", "3", "4"}) {
     EXPECT_GT(orders.at(order).get<double>(), 0) << order;
     EXPECT_NEAR(its_orders.at(order).get<double>() / orders.at(order).get<double>(), 1, 1e-6) << order;

@@ -246,7 +246,7 @@ TEST(ReliefRun, AReceiverApartAndSensorsThatShareTransmissionsSeeTheTransmission
   const TestFolder folder;
   const std::string head(scene.substr(0, scene.find("[relief]"))), tail(scene.substr(scene.find("[relief]")));
   const std::string camera = head.substr(head.find("[[sensors]]"));
-  // The second hears farther: the ground must reach as far as the farthest.
+  // The second receives farther: the ground must reach as far as the farthest.
   const std::string two =
       head +
       replaced(replaced(camera, "\"camera\"", "\"far\""), "window_length_m = 2", "window_length_m = 3") +

@@ -64,7 +64,7 @@ TEST(VerticalPatterns, WeighEachElevationByTheirProduct) {
     return way + "_pattern = \"gaussian\"\n" + way + "_pattern_angle = \"elevation\"\n" + way +
            "_beam_width_deg = " + std::to_string(width_deg) + "\n";
   };
-  const Echoes ideal = echoes_of(scene(fan)), heard = echoes_of(scene(fan + gaussian("receive", 25))),
+  const Echoes ideal = echoes_of(scene(fan)), received = echoes_of(scene(fan + gaussian("receive", 25))),
                sent = echoes_of(scene(fan + gaussian("transmit", 25))),
                both = echoes_of(scene(fan + gaussian("transmit", 40) + gaussian("receive", 25)));
   const auto power = [](double range_m, double width_deg) {
@@ -75,11 +75,11 @@ TEST(VerticalPatterns, WeighEachElevationByTheirProduct) {
     for (std::size_t k = 0; k < ideal.samples; ++k) {
       const double near = ideal.first_m(k), far = ideal.last_m(k), energy = ideal.at(0, beam, k);
       ASSERT_GT(energy, 0);
-      EXPECT_GE(heard.at(0, beam, k) / energy, power(near, 25) * (1 - 1e-9)) << beam << ' ' << k;
-      EXPECT_LE(heard.at(0, beam, k) / energy, power(far, 25) * (1 + 1e-9)) << beam << ' ' << k;
+      EXPECT_GE(received.at(0, beam, k) / energy, power(near, 25) * (1 - 1e-9)) << beam << ' ' << k;
+      EXPECT_LE(received.at(0, beam, k) / energy, power(far, 25) * (1 + 1e-9)) << beam << ' ' << k;
       EXPECT_GE(both.at(0, beam, k) / energy, power(near, 25) * power(near, 40) * (1 - 1e-9));
       EXPECT_LE(both.at(0, beam, k) / energy, power(far, 25) * power(far, 40) * (1 + 1e-9));
-      EXPECT_NEAR(heard.at(0, beam, k), sent.at(0, beam, k), 1e-9 * energy)
+      EXPECT_NEAR(received.at(0, beam, k), sent.at(0, beam, k), 1e-9 * energy)
           << "the way back is the way there";
     }
 }
@@ -128,7 +128,7 @@ const std::string head =
     "kind = \"scanning\"\nscan_deg = 60\nstep_deg = 5\nbeam_horizontal_deg = 5\nbeam_vertical_deg = 30\n"
     "tilt_deg = 15\nstep_interval_s = 0.5\ncone_tolerance = 1e-7\n";
 
-TEST(ScanningHead, AtRestHearsWhatAFanOfItsStepsHears) {
+TEST(ScanningHead, AtRestReceivesWhatAFanOfItsStepsReceives) {
   const Echoes scan = echoes_of(scene(head)),
                fan = echoes_of(scene("kind = \"imaging\"\nfrequency_khz = 750\n"
                                      "beam_angles_deg = [-30, -25, -20, -15, -10, -5, 0, 5, 10, 15, 20, 25]\n"
@@ -136,7 +136,7 @@ TEST(ScanningHead, AtRestHearsWhatAFanOfItsStepsHears) {
   ASSERT_EQ(scan.beams, 12u);
   EXPECT_GT(scan.total(), 0);
   EXPECT_LT(largest_relative_difference(scan, fan), 1e-9);
-  // Wider than its steps it hears its neighbours' sectors as well: three times as wide, all three.
+  // Wider than its steps it receives its neighbours' sectors as well: three times as wide, all three.
   const Echoes wide = echoes_of(scene(replaced(head, "beam_horizontal_deg = 5", "beam_horizontal_deg = 15")));
   for (std::size_t k = 0; k < scan.samples; ++k) {
     const double three = scan.at(0, 5, k) + scan.at(0, 6, k) + scan.at(0, 7, k);

@@ -77,7 +77,7 @@ struct SelectionRun : testing::Test {
     const std::size_t all_beams = whole.length(group, "beam"), samples = whole.length(group, "sample");
     ASSERT_EQ(part.length("/", "ping"), pings);
     ASSERT_EQ(part.length("/", "beam"), beams.size());
-    double heard = 0;
+    double received = 0;
     for (const std::string& variable : variables) {
       const std::vector<double> all = whole.values(group, variable), some = part.values("/", variable);
       for (std::size_t p = 0; p < pings; ++p)
@@ -86,10 +86,10 @@ struct SelectionRun : testing::Test {
             const double kept = some[(p * beams.size() + b) * samples + k];
             ASSERT_EQ(kept, all[((first + p) * all_beams + beams[b]) * samples + k])
                 << variable << " at ping " << p << ", beam " << b << ", sample " << k;
-            heard += kept;
+            received += kept;
           }
     }
-    EXPECT_GT(heard, 0);
+    EXPECT_GT(received, 0);
     for (const char* axis : {"ping_time", "sensor_heading"}) {
       const std::vector<double> all = whole.values(group, axis), some = part.values("/", axis);
       for (std::size_t p = 0; p < pings; ++p) EXPECT_EQ(some[p], all[first + p]) << axis;

@@ -42,7 +42,7 @@ struct OneTransmission {
   explicit OneTransmission(const std::string& text)
       : survey(open_survey(read_scene_file(folder.write("scene.toml", text)))),
         transmissions(*survey, request_of(survey->scene.description.run)),
-        transmission(transmissions.heard_by(0, 0, 0)),
+        transmission(transmissions.received_by(0, 0, 0)),
         at(transmission.pose().position_m) {}
   TestFolder folder;
   std::unique_ptr<const Survey> survey;

@@ -89,12 +89,12 @@ ElementSignals of_points_on_the_way(const ElementSignals& like, const GroundFiel
   for (std::size_t ping = 0; ping < like.pings(); ++ping) {
     const PlaceOnTheWay sent(like.motion, ping, like.array.transmitter_m, until_s);
     for (std::size_t e = 0; e < like.receivers(); ++e) {
-      const PlaceOnTheWay heard(like.motion, ping, like.array.receivers_m[e], until_s);
+      const PlaceOnTheWay received(like.motion, ping, like.array.receivers_m[e], until_s);
       field.for_scatterers(corners, {0, 0, 1}, [&](glm::dvec3 place, Complex z) {
         for (std::size_t k = 0; k < like.samples(); ++k) {
           const double t = like.sampling.time_s(k);
-          const TwoWayPath path = path_received_at(t, sent, place, heard, like.sound_speed_m_s);
-          const double up = sent.at(path.emitted_s).z - place.z, over = heard.at(t).z - place.z;
+          const TwoWayPath path = path_received_at(t, sent, place, received, like.sound_speed_m_s);
+          const double up = sent.at(path.emitted_s).z - place.z, over = received.at(t).z - place.z;
           sum.channel(ping, e)[k] += z * std::sqrt(mu * up / path.out_m * over / path.home_m) /
                                      (path.out_m * path.home_m) *
                                      baseband_at(like.waveform, like.sampling.baseband_hz, path.emitted_s) *
@@ -124,11 +124,11 @@ ElementSignals of_points(const ElementSignals& like, const GroundField& field, g
     const Pose pose = like.motion.ping_pose(ping);
     const glm::dvec3 sent = pose.position_m + pose.attitude * like.array.transmitter_m;
     for (std::size_t e = 0; e < like.receivers(); ++e) {
-      const glm::dvec3 heard = pose.position_m + pose.attitude * like.array.receivers_m[e];
+      const glm::dvec3 received = pose.position_m + pose.attitude * like.array.receivers_m[e];
       for (const auto& [place, z] : scatterers) {
-        const double r = glm::distance(place, sent), s = glm::distance(place, heard),
+        const double r = glm::distance(place, sent), s = glm::distance(place, received),
                      tau = (r + s) / like.sound_speed_m_s;
-        const Complex amplitude = z * std::sqrt(mu * (sent.z - place.z) / r * (heard.z - place.z) / s) /
+        const Complex amplitude = z * std::sqrt(mu * (sent.z - place.z) / r * (received.z - place.z) / s) /
                                   (r * s) * std::polar(1.0, 2 * pi * like.sampling.baseband_hz * tau);
         for (std::size_t k = 0; k < like.samples(); ++k)
           sum.channel(ping, e)[k] += amplitude * baseband_at(like.waveform, like.sampling.baseband_hz,
@@ -264,7 +264,7 @@ TEST_F(SignalsRun, OfAVehicleOnTheWayLateOnItsClock) {
   EXPECT_LE(largest_difference(early, late), 1e-3 * largest(early));
 }
 
-// The reach of what a receiver far away hears is that of its own way.
+// The reach of what a receiver far away receives is that of its own way.
 TEST_F(SignalsRun, OfOwnSightsReachAsFarAsThoseOfReceiversApart) {
   const std::string far = replaced(scene("receiver_arm_m = [0, -4, 0]\nreceivers_m = [[0, 0, 0]]\n", at_rest),
                                    "range_max_m = 11", "range_max_m = 10.6");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sensors that hear nothing: what is foreseen by looking against what a run computes, at random places, in
+// Sensors that receive nothing: what is foreseen by looking against what a run computes, at random places, in
 // random directions, with random windows; and how objects stand to the bed against where they were put.
 #include "run/silence.hpp"
 
@@ -32,14 +32,14 @@ bool all_zero(const Recording& recording) {
 /// A box and a ball in the middle of a bed of 20 x 20 m.
 const std::string bed = still_water() + lambert_material("sand", -27) + flat_terrain(20, 20) + ball_and_box();
 
-TEST(Silence, IsForeseenExactlyWhereARunHearsNothing) {
+TEST(Silence, IsForeseenExactlyWhereARunReceivesNothing) {
   const unsigned seed = 20261123;
   std::printf("seed %u\n", seed);
   std::mt19937 random(seed);
   const auto between = [&](double lo, double hi) {
     return std::uniform_real_distribution<double>(lo, hi)(random);
   };
-  std::size_t silent = 0, heard = 0;
+  std::size_t silent = 0, received = 0;
   for (int k = 0; k < 300; ++k) {
     const double nearest = between(0.5, 8);
     const std::string text =
@@ -57,16 +57,16 @@ TEST(Silence, IsForeseenExactlyWhereARunHearsNothing) {
     SimulationStats stats;
     const std::vector<Recording> recordings = simulate(*survey, request, stats);
     const bool zero = all_zero(recordings.front());
-    ++(zero ? silent : heard);
+    ++(zero ? silent : received);
     EXPECT_EQ(foreseen_silence(*survey, request).size(), zero ? 1U : 0U);
     EXPECT_EQ(met_silence(*survey, request, recordings).size(), zero ? 1U : 0U);
   }
   EXPECT_GT(silent, 20U);
-  EXPECT_GT(heard, 20U);
+  EXPECT_GT(received, 20U);
 }
 
 // One ping of thirty sees the bed: no false alarm.
-TEST(Silence, IsNotForeseenOfATrackThatHearsSomethingOnce) {
+TEST(Silence, IsNotForeseenOfATrackThatReceivesSomethingOnce) {
   const auto track = [](double north_m) {
     return bed +
            fmt::format(
@@ -84,7 +84,7 @@ TEST(Silence, IsNotForeseenOfATrackThatHearsSomethingOnce) {
   EXPECT_THAT(beside.front().warning, HasSubstr("155 m beside the terrain"));
 }
 
-// What may be heard over a mirror is not foreseen by looking at the bed.
+// What may be received over a mirror is not foreseen by looking at the bed.
 TEST(Silence, IsNotForeseenUnderAMirror) {
   const std::string up =
       bed + "[sea_surface]\nheight_m = 10\n[paths]\norder = 2\n" + fixed_at(0, 0, 3) +

@@ -190,7 +190,7 @@ TEST(TiledBlocks, HoldEachFacetOnceWithThePingsThatMaySeeIt) {
                              replaced(std::string(sidescan), "range_max_m = 22", "range_max_m = 11")),
                "{}", terrain("mosaic.vrt", "tiles")),
       folder / "scene.toml");
-  std::vector<HeardPing> pings;
+  std::vector<ReceivedPing> pings;
   for (std::size_t ping = 0; ping < 9; ++ping) pings.push_back({0, ping});
   const auto blocks_of = [&](int cache_mb) {
     description.run.terrain_cache_mb = cache_mb;

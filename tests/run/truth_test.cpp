@@ -44,7 +44,7 @@ struct Told {
   double raw(std::size_t ping, std::size_t channel, std::size_t cell) const {
     return truth.values[(ping * truth.channels() + channel) * truth.cells + cell];
   }
-  double heard(std::size_t ping, std::size_t cell) const {
+  double received(std::size_t ping, std::size_t cell) const {
     return energy[ping * sensor_channels * truth.cells + cell];
   }
 
@@ -82,7 +82,8 @@ struct TruthOf : testing::Test {
     const TruthRecording& truth = told.truth;
     double largest = 0;
     for (std::size_t p = 0; p < told.pings; ++p)
-      for (std::size_t cell = 0; cell < truth.cells; ++cell) largest = std::max(largest, told.heard(p, cell));
+      for (std::size_t cell = 0; cell < truth.cells; ++cell)
+        largest = std::max(largest, told.received(p, cell));
     ASSERT_GT(largest, 0);
     for (std::size_t p = 0; p < told.pings; ++p) {
       const TruthPing ping = truth.of(p);
@@ -90,7 +91,7 @@ struct TruthOf : testing::Test {
         double sum = 0;
         for (std::size_t k = 0; k < truth.owners.size(); ++k) sum += told.raw(p, k, cell);
         if (truth.has_unscattered) sum += told.raw(p, truth.owners.size() + 2, cell);
-        const double energy = told.heard(p, cell);
+        const double energy = told.received(p, cell);
         EXPECT_NEAR(sum, energy, tolerance * std::max(energy, 1e-3 * largest))
             << "ping " << p << " beam " << cell / told.samples << " sample " << cell % told.samples;
         if (!(sum > 0)) continue;
@@ -122,7 +123,7 @@ TEST_F(TruthOf, AStillLifeNamesItsThings) {
   const std::size_t bed = t.object("bed"), ball = t.object("ball"), box = t.object("box");
   std::set<int> labels;
   for (std::size_t cell = 0; cell < t.truth.cells; ++cell) {
-    const double energy = t.heard(0, cell);
+    const double energy = t.received(0, cell);
     labels.insert(ping.object_label[cell]);
     if (!(energy > 0)) {
       EXPECT_EQ(ping.object_label[cell], TruthRecording::no_label);
@@ -180,7 +181,7 @@ TEST_F(TruthOf, RaysAgreeWithTubes) {
   const TruthPing a = exact.truth.of(0), b = sampled.truth.of(0);
   double all = 0, apart = 0, lower = 0;
   for (std::size_t cell = 0; cell < exact.truth.cells; ++cell) {
-    const double energy = exact.heard(0, cell);
+    const double energy = exact.received(0, cell);
     if (!(energy > 0) || std::isnan(b.mean_height[cell])) continue;
     all += energy;
     lower += energy * std::abs(a.mean_height[cell] - b.mean_height[cell]);
@@ -339,7 +340,8 @@ TEST_F(TruthOf, EverySensorHasItsOwn) {
 
 // --- beam patterns: labels go by what is near their peak
 
-/// 60 beams of 1 degree before a small ball straight ahead. A line of 10 wavelengths hears it in all of them.
+/// 60 beams of 1 degree before a small ball straight ahead. A line of 10 wavelengths receives it in all of
+/// them.
 constexpr int line_beams = 60;
 constexpr double wavelengths = 10;
 std::string ball_in_side_lobes(double tilt_deg = 0, std::string_view more = {}) {
@@ -370,7 +372,7 @@ void expect_labels_within(const Told& t, double level_db) {
   for (int beam = 0; beam < line_beams; ++beam)
     for (std::size_t k = 0; k < t.samples; ++k) {
       const std::size_t cell = std::size_t(beam) * t.samples + k;
-      if (!(t.heard(0, cell) > 0)) continue;
+      if (!(t.received(0, cell) > 0)) continue;
       EXPECT_NEAR(ping.object_share[std::size_t(ball) * t.truth.cells + cell], 1, 1e-12);
       constexpr double edge_db = 1.5;  // the ball is half a degree wide
       if (std::abs(down_db(beam) - level_db) < edge_db) continue;

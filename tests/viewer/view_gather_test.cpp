@@ -167,7 +167,7 @@ TEST_P(Links, LeadFromEveryFootprintInReachToSamplesThatItMeets) {
 TEST_P(Links, LoseNothingIfNothingIsLeftOut) {
   if (survey->sensors[0].sensor->has_receiver_apart()) GTEST_SKIP() << "told by facets, not by footprints";
   const Transmissions transmissions(*survey, request_of(survey->scene.description.run));
-  const Transmission transmission = transmissions.heard_by(0, 0, 0);
+  const Transmission transmission = transmissions.received_by(0, 0, 0);
   const Sensor& sensor = transmission.sensor(0);
   const History history = transmission.trace();
   const SensorLaw law = transmission.law(0);

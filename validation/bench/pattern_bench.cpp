@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What beam patterns cost: one cycle of an acoustic camera over the benchmark terrain, 12 beams that transmit
-// and receive at once and hear the whole sector, 512 samples.
+// and receive at once and receive the whole sector, 512 samples.
 //
 //     tubefoot_pattern_bench [facets a side] [tubes] [repetitions] [pattern]
 #include <fmt/core.h>

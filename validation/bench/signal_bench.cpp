@@ -93,9 +93,9 @@ ChannelSignals direct_sum(const Place& place, const CoherentReceiver& receiver, 
     field.for_scatterers(corners, patch.normal, [&](glm::dvec3 at, std::complex<double> z) {
       ++scatterers;
       for (std::size_t c = 0; c < on.size(); ++c) {
-        const ChannelOnPatch::Heard heard = on[c].at(at - place.seen.origin_m);
-        table.add(z * std::polar(heard.amplitude, k * heard.path_m), heard.path_m / receiver.sound_speed_m_s,
-                  &all.value[c * all.samples]);
+        const ChannelOnPatch::Reception received = on[c].at(at - place.seen.origin_m);
+        table.add(z * std::polar(received.amplitude, k * received.path_m),
+                  received.path_m / receiver.sound_speed_m_s, &all.value[c * all.samples]);
       }
     });
   }

@@ -65,7 +65,7 @@ std::vector<double> flattened(const Sensor& sensor, const Pose& pose, double hei
   return flat;
 }
 
-/// Where in a frame, in beams and samples, a place in the camera's own axes is heard.
+/// Where in a frame, in beams and samples, a place in the camera's own axes is received.
 class FrameLookup {
  public:
   FrameLookup(const Sensor& sensor, std::vector<double> flat)

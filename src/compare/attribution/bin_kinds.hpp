@@ -30,7 +30,7 @@ inline constexpr std::size_t bin_kinds = 8;
 /// As in JSON: "shadow-edge".
 std::string_view name_of(BinKind kind);
 
-/// What is seen from one place, and which beams hear it.
+/// What is seen from one place, and which beams receive it.
 struct SeenEdges {
   const History& history;
   std::span<const std::uint16_t> object;        ///< by facet of the history's mesh

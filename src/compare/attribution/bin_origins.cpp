@@ -138,7 +138,7 @@ BinOrigins bin_origins(const Transmissions& transmissions, TransmissionsAround& 
   const Transmissions& near = around.at(survey.fleet->transmissions_of(sensor), ping);
   Origins origins(sensor, kind);
   for (std::size_t number = 0; number < kind.transmissions(); ++number)
-    origins.add(near.heard_by(sensor, ping, number));
+    origins.add(near.received_by(sensor, ping, number));
   return origins.finish();
 }
 

@@ -27,7 +27,7 @@ struct BinOrigins {
   std::vector<BinPart> casters;
 };
 
-/// Of a sensor's ping, by exact cuts of what its tubes see. With beam patterns, of which each beam hears
+/// Of a sensor's ping, by exact cuts of what its tubes see. With beam patterns, of which each beam receives
 /// everything, what adds less than a thousandth is left out, and kinds are those of each beam's own tubes.
 /// With a receiver apart, kinds are as it sees the scene. Paths over mirrors have no parts. Throws InputError
 /// as a run does.

@@ -33,7 +33,7 @@ RunRequest request_for(const BeamSampling& sampling) {
   return request;
 }
 
-/// Whether rays of its own tubes are all that a sensor hears.
+/// Whether rays of its own tubes are all that a sensor receives.
 bool is_plain(const Survey& survey, std::size_t s) {
   const Sensor& sensor = *survey.sensors[s].sensor;
   return !sensor.has_receiver_apart() && !sensor.has_receiver_pair() &&
@@ -98,7 +98,7 @@ void run_columns(const Survey& survey, const SensorPlace& place, const BeamSampl
     const Transmissions& near = around.at(survey.fleet->transmissions_of(place.sensor), place.pings[p]);
     std::vector<double> energy(sensor.beams().size() * to.samples);
     for (std::size_t number = 0; number < sensor.transmissions(); ++number) {
-      const Transmission transmission = near.heard_by(place.sensor, place.pings[p], number);
+      const Transmission transmission = near.received_by(place.sensor, place.pings[p], number);
       const TransmissionRays rays(transmission);
       const SensorLaw law = transmission.law(place.sensor);
       const TubeSet whole = transmission.tubes();
@@ -158,7 +158,7 @@ SecondMoments second_moments(const Transmissions& near, std::size_t s, std::size
   SecondMoments moments{std::vector<double>(sensor.beams().size() * count),
                         std::vector<double>(sensor.beams().size())};
   for (std::size_t number = 0; number < sensor.transmissions(); ++number) {
-    const Transmission transmission = near.heard_by(s, ping, number);
+    const Transmission transmission = near.received_by(s, ping, number);
     const TransmissionRays rays(transmission);
     const SensorLaw law = transmission.law(s);
     History history{transmission.tubes(), transmission.scene().grid.unit_m(), {}, {}};

@@ -17,9 +17,9 @@ struct Residual {
   double noise_j = 0;                                ///< below this it may be noise
 };
 
-/// Where the candidate is lit although the prediction is dark, in rows that others hear. What casts a shadow
-/// is seen where something brighter than the row stands right before it, in some of its beams; else it lies
-/// nearer than the picture begins.
+/// Where the candidate is lit although the prediction is dark, in rows that others receive. What casts a
+/// shadow is seen where something brighter than the row stands right before it, in some of its beams; else it
+/// lies nearer than the picture begins.
 struct WronglyLit {
   std::vector<bool> bins;
   std::size_t behind_seen = 0, behind_unseen = 0;          ///< wrongly lit

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What an engine says where there is nothing to hear: its noise floor, and first returns that noise does not
-// ruin. Pure functions over arrays.
+// What an engine says where there is nothing to receive: its noise floor, and first returns that noise does
+// not ruin. Pure functions over arrays.
 #pragma once
 
 #include <cstddef>

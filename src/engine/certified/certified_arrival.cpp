@@ -106,10 +106,10 @@ void certify_arrival(const EnclosedRay& ray, const Arrival& arrival, bool sure, 
     if (half.hi() < borders[sample] || half.lo() >= borders[sample + 1]) continue;
     const bool surely = half.lo() >= borders[sample] && half.hi() < borders[sample + 1];
     for (std::size_t beam = 0; beam < std::max<std::size_t>(arrival.receive.size(), 1); ++beam) {
-      Ball heard = arrival.receive.empty() ? energy : energy * gain(arrival.receive[beam], back);
-      if (!surely) heard = Ball(std::max(heard.hi(), 0.0)) * Ball::between(0, 1);
-      const double middle = std::max(heard.middle(), 0.0);
-      const Ball off = heard - Ball(middle);
+      Ball received = arrival.receive.empty() ? energy : energy * gain(arrival.receive[beam], back);
+      if (!surely) received = Ball(std::max(received.hi(), 0.0)) * Ball::between(0, 1);
+      const double middle = std::max(received.middle(), 0.0);
+      const Ball off = received - Ball(middle);
       take(beam, sample, middle, std::max({off.hi(), -off.lo(), 0.0}));
     }
   }

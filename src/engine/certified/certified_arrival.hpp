@@ -22,7 +22,7 @@ struct Arrival {
   double absorption_db_per_m = 0;
   const Leg* leg = nullptr;                   ///< of the image
   const TransmitPattern* transmit = nullptr;  ///< null: without patterns
-  std::span<const Directivity> receive{};     ///< by beam; without patterns one beam hears it
+  std::span<const Directivity> receive{};     ///< by beam; without patterns one beam receives it
 };
 
 using TakeArrival = std::function<void(std::size_t beam, std::size_t sample, double energy, double bound)>;

@@ -43,7 +43,7 @@ class CertifiedIntegrator {
   /// Without patterns: all parts are of `beam`. With a texture the polygon lies in its cell.
   void add(const CertifiedPolygon& polygon, std::uint32_t beam, const Allowance& allowance,
            const Sink<Ball>& sink, const CertifiedCell* texture = nullptr);
-  /// With patterns, for all beams that hear the tube.
+  /// With patterns, for all beams that receive the tube.
   void add(const CertifiedPolygon& polygon, const BeamPatterns& patterns, std::uint32_t tube,
            const Allowance& allowance, const Sink<Ball>& sink, const CertifiedCell* texture = nullptr);
 

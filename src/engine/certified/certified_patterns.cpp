@@ -27,7 +27,7 @@ void CertifiedIntegrator::add(const CertifiedPolygon& polygon, const BeamPattern
   transmit_.clear();
   receive_.clear();
   tabulated_ = false;
-  Ball sent, heard(1);
+  Ball sent, received(1);
   for (const Directivity& beam : patterns.transmit[patterns.fan_of_tube[tube]].beams) {
     transmit_.push_back(cosine_of(beam));
     tabulated_ = tabulated_ || transmit_.back().is_table();
@@ -37,9 +37,9 @@ void CertifiedIntegrator::add(const CertifiedPolygon& polygon, const BeamPattern
     receive_.push_back(cosine_of(patterns.receive[beam]));
     tabulated_ = tabulated_ || receive_.back().is_table();
     const Ball largest = receive_.back().largest();
-    if (beam == first_beam || largest.hi() > heard.hi()) heard = largest;
+    if (beam == first_beam || largest.hi() > received.hi()) received = largest;
   }
-  largest_gain_ = sent * heard;
+  largest_gain_ = sent * received;
   if (texture != nullptr) largest_gain_ = largest_gain_ * Ball(texture->texture->range().hi());
   add(polygon, first_beam, end_beam, allowance, sink);
 }

@@ -226,9 +226,9 @@ class PairedEncloser {
       lost *= exp(-(beta_ * at.rays.absorption_db.v)).hi;
     }
     const double sent = bed_.out.water.finder().source_speed_m_s(),
-                 heard = bed_.home.water.finder().source_speed_m_s(),
+                 received = bed_.home.water.finder().source_speed_m_s(),
                  there = out.speed.lo / sent * (1 - slack),  // areas there and back differ by its square
-        speeds = sent / heard * (1 + slack);
+        speeds = sent / received * (1 + slack);
     // A place may be seen a tenth wider than its apparent facet has it.
     return {{1.1 * by_sine[0] * lobe[1] * lost / area[1],
              1.1 * lobe[0] * by_sine[1] * lost * speeds * speeds / area[0]},
@@ -237,7 +237,7 @@ class PairedEncloser {
   static double least_size(const Interval& x) {
     return x.may_be_zero() ? 0 : std::min(std::abs(x.lo), std::abs(x.hi));
   }
-  /// `beside`: what a receiver there hears as well, per steradian of the way home; null: none.
+  /// `beside`: what a receiver there receives as well, per steradian of the way home; null: none.
   void add_most(const EndPatch& out, const EndPatch& home, const EndPatch* beside, const ScatteringLaw* law,
                 Gathered& all) const {
     Most most = most_of(out, home, law);

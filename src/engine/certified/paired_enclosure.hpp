@@ -29,7 +29,7 @@ struct PairedBed {
   const FacetMesh& base;            ///< where it lies
   const WorldGrid& grid;
   PairedEnd out, home;
-  /// Another receiver of the same transmission: most_per_sr and most are of what either hears of a place.
+  /// Another receiver of the same transmission: most_per_sr and most are of what either receives of a place.
   const PairedEnd* beside = nullptr;
   double ranges_within_m = 0;  ///< with that: how closely HomeRanges are to be told
 

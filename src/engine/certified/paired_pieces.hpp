@@ -32,7 +32,8 @@ class PairedPieces {
     std::unique_ptr<CertifiedPathIntegrator> integrator;
   };
   OnFacet on(FacetId facet, const PairedFacet& paired, const PairedEnclosure& proven) const;
-  /// A piece by its corners as the transmitter sees them (SharedFootprints), heard in beams [first, second).
+  /// A piece by its corners as the transmitter sees them (SharedFootprints), received in beams [first,
+  /// second).
   void add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm::dvec3 receiver_m,
            std::uint32_t receive_tube, std::pair<std::uint32_t, std::uint32_t> beams,
            BinsBetween& bins) const;

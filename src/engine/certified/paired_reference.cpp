@@ -182,7 +182,7 @@ class PairedReference {
     if (law_.patterns != nullptr) return law_.patterns->beams_of_tube[home_tube];
     return {beams_.of_tube[home_tube], beams_.of_tube[home_tube] + 1};
   }
-  /// Tubes that are heard alike have the same.
+  /// Tubes that are received alike have the same.
   std::array<std::uint32_t, 4> label_of(std::size_t e, std::uint32_t tube) const {
     const auto& fans = e == 0 ? beams_.fan_of_transmit_tube : beams_.fan_of_receive_tube;
     const std::uint32_t fan = fans.empty() ? 0 : fans[tube];
@@ -191,7 +191,7 @@ class PairedReference {
     return {fan, first, end, law_.patterns != nullptr ? law_.patterns->fan_of_tube[tube] : 0};
   }
 
-  /// Walls of each tube beyond which sound is not heard alike.
+  /// Walls of each tube beyond which sound is not received alike.
   std::vector<std::vector<UncertainEdges::Wall>> walls_of(std::size_t e) const {
     const TubeSet& tubes = looks_[e].tubes;
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<std::uint32_t>> sharers;
@@ -248,7 +248,7 @@ class PairedReference {
     for (BinsBetween& of_tube : by_tube) bins.push_back(std::move(of_tube));
   }
 
-  /// All that is heard of an end's tube at half paths from there on.
+  /// All that is received of an end's tube at half paths from there on.
   void add_unknown(std::size_t e, std::uint32_t tube, double from_m, BinsBetween& bins) const {
     for (std::uint32_t home = 0; home < looks_[1].tubes.tubes.size(); ++home) {
       if (e == 1 ? home != tube : !in_one_fan(tube, home)) continue;
@@ -268,12 +268,12 @@ class PairedReference {
     for (std::size_t k = from; k < to; ++k) take(k);
   }
 
-  /// What an end is not certain of, in all beams that may hear it. `less`: it may be missing, too.
+  /// What an end is not certain of, in all beams that may receive it. `less`: it may be missing, too.
   void add(const Doubt& doubt, std::size_t e, bool less, BinsBetween& bins) const {
     if (!(doubt.energy_j > 0)) return;
     const FacetId facet = bed_.end(int(e)).origin[doubt.facet];
     const FacetEnclosure &here = *end_of(e, facet), *there = end_of(1 - e, facet);
-    // What the other does not look at is not heard; without a proven ray there, all is unknown.
+    // What the other does not look at is not received; without a proven ray there, all is unknown.
     if (there == nullptr || there->state == State::unproven) return;
     const glm::dvec3 from[3]{here.seen[0], here.seen[1], here.seen[2]},
         to[3]{there->seen[0], there->seen[1], there->seen[2]};
@@ -292,7 +292,7 @@ class PairedReference {
     if (half_from > borders_.back() || half_to < borders_.front()) return;
     if (e == 1) std::swap(about[0], about[1]);
     for (const auto& [beam, weight] :
-         heard_of(about, heard_beside(facet, about[1], e == 0 ? *there : here))) {
+         received_of(about, received_beside(facet, about[1], e == 0 ? *there : here))) {
       const double energy = doubt.energy_j * weight * (1 + slack);
       each_sample(half_from, half_to, [&, beam = beam](std::size_t sample) {
         Between& bin = bins[beam * (borders_.size() - 1) + sample];
@@ -302,10 +302,10 @@ class PairedReference {
     }
   }
 
-  /// Beams that may hear something about there, and no less than what patterns leave of it.
+  /// Beams that may receive something about there, and no less than what patterns leave of it.
   /// `beside`: of the same for the receiver beside it; null: none.
-  std::map<std::uint32_t, double> heard_of(const std::array<About, 2>& about,
-                                           const std::optional<Towards>& beside) const {
+  std::map<std::uint32_t, double> received_of(const std::array<About, 2>& about,
+                                              const std::optional<Towards>& beside) const {
     std::vector<char> fans;
     for (std::uint32_t tube = 0; tube < looks_[0].tubes.tubes.size(); ++tube) {
       const std::uint32_t fan = label_of(0, tube)[0];
@@ -314,8 +314,8 @@ class PairedReference {
       if (fan >= fans.size()) fans.resize(fan + 1);
       fans[fan] = 1;
     }
-    std::map<std::uint32_t, double> heard;
-    if (fans.empty()) return heard;
+    std::map<std::uint32_t, double> received;
+    if (fans.empty()) return received;
     std::array<std::uint32_t, 4> last{};
     bool any = false;
     for (std::uint32_t tube = 0; tube < looks_[1].tubes.tubes.size(); ++tube) {
@@ -325,18 +325,19 @@ class PairedReference {
       last = label;
       any = true;
       for (std::uint32_t beam = label[1]; beam < label[2]; ++beam) {
-        double& weight = heard[beam];
+        double& weight = received[beam];
         const Towards out{about[0].centre_m, about[0].radius_m};
         weight =
             std::max(weight, pieces_.most_of(label[3], beam, out, {about[1].centre_m, about[1].radius_m}));
         if (beside) weight = std::max(weight, pieces_.most_of(label[3], beam, out, *beside));
       }
     }
-    return heard;
+    return received;
   }
 
   /// Where the receiver beside this one sees a part of a facet. Without a proven ray all is unknown.
-  std::optional<Towards> heard_beside(FacetId facet, const About& about, const FacetEnclosure& here) const {
+  std::optional<Towards> received_beside(FacetId facet, const About& about,
+                                         const FacetEnclosure& here) const {
     const FacetEnclosure* there = beside_ != nullptr ? beside_->end_of(1, facet) : nullptr;
     if (there == nullptr || there->state == State::unproven) return std::nullopt;
     const glm::dvec3 from[3]{here.seen[0], here.seen[1], here.seen[2]},

@@ -25,7 +25,8 @@ struct PairedTubes {
 ///
 /// - a factor, from least to most, and half paths, within shift_m of a border between samples;
 /// - beam patterns in the directions of rays, which are within turn_rad of those in which places are seen;
-/// - which tube sees a place next to a wall between tubes that are not heard alike, or whether a window does;
+/// - which tube sees a place next to a wall between tubes that are not received alike, or whether a window
+/// does;
 ///   whether one is seen beside the edge of what hides it, or where two facets are closer together than
 ///   ranges may be off;
 /// - all that lies behind a facet without a proven ray.
@@ -55,8 +56,8 @@ struct PairedParts {
 /// By bin, in the order of the list.
 BinsBetween added_up(std::span<const BinsBetween> parts);
 
-/// Of two receivers, each beside the other (PairedBed::beside), which hear one beam by all tubes: what is in
-/// doubt holds the energies that both hear of a place, and so the root of their product. `ordinary`,
+/// Of two receivers, each beside the other (PairedBed::beside), which receive one beam by all tubes: what is
+/// in doubt holds the energies that both receive of a place, and so the root of their product. `ordinary`,
 /// `lay_out`: by receiver.
 std::array<PairedParts, 2> paired_parts(const std::array<PairedBed, 2>& beds,
                                         const std::array<PairedTubes, 2>& tubes,

@@ -6,8 +6,8 @@
 
 #include "engine/certified/certified_path_energy.hpp"
 
-// The mean product of what two receivers on a receiver pair hear of a facet, in balls. Heavy: include only in
-// .cpp files.
+// The mean product of what two receivers on a receiver pair receive of a facet, in balls. Heavy: include only
+// in .cpp files.
 namespace tubefoot {
 
 /// The way by one of them: what the bed returns along it, and patterns.

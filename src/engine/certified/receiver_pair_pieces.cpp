@@ -101,7 +101,8 @@ void ReceiverPairPieces::add(OnFacet& on, const Seen& upper, const Seen& lower, 
         }};
   };
 
-  // Of places that one receiver hears next to a border, and of those that may or may not be common to both.
+  // Of places that one receiver receives next to a border, and of those that may or may not be common to
+  // both.
   const auto add_unsure = [&](std::size_t sample, std::span<const Ball> values) {
     on.samples.add(0, std::uint32_t(sample), 0, std::max(values[0].hi(), 0.0) / 2 * largest, found.unsure);
   };

@@ -11,7 +11,7 @@
 #include "engine/certified/paired_enclosure.hpp"
 #include "engine/certified/refracted_bins.hpp"
 
-// The mean product of what two receivers hear of facets that they see elsewhere than the transmitter,
+// The mean product of what two receivers receive of facets that they see elsewhere than the transmitter,
 // enclosed piece by piece. Heavy: include only in .cpp files.
 namespace tubefoot {
 

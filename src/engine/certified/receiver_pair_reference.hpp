@@ -6,10 +6,10 @@
 
 namespace tubefoot {
 
-/// What the two receivers of a receiver pair hear (receiver_pair_echo.hpp), enclosed: rows upper, lower, real
-/// and imaginary part of the cross product in place of beams. Bounds of the last two are held against the
-/// geometric mean of both energies. `law.patterns`: those of the fan alone (patterns_of_fan()). `ordinary` is
-/// integrate_receiver_pair_echo()'s and only guides the work.
+/// What the two receivers of a receiver pair receive (receiver_pair_echo.hpp), enclosed: rows upper, lower,
+/// real and imaginary part of the cross product in place of beams. Bounds of the last two are held against
+/// the geometric mean of both energies. `law.patterns`: those of the fan alone (patterns_of_fan()).
+/// `ordinary` is integrate_receiver_pair_echo()'s and only guides the work.
 CertifiedEcho certify_receiver_pair_echo(const FacetMesh& mesh, const ReceiverPairHistory& history,
                                          double grid_unit_m, const ReceiverBaseline& receiver_pair,
                                          const RangeSamples& samples, const EchoLaw& law,

@@ -5,7 +5,7 @@
 
 namespace tubefoot {
 
-/// Encloses what the two receivers of a fan's receiver pair hear through refracting water: rows as
+/// Encloses what the two receivers of a fan's receiver pair receive through refracting water: rows as
 /// certify_receiver_pair_echo() has them. Each receiver is an end of a path of its own, whose rays lead to
 /// its true place; tubes look from the grid point next to it, in directions about it. So energies are those
 /// of two paths, and the phase between them is that of the times along both arcs home.

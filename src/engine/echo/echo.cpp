@@ -42,21 +42,21 @@ void check_one_apex(const Sight& sight, const ReceiveBeams& beams, const RangeSa
 
 void check_two_apexes(const BistaticHistory& history, const ReceiveBeams& beams, const RangeSamples& samples,
                       const EchoLaw& law, const Quadrature& how) {
-  const std::size_t sent = history.transmit.tubes.size(), heard = history.receive.tubes.size();
-  if (beams.of_tube.size() != heard)
-    refuse(fmt::format("the receiver has {} tubes, but {} have a beam", heard, beams.of_tube.size()));
+  const std::size_t sent = history.transmit.tubes.size(), received = history.receive.tubes.size();
+  if (beams.of_tube.size() != received)
+    refuse(fmt::format("the receiver has {} tubes, but {} have a beam", received, beams.of_tube.size()));
   for (const std::uint32_t beam : beams.of_tube)
     if (beam >= std::uint32_t(beams.count))
       refuse(fmt::format("a tube belongs to beam {} of {}", beam, beams.count));
   const bool fans = !beams.fan_of_transmit_tube.empty() || !beams.fan_of_receive_tube.empty();
-  if (fans && (beams.fan_of_transmit_tube.size() != sent || beams.fan_of_receive_tube.size() != heard))
+  if (fans && (beams.fan_of_transmit_tube.size() != sent || beams.fan_of_receive_tube.size() != received))
     refuse("fans must be given for all transmit and all receive tubes, or for none");
   if (!law.path.facet_factor.empty()) refuse("apparent facets belong to one apex, not to two");
   if (!history.paired.empty() && history.paired.size() != history.shared.facets.size())
     refuse("the history's paired facets belong to other facets");
   if (!(how.path_tolerance > 0))
     refuse(fmt::format("a tolerance must be above 0, not {}", how.path_tolerance));
-  if (law.patterns != nullptr) check(*law.patterns, beams, heard);
+  if (law.patterns != nullptr) check(*law.patterns, beams, received);
   const double last = samples.first_m + samples.count * samples.step_m;
   if (samples.count < 1 || !(samples.first_m >= 0) || !std::isfinite(last) || !(samples.step_m > 0))
     refuse(fmt::format(

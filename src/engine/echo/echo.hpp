@@ -24,12 +24,12 @@ enum class Binning {
 Binning binning_from_name(std::string_view name);
 std::string_view name_of(Binning binning);
 
-/// Which beams hear what.
+/// Which beams receive what.
 struct ReceiveBeams {
   int count = 0;
   std::span<const std::uint32_t> of_tube;  ///< the beam that a tube of the way home belongs to
-  /// Fans of the tubes of two apexes: a receiver hears the transmissions of its own fan only. Both empty: one
-  /// fan.
+  /// Fans of the tubes of two apexes: a receiver receives the transmissions of its own fan only. Both empty:
+  /// one fan.
   std::span<const std::uint32_t> fan_of_transmit_tube{}, fan_of_receive_tube{};
 
   bool in_one_fan(std::uint32_t transmit_tube, std::uint32_t receive_tube) const {
@@ -52,7 +52,7 @@ struct Quadrature {
 };
 
 /// Energy [J] per beam and range sample of one ping, beam-major: energy[beam * samples + sample]. With
-/// baselines (BeamPatterns) that is what the upper receiver hears, and three more such blocks follow.
+/// baselines (BeamPatterns) that is what the upper receiver receives, and three more such blocks follow.
 struct Echo {
   int beams = 0;
   int samples = 0;
@@ -70,7 +70,7 @@ struct Echo {
 /// One apex: footprints are cut at the samples' borders, arcs on the facet, and integrated, range in closed
 /// form, with patterns or texture by polar moments (pattern_integral.hpp); or they are binned as
 /// `how.binning` says, which reads what measure() filled, the law and the texture taken at the centroid. A
-/// ray's hit falls into the sample that holds its range. With patterns a beam hears the tubes that
+/// ray's hit falls into the sample that holds its range. With patterns a beam receives the tubes that
 /// `law.patterns->beams_of_tube` says.
 ///
 /// Two apexes: cells between ellipses (path_cut.hpp), Lambert's law being mu sin(out) sin(home) and another
@@ -101,7 +101,7 @@ struct Contribution {
 /// ordered by footprint, beam and sample. For each beam and sample they sum to the echo's energy but for
 /// rounding (with beam patterns: rounding of their peak).
 ///
-/// With patterns every footprint is heard by every beam of its fan. `least_share` leaves out what is less
+/// With patterns every footprint is received by every beam of its fan. `least_share` leaves out what is less
 /// than this times the energy of its beam and sample in `echo` (which integrate_echo() made), but never a
 /// footprint's largest contribution; 0 keeps everything that is not zero. Throws as integrate_echo().
 std::vector<Contribution> contributions(const Sight& sight, const ReceiveBeams& beams,
@@ -111,14 +111,14 @@ std::vector<Contribution> contributions(const Sight& sight, const ReceiveBeams& 
 /// What each footprint adds to an echo, over all range samples, in the order of the footprints. Joule per
 /// J/sr sent at 1 m, as Echo.
 struct FootprintEnergies {
-  std::vector<double> all_beams;  ///< in all beams that hear it: these sum to the sum of the echo
-  /// In the beam that its tube belongs to. Without patterns no other beam hears it.
+  std::vector<double> all_beams;  ///< in all beams that receive it: these sum to the sum of the echo
+  /// In the beam that its tube belongs to. Without patterns no other beam receives it.
   std::vector<double> own_beam;
 };
 
 /// The energies that integrate() puts into its bins, by footprint instead. `footprints`: the Sight's, number
 /// by number (of two apexes: path_footprints.hpp). A footprint's own beam is `beam_of_footprint_tube`'s of
-/// its tube. With baselines: what the transmitter's own place would hear.
+/// its tube. With baselines: what the transmitter's own place would receive.
 FootprintEnergies footprint_energies(const FootprintSet& footprints, const Sight& sight,
                                      std::span<const std::uint32_t> beam_of_footprint_tube,
                                      const ReceiveBeams& beams, const RangeSamples& samples,

@@ -99,8 +99,8 @@ void moments_of_quadratics(std::size_t count, const double* at, const double* ow
 }
 
 TUBEFOOT_VECTOR_CLONES
-void heard_of(const double* rows, std::size_t row_size, std::size_t count, const double* coefficients,
-              std::size_t functions, std::size_t stride, double* energy) {
+void received_of(const double* rows, std::size_t row_size, std::size_t count, const double* coefficients,
+                 std::size_t functions, std::size_t stride, double* energy) {
   for (std::size_t f = 0; f < functions; ++f) {
     const FourThere* own = fours(coefficients + 12 * f);
     const Four own0 = own[0], own1 = own[1], own2 = own[2];
@@ -163,9 +163,9 @@ void add_end_moments(const EdgeNodes& nodes, std::size_t first, std::size_t end,
     moments_of_quadratics(end - first, x, own0, own1, own2, row);
 }
 
-void add_heard(const double* rows, std::size_t row_size, std::size_t count, const double* coefficients,
-               std::size_t functions, std::size_t stride, double* energy) {
-  heard_of(rows, row_size, count, coefficients, functions, stride, energy);
+void add_received(const double* rows, std::size_t row_size, std::size_t count, const double* coefficients,
+                  std::size_t functions, std::size_t stride, double* energy) {
+  received_of(rows, row_size, count, coefficients, functions, stride, energy);
 }
 
 }  // namespace tubefoot

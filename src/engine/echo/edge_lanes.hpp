@@ -55,7 +55,7 @@ void add_end_moments(const EdgeNodes& nodes, std::size_t first, std::size_t end,
 
 /// Adds to energy[f * stride + k], f < functions, k < count, the products of the 12 moments that row k begins
 /// with and the f-th of `coefficients`.
-void add_heard(const double* rows, std::size_t row_size, std::size_t count, const double* coefficients,
-               std::size_t functions, std::size_t stride, double* energy);
+void add_received(const double* rows, std::size_t row_size, std::size_t count, const double* coefficients,
+                  std::size_t functions, std::size_t stride, double* energy);
 
 }  // namespace tubefoot

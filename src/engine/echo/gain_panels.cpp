@@ -197,9 +197,9 @@ void DirectionMoments::finish(std::size_t first_beam, std::size_t samples, std::
   cross_borders();
   for (std::size_t number = 0; number < blocks_.size(); ++number) {
     const std::size_t first = blocks_[number].block * std::size_t(samples_of_block);
-    add_heard(block(number), row_size, std::min<std::size_t>(samples_of_block, samples - first),
-              gains_->coefficients(blocks_[number].panel, 0), gains_->functions(), samples,
-              energy.data() + first_beam * samples + first);
+    add_received(block(number), row_size, std::min<std::size_t>(samples_of_block, samples - first),
+                 gains_->coefficients(blocks_[number].panel, 0), gains_->functions(), samples,
+                 energy.data() + first_beam * samples + first);
   }
 }
 

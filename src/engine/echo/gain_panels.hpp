@@ -64,8 +64,8 @@ struct CosineSpan {
   std::array<double, 3> level;  ///< weight per cosine = sum of level[k] (cosine - origin)^k
 };
 
-/// What a receiver's beams hear as functions of one cosine, summed up before any beam is looked at: for each
-/// range sample and panel the moments sum of weight x^i, i < terms. A direction costs `terms` products
+/// What a receiver's beams receive as functions of one cosine, summed up before any beam is looked at: for
+/// each range sample and panel the moments sum of weight x^i, i < terms. A direction costs `terms` products
 /// however many beams there are.
 class DirectionMoments {
  public:

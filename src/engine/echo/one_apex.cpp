@@ -26,7 +26,7 @@ namespace {
 
 constexpr std::uint32_t nowhere = std::numeric_limits<std::uint32_t>::max();
 
-/// Beams that hear what is in their own tubes, all of it alike.
+/// Beams that receive what is in their own tubes, all of it alike.
 BeamPatterns ideal_beams(const ReceiveBeams& beams) {
   BeamPatterns patterns;
   patterns.transmit.resize(1);
@@ -122,11 +122,11 @@ class OneApex {
     if (!how_.by_owner) return;
     const std::uint32_t tube = tube_of(number);
     const auto [first, end] = finder_.between(near_m_ - spread_m_, far_m_ + spread_m_);
-    std::pair<std::uint32_t, std::uint32_t> heard{beams_.of_tube[tube], beams_.of_tube[tube] + 1};
-    if (law_.patterns != nullptr) heard = law_.patterns->beams_of_tube[tube];
+    std::pair<std::uint32_t, std::uint32_t> received{beams_.of_tube[tube], beams_.of_tube[tube] + 1};
+    if (law_.patterns != nullptr) received = law_.patterns->beams_of_tube[tube];
     const auto samples = std::size_t(samples_.count);
     for (std::size_t channel = 0; channel < energy_.size(); channel += std::size_t(beams_.count) * samples)
-      for (std::uint32_t beam = heard.first; beam < heard.second; ++beam) {
+      for (std::uint32_t beam = received.first; beam < received.second; ++beam) {
         const std::size_t row = channel + beam * samples;
         for (std::size_t k = first; k < end; ++k)
           if (const double energy = std::exchange(energy_[row + k], 0); energy != 0)
@@ -316,7 +316,7 @@ class OneApex {
     return mu;
   }
   /// Puts energy that comes from one direction, evenly from slant ranges near to far (or all from one), into
-  /// the rows of the beams that hear the tube. The direction, a unit vector, is asked for only where there
+  /// the rows of the beams that receive the tube. The direction, a unit vector, is asked for only where there
   /// are patterns. The receivers of a receiver pair have ranges of their own; visibility and loss are the
   /// transmitter's.
   template <class Direction>
@@ -337,10 +337,11 @@ class OneApex {
     for (std::uint32_t beam = first; beam < end; ++beam) {
       const double received = patterns.receive[beam].gain(d);
       if (!patterns.receives(beam, sent * received)) continue;
-      const double heard = energy_sent * received;
+      const double received_energy = energy_sent * received;
       double* row = energy_.data() + beam * samples;
       if (patterns.baselines.empty()) {
-        finder_.share(near_m, far_m, 0, 0, [&](std::size_t k, double part) { row[k] += part * heard; });
+        finder_.share(near_m, far_m, 0, 0,
+                      [&](std::size_t k, double part) { row[k] += part * received_energy; });
         continue;
       }
       const ReceiverBaseline& baseline = patterns.baselines[fan];
@@ -348,10 +349,11 @@ class OneApex {
       // Half a path is longer than the range from the transmitter by half of the difference.
       const double upper = (baseline.range_from(1, range_m, cosine) - range_m) / 2,
                    lower = (baseline.range_from(-1, range_m, cosine) - range_m) / 2;
-      const std::complex<double> cross = heard * baseline.product(range_m, cosine);
-      finder_.share(near_m, far_m, upper, upper, [&](std::size_t k, double part) { row[k] += part * heard; });
+      const std::complex<double> cross = received_energy * baseline.product(range_m, cosine);
+      finder_.share(near_m, far_m, upper, upper,
+                    [&](std::size_t k, double part) { row[k] += part * received_energy; });
       finder_.share(near_m, far_m, lower, lower,
-                    [&](std::size_t k, double part) { row[channel + k] += part * heard; });
+                    [&](std::size_t k, double part) { row[channel + k] += part * received_energy; });
       finder_.share(near_m, far_m, std::min(upper, lower), std::max(upper, lower),
                     [&](std::size_t k, double part) {
                       row[2 * channel + k] += part * cross.real();

@@ -80,9 +80,10 @@ void Smoothness::take(const FacetBed& bed) {
   angle_rad = std::min(angle_rad, 0.1);  // rules of few nodes do not see a corner
 }
 
-void Smoothness::take(const Directivity& sent, const Directivity& heard) {
-  angle_rad = std::min(angle_rad, resolution_of([&](double y) { return sent.growth(y) + heard.growth(y); }));
-  for (const Directivity* pattern : {&sent, &heard})
+void Smoothness::take(const Directivity& sent, const Directivity& received) {
+  angle_rad =
+      std::min(angle_rad, resolution_of([&](double y) { return sent.growth(y) + received.growth(y); }));
+  for (const Directivity* pattern : {&sent, &received})
     tables = tables || pattern->kind == Directivity::Kind::table;
 }
 

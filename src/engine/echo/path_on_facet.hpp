@@ -98,7 +98,7 @@ struct Smoothness {
 
   void take(const FacetBed& bed);
   /// Patterns that are multiplied.
-  void take(const Directivity& sent, const Directivity& heard);
+  void take(const Directivity& sent, const Directivity& received);
   PathCutter::Work work(double tolerance) const;
 };
 

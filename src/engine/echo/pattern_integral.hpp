@@ -57,10 +57,9 @@ class PatternIntegrator {
   PatternIntegrator(std::span<const double> borders_m, double beta_per_m, const BeamPatterns& patterns,
                     double tolerance);
 
-  /// Adds factor times the integral to energy[beam * samples + sample] for all beams that hear the tube, at
-  /// the latest in finish().
-  /// `law`: by the angle that the polygon's plane is seen at; it must live until finish(). None: r^-2
-  /// instead, which is Lambert's but for a factor.
+  /// Adds factor times the integral to energy[beam * samples + sample] for all beams that receive the tube,
+  /// at the latest in finish(). `law`: by the angle that the polygon's plane is seen at; it must live until
+  /// finish(). None: r^-2 instead, which is Lambert's but for a factor.
   void add(const PlanarPolygon& polygon, const FacetPlane& plane, const PlaneFrame& frame, std::uint32_t tube,
            double factor, std::span<double> energy, const ScatteringLaw* law = nullptr,
            const PlacedTexture& texture = {});

@@ -125,24 +125,24 @@ std::unique_ptr<PatternIntegrator::Receiver> PatternIntegrator::make_receiver(st
   made->first = first;
   made->end = end;
   const std::span<const Directivity> sent = patterns_.transmit[fan].beams,
-                                     heard = std::span(patterns_.receive).subspan(first, end - first);
-  made->uniform = std::all_of(heard.begin(), heard.end(), is_uniform);
+                                     received = std::span(patterns_.receive).subspan(first, end - first);
+  made->uniform = std::all_of(received.begin(), received.end(), is_uniform);
   const bool all_sent = std::all_of(sent.begin(), sent.end(), is_uniform);
-  const auto sent_axis = common_axis(sent), heard_axis = common_axis(heard);
+  const auto sent_axis = common_axis(sent), received_axis = common_axis(received);
   const auto sent_growth = [sent](double y) { return growth_of(sent, y); };
-  const auto heard_growth = [heard](double y) { return growth_of(heard, y); };
-  const auto both_growth = [=](double y) { return sent_growth(y) + heard_growth(y); };
+  const auto received_growth = [received](double y) { return growth_of(received, y); };
+  const auto both_growth = [=](double y) { return sent_growth(y) + received_growth(y); };
 
-  // What is heard, and what is sent with it.
-  const bool gather = patterns_.least.empty() && heard_axis && heard.size() >= fewest_for_moments;
-  const bool join = gather && (all_sent || sent_axis == heard_axis);
+  // What is received, and what is sent with it.
+  const bool gather = patterns_.least.empty() && received_axis && received.size() >= fewest_for_moments;
+  const bool join = gather && (all_sent || sent_axis == received_axis);
   if (gather) {
     made->moments_axis = 0;
     made->axes.emplace_back();
-    made->axes.back().direction = *heard_axis;
-    made->moments.emplace(gains_of(join ? sent : sent.first(0), heard, tolerance_));
+    made->axes.back().direction = *received_axis;
+    made->moments.emplace(gains_of(join ? sent : sent.first(0), received, tolerance_));
   } else if (!made->uniform) {
-    for (const Directivity& beam : heard) {
+    for (const Directivity& beam : received) {
       made->receive.emplace_back();
       if (!is_uniform(beam)) made->receive.back() = term(*made, {&beam, 1});
     }
@@ -173,16 +173,16 @@ std::unique_ptr<PatternIntegrator::Receiver> PatternIntegrator::make_receiver(st
       if (made->axes[k].direction == *axis) place = k;
     return place;
   };
-  const auto sent_place = axis_of(sent_axis, sent), heard_place = axis_of(heard_axis, heard);
+  const auto sent_place = axis_of(sent_axis, sent), received_place = axis_of(received_axis, received);
   const auto add = [&](const std::function<double(double)>& growth, std::optional<std::size_t> axis,
                        bool angle) {
     made->changes.push_back({NodeCount(growth, tolerance_), axis, angle});
   };
-  if (all_sent || made->uniform || sent_place == heard_place) {
-    add(both_growth, made->uniform ? sent_place : heard_place, by_angle(sent) || by_angle(heard));
+  if (all_sent || made->uniform || sent_place == received_place) {
+    add(both_growth, made->uniform ? sent_place : received_place, by_angle(sent) || by_angle(received));
   } else {
     add(sent_growth, sent_place, by_angle(sent));
-    add(heard_growth, heard_place, by_angle(heard));
+    add(received_growth, received_place, by_angle(received));
   }
   return made;
 }

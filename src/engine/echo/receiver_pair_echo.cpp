@@ -36,7 +36,7 @@ class ReceiverPairIntegral {
       : history_(history),
         receiver_pair_(receiver_pair),
         sent_(laws[0]->patterns->transmit[fan]),
-        heard_(laws[0]->patterns->receive[beam]),
+        received_(laws[0]->patterns->receive[beam]),
         least_(laws[0]->patterns->least.empty() ? 0 : laws[0]->patterns->least[beam]),
         laws_(laws),
         cutter_(borders) {
@@ -44,9 +44,9 @@ class ReceiverPairIntegral {
     at_m_ = {history.middle_m + half, history.middle_m - half};
     for (const EchoLaw* law : laws_)
       patterns_.angle_rad = std::min(patterns_.angle_rad, smooth_angle_rad(law->path));
-    for (const Directivity& beam_sent : sent_.beams) patterns_.take(beam_sent, heard_);
+    for (const Directivity& beam_sent : sent_.beams) patterns_.take(beam_sent, received_);
     patterns_.limited = least_ > 0;
-    weighed_ = heard_.kind != Directivity::Kind::uniform || sent_.beams.size() != 1 ||
+    weighed_ = received_.kind != Directivity::Kind::uniform || sent_.beams.size() != 1 ||
                sent_.beams[0].kind != Directivity::Kind::uniform;
     phase_rad_ = resolution_of(
         [&](double y) { return receiver_pair.wavenumber_rad_m * receiver_pair.baseline_m * y; });
@@ -145,7 +145,7 @@ class ReceiverPairIntegral {
     if (!weighed_ && !path.over_mirrors()) return density;
     const glm::dvec3 there = path.out.direction(p, out), back = path.home.direction(p, home);
     if (path.over_mirrors()) density *= path.passed(there, back);
-    const double gain = weighed_ ? sent_.gain(there) * heard_.gain(back) : 1;
+    const double gain = weighed_ ? sent_.gain(there) * received_.gain(back) : 1;
     return gain >= least_ ? density * gain : 0;
   }
 
@@ -193,7 +193,7 @@ class ReceiverPairIntegral {
   const ReceiverPairHistory& history_;
   const ReceiverBaseline& receiver_pair_;
   const TransmitPattern& sent_;
-  const Directivity& heard_;
+  const Directivity& received_;
   double least_;                        // two-way gain that is received
   std::array<const EchoLaw*, 2> laws_;  // by receiver
   PathCutter cutter_;
@@ -249,8 +249,8 @@ ReceiverPairHistory trace_receiver_pair(const FacetMesh& mesh, const SceneTree& 
   history.transmit = std::move(transmit);
   const auto sent = look(mesh, tree, history.transmit, options);
   const auto share = [&](const TubeSet& tubes, SharedFootprints& shared) {
-    const auto heard = look(mesh, tree, tubes, options);
-    shared = FootprintSharer(mesh, {history.transmit, sent}, {tubes, heard}, grid_unit_m).all();
+    const auto received = look(mesh, tree, tubes, options);
+    shared = FootprintSharer(mesh, {history.transmit, sent}, {tubes, received}, grid_unit_m).all();
   };
   share(history.upper, history.by_upper);
   share(history.lower, history.by_lower);

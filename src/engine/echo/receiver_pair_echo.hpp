@@ -7,7 +7,7 @@
 #include "geometry/search/scene_tree.hpp"
 #include "geometry/visibility/visibility.hpp"
 
-// Two receivers on a receiver pair: what each of them hears, and how much alike that is. docs/sensors.md
+// Two receivers on a receiver pair: what each of them receives, and how much alike that is. docs/sensors.md
 namespace tubefoot {
 
 /// What a fan's transmission met that the two receivers on its receiver pair see. A path is transmit apex ->

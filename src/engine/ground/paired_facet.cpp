@@ -87,12 +87,12 @@ class Rays {
 
 /// What a corner returns apart from scattering and area, over what the straight law makes of it: the
 /// transmitter's energy over the area of its ray tube there, and the receiver's over that back from there.
-double spreading(const Straightening& receive, const Eigenray& sent, const Eigenray& heard,
+double spreading(const Straightening& receive, const Eigenray& sent, const Eigenray& received,
                  const glm::dvec3& at_m, double there_m, double back_m, double absorption_db_per_m) {
   const double beyond_db =
-      sent.absorption_db + heard.absorption_db - absorption_db_per_m * (there_m + back_m);
+      sent.absorption_db + received.absorption_db - absorption_db_per_m * (there_m + back_m);
   return there_m * there_m / sent.tube_area_m2_per_sr * (back_m * back_m) /
-         receive.return_area_m2_per_sr(at_m, heard) * std::exp(-beyond_db * std::numbers::ln10 / 10);
+         receive.return_area_m2_per_sr(at_m, received) * std::exp(-beyond_db * std::numbers::ln10 / 10);
 }
 
 }  // namespace
@@ -142,10 +142,10 @@ std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const Fac
                                        const ApparentEnd& transmit_end, const ApparentEnd& receive_end,
                                        const WorldGrid& grid, double absorption_db_per_m) {
   const Straightening &transmit = transmit_end.water, &receive = receive_end.water;
-  const ApparentGround &sent_to = transmit_end.ground, &heard_from = receive_end.ground;
+  const ApparentGround &sent_to = transmit_end.ground, &received_from = receive_end.ground;
   std::vector<PairedFacet> paired;
   paired.reserve(shared.facets.size());
-  Rays sent(transmit), heard(receive);
+  Rays sent(transmit), received(receive);
   // Apexes are grid points.
   const glm::dvec3 transmit_apex = transmit.apex_m(), receive_apex = receive.apex_m();
   for (const SharedFacet& of : shared.facets) {
@@ -155,7 +155,7 @@ std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const Fac
     const auto take = [&] {
       for (std::size_t k = 0; k < 3; ++k) {
         from_t[k] = grid.to_metres(sent_to.refined.mesh.vertices[vertex[k]]) - transmit_apex;
-        from_r[k] = grid.to_metres(heard_from.refined.mesh.vertices[vertex[k]]) - receive_apex;
+        from_r[k] = grid.to_metres(received_from.refined.mesh.vertices[vertex[k]]) - receive_apex;
         lies[k] = sent_to.truth[vertex[k]];
       }
     };
@@ -168,7 +168,7 @@ std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const Fac
     const LaidOutFacet laid = lay_out_between(from_t, from_r, lies);
     PairedFacet& facet = paired.emplace_back(laid.facet);
     for (std::size_t k = 0; k < 3; ++k) {
-      const Eigenray &out = sent.to(vertex[k], lies[k]), &home = heard.to(vertex[k], lies[k]);
+      const Eigenray &out = sent.to(vertex[k], lies[k]), &home = received.to(vertex[k], lies[k]);
       PairedFacet::Corner& corner = facet.corners[k];
       corner.transmit_lies = grazing_sine(laid.normal, transmit.arrival_direction(lies[k], out));
       corner.receive_lies = grazing_sine(laid.normal, receive.arrival_direction(lies[k], home));

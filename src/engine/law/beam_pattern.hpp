@@ -99,12 +99,12 @@ struct ReceiverBaseline {
 };
 
 /// The patterns of a sonar at one pose, in the local frame. Beams belong to fans (one transmission and one
-/// receiver each): a beam with a receive pattern hears all tubes of its fan, one without only its own.
+/// receiver each): a beam with a receive pattern receives all tubes of its fan, one without only its own.
 struct BeamPatterns {
   std::vector<TransmitPattern> transmit;   ///< by fan
   std::vector<Directivity> receive;        ///< by beam
   std::vector<std::uint32_t> fan_of_tube;  ///< by tube
-  /// By tube: the beams [first, second) that hear it.
+  /// By tube: the beams [first, second) that receive it.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> beams_of_tube;
   /// By fan, or none. With baselines an echo has four channels: energies of the upper and of the lower
   /// receiver, each by its own range, and the real and the imaginary part of energies times Fringe::product

@@ -60,8 +60,8 @@ void check(const EchoLaw& law);
 /// beta [1/m] of the one-way energy factor exp(-beta r) = 10^(-alpha r / 10), alpha in dB/m.
 double absorption_per_m(double absorption_db_per_m);
 
-/// The patterns by directions that images send in and hear from: those of the true apexes are the patterns'
-/// own.
+/// The patterns by directions that images send in and receive from: those of the true apexes are the
+/// patterns' own.
 BeamPatterns as_images_have(const BeamPatterns& patterns, const Path& path);
 
 /// The patterns of one fan of two receivers (one beam) alone, for `tubes` tubes of it.

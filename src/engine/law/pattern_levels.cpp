@@ -100,17 +100,17 @@ double one_way_peak(const Directivity& p) { return p.gain_at(peak_cosine(p)); }
 
 }  // namespace
 
-double two_way_peak(const TransmitPattern& sent, const Directivity& heard) {
-  const auto gain = [&](glm::dvec3 d) { return sent.gain(d) * heard.gain(d); };
-  if (sent.beams.size() == 1 && sent.beams[0].kind == Kind::uniform) return one_way_peak(heard);
+double two_way_peak(const TransmitPattern& sent, const Directivity& received) {
+  const auto gain = [&](glm::dvec3 d) { return sent.gain(d) * received.gain(d); };
+  if (sent.beams.size() == 1 && sent.beams[0].kind == Kind::uniform) return one_way_peak(received);
   constexpr int around = 72, around_each = 24;
   Summit summit(gain);
-  const double heard_cosine = peak_cosine(heard);
-  summit.visit_cone(heard.axis, heard_cosine, around);
+  const double received_cosine = peak_cosine(received);
+  summit.visit_cone(received.axis, received_cosine, around);
   for (const Directivity& beam : sent.beams) {
     const double cosine = peak_cosine(beam);
     summit.visit_cone(beam.axis, cosine, around_each);
-    summit.visit_crossing(beam.axis, cosine, heard.axis, heard_cosine);
+    summit.visit_crossing(beam.axis, cosine, received.axis, received_cosine);
   }
   return summit.climbed();
 }
@@ -124,11 +124,12 @@ std::vector<double> gains_below_peak(const BeamPatterns& patterns, double level_
       fan[beam] = patterns.fan_of_tube[tube];
   std::vector<double> least;
   for (std::size_t beam = 0; beam < fan.size(); ++beam) {
-    const Directivity& heard = patterns.receive[beam];
-    double peak = 0;  // of a beam that hears no tube
+    const Directivity& received = patterns.receive[beam];
+    double peak = 0;  // of a beam that receives no tube
     if (fan[beam]) {
       const TransmitPattern& sent = patterns.transmit[*fan[beam]];
-      peak = apart ? two_way_peak(sent, Directivity()) * one_way_peak(heard) : two_way_peak(sent, heard);
+      peak =
+          apart ? two_way_peak(sent, Directivity()) * one_way_peak(received) : two_way_peak(sent, received);
     }
     least.push_back(factor * peak);
   }
@@ -138,7 +139,7 @@ std::vector<double> gains_below_peak(const BeamPatterns& patterns, double level_
 std::vector<double> receive_gains_below_peak(const BeamPatterns& patterns, double level_db) {
   const double factor = std::pow(10, -level_db / 10);
   std::vector<double> least;
-  for (const Directivity& heard : patterns.receive) least.push_back(factor * one_way_peak(heard));
+  for (const Directivity& received : patterns.receive) least.push_back(factor * one_way_peak(received));
   return least;
 }
 

@@ -9,7 +9,7 @@
 namespace tubefoot {
 
 /// Largest product of both gains over all directions, transmitter and receiver being at one place.
-double two_way_peak(const TransmitPattern& sent, const Directivity& heard);
+double two_way_peak(const TransmitPattern& sent, const Directivity& received);
 
 /// By beam: the two-way gain that lies `level_db` below the two-way peak of the beam (BeamPatterns::least).
 /// `apart`: transmitter and receiver see a place in directions of their own, so that the peak is the product

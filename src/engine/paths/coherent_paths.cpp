@@ -32,12 +32,12 @@ class ImageFrame {
   glm::dvec3 image_of(glm::dvec3 place_m, const Image& image) const {
     return image_of_place(place_m, image.chain, apex_, apex_m_, unit_m_);
   }
-  SignalChannel image_of(SignalChannel channel, const Image& sent, const Image& heard) const {
+  SignalChannel image_of(SignalChannel channel, const Image& sent, const Image& received) const {
     channel.transmit_m = image_of(channel.transmit_m, sent);
-    channel.receive_m = image_of(channel.receive_m, heard);
+    channel.receive_m = image_of(channel.receive_m, received);
     // As as_images_have() has it.
     channel.transmit.axis = glm::transpose(sent.leg.to_true) * channel.transmit.axis;
-    channel.receive.axis = glm::transpose(heard.leg.to_true) * channel.receive.axis;
+    channel.receive.axis = glm::transpose(received.leg.to_true) * channel.receive.axis;
     return channel;
   }
 
@@ -81,28 +81,28 @@ void for_coherent_paths(const PathImages& images, const EchoLaw& law, std::span<
   const ImageFrame frame(images, law);
   EchoLaw own = law;
   own.patterns = nullptr;
-  const auto tell = [&](const Image& sent, const Image& heard, const BistaticHistory& seen) {
+  const auto tell = [&](const Image& sent, const Image& received, const BistaticHistory& seen) {
     stop_if_wanted();
     CoherentPath path;
-    path.order = sent.mirrors + heard.mirrors + 1;
+    path.order = sent.mirrors + received.mirrors + 1;
     path.sent = &sent;
-    path.heard = &heard;
+    path.received = &received;
     path.patches = patches_between(seen, frame.place_m(sent));
     for (const SignalChannel& channel : channels)
-      path.channels.push_back(frame.image_of(channel, sent, heard));
-    path.law = images.law(sent, heard, own, {}).law;
-    path.phase = sent.phase * heard.phase;
+      path.channels.push_back(frame.image_of(channel, sent, received));
+    path.law = images.law(sent, received, own, {}).law;
+    path.phase = sent.phase * received.phase;
     take(path);
   };
   for (const ImagePair& pair : images.pairs()) {
-    const Image &sent = images.sent()[pair.sent], &heard = images.heard()[pair.heard];
-    BistaticHistory seen = images.history(sent, heard);
+    const Image &sent = images.sent()[pair.sent], &received = images.received()[pair.received];
+    BistaticHistory seen = images.history(sent, received);
     if (seen.shared.pieces.empty()) continue;
-    tell(sent, heard, seen);
-    if (!images.one_place() || &sent == &heard) continue;
+    tell(sent, received, seen);
+    if (!images.one_place() || &sent == &received) continue;
     std::swap(seen.transmit, seen.receive);
     seen.shared = exchanged(std::move(seen.shared));
-    tell(heard, sent, seen);
+    tell(received, sent, seen);
   }
 }
 
@@ -112,7 +112,7 @@ void for_coherent_arrivals(const PathImages& images, const EchoLaw& law,
   check_coherent(images, channels);
   const ImageFrame frame(images, law);
   const double beta = absorption_per_m(law.absorption_db_per_m);
-  const glm::dvec3 receiver_m = frame.place_m(images.heard().front());
+  const glm::dvec3 receiver_m = frame.place_m(images.received().front());
   for (const Image& sent : images.arriving()) {
     const MirrorLoss& loss = sent.leg.loss;
     if (!(loss.at(glm::normalize(receiver_m - frame.place_m(sent))) > images.least())) continue;

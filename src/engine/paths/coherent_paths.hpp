@@ -20,11 +20,11 @@ namespace tubefoot {
 glm::dvec3 image_of_place(glm::dvec3 place_m, std::span<const MirrorPlane> chain, GridPoint apex,
                           glm::dvec3 apex_m, double grid_unit_m);
 
-/// What is scattered once between two images, as channels hear it: of straight ways between images of their
-/// ends, by a law with the mirrors' losses, times `phase`.
+/// What is scattered once between two images, as channels receive it: of straight ways between images of
+/// their ends, by a law with the mirrors' losses, times `phase`.
 struct CoherentPath {
   std::size_t order = 0;  ///< interactions: reflections and the scattering
-  const Image *sent = nullptr, *heard = nullptr;
+  const Image *sent = nullptr, *received = nullptr;
   SeenPatches patches;
   std::vector<SignalChannel> channels;  ///< as they were given, but images
   EchoLaw law;

@@ -25,8 +25,8 @@ class EnclosedImages {
                  std::initializer_list<std::span<const Image>> lists);
   ~EnclosedImages();
 
-  PairedBed bed_between(const Image& sent, const Image& heard) const {
-    return images_.bed_between(sent, heard);
+  PairedBed bed_between(const Image& sent, const Image& received) const {
+    return images_.bed_between(sent, received);
   }
   /// No wall of its windows is farther from where it should be; 0 of an end's own tubes.
   double off_rad(const Image& image) const;

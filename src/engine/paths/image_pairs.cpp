@@ -41,15 +41,15 @@ std::vector<std::uint32_t> of_windows(const Image& image, std::span<const std::u
 
 }  // namespace
 
-PairLaw::PairLaw(const Image& sent, const Image& heard, GridPoint true_apex, double grid_unit_m,
+PairLaw::PairLaw(const Image& sent, const Image& received, GridPoint true_apex, double grid_unit_m,
                  const EchoLaw& of_apexes, const ReceiveBeams& all, const FacetMesh* bed)
     : law(of_apexes),
-      beam(of_windows(heard, all.of_tube)),
+      beam(of_windows(received, all.of_tube)),
       from(of_windows(sent, all.fan_of_transmit_tube)),
-      to(of_windows(heard, all.fan_of_receive_tube)),
+      to(of_windows(received, all.fan_of_receive_tube)),
       beams{all.count, beam, from, to} {
   if (bed != nullptr) law.material = bed->material;
-  law.path.home = heard.leg;
+  law.path.home = received.leg;
   law.path.out = sent.leg;
   const GridPoint apex = sent.windows.apex;
   law.path.out.apex_m =
@@ -58,18 +58,18 @@ PairLaw::PairLaw(const Image& sent, const Image& heard, GridPoint true_apex, dou
           grid_unit_m;
   if (of_apexes.patterns == nullptr) return;
   patterns = *of_apexes.patterns;
-  patterns.fan_of_tube = of_windows(heard, of_apexes.patterns->fan_of_tube);
+  patterns.fan_of_tube = of_windows(received, of_apexes.patterns->fan_of_tube);
   patterns.beams_of_tube.clear();
-  for (const std::uint32_t tube : heard.own_tube)
+  for (const std::uint32_t tube : received.own_tube)
     patterns.beams_of_tube.push_back(of_apexes.patterns->beams_of_tube[tube]);
   law.patterns = &patterns;
 }
 
-std::vector<ImagePair> pairs_of_images(std::span<const Image> sent, std::span<const Image> heard,
+std::vector<ImagePair> pairs_of_images(std::span<const Image> sent, std::span<const Image> received,
                                        bool one_place, int order, double least, std::size_t most) {
   std::vector<ImagePair> pairs;
-  const auto who = who_sees(heard);
-  std::vector<std::size_t> same, last(heard.size(), sent.size());
+  const auto who = who_sees(received);
+  std::vector<std::size_t> same, last(received.size(), sent.size());
   for (std::size_t i = 0; i < sent.size(); ++i) {
     stop_if_wanted();
     same.clear();
@@ -79,8 +79,8 @@ std::vector<ImagePair> pairs_of_images(std::span<const Image> sent, std::span<co
         if (std::exchange(last[at->second], i) != i) same.push_back(at->second);
     std::sort(same.begin(), same.end());
     for (const std::size_t j : same) {
-      const std::uint32_t mirrors = sent[i].mirrors + heard[j].mirrors;
-      if (mirrors > 0 && int(mirrors) < order && sent[i].largest * heard[j].largest > least)
+      const std::uint32_t mirrors = sent[i].mirrors + received[j].mirrors;
+      if (mirrors > 0 && int(mirrors) < order && sent[i].largest * received[j].largest > least)
         pairs.push_back({i, j});
     }
     if (pairs.size() > most)

@@ -13,21 +13,21 @@ namespace tubefoot {
 
 /// An image of the transmitter and one of the receiver, by their numbers.
 struct ImagePair {
-  std::size_t sent = 0, heard = 0;
+  std::size_t sent = 0, received = 0;
 };
 
 /// The pairs between which something may be scattered over mirrors: they see a facet in common, have fewer
 /// than `order` mirrors together, but one at least, and let pass more than `least`. `one_place`: both are the
 /// same images, and each two are a pair once. Throws std::length_error if there are more than `most`.
-std::vector<ImagePair> pairs_of_images(std::span<const Image> sent, std::span<const Image> heard,
+std::vector<ImagePair> pairs_of_images(std::span<const Image> sent, std::span<const Image> received,
                                        bool one_place, int order, double least, std::size_t most);
 
 /// The law and the beams between two images, made of those between their apexes, which outlive it.
 struct PairLaw {
   /// `true_apex`: of the transmitter. `bed`: the facets that are shared, where they are not those of `law`;
   /// null: they are.
-  PairLaw(const Image& sent, const Image& heard, GridPoint true_apex, double grid_unit_m, const EchoLaw& law,
-          const ReceiveBeams& beams, const FacetMesh* bed);
+  PairLaw(const Image& sent, const Image& received, GridPoint true_apex, double grid_unit_m,
+          const EchoLaw& law, const ReceiveBeams& beams, const FacetMesh* bed);
   PairLaw(const PairLaw&) = delete;
   PairLaw& operator=(const PairLaw&) = delete;
 

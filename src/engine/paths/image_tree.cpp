@@ -112,7 +112,7 @@ struct ImageFinder::State {
     });
   }
 
-  std::vector<Image> grow(TubeSet tubes, int most_mirrors, std::span<const GridPoint> heard_at) {
+  std::vector<Image> grow(TubeSet tubes, int most_mirrors, std::span<const GridPoint> received_at) {
     std::vector<Image> images(1);
     Image& root = images.front();
     root.windows = std::move(tubes);
@@ -122,10 +122,10 @@ struct ImageFinder::State {
     std::atomic<std::size_t> found{0};
     for (std::size_t first = 0, end = 1; first < end; first = end, end = images.size()) {
       const int mirrors = int(images[first].mirrors);
-      if (mirrors < most_mirrors || heard_at.empty())
+      if (mirrors < most_mirrors || received_at.empty())
         tbb::parallel_for(first, end, [&](std::size_t i) { look(images[i]); });
       if (mirrors >= most_mirrors) break;
-      const Wanted wanted{mirrors + 1 == most_mirrors ? heard_at : std::span<const GridPoint>(), found};
+      const Wanted wanted{mirrors + 1 == most_mirrors ? received_at : std::span<const GridPoint>(), found};
       std::vector<std::vector<Image>> children(end - first);
       tbb::parallel_for(first, end,
                         [&](std::size_t i) { children[i - first] = children_of(images[i], wanted); });
@@ -136,7 +136,7 @@ struct ImageFinder::State {
 
   /// Which images are kept, and how many of them there are so far.
   struct Wanted {
-    std::span<const GridPoint> heard_at;  ///< empty: all
+    std::span<const GridPoint> received_at;  ///< empty: all
     std::atomic<std::size_t>& found;
   };
 
@@ -235,8 +235,9 @@ struct ImageFinder::State {
     }
     if (windows.tubes().tubes.empty()) return;
     child.windows = windows.tubes();
-    if (!wanted.heard_at.empty() &&
-        std::ranges::none_of(wanted.heard_at, [&](GridPoint place) { return has_window_to(child, place); }))
+    if (!wanted.received_at.empty() && std::ranges::none_of(wanted.received_at, [&](GridPoint place) {
+          return has_window_to(child, place);
+        }))
       return;
     if (++wanted.found > most_images_)
       throw std::length_error(
@@ -316,8 +317,8 @@ ImageFinder::ImageFinder(const FacetMesh& mesh, const SceneTree& tree, const Vis
 ImageFinder::~ImageFinder() = default;
 
 std::vector<Image> ImageFinder::images_of(TubeSet tubes, int most_mirrors,
-                                          std::span<const GridPoint> heard_at) const {
-  return state_->grow(std::move(tubes), most_mirrors, heard_at);
+                                          std::span<const GridPoint> received_at) const {
+  return state_->grow(std::move(tubes), most_mirrors, received_at);
 }
 
 }  // namespace tubefoot

@@ -87,11 +87,11 @@ class ImageFinder {
   ~ImageFinder();
 
   /// The apex of `tubes` (first) and its images in up to `most_mirrors` mirrors, those of fewer first. All
-  /// have looked; but with `heard_at`, images in `most_mirrors` mirrors have not, and are only those that
+  /// have looked; but with `received_at`, images in `most_mirrors` mirrors have not, and are only those that
   /// have a window towards one of these places. tubes.reach should be twice the longest half path: a path may
   /// lie all on one side. Throws std::length_error if there are more images than `most_images`.
   std::vector<Image> images_of(TubeSet tubes, int most_mirrors,
-                               std::span<const GridPoint> heard_at = {}) const;
+                               std::span<const GridPoint> received_at = {}) const;
 
  private:
   struct State;

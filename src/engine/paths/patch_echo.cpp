@@ -71,29 +71,30 @@ PatchEcho::PatchEcho(const EchoLaw& law, const ReceiveBeams& beams, double longe
       least_received_(least_received),
       levels_(1) {}
 
-std::size_t PatchEcho::add(const SeenBed& bed, const Point& point, const Listener& heard, glm::dvec3 local_m,
-                           const RangeSamples& samples, double borders_m, SparseEnergy& out) {
+std::size_t PatchEcho::add(const SeenBed& bed, const Point& point, const ImageReceiver& received,
+                           glm::dvec3 local_m, const RangeSamples& samples, double borders_m,
+                           SparseEnergy& out) {
   const SharedFootprints& seen = bed.shared;
   point_ = &point;
-  heard_ = &heard;
+  received_ = &received;
   local_m_ = local_m;
   samples_ = samples;
   borders_m_ = borders_m;
   out_ = &out;
-  const std::vector<HeardFacets::End>& ends = heard.hears.ends();
-  const glm::dvec3 heard_at = ends.front().apex_m, from_heard = point.at_m - heard_at;
+  const std::vector<ReceiverViews::End>& ends = received.receives.ends();
+  const glm::dvec3 received_at = ends.front().apex_m, from_received = point.at_m - received_at;
   std::size_t met = 0;
   Polygon source;
   for (const SharedFacet& shared : seen.facets) {
     const BentFacet* bent = bed.bent_of(shared);
-    const HeardFacets::Facet* facet =
-        heard.hears.find(shared.facet, bent != nullptr ? bent->normal : shared.plane_normal);
+    const ReceiverViews::Facet* facet =
+        received.receives.find(shared.facet, bent != nullptr ? bent->normal : shared.plane_normal);
     if (facet == nullptr) continue;
     scattering_ = law_.law_of(shared.facet);
     mu_ = scattering_ == nullptr ? law_.material_mu[law_.material[shared.facet]] : 1;
     if (mu_ == 0) continue;
     texture_ = law_.texture(shared.facet);
-    lit_ = OverFacet(*facet, from_heard, shared.transmit_distance_m, bent);
+    lit_ = OverFacet(*facet, from_received, shared.transmit_distance_m, bent);
     for (std::uint32_t k = shared.first_piece; k < shared.first_piece + shared.piece_count; ++k) {
       stop_if_wanted();
       const SharedPiece& piece = seen.pieces[k];
@@ -102,20 +103,20 @@ std::size_t PatchEcho::add(const SeenBed& bed, const Point& point, const Listene
         source.push_back(
             facet->frame.project((bent != nullptr ? bent->lies.at(seen.corners_m[piece.first + c])
                                                   : seen.corners_m[piece.first + c]) +
-                                 from_heard));
+                                 from_received));
       const auto [low, high] = box_of(source);
-      for (const HeardFacets::Piece& other : facet->pieces) {
+      for (const ReceiverViews::Piece& other : facet->pieces) {
         if (low.x > other.high.x || low.y > other.high.y || other.low.x > high.x || other.low.y > high.y)
           continue;
-        own_tube_ = heard.hears.image().own_tube[other.tube];
+        own_tube_ = received.receives.image().own_tube[other.tube];
         if (!beams_.fan_of_receive_tube.empty() && beams_.fan_of_receive_tube[own_tube_] != point.fan)
           continue;
         levels_[0] = source;
         for (const Polygon& by : other.seen) clip(by, levels_[0]);
         if (levels_[0].size() < 3) continue;
         for (std::size_t end = 0; end < ends.size(); ++end)
-          home_[end] = OverFacet(*facet, ends[end].apex_m - heard_at, facet->height_m[end],
-                                 heard.hears.bent_of(other, end));
+          home_[end] = OverFacet(*facet, ends[end].apex_m - received_at, facet->height_m[end],
+                                 received.receives.bent_of(other, end));
         ++met;
         halve(0);
       }
@@ -135,8 +136,8 @@ void PatchEcho::clip(const std::vector<glm::dvec2>& by, Polygon& polygon) {
 }
 
 double PatchEcho::phase_rad_per_m(glm::dvec2 centre) const {
-  return heard_->wavenumber_rad_m * glm::length(home_[0].slope(centre, home_[0].range(centre)) -
-                                                home_[1].slope(centre, home_[1].range(centre)));
+  return received_->wavenumber_rad_m * glm::length(home_[0].slope(centre, home_[0].range(centre)) -
+                                                   home_[1].slope(centre, home_[1].range(centre)));
 }
 
 void PatchEcho::halve(std::size_t level) {
@@ -148,10 +149,10 @@ void PatchEcho::halve(std::size_t level) {
   // A half path changes by no more than the way (as it is seen), and that of the other end of a receiver pair
   // is no further off.
   const double steepest = (lit_.steepest() + home_[0].steepest()) / 2,
-               off = steepest * diameter / 2 + glm::length(heard_->arm_m) / 2;
+               off = steepest * diameter / 2 + glm::length(received_->arm_m) / 2;
   if (half + off < samples_.first_m || half - off >= samples_.first_m + samples_.step_m * samples_.count)
     return;
-  const bool turned = heard_->is_product() && phase_rad_per_m(centre) * diameter > most_turned_rad;
+  const bool turned = received_->is_product() && phase_rad_per_m(centre) * diameter > most_turned_rad;
   const bool small =
       !turned && (diameter <= smallest_part * longest_m_ ||
                   (diameter <= longest_m_ && diameter <= largest_angle * std::min(rt, rr) &&
@@ -167,7 +168,7 @@ void PatchEcho::halve(std::size_t level) {
 }
 
 void PatchEcho::cut_into_samples(const Polygon& polygon, glm::dvec2 centre) {
-  const bool product = heard_->is_product();
+  const bool product = received_->is_product();
   const double rt = lit_.range(centre), rr = home_[0].range(centre);
   const double per_step = 1 / samples_.step_m;
   double middle = ((rt + rr) / 2 - samples_.first_m) * per_step;
@@ -248,7 +249,7 @@ void PatchEcho::take(const Polygon& polygon, double sample) {
   glm::dvec3 true_back{0};
   const auto energy_by = [&](std::size_t end) {
     const OverFacet::Met home = home_[end].meet(p);
-    const HeardFacets::End& receiver = heard_->hears.ends()[end];
+    const ReceiverViews::End& receiver = received_->receives.ends()[end];
     const double sigma =
         mu_ * scattering_lobe(scattering_, sent.sine) * scattering_lobe(scattering_, home.sine);
     double energy = density(sigma, Way<double>::of(sent.range, home.range), beta_) * (std::abs(area) / 2) *
@@ -256,12 +257,12 @@ void PatchEcho::take(const Polygon& polygon, double sample) {
                     sent.out * home.home;
     if (texture_ != nullptr) energy *= texture_->factor(local_m_ + receiver.apex_m + home.lies_m);
     true_back = receiver.image->leg.to_true * home.direction;
-    return heard_->row ? energy * gain_of(0, true_back) : energy;
+    return received_->row ? energy * gain_of(0, true_back) : energy;
   };
   const double energy = energy_by(0);
-  if (heard_->is_product()) return take_product(sample, p, energy, energy_by(1));
+  if (received_->is_product()) return take_product(sample, p, energy, energy_by(1));
   const auto bin = [&](std::size_t beam) { return beam * std::size_t(samples_.count) + std::size_t(sample); };
-  if (heard_->row) return out_->add(bin(*heard_->row), energy);
+  if (received_->row) return out_->add(bin(*received_->row), energy);
   if (law_.patterns == nullptr) return out_->add(bin(beams_.of_tube[own_tube_]), energy);
   const auto [begin, end] = law_.patterns->beams_of_tube[own_tube_];
   for (std::uint32_t beam = begin; beam < end; ++beam)
@@ -275,15 +276,15 @@ double PatchEcho::gain_of(std::size_t beam, glm::dvec3 true_back) const {
 
 void PatchEcho::take_product(double sample, glm::dvec2 p, double upper, double lower) {
   LyingPlane seen = home_[0].seen();
-  seen.foot_m += heard_->hears.ends().front().apex_m;
+  seen.foot_m += received_->receives.ends().front().apex_m;
   // (upper^2 - lower^2) / (upper + lower) of the ranges: no cancellation where the receiver pair is short.
-  const double further =
-      -2 * glm::dot(seen.at(p) - heard_->middle_m, heard_->arm_m) / (home_[0].range(p) + home_[1].range(p));
+  const double further = -2 * glm::dot(seen.at(p) - received_->middle_m, received_->arm_m) /
+                         (home_[0].range(p) + home_[1].range(p));
   double size = std::sqrt(upper * lower);
   if (borders_m_ > 0) size *= std::max(1 - std::abs(further) / 2 / borders_m_, 0.0);
-  const std::size_t bin = std::size_t(*heard_->row) * std::size_t(samples_.count) + std::size_t(sample);
-  out_->add(bin, size * std::cos(heard_->wavenumber_rad_m * further));
-  out_->add(bin + std::size_t(samples_.count), size * std::sin(heard_->wavenumber_rad_m * further));
+  const std::size_t bin = std::size_t(*received_->row) * std::size_t(samples_.count) + std::size_t(sample);
+  out_->add(bin, size * std::cos(received_->wavenumber_rad_m * further));
+  out_->add(bin + std::size_t(samples_.count), size * std::sin(received_->wavenumber_rad_m * further));
 }
 
 }  // namespace tubefoot

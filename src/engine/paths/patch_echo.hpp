@@ -13,22 +13,22 @@
 #include <vector>
 
 #include "engine/echo/echo.hpp"
-#include "engine/paths/heard_facets.hpp"
+#include "engine/paths/receiver_views.hpp"
 
 // What a point that scatters sends to a receiver by one more scattering. docs/paths.md
 namespace tubefoot {
 
-/// Who hears the last scattering: an image of a receiver, or those of both receivers of a receiver pair in
+/// Who receives the last scattering: an image of a receiver, or those of both receivers of a receiver pair in
 /// the same mirrors.
-struct Listener {
-  HeardFacets hears;  ///< of a receiver pair for the mean product: what both hear
+struct ImageReceiver {
+  ReceiverViews receives;  ///< of a receiver pair for the mean product: what both receive
   /// Of a receiver pair: the row of bins that energies go to; a product's real and imaginary part go to this
-  /// and the next. None: those of the beams that hear them.
+  /// and the next. None: those of the beams that receive them.
   std::optional<std::uint32_t> row{};
   glm::dvec3 middle_m{0}, arm_m{0};  ///< of the receiver pair's image: from its lower to its upper end
   double wavenumber_rad_m = 0;
 
-  bool is_product() const { return hears.ends().size() > 1; }
+  bool is_product() const { return receives.ends().size() > 1; }
 };
 
 /// Bins of which few are not empty.
@@ -75,9 +75,9 @@ class PatchEcho {
   /// b * samples.count + k of `out`. Sample k holds half paths, from the point to the receiver,
   /// first + k step on; the first may be negative. Returns how many polygons met. `seen`: what the point
   /// sees. `local_m`: the local frame's coordinates of the frame's origin. A product has what both receivers
-  /// hear in sample k; with `borders_m` above 0, where samples are that far apart but do not begin where
+  /// receive in sample k; with `borders_m` above 0, where samples are that far apart but do not begin where
   /// these do, it is in that of the mean of both half paths, as much of it as both have in one on average.
-  std::size_t add(const SeenBed& bed, const Point& point, const Listener& heard, glm::dvec3 local_m,
+  std::size_t add(const SeenBed& bed, const Point& point, const ImageReceiver& received, glm::dvec3 local_m,
                   const RangeSamples& samples, double borders_m, SparseEnergy& out);
 
  private:
@@ -100,7 +100,7 @@ class PatchEcho {
   std::span<const double> least_received_;
   // Of the facet and the piece at hand.
   const Point* point_ = nullptr;
-  const Listener* heard_ = nullptr;
+  const ImageReceiver* received_ = nullptr;
   OverFacet lit_;                  // the point
   std::array<OverFacet, 2> home_;  // the upper or only receiver, and of a product the lower one
   glm::dvec3 local_m_{0};

@@ -162,9 +162,9 @@ class Generation {
 
 class PatchPaths {
  public:
-  PatchPaths(const PathScene& scene, std::span<const Listener> heard, PathEcho& echo)
+  PatchPaths(const PathScene& scene, std::span<const ImageReceiver> received, PathEcho& echo)
       : scene_(scene),
-        heard_(heard),
+        received_(received),
         echo_(echo),
         before_(scene.settings.before != nullptr ? *scene.settings.before : scene.law),
         least_(scene.settings.least()),
@@ -314,10 +314,10 @@ class PatchPaths {
       const SeenBed& seen = beds[k];
       const PatchEcho::Point point{from_apex(image.windows.apex), image.leg.loss,
                                    glm::transpose(image.leg.to_true) * source.normal, scattering, source.fan};
-      for (const Listener& heard : heard_) {
-        const int order = interactions + int(heard.hears.image().mirrors);
-        if (order <= scene_.settings.order && image.largest * heard.hears.largest() > least_)
-          hear(source, seen, point, heard, std::size_t(order), sent);
+      for (const ImageReceiver& received : received_) {
+        const int order = interactions + int(received.receives.image().mirrors);
+        if (order <= scene_.settings.order && image.largest * received.receives.largest() > least_)
+          hear(source, seen, point, received, std::size_t(order), sent);
       }
       if (!again || interactions >= scene_.settings.order) continue;
       for (const Patch& patch : patches_of(scene_.mesh, image.windows.apex, seen, scene_.unit_m,
@@ -335,8 +335,8 @@ class PatchPaths {
     }
   }
 
-  void hear(const Source& source, const SeenBed& seen, const PatchEcho::Point& point, const Listener& heard,
-            std::size_t order, Sent& sent) {
+  void hear(const Source& source, const SeenBed& seen, const PatchEcho::Point& point,
+            const ImageReceiver& received, std::size_t order, Sent& sent) {
     Worker& worker = workers_.local();
     const RangeSamples& samples = scene_.samples;
     RangeSamples last_legs = samples;
@@ -344,7 +344,7 @@ class PatchPaths {
       const Delayed& only = source.signal.front();
       last_legs.first_m -= only.way_m / 2;
       sent.pieces +=
-          worker.gather.add(seen, point, heard, scene_.law.path.out.apex_m, last_legs, 0, worker.direct);
+          worker.gather.add(seen, point, received, scene_.law.path.out.apex_m, last_legs, 0, worker.direct);
       worker.direct.drain([&](std::size_t bin, double energy) {
         sent.bins.push_back({order, bin, energy * only.strength});
       });
@@ -357,7 +357,7 @@ class PatchPaths {
     last_legs.count = int(std::ceil(
         (samples.first_m + samples.step_m * samples.count - soonest - last_legs.first_m) / last_legs.step_m));
     if (last_legs.count <= 0) return;
-    sent.pieces += worker.gather.add(seen, point, heard, scene_.law.path.out.apex_m, last_legs,
+    sent.pieces += worker.gather.add(seen, point, received, scene_.law.path.out.apex_m, last_legs,
                                      samples.step_m, worker.direct);
     const double step = samples.step_m;
     worker.direct.drain([&](std::size_t bin, double energy) {
@@ -381,7 +381,7 @@ class PatchPaths {
   }
 
   const PathScene& scene_;
-  std::span<const Listener> heard_;
+  std::span<const ImageReceiver> received_;
   PathEcho& echo_;
   EchoLaw before_;  // of all scatterings but the last
   double least_, beta_;
@@ -396,7 +396,7 @@ glm::dvec3 PathScene::from_apex(GridPoint p) const {
   return glm::dvec3(double(p.x) - apex.x, double(p.y) - apex.y, double(p.z) - apex.z) * unit_m;
 }
 
-HeardFacets PathScene::heard_by(const Image& image) const {
+ReceiverViews PathScene::received_by(const Image& image) const {
   return {image, from_apex(image.windows.apex), seen_by(image)};
 }
 
@@ -405,23 +405,23 @@ SeenBed PathScene::seen_by(const Image& image, const RefractedImages* by) const 
   return {shared_with_itself(mesh, image.look(), unit_m)};
 }
 
-void add_scattered_paths(const PathScene& scene, std::span<const Image> sent, std::span<const Listener> heard,
-                         PathEcho& echo) {
-  if (scene.bent == nullptr) return PatchPaths(scene, heard, echo).follow(sent);
+void add_scattered_paths(const PathScene& scene, std::span<const Image> sent,
+                         std::span<const ImageReceiver> received, PathEcho& echo) {
+  if (scene.bent == nullptr) return PatchPaths(scene, received, echo).follow(sent);
   const FacetMesh& base = scene.bent->base();
   EchoLaw law = scene.law;
   law.material = base.material;
   const PathScene cut{base, scene.unit_m,   scene.finder, scene.beams, scene.samples,
                       law,  scene.settings, scene.apex,   scene.reach, scene.bent};
-  PatchPaths(cut, heard, echo).follow(sent);
+  PatchPaths(cut, received, echo).follow(sent);
 }
 
-void add_scattered_paths(const PathScene& scene, std::span<const Image> sent, std::span<const Image> heard,
+void add_scattered_paths(const PathScene& scene, std::span<const Image> sent, std::span<const Image> received,
                          PathEcho& echo) {
-  std::vector<Listener> listeners;
-  for (const Image& image : heard)
-    if (!image.seen.empty()) listeners.push_back({scene.heard_by(image)});
-  add_scattered_paths(scene, sent, listeners, echo);
+  std::vector<ImageReceiver> image_receivers;
+  for (const Image& image : received)
+    if (!image.seen.empty()) image_receivers.push_back({scene.received_by(image)});
+  add_scattered_paths(scene, sent, image_receivers, echo);
 }
 
 }  // namespace tubefoot

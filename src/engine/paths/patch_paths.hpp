@@ -24,7 +24,7 @@ struct PathScene {
   const RefractedImages* bent = nullptr;
 
   glm::dvec3 from_apex(GridPoint p) const;  ///< metres
-  HeardFacets heard_by(const Image& image) const;
+  ReceiverViews received_by(const Image& image) const;
   /// How far patches stand off their facets, in grid units: where those are cut up and seen elsewhere, their
   /// corners are rounded by up to 1.8, and none must come to lie before the patch.
   double least_lift() const { return bent != nullptr ? 4 : 0; }
@@ -33,16 +33,16 @@ struct PathScene {
 };
 
 /// Adds to `echo` the paths with 2 to settings.scatterings scatterings, generation by generation: what the
-/// images `sent` light becomes patches; what these light is heard by the images `heard`, and, gathered by
-/// facet and place, becomes the next patches. In refracting water each patch sees the bed through the water
-/// from its own depth. Of each generation the weakest patches, which together scatter less than the cut-off
-/// allows of what the first one does, are left out.
-void add_scattered_paths(const PathScene& scene, std::span<const Image> sent, std::span<const Image> heard,
+/// images `sent` light becomes patches; what these light is received by the images `received`, and, gathered
+/// by facet and place, becomes the next patches. In refracting water each patch sees the bed through the
+/// water from its own depth. Of each generation the weakest patches, which together scatter less than the
+/// cut-off allows of what the first one does, are left out.
+void add_scattered_paths(const PathScene& scene, std::span<const Image> sent, std::span<const Image> received,
                          PathEcho& echo);
 
-/// The same for listeners that may have rows of their own, of which `echo` then has as many as beams:
+/// The same for receivers that may have rows of their own, of which `echo` then has as many as beams:
 /// energies at either end of a receiver pair, and products of both, through whatever water there is.
-void add_scattered_paths(const PathScene& scene, std::span<const Image> sent, std::span<const Listener> heard,
-                         PathEcho& echo);
+void add_scattered_paths(const PathScene& scene, std::span<const Image> sent,
+                         std::span<const ImageReceiver> received, PathEcho& echo);
 
 }  // namespace tubefoot

@@ -51,13 +51,13 @@ PathAudit audit_paths(const PathImages& images, std::uint64_t label) {
     }
   };
   add(images.sent(), false);
-  if (!images.one_place()) add(images.heard(), true);
+  if (!images.one_place()) add(images.received(), true);
   for (const ImagePair& of : images.pairs()) {
-    const Image &sent = images.sent()[of.sent], &heard = images.heard()[of.heard];
+    const Image &sent = images.sent()[of.sent], &received = images.received()[of.received];
     ++result.pairs;
-    if (&sent == &heard) continue;  // what it sees, it shares
+    if (&sent == &received) continue;  // what it sees, it shares
     std::vector<SharedAudit> shared =
-        audit_shared(images.sharer(sent, heard), label_of_part(label, pair + result.pairs));
+        audit_shared(images.sharer(sent, received), label_of_part(label, pair + result.pairs));
     std::move(shared.begin(), shared.end(), std::back_inserter(result.shared));
   }
   return result;

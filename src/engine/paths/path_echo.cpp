@@ -41,7 +41,7 @@ class PathTracer {
         unit_m_(unit_m),
         finder_(images.finder),
         transmit_(images.sent),
-        receive_(images.heard),
+        receive_(images.received),
         beams_(beams),
         samples_(samples),
         law_(law),
@@ -50,7 +50,7 @@ class PathTracer {
         beta_(absorption_per_m(law.absorption_db_per_m)),
         true_apex_(images.sent.front().windows.apex),
         true_receive_(receive),
-        one_place_(images.sent.data() == images.heard.data()),
+        one_place_(images.sent.data() == images.received.data()),
         bent_(images.bent) {
     echo_.by_order.resize(std::size_t(settings.order) + 1);
     for (Echo& echo : echo_.by_order) {
@@ -66,7 +66,7 @@ class PathTracer {
     bed_law_.material = bent_->bed().material;
     enclosed_.emplace(*bent_, bed_law_, settings.mirrors.reflection,
                       std::initializer_list<std::span<const Image>>{
-                          images.sent, one_place_ ? std::span<const Image>() : images.heard});
+                          images.sent, one_place_ ? std::span<const Image>() : images.received});
   }
 
   PathEcho trace() {
@@ -105,23 +105,23 @@ class PathTracer {
     Steps steps("pairs of images", pairs.size());
     tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t k) {
       steps.done();
-      const Image &sent = transmit_[pairs[k].sent], &heard = receive_[pairs[k].heard];
-      const bool itself = &sent == &heard;
-      const std::size_t order = sent.mirrors + heard.mirrors + 1;
+      const Image &sent = transmit_[pairs[k].sent], &received = receive_[pairs[k].received];
+      const bool itself = &sent == &received;
+      const std::size_t order = sent.mirrors + received.mirrors + 1;
       if (bent_) {
-        add_bent(parts[k], order, sent, heard);
-        if (one_place_ && !itself) add_bent(parts[k], order, heard, sent);
+        add_bent(parts[k], order, sent, received);
+        if (one_place_ && !itself) add_bent(parts[k], order, received, sent);
         return;
       }
       SharedFootprints shared = itself ? shared_with_itself(mesh_, sent.look(), unit_m_)
-                                       : FootprintSharer(mesh_, sent.look(), heard.look(), unit_m_).all();
+                                       : FootprintSharer(mesh_, sent.look(), received.look(), unit_m_).all();
       if (shared.pieces.empty()) return;
       const std::size_t pieces = shared.pieces.size();
       if (one_place_ && !itself)
         add(parts[k], order,
-            scattered(heard, sent, {heard.windows, sent.windows, unit_m_, exchanged(shared)}), pieces);
-      add(parts[k], order, scattered(sent, heard, {sent.windows, heard.windows, unit_m_, std::move(shared)}),
-          pieces);
+            scattered(received, sent, {received.windows, sent.windows, unit_m_, exchanged(shared)}), pieces);
+      add(parts[k], order,
+          scattered(sent, received, {sent.windows, received.windows, unit_m_, std::move(shared)}), pieces);
     });
     for (const Part& part : parts) take(part);
   }
@@ -134,8 +134,9 @@ class PathTracer {
     }
     /// In refracting water, where images see facets of `count` in places of their own.
     void place(std::size_t count) {
-      apparent.heard.assign(count, ApparentFacets::none);
-      for (FacetId facet = 0; facet < end->origin.size(); ++facet) apparent.heard[end->origin[facet]] = facet;
+      apparent.received.assign(count, ApparentFacets::none);
+      for (FacetId facet = 0; facet < end->origin.size(); ++facet)
+        apparent.received[end->origin[facet]] = facet;
     }
     RayImage(const RayImage&) = delete;
     RayImage& operator=(const RayImage&) = delete;
@@ -159,24 +160,24 @@ class PathTracer {
 
   /// The same pairs by rays. Each image of the transmitter sends its own.
   void sample(std::span<const ImagePair> pairs) {
-    std::vector<std::vector<std::size_t>> heard_by(transmit_.size());
-    std::vector<char> sends(transmit_.size()), hears(receive_.size());
+    std::vector<std::vector<std::size_t>> received_by(transmit_.size());
+    std::vector<char> sends(transmit_.size()), receives(receive_.size());
     const auto join = [&](std::size_t i, std::size_t j) {
-      heard_by[i].push_back(j);
-      sends[i] = hears[j] = 1;
+      received_by[i].push_back(j);
+      sends[i] = receives[j] = 1;
     };
     for (const ImagePair& pair : pairs) {
-      join(pair.sent, pair.heard);
-      if (one_place_ && pair.sent != pair.heard) join(pair.heard, pair.sent);
+      join(pair.sent, pair.received);
+      if (one_place_ && pair.sent != pair.received) join(pair.received, pair.sent);
     }
     if (one_place_)
-      for (std::size_t i = 0; i < sends.size(); ++i) sends[i] = hears[i] = char(sends[i] | hears[i]);
+      for (std::size_t i = 0; i < sends.size(); ++i) sends[i] = receives[i] = char(sends[i] | receives[i]);
     const RayImages senders = made_ready(transmit_, sends),
-                    others = one_place_ ? RayImages() : made_ready(receive_, hears);
-    const RayImages& listeners = one_place_ ? senders : others;
+                    others = one_place_ ? RayImages() : made_ready(receive_, receives);
+    const RayImages& image_receivers = one_place_ ? senders : others;
     std::vector<Part> parts(transmit_.size());
     tbb::parallel_for(std::size_t{0}, transmit_.size(), [&](std::size_t i) {
-      if (heard_by[i].empty()) return;
+      if (received_by[i].empty()) return;
       const Image& sent = transmit_[i];
       History history;
       history.tubes = transmit_[0].windows;
@@ -187,15 +188,16 @@ class PathTracer {
       trace_rays(
           senders[i]->end->scene, history, rays, settings_.sampled->beam_of_tube,
           [&] {
-            for (const std::size_t j : heard_by[i]) {
-              const Image& heard = receive_[j];
+            for (const std::size_t j : received_by[i]) {
+              const Image& received = receive_[j];
               BistaticHistory shared =
-                  shared_hits(history, *senders[i]->end, *listeners[j]->end, bent_ ? bent_->bed() : mesh_,
-                              bent_ ? &listeners[j]->apparent : nullptr);
+                  shared_hits(history, *senders[i]->end, *image_receivers[j]->end,
+                              bent_ ? bent_->bed() : mesh_, bent_ ? &image_receivers[j]->apparent : nullptr);
               if (shared.hits.empty()) continue;
-              if (bent_) pair_facets(parts[i], sent, heard, shared);
+              if (bent_) pair_facets(parts[i], sent, received, shared);
               parts[i].hits += shared.hits.size();
-              add(parts[i], sent.mirrors + heard.mirrors + 1, scattered(sent, heard, std::move(shared)), 0);
+              add(parts[i], sent.mirrors + received.mirrors + 1, scattered(sent, received, std::move(shared)),
+                  0);
             }
           },
           sent.mirrors > 0 ? &onwards : nullptr, &settings_.sampled->guide);
@@ -204,18 +206,18 @@ class PathTracer {
   }
 
   /// Each end sees the bed elsewhere: what they share is told where the one sees it that sends.
-  void add_bent(Part& part, std::size_t order, const Image& sent, const Image& heard) const {
-    BistaticHistory history{sent.windows, heard.windows, unit_m_,
-                            FootprintSharer(sent.look(), heard.look(), unit_m_).all()};
+  void add_bent(Part& part, std::size_t order, const Image& sent, const Image& received) const {
+    BistaticHistory history{sent.windows, received.windows, unit_m_,
+                            FootprintSharer(sent.look(), received.look(), unit_m_).all()};
     if (history.shared.pieces.empty()) return;
-    pair_facets(part, sent, heard, history);
-    add(part, order, scattered(sent, heard, history), history.shared.pieces.size());
+    pair_facets(part, sent, received, history);
+    add(part, order, scattered(sent, received, history), history.shared.pieces.size());
   }
 
-  void pair_facets(Part& part, const Image& sent, const Image& heard, BistaticHistory& history) const {
-    history.paired = paired_facets(history.shared, bent_->bed(), bent_->end_of(sent), bent_->end_of(heard),
+  void pair_facets(Part& part, const Image& sent, const Image& received, BistaticHistory& history) const {
+    history.paired = paired_facets(history.shared, bent_->bed(), bent_->end_of(sent), bent_->end_of(received),
                                    bent_->grid(), law_.absorption_db_per_m);
-    const glm::dvec3 beside_m = bent_->beside_m(heard);
+    const glm::dvec3 beside_m = bent_->beside_m(received);
     for (std::size_t k = 0; k < history.paired.size(); ++k) {
       part.misfit_m = std::max(part.misfit_m, history.paired[k].misfit_m);
       if (beside_m != glm::dvec3(0) && !history.paired[k].move_receiver(beside_m))
@@ -248,8 +250,8 @@ class PathTracer {
     bound = (bound + bin.bound) * (1 + rounding) + energy * rounding;
   }
 
-  CertifiedEcho scattered(const Image& sent, const Image& heard, const BistaticHistory& history) const {
-    const PairLaw pair(sent, heard, true_apex_, unit_m_, law_, beams_, bent_ ? &bent_->bed() : nullptr);
+  CertifiedEcho scattered(const Image& sent, const Image& received, const BistaticHistory& history) const {
+    const PairLaw pair(sent, received, true_apex_, unit_m_, law_, beams_, bent_ ? &bent_->bed() : nullptr);
     CertifiedEcho found;
     found.echo = integrate_echo(history, pair.beams, samples_, pair.law, settings_.binning);
     const auto tolerance = settings_.reference_tolerance;
@@ -257,8 +259,8 @@ class PathTracer {
       VisibilityOptions options = bent_->options();
       options.open_water = false;
       found = certify_refracted_echo(
-                  enclosed_->bed_between(sent, heard),
-                  {sent.windows, heard.windows, {enclosed_->off_rad(sent), enclosed_->off_rad(heard)}},
+                  enclosed_->bed_between(sent, received),
+                  {sent.windows, received.windows, {enclosed_->off_rad(sent), enclosed_->off_rad(received)}},
                   options, pair.beams, samples_, pair.law, found.echo, *tolerance)
                   .certified;
     } else if (tolerance) {
@@ -268,7 +270,8 @@ class PathTracer {
   }
 
   /// What comes from an image to the true receiver: straight, or in refracting water by rays. Two chains have
-  /// the same image only where their windows adjoin (two mirrors at a right angle), so a place is heard once.
+  /// the same image only where their windows adjoin (two mirrors at a right angle), so a place is received
+  /// once.
   void arrive(const Image& image) {
     const GridPoint from = image.windows.apex;
     if (bent_) {
@@ -379,7 +382,7 @@ class PathTracer {
       if (arrived_.contains(source)) continue;
       bool sure = found.passes == true &&
                   !enclosed_->is_near_border(image, beams_.fan_of_transmit_tube, fan, ray.sent);
-      // Tubes that may hear it; those that are heard alike are one.
+      // Tubes that may receive it; those that are received alike are one.
       std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> tubes;
       bool in_one = false;
       for (std::uint32_t tube = 0; tube < true_receive_.tubes.size(); ++tube) {
@@ -406,14 +409,14 @@ class PathTracer {
       arrival.transmit = &law_.patterns->transmit[law_.patterns->fan_of_tube[receive_tube]];
       arrival.receive = std::span(law_.patterns->receive).subspan(first, end - first);
     }
-    bool heard = false;
+    bool received = false;
     certify_arrival(
         *found.enclosed, arrival, sure, samples_,
         [&, first = first](std::size_t beam, std::size_t sample, double energy, double bound) {
-          heard = true;
+          received = true;
           take({image.mirrors, (first + beam) * std::size_t(samples_.count) + sample, energy, bound});
         });
-    if (heard) ++echo_.arrivals;
+    if (received) ++echo_.arrivals;
   }
 
   void nothing_known(std::size_t order, std::uint32_t beam, double from_m) {
@@ -445,16 +448,16 @@ class PathTracer {
       arrival.transmit = &patterns.transmit[patterns.fan_of_tube[receive_tube]];
       arrival.receive = std::span(patterns.receive).subspan(begin, end - begin);
     }
-    bool heard = false;
+    bool received = false;
     certify_arrival(arrival, samples_,
                     [&](std::size_t beam, std::size_t sample, double energy, double bound) {
-                      heard = true;
+                      received = true;
                       const std::size_t bin = (first + beam) * std::size_t(samples_.count) + sample;
                       take({image.mirrors, bin, energy, bound});
                       echo_.arrived.push_back(
                           {image.windows.apex, arrival.way, image.way, image.mirrors, bin, energy, bound});
                     });
-    if (heard) ++echo_.arrivals;
+    if (received) ++echo_.arrivals;
   }
 
   const FacetMesh& mesh_;
@@ -492,8 +495,8 @@ PathEcho path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_uni
     RefractedImages bent(mesh, tree, options, settings.mirrors, settings.least(), settings.most_images,
                          law.absorption_db_per_m, own, std::move(ends), settings.order);
     const std::vector<Image> sent = bent.images_of(0, {{receive.apex}}),
-                             heard = one_place ? std::vector<Image>{} : bent.images_of(1);
-    PathEcho echo = path_echo(mesh, grid_unit_m, {finder, sent, one_place ? sent : heard, &bent}, receive,
+                             received = one_place ? std::vector<Image>{} : bent.images_of(1);
+    PathEcho echo = path_echo(mesh, grid_unit_m, {finder, sent, one_place ? sent : received, &bent}, receive,
                               beams, samples, law, settings);
     echo.grounds = bent.take_grounds();
     return echo;
@@ -501,8 +504,8 @@ PathEcho path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_uni
   const std::vector<Image> sent = finder.images_of(transmit, settings.order, {{receive.apex}});
   if (one_place)
     return path_echo(mesh, grid_unit_m, {finder, sent, sent}, receive, beams, samples, law, settings);
-  const std::vector<Image> heard = finder.images_of(receive, settings.order - 1);
-  return path_echo(mesh, grid_unit_m, {finder, sent, heard}, receive, beams, samples, law, settings);
+  const std::vector<Image> received = finder.images_of(receive, settings.order - 1);
+  return path_echo(mesh, grid_unit_m, {finder, sent, received}, receive, beams, samples, law, settings);
 }
 
 PathEcho path_echo(const FacetMesh& mesh, double grid_unit_m, const KnownImages& images,

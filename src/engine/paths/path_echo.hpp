@@ -77,8 +77,8 @@ struct PathEcho {
   GroundCounts seen_by_patches;  ///< what all patches made of it
 };
 
-/// The echoes over mirrors of a transmission from `transmit`'s apex, heard at `receive`'s (both the same for
-/// a sonar in one place). A path of order n is
+/// The echoes over mirrors of a transmission from `transmit`'s apex, received at `receive`'s (both the same
+/// for a sonar in one place). A path of order n is
 ///  - scattered once: a chain of i mirrors from the transmitter, a facet, a chain of j mirrors to the
 ///    receiver, i + j + 1 = n, i + j > 0. integrate()'s law between the two images, times the
 ///    reflections; over what both images see, or over the hits of rays (settings.sampled), which leave by the
@@ -109,7 +109,7 @@ PathEcho path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_uni
 struct KnownImages {
   const ImageFinder& finder;        ///< that made them
   std::span<const Image> sent;      ///< with the most mirrors those that have a window towards the receiver
-  std::span<const Image> heard;     ///< with one mirror less; the very same for a sonar in one place
+  std::span<const Image> received;  ///< with one mirror less; the very same for a sonar in one place
   RefractedImages* bent = nullptr;  ///< in refracting water: that made them; its grounds are left to it
 };
 /// The same between these.

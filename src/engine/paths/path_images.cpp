@@ -27,19 +27,19 @@ PathImages::PathImages(const FacetMesh& mesh, const SceneTree& tree, double grid
                                               settings.most_images, absorption_db_per_m, *water,
                                               std::move(ends), settings.order);
     sent_ = bent_->images_of(0);
-    if (!one_place_) heard_ = bent_->images_of(1);
+    if (!one_place_) received_ = bent_->images_of(1);
     return;
   }
   finder_ = std::make_unique<ImageFinder>(mesh, tree, options, settings.mirrors, settings.least(),
                                           settings.most_images);
   sent_ = finder_->images_of(std::move(transmit), most_mirrors);
-  if (!one_place_) heard_ = finder_->images_of(std::move(receive), most_mirrors);
+  if (!one_place_) received_ = finder_->images_of(std::move(receive), most_mirrors);
 }
 
 PathImages::~PathImages() = default;
 
 std::vector<ImagePair> PathImages::pairs() const {
-  return pairs_of_images(sent(), heard(), one_place_, settings_.order, settings_.least(),
+  return pairs_of_images(sent(), received(), one_place_, settings_.order, settings_.least(),
                          100 * settings_.most_images);
 }
 
@@ -64,15 +64,15 @@ PathImages::Parts PathImages::parts_seen_by(const Image& image) const {
   return parts;
 }
 
-FootprintSharer PathImages::sharer(const Image& sent, const Image& heard) const {
-  if (bent_) return FootprintSharer(sent.look(), heard.look(), unit_m_);
-  return FootprintSharer(mesh_, sent.look(), heard.look(), unit_m_);
+FootprintSharer PathImages::sharer(const Image& sent, const Image& received) const {
+  if (bent_) return FootprintSharer(sent.look(), received.look(), unit_m_);
+  return FootprintSharer(mesh_, sent.look(), received.look(), unit_m_);
 }
 
 std::vector<Image> PathImages::arriving() const {
   std::vector<Image> arriving;
   if (!settings_.arrivals || bent_) return arriving;
-  const TubeSet& receive = heard().front().windows;
+  const TubeSet& receive = received().front().windows;
   const auto any_holds = [](const TubeSet& tubes, GridPoint along, double slack_rad) {
     for (std::uint32_t tube = 0; tube < tubes.tubes.size(); ++tube)
       if (holds(tubes, tube, along, slack_rad)) return true;
@@ -91,12 +91,12 @@ std::vector<Image> PathImages::arriving() const {
   return arriving;
 }
 
-BistaticHistory PathImages::history(const Image& sent, const Image& heard) const {
-  BistaticHistory history{sent.windows, heard.windows, unit_m_, {}};
-  history.shared =
-      &sent == &heard && !bent_ ? shared_with_itself(mesh_, sent.look(), unit_m_) : sharer(sent, heard).all();
+BistaticHistory PathImages::history(const Image& sent, const Image& received) const {
+  BistaticHistory history{sent.windows, received.windows, unit_m_, {}};
+  history.shared = &sent == &received && !bent_ ? shared_with_itself(mesh_, sent.look(), unit_m_)
+                                                : sharer(sent, received).all();
   if (bent_)
-    history.paired = paired_facets(history.shared, bent_->bed(), bent_->end_of(sent), bent_->end_of(heard),
+    history.paired = paired_facets(history.shared, bent_->bed(), bent_->end_of(sent), bent_->end_of(received),
                                    bent_->grid(), absorption_db_per_m_);
   return history;
 }

@@ -26,7 +26,7 @@ class PathImages {
 
   std::span<const Image> sent() const { return sent_; }
   /// The very same for a sonar in one place.
-  std::span<const Image> heard() const { return one_place_ ? sent_ : heard_; }
+  std::span<const Image> received() const { return one_place_ ? sent_ : received_; }
   bool one_place() const { return one_place_; }
   double grid_unit_m() const { return unit_m_; }
   /// The least part of the energy that paths leave (PathSettings::least()).
@@ -40,8 +40,8 @@ class PathImages {
   /// By facet of that: the one of the mesh that it is, or is a part of.
   FacetId uncut(FacetId facet) const { return bent_ ? bent_->uncut(facet) : facet; }
   /// Of what `law` and `beams` are between the apexes; they and this outlive it.
-  PairLaw law(const Image& sent, const Image& heard, const EchoLaw& law, const ReceiveBeams& beams) const {
-    return PairLaw(sent, heard, this->sent().front().windows.apex, unit_m_, law, beams,
+  PairLaw law(const Image& sent, const Image& received, const EchoLaw& law, const ReceiveBeams& beams) const {
+    return PairLaw(sent, received, this->sent().front().windows.apex, unit_m_, law, beams,
                    bent_ ? &bed() : nullptr);
   }
   /// Facets that an image sees as parts of those of the mesh: of which, where they lie on it, and what all
@@ -52,13 +52,13 @@ class PathImages {
     std::vector<PartWeights> weights;
   };
   Parts parts_seen_by(const Image& image) const;
-  FootprintSharer sharer(const Image& sent, const Image& heard) const;
+  FootprintSharer sharer(const Image& sent, const Image& received) const;
   /// Images in up to `settings.order` mirrors from which what is sent comes to the receiver without
-  /// scattering, and with `settings.direct` the transmitter that a receiver apart hears; of two at one place
-  /// the first. None without `settings.arrivals`. In even water.
+  /// scattering, and with `settings.direct` the transmitter that a receiver apart receives; of two at one
+  /// place the first. None without `settings.arrivals`. In even water.
   std::vector<Image> arriving() const;
   /// What both see, over the way out to the one and home from the other.
-  BistaticHistory history(const Image& sent, const Image& heard) const;
+  BistaticHistory history(const Image& sent, const Image& received) const;
 
  private:
   const FacetMesh& mesh_;
@@ -67,7 +67,7 @@ class PathImages {
   bool one_place_;
   std::unique_ptr<RefractedImages> bent_;
   std::unique_ptr<ImageFinder> finder_;
-  std::vector<Image> sent_, heard_;
+  std::vector<Image> sent_, received_;
 };
 
 }  // namespace tubefoot

@@ -67,28 +67,28 @@ class ReceiverPairTracer {
               moved_along(ends.receive, ends.receiver_pair, -1, unit_m)},
         only_beam_(ends.receive.tubes.size(), 0),
         finder_(mesh, tree, options, settings.mirrors, settings.least(), settings.most_images) {
-    const std::array<GridPoint, 2> heard_at{ends_[0].apex, ends_[1].apex};
+    const std::array<GridPoint, 2> received_at{ends_[0].apex, ends_[1].apex};
     if (water == nullptr) {
-      sent_ = finder_.images_of(ends.transmit, settings.order, heard_at);
+      sent_ = finder_.images_of(ends.transmit, settings.order, received_at);
       for (std::size_t end = 0; end < 2; ++end)
-        heard_[end] = finder_.images_of(ends_[end], settings.order - 1);
+        received_[end] = finder_.images_of(ends_[end], settings.order - 1);
     } else {
       std::vector<TubeSet> places{ends.transmit};
       if (ends.receive != ends.transmit) places.push_back(ends.receive);
       const std::size_t middle = places.size() - 1;
       bent_.emplace(mesh, tree, options, settings.mirrors, settings.least(), settings.most_images,
                     law.absorption_db_per_m, *water, std::move(places), settings.order);
-      sent_ = bent_->images_of(0, heard_at);
+      sent_ = bent_->images_of(0, received_at);
       for (std::size_t end = 0; end < 2; ++end) {
         const TubeSet beside = moved_along(ends.receive, receiver_pair_, end == 0 ? 1 : -1, unit_m);
-        heard_[end] = bent_->images_of(middle, {}, &beside);
+        received_[end] = bent_->images_of(middle, {}, &beside);
       }
     }
-    for (std::size_t k = 0; k < heard_[1].size(); ++k) by_chain_[chain_of(heard_[1][k])].push_back(k);
+    for (std::size_t k = 0; k < received_[1].size(); ++k) by_chain_[chain_of(received_[1][k])].push_back(k);
     const std::vector<double> none(std::size_t(samples.count));
     echo_.by_order.assign(std::size_t(settings.order) + 1, {none, none, none, none});
     if (settings.reference_tolerance) echo_.bound_by_order = echo_.by_order;
-    echo_.images = sent_.size() + heard_[0].size() + heard_[1].size() - 3;
+    echo_.images = sent_.size() + received_[0].size() + received_[1].size() - 3;
   }
 
   ReceiverPairPathEcho trace() {
@@ -96,7 +96,7 @@ class ReceiverPairTracer {
     PathSettings once = settings_;
     once.scatterings = 1;
     for (std::size_t end = 0; end < 2; ++end) {
-      PathEcho one = path_echo(mesh_, unit_m_, {finder_, sent_, heard_[end], bent_ ? &*bent_ : nullptr},
+      PathEcho one = path_echo(mesh_, unit_m_, {finder_, sent_, received_[end], bent_ ? &*bent_ : nullptr},
                                ends_[end], {1, only_beam_}, samples_, law_, once);
       const auto row = [end](ReceiverPairEcho& echo) -> std::vector<double>& {
         return end == 0 ? echo.upper_j : echo.lower_j;
@@ -156,11 +156,11 @@ class ReceiverPairTracer {
       const Image *sent, *upper, *lower;
     };
     std::vector<Triple> all;
-    for (const ImagePair& pair : pairs_of_images(sent_, heard_[0], false, settings_.order, settings_.least(),
-                                                 100 * settings_.most_images))
-      for (const std::size_t k : lower_of(heard_[0][pair.heard]))
-        if (sent_[pair.sent].largest * heard_[1][k].largest > settings_.least())
-          all.push_back({&sent_[pair.sent], &heard_[0][pair.heard], &heard_[1][k]});
+    for (const ImagePair& pair : pairs_of_images(sent_, received_[0], false, settings_.order,
+                                                 settings_.least(), 100 * settings_.most_images))
+      for (const std::size_t k : lower_of(received_[0][pair.received]))
+        if (sent_[pair.sent].largest * received_[1][k].largest > settings_.least())
+          all.push_back({&sent_[pair.sent], &received_[0][pair.received], &received_[1][k]});
     struct Bin {
       std::size_t sample;
       Bounded real, imag;
@@ -217,14 +217,14 @@ class ReceiverPairTracer {
   }
 
   /// What both ends see of the bed, in refracting water from the receiver pair's middle.
-  void share(const Image& sent, const Image& heard, SharedFootprints& shared,
+  void share(const Image& sent, const Image& received, SharedFootprints& shared,
              std::vector<PairedFacet>& paired) const {
     if (!bent_) {
-      shared = FootprintSharer(mesh_, sent.look(), heard.look(), unit_m_).all();
+      shared = FootprintSharer(mesh_, sent.look(), received.look(), unit_m_).all();
       return;
     }
-    shared = FootprintSharer(sent.look(), heard.look(), unit_m_).all();
-    paired = paired_facets(shared, bent_->bed(), bent_->end_of(sent), bent_->end_of(heard), bent_->grid(),
+    shared = FootprintSharer(sent.look(), received.look(), unit_m_).all();
+    paired = paired_facets(shared, bent_->bed(), bent_->end_of(sent), bent_->end_of(received), bent_->grid(),
                            law_.absorption_db_per_m);
   }
 
@@ -268,21 +268,22 @@ class ReceiverPairTracer {
     const ReceiveBeams beams{1, only_beam_};
     const PathScene scene{mesh_, unit_m_,   finder_, beams,          samples_,
                           law_,  settings_, apex_,   ends_[0].reach, bent_ ? &*bent_ : nullptr};
-    std::vector<Listener> listeners;
+    std::vector<ImageReceiver> image_receivers;
     for (std::uint32_t end = 0; end < 2; ++end)
-      for (const Image& image : heard_[end]) listeners.push_back({scene.heard_by(image), end});
-    for (std::size_t u = 0; u < heard_[0].size(); ++u)
-      for (const std::size_t k : lower_of(heard_[0][u])) {
-        const Image& upper = heard_[0][u];
-        HeardFacets both(listeners[u].hears, listeners[heard_[0].size() + k].hears);
-        listeners.push_back({std::move(both), 2, image_m(middle_, upper.chain, apex_, unit_m_),
-                             receiver_pair_.baseline_m * axis_of(upper), receiver_pair_.wavenumber_rad_m});
+      for (const Image& image : received_[end]) image_receivers.push_back({scene.received_by(image), end});
+    for (std::size_t u = 0; u < received_[0].size(); ++u)
+      for (const std::size_t k : lower_of(received_[0][u])) {
+        const Image& upper = received_[0][u];
+        ReceiverViews both(image_receivers[u].receives, image_receivers[received_[0].size() + k].receives);
+        image_receivers.push_back({std::move(both), 2, image_m(middle_, upper.chain, apex_, unit_m_),
+                                   receiver_pair_.baseline_m * axis_of(upper),
+                                   receiver_pair_.wavenumber_rad_m});
       }
     const auto count = std::size_t(samples_.count);
     PathEcho rows;
     rows.by_order.resize(echo_.by_order.size());
     for (Echo& echo : rows.by_order) echo.energy.assign(4 * count, 0);
-    add_scattered_paths(scene, sent_, listeners, rows);
+    add_scattered_paths(scene, sent_, image_receivers, rows);
     for (std::size_t order = 0; order < rows.by_order.size(); ++order) {
       ReceiverPairEcho& to = echo_.by_order[order];
       const std::vector<double>& energy = rows.by_order[order].energy;
@@ -309,7 +310,7 @@ class ReceiverPairTracer {
   ImageFinder finder_;
   std::optional<RefractedImages> bent_;  // in refracting water
   std::vector<Image> sent_;
-  std::array<std::vector<Image>, 2> heard_;
+  std::array<std::vector<Image>, 2> received_;
   std::map<Chain, std::vector<std::size_t>> by_chain_;  // of the lower receiver's images
   ReceiverPairPathEcho echo_;
 };

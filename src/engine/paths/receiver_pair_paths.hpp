@@ -10,7 +10,7 @@
 // Paths over mirrors to two receivers on a receiver pair. docs/paths.md
 namespace tubefoot {
 
-/// What both receivers of a receiver pair hear, by order as PathEcho.
+/// What both receivers of a receiver pair receive, by order as PathEcho.
 struct ReceiverPairPathEcho {
   std::vector<ReceiverPairEcho> by_order;
   std::vector<ReceiverPairEcho> bound_by_order{};  ///< with a reference: half-widths of their enclosures
@@ -37,8 +37,8 @@ struct ReceiverPairEnds {
 /// that of their middle (docs/refraction.md), which patches light through the water from their own depth;
 /// what comes unscattered follows rays to either end.
 ///
-/// `law.patterns`: those of the fan alone (patterns_of_fan()), whose one beam hears all of its tubes. Throws
-/// as path_echo().
+/// `law.patterns`: those of the fan alone (patterns_of_fan()), whose one beam receives all of its tubes.
+/// Throws as path_echo().
 ReceiverPairPathEcho receiver_pair_path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
                                              const VisibilityOptions& options, const ReceiverPairEnds& ends,
                                              const RangeSamples& samples, const EchoLaw& law,

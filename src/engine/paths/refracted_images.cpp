@@ -260,7 +260,7 @@ void RefractedImages::look(Image& image) {
   });
 }
 
-std::vector<Image> RefractedImages::images_of(std::size_t end, std::span<const GridPoint> heard_at,
+std::vector<Image> RefractedImages::images_of(std::size_t end, std::span<const GridPoint> received_at,
                                               const TubeSet* beside) {
   std::vector<Image> images(1);
   Image& root = images.front();
@@ -278,9 +278,9 @@ std::vector<Image> RefractedImages::images_of(std::size_t end, std::span<const G
       look(image);
     }
     const bool is_last = mirrors + 1 == order_;
-    if (is_last && heard_at.empty()) break;
+    if (is_last && received_at.empty()) break;
     for (std::size_t i = first; i < last; ++i)
-      for (Image& child : children_of(images[i], is_last ? heard_at : std::span<const GridPoint>()))
+      for (Image& child : children_of(images[i], is_last ? received_at : std::span<const GridPoint>()))
         images.push_back(std::move(child));
   }
   return images;
@@ -290,7 +290,7 @@ glm::dvec3 RefractedImages::beside_m(const Image& image) const {
   return water_.grid.to_metres(image.windows.apex) - water_.grid.to_metres(ends_[ways_[image.way].end].apex);
 }
 
-std::vector<Image> RefractedImages::children_of(const Image& image, std::span<const GridPoint> heard_at) {
+std::vector<Image> RefractedImages::children_of(const Image& image, std::span<const GridPoint> received_at) {
   stop_if_wanted();
   const Way& way = ways_[image.way];
   const GridPoint apex = image.windows.apex;
@@ -337,7 +337,7 @@ std::vector<Image> RefractedImages::children_of(const Image& image, std::span<co
     chain.push_back(height);
     auto known = way_of_.find({way.end, chain});
     if (known == way_of_.end()) {
-      if (heard_at.empty()) continue;  // nothing passes, or nothing in time
+      if (received_at.empty()) continue;  // nothing passes, or nothing in time
       add_way(way.end, chain);
       known = way_of_.find({way.end, chain});
     }
@@ -372,8 +372,9 @@ std::vector<Image> RefractedImages::children_of(const Image& image, std::span<co
     if (windows.tubes().tubes.empty()) continue;
     child.windows = windows.tubes();
     child.own_tube = windows.labels();
-    if (!heard_at.empty() && !water_.keep_last &&
-        std::ranges::all_of(heard_at, [&](const GridPoint& place) { return rays_to(child, place).empty(); }))
+    if (!received_at.empty() && !water_.keep_last &&
+        std::ranges::all_of(received_at,
+                            [&](const GridPoint& place) { return rays_to(child, place).empty(); }))
       continue;
     if (++found_ > most_images_)
       throw std::length_error(
@@ -398,8 +399,8 @@ ApparentEnd RefractedImages::end_of(const Image& image) const {
   return {alike_.seen[image.way], ways_[image.way].straightening};
 }
 
-PairedBed RefractedImages::bed_between(const Image& sent, const Image& heard) {
-  for (const Image* image : {&sent, &heard}) {
+PairedBed RefractedImages::bed_between(const Image& sent, const Image& received) {
+  for (const Image* image : {&sent, &received}) {
     Way& way = ways_[image->way];
     if (way.tree != nullptr) continue;
     way.alone = std::make_unique<AlikeGrounds>(straighten_alike(
@@ -414,7 +415,7 @@ PairedBed RefractedImages::bed_between(const Image& sent, const Image& heard) {
                      alone ? way.alone->origin[0] : alike_.origin[image.way], way.straightening, way.rays};
   };
   const RefinedMesh& cut = ways_[sent.way].alone ? ways_[sent.way].alone->bed : alike_.bed;
-  return {cut.mesh, cut.parent, *mesh_, water_.grid, end(sent), end(heard)};
+  return {cut.mesh, cut.parent, *mesh_, water_.grid, end(sent), end(received)};
 }
 
 const Straightening& RefractedImages::water_of(const Image& image) const {

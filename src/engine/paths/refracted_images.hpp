@@ -65,7 +65,7 @@ class RefractedImages {
 
   /// As ImageFinder::images_of() has them. `beside`: the tubes of a place near the end, which looks at what
   /// is seen from there (the end of a receiver pair).
-  std::vector<Image> images_of(std::size_t end, std::span<const GridPoint> heard_at = {},
+  std::vector<Image> images_of(std::size_t end, std::span<const GridPoint> received_at = {},
                                const TubeSet* beside = nullptr);
   /// How far an image is from that of its end.
   glm::dvec3 beside_m(const Image& image) const;
@@ -91,7 +91,7 @@ class RefractedImages {
   ApparentEnd end_of(const Image& image) const;
   /// The bed between two images, for references; they may be the same. Those that have not looked, too,
   /// straighten it for that.
-  PairedBed bed_between(const Image& sent, const Image& heard);
+  PairedBed bed_between(const Image& sent, const Image& received);
   const VisibilityOptions& options() const { return options_; }
   const Straightening& water_of(const Image& image) const;
   const RayEnclosure& rays_of(const Image& image) const;
@@ -117,7 +117,7 @@ class RefractedImages {
   Way& add_way(std::size_t end, const Heights& heights);
   bool is_next(const Heights& heights, bool up_first, std::int32_t apex, std::int32_t next, bool up) const;
   void look(Image& image);
-  std::vector<Image> children_of(const Image& image, std::span<const GridPoint> heard_at);
+  std::vector<Image> children_of(const Image& image, std::span<const GridPoint> received_at);
   bool is_hidden(const Image& image, const GridPoint& from, const GridPoint& to);
 
   const VisibilityOptions options_;

@@ -36,22 +36,22 @@ struct Carried {
 /// A facet that hits lie on, as both ends have it.
 struct LitFacet {
   SharedFacet shared;
-  FacetId heard = 0;  // where the receiver looks, in ApparentFacets
+  FacetId received = 0;  // where the receiver looks, in ApparentFacets
   Carried carried;
   std::uint32_t number = nowhere;  // among those with hits that both see
 };
 
 class Sharing {
  public:
-  Sharing(const History& history, const SampledEnd& sent, const SampledEnd& heard, const FacetMesh& common,
+  Sharing(const History& history, const SampledEnd& sent, const SampledEnd& received, const FacetMesh& common,
           const ApparentFacets* apparent)
       : hits_(history.hits.begin(), history.hits.end()),
         unit_m_(history.grid_unit_m),
         sent_(sent),
-        heard_(heard),
+        received_(received),
         common_(common),
         apparent_(apparent),
-        receiver_m_(metres(heard.tubes.apex - sent.tubes.apex, unit_m_)) {}
+        receiver_m_(metres(received.tubes.apex - sent.tubes.apex, unit_m_)) {}
 
   BistaticHistory find() {
     light();
@@ -62,7 +62,7 @@ class Sharing {
       for (std::size_t k = task * hits_per_task; k < end; ++k)
         if (lit_by_[k] != nowhere) look_at(hits_[k], lit_by_[k], parts[task]);
     });
-    BistaticHistory found{sent_.tubes, heard_.tubes, unit_m_, {}};
+    BistaticHistory found{sent_.tubes, received_.tubes, unit_m_, {}};
     found.shared.receiver_m = receiver_m_;
     for (const auto& part : parts)
       for (SharedHit hit : part) {
@@ -100,17 +100,17 @@ class Sharing {
     LitFacet facet;
     const FacetMesh *there = &common_, *here = &common_;
     FacetId facet_here = origin;
-    facet.heard = origin;
+    facet.received = origin;
     if (apparent_ != nullptr) {
-      facet.heard = apparent_->heard[origin];
-      if (facet.heard == ApparentFacets::none) return nowhere;
+      facet.received = apparent_->received[origin];
+      if (facet.received == ApparentFacets::none) return nowhere;
       here = &sent_.scene.mesh();
-      there = &heard_.scene.mesh();
+      there = &received_.scene.mesh();
       facet_here = seen;
     }
     FacetCone from_transmitter, from_receiver;
     if (!FacetCone::make(*here, facet_here, sent_.tubes.apex, from_transmitter) ||
-        !FacetCone::make(*there, facet.heard, heard_.tubes.apex, from_receiver) ||
+        !FacetCone::make(*there, facet.received, received_.tubes.apex, from_receiver) ||
         from_transmitter.reversed != from_receiver.reversed)
       return nowhere;
     facet.shared = facet_between(from_transmitter, from_receiver, unit_m_);
@@ -130,20 +130,20 @@ class Sharing {
     const double range = glm::length(from_receiver);
     if (!(range > 0)) return;
     const std::size_t before = found.size();
-    heard_.finder.find(from_receiver, [&](std::uint32_t tube) {
+    received_.finder.find(from_receiver, [&](std::uint32_t tube) {
       found.push_back({lit, hit.tube, tube, hit.solid_angle_sr, at});
     });
     if (found.size() == before) return;
-    const FacetId wanted = apparent_ == nullptr ? facet.shared.facet : facet.heard;
-    if (!heard_.scene.reaches(heard_.tubes.apex, from_receiver / range, range, [&](FacetId met) {
-          return (apparent_ == nullptr ? heard_.origin_of(met) : met) == wanted;
+    const FacetId wanted = apparent_ == nullptr ? facet.shared.facet : facet.received;
+    if (!received_.scene.reaches(received_.tubes.apex, from_receiver / range, range, [&](FacetId met) {
+          return (apparent_ == nullptr ? received_.origin_of(met) : met) == wanted;
         }))
       found.resize(before);
   }
 
   std::vector<RayHit> hits_;
   double unit_m_;
-  const SampledEnd &sent_, &heard_;
+  const SampledEnd &sent_, &received_;
   const FacetMesh& common_;
   const ApparentFacets* apparent_;
   glm::dvec3 receiver_m_;
@@ -153,9 +153,9 @@ class Sharing {
 
 }  // namespace
 
-BistaticHistory shared_hits(const History& history, const SampledEnd& sent, const SampledEnd& heard,
+BistaticHistory shared_hits(const History& history, const SampledEnd& sent, const SampledEnd& received,
                             const FacetMesh& common, const ApparentFacets* apparent) {
-  return Sharing(history, sent, heard, common, apparent).find();
+  return Sharing(history, sent, received, common, apparent).find();
 }
 
 }  // namespace tubefoot

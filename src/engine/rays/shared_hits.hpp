@@ -28,15 +28,15 @@ struct SampledEnd {
 /// receiver's. Both have the same vertices in the same order.
 struct ApparentFacets {
   static constexpr FacetId none = no_point;
-  std::vector<FacetId> heard;
+  std::vector<FacetId> received;
 };
 
-/// Of the hits of rays from `sent` (history.hits, whose tubes are numbers of sent.tubes), those that `heard`
-/// sees too: the same side of their facet, in one of its tubes (or one in each of several fans), with nothing
-/// before them. `common` is the mesh of the origins; with `apparent`, places are carried over to the
-/// receiver's facet, and planes are those that the transmitter sees. The result is the same for any number of
-/// threads.
-BistaticHistory shared_hits(const History& history, const SampledEnd& sent, const SampledEnd& heard,
+/// Of the hits of rays from `sent` (history.hits, whose tubes are numbers of sent.tubes), those that
+/// `received` sees too: the same side of their facet, in one of its tubes (or one in each of several fans),
+/// with nothing before them. `common` is the mesh of the origins; with `apparent`, places are carried over to
+/// the receiver's facet, and planes are those that the transmitter sees. The result is the same for any
+/// number of threads.
+BistaticHistory shared_hits(const History& history, const SampledEnd& sent, const SampledEnd& received,
                             const FacetMesh& common, const ApparentFacets* apparent = nullptr);
 
 }  // namespace tubefoot

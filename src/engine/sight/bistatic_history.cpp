@@ -38,9 +38,9 @@ BistaticHistory trace_bistatic(const FacetMesh& mesh, const SceneTree& tree, dou
                                const VisibilityOptions& options, TubeSet transmit, TubeSet receive) {
   BistaticHistory history{std::move(transmit), std::move(receive), grid_unit_m, {}};
   const auto sent = look(mesh, tree, history.transmit, options),
-             heard = look(mesh, tree, history.receive, options);
-  history.shared =
-      shared_by_all(FootprintSharer(mesh, {history.transmit, sent}, {history.receive, heard}, grid_unit_m));
+             received = look(mesh, tree, history.receive, options);
+  history.shared = shared_by_all(
+      FootprintSharer(mesh, {history.transmit, sent}, {history.receive, received}, grid_unit_m));
   return history;
 }
 
@@ -49,14 +49,14 @@ BistaticHistory trace_bistatic(const ApparentPair& pair, const WorldGrid& grid,
                                const Straightening& transmit_water, const Straightening& receive_water,
                                double reference_absorption_db_per_m) {
   BistaticHistory history{std::move(transmit), std::move(receive), grid.unit_m(), {}};
-  const FacetMesh &sent_to = pair.transmit.refined.mesh, &heard_from = pair.receive.refined.mesh;
+  const FacetMesh &sent_to = pair.transmit.refined.mesh, &received_from = pair.receive.refined.mesh;
   const SceneTree sent_tree(sent_to, SceneTree::Sheets::ignored),
-      heard_tree(heard_from, SceneTree::Sheets::ignored);
+      received_tree(received_from, SceneTree::Sheets::ignored);
   const auto sent = look(sent_to, sent_tree, history.transmit, options),
-             heard = look(heard_from, heard_tree, history.receive, options);
-  history.shared = shared_by_all(FootprintSharer({history.transmit, sent, &sent_to, pair.transmit_origin},
-                                                 {history.receive, heard, &heard_from, pair.receive_origin},
-                                                 grid.unit_m()));
+             received = look(received_from, received_tree, history.receive, options);
+  history.shared = shared_by_all(
+      FootprintSharer({history.transmit, sent, &sent_to, pair.transmit_origin},
+                      {history.receive, received, &received_from, pair.receive_origin}, grid.unit_m()));
   history.paired =
       paired_facets(history.shared, pair, grid, transmit_water, receive_water, reference_absorption_db_per_m);
   return history;

@@ -51,7 +51,7 @@ struct View {
 
 /// The mean over a part of what two rays gain together. Next to a caustic tubes widen as the root of the
 /// distance from it: 1 / gain^2 of each is a plane over the bed, and elsewhere is so to second order.
-double mean_gain(const RayOfPart& sent, const RayOfPart& heard) {
+double mean_gain(const RayOfPart& sent, const RayOfPart& received) {
   constexpr int n = 8;
   const auto inverse_square = [](const RayOfPart& ray, double u, double v) {
     const std::array<double, 3> weight{1 - u - v, u, v};
@@ -61,7 +61,7 @@ double mean_gain(const RayOfPart& sent, const RayOfPart& heard) {
   };
   double sum = 0;
   const auto add = [&](double u, double v) {
-    sum += 1 / std::sqrt(inverse_square(sent, u, v) * inverse_square(heard, u, v));
+    sum += 1 / std::sqrt(inverse_square(sent, u, v) * inverse_square(received, u, v));
   };
   // Middles of even triangles, those that point one way and those that point the other.
   for (int i = 0; i < n; ++i)
@@ -112,12 +112,12 @@ void trace_crossed_ways(const ApparentGround& ground, const SceneTree& tree, con
   };
   const auto add_paired = [&](BistaticHistory& history, const Sheet& out, const Sheet& home) {
     for (const SharedFacet& shared : history.shared.facets) {
-      const RayOfPart &sent = *out.rays[shared.facet], &heard = *home.rays[shared.facet];
+      const RayOfPart &sent = *out.rays[shared.facet], &received = *home.rays[shared.facet];
       std::array<std::size_t, 3> corner{0, 1, 2};
       glm::dvec3 from_t[3], from_r[3], lies[3];
       const auto place = [&] {
         for (std::size_t k = 0; k < 3; ++k) {
-          const VertexId t = mesh.facets[sent.seen][corner[k]], r = mesh.facets[heard.seen][corner[k]];
+          const VertexId t = mesh.facets[sent.seen][corner[k]], r = mesh.facets[received.seen][corner[k]];
           from_t[k] = grid.to_metres(mesh.vertices[t]) - apex;
           from_r[k] = grid.to_metres(mesh.vertices[r]) - apex;
           lies[k] = ground.truth[t];
@@ -130,9 +130,9 @@ void trace_crossed_ways(const ApparentGround& ground, const SceneTree& tree, con
         place();
       }
       LaidOutFacet laid = lay_out_between(from_t, from_r, lies);
-      const double gain = mean_gain(sent, heard);
+      const double gain = mean_gain(sent, received);
       for (std::size_t k = 0; k < 3; ++k) {
-        const RayOfPart::Corner &there = sent.corners[corner[k]], &back = heard.corners[corner[k]];
+        const RayOfPart::Corner &there = sent.corners[corner[k]], &back = received.corners[corner[k]];
         PairedFacet::Corner& at = laid.facet.corners[k];
         at.transmit_lies = there.sine;
         at.receive_lies = back.sine;
@@ -151,18 +151,18 @@ void trace_crossed_ways(const ApparentGround& ground, const SceneTree& tree, con
   for (const Family& family : families) sheets.emplace_back(family, sheet_of(family));
   for (const auto& [out, sent] : sheets) {
     const std::vector<TubeVisibility> seen_out = straight.part(sent.is_own);
-    for (const auto& [home, heard] : sheets) {
+    for (const auto& [home, received] : sheets) {
       stop_if_wanted();
-      if (out.first == home.first || !share_a_part(sent, heard)) continue;
+      if (out.first == home.first || !share_a_part(sent, received)) continue;
       const View& view = out.second == home.second ? straight : in_mirror();
-      const std::vector<TubeVisibility> seen_home = view.part(heard.is_own);
+      const std::vector<TubeVisibility> seen_home = view.part(received.is_own);
       BistaticHistory history{tubes, tubes, grid.unit_m(), {}};
       history.shared = FootprintSharer({straight.tubes, seen_out, &straight.mesh, part_of},
                                        {view.tubes, seen_home, &view.mesh, part_of}, grid.unit_m())
                            .all();
       history.shared.receiver_m = glm::dvec3(0);
       if (history.shared.pieces.empty()) continue;
-      add_paired(history, sent, heard);
+      add_paired(history, sent, received);
       take(history);
     }
   }

@@ -28,7 +28,7 @@ ComplexBall turned(const Ball& phase) {
   return {cosine, sine};
 }
 
-/// A pulse as waves by the length of their paths: those that are heard at a time.
+/// A pulse as waves by the length of their paths: those that are received at a time.
 class PulseWaves {
  public:
   PulseWaves(const TaperedChirp& pulse, double baseband_hz, double sound_speed, double absorption_db_per_m)
@@ -90,7 +90,7 @@ class PulseWaves {
   bool with_flanks_ = false, with_middle_ = true;
 };
 
-/// The samples that may hear paths.
+/// The samples that may receive paths.
 std::pair<std::size_t, std::size_t> samples_of(double shortest_m, double longest_m, const TaperedChirp& pulse,
                                                const SignalTimes& times, double sound_speed) {
   const double first = (shortest_m / sound_speed - times.first_s) * times.rate_hz,
@@ -106,14 +106,14 @@ std::array<Ball, 3> between(glm::dvec3 from, glm::dvec3 to) {
 }
 
 /// A polygon as a channel's ends see it.
-struct HeardPolygon {
+struct ReceivedPolygon {
   CertifiedPathEdges edges;
   bool surely = true;  ///< both are on the side that is seen
 };
 /// None where one of them is surely on the other side.
-std::optional<HeardPolygon> heard_polygon(const CertifiedSmoothSignals::Seen& seen,
-                                          const SeenPatches& patches, const SeenPatch& patch,
-                                          const SignalChannel& channel) {
+std::optional<ReceivedPolygon> received_polygon(const CertifiedSmoothSignals::Seen& seen,
+                                                const SeenPatches& patches, const SeenPatch& patch,
+                                                const SignalChannel& channel) {
   FacetCone cone;
   FacetCone::make(seen.mesh, patch.facet, seen.apex, cone);
   const CertifiedPolygon polygon =
@@ -123,8 +123,9 @@ std::optional<HeardPolygon> heard_polygon(const CertifiedSmoothSignals::Seen& se
   if (!(out.height.hi() > 0 && back.height.hi() > 0)) return std::nullopt;
   std::vector<CertifiedPolygon::Point> points;
   for (const CertifiedPolygon::Point& p : polygon.points) points.push_back({p.x - out.x, p.y - out.y});
-  return HeardPolygon{CertifiedPathEdges(points, out.height, {back.height, back.x - out.x, back.y - out.y}),
-                      out.height.surely_positive() && back.height.surely_positive()};
+  return ReceivedPolygon{
+      CertifiedPathEdges(points, out.height, {back.height, back.x - out.x, back.y - out.y}),
+      out.height.surely_positive() && back.height.surely_positive()};
 }
 
 /// Bounds of a patch's paths, in doubles but for their rounding.
@@ -176,21 +177,21 @@ CertifiedSignals CertifiedSmoothSignals::of(const SeenPatches& patches,
     stop_if_wanted();
     const SmoothSurface* surface = surface_of(patch.facet);
     if (surface == nullptr || surface->reflection == 0.0) return;
-    std::optional<HeardPolygon> heard = heard_polygon(seen_, patches, patch, channels[c]);
-    if (!heard) return;
-    const auto [first, end] =
-        samples_of(heard->edges.shortest_path(), heard->edges.longest_path(), pulse_, times_, sound_speed_);
-    if (!heard->surely) {
+    std::optional<ReceivedPolygon> received = received_polygon(seen_, patches, patch, channels[c]);
+    if (!received) return;
+    const auto [first, end] = samples_of(received->edges.shortest_path(), received->edges.longest_path(),
+                                         pulse_, times_, sound_speed_);
+    if (!received->surely) {
       for (std::size_t k = first; k < end; ++k) part.open[k] = 1;
       return;
     }
     const ComplexBall reflection(Ball(surface->reflection.real()), Ball(surface->reflection.imag()));
     for (std::size_t k = first; k < end; ++k) {
       const PathWave wave = waves.at(times_.time_s(k));
-      // Of the pulse itself: nobody hears what is fainter, and no rule reaches as far as one likes.
+      // Of the pulse itself: nobody receives what is fainter, and no rule reaches as far as one likes.
       const double faintest = std::max(1e-22 * wave.largest, 1e-300);
       const ComplexBall echo =
-          reflection * heard->edges.integral(
+          reflection * received->edges.integral(
                            wave, std::max(allowed[c] / double(std::max<std::size_t>(edges, 1)), faintest));
       if (echo.is_finite())
         part.sum[k] += echo;

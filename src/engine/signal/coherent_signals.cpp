@@ -47,7 +47,7 @@ SignalExtent extent_of(const CoherentReceiver& receiver, const Path& path, bool 
   extent.band_rad_m = 2 * pi / receiver.sound_speed_m_s *
                       (products ? weighed_bandwidth_hz(receiver.pulse, 2 * most_rule_nodes)
                                 : resolved_bandwidth_hz(receiver.pulse, ChebyshevNodes::most, tolerance) / 2);
-  double sent = 0, heard = 0;
+  double sent = 0, received = 0;
   if (!products) {
     extent.transmit_m.push_back(middle_of(receiver, &SignalChannel::transmit_m));
     extent.receive_m.push_back(middle_of(receiver, &SignalChannel::receive_m));
@@ -59,11 +59,11 @@ SignalExtent extent_of(const CoherentReceiver& receiver, const Path& path, bool 
     add(extent.transmit_m, channel.transmit_m);
     add(extent.receive_m, channel.receive_m);
     sent = std::max(sent, amplitude_wavenumber(channel.transmit));
-    heard = std::max(heard, amplitude_wavenumber(channel.receive));
+    received = std::max(received, amplitude_wavenumber(channel.receive));
   }
   sent += amplitude_wavenumber(path.out.loss);
-  heard += amplitude_wavenumber(path.back().loss);
-  extent.pattern_rad = (sent + heard) * (products ? 2 : 1);
+  received += amplitude_wavenumber(path.back().loss);
+  extent.pattern_rad = (sent + received) * (products ? 2 : 1);
   return extent;
 }
 
@@ -91,9 +91,9 @@ class ChannelsOnPatch {
   void hear(glm::dvec3 place_m, std::complex<double> strength, double less_m, const Take& take) const {
     for (std::size_t c = 0; c < on_.size(); ++c) {
       if (!on_[c].faces()) continue;
-      const ChannelOnPatch::Heard heard = on_[c].at(place_m);
-      take(c, std::polar(heard.amplitude, wavenumber_ * (heard.path_m - less_m)) * strength,
-           heard.path_m / receiver_.sound_speed_m_s);
+      const ChannelOnPatch::Reception received = on_[c].at(place_m);
+      take(c, std::polar(received.amplitude, wavenumber_ * (received.path_m - less_m)) * strength,
+           received.path_m / receiver_.sound_speed_m_s);
     }
   }
 
@@ -144,7 +144,7 @@ class ScatterersOnPatch {
                 receiver.sound_speed_m_s),
         moments_(nodes) {}
 
-  /// Calls hear(place, strength, less): channels' phases are those of their ways less the last [m].
+  /// Calls receive(place, strength, less): channels' phases are those of their ways less the last [m].
   template <class Hear>
   void tell(const SeenPatch& patch, const FacetBed& bed, const SignalExtent& extent,
             const SmoothPieces& pieces, const Hear& hear) {
@@ -199,7 +199,7 @@ ChannelSignals moving_signals(const SeenPatches& patches, const MovingEnds& ends
                stop_if_wanted();
                const SeenPatch& patch = patches.patches[number];
                if (!channels.look_at(patch)) continue;
-               // Pieces about the ends where they are while the patch is heard.
+               // Pieces about the ends where they are while the patch is received.
                const SmoothPieces pieces(channels.extent(), nodes.most_change());
                scatterers.tell(patch, channels.bed(), channels.extent(), pieces,
                                [&](glm::dvec3 at, std::complex<double> strength, double less_m) {
@@ -282,20 +282,21 @@ ChannelSignals drawn_signals(const SeenPatches& patches, const CoherentReceiver&
   in_tasks(bed.size(), scatterers_per_task, signals.value,
            [&](std::size_t begin, std::size_t end, Values& part) {
              std::optional<std::uint32_t> patch;
-             bool heard = false;
+             bool received = false;
              if (ends) {
                MovingChannels channels(*ends, patches, law, extent, tolerance);
                for (std::size_t n = begin; n < end; ++n) {
                  if (patch != bed[n].patch)
-                   heard = channels.look_at(patches.patches[*(patch = bed[n].patch)]);
-                 if (heard) channels.hear(bed[n].place_m, draw(n, channels.bed()), 0, part.data());
+                   received = channels.look_at(patches.patches[*(patch = bed[n].patch)]);
+                 if (received) channels.hear(bed[n].place_m, draw(n, channels.bed()), 0, part.data());
                }
                return;
              }
              ChannelsOnPatch channels(patches, receiver, law);
              for (std::size_t n = begin; n < end; ++n) {
-               if (patch != bed[n].patch) heard = channels.look_at(patches.patches[*(patch = bed[n].patch)]);
-               if (!heard) continue;
+               if (patch != bed[n].patch)
+                 received = channels.look_at(patches.patches[*(patch = bed[n].patch)]);
+               if (!received) continue;
                channels.hear(bed[n].place_m, draw(n, channels.bed()), 0,
                              [&](std::size_t c, std::complex<double> amplitude, double delay) {
                                table.add(amplitude, delay, &part[c * receiver.times.count]);
@@ -328,11 +329,12 @@ CovarianceMatrix signal_covariances(const SeenPatches& patches, const CoherentRe
            [&](std::size_t begin, std::size_t end, Values& part) {
              ChannelsOnPatch channels(patches, receiver, law);
              std::optional<std::uint32_t> patch;
-             bool heard = false;
+             bool received = false;
              std::vector<std::pair<std::size_t, std::complex<double>>> h;
              for (std::size_t n = begin; n < end; ++n) {
-               if (patch != bed[n].patch) heard = channels.look_at(patches.patches[*(patch = bed[n].patch)]);
-               if (!heard) continue;
+               if (patch != bed[n].patch)
+                 received = channels.look_at(patches.patches[*(patch = bed[n].patch)]);
+               if (!received) continue;
                const double strength = bed[n].weight_m2 * texture_at(channels.bed(), patches, bed[n].place_m);
                h.clear();
                channels.hear(bed[n].place_m, std::sqrt(strength), 0,

@@ -60,8 +60,8 @@ struct SignalSample {
   std::uint32_t channel = 0, sample = 0;
 };
 /// Covariances E[y y*] of samples, Hermitian and positive semi-definite by what they are: sums over the nodes
-/// of bed_scatterers(). Work grows as the number of nodes times the square of how many of the samples hear a
-/// node.
+/// of bed_scatterers(). Work grows as the number of nodes times the square of how many of the samples receive
+/// a node.
 CovarianceMatrix signal_covariances(const SeenPatches& patches, const CoherentReceiver& receiver,
                                     std::span<const SignalSample> samples, const EchoLaw& law,
                                     double tolerance = 1e-6);

@@ -98,7 +98,7 @@ bool MovingChannels::look_at(const SeenPatch& patch) {
   for (const glm::dvec3& corner : corners) radius = std::max(radius, glm::distance(corner, centre));
 
   // Where the ends are when the middle of the pulse comes by the centre, and how long before and after that
-  // the patch is heard.
+  // the patch is received.
   std::vector<glm::dvec3> senders;
   std::vector<glm::dvec3>& receivers = near_m_;
   receivers.clear();

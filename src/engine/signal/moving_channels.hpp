@@ -46,9 +46,9 @@ class MovingChannels {
   /// False where nothing comes back from while there are samples.
   bool look_at(const SeenPatch& patch);
   const FacetBed& bed() const { return on_.front().path().bed; }
-  /// The ends where they are when the patch is heard; the first ones are the middle of all.
+  /// The ends where they are when the patch is received; the first ones are the middle of all.
   const SignalExtent& extent() const { return extent_; }
-  /// Adds what all channels hear of a place to out[channel * samples + sample].
+  /// Adds what all channels receive of a place to out[channel * samples + sample].
   void hear(glm::dvec3 place_m, std::complex<double> strength, double less_m, std::complex<double>* out);
 
  private:
@@ -61,7 +61,7 @@ class MovingChannels {
   std::vector<ChannelOnPatch> on_;
   std::vector<char> faces_;                    // by channel: some time
   std::vector<MovingPulse::Passing> passing_;  // by transmitter's way
-  std::vector<glm::dvec3> near_m_;             // by receiver's way, when the patch is heard
+  std::vector<glm::dvec3> near_m_;             // by receiver's way, when the patch is received
   double newton_s_ = 0;
   bool even_ = false;
   std::vector<MovingPulse::Echo> echoes_;

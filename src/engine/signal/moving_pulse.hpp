@@ -13,7 +13,7 @@
 
 namespace tubefoot {
 
-/// A pulse as ends that move hear it of a place x at rest. What is received at t was sent at s,
+/// A pulse as ends that move receive it of a place x at rest. What is received at t was sent at s,
 ///     c (t - s) = L(t) = |x - T(s)| + |x - R(t)|,
 /// and makes the signal A g(s) e^{ikL(t)}: the pulse is stretched and its carrier shifted as the ways say, by
 /// no formula of Doppler's. Over short parts of a pulse L(t) is a parabola through three exact ways, to 1e-9
@@ -59,12 +59,12 @@ class MovingPulse {
     double time_s = passing.there_s[0] + glm::distance(near_m, passing.place_m) * per_c_, slope = 1;
     for (std::size_t n = 0; n < count; ++n) {
       if (n > 0) time_s += (passing.there_s[n] - passing.there_s[n - 1]) * slope;
-      const Heard heard = heard_at(passing, n, receive, time_s, newton_s);
-      time_s = heard.time_s;
-      slope = heard.slope;
-      echoes[n] = {time_s, passing.out_m[n] + heard.home_m, 0};
+      const Reception received = received_at(passing, n, receive, time_s, newton_s);
+      time_s = received.time_s;
+      slope = received.slope;
+      echoes[n] = {time_s, passing.out_m[n] + received.home_m, 0};
       if (!even || n == count / 2)
-        echoes[n].amplitude = amplitude(passing.from_m[n], heard.to_m, passing.out_m[n], heard.home_m);
+        echoes[n].amplitude = amplitude(passing.from_m[n], received.to_m, passing.out_m[n], received.home_m);
     }
     const AmplitudeOf its{
         &amplitude, [](const void* of, glm::dvec3 from_m, glm::dvec3 to_m, double out_m, double home_m) {
@@ -79,12 +79,12 @@ class MovingPulse {
  private:
   /// A time that is known as well as clocks tell.
   static constexpr double exact_s = 1e-14;
-  struct Heard {
+  struct Reception {
     double time_s, home_m, slope;  ///< slope: of times of hearing by times at the place
     glm::dvec3 to_m;
   };
-  Heard heard_at(const Passing& passing, std::size_t n, const TabulatedWay& receive, double time_s,
-                 double newton_s) const {
+  Reception received_at(const Passing& passing, std::size_t n, const TabulatedWay& receive, double time_s,
+                        double newton_s) const {
     constexpr int hopeful_steps = 8, most_steps = 100;
     for (int step = 0;; ++step) {
       const TabulatedWay::Moment end = receive.at(time_s);

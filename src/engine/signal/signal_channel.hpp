@@ -14,8 +14,8 @@
 // Signals are analytic with the time factor e^{-i omega t}; a way of length L has the phase e^{+ikL}.
 namespace tubefoot {
 
-/// One transmission as one receiver hears it: an element, a beam, a ping, or one of each. Over mirrors, with
-/// a law that has their losses: the ends' images.
+/// One transmission as one receiver receives it: an element, a beam, a ping, or one of each. Over mirrors,
+/// with a law that has their losses: the ends' images.
 struct SignalChannel {
   glm::dvec3 transmit_m{0}, receive_m{0};  ///< local frame
   Directivity transmit{}, receive{};       ///< power patterns; amplitudes have the signs of side lobes
@@ -36,15 +36,15 @@ class ChannelOnPatch {
   ChannelOnPatch(const SignalChannel& channel, const SeenPatches& seen, const SeenPatch& patch,
                  const EchoLaw& law);
 
-  /// Both ends are on the side that is seen; else the channel hears nothing of the patch.
+  /// Both ends are on the side that is seen; else the channel receives nothing of the patch.
   bool faces() const { return transmit_.distance_m > 0 && receive_distance_m_ > 0; }
 
-  struct Heard {
+  struct Reception {
     double path_m = 0;     ///< out and home
     double amplitude = 0;  ///< its square is the energy of a square metre of even bed, J for 1 J/sr at 1 m
   };
   /// `place_m`: on the patch's plane, relative to the patches' origin.
-  Heard at(glm::dvec3 place_m) const {
+  Reception at(glm::dvec3 place_m) const {
     const glm::dvec3 there = place_m - transmit_m_, back = place_m - receive_m_;
     const double out = glm::length(there), home = glm::length(back);
     double amplitude = std::sqrt(path_.density_at(out, home));

@@ -30,13 +30,13 @@ constexpr double most_uneven_rad = 8;
 /// What is left for each of the errors that add up: of delays, of quadratures, of breaks, of the far field.
 constexpr double each_error = 0.2;
 
-/// A pulse as paths hear it.
-struct HeardPulse {
+/// A pulse as paths receive it.
+struct ReceivedPulse {
   const BasebandPulse& pulse;
   PulseTable table;
   double carrier_rad_m, part_rad_m, band_rad_m, sound_speed_m_s;
 
-  HeardPulse(const CoherentReceiver& receiver, double tolerance)
+  ReceivedPulse(const CoherentReceiver& receiver, double tolerance)
       : pulse(receiver.pulse),
         table(receiver.pulse, receiver.times, each_error * tolerance),
         carrier_rad_m(2 * pi * receiver.carrier_hz / receiver.sound_speed_m_s),
@@ -102,16 +102,16 @@ void halve(const PlanarPolygon& polygon, glm::dvec2 along, std::vector<PlanarPol
 /// The polygons of one channel, one after the other.
 class ChannelOfSmooth {
  public:
-  ChannelOfSmooth(const SignalChannel& channel, const CoherentReceiver& receiver, const HeardPulse& heard,
-                  const EchoLaw& law, double tolerance)
+  ChannelOfSmooth(const SignalChannel& channel, const CoherentReceiver& receiver,
+                  const ReceivedPulse& received, const EchoLaw& law, double tolerance)
       : channel_(channel),
         receiver_(receiver),
-        heard_pulse_(heard),
+        received_pulse_(received),
         path_(law.path),
         absorption_per_m_(absorption_per_m(law.absorption_db_per_m)),
         tolerance_(tolerance),
         sent_(amplitude_wavenumber(channel.transmit) + amplitude_wavenumber(law.path.out.loss)),
-        heard_(amplitude_wavenumber(channel.receive) + amplitude_wavenumber(law.path.back().loss)) {
+        received_(amplitude_wavenumber(channel.receive) + amplitude_wavenumber(law.path.back().loss)) {
     const double reach = receiver.pulse.end_s - receiver.pulse.begin_s;
     first_m_ = (receiver.times.first_s - receiver.pulse.end_s - reach) * receiver.sound_speed_m_s;
     last_m_ = (receiver.times.time_s(receiver.times.count) - receiver.pulse.begin_s + reach) *
@@ -157,16 +157,16 @@ class ChannelOfSmooth {
                  back_m = std::hypot(home_.distance, place.x - home_.foot.x, place.y - home_.foot.y);
     const double sine = (piece.distance / out_m + home_.distance / back_m) / 2,
                  rough_m = 2 * sine * surface.roughness_m,
-                 lowest = std::max(heard_pulse_.carrier_rad_m - heard_pulse_.band_rad_m, 0.0);
+                 lowest = std::max(received_pulse_.carrier_rad_m - received_pulse_.band_rad_m, 0.0);
     if (std::pow(lowest * rough_m, 2) > 80) return;  // 4e-18 is left of it
-    const bool uneven =
-        (surface.fluid || surface.roughness_m > 0) && heard_pulse_.band_rad_m * half_spread > most_uneven_rad;
+    const bool uneven = (surface.fluid || surface.roughness_m > 0) &&
+                        received_pulse_.band_rad_m * half_spread > most_uneven_rad;
     if (halvings < most_halvings && (uneven || pattern_changes(piece, out_m, back_m))) {
       halve(piece, across(piece, uneven), pieces_);
       return;
     }
     // Edges of a polygon that is small beside the wavelength all but cancel.
-    const double k = heard_pulse_.carrier_rad_m, size = std::sqrt(std::abs(area(piece)));
+    const double k = received_pulse_.carrier_rad_m, size = std::sqrt(std::abs(area(piece)));
     error_ = std::max(each_error * tolerance_ * std::min(1.0, k * size / 4), 1e-13);
     SmoothSurface mirror = surface;
     mirror.roughness_m = 0;
@@ -178,13 +178,13 @@ class ChannelOfSmooth {
         const std::complex<double> amplitude =
             factor_ * std::exp(-absorption_per_m_ * path / 2) * far.pressure;
         for (const PathShift& shift : shifts_)
-          heard_pulse_.table.add(amplitude * shift.weight,
-                                 (path + shift.longer_m) / receiver_.sound_speed_m_s, out);
+          received_pulse_.table.add(amplitude * shift.weight,
+                                    (path + shift.longer_m) / receiver_.sound_speed_m_s, out);
         return;
       }
     }
     // Wide enough that pulses are not added more often than their band asks for.
-    const double most_spread = 2 * pi / heard_pulse_.band_rad_m;
+    const double most_spread = 2 * pi / received_pulse_.band_rad_m;
     edges_.assign(piece, home_, k + absorption_per_m_ / 2, most_spread);
     add_image(out);
     for (const EdgePanels::Panel& panel : edges_.panels()) add(panel, out);
@@ -193,14 +193,14 @@ class ChannelOfSmooth {
   /// Whether one delay is enough for all of a piece.
   bool is_small(double half_spread_m) const {
     const double error = each_error * tolerance_;
-    return heard_pulse_.turn_rad(half_spread_m) <= error &&
+    return received_pulse_.turn_rad(half_spread_m) <= error &&
            std::ranges::all_of(receiver_.pulse.breaks, [&](const PulseBreak& at) {
-             return heard_pulse_.may_cross(at, 1, half_spread_m, error);
+             return received_pulse_.may_cross(at, 1, half_spread_m, error);
            });
   }
 
   void take_shifts(double rough_m) {
-    const double k = heard_pulse_.carrier_rad_m, turn = (k + heard_pulse_.band_rad_m) * rough_m;
+    const double k = received_pulse_.carrier_rad_m, turn = (k + received_pulse_.band_rad_m) * rough_m;
     shifts_.assign(1, {});
     if (!(turn * turn / 2 > 0.1 * error_)) return;
     // The rule's sums of e^{i turn x} have the transform's images at every 2 pi / step.
@@ -215,7 +215,7 @@ class ChannelOfSmooth {
 
   /// A path's phase at the carrier, and what absorption leaves.
   std::complex<double> wave(double path_m) const {
-    return std::polar(std::exp(-absorption_per_m_ * path_m / 2), heard_pulse_.carrier_rad_m * path_m);
+    return std::polar(std::exp(-absorption_per_m_ * path_m / 2), received_pulse_.carrier_rad_m * path_m);
   }
   double sample_of(double time_s) const {
     return (time_s - receiver_.times.first_s) * receiver_.times.rate_hz;
@@ -241,28 +241,28 @@ class ChannelOfSmooth {
   /// A panel's pulses: of a polynomial over its delays where no break falls on them, by parts elsewhere.
   void add(const EdgePanels::Panel& panel, std::complex<double>* out) {
     const double c = receiver_.sound_speed_m_s, least = panel.least_path_m(), most = panel.most_path_m(),
-                 half = (most - least) / 2, turn = heard_pulse_.turn_rad(half);
+                 half = (most - least) / 2, turn = received_pulse_.turn_rad(half);
     const int count = nodes_for(turn, error_);
     const double node_error = error_ / 8;
     path_nodes_.clear();
     edges_.nodes(panel, panel.from, panel.to, turn + count, node_error, path_nodes_);
     interpolate(count, (least + most) / 2, half);
     const auto first_of = [&](double time_s, const PathShift& shift) {
-      return time_s + (least + shift.longer_m) / c - heard_pulse_.table.reach_s();
+      return time_s + (least + shift.longer_m) / c - received_pulse_.table.reach_s();
     };
     for (const PathShift& shift : shifts_) {
       // Samples on which a break falls, in order as breaks are.
       std::size_t next = 0;
-      const double longer_s = 2 * half / c + 2 * heard_pulse_.table.reach_s();
+      const double longer_s = 2 * half / c + 2 * received_pulse_.table.reach_s();
       const auto add_until = [&](std::size_t end) {
         if (next < end)
           for (std::size_t n = 0; n < coefficients_.size(); ++n)
-            heard_pulse_.table.add(coefficients_[n] * shift.weight, (delay_m_[n] + shift.longer_m) / c, next,
-                                   end, out);
+            received_pulse_.table.add(coefficients_[n] * shift.weight, (delay_m_[n] + shift.longer_m) / c,
+                                      next, end, out);
         next = std::max(next, end);
       };
       for (const PulseBreak& at : receiver_.pulse.breaks) {
-        if (heard_pulse_.may_cross(at, count, half, error_)) continue;
+        if (received_pulse_.may_cross(at, count, half, error_)) continue;
         const double begin_s = first_of(at.time_s, shift);
         const std::size_t end = sample_from(begin_s + longer_s);
         add_until(sample_from(begin_s));
@@ -310,7 +310,7 @@ class ChannelOfSmooth {
     path_nodes_.clear();
     for (std::size_t n = 1; n < cuts_.size(); ++n) {
       const double half_m = std::abs(cuts_[n].second - cuts_[n - 1].second) / 2;
-      edges_.nodes(panel, cuts_[n - 1].first, cuts_[n].first, heard_pulse_.turn_rad(half_m), error_ / 8,
+      edges_.nodes(panel, cuts_[n - 1].first, cuts_[n].first, received_pulse_.turn_rad(half_m), error_ / 8,
                    path_nodes_);
     }
     std::complex<double> sum = 0;
@@ -321,11 +321,11 @@ class ChannelOfSmooth {
   }
 
   bool pattern_changes(const PlanarPolygon& piece, double out_m, double back_m) const {
-    if (sent_ == 0 && heard_ == 0) return false;
+    if (sent_ == 0 && received_ == 0) return false;
     const glm::dvec2 middle = centroid_offset(piece);
     double reach = 0;
     for (const glm::dvec2& offset : piece.offsets) reach = std::max(reach, glm::length(offset - middle));
-    return reach * (sent_ / out_m + heard_ / back_m) > most_pattern_rad;
+    return reach * (sent_ / out_m + received_ / back_m) > most_pattern_rad;
   }
 
   /// The direction that a piece is cut across: that in which paths differ most, which grow along their slope
@@ -369,11 +369,11 @@ class ChannelOfSmooth {
 
   const SignalChannel& channel_;
   const CoherentReceiver& receiver_;
-  const HeardPulse& heard_pulse_;
+  const ReceivedPulse& received_pulse_;
   const Path& path_;
   double absorption_per_m_, tolerance_;
-  double sent_, heard_;              // wave numbers of patterns
-  double first_m_ = 0, last_m_ = 0;  // paths that are heard
+  double sent_, received_;           // wave numbers of patterns
+  double first_m_ = 0, last_m_ = 0;  // paths that are received
   // Of the patch at hand; the transmitter is the origin.
   FacetPlane plane_;
   const PlaneFrame* frame_ = nullptr;
@@ -413,13 +413,13 @@ ChannelSignals smooth_signals(const SeenPatches& patches, const CoherentReceiver
   ChannelSignals signals{receiver.channels.size(), receiver.times.count, {}};
   signals.value.assign(signals.channels * signals.samples, 0);
   if (smooth.empty()) return signals;
-  const HeardPulse heard(receiver, tolerance);
+  const ReceivedPulse received(receiver, tolerance);
   const std::size_t tasks = (smooth.size() + patches_per_task - 1) / patches_per_task;
   in_order(
       0, signals.channels * tasks, 16 * signals.samples,
       [&](std::size_t task) {
         std::vector<std::complex<double>> part(signals.samples);
-        ChannelOfSmooth channel(receiver.channels[task / tasks], receiver, heard, law, tolerance);
+        ChannelOfSmooth channel(receiver.channels[task / tasks], receiver, received, law, tolerance);
         const std::size_t begin = task % tasks * patches_per_task,
                           end = std::min(begin + patches_per_task, smooth.size());
         for (std::size_t n = begin; n < end; ++n)

@@ -27,7 +27,7 @@ std::vector<std::complex<double>> backscattering_lengths(
 /// dB re 1 m^2; minus infinity for 0.
 double target_strength_db(std::complex<double> length_m);
 
-/// Unit vector from a body to where it is heard: azimuth from x towards y, elevation towards z.
+/// Unit vector from a body to where it is received: azimuth from x towards y, elevation towards z.
 glm::dvec3 sonar_direction(double azimuth_deg, double elevation_deg);
 
 }  // namespace tubefoot

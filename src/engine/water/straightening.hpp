@@ -110,9 +110,9 @@ CornerReturn corner_return(const Straightening& straightening, glm::dvec3 point_
                            double reference_absorption_db_per_m);
 
 /// Energy flux: the sonar sends energy into a tube of launch directions, the facet intercepts it whatever the
-/// tube's shape, scatters about its true normal at the true grazing angle, and the receiver hears through the
-/// tube from the point back: sigma(grazing) times the density of CornerReturn a square metre. The straight
-/// law makes sigma(seen) exp(-2 reference absorption r) / r^4 of its apparent image.
+/// tube's shape, scatters about its true normal at the true grazing angle, and the receiver receives through
+/// the tube from the point back: sigma(grazing) times the density of CornerReturn a square metre. The
+/// straight law makes sigma(seen) exp(-2 reference absorption r) / r^4 of its apparent image.
 ///
 /// The factor between the two, for a whole facet: the ratio of their integrals, each by a rule over corners
 /// (a twelfth each) and centre (three quarters), which is exact for polynomials of second degree, so that

@@ -12,8 +12,8 @@ namespace tubefoot {
 
 std::vector<std::optional<SmoothSurface>> load_smooth_surfaces(const SceneDescription& scene,
                                                                std::vector<std::string>& warnings) {
-  const bool are_heard = std::ranges::any_of(
-      scene.sensors, [](const SensorDescription& sensor) { return sensor.kind.section().hears_phases(); });
+  const bool are_received = std::ranges::any_of(
+      scene.sensors, [](const SensorDescription& sensor) { return sensor.kind.section().receives_phases(); });
   std::vector<std::optional<SmoothSurface>> surfaces;
   for (const MaterialDescription& m : scene.materials) {
     std::optional<SmoothSurface>& surface = surfaces.emplace_back();
@@ -21,13 +21,13 @@ std::vector<std::optional<SmoothSurface>> load_smooth_surfaces(const SceneDescri
     surface = SmoothSurface{.reflection = m.reflection, .roughness_m = m.roughness_m};
     if (m.fluid) surface->fluid = fluid_sediment((*m.fluid)[0], (*m.fluid)[1], (*m.fluid)[2]);
     if (m.grain_size_phi) surface->fluid = sediment_of_grain_size(*m.grain_size_phi);
-    if (!are_heard && !scene.sensors.empty())
+    if (!are_received && !scene.sensors.empty())
       warnings.push_back(fmt::format(
           "material '{}' is smooth, which only sensors that record signals hear, and there is none: "
           "energies go by its scattering law",
           m.name));
   }
-  if (!are_heard && !scene.sensors.empty() && scene.scatterers.place.line > 0)
+  if (!are_received && !scene.sensors.empty() && scene.scatterers.place.line > 0)
     warnings.push_back(
         fmt::format("{}: [scatterers] are what sensors that record signals (kind = \"array\") hear, and "
                     "there is none: nothing "

@@ -40,7 +40,7 @@ class SensorSection {
   /// Whether its beams lie about the sensor's forward axis, so that it can be turned to look at something.
   virtual bool looks_ahead() const { return false; }
   /// Whether it keeps signals with phase, which smooth materials return.
-  virtual bool hears_phases() const { return false; }
+  virtual bool receives_phases() const { return false; }
   virtual SensorFigures figures(const SensorDescription& sensor) const = 0;
 
  private:

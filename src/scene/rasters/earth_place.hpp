@@ -31,7 +31,7 @@ std::vector<EarthPlace> on_earth(const LocalFrame& frame, std::span<const glm::d
                                  const SourcePlace& place);
 
 /// What to say of a frame whose map draws a metre at its origin more than a hundredth longer or shorter than
-/// it is: all that a sonar hears there is of a world too large or too small.
+/// it is: all that a sonar receives there is of a world too large or too small.
 std::optional<std::string> scale_warning(const LocalFrame& frame);
 
 /// The way from one place (longitude, latitude, height) to another: along the shortest line on the ellipsoid

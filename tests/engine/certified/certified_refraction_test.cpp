@@ -284,7 +284,7 @@ TEST(CertifiedRefraction, WhereNoRayIsProvenNothingIsClaimed) {
   EXPECT_LT(infinite, std::size_t(samples.count));
 }
 
-// Whoever refines by what a reference says has to hear of bins without a bound.
+// Whoever refines by what a reference says has to receive of bins without a bound.
 TEST(CertifiedRefraction, BinsWithoutABoundAreOverTheTolerance) {
   constexpr double infinite = std::numeric_limits<double>::infinity();
   const CertifiedEcho echo{Echo{1, 4, {1, 1, 1, 1}}, {1e-4, infinite, infinite, 0.1}};

@@ -22,7 +22,7 @@ using namespace test;
 struct Paired {
   const GradientBed& site;
   const WaterColumn& water;
-  TubeSet sent, heard;
+  TubeSet sent, received;
   double absorption = 0;
   const BeamPatterns* patterns = nullptr;
 
@@ -34,16 +34,16 @@ struct Paired {
                                double tolerance) const {
     std::vector<FacetId> all(site.base.facets.size());
     std::iota(all.begin(), all.end(), 0u);
-    const Straightening out = end(sent), home = end(heard);
-    const Outlook from_out(sent, site.grid.unit_m(), out), from_home(heard, site.grid.unit_m(), home);
+    const Straightening out = end(sent), home = end(received);
+    const Outlook from_out(sent, site.grid.unit_m(), out), from_home(received, site.grid.unit_m(), home);
     const AlikeGrounds alike = straighten_alike(site.base, all, site.grid, std::array{&out, &home},
                                                 absorption, settings, {}, std::array{&from_out, &from_home});
     const ApparentPair pair{alike.bed.mesh, alike.seen[0], alike.seen[1], alike.origin[0], alike.origin[1]};
     EchoLaw law = site.law(pair.mesh, absorption);
     law.patterns = patterns;
-    const std::vector<std::uint32_t> beams(heard.tubes.size(), 0);
+    const std::vector<std::uint32_t> beams(received.tubes.size(), 0);
     const Echo ordinary = integrate_echo(
-        trace_bistatic(pair, site.grid, {}, sent, heard, out, home, absorption), {1, beams}, samples, law);
+        trace_bistatic(pair, site.grid, {}, sent, received, out, home, absorption), {1, beams}, samples, law);
     const RayEnclosure out_rays(out, options), home_rays(home, options);
     const SceneTree out_tree(alike.seen[0].refined.mesh, SceneTree::Sheets::ignored),
         home_tree(alike.seen[1].refined.mesh, SceneTree::Sheets::ignored);
@@ -53,14 +53,14 @@ struct Paired {
                         site.grid,
                         {alike.seen[0], out_tree, alike.origin[0], out, out_rays},
                         {alike.seen[1], home_tree, alike.origin[1], home, home_rays}};
-    return certify_refracted_echo(bed, {sent, heard}, {}, {1, beams}, samples, law, ordinary, tolerance);
+    return certify_refracted_echo(bed, {sent, received}, {}, {1, beams}, samples, law, ordinary, tolerance);
   }
   CertifiedEcho straight(const RangeSamples& samples, double tolerance) const {
     EchoLaw law = site.law(site.base, absorption);
     law.patterns = patterns;
-    const std::vector<std::uint32_t> beams(heard.tubes.size(), 0);
+    const std::vector<std::uint32_t> beams(received.tubes.size(), 0);
     const SceneTree tree(site.base);
-    const BistaticHistory history = trace_bistatic(site.base, tree, site.grid.unit_m(), {}, sent, heard);
+    const BistaticHistory history = trace_bistatic(site.base, tree, site.grid.unit_m(), {}, sent, received);
     const Echo ordinary = integrate_echo(history, {1, beams}, samples, law);
     return certify_echo(site.base, history, {1, beams}, samples, law, ordinary, tolerance);
   }
@@ -78,7 +78,7 @@ TEST(PairedReference, HoldsTheClosedFormOfOneGradient) {
       const WaterColumn water = bed_gradient(g, absorption);
       Paired pair{bed, water, at(bed_fan(70), bed.grid, transmitter), at(bed_fan(70), bed.grid, receiver),
                   absorption};
-      const BeamPatterns patterns = patterns_for(pair.heard);
+      const BeamPatterns patterns = patterns_for(pair.received);
       if (weighed) pair.patterns = &patterns;
       const std::vector<double> truth =
           rectangle({g, transmitter, receiver, absorption, pair.patterns}, from, to, samples);
@@ -126,7 +126,7 @@ TEST(PairedReference, EvenWaterIsTheStraightReference) {
     if (kind == 1) bed.laws = {lobed(), nullptr};
     if (kind == 2) bed.textures = {perlin(6, 1, 0.5), nullptr};
     Paired pair{bed, even, at(bed_fan(40), bed.grid, transmitter), at(bed_fan(40), bed.grid, receiver)};
-    const BeamPatterns patterns = patterns_for(pair.heard);
+    const BeamPatterns patterns = patterns_for(pair.received);
     if (kind == 3) pair.patterns = &patterns;
     const RefractedReference found = pair.certified({.gap_m = 1}, samples, 1e-4);
     EXPECT_EQ(found.unbounded, 0u);

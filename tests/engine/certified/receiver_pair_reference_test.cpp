@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What two receivers on a receiver pair hear with proven bounds: against the ordinary integrals, and what
+// What two receivers on a receiver pair receive with proven bounds: against the ordinary integrals, and what
 // must hold of it.
 #include "engine/certified/receiver_pair_reference.hpp"
 

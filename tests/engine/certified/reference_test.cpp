@@ -351,9 +351,9 @@ TEST(Reference, BeamsSentAtOnceAddUp) {
   const Directivity a = pattern(Kind::line, {0, 1, 0}, false, 0.1, 9),
                     b = pattern(Kind::line, {0, 1, 0}, false, -0.1, 9),
                     c = pattern(Kind::gaussian, {0, 0, 1}, false, -0.6, 0.3),
-                    heard = pattern(Kind::line, {0, 1, 0}, false, 0, 9);
+                    received = pattern(Kind::line, {0, 1, 0}, false, 0, 9);
   const auto run = [&](const TransmitPattern& sent) {
-    const BeamPatterns patterns{{sent}, {heard}, {0}, {{0, 1}}};
+    const BeamPatterns patterns{{sent}, {received}, {0}, {{0, 1}}};
     return bed.run(set, {11.5, 0.5, 4}, 0, 1e-9, &patterns);
   };
   const auto all = run(TransmitPattern(std::vector{a, b, c})), of_a = run(a), of_b = run(b), of_c = run(c);

@@ -52,12 +52,12 @@ struct Staffed {
     std::iota(all.begin(), all.end(), 0u);
     const double unit = site.grid.unit_m();
     const TubeSet sent = tubes_from(sent_m), middle = tubes_from(middle_m);
-    const std::array<TubeSet, 2> heard{moved_along(middle, receiver_pair, 1, unit),
-                                       moved_along(middle, receiver_pair, -1, unit)};
+    const std::array<TubeSet, 2> received{moved_along(middle, receiver_pair, 1, unit),
+                                          moved_along(middle, receiver_pair, -1, unit)};
     const Straightening out = seen_from(site.grid.to_metres(sent.apex)), upper = seen_from(end_m(1)),
                         lower = seen_from(end_m(-1));
-    const Outlook from_out(sent, unit, out), from_upper(heard[0], unit, upper),
-        from_lower(heard[1], unit, lower);
+    const Outlook from_out(sent, unit, out), from_upper(received[0], unit, upper),
+        from_lower(received[1], unit, lower);
     const AlikeGrounds alike =
         straighten_alike(site.base, all, site.grid, std::array{&out, &upper, &lower}, absorption, settings,
                          {}, std::array{&from_out, &from_upper, &from_lower});
@@ -76,7 +76,7 @@ struct Staffed {
       const ApparentPair pair{alike.bed.mesh, alike.seen[0], alike.seen[1 + e], alike.origin[0],
                               alike.origin[1 + e]};
       ordinary[e] =
-          integrate_echo(trace_bistatic(pair, site.grid, {}, sent, heard[e], out, *waters[e], absorption),
+          integrate_echo(trace_bistatic(pair, site.grid, {}, sent, received[e], out, *waters[e], absorption),
                          {1, beams}, samples, law);
     }
     const auto bed = [&](std::size_t e) {
@@ -87,8 +87,9 @@ struct Staffed {
                        {alike.seen[0], trees[0], alike.origin[0], out, out_rays},
                        {alike.seen[1 + e], trees[1 + e], alike.origin[1 + e], *waters[e], *rays[e]}};
     };
-    return certify_refracted_receiver_pair({bed(0), bed(1)}, {PairedTubes{sent, heard[0]}, {sent, heard[1]}},
-                                           {}, receiver_pair, samples, law, ordinary, tolerance);
+    return certify_refracted_receiver_pair({bed(0), bed(1)},
+                                           {PairedTubes{sent, received[0]}, {sent, received[1]}}, {},
+                                           receiver_pair, samples, law, ordinary, tolerance);
   }
 
   /// Without bounds: receivers in the bed as it appears from the receiver pair's middle.
@@ -312,7 +313,7 @@ TEST(RefractedReceiverPair, SwappedReceiversAreConjugateAndNoBaselineIsOneReceiv
   }
 }
 
-// Two parts of a bed add up; what both hear alike is no more than either hears.
+// Two parts of a bed add up; what both receive alike is no more than either receives.
 TEST(RefractedReceiverPair, PartsOfTheBedAddUp) {
   const glm::dvec2 lower_end(17, from.y), upper_end(17, to.y);
   const GradientBed whole = plate(from, to), near = plate(from, upper_end), far = plate(lower_end, to);

@@ -115,8 +115,8 @@ TEST(FastBinning, SamplesConvergeAndSpreadIsTheBetterOne) {
   EXPECT_LT(l1(16, Binning::spread), l1(16, Binning::centroid));
 }
 
-/// The same footprints, heard by a receiver in another place.
-BistaticHistory heard_from(const History& history, glm::dvec3 receiver_m) {
+/// The same footprints, received by a receiver in another place.
+BistaticHistory received_from(const History& history, glm::dvec3 receiver_m) {
   BistaticHistory both;
   both.transmit.tubes.resize(1);
   both.receive.tubes.resize(1);
@@ -147,7 +147,7 @@ TEST(FastBinningApart, InOnePlaceItIsThatOfOneApex) {
   const RangeSamples samples{20, 0.3, 30};
   for (const Binning binning : {Binning::centroid, Binning::spread}) {
     const std::vector<double> alone = energies(history, samples, binning),
-                              same = energies(heard_from(history, glm::dvec3(0)), samples, binning);
+                              same = energies(received_from(history, glm::dvec3(0)), samples, binning);
     for (std::size_t k = 0; k < alone.size(); ++k) EXPECT_NEAR(same[k], alone[k], 1e-12 * total(alone)) << k;
   }
 }
@@ -159,10 +159,10 @@ TEST(FastBinningApart, TheLawAtTheCentroidOfBothWays) {
   const double expected = mu * height_m / out * (height_m - 2) / home * 0.02 * 0.02 /
                           std::pow(out * home, 2) * std::exp(-beta * (out + home));
   const Directivity sent{Directivity::Kind::line, glm::normalize(glm::dvec3(1, 2, 0.5)), false, 0.1, 6},
-      heard{Directivity::Kind::gaussian, glm::normalize(glm::dvec3(0.3, 1, -1)), true, 0, 2.5};
-  const BeamPatterns patterns{{sent}, {heard}, {0}, {{0, 1}}};
-  const double gain = sent.gain(at / out) * heard.gain((at - receiver) / home);
-  const BistaticHistory history = heard_from(bed(20, 20.02, 0.01, 1), receiver);
+      received{Directivity::Kind::gaussian, glm::normalize(glm::dvec3(0.3, 1, -1)), true, 0, 2.5};
+  const BeamPatterns patterns{{sent}, {received}, {0}, {{0, 1}}};
+  const double gain = sent.gain(at / out) * received.gain((at - receiver) / home);
+  const BistaticHistory history = received_from(bed(20, 20.02, 0.01, 1), receiver);
   const RangeSamples samples{15, 0.5, 20};
   const auto sample = std::size_t((half - 15) / 0.5);
   for (const Binning binning : {Binning::centroid, Binning::spread}) {
@@ -180,7 +180,7 @@ TEST(FastBinningApart, ConvergesAtSecondOrderAndAnExchangeChangesNothing) {
   for (const Binning binning : {Binning::centroid, Binning::spread}) {
     std::vector<double> errors, bins;
     for (const int n : {4, 8, 16}) {
-      const BistaticHistory history = heard_from(bed(20, 24, 1, n), receiver);
+      const BistaticHistory history = received_from(bed(20, 24, 1, n), receiver);
       BistaticHistory swapped = history;
       swapped.shared = exchanged(history.shared);
       const std::vector<double> exact = energies(history, samples, Binning::exact),

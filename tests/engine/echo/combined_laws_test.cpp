@@ -519,8 +519,8 @@ TEST(CombinedLaws, MirroredEchoAgreesWithBruteForce) {
           if (!given.patterns) return 2 * value;
           const glm::dvec3 up = flipped * from_image / rt, down = p / rr;
           const auto& sent = given.patterns->transmit[0];
-          const auto& heard = given.patterns->receive[b];
-          return value * (sent.gain(up) * heard.gain(down) + sent.gain(down) * heard.gain(up));
+          const auto& received = given.patterns->receive[b];
+          return value * (sent.gain(up) * received.gain(down) + sent.gain(down) * received.gain(up));
         });
         const double most = *std::max_element(expected.begin(), expected.end());
         for (std::size_t b = 0; b < given.beams(); ++b) {

@@ -197,7 +197,7 @@ TEST(MicroTexture, AFootprintMuchSmallerThanTheTextureHasTheFieldsValueFromEvery
 }
 
 TEST(MicroTexture, TheMeanLevelOverAPeriodIsThatOfAnEvenBed) {
-  // From so far up that all of the strip is heard alike. 256 cells are a period.
+  // From so far up that all of the strip is received alike. 256 cells are a period.
   const double height = 2e4, wavelength = 0.5;
   const FacetPlane bed = flat_bed(height);
   const Settings settings{.samples = {1.9e4, 2e3, 1}, .absorption_db_per_m = 0};
@@ -325,11 +325,11 @@ TEST(MicroTexture, PatternsAndTextureAgreeWithBruteForce) {
       const Echo echo = echo_of(history, texture, settings);
       const double peak = quadrature(bed, lo, hi, [](glm::dvec3) { return 2.0; });
       for (std::size_t b = 0; b < receive.size(); ++b) {
-        const auto heard = [&, texture = texture](glm::dvec3 p) {
+        const auto received = [&, texture = texture](glm::dvec3 p) {
           const glm::dvec3 d = glm::normalize(p);
           return texture->factor(apex + p) * sent.gain(d) * receive[b].gain(d);
         };
-        EXPECT_NEAR(echo.energy[b] / peak, quadrature(bed, lo, hi, heard) / peak, 2e-6)
+        EXPECT_NEAR(echo.energy[b] / peak, quadrature(bed, lo, hi, received) / peak, 2e-6)
             << name << " beam " << b;
       }
     }

@@ -85,7 +85,7 @@ double expected_coherence(double range, double step, double wavenumber, const De
 }
 
 // A facet whose plane passes between the two ends is seen by one of them, whatever the other one is.
-TEST(ReceiverPairEcho, AFacetThatOnlyOneEndFacesIsHeardByThatEnd) {
+TEST(ReceiverPairEcho, AFacetThatOnlyOneEndFacesIsReceivedByThatEnd) {
   const FacetPlane plane{{1, 0, 0}, 0.02};
   ReceiverPairHistory history = piece_on(plane, {{3, 3}, {4, 3}, {4, 4}});
   const RangeSamples samples{3, 1, 4};
@@ -175,12 +175,12 @@ bool inside(const Polygon2& polygon, glm::dvec2 p) {
 }
 
 /// What scatterers at places send by way of a receiver, and in which of its samples it falls (-1: none).
-struct Heard {
+struct Reception {
   double energy = 0, range = 0;
   int sample = -1;
 };
-Heard heard(const FacetPlane& plane, glm::dvec3 at, double area, glm::dvec3 receiver,
-            const RangeSamples& samples) {
+Reception received(const FacetPlane& plane, glm::dvec3 at, double area, glm::dvec3 receiver,
+                   const RangeSamples& samples) {
   const double rt = glm::length(at), rr = glm::distance(at, receiver);
   const double st = glm::dot(plane.normal, -at) / rt, sr = glm::dot(plane.normal, receiver - at) / rr;
   const double place = std::floor(((rt + rr) / 2 - samples.first_m) / samples.step_m);
@@ -236,7 +236,7 @@ TEST(ReceiverPairEcho, TotalsAgreeWithQuadratureInSpaceWithPatterns) {
     const ReceiverPairEcho echo =
         echo_of(history, patterns_of(receiver_pair, transmit, receive), {0.9 * plane.distance_m, 100, 1});
     const auto energy = [&](glm::dvec3 at, glm::dvec3 receiver) {
-      return heard(plane, at, 1, receiver, {0, 1e6, 1}).energy * transmit.gain(glm::normalize(at)) *
+      return received(plane, at, 1, receiver, {0, 1e6, 1}).energy * transmit.gain(glm::normalize(at)) *
              receive.gain(glm::normalize(at - receiver));
     };
     const auto product = [&](glm::dvec3 at) {
@@ -291,8 +291,8 @@ TEST(ReceiverPairEcho, AgreesWithSumsOverScatterers) {
         if (!inside(polygon, p)) continue;
         const glm::dvec3 at = p.x * frame.u + p.y * frame.v - plane.distance_m * plane.normal;
         const glm::dvec3 end = receiver_pair.baseline_m / 2 * receiver_pair.axis;
-        const Heard u = heard(plane, at, cell.x * cell.y, end, samples),
-                    l = heard(plane, at, cell.x * cell.y, -end, samples);
+        const Reception u = received(plane, at, cell.x * cell.y, end, samples),
+                        l = received(plane, at, cell.x * cell.y, -end, samples);
         if (u.sample >= 0) upper[std::size_t(u.sample)] += u.energy;
         if (l.sample >= 0) lower[std::size_t(l.sample)] += l.energy;
         if (u.sample >= 0 && u.sample == l.sample)
@@ -323,15 +323,15 @@ TEST(ReceiverPairEcho, RealisationsOfScatterersHaveThisCovariance) {
   const FacetPlane plane{{0, 0, 1}, depth};
   const glm::dvec3 end = receiver_pair.baseline_m / 2 * receiver_pair.axis;
   struct One {
-    Heard upper, lower;
+    Reception upper, lower;
   };
   std::vector<One> scatterers;
   const double from = std::sqrt(27.9 * 27.9 - depth * depth), to = std::sqrt(28.3 * 28.3 - depth * depth);
   constexpr int many = 250;
   for (int k = 0; k < many; ++k) {
     const glm::dvec3 at(from + (to - from) * (k + 0.5) / many, 0, -depth);
-    scatterers.push_back({heard(plane, at, (to - from) / many * 1e-3, end, samples),
-                          heard(plane, at, (to - from) / many * 1e-3, -end, samples)});
+    scatterers.push_back({received(plane, at, (to - from) / many * 1e-3, end, samples),
+                          received(plane, at, (to - from) / many * 1e-3, -end, samples)});
   }
   constexpr int realisations = 4000;
   std::array<Complex, 3> cross{};
@@ -361,7 +361,7 @@ TEST(ReceiverPairEcho, RealisationsOfScatterersHaveThisCovariance) {
 
 /// A strip of bed 10 m below, and a wall across it whose edge shades the bed behind: the upper receiver sees
 /// more of it.
-TEST(ReceiverPairEcho, WhatOneReceiverAloneSeesIsHeardByItAlone) {
+TEST(ReceiverPairEcho, WhatOneReceiverAloneSeesIsReceivedByItAlone) {
   constexpr double depth = 10, wall_x = 10, wall_top = -6, baseline = 1;
   const WorldGrid grid = WorldGrid::fitting(glm::dvec3(-50), glm::dvec3(50));
   FacetMesh mesh;
@@ -413,7 +413,7 @@ TEST(ReceiverPairEcho, WhatOneReceiverAloneSeesIsHeardByItAlone) {
     const glm::dvec3 at(2 + 38 * (k + 0.5) / many, 0, -depth);
     if (!sees(glm::dvec3(0), at.x)) continue;
     const double area = 38.0 / many * 0.02;
-    const Heard u = heard(plane, at, area, end, samples), l = heard(plane, at, area, -end, samples);
+    const Reception u = received(plane, at, area, end, samples), l = received(plane, at, area, -end, samples);
     const bool by_upper = u.sample >= 0 && sees(end, at.x), by_lower = l.sample >= 0 && sees(-end, at.x);
     if (by_upper) upper[std::size_t(u.sample)] += u.energy;
     if (by_lower) lower[std::size_t(l.sample)] += l.energy;

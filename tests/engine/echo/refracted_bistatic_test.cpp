@@ -82,19 +82,19 @@ struct Scenery {
   std::shared_ptr<const ReflectivityField> texture;
   double absorption = 0;
 
-  BistaticHistory history(const TubeSet& sent, const TubeSet& heard) const {
+  BistaticHistory history(const TubeSet& sent, const TubeSet& received) const {
     const Straightening transmit(water, grid.to_metres(sent.apex), surface_m, {}, 1500),
-        receive(water, grid.to_metres(heard.apex), surface_m, {}, 1500);
+        receive(water, grid.to_metres(received.apex), surface_m, {}, 1500);
     std::vector<FacetId> all(base.facets.size());
     std::iota(all.begin(), all.end(), 0u);
     const ApparentPair pair =
         straighten_pair(base, all, grid, transmit, receive, absorption, {.gap_m = gap_m});
     material = pair.mesh.material;
-    return trace_bistatic(pair, grid, {}, sent, heard, transmit, receive, absorption);
+    return trace_bistatic(pair, grid, {}, sent, received, transmit, receive, absorption);
   }
-  BistaticHistory straight(const TubeSet& sent, const TubeSet& heard) const {
+  BistaticHistory straight(const TubeSet& sent, const TubeSet& received) const {
     material = base.material;
-    return trace_bistatic(base, SceneTree(base), grid.unit_m(), {}, sent, heard);
+    return trace_bistatic(base, SceneTree(base), grid.unit_m(), {}, sent, received);
   }
   Echo echo(const BistaticHistory& of, const RangeSamples& samples) const {
     const std::vector<std::uint32_t> beam(of.receive.tubes.size(), 0);
@@ -113,12 +113,12 @@ TEST(RefractedBistatic, EvenWaterIsTheStraightEngine) {
   const WaterColumn water{SoundSpeedProfile({{0, 1500}, {60, 1500}}), {0.02, 0.02}};
   const auto texture = std::make_shared<const PerlinReflectivity>(
       PerlinReflectivity::Settings{.wavelength_m = 2, .octaves = 1, .depth = 0.8, .seed = 4});
-  const TubeSet sent = tubes_at(transmitter), heard = tubes_at(receiver);
+  const TubeSet sent = tubes_at(transmitter), received = tubes_at(receiver);
   for (const auto& field : {std::shared_ptr<const PerlinReflectivity>(), texture}) {
     const Scenery scenery{bed(2, wavy, true), water, 0.01, field, 0.02};
     const RangeSamples samples{20, 0.5, 60};
-    const Echo straight = scenery.echo(scenery.straight(sent, heard), samples);
-    const BistaticHistory history = scenery.history(sent, heard);
+    const Echo straight = scenery.echo(scenery.straight(sent, received), samples);
+    const BistaticHistory history = scenery.history(sent, received);
     ASSERT_EQ(history.paired.size(), history.shared.facets.size());
     for (const PairedFacet& facet : history.paired) EXPECT_LT(facet.misfit_m, 1e-9);
     const Echo bent = scenery.echo(history, samples);
@@ -224,7 +224,7 @@ TEST(RefractedBistatic, TubesAddUp) {
   }
 }
 
-// In one place it is what the other engine hears, to what one factor a facet leaves out.
+// In one place it is what the other engine receives, to what one factor a facet leaves out.
 TEST(RefractedBistatic, InOnePlaceItIsTheMonostaticEcho) {
   const WaterColumn water = gradient(-1);
   const FacetMesh base = bed(3, wavy, true);

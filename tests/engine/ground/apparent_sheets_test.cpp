@@ -192,13 +192,13 @@ TEST(ApparentSheets, CrossedWaysAreThoseBetweenAllRaysToAPlace) {
     for (const double out : launch)
       for (const double home : launch) {
         if (out == home) continue;
-        const TurningWater::Landing sent = TurningWater::landing(out), heard = TurningWater::landing(home);
+        const TurningWater::Landing sent = TurningWater::landing(out), received = TurningWater::landing(home);
         std::size_t beam = 0;
         while (beam + 2 < elevations.size() && -home / degree > elevations[beam + 1]) ++beam;
-        const double sample = 1500 * (sent.time_s + heard.time_s) / 2 / samples.step_m;
+        const double sample = 1500 * (sent.time_s + received.time_s) / 2 / samples.step_m;
         wanted[beam * count + std::size_t(sample)] += mu * std::sin(sent.arrival_rad) *
-                                                      std::sin(heard.arrival_rad) * x * 2 * half_fan * step /
-                                                      (sent.area_back_m2 * heard.area_back_m2);
+                                                      std::sin(received.arrival_rad) * x * 2 * half_fan *
+                                                      step / (sent.area_back_m2 * received.area_back_m2);
       }
   }
   const double all = std::reduce(wanted.begin(), wanted.end()), most = *std::ranges::max_element(wanted);

@@ -52,13 +52,13 @@ TubeSet fan() {
   return set;
 }
 
-struct Heard {
+struct Reception {
   Echo echo;
   std::vector<double> bound;
 };
 
-Heard hear(const FacetMesh& mesh, std::span<const double> factor, const RangeSamples& samples,
-           double absorption = 0, double tolerance = 0) {
+Reception hear(const FacetMesh& mesh, std::span<const double> factor, const RangeSamples& samples,
+               double absorption = 0, double tolerance = 0) {
   const SceneTree tree(mesh);
   const std::vector<double> material_mu{mu};
   EchoLaw law{material_mu, mesh.material, absorption, nullptr};
@@ -66,15 +66,16 @@ Heard hear(const FacetMesh& mesh, std::span<const double> factor, const RangeSam
   const TubeSet tubes = fan();
   const std::vector<std::uint32_t> beams(tubes.tubes.size(), 0);
   const History history = TubeEngine(mesh, tree, 0x1p-20, {}).trace(tubes);
-  Heard heard{integrate_echo(history, {1, beams}, samples, law), {}};
+  Reception received{integrate_echo(history, {1, beams}, samples, law), {}};
   if (tolerance > 0) {
     const CertifiedEcho certified =
-        certify_echo(mesh, tree, history, {}, beams, samples, law, heard.echo, tolerance);
-    heard.bound = certified.bound;
-    for (std::size_t k = 0; k < heard.bound.size(); ++k)
-      EXPECT_LE(std::abs(heard.echo.energy[k] - certified.echo.energy[k]), certified.bound[k] + 1e-14 * mu);
+        certify_echo(mesh, tree, history, {}, beams, samples, law, received.echo, tolerance);
+    received.bound = certified.bound;
+    for (std::size_t k = 0; k < received.bound.size(); ++k)
+      EXPECT_LE(std::abs(received.echo.energy[k] - certified.echo.energy[k]),
+                certified.bound[k] + 1e-14 * mu);
   }
-  return heard;
+  return received;
 }
 
 WaterColumn gradient(double g) {
@@ -296,8 +297,8 @@ TEST(RefractedGround, FactorsAreReadByEveryIntegrator) {
   const Site site(64, 16);
   std::vector<double> factor(site.base.facets.size());
   for (std::size_t f = 0; f < factor.size(); ++f) factor[f] = 1 + double(f % 5);
-  const Heard plain = hear(site.base, {}, {25, 5, 6}, 0.02);
-  const Heard twice = hear(site.base, std::vector<double>(factor.size(), 2.0), {25, 5, 6}, 0.02, 1e-4);
+  const Reception plain = hear(site.base, {}, {25, 5, 6}, 0.02);
+  const Reception twice = hear(site.base, std::vector<double>(factor.size(), 2.0), {25, 5, 6}, 0.02, 1e-4);
   for (std::size_t k = 0; k < plain.echo.energy.size(); ++k)
     EXPECT_NEAR(twice.echo.energy[k], 2 * plain.echo.energy[k], 1e-15 * mu);
   hear(site.base, factor, {25, 5, 6}, 0.02, 1e-4);  // holds the ordinary integral inside the bound

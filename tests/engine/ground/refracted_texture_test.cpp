@@ -150,7 +150,7 @@ TEST(RefractedTexture, UnderOneGradientItLiesWhereTheBedIs) {
     for (const std::uint64_t seed : {3, 4}) {
       SCOPED_TRACE(testing::Message() << "g " << g << " seed " << seed);
       const Field texture = perlin(1.5, 1, 0.8, seed);
-      const std::vector<double> heard = hear(ground.refined.mesh, &ground, texture, 1e-7, false);
+      const std::vector<double> received = hear(ground.refined.mesh, &ground, texture, 1e-7, false);
       std::size_t compared = 0;
       for (int k = 0; k < range_samples.count; ++k) {
         const double r1 = range_samples.first_m + k * range_samples.step_m, r2 = r1 + range_samples.step_m;
@@ -161,7 +161,7 @@ TEST(RefractedTexture, UnderOneGradientItLiesWhereTheBedIs) {
         for (int side = 0; side < 2; ++side) {
           const double azimuth = (side - 1) * 3 * degree;
           const double truth = closed_form(g, r1 / 1500, r2 / 1500, azimuth, azimuth + 3 * degree, *texture);
-          const double found = heard[std::size_t((2 * side + !steep) * range_samples.count + k)];
+          const double found = received[std::size_t((2 * side + !steep) * range_samples.count + k)];
           EXPECT_NEAR(found / truth, 1, 1e-3) << k << ' ' << side;
           ++compared;
         }

@@ -234,7 +234,7 @@ TEST(PatternIntegral, FlatBedUnderAPistonIsASingleIntegral) {
   }
 }
 
-TEST(PatternIntegral, EveryBeamOfAFanHearsEveryTube) {
+TEST(PatternIntegral, EveryBeamOfAFanReceivesEveryTube) {
   const FacetPlane bed = test::flat_bed(5);
   const Polygon2 left{{4, 6}, {5, 6}, {5, 7}, {4, 7}}, right{{-5, 6}, {-4, 6}, {-4, 7}, {-5, 7}};
   History history;
@@ -316,13 +316,13 @@ TEST(PatternIntegral, BeamsSentAtOnceAddUp) {
   // Along the array of the receivers, along another, both, and with one that is everywhere.
   for (const auto& sent : {std::vector{line(25, -0.2), across, line(30, 0.3)},
                            std::vector{upright, piston(4)}, std::vector{across, upright, Directivity()}})
-    for (const auto& heard : {std::vector{line(30)}, std::vector{line(30), line(30, 0.2), line(30, -0.2)}})
+    for (const auto& received : {std::vector{line(30)}, std::vector{line(30), line(30, 0.2), line(30, -0.2)}})
       for (const Binning binning : {Binning::exact, Binning::spread, Binning::centroid}) {
-        const BeamPatterns together = fan_of(TransmitPattern(sent), heard, tubes);
+        const BeamPatterns together = fan_of(TransmitPattern(sent), received, tubes);
         const Echo echo = echo_of(history, &together, 1e-11, binning);
         std::vector<double> sum(echo.energy.size());
         for (const Directivity& beam : sent) {
-          const BeamPatterns alone = fan_of(beam, heard, tubes);
+          const BeamPatterns alone = fan_of(beam, received, tubes);
           const Echo part = echo_of(history, &alone, 1e-11, binning);
           for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += part.energy[k];
         }
@@ -335,11 +335,11 @@ TEST(PatternIntegral, BeamsSentAtOnceAddUp) {
 TEST(PatternIntegral, ManyBeamsOfAnArrayHearWhatEachWouldAlone) {
   const std::uint32_t tubes = 60;
   const History history = rough_bed(16180, tubes);
-  for (Directivity heard : {line(60), gaussian(0.02), gaussian(0.3)}) {
+  for (Directivity received : {line(60), gaussian(0.02), gaussian(0.3)}) {
     std::vector<Directivity> beams;
     for (int k = -3; k <= 3; ++k) {
-      heard.centre = 0.07 * k;
-      beams.push_back(heard);
+      received.centre = 0.07 * k;
+      beams.push_back(received);
     }
     beams[2] = Directivity();
     for (const TransmitPattern& sent : {TransmitPattern(beams), TransmitPattern(piston(6))}) {

@@ -32,11 +32,11 @@ const glm::dvec3 across(1, 0, 0), up(0, 0, 1);
 
 TEST(TwoWayPeak, IsOneWhereBothPatternsHaveTheirPeak) {
   for (const double steered_deg : {-40., 0., 12.}) {
-    const Directivity heard = pattern(Kind::line, across, 200, steered_deg);
-    EXPECT_DOUBLE_EQ(two_way_peak({}, heard), 1);
-    EXPECT_NEAR(two_way_peak(pattern(Kind::gaussian, up, 12 * degree, -20), heard), 1, 1e-9);
-    EXPECT_NEAR(two_way_peak(pattern(Kind::line, up, 500, 3), heard), 1, 1e-9);
-    EXPECT_NEAR(two_way_peak(pattern(Kind::line, across, 3, steered_deg), heard), 1, 1e-9);
+    const Directivity received = pattern(Kind::line, across, 200, steered_deg);
+    EXPECT_DOUBLE_EQ(two_way_peak({}, received), 1);
+    EXPECT_NEAR(two_way_peak(pattern(Kind::gaussian, up, 12 * degree, -20), received), 1, 1e-9);
+    EXPECT_NEAR(two_way_peak(pattern(Kind::line, up, 500, 3), received), 1, 1e-9);
+    EXPECT_NEAR(two_way_peak(pattern(Kind::line, across, 3, steered_deg), received), 1, 1e-9);
   }
   EXPECT_NEAR(two_way_peak(about(Kind::piston, glm::normalize(glm::dvec3(1, 2, -1)), 400), Directivity()), 1,
               1e-9);

@@ -96,11 +96,12 @@ struct Source {
 
 /// What a scatterer returns from all pairs of sources with fewer than `order` mirrors.
 std::vector<Complex> returned(const LoneScatterer& one, double mu, const std::vector<Source>& sent,
-                              const std::vector<Source>& heard, int order, const CoherentReceiver& receiver) {
+                              const std::vector<Source>& received, int order,
+                              const CoherentReceiver& receiver) {
   const double k = 2 * pi * receiver.carrier_hz / c;
   std::vector<Complex> y(receiver.times.count);
   for (const Source& t : sent)
-    for (const Source& r : heard) {
+    for (const Source& r : received) {
       if (t.mirrors + r.mirrors >= order) continue;
       const double way = glm::distance(t.at_m, one.at_m) + glm::distance(r.at_m, one.at_m);
       for (std::size_t n = 0; n < y.size(); ++n)
@@ -284,16 +285,16 @@ Setting furnished_bed(bool apart) {
 TEST(CoherentPaths, TheirVariancesAreEnergies) {
   const Directivity sent{Directivity::Kind::gaussian, glm::normalize(glm::dvec3(0.3, 0.5, -0.8)), true, 0,
                          1.5},
-      heard{Directivity::Kind::gaussian, glm::normalize(glm::dvec3(-0.2, 0.4, 0.7)), true, 0, 1.8};
+      received{Directivity::Kind::gaussian, glm::normalize(glm::dvec3(-0.2, 0.4, 0.7)), true, 0, 1.8};
   for (const bool apart : {false, true}) {
     const Setting s = furnished_bed(apart);
     const Mirrored m(s);
-    BeamPatterns patterns{{sent}, {heard}, {}, {}};
+    BeamPatterns patterns{{sent}, {received}, {}, {}};
     patterns.fan_of_tube.assign(s.receive.tubes.size(), 0);
     patterns.beams_of_tube.assign(s.receive.tubes.size(), {0, 1});
     const PathEcho energies = s.run(&patterns);
     const CoherentReceiver receiver = receiver_of(
-        {{metres(s.transmit.apex), metres(s.receive.apex), sent, heard}}, 10e3, 1e-3, {0, 2100, 180});
+        {{metres(s.transmit.apex), metres(s.receive.apex), sent, received}}, 10e3, 1e-3, {0, 2100, 180});
     std::vector<SignalSample> samples;
     for (std::uint32_t n = 0; n < receiver.times.count; ++n) samples.push_back({0, n});
     std::vector<double> by_order(4);
@@ -334,7 +335,7 @@ TEST(CoherentPaths, OverGroundsTheyAddUpAsEnergiesButForWaysRoundThatAreOne) {
     for_coherent_paths(*m.images, m.law, receiver.channels, [&](const CoherentPath& path) {
       // Out or home straight, by the surface the other way.
       if (path.order != 2 ||
-          path.sent->leg.loss.rough_normals.size() + path.heard->leg.loss.rough_normals.size() != 1)
+          path.sent->leg.loss.rough_normals.size() + path.received->leg.loss.rough_normals.size() != 1)
         return;
       own.channels = path.channels;
       const ChannelSignals y = element_signals(path.patches, own, path.law, field);
@@ -402,13 +403,13 @@ TEST(CoherentPaths, ASmoothPlateOverAWallIsThatOfTheImage) {
   law.path.out.apex_m = {-0.2, 0.05, 1};
   const std::array<SignalChannel, 1> channel{{{{-0.2, 0.05, 1}, {0.1, -0.1, 0.8}}}};
   for_coherent_paths(images, law, channel, [&](const CoherentPath& path) {
-    if (path.heard->mirrors == 0) return;
+    if (path.received->mirrors == 0) return;
     ++told;
     EXPECT_LT(glm::distance(path.channels[0].receive_m, glm::dvec3(0.3, -0.1, 0.8)), 1e-7);
     EXPECT_EQ(path.channels[0].transmit_m, glm::dvec3(-0.2, 0.05, 1));
     Complex one = 0;
     amplitude.add(
-        images.history(*path.sent, *path.heard),
+        images.history(*path.sent, *path.received),
         [&](FacetId facet) { return s.mesh.material[facet] == 0 ? &rigid : nullptr; }, std::span(&one, 1));
     p += path.phase * one;
   });
@@ -474,7 +475,7 @@ TEST(CoherentArrivals, OfAChannelAreTheImageSeries) {
   for (std::size_t n = 0; n < y.value.size(); ++n) EXPECT_NEAR(std::abs(all.value[n] - y.value[n]), 0, 1e-12);
 }
 
-TEST(CoherentArrivals, OneSonarHearsTheSurfaceAboveIt) {
+TEST(CoherentArrivals, OneSonarReceivesTheSurfaceAboveIt) {
   Setting s = under_surface(1);
   s.transmit = s.receive = towards({1, 2, -5}, {1.001, 2, 0}, 30, 2, 100);
   const Mirrored m(s);
@@ -554,7 +555,7 @@ TEST(CoherentPaths, SayWhatTheyCannotDo) {
   expect_refusal([&] { add_arrival({1, nullptr, {{3, 1}}}, receiver, other); }, "do not fit");
   expect_refusal([&] { superpose({1, 20, std::vector<Complex>(20)}, 1, other); }, "added");
   for_coherent_paths(*m.images, m.law, receiver.channels, [&](const CoherentPath& path) {
-    const BistaticHistory seen = m.images->history(*path.sent, *path.heard);
+    const BistaticHistory seen = m.images->history(*path.sent, *path.received);
     expect_refusal([&] { seen_patches(seen, path.law); }, "for_coherent_paths");
     expect_refusal(
         [&] {

@@ -43,7 +43,7 @@ TEST(PathEcho, AFlatChannelIsTheImageSeries) {
   s.absorption_db_per_m = 0.01;
   const PathEcho paths = s.run();
   EXPECT_EQ(paths.arrivals, 1u + 2 * order);
-  EXPECT_EQ(paths.images, 4u * order - 2);  // the receiver's own of the last order would hear nothing new
+  EXPECT_EQ(paths.images, 4u * order - 2);  // the receiver's own of the last order would receive nothing new
   std::vector<double> lengths;
   for (int n = 0; n <= order; ++n) {
     std::vector<double> expected(s.samples.count);
@@ -89,11 +89,11 @@ TEST(PathEcho, AFlatMirrorAtNormalIncidenceReturnsByItsImage) {
       down, {steps(-20, 20, 2), steps(-20, 20, 2), glm::dmat3(glm::dvec3(0, 0, -1), {0, 1, 0}, {1, 0, 0})});
   s.transmit = s.receive = down;
   const PathEcho paths = s.run();
-  // The glint lies on the borders of four windows: it is heard once.
+  // The glint lies on the borders of four windows: it is received once.
   EXPECT_EQ(paths.arrivals, 1u);
   EXPECT_DOUBLE_EQ(paths.by_order[1].at(0, 150), 0.5 / 900);
   EXPECT_DOUBLE_EQ(total(paths.by_order[1]), 0.5 / 900);
-  EXPECT_EQ(total(paths.by_order[0]), 0);  // a sonar in one place hears nothing directly
+  EXPECT_EQ(total(paths.by_order[0]), 0);  // a sonar in one place receives nothing directly
 }
 
 // Order 2: bed seen straight and by the image over the surface, there and back. Order 3: by the image both
@@ -318,7 +318,7 @@ TEST(PathEcho, OnceMirroredOnceScatteredAgreesWithBruteForceRays) {
         const double range = glm::length(home), sine = glm::dot(home, second.normal) / range;
         if (sine <= 0 || rays.first(point, home / range, second.facet).range < range) continue;
         // The receiver's tubes are the transmitter's.
-        bool heard = false;
+        bool received = false;
         const glm::dvec3 there = -home * double(metre);
         for (const Tube& other : set.tubes) {
           bool inside = true;
@@ -327,9 +327,9 @@ TEST(PathEcho, OnceMirroredOnceScatteredAgreesWithBruteForceRays) {
             inside = inside &&
                      glm::dot(glm::cross(glm::dvec3(a.x, a.y, a.z), glm::dvec3(b.x, b.y, b.z)), there) >= 0;
           }
-          heard = heard || inside;
+          received = received || inside;
         }
-        if (!heard) continue;
+        if (!received) continue;
         const double half = (mirror.range + second.range + range) / 2;
         if (half < s.samples.count)
           expected[std::size_t(half)] +=
@@ -419,7 +419,7 @@ Setting in_a_sphere(bool bowl) {
   return s;
 }
 
-// sin sin / r^2 is 1 / (4 a^2) between any two points of a sphere, so what its middle hears of a second
+// sin sin / r^2 is 1 / (4 a^2) between any two points of a sphere, so what its middle receives of a second
 // scattering is pi mu (the albedo) of the first; by a chord up to c comes the part c^2 / (4 a^2). A bowl,
 // half a sphere, keeps half of it; of this one's area the opening is 0.512, and facets light no part of
 // themselves (1 in 64). The radius is taken between that of the facets' corners and that of their middles.

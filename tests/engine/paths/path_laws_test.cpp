@@ -55,7 +55,7 @@ TEST(PathLaws, ABowlsSecondEchoAgreesWithBruteForceRays) {
   const PointSum sum(s, 5, std::nullopt);
   // The rim hides something from both.
   EXPECT_GT(sum.unlit(), 0.05);
-  EXPECT_GT(sum.unheard(), 0.05);
+  EXPECT_GT(sum.unreceived(), 0.05);
   const std::vector<double> expected = sum.scattered_twice();
   const double all = std::accumulate(expected.begin(), expected.end(), 0.0);
   const PathEcho paths = s.run();

@@ -128,7 +128,7 @@ TEST(PathRays, TheMeanOverSeedsIsWhatExactCutsGiveInRefractingWater) {
       SCOPED_TRACE(fmt::format("{} / s, {}", gradient_per_s, apart ? "apart" : "in one place"));
       Setting s = harbour(apart, -9.5, -4.2);
       s.reflection = {0.3, 0};
-      s.samples = {17, 1.5, 12};  // from where more than a corner is heard
+      s.samples = {17, 1.5, 12};  // from where more than a corner is received
       const WaterColumn column{SoundSpeedProfile({{0, 1500}, {60, 1500 + 60 * gradient_per_s}}),
                                {0.02, 0.02, 0.02}};
       EigenrayOptions rays;

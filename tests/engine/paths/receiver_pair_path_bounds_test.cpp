@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What two receivers on a receiver pair hear over mirrors, with proven bounds: against ordinary energies and
-// products, the scene of the images, and closed forms.
+// What two receivers on a receiver pair receive over mirrors, with proven bounds: against ordinary energies
+// and products, the scene of the images, and closed forms.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -91,11 +91,11 @@ TEST(ReceiverPairPathBounds, PatternsAtBothEnds) {
   s.mesh = square_bed(-6, 3);
   s.samples = {3, 2, 2};
   s.paths.mirrors.surface->roughness = 0;
-  Directivity sent{Directivity::Kind::line, {0.6, 0, 0.8}}, heard{Directivity::Kind::line, {0, 0, 1}};
-  sent.size = heard.size = 0.6;  // zeros would have corners
+  Directivity sent{Directivity::Kind::line, {0.6, 0, 0.8}}, received{Directivity::Kind::line, {0, 0, 1}};
+  sent.size = received.size = 0.6;  // zeros would have corners
   BeamPatterns patterns = even_patterns(s.receive);
   patterns.transmit = {sent};
-  patterns.receive = {heard};
+  patterns.receive = {received};
   const ReceiverPairPathEcho ordinary = run(s, slanting, patterns);
   s.paths.reference_tolerance = 5e-2;
   expect_holds(ordinary, run(s, slanting, patterns), 5e-2, 1e-6);

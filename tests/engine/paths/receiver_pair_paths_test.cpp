@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Two receivers on a receiver pair that hear over mirrors: against the receiver pair's image, against points
-// with rays to both of its ends, and in closed form.
+// Two receivers on a receiver pair that receive over mirrors: against the receiver pair's image, against
+// points with rays to both of its ends, and in closed form.
 #include "engine/paths/receiver_pair_paths.hpp"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ std::array<ReceiverPairEcho, 3> by_mirrors(const Setting& s, const ReceiverBasel
   const SceneTree tree(s.mesh);
   const std::size_t tubes = s.receive.tubes.size();
   const BeamPatterns patterns = even_patterns(tubes);
-  ReceiverPairPathEcho paths = heard_by_receiver_pair(s, receiver_pair);
+  ReceiverPairPathEcho paths = received_by_receiver_pair(s, receiver_pair);
   return {integrate_receiver_pair_echo(
               trace_receiver_pair(s.mesh, tree, unit, {}, s.transmit, s.receive, receiver_pair),
               receiver_pair, 0, 0, s.samples, s.law(s.transmit, &patterns)),
@@ -256,7 +256,7 @@ TEST(ReceiverPairPaths, AReceiverPairInTheSurfaceIsItsImage) {
   s.paths.mirrors.surface = SeaSurface{0, 0.7, 0};
   ReceiverBaseline receiver_pair = slanting;
   receiver_pair.wavenumber_rad_m = 8;
-  const ReceiverPairPathEcho echo = heard_by_receiver_pair(s, receiver_pair);
+  const ReceiverPairPathEcho echo = received_by_receiver_pair(s, receiver_pair);
   ReceiverBaseline image = receiver_pair;
   image.axis.z = -image.axis.z;
   const TubeSet down = looking(5, -1);
@@ -285,7 +285,7 @@ TEST(ReceiverPairPaths, ArrivalsHaveThePhaseOfTheirLengths) {
   s.samples = {0.5, 0.5, 30};
   ReceiverBaseline receiver_pair = slanting;
   receiver_pair.wavenumber_rad_m = 2000;
-  const ReceiverPairPathEcho echo = heard_by_receiver_pair(s, receiver_pair);
+  const ReceiverPairPathEcho echo = received_by_receiver_pair(s, receiver_pair);
   const Rays rays(s.mesh);
   const glm::dvec3 from = metres(s.transmit.apex), middle = metres(s.receive.apex),
                    half = receiver_pair.baseline_m / 2 * receiver_pair.axis;
@@ -321,7 +321,7 @@ TEST(ReceiverPairPaths, WithoutLengthAReceiverPairIsOneReceiver) {
   s.samples = {1, 0.5, 20};
   ReceiverBaseline receiver_pair = slanting;
   receiver_pair.baseline_m = 1e-8;
-  const ReceiverPairPathEcho echo = heard_by_receiver_pair(s, receiver_pair);
+  const ReceiverPairPathEcho echo = received_by_receiver_pair(s, receiver_pair);
   const PathEcho one = s.run();
   for (std::size_t order = 1; order <= 3; ++order)
     for (std::size_t k = 0; k < 20; ++k) {
@@ -344,7 +344,7 @@ TEST(ReceiverPairPaths, TwoScatteringsAgreeWithPairsOfPoints) {
   s.paths.order = s.paths.scatterings = 2;
   s.paths.patch_m = 0.4;
   s.paths.cutoff_db = 300;
-  const ReceiverPairPathEcho echo = heard_by_receiver_pair(s, slanting);
+  const ReceiverPairPathEcho echo = received_by_receiver_pair(s, slanting);
 
   const ReceiverPairSums sums = PointSum(s, 28, slanting).twice_by_receiver_pair();
   const ReceiverPairEcho& two = echo.by_order[2];

@@ -148,7 +148,7 @@ TEST(RefractedPatches, AFlatBedIsLitByItselfAlongRaysThatTurn) {
   }
 }
 
-// Exchanged, transmitter and receiver hear the same but for the square of the speed of sound at each.
+// Exchanged, transmitter and receiver receive the same but for the square of the speed of sound at each.
 TEST(RefractedPatches, TransmitterAndReceiverExchangePlaces) {
   Setting s = plates(true);
   s.receive = around({-0.25, -0.5, -3.5}, -89.99, 20, 3, 60, 4);

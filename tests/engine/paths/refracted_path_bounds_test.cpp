@@ -87,7 +87,7 @@ TEST(RefractedPathBounds, HoldTheSurfaceMultiplesOfOneGradient) {
   }
 }
 
-// What is heard in some tubes and in the others is what is heard in all.
+// What is received in some tubes and in the others is what is received in all.
 TEST(RefractedPathBounds, WhatTubesHearAddsUp) {
   const WaterColumn column = gradient(-0.7, 1510);
   Setting s = under_surface(2);

@@ -100,7 +100,7 @@ TEST(RefractedPaths, PatternsAreTakenWhereRaysAreLaunched) {
     patterns->fan_of_tube.assign(s.receive.tubes.size(), 0);
     patterns->beams_of_tube.assign(s.receive.tubes.size(), {0, 1});
     const PathEcho paths = through(water_of(column, 5e-4), s, patterns);
-    // The whole of what is heard between two times: by distance, in small steps.
+    // The whole of what is received between two times: by distance, in small steps.
     std::vector<double> once(30), twice(30);
     constexpr int steps = 4000;
     for (int n = 0; n < steps; ++n) {
@@ -203,8 +203,8 @@ TEST(RefractedPaths, AChannelIsASeriesOfRays) {
   }
 }
 
-// Exchanged, transmitter and receiver hear the same but for the square of the speed of sound at each: energy
-// is what passes a square metre.
+// Exchanged, transmitter and receiver receive the same but for the square of the speed of sound at each:
+// energy is what passes a square metre.
 TEST(RefractedPaths, TransmitterAndReceiverExchangePlaces) {
   Setting s = furnished(true);
   Setting back = s;
@@ -222,7 +222,8 @@ TEST(RefractedPaths, TransmitterAndReceiverExchangePlaces) {
   }
 }
 
-// By the surface both ways, the bed is heard as a bed mirrored in it is heard through water mirrored in it.
+// By the surface both ways, the bed is received as a bed mirrored in it is received through water mirrored in
+// it.
 TEST(RefractedPaths, ASurfaceIsItsImage) {
   Setting s = under_surface(3);
   s.mesh = FacetMesh();

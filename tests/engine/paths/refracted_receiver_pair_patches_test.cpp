@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Two receivers on a receiver pair, and paths that are scattered more than once in refracting water: what
-// each hears and how much alike that is, against sums over points with arcs in closed form to both ends, even
-// water, one receiver, and laws.
+// each receives and how much alike that is, against sums over points with arcs in closed form to both ends,
+// even water, one receiver, and laws.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -27,13 +27,13 @@ Setting scattered(int times, double patch_m = 0.5) {
 
 const ReceiverBaseline receiver_pair{slanting_axis, 0.12, 60};
 
-ReceiverPairPathEcho heard_through(const WaterColumn& column, const Setting& s,
-                                   const ReceiverBaseline& by = receiver_pair, double gap_m = 1e-2) {
+ReceiverPairPathEcho received_through(const WaterColumn& column, const Setting& s,
+                                      const ReceiverBaseline& by = receiver_pair, double gap_m = 1e-2) {
   const PathWater water = through_water(column, gap_m);
-  return heard_by_receiver_pair(s, by, &water);
+  return received_by_receiver_pair(s, by, &water);
 }
 
-/// To parts of all that the upper one hears, in total and in each bin.
+/// To parts of all that the upper one receives, in total and in each bin.
 void expect_sums(const ReceiverPairEcho& echo, const ReceiverPairSums& sums, double of_total, double of_bin,
                  const char* what) {
   double upper = 0, lower = 0, energy = 0, turned = 0;
@@ -60,8 +60,8 @@ TEST(RefractedReceiverPairPatches, TwoAndThreeScatteringsAgreeWithSumsOverPoints
     SCOPED_TRACE(g);
     const Setting s = scattered(g < 0 ? 3 : 2, 0.25);
     const Arcs arcs{1500 - 3 * g, g, s.absorption_db_per_m};
-    const ReceiverPairPathEcho paths = heard_through(column_of(arcs), s, receiver_pair, 2e-3),
-                               straight = heard_by_receiver_pair(s, receiver_pair);
+    const ReceiverPairPathEcho paths = received_through(column_of(arcs), s, receiver_pair, 2e-3),
+                               straight = received_by_receiver_pair(s, receiver_pair);
     const PointSum sum(s, 8, arcs, receiver_pair);
     const ReceiverPairSums two = sum.twice_by_receiver_pair();
     expect_sums(paths.by_order[2], two, 0.01, 0.01, "two");
@@ -88,7 +88,7 @@ TEST(RefractedReceiverPairPatches, MirrorScatterScatterMirrorAgreesWithSumsOverP
   const double g = -50;
   const Arcs arcs{1700, g, s.absorption_db_per_m};
   const ArcsBySurface by_surface{{1700, g}, 0.7, s.absorption_db_per_m};
-  const ReceiverPairPathEcho paths = heard_through(column_of(arcs), s, receiver_pair, 2e-3);
+  const ReceiverPairPathEcho paths = received_through(column_of(arcs), s, receiver_pair, 2e-3);
   EXPECT_GT(paths.patches, 0u);
   EXPECT_GT(paths.seen_by_patches.facets, 0u);
   expect_sums(paths.by_order[4], PointSum(s, 12, arcs, by_surface, receiver_pair).twice_by_receiver_pair(),
@@ -100,8 +100,8 @@ TEST(RefractedReceiverPairPatches, EvenWaterIsTheStraightEngine) {
   Setting s = scattered(3);
   s.paths.mirrors.surface = SeaSurface{0, 0.7, 0.4};
   const WaterColumn even{SoundSpeedProfile({{0, c_ref}, {8, c_ref}}), {0.3, 0.3, 0.3}};
-  const ReceiverPairPathEcho straight = heard_by_receiver_pair(s, receiver_pair),
-                             bent = heard_through(even, s);
+  const ReceiverPairPathEcho straight = received_by_receiver_pair(s, receiver_pair),
+                             bent = received_through(even, s);
   EXPECT_EQ(bent.seen_by_patches.in_shadow, 0u);
   EXPECT_EQ(bent.seen_by_patches.folded, 0u);
   for (std::size_t order = 2; order < 4; ++order) {
@@ -121,7 +121,7 @@ TEST(RefractedReceiverPairPatches, AGradientThatGoesToZeroLeavesEvenWater) {
   Setting s = plates(false);
   s.samples = {1, 20, 1};
   const auto at = [&](double g) {
-    return heard_through(column_of({1500 - 4 * g, g, s.absorption_db_per_m}), s, receiver_pair, 1)
+    return received_through(column_of({1500 - 4 * g, g, s.absorption_db_per_m}), s, receiver_pair, 1)
         .by_order[2];
   };
   const ReceiverPairEcho even = at(1e-9), whole = at(4), half = at(2);
@@ -140,7 +140,7 @@ TEST(RefractedReceiverPairPatches, WithoutLengthAReceiverPairIsOneReceiver) {
   s.paths.mirrors.surface = SeaSurface{0, 0.7, 0.4};
   const WaterColumn column = column_of({1500 + 180, -60, s.absorption_db_per_m});
   const PathEcho one = through(through_water(column, 1e-2), s);
-  const ReceiverPairPathEcho both = heard_through(column, s, {slanting_axis, 1e-8, 60});
+  const ReceiverPairPathEcho both = received_through(column, s, {slanting_axis, 1e-8, 60});
   for (std::size_t order = 2; order <= 3; ++order) {
     const std::vector<double>& alone = one.by_order[order].energy;
     // Where rounding cuts one part more, a sample passes a little on to its neighbour.
@@ -154,13 +154,13 @@ TEST(RefractedReceiverPairPatches, WithoutLengthAReceiverPairIsOneReceiver) {
   }
 }
 
-// The other way round a receiver pair hears the same, with its phase the other way.
+// The other way round a receiver pair receives the same, with its phase the other way.
 TEST(RefractedReceiverPairPatches, ReceiversExchangePlaces) {
   const Setting s = scattered(3);
   const WaterColumn column = column_of({1500 - 180, 60, s.absorption_db_per_m});
   const ReceiverBaseline turned{-receiver_pair.axis, receiver_pair.baseline_m,
                                 receiver_pair.wavenumber_rad_m};
-  const ReceiverPairPathEcho there = heard_through(column, s), back = heard_through(column, s, turned);
+  const ReceiverPairPathEcho there = received_through(column, s), back = received_through(column, s, turned);
   for (std::size_t order = 2; order <= 3; ++order) {
     const ReceiverPairEcho &a = there.by_order[order], &b = back.by_order[order];
     const double most = *std::ranges::max_element(a.upper_j);
@@ -173,7 +173,7 @@ TEST(RefractedReceiverPairPatches, ReceiversExchangePlaces) {
   }
 }
 
-// Each end hears what a receiver there would, whose bed appears from its own place, but for the baseline
+// Each end receives what a receiver there would, whose bed appears from its own place, but for the baseline
 // times the gradient over the speed of sound, which both together do not have; and what that would send to
 // the transmitter, but for the square of the speed of sound at each.
 TEST(RefractedReceiverPairPatches, EitherEndIsAReceiverThereAndSoundComesBack) {
@@ -182,10 +182,10 @@ TEST(RefractedReceiverPairPatches, EitherEndIsAReceiverThereAndSoundComesBack) {
   const double g = -60;
   const Arcs arcs{1500 - 3 * g, g, s.absorption_db_per_m};
   const WaterColumn column = column_of(arcs);
-  const ReceiverPairEcho both = heard_through(column, s).by_order[2];
+  const ReceiverPairEcho both = received_through(column, s).by_order[2];
   const glm::dvec3 middle = metres(s.receive.apex);
   const double by_baseline = receiver_pair.baseline_m * -g / (arcs.c0 - middle.z * g);
-  double heard = 0, alone = 0;
+  double received = 0, alone = 0;
   for (const double end : {1.0, -1.0}) {
     const glm::dvec3 place = middle + end * receiver_pair.baseline_m / 2 * receiver_pair.axis;
     const Echo by_end{1, s.samples.count, end > 0 ? both.upper_j : both.lower_j};
@@ -193,7 +193,7 @@ TEST(RefractedReceiverPairPatches, EitherEndIsAReceiverThereAndSoundComesBack) {
     one.receive = around(place, -89.99, 20, 3, 60, 4);
     const Echo there = through(through_water(column, 1e-2), one).by_order[2];
     expect_near(by_end, there.energy, 1.5 * by_baseline, 1.5 * by_baseline, "alone");
-    heard += total(by_end);
+    received += total(by_end);
     alone += total(there);
     std::swap(one.transmit, one.receive);
     const double speeds = std::pow((arcs.c0 + 2 * g) / (arcs.c0 - place.z * g), 2);
@@ -202,7 +202,7 @@ TEST(RefractedReceiverPairPatches, EitherEndIsAReceiverThereAndSoundComesBack) {
     EXPECT_GT(speeds, 1.1);
     expect_near(by_end, back, 0.02, 0.02, "back");
   }
-  EXPECT_NEAR(heard, alone, 1e-3 * alone);
+  EXPECT_NEAR(received, alone, 1e-3 * alone);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Two receivers on a receiver pair that hear over mirrors in refracting water: against even water, rays of
+// Two receivers on a receiver pair that receive over mirrors in refracting water: against even water, rays of
 // one gradient in closed form and in steps to both ends, and a gradient that goes to zero.
 #include <gtest/gtest.h>
 
@@ -27,8 +27,8 @@ TEST(RefractedReceiverPairPaths, EvenWaterIsTheStraightEngine) {
     s.absorption_db_per_m = 0.02;
     s.paths.direct = false;
     s.paths.mirrors.surface->roughness = 0.8;
-    const ReceiverPairPathEcho straight = heard_by_receiver_pair(s, receiver_pair),
-                               bent = heard_by_receiver_pair(s, receiver_pair, &water);
+    const ReceiverPairPathEcho straight = received_by_receiver_pair(s, receiver_pair),
+                               bent = received_by_receiver_pair(s, receiver_pair, &water);
     EXPECT_EQ(bent.arrivals, straight.arrivals);
     EXPECT_EQ(straight.arrivals, apart ? 2u : 0u);  // by the surface, to both ends
     for (std::size_t order = apart ? 1 : 2; order < straight.by_order.size(); ++order) {
@@ -60,11 +60,11 @@ TEST(RefractedReceiverPairPaths, AGradientThatGoesToZeroLeavesEvenWater) {
   s.receive = around({2, -3, -7}, -88, 88, 8, 120);
   s.samples = {22, 2, 6};
   const ReceiverBaseline receiver_pair{slanting_axis, 0.3, 8};
-  const ReceiverPairPathEcho straight = heard_by_receiver_pair(s, receiver_pair);
+  const ReceiverPairPathEcho straight = received_by_receiver_pair(s, receiver_pair);
   const auto at = [&](double g) {
     const WaterColumn column = gradient(g, 1500 - 5 * g);
     const PathWater water = water_of(column, 1);
-    return heard_by_receiver_pair(s, receiver_pair, &water);
+    return received_by_receiver_pair(s, receiver_pair, &water);
   };
   const ReceiverPairPathEcho whole = at(4e-3), half = at(2e-3), next_to_none = at(1e-9);
   for (const std::size_t order : {2, 3})
@@ -92,7 +92,7 @@ TEST(RefractedReceiverPairPaths, PointsOfAFlatBedWithRaysToBothEnds) {
       const ReceiverBaseline receiver_pair{slanting_axis, 0.3, 12};
       const WaterColumn column = gradient(g, 1510);
       const PathWater water = water_of(column, 2e-3);
-      const ReceiverPairPathEcho paths = heard_by_receiver_pair(s, receiver_pair, &water);
+      const ReceiverPairPathEcho paths = received_by_receiver_pair(s, receiver_pair, &water);
       const Circles circles{1510, g};
       std::array<ReceiverPairSums, 4> sums{ReceiverPairSums(s.samples), ReceiverPairSums(s.samples),
                                            ReceiverPairSums(s.samples), ReceiverPairSums(s.samples)};
@@ -161,7 +161,7 @@ TEST(RefractedReceiverPairPaths, ArrivalsHaveThePhaseOfTheirTimes) {
   const Circles circles{1470, 0.4};
   const WaterColumn column = gradient(0.4, 1470);
   const PathWater water = water_of(column, 1);
-  const ReceiverPairPathEcho paths = heard_by_receiver_pair(s, receiver_pair, &water);
+  const ReceiverPairPathEcho paths = received_by_receiver_pair(s, receiver_pair, &water);
   EXPECT_EQ(paths.arrivals, 8u);
   const glm::dvec3 middle = metres(s.receive.apex), half = receiver_pair.baseline_m / 2 * receiver_pair.axis;
   for (std::size_t order = 1; order <= 2; ++order) {
@@ -206,7 +206,7 @@ TEST(RefractedReceiverPairPaths, AgreeWithBruteForceRays) {
   const WaterColumn column = gradient(g, 1510);
   const PathWater water = water_of(column, 2e-3);
   const ReceiverBaseline receiver_pair{slanting_axis, 0.3, 3};
-  const ReceiverPairPathEcho paths = heard_by_receiver_pair(s, receiver_pair, &water);
+  const ReceiverPairPathEcho paths = received_by_receiver_pair(s, receiver_pair, &water);
   const Stepped rays{s, circles};
   const unsigned seed = 21;
   SCOPED_TRACE(testing::Message() << "seed " << seed);

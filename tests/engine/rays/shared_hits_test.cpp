@@ -58,8 +58,8 @@ struct Apart {
   FacetMesh mesh = wavy_bed();
   SceneTree tree{mesh};
   RayScene scene{mesh, grid};
-  TubeSet sent = fan({-1.5, 0, 0}, 2, 1, 70, 40), heard = fan({2, 0.5, 0.7}, 6, 2, 60, 40);
-  std::vector<std::uint32_t> beam, fan_sent{0, 1}, fan_heard;
+  TubeSet sent = fan({-1.5, 0, 0}, 2, 1, 70, 40), received = fan({2, 0.5, 0.7}, 6, 2, 60, 40);
+  std::vector<std::uint32_t> beam, fan_sent{0, 1}, fan_received;
   std::vector<double> mu{0.002};
   std::vector<std::shared_ptr<const ReflectivityField>> texture;
   std::vector<std::shared_ptr<const ScatteringLaw>> law;
@@ -70,7 +70,7 @@ struct Apart {
   Apart() {
     for (std::uint32_t tube = 0; tube < 12; ++tube) {
       beam.push_back(tube / 2);
-      fan_heard.push_back(tube / 6);
+      fan_received.push_back(tube / 6);
     }
   }
   void weigh() {
@@ -78,9 +78,9 @@ struct Apart {
                          Directivity{Directivity::Kind::line, {1, 0, 0}, false, -0.2, 3}};
     for (int b = 0; b < 6; ++b)
       patterns.receive.push_back({Directivity::Kind::line, {1, 0, 0}, false, 0.15 * (b - 2.5), 6});
-    patterns.fan_of_tube = fan_heard;
+    patterns.fan_of_tube = fan_received;
     for (std::uint32_t tube = 0; tube < 12; ++tube)
-      patterns.beams_of_tube.emplace_back(3 * fan_heard[tube], 3 * fan_heard[tube] + 3);
+      patterns.beams_of_tube.emplace_back(3 * fan_received[tube], 3 * fan_received[tube] + 3);
     weighed = &patterns;
   }
   Echo echo(const BistaticHistory& history) const {
@@ -88,13 +88,13 @@ struct Apart {
     law_of.reflectivity = texture;
     law_of.scattering = law;
     law_of.path.out.apex_m = grid.to_metres(sent.apex);
-    return integrate_echo(history, {6, beam, fan_sent, fan_heard}, samples, law_of);
+    return integrate_echo(history, {6, beam, fan_sent, fan_received}, samples, law_of);
   }
-  Echo exact() const { return echo(trace_bistatic(mesh, tree, grid.unit_m(), {}, sent, heard)); }
+  Echo exact() const { return echo(trace_bistatic(mesh, tree, grid.unit_m(), {}, sent, received)); }
   BistaticHistory rays(const RaySettings& settings) const {
-    const TubeFinder sent_tubes(sent), heard_tubes(heard);
+    const TubeFinder sent_tubes(sent), received_tubes(received);
     return shared_hits(trace_rays(scene, sent, grid.unit_m(), settings), {scene, sent, sent_tubes},
-                       {scene, heard, heard_tubes}, mesh);
+                       {scene, received, received_tubes}, mesh);
   }
 };
 
@@ -163,9 +163,9 @@ TEST(SharedHits, ErrorsFallWithTheNumberOfRays) {
 
 TEST(SharedHits, InOnePlaceTheyAreTheHitsOfOneApex) {
   Apart apart;
-  apart.heard = apart.sent;
+  apart.received = apart.sent;
   apart.beam = {0, 1};
-  apart.fan_heard = apart.fan_sent;
+  apart.fan_received = apart.fan_sent;
   const RaySettings settings = stratified(20000, 3);
   const History history = trace_rays(apart.scene, apart.sent, grid.unit_m(), settings);
   const BistaticHistory both = apart.rays(settings);
@@ -203,9 +203,9 @@ TEST(SharedHits, AWallHidesWhatEitherOfThemCannotSee) {
 
 TEST(SharedHits, TubesOfTheReceiverShareOutTheHits) {
   Apart apart;
-  apart.heard = fan({2, 0.5, 0.7}, 6, 4, 60, 40);
+  apart.received = fan({2, 0.5, 0.7}, 6, 4, 60, 40);
   const BistaticHistory many = apart.rays(stratified(20000, 5));
-  apart.heard = fan({2, 0.5, 0.7}, 6, 1, 60, 40);  // walls across are planes through the same rays
+  apart.received = fan({2, 0.5, 0.7}, 6, 1, 60, 40);  // walls across are planes through the same rays
   const BistaticHistory one = apart.rays(stratified(20000, 5));
   EXPECT_EQ(many.hits.size(), one.hits.size());
   ASSERT_GT(one.hits.size(), 3000u);
@@ -226,28 +226,28 @@ TEST(SharedHits, InRefractingWaterTheMeanIsWhatTubesShare) {
   Apart apart;
   const WaterColumn water{SoundSpeedProfile({{0, 1500}, {60, 1500 - 60 * 8.0}}), {}};
   const Straightening transmit(water, grid.to_metres(apart.sent.apex), 10, {}, 1500),
-      receive(water, grid.to_metres(apart.heard.apex), 10, {}, 1500);
+      receive(water, grid.to_metres(apart.received.apex), 10, {}, 1500);
   std::vector<FacetId> all(apart.mesh.facets.size());
   std::iota(all.begin(), all.end(), 0u);
   const ApparentPair pair = straighten_pair(apart.mesh, all, grid, transmit, receive, 0.1, {.gap_m = 0.01});
   const Echo straight = apart.exact();
   apart.mesh = pair.mesh;
   const Echo exact =
-      apart.echo(trace_bistatic(pair, grid, {}, apart.sent, apart.heard, transmit, receive, 0.1));
+      apart.echo(trace_bistatic(pair, grid, {}, apart.sent, apart.received, transmit, receive, 0.1));
   double bent = 0;
   for (std::size_t k = 0; k < exact.energy.size(); ++k)
     bent += std::abs(exact.energy[k] - straight.energy[k]);
   ASSERT_GT(bent, 0.03 * total(exact));
   const RayScene there(pair.transmit.refined.mesh, grid), back(pair.receive.refined.mesh, grid);
-  const TubeFinder sent_tubes(apart.sent), heard_tubes(apart.heard);
+  const TubeFinder sent_tubes(apart.sent), received_tubes(apart.received);
   ApparentFacets facets;
-  facets.heard.assign(pair.mesh.facets.size(), ApparentFacets::none);
-  for (FacetId f = 0; f < pair.receive_origin.size(); ++f) facets.heard[pair.receive_origin[f]] = f;
+  facets.received.assign(pair.mesh.facets.size(), ApparentFacets::none);
+  for (FacetId f = 0; f < pair.receive_origin.size(); ++f) facets.received[pair.receive_origin[f]] = f;
   expect_mean(exact, 30, 0.02, [&](std::uint64_t seed) {
     BistaticHistory both =
         shared_hits(trace_rays(there, apart.sent, grid.unit_m(), stratified(6000, seed)),
                     {there, apart.sent, sent_tubes, pair.transmit_origin},
-                    {back, apart.heard, heard_tubes, pair.receive_origin}, pair.mesh, &facets);
+                    {back, apart.received, received_tubes, pair.receive_origin}, pair.mesh, &facets);
     both.paired = paired_facets(both.shared, pair, grid, transmit, receive, 0.1);
     return apart.echo(both);
   });

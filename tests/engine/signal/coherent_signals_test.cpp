@@ -280,12 +280,12 @@ ChannelSignals by_every_scatterer(const SeenPatches& seen, const CoherentReceive
     for (const glm::dvec3& c : seen.corners(patch)) corners.push_back(c + seen.origin_m);
     field.for_scatterers(corners, patch.normal, [&](glm::dvec3 place, Complex z) {
       for (std::size_t c = 0; c < all.channels; ++c) {
-        const ChannelOnPatch::Heard heard =
+        const ChannelOnPatch::Reception received =
             ChannelOnPatch(receiver.channels[c], seen, patch, law).at(place - seen.origin_m);
         for (std::size_t n = 0; n < all.samples; ++n)
           all.value[c * all.samples + n] +=
-              z * std::polar(heard.amplitude, k * heard.path_m) *
-              receiver.pulse.at(receiver.times.time_s(n) - heard.path_m / receiver.sound_speed_m_s);
+              z * std::polar(received.amplitude, k * received.path_m) *
+              receiver.pulse.at(receiver.times.time_s(n) - received.path_m / receiver.sound_speed_m_s);
       }
     });
   }

@@ -292,14 +292,14 @@ TEST(GatedCovariance, DisplacedTransmittersAgreeWithSumsOverPoints) {
         }
         if (!inside) continue;
         const glm::dvec3 at(p, -height);
-        const auto heard = [&](const SignalChannel& c) {
+        const auto received = [&](const SignalChannel& c) {
           const double out = glm::distance(at, c.transmit_m), home = glm::distance(at, c.receive_m);
           const double energy =
               0.1 * (height + c.transmit_m.z) * (height + c.receive_m.z) / std::pow(out * home, 3);
           return std::pair(out + home, std::sqrt(energy));
         };
-        const auto [la, aa] = heard(a);
-        const auto [lb, ab] = heard(b);
+        const auto [la, aa] = received(a);
+        const auto [lb, ab] = received(b);
         const double ka = std::floor((la / 2 - samples.first_m) / samples.step_m),
                      kb = std::floor((lb / 2 - samples.first_m) / samples.step_m);
         if (ka < 0 || kb < 0 || ka >= samples.count || kb >= samples.count) continue;

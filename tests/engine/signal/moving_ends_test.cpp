@@ -286,14 +286,15 @@ TEST(MovingEnds, KeepPhasesToABillionthOfAWavelength) {
         receiver.times = {0.01, std::max(60 / duration_s, 20e3), 0};
         receiver.times.count = std::size_t((duration_s + 0.006) * receiver.times.rate_hz);
         receiver.carrier_hz = carrier_hz;
-        const ChannelSignals heard = element_signals(place.seen, receiver, place.law(), place.field, 1e-12);
+        const ChannelSignals received =
+            element_signals(place.seen, receiver, place.law(), place.field, 1e-12);
         int echoes = 0;
         double worst = 0;
         for (std::size_t n = 0; n < receiver.times.count; ++n) {
           const double t = receiver.times.time_s(n), s = sent_at(t, place.x, its.transmit, its.receive);
           if (s < 1e-9 || s > duration_s - 1e-9) {
             if (s < -1e-9 || s > duration_s + 1e-9) {
-              EXPECT_EQ(heard.at(0, n), 0.0);
+              EXPECT_EQ(received.at(0, n), 0.0);
             }
             continue;
           }
@@ -303,7 +304,7 @@ TEST(MovingEnds, KeepPhasesToABillionthOfAWavelength) {
           const Complex expected = place.z / std::sqrt(duration_s) *
                                    std::polar(amplitude_of(place.x, {0, 0, 1}, 0.1, 0, from, to, {}),
                                               2 * pi * carrier_hz * path / c);
-          worst = std::max(worst, std::abs(heard.at(0, n) - expected) / std::abs(expected));
+          worst = std::max(worst, std::abs(received.at(0, n) - expected) / std::abs(expected));
         }
         EXPECT_GT(echoes, 2);
         EXPECT_LT(worst, 2 * pi * 1e-9) << its.name << ", " << duration_s << " s, " << carrier_hz << " Hz";
@@ -324,12 +325,12 @@ TEST(MovingEnds, ShiftFrequenciesAsDopplerSays) {
       receiver.pulse = even_pulse(duration_s);
       receiver.times = {0.039, 20e3, 520};
       receiver.carrier_hz = carrier_hz;
-      const ChannelSignals heard = element_signals(place.seen, receiver, place.law(), place.field);
+      const ChannelSignals received = element_signals(place.seen, receiver, place.law(), place.field);
       const auto power = [&](double frequency_hz) {
         Complex sum = 0;
         // e^{-i omega t}: what is higher turns the other way.
-        for (std::size_t n = 0; n < heard.samples; ++n)
-          sum += heard.at(0, n) * std::polar(1.0, 2 * pi * frequency_hz * receiver.times.time_s(n));
+        for (std::size_t n = 0; n < received.samples; ++n)
+          sum += received.at(0, n) * std::polar(1.0, 2 * pi * frequency_hz * receiver.times.time_s(n));
         return std::norm(sum);
       };
       double best = 0, step = 20;
@@ -347,7 +348,7 @@ TEST(MovingEnds, ShiftFrequenciesAsDopplerSays) {
     }
 }
 
-// What A sends at s and B hears at t, B sends at -t and A hears at -s, on ways that are gone backwards.
+// What A sends at s and B receives at t, B sends at -t and A receives at -s, on ways that are gone backwards.
 TEST(MovingEnds, AreReciprocalBackwardsInTime) {
   const OnePlace place({1, 9, -4});
   const EndWay a = turning({0.1, 0.2, -0.3}, {6, 9, 0}, 1.5, {1, 0.5, 0}),
@@ -404,7 +405,7 @@ TEST(MovingEnds, PhasesChangeOverPiecesByLessThanTheirBounds) {
                          at = middle + share(random) * chunk.size_m.x / 2 * chunk.u +
                               share(random) * chunk.size_m.y / 2 * chunk.v;
         for (const SignalChannel& channel : receiver.channels) {
-          // A sample that hears both.
+          // A sample that receives both.
           const double arrives =
               (glm::distance(at, channel.transmit_m) + glm::distance(at, channel.receive_m)) / c;
           const double t = arrives + 3e-4 * share(random);

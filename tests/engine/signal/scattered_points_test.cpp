@@ -23,10 +23,10 @@ constexpr double sigma_s = 1.5e-4, first_s = 5.6e-3, interval_s = 4e-4;
 constexpr std::size_t times = 7;
 
 /// A place's echo by a channel: way and amplitude, by Lambert's law.
-struct Heard {
+struct Reception {
   double way_m = 0, amplitude = 0;
 };
-Heard heard(const test::ScatteredPlaces::Place& place, const SignalChannel& channel) {
+Reception received(const test::ScatteredPlaces::Place& place, const SignalChannel& channel) {
   const glm::dvec3 out = channel.transmit_m - place.at_m, home = channel.receive_m - place.at_m;
   const double r = glm::length(out), s = glm::length(home);
   const double sines = glm::dot(out, place.normal) / r * glm::dot(home, place.normal) / s;
@@ -102,7 +102,7 @@ TEST(ScatteredPoints, HaveTheCovariancesOfThePolygonsTheyLieOn) {
         if (glm::dot(place.normal, view.apex_m - place.at_m) < 0) towards.normal = -place.normal;
         const Complex field = std::sqrt(area / each) * Complex(gauss(random), gauss(random));
         for (std::size_t c = 0; c < channels.size(); ++c) {
-          const Heard h = heard(towards, channels[c]);
+          const Reception h = received(towards, channels[c]);
           if (h.amplitude == 0) continue;
           const Complex echo = field * std::polar(h.amplitude, wavenumber * h.way_m);
           const double gate = std::floor((h.way_m / 2 - gates.first_m) / gates.step_m);

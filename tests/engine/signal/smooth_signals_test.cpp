@@ -190,14 +190,14 @@ TEST(SmoothSignals, OfALargePlaneAreItsImage) {
 
 /// What a pulse that is longer than a body makes of the amplitude at the carrier.
 Complex at_carrier(const ChannelSignals& signals, const CoherentReceiver& receiver, std::size_t channel = 0) {
-  Complex heard = 0, sent = 0;
-  for (std::size_t k = 0; k < signals.samples; ++k) heard += signals.at(channel, k);
+  Complex received = 0, sent = 0;
+  for (std::size_t k = 0; k < signals.samples; ++k) received += signals.at(channel, k);
   const int many = 20000;
   for (int k = 0; k <= many; ++k)
     sent += receiver.pulse.at(receiver.pulse.begin_s +
                               (receiver.pulse.end_s - receiver.pulse.begin_s) * k / many);
   sent *= (receiver.pulse.end_s - receiver.pulse.begin_s) / many;
-  return heard / receiver.times.rate_hz / sent;
+  return received / receiver.times.rate_hz / sent;
 }
 
 // ka 20: Kirchhoff's sphere has |f| = 0.491128297 a, its facets somewhat more or less.
@@ -222,12 +222,13 @@ TEST(SmoothSignals, OfASphereOfManyFacetsAreItsTargetStrength) {
   const double k = 20 / radius;
   CoherentReceiver receiver = receiver_of({{glm::dvec3(0), glm::dvec3(0)}}, 4e-4, k * sound_speed / (2 * pi));
   listen(receiver, seen);
-  const Complex heard = at_carrier(smooth_signals(seen, receiver, law, all_rigid), receiver);
-  EXPECT_NEAR(20 * std::log10(std::abs(heard) * glm::dot(centre, centre) / (0.491128297 * radius)), 0, 0.25);
+  const Complex received = at_carrier(smooth_signals(seen, receiver, law, all_rigid), receiver);
+  EXPECT_NEAR(20 * std::log10(std::abs(received) * glm::dot(centre, centre) / (0.491128297 * radius)), 0,
+              0.25);
   SmoothAmplitude amplitudes(std::span(&k, 1), 0);
   Complex sum = 0;
   amplitudes.add(history, all_rigid, std::span(&sum, 1));
-  EXPECT_LT(std::abs(heard - sum), 1e-3 * std::abs(sum));
+  EXPECT_LT(std::abs(received - sum), 1e-3 * std::abs(sum));
 }
 
 // Law Q7.

@@ -93,12 +93,12 @@ Parts oracle(const FacetMesh& mesh, const Look& transmit, const Look& receive) {
   for (std::uint32_t t = 0; t < transmit.seen.size(); ++t)
     for (const NamedPiece& sent : transmit.seen[t].pieces)
       for (std::uint32_t r = 0; r < receive.seen.size(); ++r)
-        for (const NamedPiece& heard : receive.seen[r].pieces) {
-          if (sent.facet != heard.facet) continue;
+        for (const NamedPiece& received : receive.seen[r].pieces) {
+          if (sent.facet != received.facet) continue;
           const auto a = test::seen_from(mesh, sent.facet, transmit.tubes.apex).value(),
-                     b = test::seen_from(mesh, heard.facet, receive.tubes.apex).value();
+                     b = test::seen_from(mesh, received.facet, receive.tubes.apex).value();
           if (test::scalar_product(a.n, b.n) < 0) continue;  // the facet's other side
-          const auto window = points_of(mesh, receive, r, heard, baseline);
+          const auto window = points_of(mesh, receive, r, received, baseline);
           const auto cut =
               test::clipped(points_of(mesh, transmit, t, sent, {0, 0, 0}), test::walls_of(window));
           if (cut.size() < 3) continue;
@@ -146,8 +146,8 @@ TEST(SharedFootprints, AuditsCloseAndNameWhatIsShared) {
     const double tilt = seed % 2 == 0 ? 25 : 0;
     const TubeSet out = test::forward_tubes({100, -50, 40}, 3, 2, 70, 60, tilt),
                   home = test::forward_tubes({-300, 80, 200}, 2, 3, 70, 60, tilt);
-    const auto audited = [&](const TubeSet& sent, const TubeSet& heard, Arithmetic arithmetic) {
-      const Look t = look(mesh, sent, arithmetic), r = look(mesh, heard, arithmetic);
+    const auto audited = [&](const TubeSet& sent, const TubeSet& received, Arithmetic arithmetic) {
+      const Look t = look(mesh, sent, arithmetic), r = look(mesh, received, arithmetic);
       const FootprintSharer sharer(mesh, t, r, 1);
       TopologyHash hash;
       std::size_t shared = 0;
@@ -299,8 +299,9 @@ TEST(SharedFootprints, OfImagesAreThoseOfTheMesh) {
     tubes.reach = 1e12;
     for (GridPoint& ray : tubes.rays) ray = image_of(ray);
     const Look there = look(image, tubes);
-    const ApexLook sent{transmit.tubes, transmit.seen, &mesh}, heard{there.tubes, there.seen, &image};
-    Parts expected = oracle(mesh, transmit, receive), found = parts_of(FootprintSharer(sent, heard, 1).all());
+    const ApexLook sent{transmit.tubes, transmit.seen, &mesh}, received{there.tubes, there.seen, &image};
+    Parts expected = oracle(mesh, transmit, receive),
+          found = parts_of(FootprintSharer(sent, received, 1).all());
     // Into how many convex pieces what is seen falls depends on how it is seen.
     for (auto& [key, part] : found)
       if (const auto of = expected.find(key); of != expected.end()) part.pieces = of->second.pieces;

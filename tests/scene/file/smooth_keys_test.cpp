@@ -73,7 +73,7 @@ TEST(SmoothKeys, OnesThatDoNotGoTogetherAreRefused) {
 }
 
 // Energies know nothing of it: the scene says so once.
-TEST(SmoothKeys, AreWarnedOfWhereNobodyHearsPhases) {
+TEST(SmoothKeys, AreWarnedOfWhereNobodyReceivesPhases) {
   const TestFolder folder;
   const Scene scene = load_scene(read_scene(folder, scene_with("smooth = true")));
   ASSERT_NE(scene.smooth_surface(0), nullptr);

@@ -48,10 +48,10 @@ TEST(BackProjection, GivesAPointItsStrengthAndPhase) {
   EXPECT_LT(std::abs(back_projected(moving, pixel, interpolator)[0] - strength), 5e-4);
   moving.motion = rail(1.5, true);
   EXPECT_GT(std::abs(back_projected(moving, pixel, interpolator)[0] - strength), 0.1);
-  // Without undoing the spreading it is what a transducer hears.
-  const Complex heard = back_projected(recorded(rail(1, true), waveform), pixel, interpolator,
-                                       {{}, {}, std::nullopt, false})[0];
-  EXPECT_NEAR(std::abs(heard) * 2600, 0.5, 1e-3);
+  // Without undoing the spreading it is what a transducer receives.
+  const Complex received = back_projected(recorded(rail(1, true), waveform), pixel, interpolator,
+                                          {{}, {}, std::nullopt, false})[0];
+  EXPECT_NEAR(std::abs(received) * 2600, 0.5, 1e-3);
 }
 
 TEST(BackProjection, ResolvesAsTheWindowsTheorySays) {
@@ -114,7 +114,7 @@ TEST(BackProjection, IsARealApertureOfThePingNearestAbeam) {
     one.pressure.assign(signals.channel(k, 0).begin(), signals.channel(k, 0).end());
     EXPECT_EQ(own[k], back_projected(one, {beside.at(k, 0), {}, {}, 1, 1}, interpolator)[0]);
   }
-  // One element hears all around: its picture does not fall off within the metre in which a synthetic
+  // One element receives all around: its picture does not fall off within the metre in which a synthetic
   // aperture's has.
   const std::vector<Complex> focused = back_projected(signals, along, interpolator);
   EXPECT_NEAR(std::abs(real[75]), 0.5, 1e-3);
@@ -146,7 +146,8 @@ TEST(BackProjection, IsOneOfFourPicturesOfOneRecord) {
   std::vector<double> angles;
   for (int k = -40; k <= 40; ++k) angles.push_back(k * 0.02);
   const double range_m = glm::length(point), sine = 6 / range_m;
-  // A multibeam's fan and a camera's fan hear the same cone about the array; each names it by its own angle.
+  // A multibeam's fan and a camera's fan receive the same cone about the array; each names it by its own
+  // angle.
   const auto [below, below_m] = brightest(across_track_fan(angles));
   EXPECT_NEAR(std::sin(angles[below]), sine, 0.015);
   EXPECT_NEAR(below_m, range_m, 0.02);

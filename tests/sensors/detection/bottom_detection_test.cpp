@@ -143,7 +143,7 @@ TEST(BottomDetection, LiesWhereEnergyIs) {
   }
 }
 
-// A gate is as if nothing else had been heard, wherever its borders and the silence around echoes lie.
+// A gate is as if nothing else had been received, wherever its borders and the silence around echoes lie.
 TEST(BottomDetection, AGateIsAWindowOfItsSamplesAlone) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> energy(0.1, 1);

@@ -71,7 +71,7 @@ class SidescanMosaic {
   std::optional<Pose> before_;
 };
 
-/// Pings over a flat bed with one bright target, which each hears at its slant range, on the side it lies,
+/// Pings over a flat bed with one bright target, which each receives at its slant range, on the side it lies,
 /// when it is abeam: the answer is the target's own place.
 class Survey {
  public:

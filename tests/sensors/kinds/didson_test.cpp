@@ -144,7 +144,7 @@ TEST(DidsonCycles, WithPatternsEveryTransmissionLightsTheFanAndItsMarginsByTheSu
     ASSERT_EQ(patterns.transmit[0].beams.size(), 12u);
     ASSERT_EQ(patterns.receive.size(), 12u);
     ASSERT_EQ(patterns.beams_of_tube.size(), set.tubes.size());
-    for (const auto& heard : patterns.beams_of_tube) EXPECT_EQ(heard, std::pair(0u, 12u));
+    for (const auto& received : patterns.beams_of_tube) EXPECT_EQ(received, std::pair(0u, 12u));
     for (std::size_t channel = 0; channel < 12; ++channel) {
       const double a = sensor->beams()[8 * channel + transmission].azimuth_rad;
       const glm::dvec3 axis{std::sin(a), std::cos(a), 0};

@@ -46,7 +46,7 @@ TEST(SensorPatterns, ReceiveBeamsOfACameraLookAlongTheirAxesAndHearTheWholeFan) 
   EXPECT_EQ(patterns.transmit[0].beams[0].kind, Kind::uniform);
 }
 
-TEST(SensorPatterns, WithoutAReceivePatternABeamHearsItsOwnTubes) {
+TEST(SensorPatterns, WithoutAReceivePatternABeamReceivesItsOwnTubes) {
   SensorDescription camera = samples::camera();
   camera.transmit.pattern = "gaussian";
   camera.transmit.angle = "elevation";

@@ -38,15 +38,16 @@ void expect_apart(const Canvas& canvas, std::size_t least, const std::string& wh
   }
 }
 
-Heard wordy(const Recording& recording) {
-  Heard heard;
-  heard.energy_of = [&](std::size_t ping) {
+ReceiverOutput wordy(const Recording& recording) {
+  ReceiverOutput receiver_output;
+  receiver_output.energy_of = [&](std::size_t ping) {
     const PingEnergies kept = recording.energy_of(ping);
     const std::span<const double> energy = kept;
     return std::vector<double>(energy.begin(), energy.end());
   };
-  heard.said = "as received: speckle of 3 looks, noise of 48 dB re 1 uPa, a pulse of 24 us, 16 bits";
-  return heard;
+  receiver_output.said =
+      "as received: speckle of 3 looks, noise of 48 dB re 1 uPa, a pulse of 24 us, 16 bits";
+  return receiver_output;
 }
 
 TEST(Labels, OfFansStayApart) {
@@ -60,10 +61,11 @@ TEST(Labels, OfFansStayApart) {
       camera.window_length_m = length_m;
       auto made = samples::silent(description, 1);
       std::ranges::fill(made.energies, 1e-9);
-      const Heard heard = wordy(made.recording);
+      const ReceiverOutput receiver_output = wordy(made.recording);
       // Title, subtitle, footer; seven of the legend; a range; an angle.
-      expect_apart(draw_camera_frame(made.recording, 0, label_font(), width_deg == 29 ? nullptr : &heard), 12,
-                   fmt::format("{} degrees, {} and {} m", width_deg, start_m, length_m));
+      expect_apart(
+          draw_camera_frame(made.recording, 0, label_font(), width_deg == 29 ? nullptr : &receiver_output),
+          12, fmt::format("{} degrees, {} and {} m", width_deg, start_m, length_m));
     }
 }
 
@@ -108,14 +110,15 @@ TEST(Labels, OfWaterfallsAndPhasesStayApart) {
             made.recording.ping_pose[std::size_t(k)].position_m = {0, spacing_m * k, -5};
           made.energies.assign(made.energies.size() * made.recording.channels(), 1e-9);
           made.recording.energy = made.energies;
-          const Heard heard = wordy(made.recording);
+          const ReceiverOutput receiver_output = wordy(made.recording);
           const std::string what = fmt::format("{} m, {} pings {} m apart", range_m, pings, spacing_m);
           if (phases) {
             expect_apart(draw_phases(made.recording, label_font()), 14, what + ", phases");
             continue;
           }
           expect_apart(Waterfall(made.recording, label_font()).draw(), 16, what);
-          expect_apart(Waterfall(made.recording, label_font()).draw(&heard), 16, what + ", received");
+          expect_apart(Waterfall(made.recording, label_font()).draw(&receiver_output), 16,
+                       what + ", received");
         }
       }
 }

@@ -92,18 +92,19 @@ Spot camera_spot(std::size_t beam, std::size_t sample, const SensorDescription& 
 
 std::vector<std::filesystem::path> camera_pictures(const std::filesystem::path& folder,
                                                    const Recording& recording,
-                                                   const std::optional<Heard>& heard,
+                                                   const std::optional<ReceiverOutput>& receiver_output,
                                                    const PictureSettings& settings = {}) {
   std::vector<std::string> warnings;
-  return write_fan_pictures(folder, recording, heard, settings, PictureSettings::Which::all, warnings);
+  return write_fan_pictures(folder, recording, receiver_output, settings, PictureSettings::Which::all,
+                            warnings);
 }
 
 std::vector<std::filesystem::path> sidescan_pictures(const std::filesystem::path& folder,
                                                      const Recording& recording,
-                                                     const std::optional<Heard>& heard,
+                                                     const std::optional<ReceiverOutput>& receiver_output,
                                                      const PictureSettings& settings = {}) {
   std::vector<std::string> warnings;
-  return write_two_sided_pictures(folder, recording, heard, settings, warnings);
+  return write_two_sided_pictures(folder, recording, receiver_output, settings, warnings);
 }
 
 TEST(CameraPicture, IsATrueFanWithPortLeftAndForwardUp) {
@@ -406,9 +407,9 @@ TEST(Pictures, WhatTheInstrumentShowsLiesBesideTheIdealPicture) {
     auto made = samples::silent(camera ? samples::camera(20, 40) : samples::sidescan(40), 2);
     for (double& energy : made.energies) energy = 1e-9;
     const Recording& recording = made.recording;
-    Heard heard;
-    heard.said = "as received, with speckle";
-    heard.energy_of = [&](std::size_t ping) {
+    ReceiverOutput receiver_output;
+    receiver_output.said = "as received, with speckle";
+    receiver_output.energy_of = [&](std::size_t ping) {
       std::vector<double> energies(recording.cells());
       std::mt19937 random(static_cast<unsigned>(ping) + 1);
       std::exponential_distribution<double> speckle(1);
@@ -417,7 +418,7 @@ TEST(Pictures, WhatTheInstrumentShowsLiesBesideTheIdealPicture) {
     };
     const auto pictures_of = camera ? camera_pictures : sidescan_pictures;
     pictures_of(plain.path(), recording, {}, {});
-    const auto files = pictures_of(both.path(), recording, heard, {});
+    const auto files = pictures_of(both.path(), recording, receiver_output, {});
     const std::vector<std::pair<std::string, std::string>> pairs =
         camera ? std::vector<std::pair<std::string, std::string>>{{"camera-sequence.png",
                                                                    "camera-sequence-received.png"},
@@ -526,7 +527,8 @@ void expect_colour(Colour found, Colour wanted, const std::string& what) {
   EXPECT_NEAR(found.blue, wanted.blue, sixteen_bits) << what;
 }
 
-/// Beyond the surfaces of a beam it is neither echo nor shadow: unless something is heard there all the same.
+/// Beyond the surfaces of a beam it is neither echo nor shadow: unless something is received there all the
+/// same.
 TEST(Pictures, ShowWhereABeamHasNoSurfaceAnyMore) {
   const std::size_t beams = 8, samples = 16;
   auto made = samples::silent(samples::camera(int(beams), int(samples)), 1);

@@ -26,7 +26,7 @@ using testing::AllOf;
 using testing::Contains;
 using testing::Not;
 
-/// One that hears noise and speckle, so that whoever took another's ping would be known.
+/// One that receives noise and speckle, so that whoever took another's ping would be known.
 template <class Kind>
 SensorDescription sonar(const char* name, Kind kind) {
   SensorDescription description;

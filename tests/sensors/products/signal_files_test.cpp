@@ -183,7 +183,8 @@ TEST(SignalProducts, SoundsALevelBed) {
 }
 
 TEST(SignalProducts, HasPhasesOfTwoReceiversWhereTheyAre) {
-  // One point, heard by two receivers above each other: the phase is 2 pi f times the difference of delays.
+  // One point, received by two receivers above each other: the phase is 2 pi f times the difference of
+  // delays.
   const glm::dvec3 point(8, 0, -3), upper(0, 0, 0.02), lower(0, 0, -0.02);
   const ElementSignals signals = point_signals({{point, 1}}, ElementArray{{0, 0, 0}, {upper, lower}}, chirp,
                                                {frequency_hz, 40e3, 0.01, 200}, northwards(4, 1e-4), c);

@@ -86,9 +86,9 @@ TEST(Received, WithoutAPulseKeepsTheBits) {
   auto made = samples::silent(samples::sidescan(20), 3);
   made.energy(1, 0, 7) = 1.0 / 3;
   made.energy(1, 1, 9) = 0.1;
-  const auto heard = ReceivedPings(made.recording, {}).of(1);
+  const auto received = ReceivedPings(made.recording, {}).of(1);
   const PingEnergies kept = made.recording.energy_of(1);
-  EXPECT_THAT(heard, testing::ElementsAreArray(kept.values()));
+  EXPECT_THAT(received, testing::ElementsAreArray(kept.values()));
 }
 
 TEST(Received, GainIsFixedBelowTheRangeOfItsKey) {
@@ -98,9 +98,9 @@ TEST(Received, GainIsFixedBelowTheRangeOfItsKey) {
   description.signal.tvg_fixed_below_m = 2;
   auto made = samples::silent(description, 1);
   std::fill(made.energies.begin(), made.energies.end(), 1e-9);
-  const auto heard = ReceivedPings(made.recording, {}).of(0);
-  EXPECT_NEAR(heard[10] / 1e-9, std::pow(2, 4), 1e-9);  // at 1.025 m
-  EXPECT_NEAR(heard[90] / 1e-9, std::pow(5.025, 4), 1e-7);
+  const auto received = ReceivedPings(made.recording, {}).of(0);
+  EXPECT_NEAR(received[10] / 1e-9, std::pow(2, 4), 1e-9);  // at 1.025 m
+  EXPECT_NEAR(received[90] / 1e-9, std::pow(5.025, 4), 1e-7);
 }
 
 TEST(Received, SpreadsOverThePulseAndItsLevelIsThatOfThePulse) {
@@ -108,16 +108,16 @@ TEST(Received, SpreadsOverThePulseAndItsLevelIsThatOfThePulse) {
   description.signal.pulse_length_us = 1000;               // 0.74 m at 1480 m/s
   auto made = samples::silent(description, 2);
   made.energy(1, 1, 500) = 1e-8;
-  const auto heard = ReceivedPings(made.recording, {}).of(1);
-  EXPECT_NEAR(sum(heard), 1e-8, 1e-21);
-  EXPECT_NEAR(heard[990 + 507], 1e-8 * 0.05 / 0.74, 1e-19);
-  EXPECT_EQ(heard[990 + 499], 0);
+  const auto received = ReceivedPings(made.recording, {}).of(1);
+  EXPECT_NEAR(sum(received), 1e-8, 1e-21);
+  EXPECT_NEAR(received[990 + 507], 1e-8 * 0.05 / 0.74, 1e-19);
+  EXPECT_EQ(received[990 + 499], 0);
   // A long pulse brings 14.8 times the energy of one as long as a sample, spread over as many samples: the
   // echo of a point is as loud as its target says, 210 + 10 log10(1e-8) dB.
-  EXPECT_NEAR(receiver_of(made.recording, {}).level_db(heard[990 + 507]), 130, 1e-9);
+  EXPECT_NEAR(receiver_of(made.recording, {}).level_db(received[990 + 507]), 130, 1e-9);
 }
 
-// A beam alone is heard as among the others, but for the silence after its last echo.
+// A beam alone is received as among the others, but for the silence after its last echo.
 TEST(Received, ABeamAloneIsThatOfItsPing) {
   for (const bool noise : {false, true})
     for (const bool speckle : {false, true})

@@ -55,7 +55,7 @@ TEST(MovingElements, HearAScattererOfTheGroundAsAPoint) {
   receiver.times = {sampling.first_s, sampling.rate_hz, sampling.samples};
   receiver.carrier_hz = carrier_hz;
   receiver.sound_speed_m_s = c;
-  const ChannelSignals heard = element_signals(seen, receiver, law, field, 1e-9);
+  const ChannelSignals received = element_signals(seen, receiver, law, field, 1e-9);
   int echoes = 0;
   for (std::size_t e = 0; e < 3; ++e)
     for (std::size_t n = 0; n < sampling.samples; ++n) {
@@ -63,10 +63,10 @@ TEST(MovingElements, HearAScattererOfTheGroundAsAPoint) {
       if (std::abs(point) < 1e-9) continue;
       ++echoes;
       // Phases are the ways'; amplitudes have Lambert's law.
-      EXPECT_LT(std::abs(std::arg(heard.at(e, n) / point)), 2 * std::numbers::pi * 1e-9) << e << ' ' << n;
+      EXPECT_LT(std::abs(std::arg(received.at(e, n) / point)), 2 * std::numbers::pi * 1e-9) << e << ' ' << n;
       const double t = sampling.time_s(n), above = elements[e].at(t).z + 9;
       const double home = glm::distance(elements[e].at(t), points[0].position_m);
-      EXPECT_NEAR(std::abs(heard.at(e, n) / point), std::sqrt(0.1) * above / home,
+      EXPECT_NEAR(std::abs(received.at(e, n) / point), std::sqrt(0.1) * above / home,
                   2e-3 * std::sqrt(0.1) * above / home);
     }
   EXPECT_GT(echoes, 90);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/paths/heard_facets.hpp"
+#include "engine/paths/receiver_views.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@ namespace {
 
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
-void set_box(HeardFacets::Piece& piece, const std::vector<glm::dvec2>& polygon) {
+void set_box(ReceiverViews::Piece& piece, const std::vector<glm::dvec2>& polygon) {
   piece.low = piece.high = polygon.front();
   for (const glm::dvec2 p : polygon) {
     piece.low = glm::min(piece.low, p);
@@ -31,8 +31,8 @@ double turning(const std::vector<glm::dvec2>& polygon) {
   return sum;
 }
 
-HeardFacets::HeardFacets(const Image& heard, glm::dvec3 apex_m, SeenBed bed)
-    : ends_{{&heard, apex_m, std::make_shared<const std::vector<BentFacet>>(std::move(bed.bent))}} {
+ReceiverViews::ReceiverViews(const Image& received, glm::dvec3 apex_m, SeenBed bed)
+    : ends_{{&received, apex_m, std::make_shared<const std::vector<BentFacet>>(std::move(bed.bent))}} {
   const SharedFootprints& seen = bed.shared;
   const std::vector<BentFacet>& all_bent = *ends_.front().bent;
   const auto number_of = [&](const SharedFacet& facet) { return std::size_t(&facet - seen.facets.data()); };
@@ -74,7 +74,7 @@ HeardFacets::HeardFacets(const Image& heard, glm::dvec3 apex_m, SeenBed bed)
   }
 }
 
-HeardFacets::HeardFacets(const HeardFacets& upper, const HeardFacets& lower)
+ReceiverViews::ReceiverViews(const ReceiverViews& upper, const ReceiverViews& lower)
     : ends_{upper.ends_.front(), lower.ends_.front()} {
   const glm::dvec3 from_upper = ends_[1].apex_m - ends_[0].apex_m;
   for (const Facet& one : upper.facets_) {
@@ -101,7 +101,7 @@ HeardFacets::HeardFacets(const HeardFacets& upper, const HeardFacets& lower)
   }
 }
 
-const HeardFacets::Facet* HeardFacets::find(FacetId facet, glm::dvec3 normal) const {
+const ReceiverViews::Facet* ReceiverViews::find(FacetId facet, glm::dvec3 normal) const {
   for (auto at = std::lower_bound(facets_.begin(), facets_.end(), facet,
                                   [](const Facet&a, FacetId b) { return a.facet < b; });
        at != facets_.end() && at->facet == facet; ++at)
@@ -109,16 +109,16 @@ const HeardFacets::Facet* HeardFacets::find(FacetId facet, glm::dvec3 normal) co
   return nullptr;
 }
 
-double HeardFacets::largest() const {
+double ReceiverViews::largest() const {
   double least = ends_.front().image->largest;
   for (const End& end : ends_) least = std::min(least, end.image->largest);
   return least;
 }
 
-OverFacet::OverFacet(const HeardFacets::Facet& facet, glm::dvec3 from_heard_m, double height_m,
+OverFacet::OverFacet(const ReceiverViews::Facet& facet, glm::dvec3 from_received_m, double height_m,
                      const BentFacet* bent)
-    : height_(height_m), foot_(facet.frame.project(from_heard_m)), bent_(bent) {
-  lies_.foot_m = seen_.foot_m = -facet.plane.distance_m * facet.plane.normal - from_heard_m;
+    : height_(height_m), foot_(facet.frame.project(from_received_m)), bent_(bent) {
+  lies_.foot_m = seen_.foot_m = -facet.plane.distance_m * facet.plane.normal - from_received_m;
   lies_.u = seen_.u = facet.frame.u;
   lies_.v = seen_.v = facet.frame.v;
   if (bent == nullptr) {

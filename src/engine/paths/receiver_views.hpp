@@ -16,17 +16,18 @@
 #include "engine/paths/seen_bed.hpp"
 #include "geometry/integrals/measure.hpp"
 
-// What hears the last scattering, and how a facet is met from anywhere, through whatever water. docs/paths.md
+// What receives the last scattering, and how a facet is met from anywhere, through whatever water.
+// docs/paths.md
 namespace tubefoot {
 
 /// What an image of a receiver sees, or those of both ends of a receiver pair in the same mirrors, by facet,
 /// in coordinates of the plane that the facet lies in: made once for all points that light it.
-class HeardFacets {
+class ReceiverViews {
  public:
   /// `apex_m`: where the image is, in the frame of the points that will be asked about; `bed`: what it sees.
-  HeardFacets(const Image& heard, glm::dvec3 apex_m, SeenBed bed);
+  ReceiverViews(const Image& received, glm::dvec3 apex_m, SeenBed bed);
   /// What two images both see, told as the upper one tells it.
-  HeardFacets(const HeardFacets& upper, const HeardFacets& lower);
+  ReceiverViews(const ReceiverViews& upper, const ReceiverViews& lower);
 
   struct End {
     const Image* image;
@@ -69,9 +70,10 @@ class HeardFacets {
 class OverFacet {
  public:
   OverFacet() = default;
-  /// `from_heard_m`: where it is, from the (upper) image that `facet` is told by; `bent`: how it sees the
+  /// `from_received_m`: where it is, from the (upper) image that `facet` is told by; `bent`: how it sees the
   /// facet, null where rays are straight.
-  OverFacet(const HeardFacets::Facet& facet, glm::dvec3 from_heard_m, double height_m, const BentFacet* bent);
+  OverFacet(const ReceiverViews::Facet& facet, glm::dvec3 from_received_m, double height_m,
+            const BentFacet* bent);
 
   /// Where a place is seen, or seems to be, from here.
   const LyingPlane& seen() const { return seen_; }

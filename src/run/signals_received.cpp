@@ -125,7 +125,7 @@ std::vector<SignalChannel> signal_channels(const Transmission& transmission, std
   const SensorPings& pings = transmission.survey().sensors[s];
   const ElementArray& array = sensor.signals()->array;
   const Pose& sent = pings.transmission_pose(transmission.ping(), transmission.number());
-  const Pose& heard = pings.receiver_pose(transmission.ping(), transmission.number());
+  const Pose& received = pings.receiver_pose(transmission.ping(), transmission.number());
   SignalChannel channel;
   channel.transmit_m = sent.position_m + sent.attitude * array.transmitter_m;
   if (sensor.has_patterns()) {
@@ -149,7 +149,7 @@ std::vector<SignalChannel> signal_channels(const Transmission& transmission, std
   channel.transmit_way = way(&Sensor::pose_on, array.transmitter_m);
   std::vector<SignalChannel> channels;
   for (const glm::dvec3 place : array.receivers_m) {
-    channel.receive_m = heard.position_m + heard.attitude * place;
+    channel.receive_m = received.position_m + received.attitude * place;
     channel.receive_way = way(&Sensor::receiver_pose_on, place);
     channels.push_back(channel);
   }
@@ -158,7 +158,7 @@ std::vector<SignalChannel> signal_channels(const Transmission& transmission, std
 
 namespace {
 
-/// How the elements of a sensor hear a transmission.
+/// How the elements of a sensor receive a transmission.
 class TransmissionSignals {
  public:
   TransmissionSignals(const Transmission& transmission, std::size_t s)
@@ -170,7 +170,8 @@ class TransmissionSignals {
         field_(ground_field_of(transmission.survey())) {}
 
   ChannelSignals silence() const { return silence_of(receiver_.channels); }
-  /// What comes straight to what is seen and back: what all receivers hear of one sight, or each of its own.
+  /// What comes straight to what is seen and back: what all receivers receive of one sight, or each of its
+  /// own.
   ChannelSignals straight(const History& history) const {
     ChannelSignals all = silence_of({});
     for_sights(history, [&](const Sight& sight, const std::vector<SignalChannel>& channels) {
@@ -209,7 +210,7 @@ class TransmissionSignals {
     none.value.assign(none.channels * none.samples, 0);
     return none;
   }
-  /// Calls use(sight, channels that hear of it), in the channels' order.
+  /// Calls use(sight, channels that receive of it), in the channels' order.
   template <class Use>
   void for_sights(const History& history, const Use& use) const {
     if (model_.own_sights)
@@ -228,8 +229,8 @@ class TransmissionSignals {
   const SmoothSurface* surface_of(FacetId facet, const EchoLaw& law) const {
     return transmission_.scene().smooth_surface(law.material[facet]);
   }
-  /// What mirrors is heard by its images, which have the echo of its plane.
-  const SmoothSurface* heard_of(FacetId facet, const EchoLaw& law) const {
+  /// What mirrors is received by its images, which have the echo of its plane.
+  const SmoothSurface* received_of(FacetId facet, const EchoLaw& law) const {
     return transmission_.scene().material_reflection[law.material[facet]] > 0 ? nullptr
                                                                               : surface_of(facet, law);
   }
@@ -241,7 +242,7 @@ class TransmissionSignals {
     ChannelSignals all = element_signals(patches.rough, receiver, law, field_, model_.tolerance);
     if (!patches.smooth.patches.empty())
       superpose(smooth_signals(
-                    patches.smooth, receiver, law, [&](FacetId facet) { return heard_of(facet, law); },
+                    patches.smooth, receiver, law, [&](FacetId facet) { return received_of(facet, law); },
                     model_.tolerance),
                 1, all);
     return all;
@@ -256,7 +257,7 @@ class TransmissionSignals {
                    return CertifiedSmoothSignals::can_bound(*surface, channel, law.path);
                  });
         });
-    const auto surface = [&](FacetId facet) { return heard_of(facet, law); };
+    const auto surface = [&](FacetId facet) { return received_of(facet, law); };
     const TransmitWaveform& waveform = model_.waveform;
     const BistaticHistory* apart = sight.two_apexes();
     const CertifiedSmoothSignals enclosing(
@@ -290,14 +291,14 @@ class TransmissionSignals {
     Pose pose = transmission_.receiver_pose();
     pose.position_m = receiver_m;
     TubeSet sent = transmission_.tubes_of(sensor_),
-            heard = transmission_.sensor(sensor_).tubes(pose, scene.grid, transmission_.number());
+            received = transmission_.sensor(sensor_).tubes(pose, scene.grid, transmission_.number());
     // Half of a path is no less than the range from either end, less half of the way between them.
     const double apart =
         glm::distance(receiver_m, transmission_.pose().position_m) / (2 * scene.grid.unit_m());
     sent.reach += apart;
-    heard.reach += apart;
+    received.reach += apart;
     return trace_bistatic(transmission_.ground().mesh(), transmission_.ground().tree(), scene.grid.unit_m(),
-                          transmission_.request().visibility, sent, heard);
+                          transmission_.request().visibility, sent, received);
   }
 
   const Transmission& transmission_;
@@ -310,23 +311,23 @@ class TransmissionSignals {
 
 }  // namespace
 
-CertifiedSignals signals_heard(const Transmission& transmission, std::size_t s, const History& history) {
+CertifiedSignals signals_received(const Transmission& transmission, std::size_t s, const History& history) {
   try {
-    const TransmissionSignals heard(transmission, s);
+    const TransmissionSignals received(transmission, s);
     const SignalModel& model = *transmission.sensor(s).signals();
     const auto tolerance = transmission.request().reference_tolerance;
-    ChannelSignals others = heard.silence();
+    ChannelSignals others = received.silence();
     CertifiedSignals all;
     const bool direct = is_order_wanted(transmission.scene(), 1);
     if (tolerance && direct)
-      all = heard.certified(history, *tolerance);
+      all = received.certified(history, *tolerance);
     else if (direct)
-      others = heard.straight(history);
-    heard.add_mirrored(others);
+      others = received.straight(history);
+    received.add_mirrored(others);
     mix(others, model);
     if (!tolerance) return {std::move(others), {}};
-    if (!direct) all = {heard.silence(), std::vector<std::complex<double>>(others.value.size())};
-    if (heard.has_mirrors()) {
+    if (!direct) all = {received.silence(), std::vector<std::complex<double>>(others.value.size())};
+    if (received.has_mirrors()) {
       constexpr double open = std::numeric_limits<double>::infinity();
       superpose(others, 1, all.signals);
       std::ranges::fill(all.bound, std::complex(open, open));
