@@ -7,17 +7,17 @@
 namespace tubefoot::atlas {
 namespace {
 
-Answer answer(const Case& scene, const Sight& truth, Arithmetic arithmetic, double tolerance = 0) {
+Answer answer(const Case& scene, const CommonVisibility& truth, Arithmetic arithmetic, double tolerance = 0) {
   Answer a;
-  a.sight = look(scene, arithmetic, tolerance);
-  a.error = error_of(a.sight, truth);
-  a.same_hash = a.sight.hash == truth.hash;
+  a.visibility = look(scene, arithmetic, tolerance);
+  a.error = error_of(a.visibility, truth);
+  a.same_hash = a.visibility.hash == truth.hash;
   return a;
 }
 
 /// The best of the sweep: the least error, then the fewest tubes that do not close, then the least tolerance.
 void tune(Entry& entry) {
-  const Sight& truth = entry.rational.sight;
+  const CommonVisibility& truth = entry.rational.visibility;
   entry.sweep = sweep(entry.scene, truth);
   const double least = std::min_element(entry.sweep.begin(), entry.sweep.end(), [](auto& a, auto& b) {
                          return a.error < b.error;
@@ -26,8 +26,8 @@ void tune(Entry& entry) {
   for (auto it = entry.sweep.begin(); it != entry.sweep.end(); ++it) {
     if (it->error != least) continue;
     Answer tried = answer(entry.scene, truth, Arithmetic::plain_double, it->value);
-    const bool closes = tried.sight.unclosed == 0;
-    if (first || tried.sight.unclosed < entry.tuned.sight.unclosed) {
+    const bool closes = tried.visibility.unclosed == 0;
+    if (first || tried.visibility.unclosed < entry.tuned.visibility.unclosed) {
       entry.tuned = std::move(tried);
       entry.tolerance = it->value;
       first = false;
@@ -48,9 +48,9 @@ void tune(Entry& entry) {
 Entry evaluate(Case scene, std::uint32_t rays) {
   Entry entry;
   entry.scene = std::move(scene);
-  entry.rational.sight = look(entry.scene, Arithmetic::rational);
+  entry.rational.visibility = look(entry.scene, Arithmetic::rational);
   entry.rational.same_hash = true;
-  const Sight& truth = entry.rational.sight;
+  const CommonVisibility& truth = entry.rational.visibility;
   entry.fixed = answer(entry.scene, truth, Arithmetic::fixed);
   entry.filtered = answer(entry.scene, truth, Arithmetic::filtered);
   entry.plain = answer(entry.scene, truth, Arithmetic::plain_double);

@@ -11,11 +11,11 @@ namespace tubefoot::atlas {
 
 /// One arithmetic's answer against that of `rational`.
 struct Answer {
-  Sight sight;
+  CommonVisibility visibility;
   double error = 0;
   bool same_hash = false;
   /// Equal areas, and every tube closes. (The hash also tells of pieces without area.)
-  bool is_right() const { return error == 0 && sight.unclosed == 0; }
+  bool is_right() const { return error == 0 && visibility.unclosed == 0; }
   bool is_exact() const { return is_right() && same_hash; }
 };
 
@@ -32,7 +32,7 @@ struct Entry {
 
   /// Whether the exact arithmetics agree with `rational`, which closes.
   bool exact_ones_agree() const {
-    return rational.sight.unclosed == 0 && fixed.is_exact() && filtered.is_exact();
+    return rational.visibility.unclosed == 0 && fixed.is_exact() && filtered.is_exact();
   }
 };
 

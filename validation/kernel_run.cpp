@@ -29,7 +29,7 @@ void see_absolutely(const Case& scene, const SceneTree& tree, std::uint32_t tube
 
 }  // namespace
 
-Sight look(const Case& scene, Arithmetic arithmetic, double tolerance, Audit audited) {
+CommonVisibility look(const Case& scene, Arithmetic arithmetic, double tolerance, Audit audited) {
   VisibilityOptions options;
   options.arithmetic = arithmetic;
   options.tolerance = tolerance;
@@ -41,13 +41,13 @@ Sight look(const Case& scene, Arithmetic arithmetic, double tolerance, Audit aud
   Gathering gathering;
   VisibilitySolver<AbsoluteDouble> absolute_solver;
   TubeVisibility seen;
-  Sight sight;
+  CommonVisibility visibility;
   for (std::uint32_t t = 0; t < scene.tubes.tubes.size(); ++t) {
     if (absolute)
       see_absolutely(scene, tree, t, options, gathering, absolute_solver, seen);
     else
       see(scene.mesh, tree, scene.tubes, t, options, scratch, seen);
-    Sight::OfTube& tube = sight.tubes.emplace_back();
+    CommonVisibility::OfTube& tube = visibility.tubes.emplace_back();
     const Chart chart(scene.tubes, t);
     const NameContext context{scene.mesh, scene.tubes.apex, seen.rays};
     for (const NamedPiece& piece : seen.pieces) {
@@ -56,17 +56,17 @@ Sight look(const Case& scene, Arithmetic arithmetic, double tolerance, Audit aud
       tube.areas[piece.facet] += polygon.area;
       tube.polygons.push_back(std::move(polygon));
     }
-    sight.pieces += seen.pieces.size();
-    sight.facets += tube.areas.size();
+    visibility.pieces += seen.pieces.size();
+    visibility.facets += tube.areas.size();
     if (audited == Audit::no) continue;
     const TubeAudit verdict = audit(scene.mesh, scene.tubes, t, seen, t);
-    sight.hash += verdict.hash;
-    sight.unclosed += !verdict.closes;
+    visibility.hash += verdict.hash;
+    visibility.unclosed += !verdict.closes;
   }
-  return sight;
+  return visibility;
 }
 
-double error_of(const Sight& found, const Sight& truth) {
+double error_of(const CommonVisibility& found, const CommonVisibility& truth) {
   double sum = 0;
   for (std::size_t t = 0; t < truth.tubes.size(); ++t) {
     const Areas &a = found.tubes[t].areas, &b = truth.tubes[t].areas;
@@ -86,7 +86,7 @@ double error_of(const Sight& found, const Sight& truth) {
   return sum / double(truth.tubes.size());
 }
 
-std::vector<Tolerance> sweep(const Case& scene, const Sight& truth) {
+std::vector<Tolerance> sweep(const Case& scene, const CommonVisibility& truth) {
   std::vector<Tolerance> tried;
   for (int exponent = -17; exponent <= -3; ++exponent) {
     const double value = std::pow(10.0, exponent);

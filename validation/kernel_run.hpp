@@ -13,7 +13,7 @@ namespace tubefoot::atlas {
 using Areas = std::map<FacetId, CGAL::Exact_rational>;
 
 /// What one arithmetic sees of one case, its names evaluated in rationals: only decisions can be wrong.
-struct Sight {
+struct CommonVisibility {
   struct OfTube {
     std::vector<Chart::Polygon> polygons;
     Areas areas;
@@ -27,16 +27,17 @@ struct Sight {
 enum class Audit { no, yes };
 
 /// Runs the kernel. plain_double computes in absolute coordinates where the case has an origin.
-Sight look(const Case& scene, Arithmetic arithmetic, double tolerance = 0, Audit audited = Audit::yes);
+CommonVisibility look(const Case& scene, Arithmetic arithmetic, double tolerance = 0,
+                      Audit audited = Audit::yes);
 
 /// Sum over facets of |area found - true area|, over the area of the tubes. Exactly 0 only for equal
 /// rationals.
-double error_of(const Sight& found, const Sight& truth);
+double error_of(const CommonVisibility& found, const CommonVisibility& truth);
 
 struct Tolerance {
   double value = 0, error = 0;
 };
 /// The sweep: powers of ten from 1e-17 to 1e-3, each with its error.
-std::vector<Tolerance> sweep(const Case& scene, const Sight& truth);
+std::vector<Tolerance> sweep(const Case& scene, const CommonVisibility& truth);
 
 }  // namespace tubefoot::atlas

@@ -28,7 +28,8 @@ bool check(const std::vector<Entry>& entries) {
     demand(e.exact_ones_agree(),
            fmt::format("{}: the exact arithmetics differ or do not close: fixed {}, filtered {}, rational {}",
                        e.scene.name, exact_cell(e.fixed), exact_cell(e.filtered), exact_cell(e.rational)));
-    demand(!e.rational.sight.tubes.empty() && e.rational.sight.facets > 1, e.scene.name + ": shows nothing");
+    demand(!e.rational.visibility.tubes.empty() && e.rational.visibility.facets > 1,
+           e.scene.name + ": shows nothing");
   }
   // The atlas is worth its name only if it shows the others failing.
   const auto some = [&](const auto& is_wrong) {

@@ -102,7 +102,7 @@ std::vector<glm::dvec2> stratified(std::uint32_t n, std::uint64_t seed) {
   return points;
 }
 
-Sampling sampling_error(const Sight& truth, std::uint32_t n) {
+Sampling sampling_error(const CommonVisibility& truth, std::uint32_t n) {
   constexpr int draws = 8;
   double sum = 0, squares = 0;
   for (int draw = 1; draw <= draws; ++draw) {
@@ -119,7 +119,7 @@ Sampling sampling_error(const Sight& truth, std::uint32_t n) {
   return {n, mean, std::sqrt(std::max(0.0, squares / draws - mean * mean) * draws / (draws - 1))};
 }
 
-RayResult shoot(const Case& scene, const Sight& truth, NaiveRays::Flags flags, std::uint32_t n) {
+RayResult shoot(const Case& scene, const CommonVisibility& truth, NaiveRays::Flags flags, std::uint32_t n) {
   const NaiveRays rays(scene, flags);
   RayResult result;
   for (std::uint32_t t = 0; t < truth.tubes.size(); ++t) {

@@ -39,14 +39,14 @@ struct Sampling {
   std::uint32_t n = 0;             ///< n x n rays a tube
   double mean = 0, deviation = 0;  ///< of the error, over several draws
 };
-Sampling sampling_error(const Sight& truth, std::uint32_t n);
+Sampling sampling_error(const CommonVisibility& truth, std::uint32_t n);
 
 struct RayResult {
   double error = 0;  ///< as error_of, from the numbers of hits
   std::size_t rays = 0,
               wrong = 0;  ///< rays, and those that met another facet than the exact answer has there
 };
-RayResult shoot(const Case& scene, const Sight& truth, NaiveRays::Flags flags, std::uint32_t n);
+RayResult shoot(const Case& scene, const CommonVisibility& truth, NaiveRays::Flags flags, std::uint32_t n);
 
 /// Whether rays fail beyond their noise: the error lies more than 5 deviations above what sampling costs, or
 /// the wrong rays are more than 5 of their own standard deviations (the root of their number).

@@ -18,14 +18,14 @@ std::string number(double x) {
   return x >= 0.001 ? fmt::format("{:.2g}", x) : fmt::format("{:.0e}", x);
 }
 
-std::string open_text(const Sight& sight) {
-  if (sight.unclosed == 0) return "";
-  return fmt::format(", {} of {} open", sight.unclosed, sight.tubes.size());
+std::string open_text(const CommonVisibility& visibility) {
+  if (visibility.unclosed == 0) return "";
+  return fmt::format(", {} of {} open", visibility.unclosed, visibility.tubes.size());
 }
 
 std::string double_cell(const Answer& answer) {
   if (answer.is_right()) return "0";
-  return fmt::format("**{}{}**", number(answer.error), open_text(answer.sight));
+  return fmt::format("**{}{}**", number(answer.error), open_text(answer.visibility));
 }
 
 std::string tuned_cell(const Entry& entry) {
@@ -137,7 +137,7 @@ void write_cases(std::string& page, std::span<const Entry> entries) {
         "\n<a id=\"{0}\"></a>\n### {1}\n\n{2}\n\n{3} facets, {4}; {5} footprints seen, in {6} pieces.",
         e.scene.name, e.scene.title, e.scene.why, e.scene.mesh.facets.size(),
         e.scene.tubes.tubes.size() == 1 ? "one tube" : fmt::format("{} tubes", e.scene.tubes.tubes.size()),
-        e.rational.sight.facets, e.rational.sight.pieces);
+        e.rational.visibility.facets, e.rational.visibility.pieces);
     page += fmt::format("\n\n![{0}: exact, double, double with tolerance, Embree](pictures/{1}.png)\n",
                         e.scene.title, e.scene.name);
   }
@@ -157,13 +157,13 @@ std::string embree_version() {
 
 std::string exact_cell(const Answer& answer) {
   if (answer.is_exact()) return "0";
-  return fmt::format("**{}{}{}**", number(answer.error), open_text(answer.sight),
+  return fmt::format("**{}{}{}**", number(answer.error), open_text(answer.visibility),
                      answer.same_hash ? "" : ", other hash");
 }
 
 std::string plain_text(const Answer& answer) {
   if (answer.is_right()) return "right";
-  return "error " + number(answer.error) + open_text(answer.sight);
+  return "error " + number(answer.error) + open_text(answer.visibility);
 }
 
 std::string share_text(const RayResult& result) {

@@ -50,11 +50,11 @@ class Strip {
         canvas_(canvas),
         pixels_(panel / scene_.columns),
         points_(points_of(static_cast<std::uint32_t>(pixels_ * fine))),
-        exact_(read_off(entry.rational.sight)) {}
+        exact_(read_off(entry.rational.visibility)) {}
 
-  Answers read_off(const Sight& sight) const {
+  Answers read_off(const CommonVisibility& visibility) const {
     Answers answers;
-    for (const Sight::OfTube& tube : sight.tubes)
+    for (const CommonVisibility::OfTube& tube : visibility.tubes)
       answers.push_back(locate(tube.polygons, points_, static_cast<std::uint32_t>(pixels_ * fine)));
     return answers;
   }
@@ -120,10 +120,10 @@ class Strip {
 void draw(const Entry& entry, const std::filesystem::path& file) {
   Canvas canvas(4 * panel + 5 * margin, head + panel + foot, paper, label_font());
   Strip strip(entry, canvas);
-  strip.draw_exact(0, "exact", fmt::format("{} facets seen", entry.rational.sight.facets));
-  strip.draw_wrong(1, "double, tolerance 0", plain_text(entry.plain), strip.read_off(entry.plain.sight));
+  strip.draw_exact(0, "exact", fmt::format("{} facets seen", entry.rational.visibility.facets));
+  strip.draw_wrong(1, "double, tolerance 0", plain_text(entry.plain), strip.read_off(entry.plain.visibility));
   strip.draw_wrong(2, fmt::format("double, tolerance {:.0e}", entry.tolerance), plain_text(entry.tuned),
-                   strip.read_off(entry.tuned.sight));
+                   strip.read_off(entry.tuned.visibility));
   const NaiveRays rays(entry.scene, NaiveRays::Flags::usual);
   strip.draw_wrong(3, "Embree (float)", "wrong rays: " + share_text(entry.usual), strip.transmission(rays));
   canvas.write_png(file, "tubefoot stability atlas: " + entry.scene.title);

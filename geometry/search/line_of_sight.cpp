@@ -9,7 +9,7 @@
 
 namespace tubefoot {
 
-bool in_sight(const FacetMesh& mesh, const SceneTree& tree, GridPoint from, GridPoint to, double open_part) {
+bool in_view(const FacetMesh& mesh, const SceneTree& tree, GridPoint from, GridPoint to, double open_part) {
   const GridPoint d = to - from;
   const double x = d.x, y = d.y, z = d.z;
   // Planes through the line, both sides of each: no rounding in their normals.

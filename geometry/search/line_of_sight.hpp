@@ -10,7 +10,7 @@ namespace tubefoot {
 /// other meets it, or its border, before it ends. Facets whose plane holds `from` hide nothing, nor do those
 /// met in the first `open_part` (0 to 1) of the line, which is compared in double.
 /// Law I3 (line of sight): the answer is that of rational arithmetic.
-bool in_sight(const FacetMesh& mesh, const SceneTree& tree, GridPoint from, GridPoint to,
-              double open_part = 0);
+bool in_view(const FacetMesh& mesh, const SceneTree& tree, GridPoint from, GridPoint to,
+             double open_part = 0);
 
 }  // namespace tubefoot

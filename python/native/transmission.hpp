@@ -6,7 +6,7 @@
 #include <mutex>
 #include <vector>
 
-#include "engine/sight/path_footprints.hpp"
+#include "engine/visibility/path_footprints.hpp"
 #include "run/transmission_ends.hpp"
 
 namespace tubefoot::python {

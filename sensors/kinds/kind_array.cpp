@@ -69,7 +69,7 @@ Array::Array(const SensorDescription& description) : Sensor(description) {
   model.waveform = waveform_of(description);
   model.sampling = sampling_of(description);
   model.stop_and_hop = own.stop_and_hop;
-  model.own_sights = own.own_sights;
+  model.own_views = own.own_views;
   model.tolerance = own.signal_tolerance;
   check_sampled(model.waveform, model.sampling);
   transmissions_.push_back(transmission());
@@ -194,7 +194,7 @@ class ArrayKind : public SensorKind {
                {.ranges = {place}, .default_value = "half a wavelength to starboard"}),
          field("receivers_m", &A::receivers_m, {.ranges = {place}}),
          field("stop_and_hop", &A::stop_and_hop),
-         field("own_sights", &A::own_sights),
+         field("own_sights", &A::own_views),
          field("signal_tolerance", &A::signal_tolerance, {.ranges = {{.lo = 1e-8, .hi = 0.1}}}),
          field("products", &A::products,
                {.choices = {"fan", "sidescan", "multibeam", "aperture", "interferogram"}}),

@@ -25,7 +25,7 @@ struct ArrayDescription {
   std::optional<std::array<double, 3>> receiver_spacing_m;
   std::vector<std::array<double, 3>> receivers_m;  ///< instead of both: each place, on the sensor's axes
   bool stop_and_hop = true;
-  bool own_sights = false;  ///< each receiver sees for itself
+  bool own_views = false;  ///< each receiver sees for itself
   double signal_tolerance = 1e-3;
 
   std::vector<std::string> products;  ///< fan | sidescan | multibeam | aperture | interferogram

@@ -13,8 +13,8 @@ class DecibelScale {
   /// Dynamic range of the pictures: what is weaker than this is as dark as no echo.
   static constexpr double range_db = 50;
 
-  /// 0 dB is the 99.9th percentile of the energies above zero: a few glints do not darken the rest. A display
-  /// gain makes all brighter by so much.
+  /// 0 dB is the 99.9th percentile of the energies above zero: a few specular returns do not darken the rest.
+  /// A display gain makes all brighter by so much.
   explicit DecibelScale(std::span<const double> energies_j, double display_gain_db = 0);
 
   /// Energy [J] that is shown as 0 dB; 0 if there is no echo at all.

@@ -16,7 +16,7 @@ struct SignalModel {
   bool stop_and_hop = true;
   /// Each receiver receives what the transmitter and its own place both see; else all receive what is seen
   /// from the one place of the sensor, or the two of one whose receiver is apart.
-  bool own_sights = false;
+  bool own_views = false;
   /// Of signals, about, relative to what they would be without interference.
   double tolerance = 1e-3;
 

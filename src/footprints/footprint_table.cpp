@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "engine/echo/echo.hpp"
-#include "engine/sight/path_footprints.hpp"
+#include "engine/visibility/path_footprints.hpp"
 #include "geometry/footprints/footprint_builder.hpp"
 #include "geometry/steps/stop.hpp"
 #include "run/transmission_ends.hpp"

@@ -7,7 +7,7 @@
 
 #include "engine/certified/receiver_pair_reference.hpp"
 #include "engine/rays/ray_engine.hpp"
-#include "engine/sight/crossed_ways.hpp"
+#include "engine/visibility/crossed_ways.hpp"
 #include "run/own_engine_part.hpp"
 #include "run/path_parts.hpp"
 #include "run/paths.hpp"

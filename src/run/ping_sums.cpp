@@ -99,12 +99,12 @@ void PingSums::add_signals(const Transmission& transmission, std::size_t s, std:
   if (!bounds.empty()) add_to(values_.bound(place), bounds);
 }
 
-void PingSums::with_echo(const Transmission& transmission, const Sight& sight, std::size_t s,
+void PingSums::with_echo(const Transmission& transmission, const CommonVisibility& visibility, std::size_t s,
                          const EchoLaw& law, const std::function<void(const LitEcho&)>& use) {
   const std::vector<std::uint32_t> fans = transmission.sensor(s).fan_of_tube(transmission.number());
   LitEcho made =
-      integrate_lit_echo(sight, transmission.beams_by_fans(s, fans), transmission.sensor(s).samples(), law,
-                         transmission.request().binning, values_.take_echo_room());
+      integrate_lit_echo(visibility, transmission.beams_by_fans(s, fans), transmission.sensor(s).samples(),
+                         law, transmission.request().binning, values_.take_echo_room());
   use(made);
   values_.give_back_echo_room(cleared_room(std::move(made)));
 }
@@ -158,10 +158,10 @@ void PingSums::add(const Transmission& transmission, std::size_t s, const Certif
   add(transmission, s, order, certified.echo.energy);
 }
 
-void PingSums::add_finer_relief(const Transmission& transmission, const Sight& sight, const FacetMesh& mesh,
-                                double sample_m) {
+void PingSums::add_finer_relief(const Transmission& transmission, const CommonVisibility& visibility,
+                                const FacetMesh& mesh, double sample_m) {
   if (const auto& omitted = transmission.site().relief.omitted)
-    finer_relief += tubefoot::finer_relief(sight, mesh, *omitted, sample_m);
+    finer_relief += tubefoot::finer_relief(visibility, mesh, *omitted, sample_m);
 }
 
 }  // namespace tubefoot

@@ -45,11 +45,11 @@ class PingSums {
   void add_signals(const Transmission& transmission, std::size_t sensor, std::span<const double> values,
                    std::span<const double> bounds);
   /// What finer relief than the facets that are seen would change of it.
-  void add_finer_relief(const Transmission& transmission, const Sight& sight, const FacetMesh& mesh,
-                        double sample_m);
+  void add_finer_relief(const Transmission& transmission, const CommonVisibility& visibility,
+                        const FacetMesh& mesh, double sample_m);
   /// Transmission::echo(), in memory that pings share one after the other, and `use` of it.
-  void with_echo(const Transmission& transmission, const Sight& sight, std::size_t sensor, const EchoLaw& law,
-                 const std::function<void(const LitEcho&)>& use);
+  void with_echo(const Transmission& transmission, const CommonVisibility& visibility, std::size_t sensor,
+                 const EchoLaw& law, const std::function<void(const LitEcho&)>& use);
   /// Does a part of the work whose seconds are the echo's, not those of what is seen.
   template <class Work>
   void as_echo(const Work& work) {

@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "engine/certified/refracted_receiver_pair.hpp"
-#include "engine/sight/bistatic_history.hpp"
-#include "engine/sight/tube_engine.hpp"
+#include "engine/visibility/bistatic_history.hpp"
+#include "engine/visibility/tube_engine.hpp"
 #include "run/refraction.hpp"
 #include "run/sensor_law.hpp"
 

@@ -198,21 +198,22 @@ StraighteningSettings straightening_settings(const Transmission& transmission, d
 }
 
 LyingBed::LyingBed(const Transmission& transmission, std::span<const TubeSet> tubes,
-                   std::span<const Outlook> outlooks, bool weights)
+                   std::span<const ViewBounds> all_view_bounds, bool weights)
     : site_(transmission.site()) {
   if (!site_.ground) return;
   std::vector<Look> looks = transmission.looks(tubes);
-  for (std::size_t k = 0; k < looks.size(); ++k) looks[k].outlook = &outlooks[k];
+  for (std::size_t k = 0; k < looks.size(); ++k) looks[k].view_bounds = &all_view_bounds[k];
   relief_ = relief_seen_by(transmission, looks, weights);
   tree_ = std::make_unique<SceneTree>(relief_.mesh, SceneTree::Sheets::ignored);
 }
 
 const FacetMesh& LyingBed::mesh() const { return tree_ ? relief_.mesh : site_.scene.mesh; }
 
-std::vector<FacetId> LyingBed::facets(std::span<const Outlook> outlooks) const {
+std::vector<FacetId> LyingBed::facets(std::span<const ViewBounds> all_view_bounds) const {
   std::vector<FacetId> all;
-  for (const Outlook& outlook : outlooks) {
-    const std::vector<FacetId> some = outlook.facets(mesh(), tree_ ? *tree_ : *site_.tree, site_.scene.grid);
+  for (const ViewBounds& view_bounds : all_view_bounds) {
+    const std::vector<FacetId> some =
+        view_bounds.facets(mesh(), tree_ ? *tree_ : *site_.tree, site_.scene.grid);
     all.insert(all.end(), some.begin(), some.end());
   }
   std::sort(all.begin(), all.end());
@@ -237,16 +238,16 @@ TransmissionStraightening::TransmissionStraightening(const Transmission& transmi
       tubes_(transmission.tubes()),
       straightening_(straightening_of(transmission.site(), transmission.pings(),
                                       transmission.scene().grid.to_metres(tubes_.apex))),
-      outlook_(tubes_, transmission.scene().grid.unit_m(), straightening_),
-      bed_(transmission, {&tubes_, 1}, {&outlook_, 1}, weights),
-      facets_(bed_.facets({&outlook_, 1})) {}
+      view_bounds_(tubes_, transmission.scene().grid.unit_m(), straightening_),
+      bed_(transmission, {&tubes_, 1}, {&view_bounds_, 1}, weights),
+      facets_(bed_.facets({&view_bounds_, 1})) {}
 
 ApparentGround TransmissionStraightening::ground(const StraighteningSettings& settings) const {
   const Scene& scene = transmission_.scene();
   return made_for(transmission_, [&] {
     return straighten(bed_.mesh(), facets_, scene.grid, straightening_,
                       absorption_db_per_m(scene, *transmission_.pings().sensor), settings,
-                      {most_per_transmission.facets, weights_}, scene.scattering, &outlook_);
+                      {most_per_transmission.facets, weights_}, scene.scattering, &view_bounds_);
   });
 }
 
@@ -264,10 +265,10 @@ EndsStraightening::EndsStraightening(const Transmission& transmission, std::vect
                                      std::vector<Straightening> water, bool weights)
     : transmission_(transmission), weights_(weights), tubes_(std::move(tubes)), water_(std::move(water)) {
   for (std::size_t end = 0; end < tubes_.size(); ++end)
-    outlooks_.emplace_back(tubes_[end], transmission.scene().grid.unit_m(), water_[end]);
-  bed_.emplace(transmission, tubes_, outlooks_, weights);
+    all_view_bounds_.emplace_back(tubes_[end], transmission.scene().grid.unit_m(), water_[end]);
+  bed_.emplace(transmission, tubes_, all_view_bounds_, weights);
   // What any may see: what hides from one need not be seen by another.
-  facets_ = bed_->facets(outlooks_);
+  facets_ = bed_->facets(all_view_bounds_);
 }
 
 double EndsStraightening::absorption_db_per_m() const {
@@ -280,14 +281,14 @@ double EndsStraightening::reach_m() const {
 
 AlikeGrounds EndsStraightening::grounds(const StraighteningSettings& settings) const {
   std::vector<const Straightening*> ways;
-  std::vector<const Outlook*> outlooks;
+  std::vector<const ViewBounds*> all_view_bounds;
   for (std::size_t end = 0; end < tubes_.size(); ++end) {
     ways.push_back(&water_[end]);
-    outlooks.push_back(&outlooks_[end]);
+    all_view_bounds.push_back(&all_view_bounds_[end]);
   }
   return made_for(transmission_, [&] {
     return straighten_alike(bed_->mesh(), facets_, transmission_.scene().grid, ways, absorption_db_per_m(),
-                            settings, {most_per_transmission.facets, weights_}, outlooks);
+                            settings, {most_per_transmission.facets, weights_}, all_view_bounds);
   });
 }
 

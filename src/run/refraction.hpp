@@ -29,13 +29,13 @@ StraighteningSettings straightening_settings(const Transmission& transmission, d
 /// The bed of a transmission where it lies: the scene's, or with relief as fine as bent rays need it.
 class LyingBed {
  public:
-  /// `outlooks`: of each set of tubes; `weights`: with RefinedMesh::weights.
+  /// `all_view_bounds`: of each set of tubes; `weights`: with RefinedMesh::weights.
   LyingBed(const Transmission& transmission, std::span<const TubeSet> tubes,
-           std::span<const Outlook> outlooks, bool weights = false);
+           std::span<const ViewBounds> all_view_bounds, bool weights = false);
 
   const FacetMesh& mesh() const;
-  /// Of any of the outlooks, by increasing id.
-  std::vector<FacetId> facets(std::span<const Outlook> outlooks) const;
+  /// Of any of the view bounds, by increasing id.
+  std::vector<FacetId> facets(std::span<const ViewBounds> all_view_bounds) const;
   /// From facets of this bed to the scene's.
   void name_by_scene(ApparentGround& ground) const;
 
@@ -65,7 +65,7 @@ class TransmissionStraightening {
   bool weights_;
   TubeSet tubes_;
   Straightening straightening_;
-  Outlook outlook_;
+  ViewBounds view_bounds_;
   LyingBed bed_;
   std::vector<FacetId> facets_;
 };
@@ -106,7 +106,7 @@ class EndsStraightening {
   bool weights_;
   std::vector<TubeSet> tubes_;
   std::vector<Straightening> water_;
-  std::vector<Outlook> outlooks_;
+  std::vector<ViewBounds> all_view_bounds_;
   std::optional<LyingBed> bed_;
   std::vector<FacetId> facets_;
 };

@@ -24,7 +24,8 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-/// As many in one sight take most of an hour, and a slip of the pen soon asks for a million times as many.
+/// As many in one common visibility take most of an hour, and a slip of the pen soon asks for a million times
+/// as many.
 constexpr double most_scatterers = 1e10;
 /// Of a channel's loudest sample: what is fainter need not be known better.
 constexpr double signal_floor = 1e-3;
@@ -170,12 +171,12 @@ class TransmissionSignals {
         field_(ground_field_of(transmission.survey())) {}
 
   ChannelSignals silence() const { return silence_of(receiver_.channels); }
-  /// What comes straight to what is seen and back: what all receivers receive of one sight, or each of its
-  /// own.
+  /// What comes straight to what is seen and back: what all receivers receive of one common visibility, or
+  /// each of its own.
   ChannelSignals straight(const History& history) const {
     ChannelSignals all = silence_of({});
-    for_sights(history, [&](const Sight& sight, const std::vector<SignalChannel>& channels) {
-      const ChannelSignals its = of(seen_patches(sight, law_.law), channels, law_.law);
+    for_views(history, [&](const CommonVisibility& visibility, const std::vector<SignalChannel>& channels) {
+      const ChannelSignals its = of(seen_patches(visibility, law_.law), channels, law_.law);
       all.channels += its.channels;
       all.value.insert(all.value.end(), its.value.begin(), its.value.end());
     });
@@ -184,8 +185,8 @@ class TransmissionSignals {
   /// The same with bounds, mixed.
   CertifiedSignals certified(const History& history, double tolerance) const {
     CertifiedSignals all{silence_of({}), {}};
-    for_sights(history, [&](const Sight& sight, const std::vector<SignalChannel>& channels) {
-      const CertifiedSignals its = certified(sight, channels, tolerance);
+    for_views(history, [&](const CommonVisibility& visibility, const std::vector<SignalChannel>& channels) {
+      const CertifiedSignals its = certified(visibility, channels, tolerance);
       all.signals.channels += its.signals.channels;
       all.signals.value.insert(all.signals.value.end(), its.signals.value.begin(), its.signals.value.end());
       all.bound.insert(all.bound.end(), its.bound.begin(), its.bound.end());
@@ -210,16 +211,16 @@ class TransmissionSignals {
     none.value.assign(none.channels * none.samples, 0);
     return none;
   }
-  /// Calls use(sight, channels that receive of it), in the channels' order.
+  /// Calls use(common visibility, channels that receive of it), in the channels' order.
   template <class Use>
-  void for_sights(const History& history, const Use& use) const {
-    if (model_.own_sights)
+  void for_views(const History& history, const Use& use) const {
+    if (model_.own_views)
       for (const SignalChannel& channel : receiver_.channels)
-        use(Sight(seen_with(channel.receive_m)), std::vector{channel});
+        use(CommonVisibility(seen_with(channel.receive_m)), std::vector{channel});
     else if (transmission_.has_receiver_apart())
-      use(Sight(transmission_.trace_both()), receiver_.channels);
+      use(CommonVisibility(transmission_.trace_both()), receiver_.channels);
     else
-      use(Sight(history), receiver_.channels);
+      use(CommonVisibility(history), receiver_.channels);
   }
   CoherentReceiver receiver_with(std::vector<SignalChannel> channels) const {
     CoherentReceiver receiver = receiver_;
@@ -247,11 +248,11 @@ class TransmissionSignals {
                 1, all);
     return all;
   }
-  CertifiedSignals certified(const Sight& sight, const std::vector<SignalChannel>& channels,
+  CertifiedSignals certified(const CommonVisibility& visibility, const std::vector<SignalChannel>& channels,
                              double tolerance) const {
     const EchoLaw& law = law_.law;
     const SplitPatches patches =  // those with a bound first
-        split_patches(seen_patches(sight, law), [&](FacetId facet) {
+        split_patches(seen_patches(visibility, law), [&](FacetId facet) {
           const SmoothSurface* surface = surface_of(facet, law);
           return surface != nullptr && std::ranges::all_of(channels, [&](const SignalChannel& channel) {
                    return CertifiedSmoothSignals::can_bound(*surface, channel, law.path);
@@ -259,11 +260,11 @@ class TransmissionSignals {
         });
     const auto surface = [&](FacetId facet) { return received_of(facet, law); };
     const TransmitWaveform& waveform = model_.waveform;
-    const BistaticHistory* apart = sight.two_apexes();
+    const BistaticHistory* apart = visibility.two_apexes();
     const CertifiedSmoothSignals enclosing(
         {transmission_.ground().mesh(),
-         apart != nullptr ? apart->transmit.apex : transmission_.tubes_of(sensor_).apex, sight.home_m(),
-         sight.grid_unit_m()},
+         apart != nullptr ? apart->transmit.apex : transmission_.tubes_of(sensor_).apex, visibility.home_m(),
+         visibility.grid_unit_m()},
         {waveform.start_hz, waveform.stop_hz, waveform.duration_s, waveform.taper}, receiver_.times,
         model_.sampling.baseband_hz, receiver_.sound_speed_m_s);
     // What the loudest sample says of how little the others need be off by.

@@ -8,8 +8,8 @@
 
 #include "engine/echo/receiver_pair_echo.hpp"
 #include "engine/ground/ground.hpp"
-#include "engine/ground/outlook.hpp"
 #include "engine/ground/sector.hpp"
+#include "engine/ground/view_bounds.hpp"
 #include "geometry/search/vertical_line.hpp"
 #include "run/paths.hpp"
 #include "run/refraction.hpp"
@@ -130,9 +130,9 @@ TileChoice TilesInView::looked_at(std::span<const Boxes> list, const Transmissio
       double stretch = 1;
       if (scene.water->refracts()) {
         const Straightening straightening = straightening_of(site_, pings, grid.to_metres(tubes.apex));
-        const Outlook outlook(tubes, grid.unit_m(), straightening);
+        const ViewBounds view_bounds(tubes, grid.unit_m(), straightening);
         for (const Boxes& boxes : list)
-          boxes.add_to(choice, outlook.facets(boxes.mesh, *boxes.tree, grid, lift_m_));
+          boxes.add_to(choice, view_bounds.facets(boxes.mesh, *boxes.tree, grid, lift_m_));
         stretch = fastest_m_s(scene.water->profile()) / straightening.reference_speed_m_s();
       } else {
         // Without ground of its own a transmission knows which sheets it sees from above, which what is under

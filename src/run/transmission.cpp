@@ -138,9 +138,9 @@ ReceiveBeams Transmission::beams_by_fans(std::size_t s, const std::vector<std::u
   return {beams(s), sensor(s).beam_of_tube(number_), fans, fans};
 }
 
-Echo Transmission::echo(const Sight& sight, std::size_t s, const EchoLaw& law) const {
+Echo Transmission::echo(const CommonVisibility& visibility, std::size_t s, const EchoLaw& law) const {
   const std::vector<std::uint32_t> fans = sensor(s).fan_of_tube(number_);
-  return integrate_echo(sight, beams_by_fans(s, fans), sensor(s).samples(), law, request().binning);
+  return integrate_echo(visibility, beams_by_fans(s, fans), sensor(s).samples(), law, request().binning);
 }
 
 ReceiverPairEcho Transmission::echo(const ReceiverPairHistory& history, std::size_t s, std::uint32_t fan,

@@ -10,7 +10,7 @@
 #include "engine/echo/echo.hpp"
 #include "engine/echo/receiver_pair_echo.hpp"
 #include "engine/rays/ray_engine.hpp"
-#include "engine/sight/tube_engine.hpp"
+#include "engine/visibility/tube_engine.hpp"
 #include "run/run_request.hpp"
 #include "run/sensor_law.hpp"
 #include "run/survey.hpp"
@@ -115,7 +115,7 @@ class Transmission {
   /// Which beams receive what; `fans`, which outlives it, is the sensor's fan_of_tube().
   ReceiveBeams beams_by_fans(std::size_t sensor, const std::vector<std::uint32_t>& fans) const;
   /// What a sensor receives of what is seen, by a law of this transmission.
-  Echo echo(const Sight& sight, std::size_t sensor, const EchoLaw& law) const;
+  Echo echo(const CommonVisibility& visibility, std::size_t sensor, const EchoLaw& law) const;
   ReceiverPairEcho echo(const ReceiverPairHistory& history, std::size_t sensor, std::uint32_t fan,
                         const SensorLaw& law) const;
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "run/transmission_ends.hpp"
 
-#include "engine/sight/looks.hpp"
-#include "engine/sight/part_label.hpp"
+#include "engine/visibility/looks.hpp"
+#include "engine/visibility/part_label.hpp"
 
 namespace tubefoot {
 

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "engine/sight/bistatic_audit.hpp"
-#include "engine/sight/path_footprints.hpp"
+#include "engine/visibility/bistatic_audit.hpp"
+#include "engine/visibility/path_footprints.hpp"
 #include "run/refraction.hpp"
 #include "run/transmission.hpp"
 

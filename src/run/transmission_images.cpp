@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "engine/echo/receiver_pair_echo.hpp"
-#include "engine/sight/part_label.hpp"
+#include "engine/visibility/part_label.hpp"
 #include "run/refraction.hpp"
 
 namespace tubefoot {

@@ -27,25 +27,26 @@ void add(const std::vector<double>& more, std::vector<double>& all) {
 }  // namespace
 
 void add_truth(const Transmission& transmission, std::size_t s, const EchoLaw& law, const FacetMesh& mesh,
-               const Sight& sight, PingSums& sums) {
+               const CommonVisibility& visibility, PingSums& sums) {
   if (transmission.truth() == nullptr) return;
   TruthLaws(transmission, s, law, mesh).add(sums, [&](const EchoLaw& one) {
-    return transmission.echo(sight, s, one).energy;
+    return transmission.echo(visibility, s, one).energy;
   });
 }
 
 void add_truth(const Transmission& transmission, std::size_t s, const TransmissionGround& ground,
-               const FacetMesh& mesh, const Sight& sight, PingSums& sums) {
+               const FacetMesh& mesh, const CommonVisibility& visibility, PingSums& sums) {
   if (transmission.truth() == nullptr) return;
   const SensorLaw law(transmission, ground, s);
-  add_truth(transmission, s, law.law, mesh, sight, sums);
+  add_truth(transmission, s, law.law, mesh, visibility, sums);
 }
 
 void add_truth_of_crossed_ways(const Transmission& transmission, std::size_t s, const EchoLaw& law,
-                               const ApparentGround& ground, const Sight& sight, PingSums& sums) {
+                               const ApparentGround& ground, const CommonVisibility& visibility,
+                               PingSums& sums) {
   if (transmission.truth() == nullptr) return;
   TruthLaws(transmission, s, law, owners_of_parts(*transmission.truth(), ground))
-      .add(sums, [&](const EchoLaw& one) { return transmission.echo(sight, s, one).energy; });
+      .add(sums, [&](const EchoLaw& one) { return transmission.echo(visibility, s, one).energy; });
 }
 
 void add_truth_of_receiver_pair(const Transmission& transmission, std::size_t s, std::uint32_t fan,

@@ -15,13 +15,14 @@ namespace tubefoot {
 
 /// Of what a sensor receives of a history, whose facets are those of `mesh`. `law`: as for the energies.
 void add_truth(const Transmission& transmission, std::size_t sensor, const EchoLaw& law,
-               const FacetMesh& mesh, const Sight& sight, PingSums& sums);
+               const FacetMesh& mesh, const CommonVisibility& visibility, PingSums& sums);
 /// By the law of a ground.
 void add_truth(const Transmission& transmission, std::size_t sensor, const TransmissionGround& ground,
-               const FacetMesh& mesh, const Sight& sight, PingSums& sums);
+               const FacetMesh& mesh, const CommonVisibility& visibility, PingSums& sums);
 /// Of parts of a ground that several rays show; `law.material` is by part.
 void add_truth_of_crossed_ways(const Transmission& transmission, std::size_t sensor, const EchoLaw& law,
-                               const ApparentGround& ground, const Sight& sight, PingSums& sums);
+                               const ApparentGround& ground, const CommonVisibility& visibility,
+                               PingSums& sums);
 
 /// Of what the upper receiver of a fan receives.
 void add_truth_of_receiver_pair(const Transmission& transmission, std::size_t sensor, std::uint32_t fan,

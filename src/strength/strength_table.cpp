@@ -11,10 +11,10 @@
 #include <limits>
 #include <numbers>
 
-#include "engine/sight/far_view.hpp"
 #include "engine/signal/certified_strength.hpp"
 #include "engine/signal/placed_edges.hpp"
 #include "engine/signal/target_strength.hpp"
+#include "engine/visibility/far_view.hpp"
 #include "files/input_error.hpp"
 #include "geometry/steps/in_order.hpp"
 #include "run/console/progress.hpp"

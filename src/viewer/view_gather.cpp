@@ -14,7 +14,7 @@
 #include <span>
 
 #include "engine/echo/echo.hpp"
-#include "engine/sight/path_footprints.hpp"
+#include "engine/visibility/path_footprints.hpp"
 #include "files/usage_error.hpp"
 #include "geometry/steps/stop.hpp"
 #include "run/abilities.hpp"
@@ -285,7 +285,7 @@ class Gatherer {
     }
   }
 
-  void link(const Transmission& transmission, const Sight& sight, const ReceiveBeams& hearing,
+  void link(const Transmission& transmission, const CommonVisibility& visibility, const ReceiveBeams& hearing,
             const Echo& echo, const EchoLaw& law, std::uint32_t place, std::uint32_t first_footprint) {
     const std::vector<std::uint32_t>& beams = sensor_.beams_of_transmission(transmission.number());
     const std::size_t picture = place * cells_, count = static_cast<std::size_t>(sensor_.samples().count);
@@ -295,7 +295,7 @@ class Gatherer {
         view.energy_j[picture + beams[b] * count + k] += echo.energy[b * count + k];
     view.weak_links_left_out = view.weak_links_left_out || patterns;
     for (const Contribution& c :
-         contributions(sight, hearing, sensor_.samples(), law, transmission.request().binning, echo,
+         contributions(visibility, hearing, sensor_.samples(), law, transmission.request().binning, echo,
                        patterns ? least_share_with_patterns : 0)) {
       view.links.push_back({first_footprint + c.footprint,
                             static_cast<std::uint32_t>(picture + beams[c.beam] * count + c.sample),

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "engine/sight/history.hpp"
+#include "engine/visibility/history.hpp"
 #include "run/transmission_ends.hpp"
 #include "viewer/view_data.hpp"
 

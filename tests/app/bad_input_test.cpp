@@ -196,7 +196,7 @@ TEST_F(BadInput, SensorInsideAnObjectIsAWarning) {
   EXPECT_THAT(outcome.err, HasSubstr("sensor 'camera' is inside object 'housing' at ping 0"));
 }
 
-TEST_F(BadInput, NothingInSightIsAWarning) {
+TEST_F(BadInput, NothingInViewIsAWarning) {
   folder.write("scene.toml", replaced(small_scene, "tilt_deg = 30", "tilt_deg = -60"));
   const Outcome outcome = run();
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;

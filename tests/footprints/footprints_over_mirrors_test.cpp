@@ -24,7 +24,8 @@ struct PathCase {
   double tolerance;
 };
 
-/// A sidescan between a rough bed with a box, and a surface that mirrors; it receives no glint of that.
+/// A sidescan between a rough bed with a box, and a surface that mirrors; it receives no specular return of
+/// that.
 class FootprintsOverMirrors : public testing::TestWithParam<PathCase> {
  protected:
   static std::string scene(int order, std::string_view only, double height_m = 3) {

@@ -10,7 +10,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "engine/sight/tube_engine.hpp"
+#include "engine/visibility/tube_engine.hpp"
 #include "fixtures/multibeam_runs.hpp"
 #include "fixtures/netcdf_reader.hpp"
 #include "fixtures/packet_reader.hpp"

@@ -157,7 +157,7 @@ TEST_F(SignalsRun, AreThoseOfTheGroundsScatterers) {
 }
 
 // The mean of |signal|^2 over many grounds is the energy, with what a box hides taken away.
-TEST_F(SignalsRun, HaveTheEnergiesOfTheSameSight) {
+TEST_F(SignalsRun, HaveTheEnergiesOfTheSameVisibility) {
   const std::string box =
       "[[objects]]\nname = \"box\"\nshape = \"box\"\nsize_m = [0.5, 0.2, 0.6]\nposition_m = [0.2, 5.8, "
       "-5.7]\n";
@@ -207,7 +207,7 @@ TEST_F(SignalsRun, OfAReceiverApartAreThoseOfTheGroundsScatterers) {
 
 // What each of far elements sees for itself is what a receiver sees that is apart, and another than what the
 // transmitter sees: a wall stands between them.
-TEST_F(SignalsRun, OfOwnSightsAreThoseOfReceiversApart) {
+TEST_F(SignalsRun, OfOwnViewsAreThoseOfReceiversApart) {
   const std::string wall =
       "[[objects]]\nname = \"wall\"\nshape = \"box\"\nsize_m = [0.1, 1, 1.2]\nposition_m = [0.3, 5.8, "
       "-5.5]\n";
@@ -265,7 +265,7 @@ TEST_F(SignalsRun, OfAVehicleOnTheWayLateOnItsClock) {
 }
 
 // The reach of what a receiver far away receives is that of its own way.
-TEST_F(SignalsRun, OfOwnSightsReachAsFarAsThoseOfReceiversApart) {
+TEST_F(SignalsRun, OfOwnViewsReachAsFarAsThoseOfReceiversApart) {
   const std::string far = replaced(scene("receiver_arm_m = [0, -4, 0]\nreceivers_m = [[0, 0, 0]]\n", at_rest),
                                    "range_max_m = 11", "range_max_m = 10.6");
   const ElementSignals apart = signals_of(far), own = signals_of(far + "own_sights = true\n");

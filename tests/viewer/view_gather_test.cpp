@@ -14,7 +14,7 @@
 #include <set>
 
 #include "engine/echo/echo.hpp"
-#include "engine/sight/tube_engine.hpp"
+#include "engine/visibility/tube_engine.hpp"
 #include "files/usage_error.hpp"
 #include "fixtures/program.hpp"
 #include "fixtures/scene_texts.hpp"

@@ -18,7 +18,7 @@
 #include "didson_figures.hpp"
 #include "engine/echo/echo.hpp"
 #include "engine/rays/ray_engine.hpp"
-#include "engine/sight/tube_engine.hpp"
+#include "engine/visibility/tube_engine.hpp"
 #include "envelope.hpp"
 #include "geometry/footprints/footprint_builder.hpp"
 #include "multibeam_figures.hpp"

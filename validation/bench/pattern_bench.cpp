@@ -12,7 +12,7 @@
 #include <string>
 
 #include "engine/echo/echo.hpp"
-#include "engine/sight/tube_engine.hpp"
+#include "engine/visibility/tube_engine.hpp"
 #include "terrain.hpp"
 
 namespace tubefoot {

@@ -15,9 +15,9 @@
 #include <string>
 #include <utility>
 
-#include "engine/sight/tube_engine.hpp"
 #include "engine/signal/bed_scatterers.hpp"
 #include "engine/signal/coherent_signals.hpp"
+#include "engine/visibility/tube_engine.hpp"
 #include "scene/scene.hpp"
 #include "sensors/kinds/scene_file.hpp"
 
@@ -138,7 +138,7 @@ void run(double reach_m, int most_elements, bool direct) {
   append_tubes(tubes, grid);
   const glm::dvec3 apex = scene.grid.to_metres(tubes.apex);
   History history;
-  const double sight_s =
+  const double visibility_s =
       seconds([&] { history = TubeEngine(scene.mesh, tree, scene.grid.unit_m(), {}).trace(tubes); });
   Place place;
   place.law.material_mu = scene.material_mu;
@@ -146,7 +146,7 @@ void run(double reach_m, int most_elements, bool direct) {
   place.law.path.out.apex_m = apex;
   place.seen = seen_patches(history, place.law);
   fmt::print("survey scene, {} m: {} polygons, {:.0f} m2, {:.2f} s for the sight\n", reach_m,
-             place.seen.patches.size(), place.seen.area_m2(), sight_s);
+             place.seen.patches.size(), place.seen.area_m2(), visibility_s);
 
   ChannelSignals signals;
   const auto measure = [&](const Place& of, const CoherentReceiver& receiver, double bandwidth,

@@ -12,9 +12,9 @@
 #include <filesystem>
 #include <numbers>
 
-#include "engine/sight/tube_engine.hpp"
 #include "engine/signal/smooth_amplitude.hpp"
 #include "engine/signal/smooth_signals.hpp"
+#include "engine/visibility/tube_engine.hpp"
 #include "geometry/integrals/polygon_transform.hpp"
 #include "scene/scene.hpp"
 #include "sensors/kinds/scene_file.hpp"

@@ -9,7 +9,7 @@
 
 #include "compare/measures/echo_errors.hpp"
 #include "engine/echo/echo.hpp"
-#include "engine/sight/tube_engine.hpp"
+#include "engine/visibility/tube_engine.hpp"
 #include "geometry/integrals/measure.hpp"
 #include "scene/meshes/primitives.hpp"
 #include "sensors/model/sensor.hpp"

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "engine/law/range_samples.hpp"
-#include "engine/sight/history.hpp"
+#include "engine/visibility/history.hpp"
 
 namespace tubefoot {
 

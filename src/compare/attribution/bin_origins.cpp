@@ -79,13 +79,13 @@ class Origins {
   }
 
   template <class FacetOf, class BaseOf>
-  void add_parts(const Transmission& transmission, const Sight& sight, const ReceiveBeams& hearing,
-                 const Echo& echo, const EchoLaw& law, const FacetMesh& mesh, const FacetOf& facet_of,
-                 const BaseOf& base_of) {
+  void add_parts(const Transmission& transmission, const CommonVisibility& visibility,
+                 const ReceiveBeams& hearing, const Echo& echo, const EchoLaw& law, const FacetMesh& mesh,
+                 const FacetOf& facet_of, const BaseOf& base_of) {
     const std::vector<std::uint32_t>& beams = sensor_.beams_of_transmission(transmission.number());
     const double least = law.patterns != nullptr ? least_share_with_patterns : 0;
-    for (const Contribution& c :
-         contributions(sight, hearing, sensor_.samples(), law, transmission.request().binning, echo, least)) {
+    for (const Contribution& c : contributions(visibility, hearing, sensor_.samples(), law,
+                                               transmission.request().binning, echo, least)) {
       const FacetId facet = facet_of(c.footprint);
       found_.parts.push_back({static_cast<std::uint32_t>(beams[c.beam] * samples_ + c.sample), base_of(facet),
                               mesh.component[facet], mesh.material[facet], c.energy_j});

@@ -14,7 +14,7 @@
 #include "engine/certified/certified_cells.hpp"
 #include "engine/certified/paired_pieces.hpp"
 #include "engine/certified/uncertain_edges.hpp"
-#include "engine/sight/bistatic_history.hpp"
+#include "engine/visibility/bistatic_history.hpp"
 #include "geometry/numbers/enclosure_slack.hpp"
 #include "geometry/steps/steps.hpp"
 

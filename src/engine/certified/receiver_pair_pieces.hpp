@@ -42,7 +42,7 @@ class ReceiverPairPieces {
   };
   OnFacet on(FacetId facet, const By& upper, const By& lower) const;
 
-  /// A piece of the transmitter's and a receiver's sight.
+  /// A piece of the transmitter's and a receiver's common visibility.
   struct Seen {
     std::span<const glm::dvec3> corners_m;
     glm::dvec3 receiver_m;

@@ -64,14 +64,14 @@ class Gatherer {
 
 }  // namespace
 
-std::vector<Contribution> contributions(const Sight& sight, const ReceiveBeams& beams,
+std::vector<Contribution> contributions(const CommonVisibility& visibility, const ReceiveBeams& beams,
                                         const RangeSamples& samples, const EchoLaw& law,
                                         const Quadrature& how, const Echo& echo, double least_share) {
   std::vector<Contribution> all;
   Gatherer gatherer(echo, least_share, all);
   Quadrature owned = how;
   owned.by_owner = true;
-  integrate(sight.without_hits(), beams, samples, law, owned,
+  integrate(visibility.without_hits(), beams, samples, law, owned,
             [&](const Part<double>& part) { gatherer.take(part); });
   gatherer.settle();
   // Footprints on micro-texture come after all others.
@@ -80,7 +80,7 @@ std::vector<Contribution> contributions(const Sight& sight, const ReceiveBeams& 
   return all;
 }
 
-FootprintEnergies footprint_energies(const FootprintSet& footprints, const Sight& sight,
+FootprintEnergies footprint_energies(const FootprintSet& footprints, const CommonVisibility& visibility,
                                      std::span<const std::uint32_t> beam_of_footprint_tube,
                                      const ReceiveBeams& beams, const RangeSamples& samples,
                                      const EchoLaw& law, const Quadrature& how) {
@@ -101,7 +101,7 @@ FootprintEnergies footprint_energies(const FootprintSet& footprints, const Sight
     if (part.beam == beam_of_footprint_tube[footprints.footprints[footprint].tube])
       energies.own_beam[footprint] += part.value;
   };
-  const Sight seen = sight.without_hits();
+  const CommonVisibility seen = visibility.without_hits();
   const std::size_t tasks = (count + footprints_per_task - 1) / footprints_per_task;
   Steps steps("energies", tasks);
   tbb::parallel_for(std::size_t{0}, tasks, [&](std::size_t k) {

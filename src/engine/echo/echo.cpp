@@ -26,8 +26,8 @@ void check(const BeamPatterns& patterns, const ReceiveBeams& beams, std::size_t 
   if (!fits) refuse("the beam patterns belong to other beams or other tubes");
 }
 
-void check_one_apex(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
-                    const EchoLaw& law, Binning binning) {
+void check_one_apex(const CommonVisibility& visibility, const ReceiveBeams& beams,
+                    const RangeSamples& samples, const EchoLaw& law, Binning binning) {
   if (law.path.over_mirrors() || law.path.home || law.path.out.to_true != glm::dmat3(1))
     refuse("footprints of one apex are there and back; two legs need what both apexes share");
   if (law.patterns == nullptr) return;
@@ -36,7 +36,7 @@ void check_one_apex(const Sight& sight, const ReceiveBeams& beams, const RangeSa
     if (!(baseline.baseline_m >= 0 && baseline.baseline_m <= samples.first_m))
       refuse(fmt::format("a baseline of {} m needs samples from there on, not from {} m", baseline.baseline_m,
                          samples.first_m));
-  if (!law.patterns->baselines.empty() && binning == Binning::exact && sight.first() < sight.end())
+  if (!law.patterns->baselines.empty() && binning == Binning::exact && visibility.first() < visibility.end())
     refuse("footprints of one apex cannot be cut for the two receivers of a staff (receiver_pair_echo.hpp)");
 }
 
@@ -65,27 +65,28 @@ void check_two_apexes(const BistaticHistory& history, const ReceiveBeams& beams,
         samples.first_m, samples.step_m, samples.count));
 }
 
-void check(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
-           const Quadrature& how) {
+void check(const CommonVisibility& visibility, const ReceiveBeams& beams, const RangeSamples& samples,
+           const EchoLaw& law, const Quadrature& how) {
   if (beams.count < 0) refuse(fmt::format("a receiver cannot have {} beams", beams.count));
   check(law);
-  if (sight.one_apex())
-    check_one_apex(sight, beams, samples, law, how.binning);
+  if (visibility.one_apex())
+    check_one_apex(visibility, beams, samples, law, how.binning);
   else
-    check_two_apexes(*sight.two_apexes(), beams, samples, law, how);
+    check_two_apexes(*visibility.two_apexes(), beams, samples, law, how);
 }
 
 /// Patterns by the directions that images have.
-void between_two_apexes(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
-                        const EchoLaw& law, const Quadrature& how, const Sink<double>& sink) {
+void between_two_apexes(const CommonVisibility& visibility, const ReceiveBeams& beams,
+                        const RangeSamples& samples, const EchoLaw& law, const Quadrature& how,
+                        const Sink<double>& sink) {
   const bool through_images =
       law.path.out.to_true != glm::dmat3(1) || law.path.back().to_true != glm::dmat3(1);
   if (law.patterns == nullptr || !through_images)
-    return integrate_two_apexes(sight, beams, samples, law, how, sink);
+    return integrate_two_apexes(visibility, beams, samples, law, how, sink);
   const BeamPatterns patterns = as_images_have(*law.patterns, law.path);
   EchoLaw own = law;
   own.patterns = &patterns;
-  integrate_two_apexes(sight, beams, samples, own, how, sink);
+  integrate_two_apexes(visibility, beams, samples, own, how, sink);
 }
 
 }  // namespace
@@ -108,33 +109,35 @@ std::string_view name_of(Binning binning) {
   return "exact";
 }
 
-void integrate(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
-               const Quadrature& how, const Sink<double>& sink) {
-  check(sight, beams, samples, law, how);
-  if (!sight.one_apex()) return between_two_apexes(sight, beams, samples, law, how, sink);
+void integrate(const CommonVisibility& visibility, const ReceiveBeams& beams, const RangeSamples& samples,
+               const EchoLaw& law, const Quadrature& how, const Sink<double>& sink) {
+  check(visibility, beams, samples, law, how);
+  if (!visibility.one_apex()) return between_two_apexes(visibility, beams, samples, law, how, sink);
   const std::vector<double> energy =
-      integrate_one_apex(sight, beams, samples, law, how, sink, {}).echo.energy;
-  if (how.by_owner && sight.hits().empty()) return;  // all of it has been told
+      integrate_one_apex(visibility, beams, samples, law, how, sink, {}).echo.energy;
+  if (how.by_owner && visibility.hits().empty()) return;  // all of it has been told
   const auto count = std::size_t(samples.count);
   for (std::size_t bin = 0; bin < energy.size(); ++bin)
     if (energy[bin] != 0) sink({std::uint32_t(bin / count), std::uint32_t(bin % count), energy[bin]});
 }
 
-Echo integrate_echo(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
-                    const EchoLaw& law, Quadrature how) {
-  return integrate_lit_echo(sight, beams, samples, law, how, {}).echo;
+Echo integrate_echo(const CommonVisibility& visibility, const ReceiveBeams& beams,
+                    const RangeSamples& samples, const EchoLaw& law, Quadrature how) {
+  return integrate_lit_echo(visibility, beams, samples, law, how, {}).echo;
 }
 
-LitEcho integrate_lit_echo(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
-                           const EchoLaw& law, Quadrature how, std::vector<double> room) {
+LitEcho integrate_lit_echo(const CommonVisibility& visibility, const ReceiveBeams& beams,
+                           const RangeSamples& samples, const EchoLaw& law, Quadrature how,
+                           std::vector<double> room) {
   how.by_owner = false;
-  check(sight, beams, samples, law, how);
+  check(visibility, beams, samples, law, how);
   // No sink between: pings of many bins are mostly that.
-  if (sight.one_apex()) return integrate_one_apex(sight, beams, samples, law, how, {}, std::move(room));
+  if (visibility.one_apex())
+    return integrate_one_apex(visibility, beams, samples, law, how, {}, std::move(room));
   LitEcho made{{beams.count, samples.count, std::move(room)}, {}};
   Echo& echo = made.echo;
   echo.energy.resize(std::size_t(beams.count) * std::size_t(samples.count));
-  between_two_apexes(sight, beams, samples, law, how, [&](const Part<double>& part) {
+  between_two_apexes(visibility, beams, samples, law, how, [&](const Part<double>& part) {
     echo.energy[part.beam * std::size_t(samples.count) + part.sample] += part.value;
   });
   return made;

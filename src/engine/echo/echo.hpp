@@ -9,7 +9,7 @@
 #include "engine/echo/sink.hpp"
 #include "engine/law/echo_law.hpp"
 #include "engine/law/range_samples.hpp"
-#include "engine/sight/sight.hpp"
+#include "engine/visibility/common_visibility.hpp"
 
 namespace tubefoot {
 
@@ -83,12 +83,12 @@ struct Echo {
 /// leave and arrive, and each facet has paired_factor().
 ///
 /// Throws std::invalid_argument for what does not fit.
-void integrate(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
-               const Quadrature& how, const Sink<double>& sink);
+void integrate(const CommonVisibility& visibility, const ReceiveBeams& beams, const RangeSamples& samples,
+               const EchoLaw& law, const Quadrature& how, const Sink<double>& sink);
 
 /// All of it, added up.
-Echo integrate_echo(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
-                    const EchoLaw& law, Quadrature how = {});
+Echo integrate_echo(const CommonVisibility& visibility, const ReceiveBeams& beams,
+                    const RangeSamples& samples, const EchoLaw& law, Quadrature how = {});
 
 /// What one seen facet adds to one range sample of one beam.
 struct Contribution {
@@ -104,7 +104,7 @@ struct Contribution {
 /// With patterns every footprint is received by every beam of its fan. `least_share` leaves out what is less
 /// than this times the energy of its beam and sample in `echo` (which integrate_echo() made), but never a
 /// footprint's largest contribution; 0 keeps everything that is not zero. Throws as integrate_echo().
-std::vector<Contribution> contributions(const Sight& sight, const ReceiveBeams& beams,
+std::vector<Contribution> contributions(const CommonVisibility& visibility, const ReceiveBeams& beams,
                                         const RangeSamples& samples, const EchoLaw& law,
                                         const Quadrature& how, const Echo& echo, double least_share = 0);
 
@@ -119,7 +119,7 @@ struct FootprintEnergies {
 /// The energies that integrate() puts into its bins, by footprint instead. `footprints`: the Sight's, number
 /// by number (of two apexes: path_footprints.hpp). A footprint's own beam is `beam_of_footprint_tube`'s of
 /// its tube. With baselines: what the transmitter's own place would receive.
-FootprintEnergies footprint_energies(const FootprintSet& footprints, const Sight& sight,
+FootprintEnergies footprint_energies(const FootprintSet& footprints, const CommonVisibility& visibility,
                                      std::span<const std::uint32_t> beam_of_footprint_tube,
                                      const ReceiveBeams& beams, const RangeSamples& samples,
                                      const EchoLaw& law, const Quadrature& how = {});

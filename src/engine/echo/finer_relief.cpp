@@ -53,35 +53,35 @@ FinerRelief& FinerRelief::operator+=(const FinerRelief& o) {
   return *this;
 }
 
-FinerRelief finer_relief(const Sight& sight, const FacetMesh& mesh, const OmittedRelief& omitted,
-                         double sample_m) {
+FinerRelief finer_relief(const CommonVisibility& visibility, const FacetMesh& mesh,
+                         const OmittedRelief& omitted, double sample_m) {
   FinerRelief all;
   const auto left_out = [&](FacetId facet) -> const ElevationField::LeftOut& {
-    return omitted.at(longest_edge2(mesh, facet, sight.grid_unit_m()), mesh.material[facet]);
+    return omitted.at(longest_edge2(mesh, facet, visibility.grid_unit_m()), mesh.material[facet]);
   };
   const auto add = [&](const SeenFacet& f, const ElevationField::LeftOut& left, glm::dvec3 at_m,
                        double area_m2) {
-    const double out = glm::length(at_m), home = glm::distance(at_m, sight.home_m());
+    const double out = glm::length(at_m), home = glm::distance(at_m, visibility.home_m());
     if (!(out > 0 && home > 0)) return;
     const double sine_out = std::min(1.0, f.plane.distance_m / out),
                  sine_home = std::min(1.0, f.home_distance_m / home),
                  weight = area_m2 * sine_out * sine_home / (out * out * home * home);
     all += change_at(left, sine_out, sine_home, sample_m, weight);
   };
-  for (std::size_t number = sight.first(); number < sight.end(); ++number) {
-    const SeenFacet f = sight[number];
+  for (std::size_t number = visibility.first(); number < visibility.end(); ++number) {
+    const SeenFacet f = visibility[number];
     const ElevationField::LeftOut& left = left_out(f.facet);
     for (std::uint32_t p = 0; p < f.piece_count; ++p) {
-      const MeasuredPiece m = measured(sight.part(number, f.first_piece + p).corners_m);
+      const MeasuredPiece m = measured(visibility.part(number, f.first_piece + p).corners_m);
       add(f, left, m.middle_m, m.area_m2);
     }
   }
-  for (const SharedHit& h : sight.shared_hits()) {
-    const SeenFacet f = sight[h.seen];
+  for (const SharedHit& h : visibility.shared_hits()) {
+    const SeenFacet f = visibility[h.seen];
     const double range = glm::length(h.at_m);
     add(f, left_out(f.facet), h.at_m, h.solid_angle_sr * (range * range) * range / f.plane.distance_m);
   }
-  for (const HitBlock& block : sight.hits())
+  for (const HitBlock& block : visibility.hits())
     for (std::size_t k = 0; k < block.count; ++k) {
       const RayHit h = block[k];
       all += change_at(left_out(h.facet), h.sine_grazing, h.sine_grazing, sample_m,

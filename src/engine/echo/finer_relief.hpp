@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engine/ground/relief_error.hpp"
-#include "engine/sight/sight.hpp"
+#include "engine/visibility/common_visibility.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
 
 namespace tubefoot {
@@ -16,7 +16,7 @@ struct FinerRelief {
 
   FinerRelief& operator+=(const FinerRelief& o);
 };
-FinerRelief finer_relief(const Sight& sight, const FacetMesh& mesh, const OmittedRelief& omitted,
-                         double sample_m);
+FinerRelief finer_relief(const CommonVisibility& visibility, const FacetMesh& mesh,
+                         const OmittedRelief& omitted, double sample_m);
 
 }  // namespace tubefoot

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "engine/echo/sample_finder.hpp"
-#include "engine/sight/ray_hits.hpp"
+#include "engine/visibility/ray_hits.hpp"
 
 // Rays' hits on an even Lambert bed, sixteen at once. hit_lanes.cpp becomes vector code (vector_clones.hpp);
 // the digits are the same on every processor.

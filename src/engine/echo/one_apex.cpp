@@ -66,9 +66,9 @@ class LaneSums {
 /// Energies of all bins while they are summed up, and what they are summed up from.
 class OneApex {
  public:
-  OneApex(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
-          const Quadrature& how, const Sink<double>& sink, std::vector<double> room)
-      : sight_(sight),
+  OneApex(const CommonVisibility& visibility, const ReceiveBeams& beams, const RangeSamples& samples,
+          const EchoLaw& law, const Quadrature& how, const Sink<double>& sink, std::vector<double> room)
+      : visibility_(visibility),
         beams_(beams),
         samples_(samples),
         law_(law),
@@ -87,8 +87,8 @@ class OneApex {
   }
 
   LitEcho integrate() {
-    bool by_samples = sight_.hits().empty();  // whether lit_ says it all
-    if (sight_.first() == sight_.end()) {
+    bool by_samples = visibility_.hits().empty();  // whether lit_ says it all
+    if (visibility_.first() == visibility_.end()) {
       // No footprints: nothing is prepared for them.
     } else if (how_.binning != Binning::exact) {
       whole();
@@ -115,7 +115,7 @@ class OneApex {
       throw std::invalid_argument(fmt::format("tube {} belongs to beam {} of {}", tube, beam, beams_.count));
     return beam;
   }
-  std::uint32_t tube_of(std::size_t number) const { return sight_.footprint(number)->tube; }
+  std::uint32_t tube_of(std::size_t number) const { return visibility_.footprint(number)->tube; }
 
   /// Hands over what a footprint has just added, and takes it away.
   void told(std::size_t number) {
@@ -145,7 +145,7 @@ class OneApex {
     far_m_ = 0;
   }
   void assign(const SeenFacet& facet, std::size_t number, std::uint32_t piece, const PlaneFrame& frame) {
-    polygon_.assign(sight_.part(number, facet.first_piece + piece).corners_m, facet.plane, frame);
+    polygon_.assign(visibility_.part(number, facet.first_piece + piece).corners_m, facet.plane, frame);
     if (!how_.by_owner || polygon_.offsets.empty()) return;
     near_m_ = std::min(near_m_, nearest_point(polygon_).range);
     far_m_ = std::max(far_m_, farthest_range(polygon_));
@@ -158,9 +158,9 @@ class OneApex {
     RangeCutter cutter(*radial);
     std::optional<ScatteringCutter> scattering_cutter;
     bool all = true;
-    for (std::size_t number = sight_.first(); number < sight_.end(); ++number) {
+    for (std::size_t number = visibility_.first(); number < visibility_.end(); ++number) {
       stop_if_wanted();
-      const SeenFacet facet = sight_[number];
+      const SeenFacet facet = visibility_[number];
       const std::uint32_t beam = beam_of(tube_of(number));
       const std::span<double> row =
           std::span(energy_).subspan(beam * std::size_t(samples_.count), std::size_t(samples_.count));
@@ -191,10 +191,10 @@ class OneApex {
   void weighed(const BeamPatterns& patterns, bool only_textured) {
     PatternIntegrator integrator(finder_.borders(), beta_, patterns, law_.pattern_tolerance);
     TextureCells cells;
-    Steps steps("footprints", sight_.end() - sight_.first());
-    for (std::size_t number = sight_.first(); number < sight_.end(); ++number) {
+    Steps steps("footprints", visibility_.end() - visibility_.first());
+    for (std::size_t number = visibility_.first(); number < visibility_.end(); ++number) {
       steps.done();
-      const SeenFacet facet = sight_[number];
+      const SeenFacet facet = visibility_[number];
       const FacetBed bed = law_.bed(facet.facet);
       if ((only_textured && bed.texture == nullptr) || is_silent(bed)) continue;
       const std::uint32_t tube = tube_of(number);
@@ -229,9 +229,9 @@ class OneApex {
   }
 
   void whole() {
-    for (std::size_t number = sight_.first(); number < sight_.end(); ++number) {
+    for (std::size_t number = visibility_.first(); number < visibility_.end(); ++number) {
       stop_if_wanted();
-      const Footprint& footprint = *sight_.footprint(number);
+      const Footprint& footprint = *visibility_.footprint(number);
       const double range = glm::length(footprint.centroid_m);
       if (!(range > 0 && footprint.area_m2 > 0)) continue;
       beam_of(footprint.tube);  // refuses a tube that has no beam
@@ -253,11 +253,11 @@ class OneApex {
   /// A hit stands for the area solid_angle r^2 / sin(grazing).
   void hits() {
     const std::vector<double> even_mu = mu_of_even_materials();
-    const LaneSums sums(sight_.hits(), energy_);
+    const LaneSums sums(visibility_.hits(), energy_);
     alignas(64) HitBlock::Lanes<double> mu;
     std::uint32_t tube = nowhere;
     std::size_t row = 0;
-    for (const HitBlock& block : sight_.hits()) {
+    for (const HitBlock& block : visibility_.hits()) {
       if (even_mu.empty()) {
         for (std::size_t k = 0; k < block.count; ++k) {
           beam_of(block.tube[k]);  // refuses a tube that has no beam
@@ -362,7 +362,7 @@ class OneApex {
     }
   }
 
-  const Sight& sight_;
+  const CommonVisibility& visibility_;
   const ReceiveBeams& beams_;
   const RangeSamples& samples_;
   const EchoLaw& law_;
@@ -378,10 +378,10 @@ class OneApex {
 
 }  // namespace
 
-LitEcho integrate_one_apex(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
-                           const EchoLaw& law, const Quadrature& how, const Sink<double>& sink,
-                           std::vector<double> room) {
-  return OneApex(sight, beams, samples, law, how, sink, std::move(room)).integrate();
+LitEcho integrate_one_apex(const CommonVisibility& visibility, const ReceiveBeams& beams,
+                           const RangeSamples& samples, const EchoLaw& law, const Quadrature& how,
+                           const Sink<double>& sink, std::vector<double> room) {
+  return OneApex(visibility, beams, samples, law, how, sink, std::move(room)).integrate();
 }
 
 }  // namespace tubefoot

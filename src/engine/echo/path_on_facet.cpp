@@ -56,10 +56,11 @@ double smooth_angle_rad(const Path& path) {
   return std::max(angle, least);
 }
 
-PathOnFacet path_on(const Sight& sight, std::size_t number, const PlaneFrame& frame, const EchoLaw& law) {
-  const SeenFacet facet = sight[number];
-  if (const PairedFacet* paired = sight.paired(number)) return PathOnFacet(*paired, facet.facet, law);
-  return PathOnFacet(facet.plane, frame, sight.home_m(), facet.home_distance_m, facet.facet, law);
+PathOnFacet path_on(const CommonVisibility& visibility, std::size_t number, const PlaneFrame& frame,
+                    const EchoLaw& law) {
+  const SeenFacet facet = visibility[number];
+  if (const PairedFacet* paired = visibility.paired(number)) return PathOnFacet(*paired, facet.facet, law);
+  return PathOnFacet(facet.plane, frame, visibility.home_m(), facet.home_distance_m, facet.facet, law);
 }
 
 void lay_out(std::span<const glm::dvec3> corners_m, const PairedFacet& paired, PlanarPolygon& polygon) {

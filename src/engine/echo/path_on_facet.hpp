@@ -7,7 +7,7 @@
 
 #include "engine/law/density.hpp"
 #include "engine/law/echo_law.hpp"
-#include "engine/sight/sight.hpp"
+#include "engine/visibility/common_visibility.hpp"
 #include "geometry/integrals/measure.hpp"
 #include "geometry/integrals/path_cut.hpp"
 
@@ -71,7 +71,8 @@ struct PathOnFacet {
 };
 
 /// The path on facet `number` of a sight of two apexes; `frame`: of its plane.
-PathOnFacet path_on(const Sight& sight, std::size_t number, const PlaneFrame& frame, const EchoLaw& law);
+PathOnFacet path_on(const CommonVisibility& visibility, std::size_t number, const PlaneFrame& frame,
+                    const EchoLaw& law);
 /// What the way out sees of a facet, where it is laid out flat.
 void lay_out(std::span<const glm::dvec3> corners_m, const PairedFacet& paired, PlanarPolygon& polygon);
 

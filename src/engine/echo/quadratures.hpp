@@ -10,16 +10,18 @@ namespace tubefoot {
 inline bool is_silent(const FacetBed& bed) { return bed.scattering == nullptr && bed.mu == 0; }
 
 /// Parts whose owner is asked for go to the sink instead. `room`: as integrate_lit_echo() has it.
-LitEcho integrate_one_apex(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
-                           const EchoLaw& law, const Quadrature& how, const Sink<double>& sink,
-                           std::vector<double> room);
-void integrate_two_apexes(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
-                          const EchoLaw& law, const Quadrature& how, const Sink<double>& sink);
+LitEcho integrate_one_apex(const CommonVisibility& visibility, const ReceiveBeams& beams,
+                           const RangeSamples& samples, const EchoLaw& law, const Quadrature& how,
+                           const Sink<double>& sink, std::vector<double> room);
+void integrate_two_apexes(const CommonVisibility& visibility, const ReceiveBeams& beams,
+                          const RangeSamples& samples, const EchoLaw& law, const Quadrature& how,
+                          const Sink<double>& sink);
 /// Of two apexes, by a binning that is not exact.
-void integrate_whole(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
-                     const EchoLaw& law, Binning binning, const Sink<double>& sink);
+void integrate_whole(const CommonVisibility& visibility, const ReceiveBeams& beams,
+                     const RangeSamples& samples, const EchoLaw& law, Binning binning,
+                     const Sink<double>& sink);
 /// Of two apexes, what rays met.
-void integrate_hits(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
-                    const EchoLaw& law, const Sink<double>& sink);
+void integrate_hits(const CommonVisibility& visibility, const ReceiveBeams& beams,
+                    const RangeSamples& samples, const EchoLaw& law, const Sink<double>& sink);
 
 }  // namespace tubefoot

@@ -20,9 +20,9 @@ constexpr std::size_t facets_per_task = 32;
 /// One per thread.
 class FacetEcho {
  public:
-  FacetEcho(const Sight& sight, const ReceiveBeams& beams, std::span<const double> borders,
+  FacetEcho(const CommonVisibility& visibility, const ReceiveBeams& beams, std::span<const double> borders,
             const EchoLaw& law, double tolerance)
-      : sight_(sight),
+      : visibility_(visibility),
         beams_(beams),
         law_(law),
         borders_(borders),
@@ -30,17 +30,17 @@ class FacetEcho {
         mirrors_angle_rad_(smooth_angle_rad(law.path)),
         tolerance_(tolerance) {}
 
-  /// `number`: the facet's in the sight.
+  /// `number`: the facet's in the common visibility.
   void add(std::size_t number, std::vector<Part<double>>& parts) {
-    const SeenFacet facet = sight_[number];
-    const PairedFacet* paired = sight_.paired(number);
+    const SeenFacet facet = visibility_[number];
+    const PairedFacet* paired = visibility_.paired(number);
     const PlaneFrame frame(facet.plane);
-    path_ = path_on(sight_, number, frame, law_);
+    path_ = path_on(visibility_, number, frame, law_);
     if (is_silent(path_.bed)) return;
     smooth_ = {mirrors_angle_rad_};
     smooth_.take(path_.bed);
     for (std::uint32_t k = 0; k < facet.piece_count; ++k) {
-      const SeenPart seen = sight_.part(number, facet.first_piece + k);
+      const SeenPart seen = visibility_.part(number, facet.first_piece + k);
       if (!beams_.in_one_fan(seen.out_tube, seen.home_tube)) continue;
       if (paired == nullptr)
         polygon_.assign(seen.corners_m, facet.plane, frame);
@@ -116,7 +116,7 @@ class FacetEcho {
         work, first, owned, parts);
   }
 
-  const Sight& sight_;
+  const CommonVisibility& visibility_;
   const ReceiveBeams& beams_;
   const EchoLaw& law_;
   std::span<const double> borders_;
@@ -131,20 +131,22 @@ class FacetEcho {
 
 }  // namespace
 
-void integrate_two_apexes(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
-                          const EchoLaw& law, const Quadrature& how, const Sink<double>& sink) {
-  if (!sight.shared_hits().empty()) integrate_hits(sight, beams, samples, law, sink);
-  if (how.binning != Binning::exact) return integrate_whole(sight, beams, samples, law, how.binning, sink);
+void integrate_two_apexes(const CommonVisibility& visibility, const ReceiveBeams& beams,
+                          const RangeSamples& samples, const EchoLaw& law, const Quadrature& how,
+                          const Sink<double>& sink) {
+  if (!visibility.shared_hits().empty()) integrate_hits(visibility, beams, samples, law, sink);
+  if (how.binning != Binning::exact)
+    return integrate_whole(visibility, beams, samples, law, how.binning, sink);
   const std::vector<double> borders = sample_borders_m(samples);
-  const std::size_t facets = sight.end() - sight.first();
+  const std::size_t facets = visibility.end() - visibility.first();
   std::vector<std::vector<Part<double>>> parts((facets + facets_per_task - 1) / facets_per_task);
   tbb::enumerable_thread_specific<FacetEcho> threads(
-      [&] { return FacetEcho(sight, beams, borders, law, how.path_tolerance); });
+      [&] { return FacetEcho(visibility, beams, borders, law, how.path_tolerance); });
   Steps steps("facets", facets);
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t task) {
     FacetEcho& facet_echo = threads.local();
-    const std::size_t begin = sight.first() + task * facets_per_task,
-                      end = std::min(begin + facets_per_task, sight.end());
+    const std::size_t begin = visibility.first() + task * facets_per_task,
+                      end = std::min(begin + facets_per_task, visibility.end());
     for (std::size_t number = begin; number < end; ++number) {
       facet_echo.add(number, parts[task]);
       steps.done();

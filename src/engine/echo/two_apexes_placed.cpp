@@ -14,20 +14,20 @@ namespace {
 
 class PlacedEcho {
  public:
-  PlacedEcho(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
-             const Sink<double>& sink)
-      : sight_(sight), beams_(beams), law_(law), sink_(sink), finder_(samples) {}
+  PlacedEcho(const CommonVisibility& visibility, const ReceiveBeams& beams, const RangeSamples& samples,
+             const EchoLaw& law, const Sink<double>& sink)
+      : visibility_(visibility), beams_(beams), law_(law), sink_(sink), finder_(samples) {}
 
   /// Each footprint that a tube of the one and a tube of the other share, at its centroid.
   void whole(Binning binning) {
-    for (std::size_t number = sight_.first(); number < sight_.end(); ++number) {
+    for (std::size_t number = visibility_.first(); number < visibility_.end(); ++number) {
       stop_if_wanted();
       begin(number);
       for (std::uint32_t k = 0; k < facet_.piece_count;) {
-        const SeenPart first = sight_.part(number, facet_.first_piece + k);
+        const SeenPart first = visibility_.part(number, facet_.first_piece + k);
         Measured sum;
         for (; k < facet_.piece_count; ++k) {
-          const SeenPart part = sight_.part(number, facet_.first_piece + k);
+          const SeenPart part = visibility_.part(number, facet_.first_piece + k);
           if (part.out_tube != first.out_tube || part.home_tube != first.home_tube) break;
           assign(part);
           sum.add(polygon_, path_.home.over);
@@ -44,7 +44,7 @@ class PlacedEcho {
 
   /// A hit stands for the area solid_angle r^2 / sin(grazing).
   void hits() {
-    for (const SharedHit& hit : sight_.shared_hits()) {
+    for (const SharedHit& hit : visibility_.shared_hits()) {
       if (hit.seen != number_) begin(hit.seen);
       const double range = glm::length(hit.at_m);
       const glm::dvec2 at =
@@ -76,10 +76,10 @@ class PlacedEcho {
 
   void begin(std::size_t number) {
     number_ = number;
-    facet_ = sight_[number];
-    paired_ = sight_.paired(number);
+    facet_ = visibility_[number];
+    paired_ = visibility_.paired(number);
     frame_ = PlaneFrame(facet_.plane);
-    path_ = path_on(sight_, number, frame_, law_);
+    path_ = path_on(visibility_, number, frame_, law_);
     laid_out_ = 1;
     if (paired_ != nullptr) {
       const glm::dvec2 u(paired_->to_plane.linear * frame_.u), v(paired_->to_plane.linear * frame_.v);
@@ -123,7 +123,7 @@ class PlacedEcho {
     });
   }
 
-  const Sight& sight_;
+  const CommonVisibility& visibility_;
   const ReceiveBeams& beams_;
   const EchoLaw& law_;
   const Sink<double>& sink_;
@@ -140,14 +140,15 @@ class PlacedEcho {
 
 }  // namespace
 
-void integrate_whole(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
-                     const EchoLaw& law, Binning binning, const Sink<double>& sink) {
-  PlacedEcho(sight, beams, samples, law, sink).whole(binning);
+void integrate_whole(const CommonVisibility& visibility, const ReceiveBeams& beams,
+                     const RangeSamples& samples, const EchoLaw& law, Binning binning,
+                     const Sink<double>& sink) {
+  PlacedEcho(visibility, beams, samples, law, sink).whole(binning);
 }
 
-void integrate_hits(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
-                    const EchoLaw& law, const Sink<double>& sink) {
-  PlacedEcho(sight, beams, samples, law, sink).hits();
+void integrate_hits(const CommonVisibility& visibility, const ReceiveBeams& beams,
+                    const RangeSamples& samples, const EchoLaw& law, const Sink<double>& sink) {
+  PlacedEcho(visibility, beams, samples, law, sink).hits();
 }
 
 }  // namespace tubefoot

@@ -39,11 +39,11 @@ std::vector<std::size_t> same_rays(const std::vector<SeenPoint>& more, const std
 }
 
 Images::Images(const Straightening& straightening, double reference_absorption_db_per_m,
-               const StraighteningSettings& settings, const Outlook* outlook)
+               const StraighteningSettings& settings, const ViewBounds* view_bounds)
     : straightening_(straightening),
       absorption_(reference_absorption_db_per_m),
       settings_(settings),
-      outlook_(outlook),
+      view_bounds_(view_bounds),
       bend_per_m_(straightening.water().profile.largest_bend_per_m()) {}
 
 ApparentImage Images::make(const glm::dvec3& point_m) const {
@@ -125,9 +125,9 @@ bool Images::concerns(const glm::dvec3& a, const glm::dvec3& b, const FacetMesh&
                       const WorldGrid& grid, bool inside) const {
   const double length = glm::distance(a, b);
   if (!(length > settings_.shortest_edge_m)) return false;
-  if (outlook_ == nullptr) return true;
+  if (view_bounds_ == nullptr) return true;
   const glm::dvec3 middle = (a + b) / 2.0;
-  if (!outlook_->may_see(middle, 2 * length)) return false;
+  if (!view_bounds_->may_see(middle, 2 * length)) return false;
   if (!inside) return true;
   glm::dvec3 lowest = grid.to_metres(base.vertices[base.facets[facet][0]]), highest = lowest;
   for (std::size_t k = 1; k < 3; ++k) {
@@ -135,7 +135,8 @@ bool Images::concerns(const glm::dvec3& a, const glm::dvec3& b, const FacetMesh&
     lowest = glm::min(lowest, corner);
     highest = glm::max(highest, corner);
   }
-  return outlook_->may_see_box(glm::max(lowest, middle - 2 * length), glm::min(highest, middle + 2 * length));
+  return view_bounds_->may_see_box(glm::max(lowest, middle - 2 * length),
+                                   glm::min(highest, middle + 2 * length));
 }
 
 bool Images::is_small(const glm::dvec3 (&corners_m)[3], const glm::dvec3 (&seen_m)[3]) const {

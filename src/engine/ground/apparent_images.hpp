@@ -57,7 +57,7 @@ bool are_alike(const std::vector<SeenPoint>& a, const std::vector<SeenPoint>& b)
 class Images {
  public:
   Images(const Straightening& straightening, double reference_absorption_db_per_m,
-         const StraighteningSettings& settings, const Outlook* outlook);
+         const StraighteningSettings& settings, const ViewBounds* view_bounds);
 
   ApparentImage make(const glm::dvec3& point_m) const;
 
@@ -117,11 +117,11 @@ class Images {
   const Straightening& straightening() const { return straightening_; }
 
   bool may_see(const glm::dvec3 (&corners_m)[3]) const {
-    return outlook_ == nullptr || outlook_->may_see(corners_m);
+    return view_bounds_ == nullptr || view_bounds_->may_see(corners_m);
   }
   /// False only if no tube meets what is seen within a distance of a place.
   bool may_show(const glm::dvec3& seen_at_m, double distance_m) const {
-    return outlook_ == nullptr || outlook_->may_show(seen_at_m - straightening_.apex_m(), distance_m);
+    return view_bounds_ == nullptr || view_bounds_->may_show(seen_at_m - straightening_.apex_m(), distance_m);
   }
 
  private:
@@ -143,7 +143,7 @@ class Images {
   const Straightening& straightening_;
   double absorption_;
   StraighteningSettings settings_;
-  const Outlook* outlook_;
+  const ViewBounds* view_bounds_;
   double bend_per_m_ = 0;
 };
 

@@ -65,8 +65,8 @@ struct Ground::Seen : Cells {
     for (std::size_t k = 0; k < looks.size(); ++k) {
       const glm::dvec3 from_apex = middle - apexes[k];
       const double radius = 2 * length + lift;
-      if (looks[k].outlook != nullptr ? !looks[k].outlook->may_see(middle, radius)
-                                      : !sectors[k].may_meet(from_apex, radius))
+      if (looks[k].view_bounds != nullptr ? !looks[k].view_bounds->may_see(middle, radius)
+                                          : !sectors[k].may_meet(from_apex, radius))
         continue;
       if (ground.settings_.tolerance <= 0) return true;
       Resolution cell;
@@ -253,8 +253,8 @@ RefinedMesh Ground::seen_by(std::span<const Look> looks, const RefinementLimits&
   std::vector<FacetId> facets;
   const double lift = omitted_.largest_height_m() + grid_.unit_m();
   for (std::size_t k = 0; k < looks.size(); ++k) {
-    const std::vector<FacetId> some = looks[k].outlook != nullptr
-                                          ? looks[k].outlook->facets(base_, tree_, grid_, lift)
+    const std::vector<FacetId> some = looks[k].view_bounds != nullptr
+                                          ? looks[k].view_bounds->facets(base_, tree_, grid_, lift)
                                           : rule.sectors[k].facets(tree_, lift);
     facets.insert(facets.end(), some.begin(), some.end());
   }

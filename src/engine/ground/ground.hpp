@@ -6,9 +6,9 @@
 #include <unordered_map>
 #include <vector>
 
-#include "engine/ground/outlook.hpp"
 #include "engine/ground/relief_error.hpp"
 #include "engine/ground/sector.hpp"
+#include "engine/ground/view_bounds.hpp"
 #include "engine/relief/elevation_field.hpp"
 #include "geometry/mesh/edge_refinement.hpp"
 #include "geometry/search/scene_tree.hpp"
@@ -32,10 +32,10 @@ struct GroundSettings {
 /// What a transmission asks of the ground.
 struct Look {
   const TubeSet* tubes = nullptr;
-  double first_m = 0;                ///< slant range where its samples begin
-  double sample_m = 0.01;            ///< length of one
-  const Outlook* outlook = nullptr;  ///< where it looks through refracting water; null: straight
-  double beam_rad = 0;               ///< width of its beams; 0: of the narrowest tube
+  double first_m = 0;                       ///< slant range where its samples begin
+  double sample_m = 0.01;                   ///< length of one
+  const ViewBounds* view_bounds = nullptr;  ///< where it looks through refracting water; null: straight
+  double beam_rad = 0;                      ///< width of its beams; 0: of the narrowest tube
 };
 
 class Ground {

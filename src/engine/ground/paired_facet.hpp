@@ -25,8 +25,9 @@ struct ApparentPair {
 ApparentPair straighten_pair(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
                              const Straightening& transmit, const Straightening& receive,
                              double reference_absorption_db_per_m, const StraighteningSettings& settings,
-                             const RefinementLimits& limits = {}, const Outlook* transmit_outlook = nullptr,
-                             const Outlook* receive_outlook = nullptr);
+                             const RefinementLimits& limits = {},
+                             const ViewBounds* transmit_view_bounds = nullptr,
+                             const ViewBounds* receive_view_bounds = nullptr);
 
 /// A triangle as two apexes see it, laid out flat. Its edges have the root mean squares of the lengths that
 /// they are seen with, and each apex is put where the corners are as far from it as they are seen: in even

@@ -269,20 +269,20 @@ ApparentGround straighten(const FacetMesh& base, std::span<const FacetId> facets
                           const Straightening& straightening, double reference_absorption_db_per_m,
                           const StraighteningSettings& settings, const RefinementLimits& limits,
                           std::span<const std::shared_ptr<const ScatteringLaw>> laws,
-                          const Outlook* outlook) {
+                          const ViewBounds* view_bounds) {
   check(settings);
-  const Images images(straightening, reference_absorption_db_per_m, settings, outlook);
+  const Images images(straightening, reference_absorption_db_per_m, settings, view_bounds);
   return seen_of(refined(base, facets, grid, images, limits), images, grid, straightening, settings, laws);
 }
 
 ApparentPair straighten_pair(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
                              const Straightening& transmit, const Straightening& receive,
                              double reference_absorption_db_per_m, const StraighteningSettings& settings,
-                             const RefinementLimits& limits, const Outlook* transmit_outlook,
-                             const Outlook* receive_outlook) {
+                             const RefinementLimits& limits, const ViewBounds* transmit_view_bounds,
+                             const ViewBounds* receive_view_bounds) {
   AlikeGrounds grounds =
       straighten_alike(base, facets, grid, std::array{&transmit, &receive}, reference_absorption_db_per_m,
-                       settings, limits, std::array{transmit_outlook, receive_outlook});
+                       settings, limits, std::array{transmit_view_bounds, receive_view_bounds});
   return {std::move(grounds.bed.mesh), std::move(grounds.seen[0]), std::move(grounds.seen[1]),
           std::move(grounds.origin[0]), std::move(grounds.origin[1])};
 }
@@ -290,13 +290,15 @@ ApparentPair straighten_pair(const FacetMesh& base, std::span<const FacetId> fac
 AlikeGrounds straighten_alike(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
                               std::span<const Straightening* const> ways,
                               double reference_absorption_db_per_m, const StraighteningSettings& settings,
-                              const RefinementLimits& limits, std::span<const Outlook* const> outlooks) {
+                              const RefinementLimits& limits,
+                              std::span<const ViewBounds* const> all_view_bounds) {
   check(settings);
   std::deque<Images> images;
   AnyRule any;
   for (std::size_t k = 0; k < ways.size(); ++k)
     any.rules.emplace_back(
-        images.emplace_back(*ways[k], reference_absorption_db_per_m, settings, outlooks[k]), base, grid);
+        images.emplace_back(*ways[k], reference_absorption_db_per_m, settings, all_view_bounds[k]), base,
+        grid);
   AlikeGrounds grounds;
   grounds.bed = refine(
       base, facets, grid, any, [](const BasePoint& p) { return p.at_m; }, limits);

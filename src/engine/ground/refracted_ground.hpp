@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/ground/outlook.hpp"
+#include "engine/ground/view_bounds.hpp"
 #include "engine/law/facet_map.hpp"
 #include "engine/law/scattering_law.hpp"
 #include "engine/water/straightening.hpp"
@@ -84,14 +84,14 @@ struct ApparentGround {
 };
 
 /// Straightens `facets` of `base` for one apex. `reference_absorption_db_per_m` is what the echo law will
-/// apply to apparent ranges; `laws`: by material, empty or null for Lambert's; `outlook`: where parts are
+/// apply to apparent ranges; `laws`: by material, empty or null for Lambert's; `view_bounds`: where parts are
 /// cut and kept, null: everywhere. Apparent points have to fit `grid`. The result does not depend on the
 /// number of threads. Throws as refine(); std::invalid_argument unless the settings are above 0.
 ApparentGround straighten(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
                           const Straightening& straightening, double reference_absorption_db_per_m,
                           const StraighteningSettings& settings, const RefinementLimits& limits = {},
                           std::span<const std::shared_ptr<const ScatteringLaw>> laws = {},
-                          const Outlook* outlook = nullptr);
+                          const ViewBounds* view_bounds = nullptr);
 
 /// What several ways see of a bed whose facets are cut alike for all of them, where any needs it. The
 /// vertices of all apparent meshes have the numbers of `mesh`.
@@ -101,10 +101,11 @@ struct AlikeGrounds {
   std::vector<std::vector<FacetId>> origin;  ///< by way and apparent facet: that of `bed`
 };
 
-/// straighten() for several ways, each with its outlook (none: null).
+/// straighten() for several ways, each with its view bounds (none: null).
 AlikeGrounds straighten_alike(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
                               std::span<const Straightening* const> ways,
                               double reference_absorption_db_per_m, const StraighteningSettings& settings,
-                              const RefinementLimits& limits, std::span<const Outlook* const> outlooks);
+                              const RefinementLimits& limits,
+                              std::span<const ViewBounds* const> all_view_bounds);
 
 }  // namespace tubefoot

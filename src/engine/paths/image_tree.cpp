@@ -78,7 +78,7 @@ double part_to_mirror(const Image& image, GridPoint to) {
 
 bool reaches(const Image& image, GridPoint place) {
   return (!image.last || image.last->side(place) > 0) &&
-         in_sight(*image.mesh, *image.tree, image.windows.apex, place, part_to_mirror(image, place));
+         in_view(*image.mesh, *image.tree, image.windows.apex, place, part_to_mirror(image, place));
 }
 
 void add_to_mirror(Image& image, std::span<const glm::dvec3> corners) {

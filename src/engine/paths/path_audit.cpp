@@ -5,7 +5,7 @@
 #include <glm/geometric.hpp>
 #include <iterator>
 
-#include "engine/sight/part_label.hpp"
+#include "engine/visibility/part_label.hpp"
 #include "geometry/steps/stop.hpp"
 
 namespace tubefoot {

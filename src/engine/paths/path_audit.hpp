@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/paths/path_images.hpp"
-#include "engine/sight/bistatic_audit.hpp"
+#include "engine/visibility/bistatic_audit.hpp"
 
 namespace tubefoot {
 

@@ -20,7 +20,7 @@
 #include "engine/paths/image_pairs.hpp"
 #include "engine/paths/patch_paths.hpp"
 #include "engine/rays/shared_hits.hpp"
-#include "engine/sight/part_label.hpp"
+#include "engine/visibility/part_label.hpp"
 #include "geometry/steps/steps.hpp"
 #include "geometry/tubes/window_tubes.hpp"
 
@@ -305,9 +305,9 @@ class PathTracer {
   /// An image, as far as arrivals are told apart: its apex, and the ray in unfolded water.
   using Source = std::tuple<GridPoint, double, double>;
 
-  template <class InSight>
+  template <class InView>
   void arrive(const Image& image, const ArrivingRay& arrival, const Source& source,
-              const InSight& is_in_sight) {
+              const InView& is_in_view) {
     std::optional<bool> seen;
     for (std::uint32_t window = 0; window < image.own_tube.size(); ++window) {
       stop_if_wanted();
@@ -315,7 +315,7 @@ class PathTracer {
           beams_.fan_of_transmit_tube.empty() ? 0 : beams_.fan_of_transmit_tube[image.own_tube[window]];
       if (arrived_.contains({source, fan}) || !holds(image.windows, window, arrival.along, window_border_rad))
         continue;
-      if (!seen) seen = is_in_sight();
+      if (!seen) seen = is_in_view();
       if (!*seen) return;
       for (std::uint32_t tube = 0; tube < true_receive_.tubes.size(); ++tube) {
         if (!beams_.fan_of_receive_tube.empty() && beams_.fan_of_receive_tube[tube] != fan) continue;

@@ -8,7 +8,7 @@
 
 #include "engine/paths/image_pairs.hpp"
 #include "engine/paths/path_echo.hpp"
-#include "engine/sight/bistatic_history.hpp"
+#include "engine/visibility/bistatic_history.hpp"
 
 // What paths over mirrors see, for who tells it or proves it. docs/paths.md
 namespace tubefoot {

@@ -105,7 +105,7 @@ struct RefractedImages::Way {
                       water.reference_speed_m_s, unfolded.unfolding,
                       {on_bed.front, heights.empty() ? on_bed.straight_within_m : 0}),
         rays(straightening, unfolded.rays),
-        outlook(tubes, water.grid.unit_m(), straightening) {}
+        view_bounds(tubes, water.grid.unit_m(), straightening) {}
   Way(const Way&) = delete;
   Way& operator=(const Way&) = delete;
 
@@ -121,7 +121,7 @@ struct RefractedImages::Way {
   UnfoldedWater unfolded;
   Straightening straightening;
   RayEnclosure rays;
-  Outlook outlook;
+  ViewBounds view_bounds;
   std::unique_ptr<SceneTree> tree;      ///< of what it sees
   std::unique_ptr<AlikeGrounds> alone;  ///< that, of a way whose images do not look
 };
@@ -181,18 +181,18 @@ void RefractedImages::straighten_ways() {
   std::vector<FacetId> facets;
   for (std::size_t end = 0; end < ends_.size(); ++end) find_ways(end, {}, false, 1, 0, order_ - 1);
   std::vector<const Straightening*> straightenings;
-  std::vector<const Outlook*> outlooks;
+  std::vector<const ViewBounds*> all_view_bounds;
   for (const Way& way : ways_) {
     stop_if_wanted();
     straightenings.push_back(&way.straightening);
-    outlooks.push_back(&way.outlook);
-    const std::vector<FacetId> some = way.outlook.facets(*mesh_, *tree_, water_.grid);
+    all_view_bounds.push_back(&way.view_bounds);
+    const std::vector<FacetId> some = way.view_bounds.facets(*mesh_, *tree_, water_.grid);
     facets.insert(facets.end(), some.begin(), some.end());
   }
   std::ranges::sort(facets);
   facets.erase(std::unique(facets.begin(), facets.end()), facets.end());
   alike_ = straighten_alike(*mesh_, facets, water_.grid, straightenings, absorption_db_per_m_,
-                            water_.straightening, water_.limits, outlooks);
+                            water_.straightening, water_.limits, all_view_bounds);
   for (std::size_t k = 0; k < ways_.size(); ++k)
     ways_[k].tree = std::make_unique<SceneTree>(alike_.seen[k].refined.mesh, SceneTree::Sheets::ignored);
 }
@@ -403,9 +403,10 @@ PairedBed RefractedImages::bed_between(const Image& sent, const Image& received)
   for (const Image* image : {&sent, &received}) {
     Way& way = ways_[image->way];
     if (way.tree != nullptr) continue;
-    way.alone = std::make_unique<AlikeGrounds>(straighten_alike(
-        *mesh_, way.outlook.facets(*mesh_, *tree_, water_.grid), water_.grid, std::array{&way.straightening},
-        absorption_db_per_m_, water_.straightening, water_.limits, std::array{&way.outlook}));
+    way.alone = std::make_unique<AlikeGrounds>(
+        straighten_alike(*mesh_, way.view_bounds.facets(*mesh_, *tree_, water_.grid), water_.grid,
+                         std::array{&way.straightening}, absorption_db_per_m_, water_.straightening,
+                         water_.limits, std::array{&way.view_bounds}));
     way.tree = std::make_unique<SceneTree>(way.alone->seen[0].refined.mesh, SceneTree::Sheets::ignored);
   }
   const auto end = [&](const Image& image) {
@@ -476,14 +477,14 @@ std::vector<ApparentGround> RefractedImages::take_grounds() {
 }
 
 bool RefractedImages::is_hidden(const Image& image, const GridPoint& from, const GridPoint& to) {
-  if (image.mesh != nullptr) return !in_sight(*image.mesh, *image.tree, from, to);
+  if (image.mesh != nullptr) return !in_view(*image.mesh, *image.tree, from, to);
   // Of the last mirror nothing is scattered: what lies behind it has not been straightened.
   Way& way = ways_[image.way];
   const ApparentGround ground =
-      straighten(*mesh_, way.outlook.facets(*mesh_, *tree_, water_.grid), water_.grid, way.straightening,
-                 absorption_db_per_m_, water_.straightening, water_.limits, {}, &way.outlook);
+      straighten(*mesh_, way.view_bounds.facets(*mesh_, *tree_, water_.grid), water_.grid, way.straightening,
+                 absorption_db_per_m_, water_.straightening, water_.limits, {}, &way.view_bounds);
   const SceneTree tree(ground.refined.mesh, SceneTree::Sheets::ignored);
-  return !in_sight(ground.refined.mesh, tree, from, to);
+  return !in_view(ground.refined.mesh, tree, from, to);
 }
 
 std::vector<MirroredRay> RefractedImages::rays_to(const Image& image, GridPoint place) {

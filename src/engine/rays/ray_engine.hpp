@@ -9,7 +9,7 @@
 
 #include "engine/rays/ray_guide.hpp"
 #include "engine/rays/ray_sampling.hpp"
-#include "engine/sight/history.hpp"
+#include "engine/visibility/history.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
 #include "geometry/numbers/world_grid.hpp"
 #include "geometry/tubes/tube_finder.hpp"

@@ -6,7 +6,7 @@
 #include <glm/vec3.hpp>
 
 #include "engine/rays/ray_patch.hpp"
-#include "engine/sight/ray_hits.hpp"
+#include "engine/visibility/ray_hits.hpp"
 
 // Arithmetic on sixteen rays side by side. ray_lanes.cpp is compiled so that it becomes vector code
 // (src/engine/CMakeLists.txt); the digits are those of one ray after the other.

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/rays/ray_lanes.hpp"
-#include "engine/sight/history.hpp"
+#include "engine/visibility/history.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
 
 namespace tubefoot {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/rays/ray_engine.hpp"
-#include "engine/sight/bistatic_history.hpp"
+#include "engine/visibility/bistatic_history.hpp"
 #include "geometry/tubes/tube_finder.hpp"
 
 // What two apexes share, sampled. docs/bistatic.md

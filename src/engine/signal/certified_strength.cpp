@@ -7,10 +7,10 @@
 #include <optional>
 #include <stdexcept>
 
-#include "engine/sight/far_view.hpp"
 #include "engine/signal/certified_factor.hpp"
 #include "engine/signal/target_strength.hpp"
 #include "engine/signal/view_displacement.hpp"
+#include "engine/visibility/far_view.hpp"
 #include "geometry/integrals/certified_waves.hpp"
 
 namespace tubefoot {

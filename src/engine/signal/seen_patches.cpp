@@ -31,17 +31,17 @@ bool apart(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b, glm::dv
   return false;
 }
 
-SeenPatches patches_of(const Sight& sight, glm::dvec3 origin_m) {
-  if (!sight.hits().empty() || !sight.shared_hits().empty())
+SeenPatches patches_of(const CommonVisibility& visibility, glm::dvec3 origin_m) {
+  if (!visibility.hits().empty() || !visibility.shared_hits().empty())
     throw std::invalid_argument("signals come from visible polygons: what rays met are points");
   SeenPatches seen;
   seen.origin_m = origin_m;
-  for (std::size_t number = sight.first(); number < sight.end(); ++number) {
-    if (sight.paired(number) != nullptr)
+  for (std::size_t number = visibility.first(); number < visibility.end(); ++number) {
+    if (visibility.paired(number) != nullptr)
       throw std::invalid_argument("signals need a bed that both ends see where it lies, without refraction");
-    const SeenFacet facet = sight[number];
+    const SeenFacet facet = visibility[number];
     for (std::uint32_t k = 0; k < facet.piece_count; ++k) {
-      const SeenPart part = sight.part(number, facet.first_piece + k);
+      const SeenPart part = visibility.part(number, facet.first_piece + k);
       if (part.corners_m.size() < 3) continue;
       seen.patches.push_back({facet.facet, facet.plane.normal, facet.plane.distance_m,
                               std::uint32_t(seen.corners_m.size()), std::uint32_t(part.corners_m.size()),
@@ -65,7 +65,7 @@ double SeenPatches::area_m2() const {
   return sum;
 }
 
-SeenPatches seen_patches(const Sight& sight, const EchoLaw& law) {
+SeenPatches seen_patches(const CommonVisibility& visibility, const EchoLaw& law) {
   const Path& path = law.path;
   if (!path.out.facet_map.empty() || !path.facet_factor.empty())
     throw std::invalid_argument(
@@ -73,7 +73,7 @@ SeenPatches seen_patches(const Sight& sight, const EchoLaw& law) {
   if (path.over_mirrors() || path.home || path.out.to_true != glm::dmat3(1))
     throw std::invalid_argument(
         "patches of straight ways are none of ways over mirrors: see for_coherent_paths()");
-  return patches_of(sight, path.out.apex_m);
+  return patches_of(visibility, path.out.apex_m);
 }
 
 SeenPatches patches_between(const BistaticHistory& images, glm::dvec3 out_m) {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/law/echo_law.hpp"
-#include "engine/sight/sight.hpp"
+#include "engine/visibility/common_visibility.hpp"
 
 namespace tubefoot {
 
@@ -33,11 +33,11 @@ struct SeenPatches {
   double area_m2() const;
 };
 
-/// All that a sight has; its origin is the apex of the law's way out. Ways over mirrors come from
+/// All that a common visibility has; its origin is the apex of the law's way out. Ways over mirrors come from
 /// for_coherent_paths() (engine/paths/coherent_paths.hpp), whose channels are images, too. Throws
 /// std::invalid_argument for a bed that is seen elsewhere than it lies (refracting water), for ways over
 /// mirrors, and for what rays met: none of them has polygons whose points have straight ways to any channel.
-SeenPatches seen_patches(const Sight& sight, const EchoLaw& law);
+SeenPatches seen_patches(const CommonVisibility& visibility, const EchoLaw& law);
 
 /// Patches of smooth facets and those of rough ones, which return signals of their own.
 struct SplitPatches {

@@ -120,17 +120,18 @@ void SmoothAmplitude::add(const PlanarPolygon& polygon, const PathCutter::Receiv
     out[first + i] += surface.factor(sine, wave_numbers[i]) * edges_[i];
 }
 
-void SmoothAmplitude::add(const Sight& sight, const std::function<const SmoothSurface*(FacetId)>& surface_of,
+void SmoothAmplitude::add(const CommonVisibility& visibility,
+                          const std::function<const SmoothSurface*(FacetId)>& surface_of,
                           std::span<std::complex<double>> out) {
   PlanarPolygon polygon;
-  for (std::size_t number = sight.first(); number < sight.end(); ++number) {
-    const SeenFacet facet = sight[number];
+  for (std::size_t number = visibility.first(); number < visibility.end(); ++number) {
+    const SeenFacet facet = visibility[number];
     const SmoothSurface* surface = surface_of(facet.facet);
     if (surface == nullptr) continue;
     const PlaneFrame frame(facet.plane);
-    const PathCutter::Receiver home{facet.home_distance_m, frame.project(sight.home_m())};
+    const PathCutter::Receiver home{facet.home_distance_m, frame.project(visibility.home_m())};
     for (std::uint32_t piece = 0; piece < facet.piece_count; ++piece) {
-      polygon.assign(sight.part(number, facet.first_piece + piece).corners_m, facet.plane, frame);
+      polygon.assign(visibility.part(number, facet.first_piece + piece).corners_m, facet.plane, frame);
       add(polygon, home, *surface, out);
     }
   }

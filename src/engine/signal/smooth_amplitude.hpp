@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "engine/sight/sight.hpp"
 #include "engine/signal/smooth_surface.hpp"
+#include "engine/visibility/common_visibility.hpp"
 #include "geometry/integrals/edge_form.hpp"
 #include "geometry/integrals/path_cut.hpp"
 
@@ -49,7 +49,7 @@ class SmoothAmplitude {
   /// Adds all that both ends of a path see. `surface_of`: of a facet; null: it is rough, without an
   /// amplitude. Facets lie where they are seen (even water); losses of mirrors and absorption are the
   /// caller's.
-  void add(const Sight& sight, const std::function<const SmoothSurface*(FacetId)>& surface_of,
+  void add(const CommonVisibility& visibility, const std::function<const SmoothSurface*(FacetId)>& surface_of,
            std::span<std::complex<double>> out);
 
   Count count() const { return count_; }

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "engine/sight/far_view.hpp"
 #include "engine/signal/smooth_surface.hpp"
+#include "engine/visibility/far_view.hpp"
 
 // What a body returns to where sound came from, both far away. docs/smooth-surfaces.md
 namespace tubefoot {

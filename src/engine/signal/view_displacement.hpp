@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "engine/sight/far_view.hpp"
 #include "engine/signal/placed_edges.hpp"
+#include "engine/visibility/far_view.hpp"
 #include "geometry/numbers/ball.hpp"
 
 // How far what a view tells may be from what the mesh itself would: its vertices were put on a grid. Heavy:

@@ -10,7 +10,7 @@
 
 #include "engine/certified/reference.hpp"
 #include "engine/law/sediment.hpp"
-#include "engine/sight/tube_engine.hpp"
+#include "engine/visibility/tube_engine.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
 
 namespace tubefoot {

@@ -35,7 +35,7 @@ struct Paired {
     std::vector<FacetId> all(site.base.facets.size());
     std::iota(all.begin(), all.end(), 0u);
     const Straightening out = end(sent), home = end(received);
-    const Outlook from_out(sent, site.grid.unit_m(), out), from_home(received, site.grid.unit_m(), home);
+    const ViewBounds from_out(sent, site.grid.unit_m(), out), from_home(received, site.grid.unit_m(), home);
     const AlikeGrounds alike = straighten_alike(site.base, all, site.grid, std::array{&out, &home},
                                                 absorption, settings, {}, std::array{&from_out, &from_home});
     const ApparentPair pair{alike.bed.mesh, alike.seen[0], alike.seen[1], alike.origin[0], alike.origin[1]};
@@ -199,7 +199,7 @@ TEST(PairedReference, EnclosuresHoldWhatRaysToPlacesSay) {
     const std::vector<FacetId> facets{FacetId(site.base.facets.size() - 1)};
     const AlikeGrounds alike =
         straighten_alike(site.base, facets, site.grid, std::array{&out, &home}, absorption, {.gap_m = 1e9},
-                         {}, std::array<const Outlook*, 2>{});
+                         {}, std::array<const ViewBounds*, 2>{});
     const FacetMesh& mesh = alike.bed.mesh;
     if (alike.origin[0].size() != 1 || alike.origin[1].size() != 1) continue;
     SharedFootprints shared;

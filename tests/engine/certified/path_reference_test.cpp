@@ -9,7 +9,7 @@
 
 #include "engine/certified/reference.hpp"
 #include "engine/law/perlin_reflectivity.hpp"
-#include "engine/sight/tube_engine.hpp"
+#include "engine/visibility/tube_engine.hpp"
 #include "fixtures/geometry/metre_meshes.hpp"
 
 namespace tubefoot {

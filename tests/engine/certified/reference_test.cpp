@@ -14,7 +14,7 @@
 #include <random>
 
 #include "engine/law/radial_law.hpp"
-#include "engine/sight/tube_engine.hpp"
+#include "engine/visibility/tube_engine.hpp"
 #include "fixtures/geometry/metre_meshes.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
 

@@ -17,7 +17,7 @@
 #include "engine/law/layered_reflectivity.hpp"
 #include "engine/law/map_reflectivity.hpp"
 #include "engine/law/perlin_reflectivity.hpp"
-#include "engine/sight/tube_engine.hpp"
+#include "engine/visibility/tube_engine.hpp"
 #include "fixtures/geometry/metre_meshes.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
 

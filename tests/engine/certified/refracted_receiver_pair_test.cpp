@@ -56,7 +56,7 @@ struct Staffed {
                                           moved_along(middle, receiver_pair, -1, unit)};
     const Straightening out = seen_from(site.grid.to_metres(sent.apex)), upper = seen_from(end_m(1)),
                         lower = seen_from(end_m(-1));
-    const Outlook from_out(sent, unit, out), from_upper(received[0], unit, upper),
+    const ViewBounds from_out(sent, unit, out), from_upper(received[0], unit, upper),
         from_lower(received[1], unit, lower);
     const AlikeGrounds alike =
         straighten_alike(site.base, all, site.grid, std::array{&out, &upper, &lower}, absorption, settings,

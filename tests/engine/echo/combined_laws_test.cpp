@@ -15,7 +15,7 @@
 #include "engine/echo/echo.hpp"
 #include "engine/law/layered_reflectivity.hpp"
 #include "engine/paths/path_echo.hpp"
-#include "engine/sight/tube_engine.hpp"
+#include "engine/visibility/tube_engine.hpp"
 #include "fixtures/geometry/grid_scenes.hpp"
 #include "fixtures/geometry/plane_polygons.hpp"
 #include "fixtures/world/histories.hpp"

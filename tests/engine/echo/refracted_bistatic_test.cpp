@@ -10,7 +10,7 @@
 
 #include "engine/echo/echo.hpp"
 #include "engine/law/perlin_reflectivity.hpp"
-#include "engine/sight/tube_engine.hpp"
+#include "engine/visibility/tube_engine.hpp"
 
 namespace tubefoot {
 namespace {

@@ -9,8 +9,8 @@
 
 #include "engine/echo/echo.hpp"
 #include "engine/law/density.hpp"
-#include "engine/sight/path_footprints.hpp"
-#include "engine/sight/tube_engine.hpp"
+#include "engine/visibility/path_footprints.hpp"
+#include "engine/visibility/tube_engine.hpp"
 #include "fixtures/geometry/grid_scenes.hpp"
 #include "geometry/numbers/ball.hpp"
 
@@ -78,10 +78,10 @@ class Sinks : public testing::Test {
   void for_all(const Take& take) {
     const BeamPatterns* given = &bed.patterns;
     for (const BeamPatterns* patterns : {static_cast<const BeamPatterns*>(nullptr), given})
-      for (const Sight& sight : {Sight(alone), Sight(apart)}) {
-        SCOPED_TRACE(testing::Message()
-                     << (sight.one_apex() ? "one apex" : "two apexes") << (patterns ? ", patterns" : ""));
-        take(sight, EchoLaw{material_mu, bed.mesh.material, 0.1, patterns, 1e-12});
+      for (const CommonVisibility& visibility : {CommonVisibility(alone), CommonVisibility(apart)}) {
+        SCOPED_TRACE(testing::Message() << (visibility.one_apex() ? "one apex" : "two apexes")
+                                        << (patterns ? ", patterns" : ""));
+        take(visibility, EchoLaw{material_mu, bed.mesh.material, 0.1, patterns, 1e-12});
       }
   }
 
@@ -92,17 +92,17 @@ class Sinks : public testing::Test {
 
 TEST_F(Sinks, PartsByOwnerSumToTheEcho) {
   for (const Binning binning : {Binning::exact, Binning::spread, Binning::centroid})
-    for_all([&](const Sight& sight, const EchoLaw& law) {
+    for_all([&](const CommonVisibility& visibility, const EchoLaw& law) {
       SCOPED_TRACE(name_of(binning));
       Quadrature owned(binning);
-      const Echo echo = integrate_echo(sight, {6, beams}, samples, law, owned);
+      const Echo echo = integrate_echo(visibility, {6, beams}, samples, law, owned);
       const double peak = *std::max_element(echo.energy.begin(), echo.energy.end());
       ASSERT_GT(peak, 0);
       std::vector<double> sum(echo.energy.size());
       owned.by_owner = true;
       std::map<std::uint32_t, int> owners;
-      integrate(sight, {6, beams}, samples, law, owned, [&](const Part<double>& part) {
-        ASSERT_LT(part.seen, sight.end());
+      integrate(visibility, {6, beams}, samples, law, owned, [&](const Part<double>& part) {
+        ASSERT_LT(part.seen, visibility.end());
         ++owners[part.seen];
         sum[part.beam * 300 + part.sample] += part.value;
       });
@@ -113,11 +113,11 @@ TEST_F(Sinks, PartsByOwnerSumToTheEcho) {
 }
 
 TEST_F(Sinks, ContributionsSumToTheEchoAndAreEachOnce) {
-  for_all([&](const Sight& sight, const EchoLaw& law) {
-    const Echo echo = integrate_echo(sight, {6, beams}, samples, law);
+  for_all([&](const CommonVisibility& visibility, const EchoLaw& law) {
+    const Echo echo = integrate_echo(visibility, {6, beams}, samples, law);
     const double peak = *std::max_element(echo.energy.begin(), echo.energy.end());
     std::vector<double> sum(echo.energy.size());
-    const auto all = contributions(sight, {6, beams}, samples, law, {}, echo);
+    const auto all = contributions(visibility, {6, beams}, samples, law, {}, echo);
     for (std::size_t k = 0; k < all.size(); ++k) {
       sum[all[k].beam * 300 + all[k].sample] += all[k].energy_j;
       if (k == 0) continue;
@@ -130,13 +130,14 @@ TEST_F(Sinks, ContributionsSumToTheEchoAndAreEachOnce) {
 }
 
 TEST_F(Sinks, EnergiesOfFootprintsSumToTheEcho) {
-  for_all([&](const Sight& sight, const EchoLaw& law) {
-    const Echo echo = integrate_echo(sight, {6, beams}, samples, law);
+  for_all([&](const CommonVisibility& visibility, const EchoLaw& law) {
+    const Echo echo = integrate_echo(visibility, {6, beams}, samples, law);
     const double whole = std::accumulate(echo.energy.begin(), echo.energy.end(), 0.0);
-    const PathFootprints pairs = sight.one_apex() ? PathFootprints{} : path_footprints(apart);
-    const FootprintSet& footprints = sight.one_apex() ? alone.footprints : pairs.footprints;
-    const FootprintEnergies energies = footprint_energies(
-        footprints, sight.one_apex() ? sight : Sight(pairs.history), beams, {6, beams}, samples, law);
+    const PathFootprints pairs = visibility.one_apex() ? PathFootprints{} : path_footprints(apart);
+    const FootprintSet& footprints = visibility.one_apex() ? alone.footprints : pairs.footprints;
+    const FootprintEnergies energies =
+        footprint_energies(footprints, visibility.one_apex() ? visibility : CommonVisibility(pairs.history),
+                           beams, {6, beams}, samples, law);
     ASSERT_EQ(energies.all_beams.size(), footprints.footprints.size());
     EXPECT_NEAR(std::accumulate(energies.all_beams.begin(), energies.all_beams.end(), 0.0) / whole, 1, 1e-10);
     for (std::size_t k = 0; k < energies.all_beams.size(); ++k)
@@ -144,12 +145,12 @@ TEST_F(Sinks, EnergiesOfFootprintsSumToTheEcho) {
   });
 }
 
-TEST_F(Sinks, PartsOfASightAddUp) {
-  for_all([&](const Sight& sight, const EchoLaw& law) {
-    const Echo echo = integrate_echo(sight, {6, beams}, samples, law);
+TEST_F(Sinks, PartsOfAVisibilityAddUp) {
+  for_all([&](const CommonVisibility& visibility, const EchoLaw& law) {
+    const Echo echo = integrate_echo(visibility, {6, beams}, samples, law);
     std::vector<double> sum(echo.energy.size());
-    for (std::size_t first = 0; first < sight.end(); first += 7) {
-      const Echo part = integrate_echo(sight.within(first, first + 7), {6, beams}, samples, law);
+    for (std::size_t first = 0; first < visibility.end(); first += 7) {
+      const Echo part = integrate_echo(visibility.within(first, first + 7), {6, beams}, samples, law);
       for (std::size_t bin = 0; bin < sum.size(); ++bin) sum[bin] += part.energy[bin];
     }
     const double peak = *std::max_element(echo.energy.begin(), echo.energy.end());

@@ -10,7 +10,7 @@
 #include <numbers>
 
 #include "engine/certified/reference.hpp"
-#include "engine/sight/tube_engine.hpp"
+#include "engine/visibility/tube_engine.hpp"
 #include "fixtures/geometry/metre_meshes.hpp"
 
 namespace tubefoot {

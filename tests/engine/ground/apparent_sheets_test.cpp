@@ -15,8 +15,8 @@
 #include <random>
 
 #include "engine/echo/echo.hpp"
-#include "engine/sight/crossed_ways.hpp"
-#include "engine/sight/tube_engine.hpp"
+#include "engine/visibility/crossed_ways.hpp"
+#include "engine/visibility/tube_engine.hpp"
 #include "engine/water/ray_trace.hpp"
 #include "fixtures/geometry/metre_meshes.hpp"
 #include "fixtures/world/turning_water.hpp"

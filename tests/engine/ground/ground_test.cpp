@@ -14,7 +14,7 @@
 
 #include "engine/echo/echo.hpp"
 #include "engine/echo/finer_relief.hpp"
-#include "engine/sight/tube_engine.hpp"
+#include "engine/visibility/tube_engine.hpp"
 
 namespace tubefoot {
 namespace {

@@ -11,7 +11,7 @@
 #include <numeric>
 
 #include "engine/certified/reference.hpp"
-#include "engine/sight/tube_engine.hpp"
+#include "engine/visibility/tube_engine.hpp"
 #include "fixtures/geometry/metre_meshes.hpp"
 
 namespace tubefoot {
@@ -244,7 +244,7 @@ TEST(RefractedGround, FacetsSeenHoldAllWithAnImageInTheTubes) {
       tubes.reach = reach_m / site.grid.unit_m();
       const Sector sector(tubes, site.grid.unit_m());
       const std::vector<FacetId> seen =
-          Outlook(tubes, site.grid.unit_m(), straightening).facets(site.base, tree, site.grid);
+          ViewBounds(tubes, site.grid.unit_m(), straightening).facets(site.base, tree, site.grid);
       std::size_t inside = 0;
       for (FacetId f = 0; f < site.base.facets.size(); ++f) {
         bool any = false;

@@ -10,7 +10,7 @@
 
 #include "engine/echo/echo.hpp"
 #include "engine/ground/refracted_ground.hpp"
-#include "engine/sight/tube_engine.hpp"
+#include "engine/visibility/tube_engine.hpp"
 #include "fixtures/geometry/metre_meshes.hpp"
 #include "fixtures/world/textures.hpp"
 

@@ -8,9 +8,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/sight/tube_engine.hpp"
 #include "engine/signal/gated_covariance.hpp"
 #include "engine/signal/smooth_amplitude.hpp"
+#include "engine/visibility/tube_engine.hpp"
 #include "fixtures/world/bent_rays.hpp"
 #include "fixtures/world/path_scenes.hpp"
 

@@ -6,7 +6,7 @@
 
 #include <set>
 
-#include "engine/sight/tube_engine.hpp"
+#include "engine/visibility/tube_engine.hpp"
 #include "fixtures/world/path_scenes.hpp"
 
 namespace tubefoot {

@@ -89,7 +89,7 @@ TEST(PathEcho, AFlatMirrorAtNormalIncidenceReturnsByItsImage) {
       down, {steps(-20, 20, 2), steps(-20, 20, 2), glm::dmat3(glm::dvec3(0, 0, -1), {0, 1, 0}, {1, 0, 0})});
   s.transmit = s.receive = down;
   const PathEcho paths = s.run();
-  // The glint lies on the borders of four windows: it is received once.
+  // The specular return lies on the borders of four windows: it is received once.
   EXPECT_EQ(paths.arrivals, 1u);
   EXPECT_DOUBLE_EQ(paths.by_order[1].at(0, 150), 0.5 / 900);
   EXPECT_DOUBLE_EQ(total(paths.by_order[1]), 0.5 / 900);

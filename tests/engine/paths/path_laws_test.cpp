@@ -132,9 +132,9 @@ TEST(PathLaws, ScatteredOrdersFallByTheAlbedoOfTheirMirrors) {
     s.paths.mirrors.surface = SeaSurface{0, albedo, 0};
     const PathEcho with = s.run();
     s.mu = {0};
-    const PathEcho glints = s.run();
+    const PathEcho specular_returns = s.run();
     for (int n = 2; n <= s.paths.order; ++n) {
-      const double energy = total(with.by_order[n]) - total(glints.by_order[n]);
+      const double energy = total(with.by_order[n]) - total(specular_returns.by_order[n]);
       EXPECT_GT(energy, 0);
       if (albedo == 1)
         whole.push_back(energy);

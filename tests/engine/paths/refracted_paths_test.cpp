@@ -9,7 +9,7 @@
 #include <numeric>
 #include <random>
 
-#include "engine/sight/tube_engine.hpp"
+#include "engine/visibility/tube_engine.hpp"
 #include "fixtures/world/bent_rays.hpp"
 
 namespace tubefoot {

@@ -8,8 +8,8 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "engine/sight/tube_engine.hpp"
 #include "engine/signal/smooth_amplitude.hpp"
+#include "engine/visibility/tube_engine.hpp"
 #include "fixtures/geometry/plane_polygons.hpp"
 #include "geometry/tubes/tube.hpp"
 

@@ -10,7 +10,7 @@
 #include <random>
 
 #include "engine/law/reflection.hpp"
-#include "engine/sight/tube_engine.hpp"
+#include "engine/visibility/tube_engine.hpp"
 #include "fixtures/geometry/plane_polygons.hpp"
 #include "geometry/integrals/polygon_transform.hpp"
 #include "geometry/tubes/tube.hpp"

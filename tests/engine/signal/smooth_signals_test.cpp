@@ -9,8 +9,8 @@
 #include <numbers>
 #include <random>
 
-#include "engine/sight/tube_engine.hpp"
 #include "engine/signal/smooth_amplitude.hpp"
+#include "engine/visibility/tube_engine.hpp"
 #include "fixtures/geometry/layered_scenes.hpp"
 #include "fixtures/geometry/plane_polygons.hpp"
 #include "geometry/integrals/polygon_transform.hpp"

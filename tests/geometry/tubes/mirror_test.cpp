@@ -188,12 +188,12 @@ TEST(LineOfSight, AgreesWithRationalsOnSmallNumbers) {
       expected = t > 0 && t < 1 && x >= 0 && y >= 0 && x + y <= 1;
       touching += expected && (x == 0 || y == 0 || x + y == 1);
       if (expected) {
-        EXPECT_TRUE(in_sight(mesh, tree, from, to, CGAL::to_double(t) * (1 + 1e-12)));
-        EXPECT_FALSE(in_sight(mesh, tree, from, to, CGAL::to_double(t) * (1 - 1e-12)));
+        EXPECT_TRUE(in_view(mesh, tree, from, to, CGAL::to_double(t) * (1 + 1e-12)));
+        EXPECT_FALSE(in_view(mesh, tree, from, to, CGAL::to_double(t) * (1 - 1e-12)));
       }
     }
     hidden += expected;
-    EXPECT_EQ(in_sight(mesh, tree, from, to), !expected) << i;
+    EXPECT_EQ(in_view(mesh, tree, from, to), !expected) << i;
   }
   EXPECT_GT(hidden, 30);
   EXPECT_GT(touching, 10);

@@ -78,7 +78,7 @@ TEST(SidescanFiles, WaterfallHasARowAPingPortLeftAndTheLoudestSampleWhite) {
   EXPECT_EQ(*std::max_element(pixels.begin(), pixels.end()), 65535);
 }
 
-TEST(SidescanFiles, AGlintIsWhiteInTheWaterfallAndTheFullScaleOfTheXtf) {
+TEST(SidescanFiles, ASpecularReturnIsWhiteInTheWaterfallAndTheFullScaleOfTheXtf) {
   const TestFolder folder;
   auto made = line();
   std::fill(made.energies.begin(), made.energies.end(), 1e-12);
@@ -88,7 +88,7 @@ TEST(SidescanFiles, AGlintIsWhiteInTheWaterfallAndTheFullScaleOfTheXtf) {
   int width = 0, height = 0;
   const auto pixels = waterfall_of(folder / "sidescan-waterfall.png", width, height);
   EXPECT_EQ(pixels[3 * 40 + 25], 65535);
-  // 360 samples: the glint lifts the mean level by 80 / 360 dB.
+  // 360 samples: the specular return lifts the mean level by 80 / 360 dB.
   EXPECT_NEAR(pixels[0], 65535 * std::pow(10, -(15 + 80.0 / 360) / 20), 2);
   const std::string xtf = bytes_of(folder / "sidescan.xtf");
   EXPECT_NE(xtf.find(std::string("\7\0\7\0\7\0\xff\xff\7", 9)), std::string::npos);  // 65535 * 1e-4 is 6.6

@@ -10,7 +10,7 @@
 #include <numeric>
 
 #include "engine/law/lambert.hpp"
-#include "engine/sight/tube_engine.hpp"
+#include "engine/visibility/tube_engine.hpp"
 #include "fixtures/world/recordings.hpp"
 #include "scene/scene.hpp"
 #include "sensors/kinds/scene_file.hpp"

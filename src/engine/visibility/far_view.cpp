@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/sight/far_view.hpp"
+#include "engine/visibility/far_view.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 #include <stdexcept>
 
-#include "engine/sight/tube_engine.hpp"
+#include "engine/visibility/tube_engine.hpp"
 #include "geometry/search/scene_tree.hpp"
 
 namespace tubefoot {

@@ -19,9 +19,9 @@ namespace tubefoot {
 /// launched no steeper than one that is level at the fastest place on that side. And of those that fall
 /// (rise) all the way none that is launched like the tubes comes farther than the flattest of them. Over
 /// mirrors all this is so in the unfolded water; what lies behind the last mirror is not seen.
-class Outlook {
+class ViewBounds {
  public:
-  Outlook(const TubeSet& tubes, double grid_unit_m, const Straightening& straightening);
+  ViewBounds(const TubeSet& tubes, double grid_unit_m, const Straightening& straightening);
   /// False only if no image of a point of the ball is in the tubes' reach. What is true for a ball is true
   /// for every ball that holds it.
   bool may_see(const glm::dvec3& centre_m, double radius_m) const;

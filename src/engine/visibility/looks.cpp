@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/sight/looks.hpp"
+#include "engine/visibility/looks.hpp"
 
 #include <tbb/parallel_for.h>
 

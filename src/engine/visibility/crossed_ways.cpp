@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/sight/crossed_ways.hpp"
+#include "engine/visibility/crossed_ways.hpp"
 
 #include <algorithm>
 #include <cmath>

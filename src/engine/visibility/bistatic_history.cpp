@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/sight/bistatic_history.hpp"
+#include "engine/visibility/bistatic_history.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <utility>
 
-#include "engine/sight/looks.hpp"
+#include "engine/visibility/looks.hpp"
 #include "geometry/steps/steps.hpp"
 #include "geometry/visibility/contradictions.hpp"
 

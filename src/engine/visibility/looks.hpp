@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "engine/sight/history.hpp"
+#include "engine/visibility/history.hpp"
 #include "geometry/footprints/shared_footprints.hpp"
 #include "geometry/visibility/visibility.hpp"
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/sight/tube_engine.hpp"
+#include "engine/visibility/tube_engine.hpp"
 
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
-#include "engine/sight/bistatic_audit.hpp"
-#include "engine/sight/part_label.hpp"
+#include "engine/visibility/bistatic_audit.hpp"
+#include "engine/visibility/part_label.hpp"
 #include "geometry/footprints/footprint_builder.hpp"
 #include "geometry/integrals/measure.hpp"
 #include "geometry/steps/steps.hpp"

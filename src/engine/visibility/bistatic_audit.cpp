@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/sight/bistatic_audit.hpp"
+#include "engine/visibility/bistatic_audit.hpp"
 
 #include <tbb/parallel_for.h>
 
-#include "engine/sight/part_label.hpp"
+#include "engine/visibility/part_label.hpp"
 #include "geometry/steps/stop.hpp"
 
 namespace tubefoot {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Where tubes may look through refracting water, against the rays themselves.
-#include "engine/ground/outlook.hpp"
+#include "engine/ground/view_bounds.hpp"
 
 #include <gtest/gtest.h>
 
@@ -75,7 +75,7 @@ bool is_seen(const TubeSet& set, const Straightening& straightening, const glm::
   return false;
 }
 
-TEST(Outlook, NothingIsMissingThatARayOfTheTubesLeadsTo) {
+TEST(ViewBounds, NothingIsMissingThatARayOfTheTubesLeadsTo) {
   std::size_t seen = 0;
   for (unsigned seed = 1; seed <= 300; ++seed) {
     SCOPED_TRACE(seed);
@@ -83,24 +83,24 @@ TEST(Outlook, NothingIsMissingThatARayOfTheTubesLeadsTo) {
     const WaterColumn water = some_water(random);
     const Straightening straightening(water, glm::dvec3(3, -2, -apex_depth_m), 0);
     const TubeSet tubes = some_tubes(random);
-    const Outlook outlook(tubes, unit_m, straightening);
+    const ViewBounds view_bounds(tubes, unit_m, straightening);
     for (int k = 0; k < 250; ++k) {
       glm::dvec3 at = straightening.apex_m() + random.between(1, 120) * random.direction();
       at.z = k % 2 == 0 ? random.between(-60, 0) : -std::abs(at.z);
       if (!is_seen(tubes, straightening, at)) continue;
       ++seen;
-      EXPECT_TRUE(outlook.may_see(at, 0));
+      EXPECT_TRUE(view_bounds.may_see(at, 0));
       const double radius = std::exp(random.between(-6, 5));
-      EXPECT_TRUE(outlook.may_see(at + radius * 0.99 * random.direction(), radius));
+      EXPECT_TRUE(view_bounds.may_see(at + radius * 0.99 * random.direction(), radius));
       const glm::dvec3 size(random.between(0, 50), random.between(0, 50), random.between(0, 50));
       const glm::dvec3 lowest = at - random.between(0, 1) * size;
-      EXPECT_TRUE(outlook.may_see_box(lowest, lowest + size));
+      EXPECT_TRUE(view_bounds.may_see_box(lowest, lowest + size));
       const glm::dvec3 b = at + radius * random.direction(), c = at + radius * random.direction();
       const double u = random.between(0, 1),
                    v = random.between(0, 1 - u) + 1e-3;  // at = u a + v b + (1 - u - v) c
       const glm::dvec3 a = (at - v * b - (1 - u - v) * c) / std::max(u, 1e-3);
       if (u > 1e-3) {
-        EXPECT_TRUE(outlook.may_see({a, b, c}));
+        EXPECT_TRUE(view_bounds.may_see({a, b, c}));
       }
     }
   }
@@ -108,30 +108,30 @@ TEST(Outlook, NothingIsMissingThatARayOfTheTubesLeadsTo) {
 }
 
 // That cutting ends, and ends with all that is seen cut, rests on this.
-TEST(Outlook, WhatIsTrueForAPartIsTrueForTheWhole) {
+TEST(ViewBounds, WhatIsTrueForAPartIsTrueForTheWhole) {
   std::size_t both = 0;
   for (unsigned seed = 1; seed <= 300; ++seed) {
     SCOPED_TRACE(seed);
     Random random(seed);
     const WaterColumn water = some_water(random);
     const Straightening straightening(water, glm::dvec3(0, 0, -apex_depth_m), 0);
-    const Outlook outlook(some_tubes(random), unit_m, straightening);
+    const ViewBounds view_bounds(some_tubes(random), unit_m, straightening);
     for (int k = 0; k < 30; ++k) {
       const glm::dvec3 centre = straightening.apex_m() + random.between(1, 120) * random.direction();
       const double radius = std::exp(random.between(-4, 4)), part = random.between(0.1, 0.9) * radius;
       const glm::dvec3 inside = centre + (radius - part) * 0.999 * random.direction();
       const glm::dvec3 corners[3] = {inside + part * random.direction(), inside + part * random.direction(),
                                      inside + part * random.direction()};
-      if (outlook.may_see(inside, part)) {
+      if (view_bounds.may_see(inside, part)) {
         ++both;
-        EXPECT_TRUE(outlook.may_see(centre, radius));
+        EXPECT_TRUE(view_bounds.may_see(centre, radius));
       }
-      if (outlook.may_see(corners)) {
+      if (view_bounds.may_see(corners)) {
         const glm::dvec3 lowest = glm::min(glm::min(corners[0], corners[1]), corners[2]),
                          highest = glm::max(glm::max(corners[0], corners[1]), corners[2]);
-        EXPECT_TRUE(outlook.may_see(centre, radius));
-        EXPECT_TRUE(outlook.may_see_box(lowest, highest));
-        EXPECT_TRUE(outlook.may_see_box(lowest - glm::dvec3(1, 0, 2), highest + glm::dvec3(0, 3, 0.5)));
+        EXPECT_TRUE(view_bounds.may_see(centre, radius));
+        EXPECT_TRUE(view_bounds.may_see_box(lowest, highest));
+        EXPECT_TRUE(view_bounds.may_see_box(lowest - glm::dvec3(1, 0, 2), highest + glm::dvec3(0, 3, 0.5)));
       }
     }
   }
@@ -140,7 +140,7 @@ TEST(Outlook, WhatIsTrueForAPartIsTrueForTheWhole) {
 
 // Points that are looked at for nothing cost time. Under a thermocline the turning of rays has its limits:
 // where none that the tubes send comes to, little is taken along.
-TEST(Outlook, TakesLittleMoreThanWhatIsSeen) {
+TEST(ViewBounds, TakesLittleMoreThanWhatIsSeen) {
   const WaterColumn water{
       SoundSpeedProfile({{0, 1527}, {6, 1519}, {8, 1508}, {10, 1499}, {13, 1494}, {35, 1490}}), {}};
   const Straightening straightening(water, glm::dvec3(0, 0, -8), 0);
@@ -150,7 +150,7 @@ TEST(Outlook, TakesLittleMoreThanWhatIsSeen) {
   TubeSet tubes;
   tubes.reach = 60 / unit_m;
   append_tubes(tubes, angles);
-  const Outlook outlook(tubes, unit_m, straightening);
+  const ViewBounds view_bounds(tubes, unit_m, straightening);
   const unsigned seed = 7;
   SCOPED_TRACE(seed);
   Random random(seed);
@@ -159,7 +159,7 @@ TEST(Outlook, TakesLittleMoreThanWhatIsSeen) {
     const double azimuth = random.between(-0.5, 0.5) * degree, across = random.between(1, 70);
     const glm::dvec3 at(across * std::cos(azimuth), across * std::sin(azimuth), random.between(-30, 0));
     seen += is_seen(tubes, straightening, at);
-    taken += outlook.may_see(at, 0);
+    taken += view_bounds.may_see(at, 0);
   }
   EXPECT_GT(seen, 2000u);
   EXPECT_LT(double(taken), 1.15 * double(seen));

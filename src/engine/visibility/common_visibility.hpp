@@ -7,8 +7,8 @@
 #include <limits>
 #include <span>
 
-#include "engine/sight/bistatic_history.hpp"
-#include "engine/sight/history.hpp"
+#include "engine/visibility/bistatic_history.hpp"
+#include "engine/visibility/history.hpp"
 #include "geometry/integrals/measure.hpp"
 
 namespace tubefoot {
@@ -30,10 +30,10 @@ struct SeenPart {
 
 /// What both ends of a path see of the bed; one apex is the case where both are the same. A view of a
 /// history, which outlives it.
-class Sight {
+class CommonVisibility {
  public:
-  Sight(const History& history) : one_(&history) {}          // NOLINT: every history is one
-  Sight(const BistaticHistory& history) : two_(&history) {}  // NOLINT
+  CommonVisibility(const History& history) : one_(&history) {}          // NOLINT: every history is one
+  CommonVisibility(const BistaticHistory& history) : two_(&history) {}  // NOLINT
 
   bool one_apex() const { return one_ != nullptr; }
   /// Null with one.
@@ -48,8 +48,8 @@ class Sight {
     return std::min(end_, one_ ? one_->footprints.footprints.size() : two_->shared.facets.size());
   }
   /// Facets [first, end) alone, with their numbers.
-  Sight within(std::size_t first, std::size_t end) const {
-    Sight part = *this;
+  CommonVisibility within(std::size_t first, std::size_t end) const {
+    CommonVisibility part = *this;
     part.first_ = std::max(first, first_);
     part.end_ = std::min(end, end_);
     return part;
@@ -90,8 +90,8 @@ class Sight {
   std::span<const SharedHit> shared_hits() const {
     return two_ != nullptr && with_hits_ ? std::span(two_->hits) : std::span<const SharedHit>();
   }
-  Sight without_hits() const {
-    Sight part = *this;
+  CommonVisibility without_hits() const {
+    CommonVisibility part = *this;
     part.with_hits_ = false;
     return part;
   }

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "engine/sight/bistatic_history.hpp"
+#include "engine/visibility/bistatic_history.hpp"
 
 namespace tubefoot {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "engine/sight/ray_hits.hpp"
+#include "engine/visibility/ray_hits.hpp"
 #include "geometry/footprints/footprint.hpp"
 #include "geometry/tubes/tube.hpp"
 

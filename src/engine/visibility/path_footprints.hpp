@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "engine/sight/bistatic_history.hpp"
+#include "engine/visibility/bistatic_history.hpp"
 #include "geometry/footprints/footprint.hpp"
 
 namespace tubefoot {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What one look of each of two apexes tells: as much as each apex by itself, and both together.
-#include "engine/sight/looks.hpp"
+#include "engine/visibility/looks.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <tuple>
 #include <vector>
 
-#include "engine/sight/bistatic_history.hpp"
-#include "engine/sight/tube_engine.hpp"
+#include "engine/visibility/bistatic_history.hpp"
+#include "engine/visibility/tube_engine.hpp"
 #include "fixtures/world/path_scenes.hpp"
 
 namespace tubefoot {

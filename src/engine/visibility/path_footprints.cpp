@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/sight/path_footprints.hpp"
+#include "engine/visibility/path_footprints.hpp"
 
 #include <algorithm>
 #include <cmath>

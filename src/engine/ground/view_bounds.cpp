@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/ground/outlook.hpp"
+#include "engine/ground/view_bounds.hpp"
 
 #include <algorithm>
 #include <array>
@@ -43,7 +43,7 @@ glm::dvec2 nearest_of(const std::array<glm::dvec2, 3>& corners) {
 
 }  // namespace
 
-Outlook::Outlook(const TubeSet& tubes, double grid_unit_m, const Straightening& straightening)
+ViewBounds::ViewBounds(const TubeSet& tubes, double grid_unit_m, const Straightening& straightening)
     : sector_(tubes, grid_unit_m), straightening_(straightening), apex_m_(straightening.apex_m()) {
   const SoundSpeedProfile& profile = straightening.water().profile;
   const double apex_depth_m = straightening.finder().source_depth_m(), at_apex = profile.at(apex_depth_m);
@@ -64,7 +64,7 @@ Outlook::Outlook(const TubeSet& tubes, double grid_unit_m, const Straightening& 
   trace_flattest(below_, true, std::max(-highest, 0.0));
 }
 
-void Outlook::trace_flattest(Side& side, bool down, double launch_sine) {
+void ViewBounds::trace_flattest(Side& side, bool down, double launch_sine) {
   const SoundSpeedProfile& profile = straightening_.water().profile;
   const std::vector<ProfilePoint>& points = profile.points();
   const double apex_depth_m = straightening_.finder().source_depth_m(), at_apex = profile.at(apex_depth_m);
@@ -84,7 +84,7 @@ void Outlook::trace_flattest(Side& side, bool down, double launch_sine) {
 }
 
 // Where the flattest ray does not come to, steeper ones do: no bound.
-double Outlook::Side::farthest_m(double way_m) const {
+double ViewBounds::Side::farthest_m(double way_m) const {
   const auto next = std::upper_bound(borders.begin(), borders.end(), way_m,
                                      [](double way, const Border& border) { return way < border.way_m; });
   const Border& from = *(next - 1);
@@ -95,8 +95,8 @@ double Outlook::Side::farthest_m(double way_m) const {
   return from.range_m + flattest.p() * arc_reach(dz_m, from.speed_m_s, speed, from.sine, std::sqrt(sine2));
 }
 
-bool Outlook::may_see(DirectionBox& box, double lowest_m, double highest_m, double nearest_m,
-                      double farthest_m) const {
+bool ViewBounds::may_see(DirectionBox& box, double lowest_m, double highest_m, double nearest_m,
+                         double farthest_m) const {
   // The tubes' reach.
   const double height_m = std::max({lowest_m, -highest_m, 0.0});
   const double reach_m = sector_.reach_m() / stretch_ + 1e-6;
@@ -128,7 +128,7 @@ bool Outlook::may_see(DirectionBox& box, double lowest_m, double highest_m, doub
   return sector_.may_meet(box);
 }
 
-bool Outlook::may_see(const glm::dvec3& centre_m, double radius_m) const {
+bool ViewBounds::may_see(const glm::dvec3& centre_m, double radius_m) const {
   if (!straightening_.unfolding().may_reach(centre_m.z - radius_m, centre_m.z + radius_m)) return false;
   const glm::dvec3 way = straightening_.unfolded(centre_m) - apex_m_;
   const double across = std::hypot(way.x, way.y);
@@ -146,8 +146,8 @@ bool Outlook::may_see(const glm::dvec3& centre_m, double radius_m) const {
 
 // All of a convex hull lies ahead of the line across its nearest point. Every range that is handed on is that
 // of the hull itself, so that what is true for a hull is true for every one that holds it.
-bool Outlook::may_see(std::span<const glm::dvec2> ways_m, glm::dvec2 nearest_m, double lowest_m,
-                      double highest_m) const {
+bool ViewBounds::may_see(std::span<const glm::dvec2> ways_m, glm::dvec2 nearest_m, double lowest_m,
+                         double highest_m) const {
   const double nearest = glm::length(nearest_m);
   double farthest2 = 0;
   for (const glm::dvec2& way : ways_m) farthest2 = std::max(farthest2, glm::dot(way, way));
@@ -174,7 +174,7 @@ bool Outlook::may_see(std::span<const glm::dvec2> ways_m, glm::dvec2 nearest_m, 
   return may_see(box, lowest_m, highest_m, nearest, std::sqrt(farthest2));
 }
 
-bool Outlook::may_see(const glm::dvec3 (&corners_m)[3]) const {
+bool ViewBounds::may_see(const glm::dvec3 (&corners_m)[3]) const {
   const auto [lowest, highest] = std::minmax({corners_m[0].z, corners_m[1].z, corners_m[2].z});
   if (!straightening_.unfolding().may_reach(lowest, highest)) return false;
   const glm::dvec3 a = straightening_.unfolded(corners_m[0]) - apex_m_,
@@ -184,7 +184,7 @@ bool Outlook::may_see(const glm::dvec3 (&corners_m)[3]) const {
   return may_see(ways, nearest_of(ways), std::min({a.z, b.z, c.z}), std::max({a.z, b.z, c.z}));
 }
 
-bool Outlook::may_see_box(const glm::dvec3& lowest_m, const glm::dvec3& highest_m) const {
+bool ViewBounds::may_see_box(const glm::dvec3& lowest_m, const glm::dvec3& highest_m) const {
   if (!straightening_.unfolding().may_reach(lowest_m.z, highest_m.z)) return false;
   const glm::dvec3 one = straightening_.unfolded(lowest_m) - apex_m_,
                    other = straightening_.unfolded(highest_m) - apex_m_, lo = glm::min(one, other),
@@ -193,8 +193,8 @@ bool Outlook::may_see_box(const glm::dvec3& lowest_m, const glm::dvec3& highest_
                  glm::clamp(glm::dvec2(0), glm::dvec2(lo), glm::dvec2(hi)), lo.z, hi.z);
 }
 
-std::vector<FacetId> Outlook::facets(const FacetMesh& mesh, const SceneTree& tree, const WorldGrid& grid,
-                                     double margin_m) const {
+std::vector<FacetId> ViewBounds::facets(const FacetMesh& mesh, const SceneTree& tree, const WorldGrid& grid,
+                                        double margin_m) const {
   std::vector<FacetId> near, seen;
   const glm::dvec3 margin(margin_m);
   tree.query(

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "engine/sight/history.hpp"
+#include "engine/visibility/history.hpp"
 #include "geometry/search/scene_tree.hpp"
 #include "geometry/visibility/closure.hpp"
 #include "geometry/visibility/visibility.hpp"
