@@ -5,7 +5,7 @@
 
 #include "arrays.hpp"
 #include "bindings.hpp"
-#include "files/inlet.hpp"
+#include "files/input_registry.hpp"
 #include "result.hpp"
 #include "run_apart.hpp"
 #include "sensors/model/angles.hpp"

@@ -7,7 +7,7 @@
 
 #include "arrays.hpp"
 #include "bindings.hpp"
-#include "files/outlet.hpp"
+#include "files/atomic_output.hpp"
 #include "picture.hpp"
 #include "result.hpp"
 #include "run_apart.hpp"

@@ -5,7 +5,7 @@
 
 #include "arrays.hpp"
 #include "bindings.hpp"
-#include "files/outlet.hpp"
+#include "files/atomic_output.hpp"
 #include "run_apart.hpp"
 #include "sensors/beamforming/back_projection.hpp"
 #include "sensors/beamforming/beams.hpp"

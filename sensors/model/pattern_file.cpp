@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "files/csv_file.hpp"
-#include "files/inlet.hpp"
+#include "files/input_registry.hpp"
 #include "sensors/model/angles.hpp"
 
 namespace tubefoot {

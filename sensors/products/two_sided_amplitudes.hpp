@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "files/spool.hpp"
+#include "files/temporary_buffer.hpp"
 #include "sensors/products/received.hpp"
 
 namespace tubefoot {
@@ -28,7 +28,7 @@ class TwoSidedAmplitudes {
 
  private:
   const Recording& recording_;
-  Spool rows_;
+  TemporaryBuffer rows_;
   float largest_ = 0;
   double sum_of_logarithms_ = 0;  ///< of what is above zero
   std::size_t echoes_ = 0;

@@ -16,7 +16,7 @@
 
 #include "files/file_format.hpp"
 #include "files/hdf5_file.hpp"
-#include "files/inlet.hpp"
+#include "files/input_registry.hpp"
 #include "files/library_settings.hpp"
 #include "files/limits.hpp"
 #include "files/memory_at_hand.hpp"

@@ -6,7 +6,7 @@
 #include "advice/chart_folder.hpp"
 #include "advice/trials.hpp"
 #include "app/commands.hpp"
-#include "files/outlet.hpp"
+#include "files/atomic_output.hpp"
 #include "files/usage_error.hpp"
 #include "run/console/progress.hpp"
 #include "run/console/say.hpp"

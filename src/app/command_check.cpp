@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "app/commands.hpp"
-#include "files/outlet.hpp"
+#include "files/atomic_output.hpp"
 #include "files/shown.hpp"
 #include "files/usage_error.hpp"
 #include "plan/scene_drawing.hpp"

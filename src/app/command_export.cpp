@@ -3,7 +3,7 @@
 
 #include "app/commands.hpp"
 #include "exchange/writers/scene_writers.hpp"
-#include "files/outlet.hpp"
+#include "files/atomic_output.hpp"
 #include "run/console/say.hpp"
 #include "run/settings.hpp"
 #include "run/survey.hpp"

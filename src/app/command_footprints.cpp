@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "app/commands.hpp"
-#include "files/outlet.hpp"
+#include "files/atomic_output.hpp"
 #include "files/usage_error.hpp"
 #include "footprints/footprint_file.hpp"
 #include "footprints/footprint_rationals.hpp"

@@ -8,7 +8,7 @@
 #include "compare/echo_pairs.hpp"
 #include "compare/recipe_truth.hpp"
 #include "files/absolute_path.hpp"
-#include "files/outlet.hpp"
+#include "files/atomic_output.hpp"
 #include "files/staging.hpp"
 #include "files/usage_error.hpp"
 #include "import/foreign_file.hpp"

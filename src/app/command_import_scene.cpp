@@ -3,7 +3,7 @@
 
 #include "app/commands.hpp"
 #include "exchange/readers/scene_readers.hpp"
-#include "files/outlet.hpp"
+#include "files/atomic_output.hpp"
 #include "run/console/say.hpp"
 
 namespace tubefoot {

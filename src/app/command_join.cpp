@@ -4,7 +4,7 @@
 
 #include "app/commands.hpp"
 #include "app/run_under_way.hpp"
-#include "files/outlet.hpp"
+#include "files/atomic_output.hpp"
 #include "geometry/steps/stop.hpp"
 #include "run/part_run.hpp"
 #include "run/partial_run.hpp"

@@ -3,8 +3,8 @@
 
 #include "app/commands.hpp"
 #include "exchange/writers/scene_writers.hpp"
+#include "files/atomic_output.hpp"
 #include "files/limits.hpp"
-#include "files/outlet.hpp"
 #include "files/staging.hpp"
 #include "files/usage_error.hpp"
 #include "pack/write_pack.hpp"

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "app/commands.hpp"
-#include "files/outlet.hpp"
+#include "files/atomic_output.hpp"
 #include "run/console/say.hpp"
 #include "run/refined_bed_file.hpp"
 #include "run/settings.hpp"

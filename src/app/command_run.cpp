@@ -6,7 +6,7 @@
 #include "advice/advice.hpp"
 #include "app/commands.hpp"
 #include "app/run_under_way.hpp"
-#include "files/outlet.hpp"
+#include "files/atomic_output.hpp"
 #include "files/usage_error.hpp"
 #include "geometry/steps/stop.hpp"
 #include "run/console/amounts.hpp"

@@ -7,11 +7,11 @@
 #include <numeric>
 
 #include "app/commands.hpp"
+#include "files/atomic_output.hpp"
 #include "files/checked_file.hpp"
 #include "files/companions.hpp"
-#include "files/inlet.hpp"
 #include "files/input_error.hpp"
-#include "files/outlet.hpp"
+#include "files/input_registry.hpp"
 #include "files/usage_error.hpp"
 #include "plan/scene_drawing.hpp"
 #include "run/console/say.hpp"

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "files/outlet.hpp"
+#include "files/atomic_output.hpp"
 #include "run/kept/ping_store.hpp"
 #include "run/options.hpp"
 #include "run/run_request.hpp"

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "files/column_names.hpp"
-#include "files/inlet.hpp"
+#include "files/input_registry.hpp"
 #include "files/limits.hpp"
 
 namespace tubefoot {

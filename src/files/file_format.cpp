@@ -6,7 +6,7 @@
 #include <cctype>
 #include <string>
 
-#include "files/inlet.hpp"
+#include "files/input_registry.hpp"
 
 namespace tubefoot {
 namespace {

@@ -8,7 +8,7 @@
 #include <array>
 #include <new>
 
-#include "files/inlet.hpp"
+#include "files/input_registry.hpp"
 
 namespace tubefoot {
 namespace {

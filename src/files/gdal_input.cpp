@@ -16,7 +16,7 @@
 #include "files/bag_refinements.hpp"
 #include "files/companions.hpp"
 #include "files/grid_words.hpp"
-#include "files/inlet.hpp"
+#include "files/input_registry.hpp"
 #include "files/library_settings.hpp"
 #include "files/limits.hpp"
 #include "geometry/steps/stop.hpp"

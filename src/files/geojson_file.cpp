@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "files/advised_command.hpp"
-#include "files/inlet.hpp"
+#include "files/input_registry.hpp"
 #include "files/limits.hpp"
 #include "geometry/steps/steps.hpp"
 

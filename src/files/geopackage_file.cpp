@@ -7,7 +7,7 @@
 
 #include "files/advised_command.hpp"
 #include "files/grid_words.hpp"
-#include "files/inlet.hpp"
+#include "files/input_registry.hpp"
 #include "files/sqlite_file.hpp"
 #include "geometry/steps/stop.hpp"
 

@@ -15,7 +15,7 @@
 #include "files/absolute_path.hpp"
 #include "files/companions.hpp"
 #include "files/file_format.hpp"
-#include "files/inlet.hpp"
+#include "files/input_registry.hpp"
 #include "files/limits.hpp"
 #include "geometry/steps/long_call.hpp"
 

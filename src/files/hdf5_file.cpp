@@ -11,7 +11,7 @@
 
 #include "files/grid_words.hpp"
 #include "files/hdf5_handle.hpp"
-#include "files/inlet.hpp"
+#include "files/input_registry.hpp"
 #include "files/library_settings.hpp"
 
 namespace tubefoot {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "files/inlet.hpp"
+#include "files/input_registry.hpp"
 
 // The layout follows "NetCDF Classic Format Specification" (Unidata): big-endian; counts and lengths have 32
 // bits (64 in CDF-5), offsets 32 (64 in CDF-2 and 5); names and values are padded to 4 bytes.

@@ -8,7 +8,7 @@
 #include <cctype>
 
 #include "files/absolute_path.hpp"
-#include "files/inlet.hpp"
+#include "files/input_registry.hpp"
 #include "geometry/steps/stop.hpp"
 
 namespace tubefoot {

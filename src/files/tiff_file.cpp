@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "files/advised_command.hpp"
-#include "files/inlet.hpp"
+#include "files/input_registry.hpp"
 
 // TIFF 6.0, section 2: a header names the first directory, each directory the next. BigTIFF: the same with 64
 // bits.

@@ -16,7 +16,7 @@
 #include "files/absolute_path.hpp"
 #include "files/advised_command.hpp"
 #include "files/gdal_messages.hpp"
-#include "files/inlet.hpp"
+#include "files/input_registry.hpp"
 #include "files/library_settings.hpp"
 
 namespace tubefoot {

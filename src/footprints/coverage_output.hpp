@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "files/outlet.hpp"
+#include "files/atomic_output.hpp"
 #include "footprints/coverage_file.hpp"
 #include "footprints/coverage_picture.hpp"
 

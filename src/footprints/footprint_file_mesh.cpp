@@ -5,8 +5,8 @@
 #include <bit>
 
 #include "files/checked_file.hpp"
-#include "files/spool.hpp"
 #include "files/streamed_file.hpp"
+#include "files/temporary_buffer.hpp"
 #include "footprints/footprint_file.hpp"
 #include "footprints/footprint_place.hpp"
 #include "geometry/steps/stop.hpp"
@@ -105,8 +105,10 @@ class Ply : public FootprintFile {
                           std::holds_alternative<FootprintColumn::Reals>(column.values) ? "double" : "uint",
                           column.name);
     file_.append(head + "end_header\n");
-    for (Spool* spool : {&vertices_, &faces_})
-      spool->replay([&](std::span<const char> bytes) { file_.append({bytes.data(), bytes.size()}); });
+    for (TemporaryBuffer* temporary_buffer : {&vertices_, &faces_})
+      temporary_buffer->replay([&](std::span<const char> bytes) {
+        file_.append({bytes.data(), bytes.size()});
+      });
     file_.close();
   }
 
@@ -115,7 +117,7 @@ class Ply : public FootprintFile {
 
   StreamedFile file_;
   FootprintSource source_;
-  Spool vertices_, faces_;
+  TemporaryBuffer vertices_, faces_;
   struct {
     std::uint64_t vertices = 0, faces = 0, rows = 0;
   } count_;

@@ -6,8 +6,8 @@
 #include <bit>
 #include <deque>
 
-#include "files/spool.hpp"
 #include "files/streamed_file.hpp"
+#include "files/temporary_buffer.hpp"
 #include "footprints/footprint_file.hpp"
 #include "footprints/footprint_place.hpp"
 
@@ -142,10 +142,10 @@ class Vtp : public FootprintFile {
   struct Array {
     const char *name, *type;
     int components;
-    Spool bytes;
+    TemporaryBuffer bytes;
   };
   Array& array(const char* name, const char* type, int components = 1) {
-    return arrays_.emplace_back(Array{name, type, components, Spool(file_.path())});
+    return arrays_.emplace_back(Array{name, type, components, TemporaryBuffer(file_.path())});
   }
 
   /// Texts as VTK has them in ASCII: codes of their letters, each text with a 0 behind.

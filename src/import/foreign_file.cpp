@@ -8,7 +8,7 @@
 
 #include "files/companions.hpp"
 #include "files/file_format.hpp"
-#include "files/inlet.hpp"
+#include "files/input_registry.hpp"
 #include "files/limits.hpp"
 #include "files/memory_at_hand.hpp"
 #include "files/usage_error.hpp"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "files/outlet.hpp"
+#include "files/atomic_output.hpp"
 
 namespace tubefoot {
 

@@ -12,7 +12,7 @@
 #include "files/checked_file.hpp"
 #include "files/durable.hpp"
 #include "files/file_hash.hpp"
-#include "files/inlet.hpp"
+#include "files/input_registry.hpp"
 #include "files/json_text.hpp"
 #include "files/staging.hpp"
 #include "files/usage_error.hpp"
@@ -94,8 +94,8 @@ void write_sums(const fs::path& folder, const fs::path& left_out) {
   write_file(folder / sums_name, text);
 }
 
-/// What a folder's list and its own files are brought to the disk by is the outlet's business; what lies
-/// deeper is ours.
+/// What a folder's list and its own files are brought to the disk by is the atomic output's business; what
+/// lies deeper is ours.
 void sync_below(const fs::path& folder) {
   for (const fs::directory_entry& entry : fs::directory_iterator(folder))
     if (entry.is_directory()) {

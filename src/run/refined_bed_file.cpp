@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "files/file_hash.hpp"
-#include "files/inlet.hpp"
+#include "files/input_registry.hpp"
 #include "files/streamed_file.hpp"
 #include "geometry/steps/stop.hpp"
 #include "scene/beds/material_map.hpp"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "files/outlet.hpp"
+#include "files/atomic_output.hpp"
 #include "run/options.hpp"
 #include "scene/description/scene_description.hpp"
 #include "study/tolerance.hpp"

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "files/outlet.hpp"
+#include "files/atomic_output.hpp"
 #include "strength/strength_table.hpp"
 
 namespace tubefoot {

@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-struct CrsFiles : Inlet {
+struct CrsFiles : InputRegistry {
   /// What the texts of this test name: once a file, once a pipe without a writer.
   const std::string named = (folder / "named").string();
 

@@ -50,7 +50,7 @@ std::vector<std::string> outside_of_the_doors(const std::string& pattern,
 
 using testing::IsEmpty;
 
-TEST(Doors, FilesAreReadThroughTheInlet) {
+TEST(Doors, FilesAreReadThroughTheInputRegistry) {
   EXPECT_THAT(
       outside_of_the_doors(R"(\bifstream\b|\bfstream\b|\bfopen\s*\(|\bfreopen\s*\(|H5Fopen|sqlite3_open)"),
       IsEmpty());
@@ -64,7 +64,7 @@ TEST(Doors, FilesAreReadThroughTheInlet) {
   EXPECT_THAT(outside_of_the_doors(R"(parse_file\s*\(|CPLParseXMLFile|VSIFOpen)"), IsEmpty());
 }
 
-TEST(Doors, FilesAreWrittenThroughTheOutlet) {
+TEST(Doors, FilesAreWrittenThroughTheAtomicOutput) {
   EXPECT_THAT(outside_of_the_doors(R"(\bofstream\b|\bmkstemp|\bmkdtemp|\btmpfile\s*\()"), IsEmpty());
   EXPECT_THAT(
       outside_of_the_doors(

@@ -3,7 +3,7 @@
 
 #include <toml++/toml.h>
 
-#include "files/inlet.hpp"
+#include "files/input_registry.hpp"
 #include "files/limits.hpp"
 #include "scene/file/toml_reader.hpp"
 #include "scene/file/toml_text.hpp"

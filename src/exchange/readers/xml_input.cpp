@@ -8,7 +8,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "files/inlet.hpp"
+#include "files/input_registry.hpp"
 #include "files/shown.hpp"
 
 namespace tubefoot {

@@ -9,7 +9,7 @@
 #include <memory>
 #include <tuple>
 
-#include "files/inlet.hpp"
+#include "files/input_registry.hpp"
 #include "files/memory_at_hand.hpp"
 #include "files/shown.hpp"
 #include "files/usage_error.hpp"

@@ -8,7 +8,7 @@
 #include <set>
 
 #include "files/companions.hpp"
-#include "files/inlet.hpp"
+#include "files/input_registry.hpp"
 #include "files/shown.hpp"
 #include "geometry/steps/stop.hpp"
 #include "import/bags/bag_limits.hpp"

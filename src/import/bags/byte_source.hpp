@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "files/inlet.hpp"
+#include "files/input_registry.hpp"
 
 namespace tubefoot {
 

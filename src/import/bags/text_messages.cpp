@@ -10,7 +10,7 @@
 #include <type_traits>
 
 #include "files/csv_file.hpp"
-#include "files/inlet.hpp"
+#include "files/input_registry.hpp"
 #include "files/memory_at_hand.hpp"
 #include "files/shown.hpp"
 #include "geometry/steps/stop.hpp"

@@ -12,7 +12,7 @@
 
 #include "engine/law/sediment.hpp"
 #include "files/csv_file.hpp"
-#include "files/inlet.hpp"
+#include "files/input_registry.hpp"
 #include "scene/description/scene_description.hpp"
 
 namespace tubefoot {

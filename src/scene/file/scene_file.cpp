@@ -10,7 +10,7 @@
 #include "files/file_format.hpp"
 #include "files/file_hash.hpp"
 #include "files/grid_words.hpp"
-#include "files/inlet.hpp"
+#include "files/input_registry.hpp"
 #include "files/limits.hpp"
 #include "files/words.hpp"
 #include "geometry/steps/stop.hpp"

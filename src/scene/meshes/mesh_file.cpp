@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "files/file_format.hpp"
-#include "files/inlet.hpp"
+#include "files/input_registry.hpp"
 #include "files/memory_at_hand.hpp"
 #include "scene/meshes/mesh_file_model.hpp"
 #include "scene/meshes/mesh_file_polygons.hpp"

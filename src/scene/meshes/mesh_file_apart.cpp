@@ -17,7 +17,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "files/inlet.hpp"
+#include "files/input_registry.hpp"
 #include "geometry/steps/stop.hpp"
 
 namespace tubefoot {

@@ -10,7 +10,7 @@
 #include <system_error>
 
 #include "files/gltf_file.hpp"
-#include "files/inlet.hpp"
+#include "files/input_registry.hpp"
 #include "files/limits.hpp"
 #include "files/memory_at_hand.hpp"
 #include "geometry/steps/stop.hpp"

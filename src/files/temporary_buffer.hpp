@@ -13,13 +13,13 @@ namespace tubefoot {
 /// Bytes that are to stand in a file behind others which are not all known yet, or that are read again: kept
 /// in memory while they are few, then in a file without a name beside it, which vanishes with the program,
 /// however that ends.
-class Spool {
+class TemporaryBuffer {
  public:
   /// `beside`: the file that the bytes are for.
-  explicit Spool(std::filesystem::path beside) : beside_(std::move(beside)) {}
-  ~Spool();
-  Spool(Spool&& other) noexcept;
-  Spool& operator=(Spool&&) = delete;
+  explicit TemporaryBuffer(std::filesystem::path beside) : beside_(std::move(beside)) {}
+  ~TemporaryBuffer();
+  TemporaryBuffer(TemporaryBuffer&& other) noexcept;
+  TemporaryBuffer& operator=(TemporaryBuffer&&) = delete;
 
   std::uint64_t size() const { return on_disk_ + memory_.size(); }
   /// Throws std::runtime_error with the file's name where the disk refuses; so do the others.

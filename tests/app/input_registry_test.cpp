@@ -33,7 +33,7 @@ void write_external(const fs::path& file, const fs::path& storage) {
 // ------------------------------------------------------------------------------------------------ the
 // network
 
-TEST_F(Inlet, NothingInAVirtualRasterCallsAHost) {
+TEST_F(InputRegistry, NothingInAVirtualRasterCallsAHost) {
   const CalledHost host;
   const std::string address = host.address();
   folder.write("grid.asc", grid);
@@ -80,7 +80,7 @@ TEST_F(Inlet, NothingInAVirtualRasterCallsAHost) {
   }
 }
 
-TEST_F(Inlet, ARefusedElementIsNamedWithItsLine) {
+TEST_F(InputRegistry, ARefusedElementIsNamedWithItsLine) {
   folder.write("grid.asc", grid);
   folder.write("mosaic.vrt",
                "<!-- <PansharpeningOptions> -->\n" +
@@ -93,7 +93,7 @@ TEST_F(Inlet, ARefusedElementIsNamedWithItsLine) {
                  {"mosaic.vrt:3: has <VRTRasterBand subClass=\"VRTRawRasterBand\">, which is not read"});
 }
 
-TEST_F(Inlet, FoldersNamedLikeAddressesAreFolders) {
+TEST_F(InputRegistry, FoldersNamedLikeAddressesAreFolders) {
   const CalledHost host;
   const std::string name = "NETCDF:\"" + host.address();
   fs::create_directories(folder / name);
@@ -105,7 +105,7 @@ TEST_F(Inlet, FoldersNamedLikeAddressesAreFolders) {
   EXPECT_FALSE(host.was_called());
 }
 
-TEST_F(Inlet, ALinkedCrsOfAMapIsNotFetched) {
+TEST_F(InputRegistry, ALinkedCrsOfAMapIsNotFetched) {
   const CalledHost host;
   folder.write(
       "map.geojson",
@@ -122,7 +122,7 @@ TEST_F(Inlet, ALinkedCrsOfAMapIsNotFetched) {
 // ------------------------------------------------------------------------------------------------ other
 // files
 
-TEST_F(Inlet, ARawBandReadsNoFileOfTheMachine) {
+TEST_F(InputRegistry, ARawBandReadsNoFileOfTheMachine) {
   folder.write("secret", std::string(4096, '\1'));
   folder.write("raw.vrt",
                vrt_of("<VRTRasterBand dataType=\"Byte\" band=\"1\" subClass=\"VRTRawRasterBand\">\n"
@@ -132,7 +132,7 @@ TEST_F(Inlet, ARawBandReadsNoFileOfTheMachine) {
   expect_refused(with_raster("raw.vrt"), {"raw.vrt:3: has <VRTRasterBand subClass=\"VRTRawRasterBand\">"});
 }
 
-TEST_F(Inlet, Hdf5ReadsNoOtherFile) {
+TEST_F(InputRegistry, Hdf5ReadsNoOtherFile) {
   folder.write("secret", std::string(4096, '\1'));
   write_external(folder / "external.nc", folder / "secret");
   write_hdf5(folder / "source.nc",
@@ -158,7 +158,7 @@ TEST_F(Inlet, Hdf5ReadsNoOtherFile) {
   }
 }
 
-TEST_F(Inlet, FilesThatNameFilesOnTheMachineForProjections) {
+TEST_F(InputRegistry, FilesThatNameFilesOnTheMachineForProjections) {
   for (const char* crs :
        {"+proj=longlat +datum=WGS84 +nadgrids=/etc/hostname +type=crs", "+init=/etc/hostname:x",
         "+proj=longlat +geoidgrids=/etc/hostname +datum=WGS84 +vunits=m +type=crs"}) {
@@ -172,7 +172,7 @@ TEST_F(Inlet, FilesThatNameFilesOnTheMachineForProjections) {
   }
 }
 
-TEST_F(Inlet, AGeoPackageIsTablesAndNothingElse) {
+TEST_F(InputRegistry, AGeoPackageIsTablesAndNothingElse) {
   const auto with = [&](const std::string& sql) {
     const fs::path file = folder / "map.gpkg";
     fs::remove(file);
@@ -207,7 +207,7 @@ TEST_F(Inlet, AGeoPackageIsTablesAndNothingElse) {
 
 // ------------------------------------------------------------------------------------------------ pipes
 
-TEST_F(Inlet, PipesAreNotWaitedFor) {
+TEST_F(InputRegistry, PipesAreNotWaitedFor) {
   const auto pipe = [&](const std::string& name) { mkfifo((folder / name).c_str(), 0600); };
   folder.write("grid.asc", grid);
   folder.write("mosaic.vrt", vrt_of(simple_band("grid.asc")));
@@ -233,13 +233,13 @@ TEST_F(Inlet, PipesAreNotWaitedFor) {
 
 // ------------------------------------------------------------------------------------------------ the hash
 
-struct InletHash : Inlet {
+struct InputRegistryHash : InputRegistry {
   std::string hash(const std::string& scene) {
     return read_scene_file(folder.write("scene.toml", scene)).sha256;
   }
 };
 
-TEST_F(InletHash, SeesWhatGivesARasterItsPlace) {
+TEST_F(InputRegistryHash, SeesWhatGivesARasterItsPlace) {
   constexpr const char* here = "10\n0\n0\n-10\n-10\n10\n";
   constexpr const char* there = "10\n0\n0\n-10\n90\n10\n";
   for (const auto& [raster, beside] : {std::pair{"a.tif", "a.tfw"},
@@ -260,7 +260,7 @@ TEST_F(InletHash, SeesWhatGivesARasterItsPlace) {
   }
 }
 
-TEST_F(InletHash, SeesWhatBelongsToTheSourcesOfAMosaic) {
+TEST_F(InputRegistryHash, SeesWhatBelongsToTheSourcesOfAMosaic) {
   write_tiff("part.tif");
   folder.write("mosaic.vrt", vrt_of(simple_band("part.tif")));
   const std::string bare = hash(with_raster("mosaic.vrt"));
@@ -272,7 +272,7 @@ TEST_F(InletHash, SeesWhatBelongsToTheSourcesOfAMosaic) {
 }
 
 // What is not hashed is not there: an overview, a table, another program's notes do not move a cell.
-TEST_F(InletHash, WhatIsNotHashedIsNotRead) {
+TEST_F(InputRegistryHash, WhatIsNotHashedIsNotRead) {
   folder.write("grid.asc", grid);
   const std::string scene = with_raster("grid.asc");
   const std::string before = hash(scene);
@@ -286,7 +286,7 @@ TEST_F(InletHash, WhatIsNotHashedIsNotRead) {
                                                     fs::canonical(folder / "thing.obj").string()}));
 }
 
-TEST_F(InletHash, ARunDoesNotGoOnWithAnotherTerrain) {
+TEST_F(InputRegistryHash, ARunDoesNotGoOnWithAnotherTerrain) {
   write_tiff("grid.tif");
   folder.write("grid.tifw", "10\n0\n0\n-10\n-10\n10\n");
   const std::string scene = folder.write("scene.toml", with_raster("grid.tif")).string();
@@ -310,7 +310,7 @@ std::vector<fs::path> shipped_scenes() {
   return scenes;
 }
 
-TEST(InletOfShippedScenes, OpensWhatTheHashIsOf) {
+TEST(InputRegistryOfShippedScenes, OpensWhatTheHashIsOf) {
   std::size_t files = 0, skipped = 0, plain = 0;
   for (const fs::path& scene : shipped_scenes()) {
     SCOPED_TRACE(scene);
@@ -340,7 +340,7 @@ TEST(InletOfShippedScenes, OpensWhatTheHashIsOf) {
   EXPECT_GT(files, 10u);
 }
 
-TEST_F(InletHash, EveryKindOfFileIsOpenedAsItIsHashed) {
+TEST_F(InputRegistryHash, EveryKindOfFileIsOpenedAsItIsHashed) {
   write_tiff("grid.tif");
   folder.write("grid.tfw", "10\n0\n0\n-10\n-10\n10\n");
   folder.write("grid.tif.aux.xml", "<PAMDataset></PAMDataset>");
@@ -383,7 +383,7 @@ TEST_F(InletHash, EveryKindOfFileIsOpenedAsItIsHashed) {
 
 // ------------------------------------------------------------------------------------------------ the folder
 
-TEST_F(Inlet, ConfinedReadsNothingOutsideOfTheFolder) {
+TEST_F(InputRegistry, ConfinedReadsNothingOutsideOfTheFolder) {
   const TestFolder elsewhere;
   elsewhere.write("other.obj", tetrahedron);
   elsewhere.write("world", "10\n0\n0\n-10\n-10\n10\n");
@@ -412,7 +412,7 @@ TEST_F(Inlet, ConfinedReadsNothingOutsideOfTheFolder) {
 
 // ------------------------------------------------------------------------------------------------ sizes
 
-TEST_F(Inlet, AnEchoFileLargerThanMemoryIsRefusedByItsSizesAlone) {
+TEST_F(InputRegistry, AnEchoFileLargerThanMemoryIsRefusedByItsSizesAlone) {
   const fs::path file = folder / "echoes.nc";
   int id = 0, ping = 0, beam = 0, sample = 0, energy = 0;
   ASSERT_EQ(nc_create(file.c_str(), NC_NETCDF4, &id), NC_NOERR);

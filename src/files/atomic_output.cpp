@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "files/outlet.hpp"
+#include "files/atomic_output.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "files/inlet.hpp"
+#include "files/input_registry.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>

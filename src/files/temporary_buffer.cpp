@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "files/spool.hpp"
+#include "files/temporary_buffer.hpp"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -21,24 +21,24 @@ constexpr std::size_t most_in_memory = std::size_t{1} << 20;
 
 }  // namespace
 
-Spool::~Spool() {
+TemporaryBuffer::~TemporaryBuffer() {
   if (file_ != nullptr) std::fclose(file_);
 }
 
-Spool::Spool(Spool&& other) noexcept
+TemporaryBuffer::TemporaryBuffer(TemporaryBuffer&& other) noexcept
     : beside_(std::move(other.beside_)),
       memory_(std::move(other.memory_)),
       file_(std::exchange(other.file_, nullptr)),
       on_disk_(std::exchange(other.on_disk_, 0)) {}
 
-void Spool::fail() const { throw write_error(beside_, errno); }
+void TemporaryBuffer::fail() const { throw write_error(beside_, errno); }
 
-void Spool::add(const void* bytes, std::size_t count) {
+void TemporaryBuffer::add(const void* bytes, std::size_t count) {
   memory_.append(static_cast<const char*>(bytes), count);
   if (memory_.size() > most_in_memory) flush();
 }
 
-void Spool::flush() {
+void TemporaryBuffer::flush() {
   if (file_ == nullptr) {
     std::string name = beside_.string() + ".XXXXXX";
     const int descriptor = mkostemp(name.data(), O_CLOEXEC);
@@ -56,7 +56,7 @@ void Spool::flush() {
   memory_.clear();
 }
 
-void Spool::read(std::uint64_t first, void* bytes, std::size_t count) const {
+void TemporaryBuffer::read(std::uint64_t first, void* bytes, std::size_t count) const {
   if (first > size() || count > size() - first) throw std::out_of_range("bytes that a spool has not");
   auto* to = static_cast<char*>(bytes);
   while (count > 0 && first < on_disk_) {
@@ -70,7 +70,7 @@ void Spool::read(std::uint64_t first, void* bytes, std::size_t count) const {
   if (count > 0) std::memcpy(to, memory_.data() + (first - on_disk_), count);
 }
 
-void Spool::replay(const std::function<void(std::span<const char>)>& take) {
+void TemporaryBuffer::replay(const std::function<void(std::span<const char>)>& take) {
   if (file_ != nullptr) {
     flush();
     if (std::fseek(file_, 0, SEEK_SET) != 0) fail();

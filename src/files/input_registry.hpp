@@ -13,8 +13,9 @@
 
 #include "files/input_error.hpp"
 
-// The inlet: every byte that is read comes through an InputFile, or, where a library opens the file itself,
-// through what checks it first (gdal_input.hpp, hdf5_file.hpp). docs/limits.md says what that promises.
+// The input registry: every byte that is read comes through an InputFile, or, where a library opens the file
+// itself, through what checks it first (gdal_input.hpp, hdf5_file.hpp). docs/limits.md says what that
+// promises.
 namespace tubefoot {
 
 /// An ordinary file, open to be read. Folders, pipes and devices are refused without waiting for anybody at

@@ -39,10 +39,10 @@ bool can_be_apart() {
   return run_program({"presets"}, surroundings).exit_code == 0;
 }
 
-struct Outlet : testing::Test {
+struct AtomicOutput : testing::Test {
   TestFolder folder;
   const fs::path scene = folder / "scene.toml", results = folder / "results";
-  Outlet() {
+  AtomicOutput() {
     folder.write("scene.toml", replaced(small_scene, "beams = 4", "beams = 2\nsamples = 64"));
     folder.write("thing.obj", tetrahedron);
   }
@@ -75,7 +75,7 @@ struct Outlet : testing::Test {
   }
 };
 
-TEST_F(Outlet, NoCommandWritesOverAnInput) {
+TEST_F(AtomicOutput, NoCommandWritesOverAnInput) {
   const std::string s = scene.string();
   ASSERT_EQ(run(results).exit_code, 0);
   for (const char* ending : {".csv", ".gpkg", ".png", ".html", ".json", ".ply", ".txt"})
@@ -120,7 +120,7 @@ TEST_F(Outlet, NoCommandWritesOverAnInput) {
 }
 
 // The list in a result folder makes no input tubefoot's own.
-TEST_F(Outlet, NoResultFolderThatHoldsAnInputIsReplaced) {
+TEST_F(AtomicOutput, NoResultFolderThatHoldsAnInputIsReplaced) {
   ASSERT_EQ(run(results).exit_code, 0);
   folder.write("results/thing.obj", tetrahedron);
   std::ofstream(results / ".tubefoot-files", std::ios::app) << "thing.obj\n";
@@ -128,7 +128,7 @@ TEST_F(Outlet, NoResultFolderThatHoldsAnInputIsReplaced) {
   expect_refused(run(results), "is an input, or holds one", names_below(folder.path()));
 }
 
-TEST_F(Outlet, FilesOfOthersStayAsTheyAre) {
+TEST_F(AtomicOutput, FilesOfOthersStayAsTheyAre) {
   folder.write("victim", "mine");
   for (const std::string name : {"f.csv", "v.html", "results"}) {
     folder.write(".partial-" + name, "mine, too");
@@ -145,7 +145,7 @@ TEST_F(Outlet, FilesOfOthersStayAsTheyAre) {
 }
 
 // What stands, or is planted, under the name of a run's pings.
-TEST_F(Outlet, PingsAreKeptInNoFileButTheRunsOwn) {
+TEST_F(AtomicOutput, PingsAreKeptInNoFileButTheRunsOwn) {
   folder.write("victim", "");
   const std::vector<std::pair<std::string, std::function<void(const fs::path&)>>> plants{
       {"is a link", [&](const fs::path& p) { fs::create_symlink(at("victim"), p); }},
@@ -165,7 +165,7 @@ TEST_F(Outlet, PingsAreKeptInNoFileButTheRunsOwn) {
   }
 }
 
-TEST_F(Outlet, PingsAreKeptInNoFileOfSomebodyElse) {
+TEST_F(AtomicOutput, PingsAreKeptInNoFileOfSomebodyElse) {
   if (geteuid() != 0 || !nobody_can_run_program()) GTEST_SKIP() << "needs two users";
   fs::permissions(folder.path(), fs::perms(01777));
   folder.write("results.partial", "");
@@ -175,7 +175,7 @@ TEST_F(Outlet, PingsAreKeptInNoFileOfSomebodyElse) {
   expect_refused(run(results, nobody), "belongs to somebody else", names_below(folder.path()));
 }
 
-TEST_F(Outlet, FoldersThatCannotBeReplacedAreFoundBeforeTheFirstPing) {
+TEST_F(AtomicOutput, FoldersThatCannotBeReplacedAreFoundBeforeTheFirstPing) {
   ASSERT_EQ(run(folder / "source").exit_code, 0);
   fs::create_directory_symlink(at("nowhere"), at("dangling"));
   fs::create_directory(folder / "mounted");
@@ -201,7 +201,7 @@ TEST_F(Outlet, FoldersThatCannotBeReplacedAreFoundBeforeTheFirstPing) {
 }
 
 // A layered file system, as containers have, cannot move a folder of a lower layer.
-TEST_F(Outlet, FoldersOfALowerLayerAreFoundBeforeTheFirstPing) {
+TEST_F(AtomicOutput, FoldersOfALowerLayerAreFoundBeforeTheFirstPing) {
   if (!can_be_apart()) GTEST_SKIP() << "no file systems of a test's own here";
   ASSERT_EQ(run(folder / "lower/results").exit_code, 0);
   fs::create_directory(folder / "merged");
@@ -218,7 +218,7 @@ TEST_F(Outlet, FoldersOfALowerLayerAreFoundBeforeTheFirstPing) {
   EXPECT_EQ(run(folder / "merged/new", layered).exit_code, 0);
 }
 
-TEST_F(Outlet, FoldersOfOthersAreFoundBeforeTheFirstPing) {
+TEST_F(AtomicOutput, FoldersOfOthersAreFoundBeforeTheFirstPing) {
   if (geteuid() != 0 || !nobody_can_run_program()) GTEST_SKIP() << "needs two users";
   Surroundings nobody;
   nobody.as_nobody = true;
@@ -235,7 +235,7 @@ TEST_F(Outlet, FoldersOfOthersAreFoundBeforeTheFirstPing) {
   fs::permissions(folder / "shared/own", fs::perms(0755));
 }
 
-TEST_F(Outlet, FilesThatCannotBeReplacedAreFoundBeforeAnythingIsComputed) {
+TEST_F(AtomicOutput, FilesThatCannotBeReplacedAreFoundBeforeAnythingIsComputed) {
   fs::create_symlink(at("nowhere"), at("dangling.csv"));
   fs::create_directory(folder / "folder.csv");
   folder.write("mounted.csv", "mine");
@@ -262,7 +262,7 @@ TEST_F(Outlet, FilesThatCannotBeReplacedAreFoundBeforeAnythingIsComputed) {
 }
 
 // All commands, in a folder of a name that is no text in UTF-8.
-TEST_F(Outlet, NamesMayBeOfAnyBytes) {
+TEST_F(AtomicOutput, NamesMayBeOfAnyBytes) {
   const fs::path strange = folder /
                            "stra\xdf"
                            "e";
@@ -294,7 +294,7 @@ TEST_F(Outlet, NamesMayBeOfAnyBytes) {
 }
 
 // Process numbers of one container mean nothing in another.
-TEST_F(Outlet, ARunThatIsRefusedDoesNotHurtALiveOne) {
+TEST_F(AtomicOutput, ARunThatIsRefusedDoesNotHurtALiveOne) {
   folder.write("scene.toml", long_scene(3000));
   ASSERT_EQ(run(folder / "whole").exit_code, 0);
   for (const bool elsewhere : {false, true}) {
@@ -318,7 +318,7 @@ TEST_F(Outlet, ARunThatIsRefusedDoesNotHurtALiveOne) {
   EXPECT_EQ(names_below(folder.path()).size(), names_below(folder / "whole").size() + 3);
 }
 
-TEST_F(Outlet, WhatKilledRunsLeftIsClearedByTheNext) {
+TEST_F(AtomicOutput, WhatKilledRunsLeftIsClearedByTheNext) {
   folder.write("scene.toml", long_scene(3000));
   for (const std::string output : {"f.csv", "results"}) {
     const std::vector<std::string> words =
@@ -342,7 +342,7 @@ TEST_F(Outlet, WhatKilledRunsLeftIsClearedByTheNext) {
   }
 }
 
-TEST_F(Outlet, WhatIsNoOrdinaryFileIsWrittenAsItIs) {
+TEST_F(AtomicOutput, WhatIsNoOrdinaryFileIsWrittenAsItIs) {
   ASSERT_EQ(mkfifo(at("pipe.csv").c_str(), 0666), 0);
   ASSERT_EQ(footprints(folder / "file.csv").exit_code, 0);
   std::string received;
@@ -363,7 +363,7 @@ TEST_F(Outlet, WhatIsNoOrdinaryFileIsWrittenAsItIs) {
   EXPECT_TRUE(fs::is_symlink("/dev/stdout"));
 }
 
-TEST_F(Outlet, ModesAreThoseOfTheUmask) {
+TEST_F(AtomicOutput, ModesAreThoseOfTheUmask) {
   const Surroundings masked = shell("umask 027;");
   ASSERT_EQ(run(results, masked).exit_code, 0);
   ASSERT_EQ(footprints(folder / "f.csv", masked).exit_code, 0);
@@ -375,7 +375,7 @@ TEST_F(Outlet, ModesAreThoseOfTheUmask) {
   EXPECT_EQ(mode(folder / "f.gpkg"), 0640);
 }
 
-TEST_F(Outlet, LinksStayLinks) {
+TEST_F(AtomicOutput, LinksStayLinks) {
   fs::create_directory(folder / "there");
   folder.write("there/f.csv", "an earlier one");
   fs::create_directory(folder / "there/results");

@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-struct InletManuals : Inlet {
+struct InputRegistryManuals : InputRegistry {
   /// Refused in words, by check and, as it is, by compare.
   void expect_both_refuse(const std::string& name, const std::string& words) const {
     SCOPED_TRACE(name);
@@ -29,7 +29,7 @@ struct InletManuals : Inlet {
   }
 };
 
-TEST_F(InletManuals, OverviewsOnAHostAreNotAskedFor) {
+TEST_F(InputRegistryManuals, OverviewsOnAHostAreNotAskedFor) {
   const CalledHost host;
   const std::vector<std::string> names{"NETCDF:\"" + host.address() + "/a.nc\":z",
                                        "vrt://NETCDF:" + host.address() + "/a.nc", host.address() + "/a.nc"};
@@ -59,7 +59,7 @@ TEST_F(InletManuals, OverviewsOnAHostAreNotAskedFor) {
 }
 
 // ".." after a link is another folder for the file system than for who reads the letters.
-TEST_F(InletManuals, WhatIsBehindALinkIsWhatIsHashed) {
+TEST_F(InputRegistryManuals, WhatIsBehindALinkIsWhatIsHashed) {
   fs::create_directories(folder / "sub/deep");
   fs::create_directory_symlink("sub/deep", folder / "link");
   folder.write("grid.asc", grid);
@@ -77,12 +77,12 @@ TEST_F(InletManuals, WhatIsBehindALinkIsWhatIsHashed) {
   expect_refused(with_raster("mosaic.vrt"), {"leads through a link and back"});
 }
 
-TEST_F(InletManuals, FilesOfTheSystemHaveAnEnd) {
+TEST_F(InputRegistryManuals, FilesOfTheSystemHaveAnEnd) {
   expect_refused(replaced(small_scene, "thing.obj", "/proc/self/pagemap"), {"more than the 0 bytes"});
   expect_refused(replaced(small_scene, "thing.obj", "/proc/self/maps"), {"more than the 0 bytes"});
 }
 
-TEST_F(InletManuals, TheWorkingFolderIsNotRead) {
+TEST_F(InputRegistryManuals, TheWorkingFolderIsNotRead) {
   int id = 0;
   ASSERT_EQ(nc_create((folder / "grid.nc").c_str(), NC_CLOBBER, &id), NC_NOERR);
   ASSERT_EQ(nc_close(id), NC_NOERR);
@@ -94,7 +94,7 @@ TEST_F(InletManuals, TheWorkingFolderIsNotRead) {
   EXPECT_EQ(run_program({"compare", "grid.nc", "grid.nc"}, here).exit_code, 2);
 }
 
-TEST_F(InletManuals, AReferenceSystemNamesNoFile) {
+TEST_F(InputRegistryManuals, AReferenceSystemNamesNoFile) {
   mkfifo((folder / "fifo").c_str(), 0600);
   const std::string file = (folder / "fifo").string();
   const std::string datum = "GEOGCS[\"a\",DATUM[\"b\",SPHEROID[\"WGS 84\",6378137,298.257223563]";
@@ -120,7 +120,7 @@ TEST_F(InletManuals, AReferenceSystemNamesNoFile) {
                  {"grid.asc.aux.xml: has a coordinate reference system that names files"});
 }
 
-TEST_F(InletManuals, Hdf5WithoutEndIsRefused) {
+TEST_F(InputRegistryManuals, Hdf5WithoutEndIsRefused) {
   write_hdf5(folder / "circle.nc", [](hid_t id, hid_t space) {
     write_dataset(id, "Band1", space, H5P_DEFAULT);
     const hid_t group = H5Gcreate2(id, "a", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
@@ -148,7 +148,7 @@ TEST_F(InletManuals, Hdf5WithoutEndIsRefused) {
   expect_both_refuse("lattice.nc", "under several names");
 }
 
-TEST_F(InletManuals, Hdf5DescriptionsHaveASize) {
+TEST_F(InputRegistryManuals, Hdf5DescriptionsHaveASize) {
   const auto write_text = [&](const std::string& name, hsize_t count) {
     write_hdf5(folder / name, [&](hid_t id, hid_t) {
       const hid_t space = H5Screate_simple(1, &count, nullptr), type = H5Tcopy(H5T_C_S1);
@@ -164,7 +164,7 @@ TEST_F(InletManuals, Hdf5DescriptionsHaveASize) {
   expect_both_refuse("large.bag", "a text of more than 64 MB");
 }
 
-TEST_F(InletManuals, AClassicHeaderWhoseSizesOverflowIsRefused) {
+TEST_F(InputRegistryManuals, AClassicHeaderWhoseSizesOverflowIsRefused) {
   std::string header("CDF\2\0\0\0\0\0\0\0\x0a\0\0\0\5", 16);
   const auto number = [&header](std::uint32_t value) {
     for (int shift = 24; shift >= 0; shift -= 8) header += static_cast<char>(value >> shift & 255);
@@ -184,7 +184,7 @@ TEST_F(InletManuals, AClassicHeaderWhoseSizesOverflowIsRefused) {
   expect_both_refuse("grid.nc", "cut off");
 }
 
-TEST_F(InletManuals, AMosaicOfMosaicsOfTheSameIsCounted) {
+TEST_F(InputRegistryManuals, AMosaicOfMosaicsOfTheSameIsCounted) {
   folder.write("0.asc", grid);
   std::string inner = "0.asc";
   for (int level = 1; level <= 5; ++level) {
@@ -198,7 +198,7 @@ TEST_F(InletManuals, AMosaicOfMosaicsOfTheSameIsCounted) {
   expect_refused(with_raster("5.vrt"), {"a virtual raster of more than 50000 rasters"});
 }
 
-TEST_F(InletManuals, ATiffOfADirectoryThatFollowsItselfIsRefused) {
+TEST_F(InputRegistryManuals, ATiffOfADirectoryThatFollowsItselfIsRefused) {
   write_tiff("grid.tif");
   std::string bytes = bytes_of(folder / "grid.tif");
   const auto at = [&bytes](std::size_t k) { return static_cast<unsigned char>(bytes.at(k)); };
@@ -209,13 +209,13 @@ TEST_F(InletManuals, ATiffOfADirectoryThatFollowsItselfIsRefused) {
   expect_refused(with_raster("grid.tif"), {"grid.tif: has a chain of more than 1000 pictures"});
 }
 
-TEST_F(InletManuals, WhatStandsBesideARasterIsShort) {
+TEST_F(InputRegistryManuals, WhatStandsBesideARasterIsShort) {
   folder.write("grid.asc", grid);
   folder.write("grid.prj", std::string(50'000'000, '\n'));
   expect_refused(with_raster("grid.asc"), {"grid.prj: has more than 65536 bytes", "move it away"});
 }
 
-TEST_F(InletManuals, AGeoPackageWithALogIsNotWrittenTo) {
+TEST_F(InputRegistryManuals, AGeoPackageWithALogIsNotWrittenTo) {
   sqlite3* database = nullptr;
   ASSERT_EQ(sqlite3_open((folder / "map.gpkg").c_str(), &database), SQLITE_OK);
   sqlite3_exec(database, "PRAGMA journal_mode=WAL; CREATE TABLE a (b)", nullptr, nullptr, nullptr);
@@ -230,7 +230,7 @@ TEST_F(InletManuals, AGeoPackageWithALogIsNotWrittenTo) {
   expect_refused(with_map("map.gpkg"), {"'map.gpkg-journal'"});
 }
 
-TEST_F(InletManuals, AGeoPackageComputesNothing) {
+TEST_F(InputRegistryManuals, AGeoPackageComputesNothing) {
   const auto with = [&](const std::string& sql) {
     fs::remove(folder / "map.gpkg");
     sqlite3* database = nullptr;
@@ -245,7 +245,7 @@ TEST_F(InletManuals, AGeoPackageComputesNothing) {
   expect_refused(with_map("map.gpkg"), {"a table with computed columns, 'more'"});
 }
 
-TEST_F(InletManuals, AResultThatNamesASceneElsewhereIsTold) {
+TEST_F(InputRegistryManuals, AResultThatNamesASceneElsewhereIsTold) {
   const TestFolder elsewhere, here;
   elsewhere.write("thing.obj", tetrahedron);
   const std::string scene = elsewhere.write("scene.toml", small_scene).string();
