@@ -309,7 +309,7 @@ class PlaneMerger {
   }
 
   /// Between pinned vertices.
-  std::vector<Edge> straightened(const std::vector<Edge>& border) const {
+  std::vector<Edge> mapped(const std::vector<Edge>& border) const {
     std::vector<Edge> straight;
     for (Edge edge : border) {
       if (!pinned_[edge[0]]) continue;
@@ -321,7 +321,7 @@ class PlaneMerger {
 
   bool merge(Plane& plane) const {
     stop_if_wanted();
-    const std::vector<Edge> border = straightened(plane.border);
+    const std::vector<Edge> border = mapped(plane.border);
     // A polygon of n corners is at least n - 2 triangles; pieces of their own have three corners or more.
     if (border.size() > 3 * plane.facets.size() / 2) return false;
     const PlanePicture picture(plane.normal);

@@ -333,7 +333,7 @@ FootprintTable table_of_one_end(const Transmission& transmission, std::size_t s,
       transmission.sensor(s).samples(), transmission.law(s).law, transmission.request().binning);
 
   const FootprintSet& set = history.footprints;
-  const ApparentGround* apparent = ground.apparent();
+  const ApparentSurface* apparent = ground.apparent();
   const glm::dvec3 apex = scene.grid.to_metres(history.tubes.apex);
   Rows rows(transmission, s);
   std::vector<FacetId> occluders;

@@ -7,7 +7,7 @@
 
 #include "engine/certified/receiver_pair_reference.hpp"
 #include "engine/rays/ray_engine.hpp"
-#include "engine/visibility/crossed_ways.hpp"
+#include "engine/visibility/mixed_eigenrays.hpp"
 #include "run/own_engine_part.hpp"
 #include "run/path_parts.hpp"
 #include "run/paths.hpp"
@@ -32,7 +32,7 @@ void add_refracted_pair_reference(const Transmission& transmission, PingSums& su
   const RefractedPairTransmission found = certify_refracted_pair_transmission(transmission);
   PingCounts& counts = sums.counts;
   counts.refraction.at_limit += found.at_limit;
-  for (const ApparentGround* ground : {&found.pair.apparent.transmit, &found.pair.apparent.receive})
+  for (const ApparentSurface* ground : {&found.pair.apparent.transmit, &found.pair.apparent.receive})
     add_counts(counts.refraction, *ground, transmission);
   if (transmission.site().ground) counts.refined_facets += found.facets();
   sums.add_finer_relief(transmission, found.history, found.pair.apparent.mesh,
@@ -75,7 +75,7 @@ void add_refracted_receiver_pair_reference(const Transmission& transmission, Pin
       const RefractedReceiverPairTransmission found =
           certify_refracted_receiver_pair_transmission(transmission, s, fan);
       counts.refraction.at_limit += found.at_limit;
-      for (const ApparentGround& ground : found.apparent.seen)
+      for (const ApparentSurface& ground : found.apparent.seen)
         add_counts(counts.refraction, ground, transmission);
       if (transmission.site().ground) counts.refined_facets += found.facets();
       sums.add_finer_relief(transmission, found.history, found.apparent.bed.mesh,
@@ -171,8 +171,8 @@ void add_receiver_pair(const Transmission& transmission, std::size_t s, const Se
 void add_refracted_receiver_apart(const Transmission& transmission, PingSums& sums) {
   const RefractedPair pair = refracted_pair_of(transmission);
   const FacetMesh& mesh = pair.apparent.mesh;
-  StraighteningCounts& counts = sums.counts.refraction;
-  for (const ApparentGround* ground : {&pair.apparent.transmit, &pair.apparent.receive})
+  ApparentMapCounts& counts = sums.counts.refraction;
+  for (const ApparentSurface* ground : {&pair.apparent.transmit, &pair.apparent.receive})
     add_counts(counts, *ground, transmission);
   if (transmission.site().ground) sums.counts.refined_facets += mesh.facets.size();
   const auto keep_misfit = [&](const std::vector<PairedFacet>& facets) {
@@ -272,21 +272,21 @@ void add_certified(const Transmission& transmission, PingSums& sums) {
 }
 
 /// Between different rays to one place, by tubes for rays too.
-void add_crossed_ways(const Transmission& transmission, PingSums& sums) {
-  const ApparentGround& ground = *transmission.ground().apparent();
+void add_mixed_eigenrays(const Transmission& transmission, PingSums& sums) {
+  const ApparentSurface& ground = *transmission.ground().apparent();
   const auto take = [&](const BistaticHistory& history) {
     for (const std::size_t s : transmission.group().sensors) {
       if (transmission.sensor(s).has_receiver_pair()) continue;
       SensorLaw law(transmission, TransmissionGround(transmission.site()), s);
       law.law.material = ground.part_material;
       sums.add(transmission, s, 1, transmission.echo(history, s, law.law).energy);
-      add_truth_of_crossed_ways(transmission, s, law.law, ground, history, sums);
+      add_truth_of_mixed_eigenrays(transmission, s, law.law, ground, history, sums);
     }
     sums.counts.pieces += history.shared.pieces.size();
   };
-  trace_crossed_ways(ground, transmission.ground().tree(), transmission.scene().grid,
-                     transmission.request().visibility, transmission.tubes(),
-                     [&](const BistaticHistory& history) { sums.as_echo([&] { take(history); }); });
+  trace_mixed_eigenrays(ground, transmission.ground().tree(), transmission.scene().grid,
+                        transmission.request().visibility, transmission.tubes(),
+                        [&](const BistaticHistory& history) { sums.as_echo([&] { take(history); }); });
 }
 
 void add_sampled(const Transmission& transmission, PingSums& sums) {
@@ -362,7 +362,7 @@ constexpr auto table = std::to_array<Row>({
      [](A a) { return a.one_ground && !a.apart && a.others && !a.rays && a.certified; }},
     {{"measured", add_measured},
      [](A a) { return a.one_ground && !a.apart && a.others && !a.rays && !a.certified; }},
-    {{"out along one ray and home along another", add_crossed_ways},
+    {{"out along one ray and home along another", add_mixed_eigenrays},
      [](A a) { return a.one_ground && !a.apart && a.refracted; }},
     {{"signals of elements", add_signals}, [](A a) { return a.signals && !a.own_engine; }},
 });

@@ -50,9 +50,9 @@ auto as_seen_by(const Transmission& transmission, const Work& work) {
 }
 
 void count_paths(const Transmission& transmission, const auto& paths, PingSums& sums) {
-  StraighteningCounts& counts = sums.counts.refraction;
+  ApparentMapCounts& counts = sums.counts.refraction;
   add_counts(counts, paths.seen_by_patches, transmission);
-  for (const ApparentGround& apparent : paths.grounds) add_counts(counts, apparent, transmission);
+  for (const ApparentSurface& apparent : paths.grounds) add_counts(counts, apparent, transmission);
   counts.largest_gap_m = std::max(counts.largest_gap_m, paths.largest_misfit_m);
   sums.counts.images += paths.images;
   sums.counts.arrivals += paths.arrivals;

@@ -25,16 +25,16 @@ constexpr double coarsest = 0.1;                // tolerance that the first try 
 constexpr double least_worth = 1.2;
 constexpr int most_halvings = 30;  // of what facets are cut by, until they are cut
 
-RefractedTransmission certify(const Transmission& transmission, const TransmissionStraightening& seen,
-                              ApparentGround apparent) {
+RefractedTransmission certify(const Transmission& transmission, const TransmissionApparentMap& seen,
+                              ApparentSurface apparent) {
   const Scene& scene = transmission.scene();
   const VisibilityOptions& options = transmission.request().visibility;
   const std::vector<FacetId> parent = apparent.refined.parent;
   seen.bed().name_by_scene(apparent);
   RefractedTransmission found{TransmissionGround(transmission.site(), std::move(apparent)), {}, 0, {}, false};
   const FacetMesh& mesh = found.ground.mesh();
-  const StraightenedBed bed{*found.ground.apparent(), found.ground.tree(), seen.bed().mesh(), parent,
-                            scene.grid};
+  const MappedSeabed bed{*found.ground.apparent(), found.ground.tree(), seen.bed().mesh(), parent,
+                         scene.grid};
   const TubeEngine engine(mesh, found.ground.tree(), scene.grid.unit_m(), options);
   found.history = engine.trace(transmission.tubes(), &found.candidates, false);
   const glm::dvec3 apex = scene.grid.to_metres(found.history.tubes.apex);
@@ -43,9 +43,9 @@ RefractedTransmission certify(const Transmission& transmission, const Transmissi
       found.sensors.emplace_back();
       continue;
     }
-    const Straightening straightening =
-        straightening_of(transmission.site(), transmission.survey().sensors[s], apex);
-    const RayEnclosure rays(straightening, eigenray_options(transmission.site()));
+    const ApparentMap apparent_map =
+        apparent_map_of(transmission.site(), transmission.survey().sensors[s], apex);
+    const RayEnclosure rays(apparent_map, eigenray_options(transmission.site()));
     const SensorLaw sensor_law(transmission, found.ground, s);
     const EchoLaw& law = sensor_law.law;
     const Sensor& sensor = transmission.sensor(s);
@@ -56,11 +56,11 @@ RefractedTransmission certify(const Transmission& transmission, const Transmissi
   return found;
 }
 
-RefractedPairTransmission certify(const Transmission& transmission, const PairStraightening& seen,
+RefractedPairTransmission certify(const Transmission& transmission, const PairApparentMap& seen,
                                   RefractedPair pair) {
   const ApparentPair& apparent = pair.apparent;
   std::vector<FacetId> parent(apparent.mesh.facets.size());
-  const auto take = [&](const ApparentGround& ground, const std::vector<FacetId>& origin) {
+  const auto take = [&](const ApparentSurface& ground, const std::vector<FacetId>& origin) {
     for (std::size_t k = 0; k < origin.size(); ++k) parent[origin[k]] = ground.refined.parent[k];
   };
   take(apparent.transmit, apparent.transmit_origin);
@@ -91,23 +91,23 @@ RefractedPairTransmission certify(const Transmission& transmission, const PairSt
   return found;
 }
 
-/// One fan of a receiver pair, whose ends the ground was straightened for: transmitter, upper and lower
+/// One fan of a receiver pair, whose ends the ground was mapped for: transmitter, upper and lower
 /// receiver.
 struct ReceiverPairEnds {
-  const EndsStraightening& ends;
+  const EndsApparentMap& ends;
   std::size_t sensor;
   std::uint32_t fan;
   const ReceiverBaseline& receiver_pair;
 };
 
 RefractedReceiverPairTransmission certify(const Transmission& transmission, const ReceiverPairEnds& seen,
-                                          AlikeGrounds grounds) {
-  const EndsStraightening& ends = seen.ends;
+                                          CommonApparentSurfaces grounds) {
+  const EndsApparentMap& ends = seen.ends;
   const Sensor& sensor = transmission.sensor(seen.sensor);
   const WorldGrid& grid = transmission.scene().grid;
   const VisibilityOptions& options = transmission.request().visibility;
   RefractedReceiverPairTransmission found{std::move(grounds), {}, {}, false};
-  const AlikeGrounds& own = found.apparent;
+  const CommonApparentSurfaces& own = found.apparent;
   const FacetMesh& mesh = own.bed.mesh;
   SensorLaw law(transmission, TransmissionGround(transmission.site()), seen.sensor);
   const BeamPatterns patterns = patterns_of_fan(law.patterns, seen.fan, ends.tubes(1).tubes.size());
@@ -138,7 +138,7 @@ RefractedReceiverPairTransmission certify(const Transmission& transmission, cons
       {bed_of(1), bed_of(2)},
       {PairedTubes{ends.tubes(0), ends.tubes(1)}, PairedTubes{ends.tubes(0), ends.tubes(2)}}, options,
       seen.receiver_pair, sensor.samples(), law.law, ordinary, *transmission.request().reference_tolerance));
-  for (ApparentGround& ground : found.apparent.seen) ends.bed().name_by_scene(ground);
+  for (ApparentSurface& ground : found.apparent.seen) ends.bed().name_by_scene(ground);
   return found;
 }
 
@@ -175,8 +175,8 @@ Quality quality_of(std::span<const RefractedReference> sensors) {
 }
 
 /// As finely as the first try is made for.
-StraighteningSettings first_settings(const Transmission& transmission, double reach_m,
-                                     StraighteningSettings settings) {
+ApparentMapSettings first_settings(const Transmission& transmission, double reach_m,
+                                   ApparentMapSettings settings) {
   const double unit = transmission.scene().grid.unit_m(), sample = transmission.sample_length_m(),
                first = std::max(*transmission.request().reference_tolerance, coarsest);
   // The scene's own keys are for ordinary runs. What is left between straight and curved shrinks with the
@@ -188,24 +188,24 @@ StraighteningSettings first_settings(const Transmission& transmission, double re
   return settings;
 }
 
-std::size_t facets_of(const ApparentGround& ground) { return ground.refined.mesh.facets.size(); }
+std::size_t facets_of(const ApparentSurface& ground) { return ground.refined.mesh.facets.size(); }
 std::size_t facets_of(const RefractedPair& pair) { return pair.apparent.mesh.facets.size(); }
-std::size_t facets_of(const AlikeGrounds& grounds) { return grounds.bed.mesh.facets.size(); }
-double largest_gap_m(const AlikeGrounds& grounds) {
-  return std::ranges::max(grounds.seen, {}, &ApparentGround::largest_gap_m).largest_gap_m;
+std::size_t facets_of(const CommonApparentSurfaces& grounds) { return grounds.bed.mesh.facets.size(); }
+double largest_gap_m(const CommonApparentSurfaces& grounds) {
+  return std::ranges::max(grounds.seen, {}, &ApparentSurface::largest_gap_m).largest_gap_m;
 }
-double largest_gap_m(const ApparentGround& ground) { return ground.largest_gap_m; }
+double largest_gap_m(const ApparentSurface& ground) { return ground.largest_gap_m; }
 double largest_gap_m(const RefractedPair& pair) {
   return std::max(pair.apparent.transmit.largest_gap_m, pair.apparent.receive.largest_gap_m);
 }
 
-/// Ever finer. `ground(settings)`: straightened so, for certify().
+/// Ever finer. `ground(settings)`: mapped so, for certify().
 template <class Seen, class Ground>
 auto certify_ever_finer(const Transmission& transmission, double reach_m, const Seen& seen,
                         const Ground& ground_of) {
   const double unit = transmission.scene().grid.unit_m();
-  StraighteningSettings settings =
-      first_settings(transmission, reach_m, straightening_settings(transmission, reach_m));
+  ApparentMapSettings settings =
+      first_settings(transmission, reach_m, apparent_map_settings(transmission, reach_m));
   std::optional best(certify(transmission, seen, ground_of(settings)));
   std::size_t facets_before = best->facets();
   for (int tries = 1;; ++tries) {
@@ -251,16 +251,15 @@ auto certify_ever_finer(const Transmission& transmission, double reach_m, const 
 }  // namespace
 
 RefractedTransmission certify_refracted_transmission(const Transmission& transmission) {
-  const TransmissionStraightening seen(transmission);
+  const TransmissionApparentMap seen(transmission);
   return certify_ever_finer(transmission, transmission.tubes().reach * transmission.scene().grid.unit_m(),
-                            seen,
-                            [&](const StraighteningSettings& settings) { return seen.ground(settings); });
+                            seen, [&](const ApparentMapSettings& settings) { return seen.ground(settings); });
 }
 
 RefractedPairTransmission certify_refracted_pair_transmission(const Transmission& transmission) {
-  const PairStraightening seen(transmission);
+  const PairApparentMap seen(transmission);
   return certify_ever_finer(transmission, seen.reach_m(), seen,
-                            [&](const StraighteningSettings& settings) { return seen.pair(settings); });
+                            [&](const ApparentMapSettings& settings) { return seen.pair(settings); });
 }
 
 RefractedReceiverPairTransmission certify_refracted_receiver_pair_transmission(
@@ -277,8 +276,7 @@ RefractedReceiverPairTransmission certify_refracted_receiver_pair_transmission(
                               ? tubes_of_fan(transmission.receive_tubes(sensor), fans, fan)
                               : transmit;
   std::vector<TubeSet> tubes{transmit};
-  std::vector<Straightening> water{
-      straightening_of(transmission.site(), pings, grid.to_metres(transmit.apex))};
+  std::vector<ApparentMap> water{apparent_map_of(transmission.site(), pings, grid.to_metres(transmit.apex))};
   for (const double end : {1.0, -1.0}) {
     const glm::dvec3 at_m =
         grid.to_metres(receive.apex) + end * receiver_pair.baseline_m / 2 * receiver_pair.axis;
@@ -289,16 +287,16 @@ RefractedReceiverPairTransmission certify_refracted_receiver_pair_transmission(
                       "shorten 'baseline_m', or raise 'surface_height_m' of [water]",
                       transmission.name(), above));
     tubes.push_back(moved_along(receive, receiver_pair, end, grid.unit_m()));
-    water.push_back(straightening_of(transmission.site(), pings, at_m));
+    water.push_back(apparent_map_of(transmission.site(), pings, at_m));
   }
-  const EndsStraightening ends(transmission, std::move(tubes), std::move(water));
+  const EndsApparentMap ends(transmission, std::move(tubes), std::move(water));
   return certify_ever_finer(transmission, ends.reach_m(), ReceiverPairEnds{ends, sensor, fan, receiver_pair},
-                            [&](const StraighteningSettings& settings) { return ends.grounds(settings); });
+                            [&](const ApparentMapSettings& settings) { return ends.grounds(settings); });
 }
 
 std::size_t RefractedPathsTransmission::facets() const {
   std::size_t all = 0;
-  for (const ApparentGround& ground : paths.grounds) all += facets_of(ground);
+  for (const ApparentSurface& ground : paths.grounds) all += facets_of(ground);
   return all;
 }
 
@@ -307,7 +305,7 @@ RefractedPathsTransmission certify_refracted_paths(const Transmission& transmiss
                                                    const std::function<PathEcho(const PathWater&)>& trace) {
   const double tolerance = *transmission.request().reference_tolerance;
   PathWater finer = water;
-  finer.straightening = first_settings(transmission, reach_m, water.straightening);
+  finer.apparent_map = first_settings(transmission, reach_m, water.apparent_map);
   const auto certified = [&] {
     RefractedPathsTransmission found{trace(finer), {}, false};
     for (std::size_t order = 0; order < found.paths.by_order.size(); ++order)
@@ -324,9 +322,9 @@ RefractedPathsTransmission certify_refracted_paths(const Transmission& transmiss
     const double room = std::sqrt(most_facets_of_paths / std::max(double(best.facets()), 1.0));
     if (room < least_worth || tries == most_tries) break;
     const double by = halvings > 0 ? std::exp2(std::min(halvings, 3)) : quality.finer(room);
-    finer.straightening.gap_m =
-        std::max(finer.straightening.gap_m / by, 2 * transmission.scene().grid.unit_m());
-    finer.straightening.tolerance_db /= by;
+    finer.apparent_map.gap_m =
+        std::max(finer.apparent_map.gap_m / by, 2 * transmission.scene().grid.unit_m());
+    finer.apparent_map.tolerance_db /= by;
     RefractedPathsTransmission next = certified();
     const Quality found = quality_of(next.orders);
     const bool worth_more = found.is_worth_more_than(quality), as_it_was = next.facets() == best.facets();

@@ -33,7 +33,7 @@ struct RefractedPairTransmission {
 
 /// The same of one fan of a receiver pair.
 struct RefractedReceiverPairTransmission {
-  AlikeGrounds apparent;                    ///< of the transmitter, of the upper and of the lower receiver
+  CommonApparentSurfaces apparent;          ///< of the transmitter, of the upper and of the lower receiver
   BistaticHistory history;                  ///< of the upper one
   std::vector<RefractedReference> sensors;  ///< one, by rows (certify_refracted_receiver_pair())
   bool at_limit = false;

@@ -122,7 +122,7 @@ PathWater path_water(const Transmission& transmission, std::size_t sensor, doubl
           transmission.scene().water->surface_height_m(),
           eigenray_options(transmission.site()),
           pings.sound_speed_m_s,
-          straightening_settings(transmission, reach_m),
+          apparent_map_settings(transmission, reach_m),
           most_per_transmission,
           transmission.scene().grid};
 }
@@ -134,11 +134,11 @@ EigenrayOptions eigenray_options(const Site& site) {
   return options;
 }
 
-Straightening straightening_of(const Site& site, const SensorPings& pings, glm::dvec3 apex_m) {
+ApparentMap apparent_map_of(const Site& site, const SensorPings& pings, glm::dvec3 apex_m) {
   EigenrayOptions options = eigenray_options(site);
   options.frequency_hz = 1e3 * pings.sensor->frequency_khz();
-  return Straightening(*pings.water, apex_m, site.scene.water->surface_height_m(), options,
-                       pings.sound_speed_m_s);
+  return ApparentMap(*pings.water, apex_m, site.scene.water->surface_height_m(), options,
+                     pings.sound_speed_m_s);
 }
 
 double sound_speed_at(const Scene& scene, const SensorDescription& sensor, const Trajectory& trajectory) {
@@ -178,10 +178,10 @@ void put_into_water(Site& site, Fleet& fleet) {
   }
 }
 
-StraighteningSettings straightening_settings(const Transmission& transmission, double reach_m) {
+ApparentMapSettings apparent_map_settings(const Transmission& transmission, double reach_m) {
   const WaterDescription& keys = transmission.scene().description.water;
   const double sample = transmission.sample_length_m();
-  StraighteningSettings settings;
+  ApparentMapSettings settings;
   settings.gap_m = keys.refraction_gap_m.value_or(std::min(sample / 4, gap_of_phases_m(transmission)));
   settings.tolerance_db = keys.refraction_tolerance_db.value_or(0.1);
   // Caustics and the borders of shadows take no more edges than a sector is wide.
@@ -221,7 +221,7 @@ std::vector<FacetId> LyingBed::facets(std::span<const ViewBounds> all_view_bound
   return all;
 }
 
-void LyingBed::name_by_scene(ApparentGround& ground) const {
+void LyingBed::name_by_scene(ApparentSurface& ground) const {
   if (!tree_) return;
   for (std::size_t k = 0; k < ground.refined.parent.size(); ++k) {
     FacetId& facet = ground.refined.parent[k];
@@ -232,37 +232,37 @@ void LyingBed::name_by_scene(ApparentGround& ground) const {
   for (UnclearPlace& place : ground.unclear) place.facet = relief_.parent[place.facet];
 }
 
-TransmissionStraightening::TransmissionStraightening(const Transmission& transmission, bool weights)
+TransmissionApparentMap::TransmissionApparentMap(const Transmission& transmission, bool weights)
     : transmission_(transmission),
       weights_(weights),
       tubes_(transmission.tubes()),
-      straightening_(straightening_of(transmission.site(), transmission.pings(),
-                                      transmission.scene().grid.to_metres(tubes_.apex))),
-      view_bounds_(tubes_, transmission.scene().grid.unit_m(), straightening_),
+      apparent_map_(apparent_map_of(transmission.site(), transmission.pings(),
+                                    transmission.scene().grid.to_metres(tubes_.apex))),
+      view_bounds_(tubes_, transmission.scene().grid.unit_m(), apparent_map_),
       bed_(transmission, {&tubes_, 1}, {&view_bounds_, 1}, weights),
       facets_(bed_.facets({&view_bounds_, 1})) {}
 
-ApparentGround TransmissionStraightening::ground(const StraighteningSettings& settings) const {
+ApparentSurface TransmissionApparentMap::ground(const ApparentMapSettings& settings) const {
   const Scene& scene = transmission_.scene();
   return made_for(transmission_, [&] {
-    return straighten(bed_.mesh(), facets_, scene.grid, straightening_,
-                      absorption_db_per_m(scene, *transmission_.pings().sensor), settings,
-                      {most_per_transmission.facets, weights_}, scene.scattering, &view_bounds_);
+    return map_apparent(bed_.mesh(), facets_, scene.grid, apparent_map_,
+                        absorption_db_per_m(scene, *transmission_.pings().sensor), settings,
+                        {most_per_transmission.facets, weights_}, scene.scattering, &view_bounds_);
   });
 }
 
 TransmissionGround refracted_ground_of(const Transmission& transmission, bool weights) {
-  const TransmissionStraightening seen(transmission, weights);
-  StraighteningSettings settings =
-      straightening_settings(transmission, transmission.tubes().reach * transmission.scene().grid.unit_m());
+  const TransmissionApparentMap seen(transmission, weights);
+  ApparentMapSettings settings =
+      apparent_map_settings(transmission, transmission.tubes().reach * transmission.scene().grid.unit_m());
   settings.later_arrivals = true;
-  ApparentGround ground = seen.ground(settings);
+  ApparentSurface ground = seen.ground(settings);
   seen.bed().name_by_scene(ground);
   return TransmissionGround(transmission.site(), std::move(ground));
 }
 
-EndsStraightening::EndsStraightening(const Transmission& transmission, std::vector<TubeSet> tubes,
-                                     std::vector<Straightening> water, bool weights)
+EndsApparentMap::EndsApparentMap(const Transmission& transmission, std::vector<TubeSet> tubes,
+                                 std::vector<ApparentMap> water, bool weights)
     : transmission_(transmission), weights_(weights), tubes_(std::move(tubes)), water_(std::move(water)) {
   for (std::size_t end = 0; end < tubes_.size(); ++end)
     all_view_bounds_.emplace_back(tubes_[end], transmission.scene().grid.unit_m(), water_[end]);
@@ -271,45 +271,46 @@ EndsStraightening::EndsStraightening(const Transmission& transmission, std::vect
   facets_ = bed_->facets(all_view_bounds_);
 }
 
-double EndsStraightening::absorption_db_per_m() const {
+double EndsApparentMap::absorption_db_per_m() const {
   return tubefoot::absorption_db_per_m(transmission_.scene(), *transmission_.pings().sensor);
 }
 
-double EndsStraightening::reach_m() const {
+double EndsApparentMap::reach_m() const {
   return std::ranges::max_element(tubes_, {}, &TubeSet::reach)->reach * transmission_.scene().grid.unit_m();
 }
 
-AlikeGrounds EndsStraightening::grounds(const StraighteningSettings& settings) const {
-  std::vector<const Straightening*> ways;
+CommonApparentSurfaces EndsApparentMap::grounds(const ApparentMapSettings& settings) const {
+  std::vector<const ApparentMap*> ways;
   std::vector<const ViewBounds*> all_view_bounds;
   for (std::size_t end = 0; end < tubes_.size(); ++end) {
     ways.push_back(&water_[end]);
     all_view_bounds.push_back(&all_view_bounds_[end]);
   }
   return made_for(transmission_, [&] {
-    return straighten_alike(bed_->mesh(), facets_, transmission_.scene().grid, ways, absorption_db_per_m(),
-                            settings, {most_per_transmission.facets, weights_}, all_view_bounds);
+    return map_apparent_together(bed_->mesh(), facets_, transmission_.scene().grid, ways,
+                                 absorption_db_per_m(), settings, {most_per_transmission.facets, weights_},
+                                 all_view_bounds);
   });
 }
 
 namespace {
 
-std::vector<Straightening> water_of_both(const Transmission& transmission) {
+std::vector<ApparentMap> water_of_both(const Transmission& transmission) {
   const WorldGrid& grid = transmission.scene().grid;
   return {
-      straightening_of(transmission.site(), transmission.pings(), grid.to_metres(transmission.tubes().apex)),
-      straightening_of(transmission.site(), transmission.pings(),
-                       grid.to_metres(transmission.receive_tubes(transmission.first()).apex))};
+      apparent_map_of(transmission.site(), transmission.pings(), grid.to_metres(transmission.tubes().apex)),
+      apparent_map_of(transmission.site(), transmission.pings(),
+                      grid.to_metres(transmission.receive_tubes(transmission.first()).apex))};
 }
 
 }  // namespace
 
-PairStraightening::PairStraightening(const Transmission& transmission, bool weights)
+PairApparentMap::PairApparentMap(const Transmission& transmission, bool weights)
     : ends_(transmission, {transmission.tubes(), transmission.receive_tubes(transmission.first())},
             water_of_both(transmission), weights) {}
 
-RefractedPair PairStraightening::pair(const StraighteningSettings& settings) const {
-  AlikeGrounds grounds = ends_.grounds(settings);
+RefractedPair PairApparentMap::pair(const ApparentMapSettings& settings) const {
+  CommonApparentSurfaces grounds = ends_.grounds(settings);
   return {ends_.tubes(0),
           ends_.tubes(1),
           ends_.water(0),
@@ -320,8 +321,8 @@ RefractedPair PairStraightening::pair(const StraighteningSettings& settings) con
 }
 
 RefractedPair refracted_pair_of(const Transmission& transmission, bool weights) {
-  const PairStraightening both(transmission, weights);
-  RefractedPair pair = both.pair(straightening_settings(transmission, both.reach_m()));
+  const PairApparentMap both(transmission, weights);
+  RefractedPair pair = both.pair(apparent_map_settings(transmission, both.reach_m()));
   both.bed().name_by_scene(pair.apparent.transmit);
   both.bed().name_by_scene(pair.apparent.receive);
   return pair;
@@ -393,7 +394,7 @@ void trace_rays_of_both(const Transmission& transmission, const RefractedPair& p
              nullptr, &guide);
 }
 
-void add_counts(StraighteningCounts& counts, const ApparentGround& ground, const Transmission& transmission) {
+void add_counts(ApparentMapCounts& counts, const ApparentSurface& ground, const Transmission& transmission) {
   add_counts(
       counts,
       GroundCounts{ground.refined.mesh.facets.size(), ground.facets_in_shadow, ground.facets_of_several,
@@ -401,9 +402,9 @@ void add_counts(StraighteningCounts& counts, const ApparentGround& ground, const
       transmission);
 }
 
-void add_counts(StraighteningCounts& counts, const GroundCounts& grounds, const Transmission& transmission) {
-  StraighteningCounts own{grounds.facets, grounds.in_shadow, grounds.of_several, grounds.folded,
-                          grounds.largest_gap_m};
+void add_counts(ApparentMapCounts& counts, const GroundCounts& grounds, const Transmission& transmission) {
+  ApparentMapCounts own{grounds.facets, grounds.in_shadow, grounds.of_several, grounds.folded,
+                        grounds.largest_gap_m};
   const glm::dvec3 apex = transmission.pose().position_m;
   const auto keep = [&](const UnclearPlace& place, std::array<double, 3>& kept) {
     if (kept[2] == 0) kept = polar(place.direction, glm::distance(place.at_m, apex));
@@ -413,7 +414,7 @@ void add_counts(StraighteningCounts& counts, const GroundCounts& grounds, const 
   add_counts(counts, own);
 }
 
-void add_counts(StraighteningCounts& sum, const StraighteningCounts& more) {
+void add_counts(ApparentMapCounts& sum, const ApparentMapCounts& more) {
   sum.facets += more.facets;
   if (sum.in_shadow == 0) sum.shadow = more.shadow;
   if (sum.of_several == 0) sum.several = more.several;
@@ -426,7 +427,7 @@ void add_counts(StraighteningCounts& sum, const StraighteningCounts& more) {
 }
 
 nlohmann::ordered_json refraction_json(const Survey& survey, bool reference, const SimulationStats& stats) {
-  const StraighteningCounts& counts = stats.refraction;
+  const ApparentMapCounts& counts = stats.refraction;
   const std::string left_out = rays_left_out(survey, reference);
   nlohmann::ordered_json json{
       {"profile", survey.scene.description.water.profile},
@@ -453,7 +454,7 @@ nlohmann::ordered_json refraction_json(const Survey& survey, bool reference, con
 
 std::vector<std::string> refraction_warnings(const Survey& survey, bool reference,
                                              const SimulationStats& stats) {
-  const StraighteningCounts& counts = stats.refraction;
+  const ApparentMapCounts& counts = stats.refraction;
   std::vector<std::string> warnings;
   const auto at = [](const std::array<double, 3>& place) {
     return fmt::format("the first at azimuth {:.1f} and elevation {:.1f} degrees, {:.4g} m away", place[0],

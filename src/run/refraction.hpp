@@ -22,9 +22,9 @@ double sound_speed_at(const Scene& scene, const SensorDescription& sensor, const
 void put_into_water(Site& site, Fleet& fleet);
 
 EigenrayOptions eigenray_options(const Site& site);
-Straightening straightening_of(const Site& site, const SensorPings& pings, glm::dvec3 apex_m);
+ApparentMap apparent_map_of(const Site& site, const SensorPings& pings, glm::dvec3 apex_m);
 /// As the scene asks for.
-StraighteningSettings straightening_settings(const Transmission& transmission, double reach_m);
+ApparentMapSettings apparent_map_settings(const Transmission& transmission, double reach_m);
 
 /// The bed of a transmission where it lies: the scene's, or with relief as fine as bent rays need it.
 class LyingBed {
@@ -37,7 +37,7 @@ class LyingBed {
   /// Of any of the view bounds, by increasing id.
   std::vector<FacetId> facets(std::span<const ViewBounds> all_view_bounds) const;
   /// From facets of this bed to the scene's.
-  void name_by_scene(ApparentGround& ground) const;
+  void name_by_scene(ApparentSurface& ground) const;
 
  private:
   const Site& site_;
@@ -49,22 +49,22 @@ class LyingBed {
 /// facets. Throws InputError where it takes too many.
 TransmissionGround refracted_ground_of(const Transmission& transmission, bool weights = false);
 
-/// What a transmission sees of its bed, straightened as finely as one likes; facets are named by the bed.
-class TransmissionStraightening {
+/// What a transmission sees of its bed, mapped as finely as one likes; facets are named by the bed.
+class TransmissionApparentMap {
  public:
   /// Throws as refracted_ground_of().
-  explicit TransmissionStraightening(const Transmission& transmission, bool weights = false);
-  TransmissionStraightening(const TransmissionStraightening&) = delete;
-  TransmissionStraightening& operator=(const TransmissionStraightening&) = delete;
+  explicit TransmissionApparentMap(const Transmission& transmission, bool weights = false);
+  TransmissionApparentMap(const TransmissionApparentMap&) = delete;
+  TransmissionApparentMap& operator=(const TransmissionApparentMap&) = delete;
   const LyingBed& bed() const { return bed_; }
   /// Throws as refracted_ground_of().
-  ApparentGround ground(const StraighteningSettings& settings) const;
+  ApparentSurface ground(const ApparentMapSettings& settings) const;
 
  private:
   const Transmission& transmission_;
   bool weights_;
   TubeSet tubes_;
-  Straightening straightening_;
+  ApparentMap apparent_map_;
   ViewBounds view_bounds_;
   LyingBed bed_;
   std::vector<FacetId> facets_;
@@ -80,46 +80,46 @@ PathWater path_water(const Transmission& transmission, std::size_t sensor, doubl
 /// The facets of a transmission where its transmitter and its receiver, apart, see them.
 struct RefractedPair {
   TubeSet transmit_tubes, receive_tubes;
-  Straightening transmit_water, receive_water;
+  ApparentMap transmit_water, receive_water;
   double absorption_db_per_m;
   ApparentPair apparent;
 };
-/// What several ends of a transmission see of its bed, straightened alike and as finely as one likes; facets
+/// What several ends of a transmission see of its bed, mapped together and as finely as one likes; facets
 /// are named by the bed.
-class EndsStraightening {
+class EndsApparentMap {
  public:
   /// Throws as refracted_ground_of().
-  EndsStraightening(const Transmission& transmission, std::vector<TubeSet> tubes,
-                    std::vector<Straightening> water, bool weights = false);
-  EndsStraightening(const EndsStraightening&) = delete;
-  EndsStraightening& operator=(const EndsStraightening&) = delete;
+  EndsApparentMap(const Transmission& transmission, std::vector<TubeSet> tubes,
+                  std::vector<ApparentMap> water, bool weights = false);
+  EndsApparentMap(const EndsApparentMap&) = delete;
+  EndsApparentMap& operator=(const EndsApparentMap&) = delete;
   const LyingBed& bed() const { return *bed_; }
   const TubeSet& tubes(std::size_t end) const { return tubes_[end]; }
-  const Straightening& water(std::size_t end) const { return water_[end]; }
+  const ApparentMap& water(std::size_t end) const { return water_[end]; }
   double absorption_db_per_m() const;
   double reach_m() const;
   /// Throws as refracted_ground_of().
-  AlikeGrounds grounds(const StraighteningSettings& settings) const;
+  CommonApparentSurfaces grounds(const ApparentMapSettings& settings) const;
 
  private:
   const Transmission& transmission_;
   bool weights_;
   std::vector<TubeSet> tubes_;
-  std::vector<Straightening> water_;
+  std::vector<ApparentMap> water_;
   std::vector<ViewBounds> all_view_bounds_;
   std::optional<LyingBed> bed_;
   std::vector<FacetId> facets_;
 };
 /// Of transmitter and receiver.
-class PairStraightening {
+class PairApparentMap {
  public:
-  explicit PairStraightening(const Transmission& transmission, bool weights = false);
+  explicit PairApparentMap(const Transmission& transmission, bool weights = false);
   const LyingBed& bed() const { return ends_.bed(); }
   double reach_m() const { return ends_.reach_m(); }
-  RefractedPair pair(const StraighteningSettings& settings) const;
+  RefractedPair pair(const ApparentMapSettings& settings) const;
 
  private:
-  EndsStraightening ends_;
+  EndsApparentMap ends_;
 };
 /// As the scene asks for, named by the scene. `weights` as there. Throws as refracted_ground_of().
 RefractedPair refracted_pair_of(const Transmission& transmission, bool weights = false);
@@ -135,9 +135,9 @@ ReceiverPairHistory trace_receiver_pair(const Transmission& transmission, const 
 std::vector<ReceiverBaseline> refracted_receiver_baselines(const Transmission& transmission,
                                                            const RefractedPair& pair);
 
-void add_counts(StraighteningCounts& counts, const ApparentGround& ground, const Transmission& transmission);
-void add_counts(StraighteningCounts& counts, const GroundCounts& grounds, const Transmission& transmission);
-void add_counts(StraighteningCounts& sum, const StraighteningCounts& more);
+void add_counts(ApparentMapCounts& counts, const ApparentSurface& ground, const Transmission& transmission);
+void add_counts(ApparentMapCounts& counts, const GroundCounts& grounds, const Transmission& transmission);
+void add_counts(ApparentMapCounts& sum, const ApparentMapCounts& more);
 
 /// For stats.json. `reference`: of a run with bounds.
 nlohmann::ordered_json refraction_json(const Survey& survey, bool reference, const SimulationStats& stats);

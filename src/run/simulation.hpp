@@ -37,7 +37,7 @@ struct SimulationStats {
   std::size_t refined_facets = 0;  ///< made for transmissions, with relief online
   /// What finer relief than its facets would change (FinerRelief), of the worst ping.
   double finer_relief_largest = 0, finer_relief_rms = 0;
-  StraighteningCounts refraction;
+  ApparentMapCounts refraction;
   std::size_t shadowed_pings = 0;  ///< of which facets were left out in shadows
   ReferenceStats reference;
 };

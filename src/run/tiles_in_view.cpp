@@ -129,11 +129,11 @@ TileChoice TilesInView::looked_at(std::span<const Boxes> list, const Transmissio
       // How much farther a ray may come than its range says.
       double stretch = 1;
       if (scene.water->refracts()) {
-        const Straightening straightening = straightening_of(site_, pings, grid.to_metres(tubes.apex));
-        const ViewBounds view_bounds(tubes, grid.unit_m(), straightening);
+        const ApparentMap apparent_map = apparent_map_of(site_, pings, grid.to_metres(tubes.apex));
+        const ViewBounds view_bounds(tubes, grid.unit_m(), apparent_map);
         for (const Boxes& boxes : list)
           boxes.add_to(choice, view_bounds.facets(boxes.mesh, *boxes.tree, grid, lift_m_));
-        stretch = fastest_m_s(scene.water->profile()) / straightening.reference_speed_m_s();
+        stretch = fastest_m_s(scene.water->profile()) / apparent_map.reference_speed_m_s();
       } else {
         // Without ground of its own a transmission knows which sheets it sees from above, which what is under
         // and over its tubes may change: docs/big-terrain.md

@@ -13,7 +13,7 @@ TransmissionEnds::TransmissionEnds(const Transmission& transmission, std::size_t
     pair_.emplace(refracted_pair_of(transmission, weights));
     const ApparentPair& pair = pair_->apparent;
     pair_parent_.resize(pair.mesh.facets.size());
-    const auto add = [&](const TubeSet& tubes, const ApparentGround& ground,
+    const auto add = [&](const TubeSet& tubes, const ApparentSurface& ground,
                          const std::vector<FacetId>& origin) {
       for (std::size_t k = 0; k < origin.size(); ++k) pair_parent_[origin[k]] = ground.refined.parent[k];
       trees_.push_back(std::make_unique<SceneTree>(ground.refined.mesh, SceneTree::Sheets::ignored));

@@ -19,7 +19,7 @@ struct TransmissionEnd {
   const FacetMesh* mesh = nullptr;
   const SceneTree* tree = nullptr;
   const RefinedMesh* refined = nullptr;  ///< the mesh as parts of the scene's facets; null: those themselves
-  const ApparentGround* apparent = nullptr;  ///< null where facets are where they seem to be
+  const ApparentSurface* apparent = nullptr;  ///< null where facets are where they seem to be
   /// By facet: the same one's name for the other end, where both ends have meshes of their own; else empty.
   std::span<const FacetId> name{};
   const Site* site = nullptr;  ///< whose facets these are; null: they are the transmission's own

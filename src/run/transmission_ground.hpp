@@ -23,9 +23,9 @@ class TransmissionGround {
         tree_(std::make_unique<SceneTree>(refined_->mesh, SceneTree::Sheets::ignored)) {}
 
   /// As the sonar sees it through refracting water.
-  TransmissionGround(const Site& site, ApparentGround apparent)
+  TransmissionGround(const Site& site, ApparentSurface apparent)
       : site_(&site),
-        apparent_(std::make_unique<ApparentGround>(std::move(apparent))),
+        apparent_(std::make_unique<ApparentSurface>(std::move(apparent))),
         tree_(std::make_unique<SceneTree>(apparent_->refined.mesh, SceneTree::Sheets::ignored)) {}
 
   const FacetMesh& mesh() const { return is_own() ? own().mesh : site_->scene.mesh; }
@@ -41,14 +41,14 @@ class TransmissionGround {
   /// Facets of the transmission's own, as parts of the scene's; null: the site's own.
   const RefinedMesh* refined() const { return is_own() ? &own() : nullptr; }
   /// Null where facets are where they seem to be.
-  const ApparentGround* apparent() const { return apparent_.get(); }
+  const ApparentSurface* apparent() const { return apparent_.get(); }
 
  private:
   const RefinedMesh& own() const { return apparent_ ? apparent_->refined : *refined_; }
 
   const Site* site_;
   std::unique_ptr<RefinedMesh> refined_;
-  std::unique_ptr<ApparentGround> apparent_;
+  std::unique_ptr<ApparentSurface> apparent_;
   std::unique_ptr<SceneTree> tree_;
 };
 

@@ -12,7 +12,7 @@ namespace tubefoot {
 namespace {
 
 /// By part of a ground that several rays show.
-std::vector<std::uint16_t> owners_of_parts(const Truth& truth, const ApparentGround& ground) {
+std::vector<std::uint16_t> owners_of_parts(const Truth& truth, const ApparentSurface& ground) {
   std::vector<std::uint16_t> owners(ground.part_material.size());
   for (const RayOfPart& ray : ground.several)
     owners[ray.part] = truth.owner(ground.refined.mesh.component[ray.seen], ground.part_material[ray.part]);
@@ -41,9 +41,9 @@ void add_truth(const Transmission& transmission, std::size_t s, const Transmissi
   add_truth(transmission, s, law.law, mesh, visibility, sums);
 }
 
-void add_truth_of_crossed_ways(const Transmission& transmission, std::size_t s, const EchoLaw& law,
-                               const ApparentGround& ground, const CommonVisibility& visibility,
-                               PingSums& sums) {
+void add_truth_of_mixed_eigenrays(const Transmission& transmission, std::size_t s, const EchoLaw& law,
+                                  const ApparentSurface& ground, const CommonVisibility& visibility,
+                                  PingSums& sums) {
   if (transmission.truth() == nullptr) return;
   TruthLaws(transmission, s, law, owners_of_parts(*transmission.truth(), ground))
       .add(sums, [&](const EchoLaw& one) { return transmission.echo(visibility, s, one).energy; });

@@ -20,9 +20,9 @@ void add_truth(const Transmission& transmission, std::size_t sensor, const EchoL
 void add_truth(const Transmission& transmission, std::size_t sensor, const TransmissionGround& ground,
                const FacetMesh& mesh, const CommonVisibility& visibility, PingSums& sums);
 /// Of parts of a ground that several rays show; `law.material` is by part.
-void add_truth_of_crossed_ways(const Transmission& transmission, std::size_t sensor, const EchoLaw& law,
-                               const ApparentGround& ground, const CommonVisibility& visibility,
-                               PingSums& sums);
+void add_truth_of_mixed_eigenrays(const Transmission& transmission, std::size_t sensor, const EchoLaw& law,
+                                  const ApparentSurface& ground, const CommonVisibility& visibility,
+                                  PingSums& sums);
 
 /// Of what the upper receiver of a fan receives.
 void add_truth_of_receiver_pair(const Transmission& transmission, std::size_t sensor, std::uint32_t fan,

@@ -187,12 +187,12 @@ TEST(AuditOfAReceiverApart, ClosesForBothEndsAndHashesAlikeInEveryExactArithmeti
     more.insert(more.end(), of_camera.begin(), of_camera.end());
     return more;
   };
-  const std::string bent =
+  const std::string refracted =
       "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\ngradient_per_s = 0.5\nprofile_bottom_m = 30\n"
       "surface_height_m = 10\n";
   auto alone = audited(scene_with("", ""), of_camera);
   EXPECT_EQ(alone.count("shared pieces"), 0u);
-  for (const std::string& water : {std::string(), bent}) {
+  for (const std::string& water : {std::string(), refracted}) {
     SCOPED_TRACE(water);
     const auto scene = scene_with(water, "receiver_arm_m = [0.3, 0.1, 0.1]\n");
     auto fixed = audited(scene, with({"--arithmetic", "fixed"}));
@@ -231,12 +231,12 @@ TEST(AuditOverMirrors, ProvesEveryPathAndHashesAlikeInEveryExactArithmetic) {
             water, order, wall.empty() ? "" : "specular_loss_db = 3\n", wall, sonar));
   };
   constexpr std::string_view leaning = "pitch_deg = 20\n", apart = "receiver_arm_m = [0.3, 0.1, 0.1]\n",
-                             bent =
+                             refracted =
                                  "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\ngradient_per_s = "
                                  "0.5\nprofile_bottom_m = 30\n";
   struct {
     std::string_view water, wall, sonar;
-  } const cases[] = {{"", leaning, ""}, {"", leaning, apart}, {bent, "", ""}, {bent, "", apart}};
+  } const cases[] = {{"", leaning, ""}, {"", leaning, apart}, {refracted, "", ""}, {refracted, "", apart}};
   for (const auto& [water, wall, sonar] : cases) {
     SCOPED_TRACE(fmt::format("{}{}{}", water, wall, sonar));
     auto once = audited(scene_with(water, wall, sonar, 1));

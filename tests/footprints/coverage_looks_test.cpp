@@ -107,9 +107,9 @@ TEST_F(CoverageLooks, NeitherThreadsNorWaterThatHardlyRefractsChangeIt) {
   for (const std::string& sensor : {std::string(), arms(one, other)}) {
     SCOPED_TRACE(sensor);
     const Covered straight = cover(scene(even + flat_sand, sensor)),
-                  bent = cover(scene(water(gentle) + flat_sand, sensor), {"--threads", "1"});
-    expect_near(bent, straight, 1e-5);
-    EXPECT_EQ(cover(scene(water(gentle) + flat_sand, sensor), {"--threads", "3"}).table, bent.table);
+                  refracted = cover(scene(water(gentle) + flat_sand, sensor), {"--threads", "1"});
+    expect_near(refracted, straight, 1e-5);
+    EXPECT_EQ(cover(scene(water(gentle) + flat_sand, sensor), {"--threads", "3"}).table, refracted.table);
     const Covered more = cover(scene(water(steep) + flat_sand, sensor));
     EXPECT_GT(std::abs(more.seen_m2 - straight.seen_m2), 1e-4) << "this does";
   }

@@ -23,7 +23,7 @@ namespace {
 
 using Rational = boost::multiprecision::mpq_rational;
 
-const std::string bent =
+const std::string refracted =
     "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\ngradient_per_s = 0.5\nprofile_bottom_m = 30\n"
     "surface_height_m = 10\n";
 
@@ -111,7 +111,7 @@ INSTANTIATE_TEST_SUITE_P(Looks, ExactCorners,
 TEST_P(ExactCorners, AreThoseOfTheTable) {
   const auto [refracts, apart, of_a_beam] = GetParam();
   const TestFolder folder;
-  const std::string text = scene(refracts ? bent : "", apart ? "receiver_arm_m = [0.3, 0, 0.1]\n" : "");
+  const std::string text = scene(refracts ? refracted : "", apart ? "receiver_arm_m = [0.3, 0, 0.1]\n" : "");
   std::vector<std::string> words{"footprints",  folder.write("scene.toml", text).string(),
                                  "--sensor",    "camera",
                                  "-o",          (folder / "f.csv").string(),

@@ -115,9 +115,9 @@ TEST(BistaticRun, RefractingWaterBendsBothWays) {
   layered.replace(at, 22,
                   "surface_height_m = 10\nprofile = \"gradient\"\nsound_speed_m_s = 1550\n"
                   "gradient_per_s = -10\nprofile_bottom_m = 12");
-  const Echoes straight = echoes_of(even), bent = echoes_of(layered);
-  std::vector<double> expected(bent.samples);
-  const double cell = 0.005, step = bent.last_m(0) - bent.first_m(0);
+  const Echoes straight = echoes_of(even), refracted = echoes_of(layered);
+  std::vector<double> expected(refracted.samples);
+  const double cell = 0.005, step = refracted.last_m(0) - refracted.first_m(0);
   struct Way {
     double time_s, sine, tube_m2;
   };
@@ -130,17 +130,17 @@ TEST(BistaticRun, RefractingWaterBendsBothWays) {
   for (double x = -6 + cell / 2; x < 6; x += cell)
     for (double y = cell / 2; y < 5; y += cell) {  // and the other half
       const Way out = way(x - b / 2, y), home = way(x + b / 2, y);
-      const double sample = (cs * (out.time_s + home.time_s) / 2 - bent.first_m(0)) / step;
+      const double sample = (cs * (out.time_s + home.time_s) / 2 - refracted.first_m(0)) / step;
       if (sample >= double(expected.size())) continue;
       expected[std::size_t(sample)] +=
           2 * mu * out.sine * home.sine * cell * cell * cr * cr / (out.tube_m2 * home.tube_m2 * cs * cs);
     }
   double difference = 0, all = 0, far_m = std::hypot(h, b / 2) * 1.08;
   for (std::size_t k = 0; k < expected.size(); ++k) {
-    if (bent.first_m(k) < far_m || bent.last_m(k) > 6.4) continue;
-    EXPECT_NEAR(sum_of_sample(bent, k) / expected[k], 1, 0.03) << k;
+    if (refracted.first_m(k) < far_m || refracted.last_m(k) > 6.4) continue;
+    EXPECT_NEAR(sum_of_sample(refracted, k) / expected[k], 1, 0.03) << k;
     difference += std::abs(sum_of_sample(straight, k) / expected[k] - 1);
-    all += sum_of_sample(bent, k) / expected[k] - 1;
+    all += sum_of_sample(refracted, k) / expected[k] - 1;
   }
   EXPECT_LT(std::abs(all) / 40, 0.005);  // the grid's cells do not favour a side
   EXPECT_GT(difference / 40, 0.03);

@@ -150,7 +150,7 @@ TEST(PathsRun, ScatteringsToAnyDepthByAnyLaw) {
 const std::string finely = "refraction_gap_m = 0.0005\nrefraction_tolerance_db = 0.01\n";
 
 /// In water whose sound speed changes with depth, 1500 m/s at the sonar (5 m down).
-std::string bent(std::string text, double g, const std::string& how = finely) {
+std::string refracted(std::string text, double g, const std::string& how = finely) {
   return text.replace(text.find(still_water()), still_water().size(),
                       fmt::format("[water]\nabsorption_db_per_km = 0\nprofile = \"gradient\"\n"
                                   "sound_speed_m_s = {}\ngradient_per_s = {}\nprofile_bottom_m = 40\n{}",
@@ -160,8 +160,8 @@ std::string bent(std::string text, double g, const std::string& how = finely) {
 // Patches are cut otherwise than in even water: as far apart as their size makes it.
 TEST(PathsRun, ScatteringsInRefractingWater) {
   const double even = echoes_of(hollow(2, 8)).total(),
-               almost = echoes_of(bent(hollow(2, 8), 1e-6, "")).total(),
-               strongly = echoes_of(bent(hollow(2, 8), -2, "")).total();
+               almost = echoes_of(refracted(hollow(2, 8), 1e-6, "")).total(),
+               strongly = echoes_of(refracted(hollow(2, 8), -2, "")).total();
   EXPECT_NEAR(almost, even, 5e-3 * even);
   EXPECT_GT(std::abs(strongly / almost - 1), 3e-3);
   EXPECT_NEAR(strongly, even, 0.2 * even);
@@ -198,8 +198,8 @@ samples = 10
                      file.values("/", "cross_real"), file.values("/", "cross_imag"),
                      stats.value("refraction", nlohmann::json())};
   };
-  const Reception even = received(text, "even"), almost = received(bent(text, 1e-6, ""), "almost"),
-                  strongly = received(bent(text, -2, ""), "strongly");
+  const Reception even = received(text, "even"), almost = received(refracted(text, 1e-6, ""), "almost"),
+                  strongly = received(refracted(text, -2, ""), "strongly");
   EXPECT_GT(almost.refraction.at("apparent_facets").get<int>(), 100);  // of patches, too
   const double total = std::reduce(even.upper.begin(), even.upper.end());
   EXPECT_GT(total, 0);
@@ -223,7 +223,7 @@ samples = 10
 // sheet, 2.1).
 TEST(PathsRun, AnUpwardLookThroughRefractingWater) {
   for (const double g : {-2.0, 1.5}) {
-    const Echoes echoes = echoes_of(bent(scene(surface + "[paths]\norder = 3\n"), g));
+    const Echoes echoes = echoes_of(refracted(scene(surface + "[paths]\norder = 3\n"), g));
     const double at_surface = 1500 - 5 * g, at_sonar = 1500, at_bed = at_surface + 20 * g;
     const auto sine = [&](double launch, double speed) {
       return std::sqrt(1 - std::pow(std::cos(launch) * speed / at_sonar, 2));
@@ -319,7 +319,7 @@ receiver_arm_m = [0, 1, 0]
         nlohmann::json::parse(std::ifstream(out / "stats.json")).at("paths").at("energy_of_order"));
   };
   const auto [even, orders] = received(text, "even");
-  const auto [almost, its_orders] = received(bent(text, 1e-6), "almost");
+  const auto [almost, its_orders] = received(refracted(text, 1e-6), "almost");
   for (const char* order : {"2", "3", "4"}) {
     EXPECT_GT(orders.at(order).get<double>(), 0) << order;
     EXPECT_NEAR(its_orders.at(order).get<double>() / orders.at(order).get<double>(), 1, 1e-6) << order;
@@ -332,7 +332,7 @@ receiver_arm_m = [0, 1, 0]
 
 TEST(PathsRun, RefractedPathsAreCounted) {
   const TestFolder folder;
-  const auto file = folder.write("scene.toml", bent(scene(surface + "[paths]\norder = 3\n"), -1));
+  const auto file = folder.write("scene.toml", refracted(scene(surface + "[paths]\norder = 3\n"), -1));
   const Outcome outcome = run_program({"run", file.string(), "-o", (folder / "out").string()});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const nlohmann::json stats = nlohmann::json::parse(std::ifstream(folder / "out/stats.json"));
@@ -359,7 +359,7 @@ TEST(PathsRun, SaysWhatItCannotDo) {
   const std::string box =
       "specular_loss_db = 6\n[[objects]]\nname = \"box\"\nshape = \"box\"\nmaterial = \"bed\"\n"
       "size_m = [3, 1, 6]\nposition_m = [0, 12, -17]\n";
-  std::string inclined = bent(scene(surface), 0.5);
+  std::string inclined = refracted(scene(surface), 0.5);
   EXPECT_THAT(error_of(inclined.insert(inclined.find("[[terrain]]"), box)),
               HasSubstr("'bed' mirrors where it is not level, and an inclined mirror's image"));
 }

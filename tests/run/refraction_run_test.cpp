@@ -158,8 +158,8 @@ TEST(RefractionRun, AlmostEvenWaterIsTheStraightRun) {
   const Echoes straight = echoes_of(replaced(scene_in("sound_speed_m_s = 1500\nabsorption_db_per_km = 200"),
                                              "surface_height_m = 20\n", ""));
   // [water] in even water has no surface.
-  const Echoes bent = echoes_of(scene_in(gradient(1e-8, 200)));
-  EXPECT_LT(largest_relative_difference(straight, bent), 1e-6);
+  const Echoes refracted = echoes_of(scene_in(gradient(1e-8, 200)));
+  EXPECT_LT(largest_relative_difference(straight, refracted), 1e-6);
 }
 
 /// Rays by Runge-Kutta through layers, from the sonar to the bed: range, time, arrival, by launch angle.

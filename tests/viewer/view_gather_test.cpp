@@ -49,7 +49,7 @@ receive_pattern = "line"
 receive_aperture_m = 0.06
 )",
                   camera_with_lobes = camera + lobes, apart = camera + "receiver_arm_m = [0.4, 0, 0.1]\n",
-                  bent = R"([water]
+                  refracted = R"([water]
 profile = "gradient"
 sound_speed_m_s = 1500
 gradient_per_s = 0.5
@@ -88,7 +88,7 @@ INSTANTIATE_TEST_SUITE_P(
     Scenes, Links,
     testing::Values(Case{"Camera", "", camera, ""}, Case{"Sidescan", "", sidescan, ""},
                     Case{"Lobes", "", camera_with_lobes, ""}, Case{"Apart", "", apart, ""},
-                    Case{"ApartLobes", "", apart + lobes, ""}, Case{"ApartBent", bent, apart, ""},
+                    Case{"ApartLobes", "", apart + lobes, ""}, Case{"ApartBent", refracted, apart, ""},
                     Case{"Texture", ripples, camera, ""},
                     Case{"Spread", "", camera, "[run]\nbinning = \"spread\"\n"},
                     Case{"Centroid", ripples, camera, "[run]\nbinning = \"centroid\"\n"}),

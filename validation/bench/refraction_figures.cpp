@@ -35,12 +35,12 @@ void refraction_figures(const std::function<void(const std::string& name, double
   description.water.profile = "cast";
   description.water.profile_file = scenes / "refraction/cast.csv";
   description.water.refraction_tolerance_db = 0.1;
-  const auto bent = open_survey(description);
+  const auto refracted = open_survey(description);
   std::array<double, 5> ratios;
   seconds_of(*straight);
   for (double& ratio : ratios) {
     const double even = seconds_of(*straight);
-    ratio = seconds_of(*bent) / even;
+    ratio = seconds_of(*refracted) / even;
   }
   std::ranges::sort(ratios);
   figure("refraction_over_straight", ratios[ratios.size() / 2]);

@@ -262,7 +262,7 @@ class Encloser {
 
 }  // namespace
 
-ApparentEnclosures enclose(const StraightenedBed& bed, const RayEnclosure& rays, const EchoLaw& law) {
+ApparentEnclosures enclose(const MappedSeabed& bed, const RayEnclosure& rays, const EchoLaw& law) {
   const FacetMesh& mesh = bed.mesh();
   const Encloser encloser(rays, law.absorption_db_per_m);
   const glm::dvec3 apex = rays.apex_m();

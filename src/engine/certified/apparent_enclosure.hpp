@@ -47,9 +47,9 @@ struct ApparentEnclosures {
   std::vector<FacetEnclosure> unproven;  ///< facets that may be seen, among them those that were left out
 };
 
-/// An apparent ground, and the facets that it is straightened of.
-struct StraightenedBed {
-  const ApparentGround& ground;
+/// An apparent ground, and the facets that it is mapped of.
+struct MappedSeabed {
+  const ApparentSurface& ground;
   const SceneTree& tree;              ///< of the apparent facets
   const FacetMesh& base;              ///< flat facets, where they lie
   std::span<const FacetId> parent{};  ///< by apparent facet: the one that it is part of
@@ -59,6 +59,6 @@ struct StraightenedBed {
 };
 
 /// Encloses the facets of an apparent ground. `law`: that of apparent ranges.
-ApparentEnclosures enclose(const StraightenedBed& bed, const RayEnclosure& rays, const EchoLaw& law);
+ApparentEnclosures enclose(const MappedSeabed& bed, const RayEnclosure& rays, const EchoLaw& law);
 
 }  // namespace tubefoot

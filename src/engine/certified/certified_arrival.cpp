@@ -49,7 +49,7 @@ void certify_arrival(const Arrival& arrival, const RangeSamples& samples, const 
                   true, samples, take);
 }
 
-std::optional<EnclosedRay> enclose_ray(const Straightening& water, const RayEnclosure& rays,
+std::optional<EnclosedRay> enclose_ray(const ApparentMap& water, const RayEnclosure& rays,
                                        const glm::dvec3& place_m) {
   const glm::dvec3 way = water.unfolded(place_m) - water.apex_m(), u(1, 0, 0), v(0, 1, 0);
   const std::array<Interval, 3> at{way.x, way.y, way.z};

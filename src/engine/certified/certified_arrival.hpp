@@ -37,7 +37,7 @@ struct EnclosedRay {
   std::array<Ball, 3> sent, arrives;  ///< directions of travel, unit vectors; as the image has it, and there
 };
 /// None where it is not proven that there is one.
-std::optional<EnclosedRay> enclose_ray(const Straightening& water, const RayEnclosure& rays,
+std::optional<EnclosedRay> enclose_ray(const ApparentMap& water, const RayEnclosure& rays,
                                        const glm::dvec3& place_m);
 /// What comes along it; `sure`: or nothing does. Of `arrival` the way and what is about even water are not
 /// read.

@@ -97,7 +97,7 @@ class CertifiedPathEnergy {
   /// `home_m`: its apex, relative to the polygon's.
   CertifiedPathEnergy(const CertifiedPolygon& polygon, const std::array<Ball, 3>& home_m, const EchoLaw& law,
                       const FacetBed& bed, const Ball& beta_per_m);
-  /// Of a facet laid out flat: each end has a law of its own, or none has (Lambert's `mu`).
+  /// Of a facet flattened: each end has a law of its own, or none has (Lambert's `mu`).
   CertifiedPathEnergy(CertifiedEnd out, CertifiedEnd home, const Path& path,
                       const std::array<const ScatteringLaw*, 2>& laws, double mu, const Ball& beta_per_m);
 

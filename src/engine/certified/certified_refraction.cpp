@@ -99,7 +99,7 @@ void add_piece(const ProvenPiece& piece, const Asked& asked, BinsBetween& bins) 
 
 }  // namespace
 
-RefractedReference certify_refracted_echo(const StraightenedBed& bed, const RayEnclosure& rays,
+RefractedReference certify_refracted_echo(const MappedSeabed& bed, const RayEnclosure& rays,
                                           const History& history, const VisibilityOptions& options,
                                           std::span<const std::uint32_t> beam_of_tube,
                                           const RangeSamples& samples, const EchoLaw& law,

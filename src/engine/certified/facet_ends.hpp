@@ -9,7 +9,7 @@
 #include "engine/certified/flat_facet.hpp"
 #include "engine/certified/paired_enclosure.hpp"
 
-// A facet as one end of a path sees it, and as it is laid out flat between two.
+// A facet as one end of a path sees it, and as it is flattened between two.
 namespace tubefoot {
 
 /// Rays from an end over a box of a facet's plane. In the unfolded water: over an odd number of mirrors
@@ -75,12 +75,12 @@ class EndOfFacet {
 };
 
 /// Where a facet's plane is laid out, by (a, b) from its middle, about one apex's foot point.
-struct LaidOut {
+struct Flattened {
   glm::dvec2 middle, along_a, along_b;
   double height = 0;
 
-  LaidOut(const FlatFacet& flat, const std::array<glm::dvec2, 3>& corner, const glm::dvec2& foot,
-          double above)
+  Flattened(const FlatFacet& flat, const std::array<glm::dvec2, 3>& corner, const glm::dvec2& foot,
+            double above)
       : height(above) {
     const glm::dvec2 p = flat.at[1] - flat.at[0], q = flat.at[2] - flat.at[0], s = corner[1] - corner[0],
                      t = corner[2] - corner[0];

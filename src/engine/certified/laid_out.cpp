@@ -13,8 +13,8 @@ constexpr double slack = enclosure_slack;
 
 }  // namespace
 
-CertifiedPolygon laid_out(std::span<const glm::dvec3> corners_m, glm::dvec3 receiver_m,
-                          const PairedFacet& paired) {
+CertifiedPolygon flattened(std::span<const glm::dvec3> corners_m, glm::dvec3 receiver_m,
+                           const PairedFacet& paired) {
   constexpr double units = 0x1p-49;  // that corners are rounded by (FootprintSharer)
   CertifiedPolygon plane;
   plane.distance = Ball(paired.transmit_distance_m);

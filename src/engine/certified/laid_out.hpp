@@ -7,12 +7,12 @@
 #include "engine/certified/certified_path_energy.hpp"
 #include "engine/certified/pattern_doubt.hpp"
 
-// A facet laid out flat between two ends (PairedFacet), in balls. Heavy: include only in .cpp files.
+// A facet flattened between two ends (PairedFacet), in balls. Heavy: include only in .cpp files.
 namespace tubefoot {
 
 /// A piece of it by its corners as the transmitter sees them (SharedFootprints).
-CertifiedPolygon laid_out(std::span<const glm::dvec3> corners_m, glm::dvec3 receiver_m,
-                          const PairedFacet& paired);
+CertifiedPolygon flattened(std::span<const glm::dvec3> corners_m, glm::dvec3 receiver_m,
+                           const PairedFacet& paired);
 /// What it returns, by the law that was proven of it; `law`: of the path, of which a material's mu.
 CertifiedPathEnergy energy_of(const PairedFacet& paired, const PairedEnclosure& proven, const EchoLaw& law,
                               std::uint16_t material, const Ball& beta_per_m);

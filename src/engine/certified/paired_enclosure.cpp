@@ -322,14 +322,14 @@ class PairedEncloser {
     return common(squared(speed * at.rays.time_s), squared(speed * at.rays.slowness_s_per_m) * at.distance2);
   }
   Misfit misfit_of(const FlatFacet& flat, const EndOfFacet& end, const std::vector<EndPatch>& patches,
-                   const Gathered& all, const LaidOut& laid) const {
+                   const Gathered& all, const Flattened& flattened) const {
     Misfit found;
-    found.at_middle = square_of_range(end.middle()) - laid.range2(0.0, 0.0);
+    found.at_middle = square_of_range(end.middle()) - flattened.range2(0.0, 0.0);
     std::array<Interval, 3> corner;
     Interval a_all(0.0), b_all(0.0);
     for (std::size_t k = 0; k < 3; ++k) {
       const Interval a(flat.at[k].x), b(flat.at[k].y);
-      const Jet laid2 = laid.range2(a, b), range2 = square_of_range(end.corner(int(k)));
+      const Jet laid2 = flattened.range2(a, b), range2 = square_of_range(end.corner(int(k)));
       corner[k] = range2.v - laid2.v;
       found.at_corner[k] = corner[k] / (root(range2.v) + root(laid2.v));
       a_all = hull(a_all, a), b_all = hull(b_all, b);
@@ -337,7 +337,8 @@ class PairedEncloser {
     std::vector<Jet> squares;
     Jet bend;
     for (std::size_t k = 0; k < patches.size(); ++k) {
-      squares.push_back(square_of_range(patches[k]) - laid.range2(all.boxes[k].first, all.boxes[k].second));
+      squares.push_back(square_of_range(patches[k]) -
+                        flattened.range2(all.boxes[k].first, all.boxes[k].second));
       for (Interval Jet::*part : {&Jet::aa, &Jet::ab, &Jet::bb})
         bend.*part = k == 0 ? squares[k].*part : hull(bend.*part, squares[k].*part);
     }
@@ -350,7 +351,7 @@ class PairedEncloser {
       square.a = common(square.a, found.a);
       square.b = common(square.b, found.b);
       const Jet sum = Jet(reference_speed()) * patches[k].rays.time_s +
-                      root(laid.range2(all.boxes[k].first, all.boxes[k].second));
+                      root(flattened.range2(all.boxes[k].first, all.boxes[k].second));
       found.by_box.push_back(square / sum);
       found.largest_m = std::max(found.largest_m, found.by_box.back().v.largest());
     }
@@ -377,13 +378,13 @@ class PairedEncloser {
     PairedEnclosure& pair = found.pair;
     std::array<glm::dvec2, 3> corner;
     for (std::size_t k = 0; k < 3; ++k) corner[k] = glm::dvec2(paired.to_plane.at(seen[0][k]));
-    const std::array<LaidOut, 2> laid{
-        LaidOut(flat, corner, glm::dvec2(0), paired.transmit_distance_m),
-        LaidOut(flat, corner, paired.receive_foot_m, paired.receive_distance_m)};
-    const double laid_area = std::abs(cross(corner[1] - corner[0], corner[2] - corner[0])) / 2;
-    if (!(laid_area > 0 && laid[0].height > 0 && laid[1].height > 0)) return;
-    const std::array<Misfit, 2> misfit{misfit_of(flat, *ends[0], all.patches[0], all, laid[0]),
-                                       misfit_of(flat, *ends[1], all.patches[1], all, laid[1])};
+    const std::array<Flattened, 2> flattened{
+        Flattened(flat, corner, glm::dvec2(0), paired.transmit_distance_m),
+        Flattened(flat, corner, paired.receive_foot_m, paired.receive_distance_m)};
+    const double flattened_area = std::abs(cross(corner[1] - corner[0], corner[2] - corner[0])) / 2;
+    if (!(flattened_area > 0 && flattened[0].height > 0 && flattened[1].height > 0)) return;
+    const std::array<Misfit, 2> misfit{misfit_of(flat, *ends[0], all.patches[0], all, flattened[0]),
+                                       misfit_of(flat, *ends[1], all.patches[1], all, flattened[1])};
     Jet bend;
     for (std::size_t k = 0; k < all.boxes.size(); ++k) {
       const Jet sum = misfit[0].by_box[k] + misfit[1].by_box[k];
@@ -401,14 +402,14 @@ class PairedEncloser {
       for (int k = 0; k < 3; ++k) sum = hull(sum, a * flat.at[k].x + b * flat.at[k].y);
       return sum;
     };
-    Interval level = log(outwards(flat.area_m2 / laid_area, flat.area_m2 / laid_area, 1e4)) +
+    Interval level = log(outwards(flat.area_m2 / flattened_area, flat.area_m2 / flattened_area, 1e4)) +
                      both_ways(std::log1p(edge_pad_part)) + change(all.level_a, all.level_b) -
                      2.0 * log(ends[0]->middle().speed / bed_.out.water.finder().source_speed_m_s());
     for (std::size_t e = 0; e < 2; ++e) {
       const EndPatch& middle = ends[e]->middle();
       const FacetEnclosure& facet = found.end[e];
       const Interval sine_m = middle.sine_m.v.lo > 0 ? middle.sine_m.v : -middle.sine_m.v;
-      const double height = laid[e].height, off = misfit[e].largest_m;
+      const double height = flattened[e].height, off = misfit[e].largest_m;
       if (!sine_m.surely_positive() || !(off < facet.nearest_m / 4)) return;
       const Interval db =
           middle.rays.absorption_db.v - law_.absorption_db_per_m * reference_speed() * middle.rays.time_s.v;
@@ -417,26 +418,28 @@ class PairedEncloser {
       level = level + both_ways(3 * std::log1p(off / (facet.nearest_m - off)) +
                                 beta_.hi * law_.absorption_db_per_m * off);
       if (surface.law != nullptr) {
-        const Jet laid2 = laid[e].range2(0.0, 0.0);
+        const Jet laid2 = flattened[e].range2(0.0, 0.0);
         const GrazingPatch at = grazing(middle, laid2, misfit[e].at_middle.v, misfit[e].at_middle.a,
                                         misfit[e].at_middle.b, height);
         std::vector<GrazingPatch> over;
         for (std::size_t k = 0; k < all.boxes.size(); ++k)
-          over.push_back(grazing(all.patches[e][k], laid[e].range2(all.boxes[k].first, all.boxes[k].second),
-                                 misfit[e].v, misfit[e].a, misfit[e].b, height));
+          over.push_back(grazing(all.patches[e][k],
+                                 flattened[e].range2(all.boxes[k].first, all.boxes[k].second), misfit[e].v,
+                                 misfit[e].a, misfit[e].b, height));
         const Interval ratio = log(sine_m * root(laid2.v) / (root(middle.distance2.v) * height));
         const auto scattering = apparent_scattering(*surface.law, at, ratio, over, change);
         if (!scattering) return;
         pair.law[e] = scattering->law;
         level = level + 0.5 * scattering->rest;
       }
-      take_directions(flat, laid[e], seen[e], facet, e, pair);
+      take_directions(flat, flattened[e], seen[e], facet, e, pair);
       const MirrorLoss& loss = e == 0 ? law_.path.out.loss : law_.path.back().loss;
       const double turn = pair.turn_rad[e] + pair.stretch[e];
       level = level + both_ways(loss.roughness * double(loss.rough_normals.size()) * (1 + loss.bend) * turn *
                                 (2 + turn) * (1 + slack));
     }
-    if (bed_.beside != nullptr && !take_home(flat, *ends[1], all.patches[1], laid[1], misfit[1], pair.home))
+    if (bed_.beside != nullptr &&
+        !take_home(flat, *ends[1], all.patches[1], flattened[1], misfit[1], pair.home))
       return;
     pair.home.pad_m = 2 * pad_m;  // of a length
     pair.factor = exp(level);
@@ -446,7 +449,7 @@ class PairedEncloser {
   }
 
   bool take_home(const FlatFacet& flat, const EndOfFacet& end, const std::vector<EndPatch>& patches,
-                 const LaidOut& laid, const Misfit& misfit, HomeRanges& home) const {
+                 const Flattened& flattened, const Misfit& misfit, HomeRanges& home) const {
     Jet bend;
     for (std::size_t k = 0; k < misfit.by_box.size(); ++k) {
       for (Interval Jet::*part : {&Jet::aa, &Jet::ab, &Jet::bb})
@@ -469,7 +472,7 @@ class PairedEncloser {
         const auto there = end.at(between(end.lies()));
         if (!there) return false;
         const glm::dvec2 at = between(flat.at);
-        const Interval laid2 = laid.range2(at.x, at.y).v, range2 = square_of_range(*there).v,
+        const Interval laid2 = flattened.range2(at.x, at.y).v, range2 = square_of_range(*there).v,
                        sum = root(range2) + root(laid2);
         home.lattice_m[std::size_t(i * (home.parts + 1) + j)] =
             (range2 - laid2) / sum + both_ways(1e-14 * sum.hi);  // places are rounded
@@ -477,7 +480,7 @@ class PairedEncloser {
     return true;
   }
 
-  static void take_directions(const FlatFacet& flat, const LaidOut& laid, const FacetCorners& seen,
+  static void take_directions(const FlatFacet& flat, const Flattened& flattened, const FacetCorners& seen,
                               const FacetEnclosure& facet, std::size_t e, PairedEnclosure& pair) {
     pair.turn_rad[e] = 1.1 * facet.gap_m / facet.nearest_m + slack * slack;
     // The squares of distances where it is seen and of those laid out differ by a function of second degree.
@@ -485,12 +488,12 @@ class PairedEncloser {
     const glm::dvec3 s = seen[1] - seen[0], t = seen[2] - seen[0];
     const double det = cross(p, q);
     const glm::dvec3 a = (s * q.y - t * p.y) / det, b = (t * p.x - s * q.x) / det;
-    const double aa = 2 * (glm::dot(a, a) - glm::dot(laid.along_a, laid.along_a)),
-                 ab = 2 * (glm::dot(a, b) - glm::dot(laid.along_a, laid.along_b)),
-                 bb = 2 * (glm::dot(b, b) - glm::dot(laid.along_b, laid.along_b));
+    const double aa = 2 * (glm::dot(a, a) - glm::dot(flattened.along_a, flattened.along_a)),
+                 ab = 2 * (glm::dot(a, b) - glm::dot(flattened.along_a, flattened.along_b)),
+                 bb = 2 * (glm::dot(b, b) - glm::dot(flattened.along_b, flattened.along_b));
     double corner = 0;
     for (std::size_t k = 0; k < 3; ++k) {
-      const Jet laid2 = laid.range2(flat.at[k].x, flat.at[k].y);
+      const Jet laid2 = flattened.range2(flat.at[k].x, flat.at[k].y);
       corner = std::max(corner, (glm::dot(seen[k], seen[k]) - laid2.v).largest());
     }
     const double most = corner + interpolated(flat, std::sqrt(aa * aa + 2 * ab * ab + bb * bb));

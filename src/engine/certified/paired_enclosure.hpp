@@ -15,10 +15,10 @@ namespace tubefoot {
 /// An end of a path, and what it sees of a bed: vertices of its ground have the numbers of the bed's. Its
 /// apex may lie beside the grid point that its tubes look from.
 struct PairedEnd {
-  const ApparentGround& ground;
+  const ApparentSurface& ground;
   const SceneTree& tree;            ///< of its apparent facets
   std::span<const FacetId> origin;  ///< by apparent facet: that of the bed
-  const Straightening& water;
+  const ApparentMap& water;
   const RayEnclosure& rays;  ///< through that
 };
 
@@ -51,7 +51,7 @@ struct HomeRanges {
   static double largest_difference_m(const HomeRanges& one, const HomeRanges& other);
 };
 
-/// What is proven of a facet laid out flat (PairedFacet), by ends: out and home.
+/// What is proven of a facet flattened (PairedFacet), by ends: out and home.
 struct PairedEnclosure {
   bool proven = false;
   double shift_m = 0;  ///< the half path of no place differs by more from the one laid out

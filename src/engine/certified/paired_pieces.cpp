@@ -40,7 +40,7 @@ void PairedPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm::
   const std::uint32_t first = beams.first, end = beams.second;
   if (first == end) return;
   const PairedFacet& paired = on.paired;
-  const CertifiedPolygon polygon = laid_out(corners_m, receiver_m, paired);
+  const CertifiedPolygon polygon = flattened(corners_m, receiver_m, paired);
   if (polygon.edges.size() < 3) return;
 
   const CertifiedPathEnergy energy = energy_of(paired, on.proven, law_, on.material, beta_);

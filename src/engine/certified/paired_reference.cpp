@@ -95,12 +95,12 @@ class PairedReference {
   }
 
   /// What both ends see, laid out and enclosed.
-  void enclose_shared(const LayOut& lay_out) {
+  void enclose_shared(const Flattening& flatten) {
     const FootprintSharer sharer(
         {looks_[0].tubes, looks_[0].seen, &bed_.out.ground.refined.mesh, bed_.out.origin},
         {looks_[1].tubes, looks_[1].seen, &bed_.home.ground.refined.mesh, bed_.home.origin}, unit_m_);
     shared_ = sharer.all();
-    paired_ = lay_out(shared_);
+    paired_ = flatten(shared_);
     enclosures_ = enclose(bed_, shared_.facets, paired_, law_);
     for (std::size_t e = 0; e < 2; ++e)
       for (FacetEnclosure& facet : enclosures_.ends[e].facets)
@@ -414,15 +414,15 @@ std::array<PairedParts, 2> paired_parts(const std::array<PairedBed, 2>& beds,
                                         const std::array<PairedTubes, 2>& tubes,
                                         const VisibilityOptions& options, const RangeSamples& samples,
                                         const EchoLaw& law, const std::array<Echo, 2>& ordinary,
-                                        double tolerance, const std::array<LayOut, 2>& lay_out) {
+                                        double tolerance, const std::array<Flattening, 2>& flatten) {
   require_exact(options);
   const PatternsOfEnds own(law);
   const std::vector<std::uint32_t> of_tube(tubes[0].home.tubes.size(), 0);
   const ReceiveBeams beams{1, of_tube};
   PairedReference upper(beds[0], tubes[0], options, beams, samples, own.law, ordinary[0], tolerance),
       lower(beds[1], tubes[1], options, beams, samples, own.law, ordinary[1], tolerance);
-  upper.enclose_shared(lay_out[0]);
-  lower.enclose_shared(lay_out[1]);
+  upper.enclose_shared(flatten[0]);
+  lower.enclose_shared(flatten[1]);
   return {upper.parts(&lower), lower.parts(&upper)};
 }
 

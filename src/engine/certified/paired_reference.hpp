@@ -20,7 +20,7 @@ struct PairedTubes {
 };
 
 /// Encloses the echo of a path whose two ends see the bed elsewhere, through refracting water: the energy
-/// that curved rays bring from true facets. Places of what both see of a facet laid out flat are places of
+/// that curved rays bring from true facets. Places of what both see of a facet flattened are places of
 /// the true facet; so facets' own edges and textures are certain, and what the enclosures leave open is
 ///
 /// - a factor, from least to most, and half paths, within shift_m of a border between samples;
@@ -38,8 +38,8 @@ RefractedReference certify_refracted_echo(const PairedBed& bed, const PairedTube
                                           const RangeSamples& samples, const EchoLaw& law,
                                           const Echo& ordinary, double tolerance);
 
-/// The facets that two ends share, laid out flat, in their order.
-using LayOut = std::function<std::vector<PairedFacet>(const SharedFootprints& shared)>;
+/// The facets that two ends share, flattened, in their order.
+using Flattening = std::function<std::vector<PairedFacet>(const SharedFootprints& shared)>;
 
 /// What is known of such an echo before it is added up.
 struct PairedParts {
@@ -58,11 +58,11 @@ BinsBetween added_up(std::span<const BinsBetween> parts);
 
 /// Of two receivers, each beside the other (PairedBed::beside), which receive one beam by all tubes: what is
 /// in doubt holds the energies that both receive of a place, and so the root of their product. `ordinary`,
-/// `lay_out`: by receiver.
+/// `flatten`: by receiver.
 std::array<PairedParts, 2> paired_parts(const std::array<PairedBed, 2>& beds,
                                         const std::array<PairedTubes, 2>& tubes,
                                         const VisibilityOptions& options, const RangeSamples& samples,
                                         const EchoLaw& law, const std::array<Echo, 2>& ordinary,
-                                        double tolerance, const std::array<LayOut, 2>& lay_out);
+                                        double tolerance, const std::array<Flattening, 2>& flatten);
 
 }  // namespace tubefoot

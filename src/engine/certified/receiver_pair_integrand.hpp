@@ -26,7 +26,7 @@ struct ReceiverPairPhase {
   /// (upper^2 - lower^2) / (upper + lower), so that nothing cancels where the baseline is short.
   ReceiverPairPhase(const CertifiedEnd& out, const ReceiverBaseline& receiver_pair,
                     const glm::dvec3& middle_m);
-  /// Of two receivers over the plane of a facet that is laid out flat.
+  /// Of two receivers over the plane of a facet that is flattened.
   ReceiverPairPhase(const ApexOverPlane& upper, const ApexOverPlane& lower, double wavenumber_rad_m);
 };
 

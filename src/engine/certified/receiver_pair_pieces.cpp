@@ -61,8 +61,8 @@ ReceiverPairPieces::OnFacet ReceiverPairPieces::on(FacetId facet, const By& uppe
 }
 
 void ReceiverPairPieces::add(OnFacet& on, const Seen& upper, const Seen& lower, Products& found) const {
-  const CertifiedPolygon seen = laid_out(upper.corners_m, upper.receiver_m, on.upper.paired),
-                         other = laid_out(lower.corners_m, lower.receiver_m, on.lower.paired);
+  const CertifiedPolygon seen = flattened(upper.corners_m, upper.receiver_m, on.upper.paired),
+                         other = flattened(lower.corners_m, lower.receiver_m, on.lower.paired);
   if (seen.edges.size() < 3 || other.edges.size() < 3) return;
   const auto [part, uncertain] = common_part(seen, other);
   const bool is_any = part.edges.size() >= 3;

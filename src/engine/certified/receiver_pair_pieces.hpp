@@ -15,9 +15,9 @@
 // enclosed piece by piece. Heavy: include only in .cpp files.
 namespace tubefoot {
 
-/// Of one fan of a receiver pair. On a facet that is laid out alike for both receivers (ReceiverPairLayOut)
-/// each has its factor and its ranges; the phase is that of those laid out but for their differences'
-/// (HomeRanges).
+/// Of one fan of a receiver pair. On a facet that is laid out alike for both receivers
+/// (ReceiverPairFlattening) each has its factor and its ranges; the phase is that of those laid out but for
+/// their differences' (HomeRanges).
 class ReceiverPairPieces {
  public:
   /// `law`: with the fan's patterns alone, if with any. `target`: by sample, how wide products may be.

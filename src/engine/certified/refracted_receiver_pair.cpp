@@ -70,15 +70,15 @@ RefractedReference certify_refracted_receiver_pair(const std::array<PairedBed, 2
     both[e].beside = &beds[1 - e].home;
     both[e].ranges_within_m = tolerance / (16 * receiver_pair.wavenumber_rad_m);
   }
-  ReceiverPairLayOut receiver_pair_out(beds[0].mesh, {beds[0].out.ground, beds[0].out.water},
-                                       {&beds[0].home.water, &beds[1].home.water}, beds[0].grid);
-  std::array<LayOut, 2> lay_out;
+  ReceiverPairFlattening receiver_pair_out(beds[0].mesh, {beds[0].out.ground, beds[0].out.water},
+                                           {&beds[0].home.water, &beds[1].home.water}, beds[0].grid);
+  std::array<Flattening, 2> flatten;
   for (const std::size_t e : {0, 1})
-    lay_out[e] = [&receiver_pair_out, e](const SharedFootprints& shared) {
+    flatten[e] = [&receiver_pair_out, e](const SharedFootprints& shared) {
       return receiver_pair_out.of(shared, e);
     };
   const std::array<PairedParts, 2> parts =
-      paired_parts(both, tubes, options, samples, law, ordinary, tolerance, lay_out);
+      paired_parts(both, tubes, options, samples, law, ordinary, tolerance, flatten);
 
   const auto row = std::size_t(samples.count);
   const std::vector<double> targets =

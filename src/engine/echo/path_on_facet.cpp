@@ -31,7 +31,7 @@ PathOnFacet::PathOnFacet(const PairedFacet& paired, FacetId facet, const EchoLaw
   finish(law);
 }
 
-void PathOnFacet::lay_out(std::span<const glm::dvec3> corners_m, const PairedFacet& paired,
+void PathOnFacet::flatten(std::span<const glm::dvec3> corners_m, const PairedFacet& paired,
                           PlanarPolygon& polygon) {
   polygon.distance = paired.transmit_distance_m;
   polygon.first = glm::dvec2(paired.to_plane.at(corners_m[0]));
@@ -63,7 +63,7 @@ PathOnFacet path_on(const CommonVisibility& visibility, std::size_t number, cons
   return PathOnFacet(facet.plane, frame, visibility.home_m(), facet.home_distance_m, facet.facet, law);
 }
 
-void lay_out(std::span<const glm::dvec3> corners_m, const PairedFacet& paired, PlanarPolygon& polygon) {
+void flatten(std::span<const glm::dvec3> corners_m, const PairedFacet& paired, PlanarPolygon& polygon) {
   polygon.distance = paired.transmit_distance_m;
   polygon.first = glm::dvec2(paired.to_plane.at(corners_m[0]));
   polygon.offsets.clear();

@@ -17,12 +17,12 @@ namespace tubefoot {
 struct EndOverPlane {
   PathCutter::Receiver over;  ///< distance from the plane, and foot point
   LyingPlane seen;            ///< the plane as the apex sees it, relative to itself
-  bool laid_out = false;      ///< ranges are not the lengths of what is seen (PairedFacet)
+  bool flattened = false;     ///< ranges are not the lengths of what is seen (PairedFacet)
 
   double range(glm::dvec2 p) const { return std::hypot(over.distance, p.x - over.foot.x, p.y - over.foot.y); }
   /// Unit; `range_m`: to p.
   glm::dvec3 direction(glm::dvec2 p, double range_m) const {
-    return laid_out ? seen.towards(p) : seen.at(p) / range_m;
+    return flattened ? seen.towards(p) : seen.at(p) / range_m;
   }
 };
 
@@ -43,7 +43,7 @@ struct PathOnFacet {
   /// One that both ends see elsewhere.
   PathOnFacet(const PairedFacet& paired, FacetId facet, const EchoLaw& law);
   /// A part of it, in the coordinates of that facet's plane.
-  static void lay_out(std::span<const glm::dvec3> corners_m, const PairedFacet& paired,
+  static void flatten(std::span<const glm::dvec3> corners_m, const PairedFacet& paired,
                       PlanarPolygon& polygon);
 
   /// Of an even bed, without mirrors.
@@ -73,8 +73,8 @@ struct PathOnFacet {
 /// The path on facet `number` of a sight of two apexes; `frame`: of its plane.
 PathOnFacet path_on(const CommonVisibility& visibility, std::size_t number, const PlaneFrame& frame,
                     const EchoLaw& law);
-/// What the way out sees of a facet, where it is laid out flat.
-void lay_out(std::span<const glm::dvec3> corners_m, const PairedFacet& paired, PlanarPolygon& polygon);
+/// What the way out sees of a facet, where it is flattened.
+void flatten(std::span<const glm::dvec3> corners_m, const PairedFacet& paired, PlanarPolygon& polygon);
 
 /// The largest angle, at most 1, over which something that grows so into the complex plane changes little:
 /// there, rules of few nodes resolve it.

@@ -98,7 +98,7 @@ class ReceiverPairIntegral {
     if (paired_ == nullptr)
       polygon.assign(corners, plane_, frame_);
     else
-      PathOnFacet::lay_out(corners, *paired_, polygon);
+      PathOnFacet::flatten(corners, *paired_, polygon);
   }
 
   /// A facet, of those that a receiver shares, for receivers [first, last). False where one of them looks
@@ -260,8 +260,7 @@ ReceiverPairHistory trace_receiver_pair(const FacetMesh& mesh, const SceneTree& 
 ReceiverPairHistory trace_receiver_pair(const ApparentPair& pair, const WorldGrid& grid,
                                         const VisibilityOptions& options, TubeSet transmit,
                                         const TubeSet& receive, const ReceiverBaseline& receiver_pair,
-                                        const Straightening& transmit_water,
-                                        const Straightening& receive_water,
+                                        const ApparentMap& transmit_water, const ApparentMap& receive_water,
                                         double reference_absorption_db_per_m) {
   ReceiverPairHistory history;
   history.middle_m = way_m(transmit.apex, receive.apex, grid.unit_m());

@@ -41,8 +41,7 @@ ReceiverPairHistory trace_receiver_pair(const FacetMesh& mesh, const SceneTree& 
 ReceiverPairHistory trace_receiver_pair(const ApparentPair& pair, const WorldGrid& grid,
                                         const VisibilityOptions& options, TubeSet transmit,
                                         const TubeSet& receive, const ReceiverBaseline& receiver_pair,
-                                        const Straightening& transmit_water,
-                                        const Straightening& receive_water,
+                                        const ApparentMap& transmit_water, const ApparentMap& receive_water,
                                         double reference_absorption_db_per_m);
 
 /// Covariances of a fan's two signals by sample: energies of the upper and of the lower receiver, and the

@@ -45,7 +45,7 @@ class FacetEcho {
       if (paired == nullptr)
         polygon_.assign(seen.corners_m, facet.plane, frame);
       else
-        lay_out(seen.corners_m, *paired, polygon_);
+        flatten(seen.corners_m, *paired, polygon_);
       const auto add_part = [&](const PlanarPolygon& part) {
         const Part<double> owned{0, 0, 0, std::uint32_t(number), seen.out_tube};
         law_.patterns == nullptr ? add_plain(part, seen, owned, parts)

@@ -52,7 +52,7 @@ class PlacedEcho {
       const double half = (path_.out.range(at) + path_.home.range(at)) / 2;
       if (!finder_.holds(half)) continue;
       const double area = hit.solid_angle_sr * (range * range) * range / facet_.plane.distance_m;
-      add(at, area * laid_out_, hit.transmit_tube, hit.receive_tube, half, half);
+      add(at, area * flattened_, hit.transmit_tube, hit.receive_tube, half, half);
     }
   }
 
@@ -80,10 +80,10 @@ class PlacedEcho {
     paired_ = visibility_.paired(number);
     frame_ = PlaneFrame(facet_.plane);
     path_ = path_on(visibility_, number, frame_, law_);
-    laid_out_ = 1;
+    flattened_ = 1;
     if (paired_ != nullptr) {
       const glm::dvec2 u(paired_->to_plane.linear * frame_.u), v(paired_->to_plane.linear * frame_.v);
-      laid_out_ = std::abs(u.x * v.y - u.y * v.x);
+      flattened_ = std::abs(u.x * v.y - u.y * v.x);
     }
   }
 
@@ -91,7 +91,7 @@ class PlacedEcho {
     if (paired_ == nullptr)
       polygon_.assign(part.corners_m, facet_.plane, frame_);
     else
-      lay_out(part.corners_m, *paired_, polygon_);
+      flatten(part.corners_m, *paired_, polygon_);
   }
 
   /// What an area at a place returns, evenly from half paths near to far.
@@ -134,7 +134,7 @@ class PlacedEcho {
   const PairedFacet* paired_ = nullptr;
   PlaneFrame frame_{FacetPlane{}};
   PathOnFacet path_;
-  double laid_out_ = 1;  // area on the plane of the path over that which the way out sees
+  double flattened_ = 1;  // area on the plane of the path over that which the way out sees
   PlanarPolygon polygon_;
 };
 

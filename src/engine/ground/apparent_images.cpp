@@ -38,18 +38,18 @@ std::vector<std::size_t> same_rays(const std::vector<SeenPoint>& more, const std
   return same;
 }
 
-Images::Images(const Straightening& straightening, double reference_absorption_db_per_m,
-               const StraighteningSettings& settings, const ViewBounds* view_bounds)
-    : straightening_(straightening),
+Images::Images(const ApparentMap& apparent_map, double reference_absorption_db_per_m,
+               const ApparentMapSettings& settings, const ViewBounds* view_bounds)
+    : apparent_map_(apparent_map),
       absorption_(reference_absorption_db_per_m),
       settings_(settings),
       view_bounds_(view_bounds),
-      bend_per_m_(straightening.water().profile.largest_bend_per_m()) {}
+      bend_per_m_(apparent_map.water().profile.largest_bend_per_m()) {}
 
 ApparentImage Images::make(const glm::dvec3& point_m) const {
   std::vector<ApparentPoint> several;
   const std::optional<ApparentPoint> found =
-      straightening_.apparent(point_m, settings_.later_arrivals ? &several : nullptr);
+      apparent_map_.apparent(point_m, settings_.later_arrivals ? &several : nullptr);
   if (!found) return {};
   ApparentImage image{seen_point(point_m, *found), found->eigenrays, {}};
   if (settings_.later_arrivals && found->eigenrays > 1) {
@@ -61,27 +61,27 @@ ApparentImage Images::make(const glm::dvec3& point_m) const {
 }
 
 SeenPoint Images::seen_point(const glm::dvec3& point_m, const ApparentPoint& found) const {
-  const CornerReturn returned = corner_return(straightening_, point_m, found, absorption_);
+  const CornerReturn returned = corner_return(apparent_map_, point_m, found, absorption_);
   // Rays that are nearly level, where they turn, do not make it as small or large as they could: little
   // comes back from there.
   constexpr double least = 0.1;
   const double sines =
       std::max(std::abs(found.ray.arrival_sine), least) / std::max(std::abs(found.ray.launch_sine), least);
-  SeenPoint seen{found.at_m, returned, glm::distance(found.at_m, straightening_.apex_m()),
+  SeenPoint seen{found.at_m, returned, glm::distance(found.at_m, apparent_map_.apex_m()),
                  db_per_relative * std::log(returned.spreading * sines)};
   if (!settings_.later_arrivals) return seen;
   seen.launch_rad = std::atan2(found.ray.launch_sine, found.ray.launch_cosine);
   // By its own area, of which the caustic's is a multiple.
   Eigenray unit = found.ray;
   unit.tube_area_m2_per_sr = 1;
-  const double width = 1 / corner_return(straightening_, point_m, {found.at_m, unit}, absorption_).spreading;
+  const double width = 1 / corner_return(apparent_map_, point_m, {found.at_m, unit}, absorption_).spreading;
   seen.width = (found.ray.crossed ? -1 : 1) * width * found.ray.tube_area_m2_per_sr;
   seen.caustic_width = width * found.ray.caustic_area_m2_per_sr;
   const double beyond_db =
-      found.ray.absorption_db - absorption_ * straightening_.reference_speed_m_s() * found.ray.time_s;
+      found.ray.absorption_db - absorption_ * apparent_map_.reference_speed_m_s() * found.ray.time_s;
   seen.kept = std::exp(-beyond_db * std::numbers::ln10 / 10);
-  seen.speeds = straightening_.finder().source_speed_m_s() /
-                straightening_.water().profile.at(straightening_.depth_m(point_m));
+  seen.speeds = apparent_map_.finder().source_speed_m_s() /
+                apparent_map_.water().profile.at(apparent_map_.depth_m(point_m));
   if (found.eigenrays > 1)
     seen.level_db = db_per_relative * std::log(sines / std::hypot(seen.width, seen.caustic_width));
   return seen;
@@ -113,7 +113,7 @@ bool Images::cuts_by_any_ray(double length, const ApparentImage& from, const App
       continue;
     }
     const glm::dvec3 off = m[i].at_m - (a[i].at_m + b[i].at_m) / 2.0;
-    const double along = std::abs(glm::dot(off, glm::normalize(m[i].at_m - straightening_.apex_m())));
+    const double along = std::abs(glm::dot(off, glm::normalize(m[i].at_m - apparent_map_.apex_m())));
     const auto [least, most] = std::minmax({a[i].level_db, b[i].level_db, m[i].level_db});
     if (along > settings_.gap_m || gap > sideways * settings_.gap_m) return true;
     if (!((most - least) / 2 <= beside_caustics * settings_.tolerance_db)) return true;

@@ -39,7 +39,7 @@ struct SeenPoint {
 /// By the first ray to arrive; without eigenray: not seen.
 struct ApparentImage : SeenPoint {
   int eigenrays = 0;
-  /// By each of several rays, by their launch angles: if StraighteningSettings asks for them.
+  /// By each of several rays, by their launch angles: if ApparentMapSettings asks for them.
   std::vector<SeenPoint> several{};
   bool seen() const { return eigenrays > 0; }
   /// One ray, far from caustics.
@@ -56,8 +56,8 @@ bool are_alike(const std::vector<SeenPoint>& a, const std::vector<SeenPoint>& b)
 /// Makes images, and says which edges between them are to be cut.
 class Images {
  public:
-  Images(const Straightening& straightening, double reference_absorption_db_per_m,
-         const StraighteningSettings& settings, const ViewBounds* view_bounds);
+  Images(const ApparentMap& apparent_map, double reference_absorption_db_per_m,
+         const ApparentMapSettings& settings, const ViewBounds* view_bounds);
 
   ApparentImage make(const glm::dvec3& point_m) const;
 
@@ -86,10 +86,10 @@ class Images {
   /// Whether an edge is long for how near it is to an apex on the bed: facets that hold the apex, or nearly,
   /// lie then where rays are straight.
   bool is_long_nearby(const glm::dvec3& a, const glm::dvec3& b) const {
-    const double within_m = straightening_.straight_within_m();
+    const double within_m = apparent_map_.straight_within_m();
     if (!(within_m > 0)) return false;
     const double length = glm::distance(a, b);
-    return 2 * length > within_m && glm::distance((a + b) / 2.0, straightening_.apex_m()) < 2 * length;
+    return 2 * length > within_m && glm::distance((a + b) / 2.0, apparent_map_.apex_m()) < 2 * length;
   }
 
   template <class ImageOf>
@@ -114,14 +114,14 @@ class Images {
   /// So small beside its range that its corners say all that its factor needs. `seen_m`: from the apex.
   bool is_small(const glm::dvec3 (&corners_m)[3], const glm::dvec3 (&seen_m)[3]) const;
   double reference_absorption_db_per_m() const { return absorption_; }
-  const Straightening& straightening() const { return straightening_; }
+  const ApparentMap& apparent_map() const { return apparent_map_; }
 
   bool may_see(const glm::dvec3 (&corners_m)[3]) const {
     return view_bounds_ == nullptr || view_bounds_->may_see(corners_m);
   }
   /// False only if no tube meets what is seen within a distance of a place.
   bool may_show(const glm::dvec3& seen_at_m, double distance_m) const {
-    return view_bounds_ == nullptr || view_bounds_->may_show(seen_at_m - straightening_.apex_m(), distance_m);
+    return view_bounds_ == nullptr || view_bounds_->may_show(seen_at_m - apparent_map_.apex_m(), distance_m);
   }
 
  private:
@@ -140,9 +140,9 @@ class Images {
   /// Decibels of a small relative change.
   static constexpr double db_per_relative = 4.3429448190325183;
 
-  const Straightening& straightening_;
+  const ApparentMap& apparent_map_;
   double absorption_;
-  StraighteningSettings settings_;
+  ApparentMapSettings settings_;
   const ViewBounds* view_bounds_;
   double bend_per_m_ = 0;
 };

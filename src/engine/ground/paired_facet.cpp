@@ -45,7 +45,7 @@ struct Place {
 };
 
 /// Where an apex is that sees `seen` (relative to it) if distances are laid out by another metric.
-Place lay_out(const glm::dvec3 (&seen)[3], const Metric& metric) {
+Place flatten(const glm::dvec3 (&seen)[3], const Metric& metric) {
   const Metric own = metric_of(seen);
   const double first = -glm::dot(seen[0], seen[1] - seen[0]), second = -glm::dot(seen[0], seen[2] - seen[0]);
   const glm::dvec2 foot =
@@ -72,7 +72,7 @@ LyingPlane plane_through(const glm::dvec2 (&at)[3], const glm::dvec3 (&places)[3
 /// The ray to a true vertex, each found once.
 class Rays {
  public:
-  explicit Rays(const Straightening& water) : water_(water) {}
+  explicit Rays(const ApparentMap& water) : water_(water) {}
   const Eigenray& to(VertexId vertex, const glm::dvec3& at_m) {
     const auto known = known_.find(vertex);
     if (known != known_.end()) return known->second;
@@ -81,13 +81,13 @@ class Rays {
   }
 
  private:
-  const Straightening& water_;
+  const ApparentMap& water_;
   std::unordered_map<VertexId, Eigenray> known_;
 };
 
 /// What a corner returns apart from scattering and area, over what the straight law makes of it: the
 /// transmitter's energy over the area of its ray tube there, and the receiver's over that back from there.
-double spreading(const Straightening& receive, const Eigenray& sent, const Eigenray& received,
+double spreading(const ApparentMap& receive, const Eigenray& sent, const Eigenray& received,
                  const glm::dvec3& at_m, double there_m, double back_m, double absorption_db_per_m) {
   const double beyond_db =
       sent.absorption_db + received.absorption_db - absorption_db_per_m * (there_m + back_m);
@@ -97,16 +97,16 @@ double spreading(const Straightening& receive, const Eigenray& sent, const Eigen
 
 }  // namespace
 
-LaidOutFacet lay_out_between(const glm::dvec3 (&from_t)[3], const glm::dvec3 (&from_r)[3],
-                             const glm::dvec3 (&lies)[3]) {
+FlattenedFacet flatten_between(const glm::dvec3 (&from_t)[3], const glm::dvec3 (&from_r)[3],
+                               const glm::dvec3 (&lies)[3]) {
   const Metric a = metric_of(from_t), b = metric_of(from_r);
   const Metric mean{(a.first + b.first) / 2, (a.second + b.second) / 2, (a.product + b.product) / 2};
   const Flat flat(mean);
-  const Place t = lay_out(from_t, mean), r = lay_out(from_r, mean);
+  const Place t = flatten(from_t, mean), r = flatten(from_r, mean);
   const glm::dvec2 at[3]{-t.foot, glm::dvec2(flat.along, 0) - t.foot,
                          glm::dvec2(flat.across_x, flat.across_y) - t.foot};
-  LaidOutFacet laid;
-  PairedFacet& facet = laid.facet;
+  FlattenedFacet flattened;
+  PairedFacet& facet = flattened.facet;
   facet.transmit_distance_m = t.height;
   facet.receive_distance_m = r.height;
   facet.receive_foot_m = r.foot - t.foot;
@@ -114,13 +114,13 @@ LaidOutFacet lay_out_between(const glm::dvec3 (&from_t)[3], const glm::dvec3 (&f
   facet.transmit_seen = plane_through(at, from_t);
   facet.receive_seen = plane_through(at, from_r);
   facet.lies = plane_through(at, lies);
-  laid.normal = glm::cross(lies[1] - lies[0], lies[2] - lies[0]);
-  const double area_ratio = glm::length(laid.normal) / (flat.along * flat.across_y);
+  flattened.normal = glm::cross(lies[1] - lies[0], lies[2] - lies[0]);
+  const double area_ratio = glm::length(flattened.normal) / (flat.along * flat.across_y);
   for (std::size_t k = 0; k < 3; ++k) {
     const double there = std::hypot(glm::length(at[k]), t.height),
                  back = std::hypot(glm::length(at[k] - facet.receive_foot_m), r.height);
-    laid.there_m[k] = there;
-    laid.back_m[k] = back;
+    flattened.there_m[k] = there;
+    flattened.back_m[k] = back;
     PairedFacet::Corner& corner = facet.corners[k];
     corner.transmit_seen = t.height / there;
     corner.receive_seen = r.height / back;
@@ -128,12 +128,12 @@ LaidOutFacet lay_out_between(const glm::dvec3 (&from_t)[3], const glm::dvec3 (&f
     facet.misfit_m = std::max(facet.misfit_m,
                               std::abs(there - glm::length(from_t[k]) + back - glm::length(from_r[k])) / 2);
   }
-  return laid;
+  return flattened;
 }
 
 std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const ApparentPair& pair,
-                                       const WorldGrid& grid, const Straightening& transmit,
-                                       const Straightening& receive, double absorption_db_per_m) {
+                                       const WorldGrid& grid, const ApparentMap& transmit,
+                                       const ApparentMap& receive, double absorption_db_per_m) {
   return paired_facets(shared, pair.mesh, {pair.transmit, transmit}, {pair.receive, receive}, grid,
                        absorption_db_per_m);
 }
@@ -141,8 +141,8 @@ std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const App
 std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const FacetMesh& bed,
                                        const ApparentEnd& transmit_end, const ApparentEnd& receive_end,
                                        const WorldGrid& grid, double absorption_db_per_m) {
-  const Straightening &transmit = transmit_end.water, &receive = receive_end.water;
-  const ApparentGround &sent_to = transmit_end.ground, &received_from = receive_end.ground;
+  const ApparentMap &transmit = transmit_end.water, &receive = receive_end.water;
+  const ApparentSurface &sent_to = transmit_end.ground, &received_from = receive_end.ground;
   std::vector<PairedFacet> paired;
   paired.reserve(shared.facets.size());
   Rays sent(transmit), received(receive);
@@ -165,36 +165,36 @@ std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const Fac
       std::swap(vertex[1], vertex[2]);
       take();
     }
-    const LaidOutFacet laid = lay_out_between(from_t, from_r, lies);
-    PairedFacet& facet = paired.emplace_back(laid.facet);
+    const FlattenedFacet flattened = flatten_between(from_t, from_r, lies);
+    PairedFacet& facet = paired.emplace_back(flattened.facet);
     for (std::size_t k = 0; k < 3; ++k) {
       const Eigenray &out = sent.to(vertex[k], lies[k]), &home = received.to(vertex[k], lies[k]);
       PairedFacet::Corner& corner = facet.corners[k];
-      corner.transmit_lies = grazing_sine(laid.normal, transmit.arrival_direction(lies[k], out));
-      corner.receive_lies = grazing_sine(laid.normal, receive.arrival_direction(lies[k], home));
-      corner.gain *=
-          spreading(receive, out, home, lies[k], laid.there_m[k], laid.back_m[k], absorption_db_per_m);
+      corner.transmit_lies = grazing_sine(flattened.normal, transmit.arrival_direction(lies[k], out));
+      corner.receive_lies = grazing_sine(flattened.normal, receive.arrival_direction(lies[k], home));
+      corner.gain *= spreading(receive, out, home, lies[k], flattened.there_m[k], flattened.back_m[k],
+                               absorption_db_per_m);
     }
   }
   return paired;
 }
 
-ReceiverPairLayOut::ReceiverPairLayOut(const FacetMesh& bed, const ApparentEnd& transmit,
-                                       const std::array<const Straightening*, 2>& receivers,
-                                       const WorldGrid& grid)
+ReceiverPairFlattening::ReceiverPairFlattening(const FacetMesh& bed, const ApparentEnd& transmit,
+                                               const std::array<const ApparentMap*, 2>& receivers,
+                                               const WorldGrid& grid)
     : bed_(bed), transmit_(transmit), receivers_(receivers), grid_(grid) {}
 
-const ReceiverPairLayOut::Image& ReceiverPairLayOut::image(std::size_t receiver, VertexId vertex) {
+const ReceiverPairFlattening::Image& ReceiverPairFlattening::image(std::size_t receiver, VertexId vertex) {
   const auto known = images_[receiver].find(vertex);
   if (known != images_[receiver].end()) return known->second;
-  const Straightening& water = *receivers_[receiver];
+  const ApparentMap& water = *receivers_[receiver];
   const auto found = water.apparent(grid_.to_metres(bed_.vertices[vertex]));
   return images_[receiver]
       .emplace(vertex, found ? Image(found->at_m - water.apex_m()) : Image())
       .first->second;
 }
 
-std::vector<PairedFacet> ReceiverPairLayOut::of(const SharedFootprints& shared, std::size_t receiver) {
+std::vector<PairedFacet> ReceiverPairFlattening::of(const SharedFootprints& shared, std::size_t receiver) {
   std::vector<PairedFacet> all;
   all.reserve(shared.facets.size());
   for (const SharedFacet& of : shared.facets) {
@@ -233,7 +233,7 @@ std::vector<PairedFacet> ReceiverPairLayOut::of(const SharedFootprints& shared, 
     if (!sees[receiver]) continue;
     mean = {mean.first / seen_by, mean.second / seen_by, mean.product / seen_by};
     const Flat flat(mean);
-    const Place t = lay_out(from_t, mean), r = lay_out(from_r[receiver], mean);
+    const Place t = flatten(from_t, mean), r = flatten(from_r[receiver], mean);
     const glm::dvec2 at[3]{-t.foot, glm::dvec2(flat.along, 0) - t.foot,
                            glm::dvec2(flat.across_x, flat.across_y) - t.foot};
     facet.transmit_distance_m = t.height;

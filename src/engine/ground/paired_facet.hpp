@@ -17,19 +17,19 @@ namespace tubefoot {
 /// both apparent meshes have the numbers of `mesh`.
 struct ApparentPair {
   FacetMesh mesh;
-  ApparentGround transmit, receive;
+  ApparentSurface transmit, receive;
   std::vector<FacetId> transmit_origin, receive_origin;  ///< by apparent facet: that of `mesh`
 };
 
 /// straighten() for two apexes: edges are cut where either of the two needs it.
-ApparentPair straighten_pair(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
-                             const Straightening& transmit, const Straightening& receive,
-                             double reference_absorption_db_per_m, const StraighteningSettings& settings,
-                             const RefinementLimits& limits = {},
-                             const ViewBounds* transmit_view_bounds = nullptr,
-                             const ViewBounds* receive_view_bounds = nullptr);
+ApparentPair map_apparent_pair(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
+                               const ApparentMap& transmit, const ApparentMap& receive,
+                               double reference_absorption_db_per_m, const ApparentMapSettings& settings,
+                               const RefinementLimits& limits = {},
+                               const ViewBounds* transmit_view_bounds = nullptr,
+                               const ViewBounds* receive_view_bounds = nullptr);
 
-/// A triangle as two apexes see it, laid out flat. Its edges have the root mean squares of the lengths that
+/// A triangle as two apexes see it, flattened. Its edges have the root mean squares of the lengths that
 /// they are seen with, and each apex is put where the corners are as far from it as they are seen: in even
 /// water where it is. Sums of distances to the two are then right at the corners, and between them to second
 /// order of the edges. Where a corner would be farther from another than the difference of their distances
@@ -53,21 +53,21 @@ struct PairedFacet {
   bool move_receiver(glm::dvec3 by_m);
 };
 
-/// A triangle laid out flat between two apexes, and how far its corners then are from them. Of the corners'
+/// A triangle flattened between two apexes, and how far its corners then are from them. Of the corners'
 /// returns only the seen sines and, as gain, the ratio of the areas.
-struct LaidOutFacet {
+struct FlattenedFacet {
   PairedFacet facet;
   std::array<double, 3> there_m{}, back_m{};
   glm::dvec3 normal{0};  ///< where it lies
 };
 /// Corners as they are seen, relative to the apexes, and where they lie.
-LaidOutFacet lay_out_between(const glm::dvec3 (&from_transmitter)[3], const glm::dvec3 (&from_receiver)[3],
-                             const glm::dvec3 (&lies)[3]);
+FlattenedFacet flatten_between(const glm::dvec3 (&from_transmitter)[3], const glm::dvec3 (&from_receiver)[3],
+                               const glm::dvec3 (&lies)[3]);
 
 /// One end of a path, and where it sees the bed: vertices of the ground have the numbers of the bed's.
 struct ApparentEnd {
-  const ApparentGround& ground;
-  const Straightening& water;
+  const ApparentSurface& ground;
+  const ApparentMap& water;
 };
 
 /// Facets that two ends share, in their order. `shared` is about `bed`, whose facets both see.
@@ -76,17 +76,17 @@ std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const Fac
                                        const WorldGrid& grid, double absorption_db_per_m);
 /// The same of a pair. `shared` is about pair.mesh.
 std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const ApparentPair& pair,
-                                       const WorldGrid& grid, const Straightening& transmit,
-                                       const Straightening& receive, double reference_absorption_db_per_m);
+                                       const WorldGrid& grid, const ApparentMap& transmit,
+                                       const ApparentMap& receive, double reference_absorption_db_per_m);
 
 /// Lays out facets for a receiver pair: on one plane for both of its receivers, with edges as these see them,
 /// so that their ranges, and what these differ by, are as right as they can be; the transmitter is put where
 /// its distances to the corners are right. Corners of the result (Corner) are left as they are made.
-class ReceiverPairLayOut {
+class ReceiverPairFlattening {
  public:
   /// `receivers`: upper and lower. All outlive it.
-  ReceiverPairLayOut(const FacetMesh& bed, const ApparentEnd& transmit,
-                     const std::array<const Straightening*, 2>& receivers, const WorldGrid& grid);
+  ReceiverPairFlattening(const FacetMesh& bed, const ApparentEnd& transmit,
+                         const std::array<const ApparentMap*, 2>& receivers, const WorldGrid& grid);
   /// Facets that one of them shares with the transmitter, in their order.
   std::vector<PairedFacet> of(const SharedFootprints& shared, std::size_t receiver);
 
@@ -96,12 +96,12 @@ class ReceiverPairLayOut {
 
   const FacetMesh& bed_;
   const ApparentEnd transmit_;
-  std::array<const Straightening*, 2> receivers_;
+  std::array<const ApparentMap*, 2> receivers_;
   const WorldGrid& grid_;
   std::array<std::unordered_map<VertexId, Image>, 2> images_;
 };
 
-/// What a facet returns over what the straight law makes of it laid out flat: the mean over its corners of
+/// What a facet returns over what the straight law makes of it flattened: the mean over its corners of
 /// gain sqrt(sigma(lies) sigma(lies)) / sqrt(sigma(seen) sigma(seen)); null: Lambert's law.
 double paired_factor(const PairedFacet& facet, const ScatteringLaw* law);
 

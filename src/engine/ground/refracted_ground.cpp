@@ -17,7 +17,7 @@
 #include <unordered_map>
 
 #include "engine/ground/apparent_images.hpp"
-#include "engine/ground/apparent_sheets.hpp"
+#include "engine/ground/eigenray_branches.hpp"
 #include "engine/ground/paired_facet.hpp"
 #include "geometry/mesh/weld_table.hpp"
 #include "geometry/steps/stop.hpp"
@@ -157,26 +157,26 @@ void thin_out(std::vector<UnclearPlace>& unclear) {
   unclear.erase(std::unique(unclear.begin(), unclear.end(), same), unclear.end());
 }
 
-void check(const StraighteningSettings& settings) {
+void check(const ApparentMapSettings& settings) {
   if (!(settings.gap_m > 0 && settings.shortest_edge_m > 0 && settings.shadow_edge_m > 0 &&
         settings.tolerance_db > 0))
     throw std::invalid_argument("the lengths and the tolerance of straightening must be above 0");
 }
 
 /// What an apex sees of facets that are fine enough. `origin`: by apparent facet, which it is of.
-ApparentGround seen_of(FineFacets fine, const Images& images, const WorldGrid& grid,
-                       const Straightening& straightening, const StraighteningSettings& settings,
-                       std::span<const std::shared_ptr<const ScatteringLaw>> laws,
-                       std::vector<FacetId>* origin = nullptr) {
-  ApparentGround ground;
-  ground.reference_speed_m_s = straightening.reference_speed_m_s();
+ApparentSurface seen_of(FineFacets fine, const Images& images, const WorldGrid& grid,
+                        const ApparentMap& apparent_map, const ApparentMapSettings& settings,
+                        std::span<const std::shared_ptr<const ScatteringLaw>> laws,
+                        std::vector<FacetId>* origin = nullptr) {
+  ApparentSurface ground;
+  ground.reference_speed_m_s = apparent_map.reference_speed_m_s();
   FacetMesh& mesh = ground.refined.mesh;
   mesh.vertices.reserve(fine.at_m.size());
   for (std::size_t v = 0; v < fine.at_m.size(); ++v)  // facets of points without image are left out
     mesh.vertices.push_back(grid.snap(fine.image[v].seen() ? fine.image[v].at_m : fine.at_m[v]));
   const FacetMesh& from = fine.mesh.mesh;
   mesh.facets.reserve(from.facets.size());
-  ApparentSheets sheets(fine, images, grid, laws, ground);
+  EigenrayBranches sheets(fine, images, grid, laws, ground);
   for (std::size_t f = 0; f < from.facets.size(); ++f) {
     stop_if_wanted();
     glm::dvec3 corners[3], seen[3];
@@ -188,7 +188,7 @@ ApparentGround seen_of(FineFacets fine, const Images& images, const WorldGrid& g
       several = several || image.eigenrays > 1;
       regular = regular && image.regular();
       if (!unclear && image.eigenrays != 1)
-        unclear = unclear_place(fine.mesh.parent[f], at_m, image, straightening.apex_m());
+        unclear = unclear_place(fine.mesh.parent[f], at_m, image, apparent_map.apex_m());
     };
     for (int i = 0; i < 3; ++i) corners[i] = fine.at_m[from.facets[f][i]];
     if (!images.may_see(corners)) continue;  // a part of a large facet
@@ -200,7 +200,7 @@ ApparentGround seen_of(FineFacets fine, const Images& images, const WorldGrid& g
     }
     for (int i = 0; i < 3; ++i) {
       const VertexId v = from.facets[f][i];
-      seen[i] = grid.to_metres(mesh.vertices[v]) - straightening.apex_m();
+      seen[i] = grid.to_metres(mesh.vertices[v]) - apparent_map.apex_m();
       returns[i] = fine.image[v].returned;
       note(corners[i], fine.image[v]);
     }
@@ -265,33 +265,34 @@ FineFacets with_images(const RefinedMesh& cut, const WorldGrid& grid, const GapR
 
 }  // namespace
 
-ApparentGround straighten(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
-                          const Straightening& straightening, double reference_absorption_db_per_m,
-                          const StraighteningSettings& settings, const RefinementLimits& limits,
-                          std::span<const std::shared_ptr<const ScatteringLaw>> laws,
-                          const ViewBounds* view_bounds) {
+ApparentSurface map_apparent(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
+                             const ApparentMap& apparent_map, double reference_absorption_db_per_m,
+                             const ApparentMapSettings& settings, const RefinementLimits& limits,
+                             std::span<const std::shared_ptr<const ScatteringLaw>> laws,
+                             const ViewBounds* view_bounds) {
   check(settings);
-  const Images images(straightening, reference_absorption_db_per_m, settings, view_bounds);
-  return seen_of(refined(base, facets, grid, images, limits), images, grid, straightening, settings, laws);
+  const Images images(apparent_map, reference_absorption_db_per_m, settings, view_bounds);
+  return seen_of(refined(base, facets, grid, images, limits), images, grid, apparent_map, settings, laws);
 }
 
-ApparentPair straighten_pair(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
-                             const Straightening& transmit, const Straightening& receive,
-                             double reference_absorption_db_per_m, const StraighteningSettings& settings,
-                             const RefinementLimits& limits, const ViewBounds* transmit_view_bounds,
-                             const ViewBounds* receive_view_bounds) {
-  AlikeGrounds grounds =
-      straighten_alike(base, facets, grid, std::array{&transmit, &receive}, reference_absorption_db_per_m,
-                       settings, limits, std::array{transmit_view_bounds, receive_view_bounds});
+ApparentPair map_apparent_pair(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
+                               const ApparentMap& transmit, const ApparentMap& receive,
+                               double reference_absorption_db_per_m, const ApparentMapSettings& settings,
+                               const RefinementLimits& limits, const ViewBounds* transmit_view_bounds,
+                               const ViewBounds* receive_view_bounds) {
+  CommonApparentSurfaces grounds = map_apparent_together(
+      base, facets, grid, std::array{&transmit, &receive}, reference_absorption_db_per_m, settings, limits,
+      std::array{transmit_view_bounds, receive_view_bounds});
   return {std::move(grounds.bed.mesh), std::move(grounds.seen[0]), std::move(grounds.seen[1]),
           std::move(grounds.origin[0]), std::move(grounds.origin[1])};
 }
 
-AlikeGrounds straighten_alike(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
-                              std::span<const Straightening* const> ways,
-                              double reference_absorption_db_per_m, const StraighteningSettings& settings,
-                              const RefinementLimits& limits,
-                              std::span<const ViewBounds* const> all_view_bounds) {
+CommonApparentSurfaces map_apparent_together(const FacetMesh& base, std::span<const FacetId> facets,
+                                             const WorldGrid& grid, std::span<const ApparentMap* const> ways,
+                                             double reference_absorption_db_per_m,
+                                             const ApparentMapSettings& settings,
+                                             const RefinementLimits& limits,
+                                             std::span<const ViewBounds* const> all_view_bounds) {
   check(settings);
   std::deque<Images> images;
   AnyRule any;
@@ -299,7 +300,7 @@ AlikeGrounds straighten_alike(const FacetMesh& base, std::span<const FacetId> fa
     any.rules.emplace_back(
         images.emplace_back(*ways[k], reference_absorption_db_per_m, settings, all_view_bounds[k]), base,
         grid);
-  AlikeGrounds grounds;
+  CommonApparentSurfaces grounds;
   grounds.bed = refine(
       base, facets, grid, any, [](const BasePoint& p) { return p.at_m; }, limits);
   grounds.seen.resize(ways.size());
@@ -311,7 +312,7 @@ AlikeGrounds straighten_alike(const FacetMesh& base, std::span<const FacetId> fa
   return grounds;
 }
 
-glm::dvec3 ApparentGround::true_place(FacetId facet, glm::dvec3 seen_m, const WorldGrid& grid) const {
+glm::dvec3 ApparentSurface::true_place(FacetId facet, glm::dvec3 seen_m, const WorldGrid& grid) const {
   const auto& corner = refined.mesh.facets[facet];
   glm::dvec3 seen[3];
   for (int i = 0; i < 3; ++i) seen[i] = grid.to_metres(refined.mesh.vertices[corner[i]]);
@@ -324,7 +325,7 @@ glm::dvec3 ApparentGround::true_place(FacetId facet, glm::dvec3 seen_m, const Wo
          v * (truth[corner[2]] - truth[corner[0]]);
 }
 
-std::vector<FacetMap> ApparentGround::facet_maps(glm::dvec3 apex_m, const WorldGrid& grid) const {
+std::vector<FacetMap> ApparentSurface::facet_maps(glm::dvec3 apex_m, const WorldGrid& grid) const {
   std::vector<FacetMap> maps;
   maps.reserve(refined.mesh.facets.size());
   for (const auto& corner : refined.mesh.facets) {
@@ -338,7 +339,7 @@ std::vector<FacetMap> ApparentGround::facet_maps(glm::dvec3 apex_m, const WorldG
   return maps;
 }
 
-double ApparentGround::area_ratio(FacetId facet, const WorldGrid& grid) const {
+double ApparentSurface::area_ratio(FacetId facet, const WorldGrid& grid) const {
   const auto& corner = refined.mesh.facets[facet];
   glm::dvec3 seen[3], lies[3];
   for (int i = 0; i < 3; ++i) {

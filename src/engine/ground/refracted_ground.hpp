@@ -10,14 +10,14 @@
 #include "engine/ground/view_bounds.hpp"
 #include "engine/law/facet_map.hpp"
 #include "engine/law/scattering_law.hpp"
-#include "engine/water/straightening.hpp"
+#include "engine/water/apparent_map.hpp"
 #include "geometry/mesh/edge_refinement.hpp"
 
 // What one apex sees through refracting water, as a mesh of apparent facets that straight tubes see.
 // docs/refraction.md
 namespace tubefoot {
 
-struct StraighteningSettings {
+struct ApparentMapSettings {
   /// Edges are cut until the image of their middle is as close as this to the middle of their ends' images.
   double gap_m = 1e-3;
   /// And until what that and the change of spreading between their ends do to the density of energy is at
@@ -28,7 +28,7 @@ struct StraighteningSettings {
   /// Edges in a shadow, or at its border, are cut down to this: facets at the border are left out whole.
   double shadow_edge_m = 4;
   /// Every ray that leads to a place shows it: one sheet of apparent facets for each family of rays
-  /// (apparent_sheets.hpp). Else the first to arrive alone. straighten_alike() wants false.
+  /// (eigenray_branches.hpp). Else the first to arrive alone. map_apparent_together() wants false.
   bool later_arrivals = false;
 };
 
@@ -55,7 +55,7 @@ struct RayOfPart {
   std::array<Corner, 3> corners;
 };
 
-struct ApparentGround {
+struct ApparentSurface {
   /// Apparent facets that have an eigenray to every corner and their centre, and the base facet of each.
   RefinedMesh refined;
   std::vector<glm::dvec3> truth;     ///< by vertex: where it lies
@@ -87,25 +87,26 @@ struct ApparentGround {
 /// apply to apparent ranges; `laws`: by material, empty or null for Lambert's; `view_bounds`: where parts are
 /// cut and kept, null: everywhere. Apparent points have to fit `grid`. The result does not depend on the
 /// number of threads. Throws as refine(); std::invalid_argument unless the settings are above 0.
-ApparentGround straighten(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
-                          const Straightening& straightening, double reference_absorption_db_per_m,
-                          const StraighteningSettings& settings, const RefinementLimits& limits = {},
-                          std::span<const std::shared_ptr<const ScatteringLaw>> laws = {},
-                          const ViewBounds* view_bounds = nullptr);
+ApparentSurface map_apparent(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
+                             const ApparentMap& apparent_map, double reference_absorption_db_per_m,
+                             const ApparentMapSettings& settings, const RefinementLimits& limits = {},
+                             std::span<const std::shared_ptr<const ScatteringLaw>> laws = {},
+                             const ViewBounds* view_bounds = nullptr);
 
 /// What several ways see of a bed whose facets are cut alike for all of them, where any needs it. The
 /// vertices of all apparent meshes have the numbers of `mesh`.
-struct AlikeGrounds {
+struct CommonApparentSurfaces {
   RefinedMesh bed;                           ///< where it lies; parents are facets of the base
-  std::vector<ApparentGround> seen;          ///< by way
+  std::vector<ApparentSurface> seen;         ///< by way
   std::vector<std::vector<FacetId>> origin;  ///< by way and apparent facet: that of `bed`
 };
 
 /// straighten() for several ways, each with its view bounds (none: null).
-AlikeGrounds straighten_alike(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
-                              std::span<const Straightening* const> ways,
-                              double reference_absorption_db_per_m, const StraighteningSettings& settings,
-                              const RefinementLimits& limits,
-                              std::span<const ViewBounds* const> all_view_bounds);
+CommonApparentSurfaces map_apparent_together(const FacetMesh& base, std::span<const FacetId> facets,
+                                             const WorldGrid& grid, std::span<const ApparentMap* const> ways,
+                                             double reference_absorption_db_per_m,
+                                             const ApparentMapSettings& settings,
+                                             const RefinementLimits& limits,
+                                             std::span<const ViewBounds* const> all_view_bounds);
 
 }  // namespace tubefoot

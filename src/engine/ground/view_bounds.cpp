@@ -43,10 +43,10 @@ glm::dvec2 nearest_of(const std::array<glm::dvec2, 3>& corners) {
 
 }  // namespace
 
-ViewBounds::ViewBounds(const TubeSet& tubes, double grid_unit_m, const Straightening& straightening)
-    : sector_(tubes, grid_unit_m), straightening_(straightening), apex_m_(straightening.apex_m()) {
-  const SoundSpeedProfile& profile = straightening.water().profile;
-  const double apex_depth_m = straightening.finder().source_depth_m(), at_apex = profile.at(apex_depth_m);
+ViewBounds::ViewBounds(const TubeSet& tubes, double grid_unit_m, const ApparentMap& apparent_map)
+    : sector_(tubes, grid_unit_m), apparent_map_(apparent_map), apex_m_(apparent_map.apex_m()) {
+  const SoundSpeedProfile& profile = apparent_map.water().profile;
+  const double apex_depth_m = apparent_map.finder().source_depth_m(), at_apex = profile.at(apex_depth_m);
   double fastest = at_apex;
   for (const ProfilePoint& p : profile.points()) {
     Side& side = p.depth_m < apex_depth_m ? above_ : below_;
@@ -58,16 +58,16 @@ ViewBounds::ViewBounds(const TubeSet& tubes, double grid_unit_m, const Straighte
   turning_.high_sine = other_leg(above_.fastest);
   turning_.low_cosine = below_.fastest;
   turning_.low_sine = -other_leg(below_.fastest);
-  stretch_ = straightening.reference_speed_m_s() / fastest;
+  stretch_ = apparent_map.reference_speed_m_s() / fastest;
   const auto [lowest, highest] = sector_.elevation_sines();
   trace_flattest(above_, false, std::max(lowest, 0.0));
   trace_flattest(below_, true, std::max(-highest, 0.0));
 }
 
 void ViewBounds::trace_flattest(Side& side, bool down, double launch_sine) {
-  const SoundSpeedProfile& profile = straightening_.water().profile;
+  const SoundSpeedProfile& profile = apparent_map_.water().profile;
   const std::vector<ProfilePoint>& points = profile.points();
-  const double apex_depth_m = straightening_.finder().source_depth_m(), at_apex = profile.at(apex_depth_m);
+  const double apex_depth_m = apparent_map_.finder().source_depth_m(), at_apex = profile.at(apex_depth_m);
   launch_sine = std::max(0.0, launch_sine - 1e-9);  // far more than rounding
   side.flattest = {at_apex, launch_sine, other_leg(launch_sine)};
   const double sign = down ? 1 : -1;
@@ -120,7 +120,7 @@ bool ViewBounds::may_see(DirectionBox& box, double lowest_m, double highest_m, d
   const bool falling = lowest_m <= 0 && nearest_m <= slack * below_.farthest_m(-lowest_m),
              rising = highest_m >= 0 && nearest_m <= slack * above_.farthest_m(highest_m);
   if ((falling || rising) && sector_.may_meet(box)) return true;
-  if (straightening_.finder().steeper_than_turning(height_m, farthest_m)) return false;
+  if (apparent_map_.finder().steeper_than_turning(height_m, farthest_m)) return false;
   box.low_sine = turning_.low_sine;
   box.low_cosine = turning_.low_cosine;
   box.high_sine = turning_.high_sine;
@@ -129,8 +129,8 @@ bool ViewBounds::may_see(DirectionBox& box, double lowest_m, double highest_m, d
 }
 
 bool ViewBounds::may_see(const glm::dvec3& centre_m, double radius_m) const {
-  if (!straightening_.unfolding().may_reach(centre_m.z - radius_m, centre_m.z + radius_m)) return false;
-  const glm::dvec3 way = straightening_.unfolded(centre_m) - apex_m_;
+  if (!apparent_map_.unfolding().may_reach(centre_m.z - radius_m, centre_m.z + radius_m)) return false;
+  const glm::dvec3 way = apparent_map_.unfolded(centre_m) - apex_m_;
   const double across = std::hypot(way.x, way.y);
   DirectionBox box;
   box.all_round = !(radius_m < across);
@@ -176,18 +176,18 @@ bool ViewBounds::may_see(std::span<const glm::dvec2> ways_m, glm::dvec2 nearest_
 
 bool ViewBounds::may_see(const glm::dvec3 (&corners_m)[3]) const {
   const auto [lowest, highest] = std::minmax({corners_m[0].z, corners_m[1].z, corners_m[2].z});
-  if (!straightening_.unfolding().may_reach(lowest, highest)) return false;
-  const glm::dvec3 a = straightening_.unfolded(corners_m[0]) - apex_m_,
-                   b = straightening_.unfolded(corners_m[1]) - apex_m_,
-                   c = straightening_.unfolded(corners_m[2]) - apex_m_;
+  if (!apparent_map_.unfolding().may_reach(lowest, highest)) return false;
+  const glm::dvec3 a = apparent_map_.unfolded(corners_m[0]) - apex_m_,
+                   b = apparent_map_.unfolded(corners_m[1]) - apex_m_,
+                   c = apparent_map_.unfolded(corners_m[2]) - apex_m_;
   const std::array ways{glm::dvec2(a), glm::dvec2(b), glm::dvec2(c)};
   return may_see(ways, nearest_of(ways), std::min({a.z, b.z, c.z}), std::max({a.z, b.z, c.z}));
 }
 
 bool ViewBounds::may_see_box(const glm::dvec3& lowest_m, const glm::dvec3& highest_m) const {
-  if (!straightening_.unfolding().may_reach(lowest_m.z, highest_m.z)) return false;
-  const glm::dvec3 one = straightening_.unfolded(lowest_m) - apex_m_,
-                   other = straightening_.unfolded(highest_m) - apex_m_, lo = glm::min(one, other),
+  if (!apparent_map_.unfolding().may_reach(lowest_m.z, highest_m.z)) return false;
+  const glm::dvec3 one = apparent_map_.unfolded(lowest_m) - apex_m_,
+                   other = apparent_map_.unfolded(highest_m) - apex_m_, lo = glm::min(one, other),
                    hi = glm::max(one, other);
   return may_see(std::array{glm::dvec2(lo), glm::dvec2(hi.x, lo.y), glm::dvec2(hi), glm::dvec2(lo.x, hi.y)},
                  glm::clamp(glm::dvec2(0), glm::dvec2(lo), glm::dvec2(hi)), lo.z, hi.z);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/ground/sector.hpp"
-#include "engine/water/straightening.hpp"
+#include "engine/water/apparent_map.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
 #include "geometry/numbers/world_grid.hpp"
 #include "geometry/search/scene_tree.hpp"
@@ -21,7 +21,7 @@ namespace tubefoot {
 /// mirrors all this is so in the unfolded water; what lies behind the last mirror is not seen.
 class ViewBounds {
  public:
-  ViewBounds(const TubeSet& tubes, double grid_unit_m, const Straightening& straightening);
+  ViewBounds(const TubeSet& tubes, double grid_unit_m, const ApparentMap& apparent_map);
   /// False only if no image of a point of the ball is in the tubes' reach. What is true for a ball is true
   /// for every ball that holds it.
   bool may_see(const glm::dvec3& centre_m, double radius_m) const;
@@ -62,7 +62,7 @@ class ViewBounds {
                double farthest_m) const;
 
   Sector sector_;
-  const Straightening& straightening_;
+  const ApparentMap& apparent_map_;
   glm::dvec3 apex_m_;
   Side above_, below_;
   DirectionBox turning_;  ///< elevations of rays that turn

@@ -70,7 +70,7 @@ struct Path {
   Leg out{};
   std::optional<Leg> home{};  ///< none: with the mirrors of the way out
   /// By facet: what it returns over what the straight law makes of it (apparent facets in refracting water,
-  /// engine/water/straightening.hpp); empty: 1.
+  /// engine/water/apparent map.hpp); empty: 1.
   std::span<const double> facet_factor{};
 
   const Leg& back() const { return home ? *home : out; }

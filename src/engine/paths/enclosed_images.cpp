@@ -224,7 +224,7 @@ bool EnclosedImages::is_near_border(const Image& image, std::span<const std::uin
 
 EnclosedImages::Ray EnclosedImages::ray_to(const Image& image, GridPoint place) {
   const WorldGrid& grid = images_.grid();
-  const Straightening& water = images_.water_of(image);
+  const ApparentMap& water = images_.water_of(image);
   const RayEnclosure& enclosure = images_.rays_of(image);
   Ray found;
   const glm::dvec3 at_m = grid.to_metres(place);

@@ -17,7 +17,7 @@ namespace {
 /// Longest part, over its distance from the nearer end.
 constexpr double largest_angle = 0.125;
 /// How far the lines of equal path may be from straight, in samples.
-constexpr double most_bent = 0.1;
+constexpr double most_refracted = 0.1;
 /// Near the point parts need not be smaller than this, over `longest_m`: it stands for a patch of that size.
 constexpr double smallest_part = 1.0 / 16;
 /// How far the phase between two receivers may turn over a part: its mean then is a thousandth too large.
@@ -86,23 +86,23 @@ std::size_t PatchEcho::add(const SeenBed& bed, const Point& point, const ImageRe
   std::size_t met = 0;
   Polygon source;
   for (const SharedFacet& shared : seen.facets) {
-    const BentFacet* bent = bed.bent_of(shared);
+    const RefractedFacet* refracted = bed.refracted_of(shared);
     const ReceiverViews::Facet* facet =
-        received.receives.find(shared.facet, bent != nullptr ? bent->normal : shared.plane_normal);
+        received.receives.find(shared.facet, refracted != nullptr ? refracted->normal : shared.plane_normal);
     if (facet == nullptr) continue;
     scattering_ = law_.law_of(shared.facet);
     mu_ = scattering_ == nullptr ? law_.material_mu[law_.material[shared.facet]] : 1;
     if (mu_ == 0) continue;
     texture_ = law_.texture(shared.facet);
-    lit_ = OverFacet(*facet, from_received, shared.transmit_distance_m, bent);
+    lit_ = OverFacet(*facet, from_received, shared.transmit_distance_m, refracted);
     for (std::uint32_t k = shared.first_piece; k < shared.first_piece + shared.piece_count; ++k) {
       stop_if_wanted();
       const SharedPiece& piece = seen.pieces[k];
       source.clear();
       for (std::uint32_t c = 0; c < piece.count; ++c)
         source.push_back(
-            facet->frame.project((bent != nullptr ? bent->lies.at(seen.corners_m[piece.first + c])
-                                                  : seen.corners_m[piece.first + c]) +
+            facet->frame.project((refracted != nullptr ? refracted->lies.at(seen.corners_m[piece.first + c])
+                                                       : seen.corners_m[piece.first + c]) +
                                  from_received));
       const auto [low, high] = box_of(source);
       for (const ReceiverViews::Piece& other : facet->pieces) {
@@ -116,7 +116,7 @@ std::size_t PatchEcho::add(const SeenBed& bed, const Point& point, const ImageRe
         if (levels_[0].size() < 3) continue;
         for (std::size_t end = 0; end < ends.size(); ++end)
           home_[end] = OverFacet(*facet, ends[end].apex_m - received_at, facet->height_m[end],
-                                 received.receives.bent_of(other, end));
+                                 received.receives.refracted_of(other, end));
         ++met;
         halve(0);
       }
@@ -156,7 +156,7 @@ void PatchEcho::halve(std::size_t level) {
   const bool small =
       !turned && (diameter <= smallest_part * longest_m_ ||
                   (diameter <= longest_m_ && diameter <= largest_angle * std::min(rt, rr) &&
-                   diameter * diameter * (1 / rt + 1 / rr) / 16 <= most_bent * samples_.step_m));
+                   diameter * diameter * (1 / rt + 1 / rr) / 16 <= most_refracted * samples_.step_m));
   if (small) return cut_into_samples(levels_[level], centre);
   if (levels_.size() < level + 3) levels_.resize(level + 3);
   const int axis = size.x >= size.y ? 0 : 1;

@@ -176,8 +176,8 @@ class PatchPaths {
               {}};
         }) {
     before_.material = scene.law.material;
-    if (scene.bent == nullptr) return;
-    const PathWater& water = scene.bent->water();
+    if (scene.refracted == nullptr) return;
+    const PathWater& water = scene.refracted->water();
     double lowest_m = std::numeric_limits<double>::infinity();
     for (const GridPoint& vertex : scene.mesh.vertices)
       lowest_m = std::min(lowest_m, water.grid.to_metres(vertex).z);
@@ -185,7 +185,7 @@ class PatchPaths {
     EigenrayOptions rays = water.rays;
     rays.deepest_turn_m = std::numeric_limits<double>::infinity();
     water_.emplace(PathWater{column_, water.surface_height_m, rays, water.reference_speed_m_s,
-                             water.straightening, water.limits, water.grid});
+                             water.apparent_map, water.limits, water.grid});
   }
 
   void follow(std::span<const Image> sent) {
@@ -295,17 +295,18 @@ class PatchPaths {
   void send(const Source& source, bool again, Sent& sent) {
     const int most_mirrors = scene_.settings.order - source.interactions - 1;
     TubeSet tubes = front_tubes(source.at, source.normal, scene_.reach);
-    std::optional<RefractedImages> bent;
+    std::optional<RefractedImages> refracted;
     if (water_) {
       if (!(water_->grid.to_metres(source.at).z < water_->surface_height_m)) return;  // out of the water
-      bent.emplace(*scene_.bent, *water_, std::move(tubes), most_mirrors + 1,
-                   OnBed{source.normal, scene_.settings.patch_m});
+      refracted.emplace(*scene_.refracted, *water_, std::move(tubes), most_mirrors + 1,
+                        OnBed{source.normal, scene_.settings.patch_m});
     }
     const std::vector<Image> images =
-        bent ? bent->images_of(0) : scene_.finder.images_of(std::move(tubes), most_mirrors);
+        refracted ? refracted->images_of(0) : scene_.finder.images_of(std::move(tubes), most_mirrors);
     std::vector<SeenBed> beds;
-    for (const Image& image : images) beds.push_back(scene_.seen_by(image, bent ? &*bent : nullptr));
-    if (bent) sent.seen = bent->counts(beds);
+    for (const Image& image : images)
+      beds.push_back(scene_.seen_by(image, refracted ? &*refracted : nullptr));
+    if (refracted) sent.seen = refracted->counts(beds);
     const ScatteringLaw* scattering = before_.law_of(source.facet);
     for (std::size_t k = 0; k < images.size(); ++k) {
       stop_if_wanted();
@@ -401,18 +402,18 @@ ReceiverViews PathScene::received_by(const Image& image) const {
 }
 
 SeenBed PathScene::seen_by(const Image& image, const RefractedImages* by) const {
-  if (bent != nullptr) return (by != nullptr ? by : bent)->seen_by(image);
+  if (refracted != nullptr) return (by != nullptr ? by : refracted)->seen_by(image);
   return {shared_with_itself(mesh, image.look(), unit_m)};
 }
 
 void add_scattered_paths(const PathScene& scene, std::span<const Image> sent,
                          std::span<const ImageReceiver> received, PathEcho& echo) {
-  if (scene.bent == nullptr) return PatchPaths(scene, received, echo).follow(sent);
-  const FacetMesh& base = scene.bent->base();
+  if (scene.refracted == nullptr) return PatchPaths(scene, received, echo).follow(sent);
+  const FacetMesh& base = scene.refracted->base();
   EchoLaw law = scene.law;
   law.material = base.material;
   const PathScene cut{base, scene.unit_m,   scene.finder, scene.beams, scene.samples,
-                      law,  scene.settings, scene.apex,   scene.reach, scene.bent};
+                      law,  scene.settings, scene.apex,   scene.reach, scene.refracted};
   PatchPaths(cut, received, echo).follow(sent);
 }
 

@@ -21,13 +21,13 @@ struct PathScene {
   GridPoint apex;  ///< true one of the transmitter
   double reach;    ///< TubeSet::reach
   /// In refracting water: who made the images, of a mesh that it may have cut; facets are its base()'s.
-  const RefractedImages* bent = nullptr;
+  const RefractedImages* refracted = nullptr;
 
   glm::dvec3 from_apex(GridPoint p) const;  ///< metres
   ReceiverViews received_by(const Image& image) const;
   /// How far patches stand off their facets, in grid units: where those are cut up and seen elsewhere, their
   /// corners are rounded by up to 1.8, and none must come to lie before the patch.
-  double least_lift() const { return bent != nullptr ? 4 : 0; }
+  double least_lift() const { return refracted != nullptr ? 4 : 0; }
   /// What an image sees that `by` has made, or which is one of the scene's.
   SeenBed seen_by(const Image& image, const RefractedImages* by = nullptr) const;
 };

@@ -39,7 +39,7 @@ void GroundCounts::add(const GroundCounts& more) {
       unclear.push_back(place);
 }
 
-GroundCounts counts_from(const ApparentGround& ground, const Straightening& water, glm::dvec3 front,
+GroundCounts counts_from(const ApparentSurface& ground, const ApparentMap& water, glm::dvec3 front,
                          double before_m) {
   GroundCounts counts;
   counts.facets = ground.refined.mesh.facets.size();
@@ -65,11 +65,11 @@ GroundCounts counts_from(const ApparentGround& ground, const Straightening& wate
 std::size_t folded_facets(const SeenBed& bed) {
   constexpr double least_sine = 0.01;
   return static_cast<std::size_t>(std::ranges::count_if(bed.shared.facets, [&](const SharedFacet& facet) {
-    const BentFacet& bent = *bed.bent_of(facet);
+    const RefractedFacet& refracted = *bed.refracted_of(facet);
     const glm::dvec3 at = bed.shared.corners_m[bed.shared.pieces[facet.first_piece].first];
-    return glm::dot(bent.normal, facet.plane_normal) < 0 &&
+    return glm::dot(refracted.normal, facet.plane_normal) < 0 &&
            facet.transmit_distance_m > least_sine * glm::length(at) &&
-           bent.sine(at, bent.ray_to(bent.lies.at(at))) > least_sine;
+           refracted.sine(at, refracted.ray_to(refracted.lies.at(at))) > least_sine;
   }));
 }
 

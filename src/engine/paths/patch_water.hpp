@@ -14,7 +14,7 @@ namespace tubefoot {
 /// that it is sent into the bed.
 WaterColumn continued_below(const WaterColumn& water, double depth_m, double further_m);
 
-/// What came of several straightenings, counted (ApparentGround).
+/// What came of several apparent maps, counted (ApparentSurface).
 struct GroundCounts {
   std::size_t facets = 0, in_shadow = 0, of_several = 0, folded = 0;
   double largest_gap_m = 0;
@@ -23,9 +23,9 @@ struct GroundCounts {
   void add(const GroundCounts& more);
 };
 
-/// Of what an apex on the bed has straightened, but for folded facets. A place without a ray counts if it
+/// Of what an apex on the bed has mapped, but for folded facets. A place without a ray counts if it
 /// lies more than `before_m` before the plane that `front` is the normal of; 0: everywhere.
-GroundCounts counts_from(const ApparentGround& ground, const Straightening& water, glm::dvec3 front,
+GroundCounts counts_from(const ApparentSurface& ground, const ApparentMap& water, glm::dvec3 front,
                          double before_m);
 
 /// How many facets are seen from the other side than rays come to; not of those that are seen edge-on, which

@@ -106,8 +106,8 @@ std::vector<Patch> patches_of(const FacetMesh& mesh, GridPoint apex, const SeenB
       for (std::uint32_t i = 0; i < (*end)->piece_count; ++i)
         pieces.emplace_back(*end, &seen.pieces[(*end)->first_piece + i]);
     const auto normal_of = [&](const SharedFacet& facet) {
-      const BentFacet* bent = bed.bent_of(facet);
-      return bent != nullptr ? bent->normal : facet.plane_normal;
+      const RefractedFacet* refracted = bed.refracted_of(facet);
+      return refracted != nullptr ? refracted->normal : facet.plane_normal;
     };
     const glm::dvec3 first_normal = normal_of(**first);
     glm::dvec3 corner(std::numeric_limits<double>::infinity());
@@ -120,8 +120,8 @@ std::vector<Patch> patches_of(const FacetMesh& mesh, GridPoint apex, const SeenB
     for (const auto& [seen_part, seen_piece] : pieces) {
       stop_if_wanted();
       const SharedPiece& piece = *seen_piece;
-      const BentFacet* bent = bed.bent_of(*seen_part);
-      const SharedFacet& part = bent != nullptr ? *seen_part : **first;
+      const RefractedFacet* refracted = bed.refracted_of(*seen_part);
+      const SharedFacet& part = refracted != nullptr ? *seen_part : **first;
       const glm::dvec3 normal = normal_of(part);
       const bool other_side = glm::dot(normal, first_normal) < 0;
       for (std::uint32_t k = 2; k < piece.count; ++k)
@@ -140,9 +140,9 @@ std::vector<Patch> patches_of(const FacetMesh& mesh, GridPoint apex, const SeenB
         }
         const double seen_m2 = glm::length(glm::cross(t[1] - t[0], t[2] - t[0])) / 2;
         if (!(seen_m2 > 0)) continue;
-        const double area_m2 = bent != nullptr ? bent->area_ratio * seen_m2 : seen_m2;
+        const double area_m2 = refracted != nullptr ? refracted->area_ratio * seen_m2 : seen_m2;
         const glm::dvec3 middle = (t[0] + t[1] + t[2]) / 3.0,
-                         lies = bent != nullptr ? bent->lies.at(middle) : middle,
+                         lies = refracted != nullptr ? refracted->lies.at(middle) : middle,
                          cube = glm::floor((lies - corner) * (2 / longest_m) + 1e-3);
         const std::int64_t label = label_of_tube.empty() ? 0 : label_of_tube[piece.transmit_tube];
         Patch& patch = gathered[{std::int64_t(other_side), label, std::int64_t(cube.x), std::int64_t(cube.y),
@@ -153,9 +153,9 @@ std::vector<Patch> patches_of(const FacetMesh& mesh, GridPoint apex, const SeenB
         patch.normal = normal;
         patch.from_apex_m += area_m2 * middle;  // sums, so far
         patch.lies_m += area_m2 * lies;
-        if (bent != nullptr) {
-          const BentFacet::Ray ray = bent->ray_to(lies);
-          patch.sine += area_m2 * bent->sine(middle, ray);
+        if (refracted != nullptr) {
+          const RefractedFacet::Ray ray = refracted->ray_to(lies);
+          patch.sine += area_m2 * refracted->sine(middle, ray);
           patch.absorbed += area_m2 * ray.absorbed;
         } else {
           patch.sine = part.transmit_distance_m;  // over the range, below
@@ -169,8 +169,8 @@ std::vector<Patch> patches_of(const FacetMesh& mesh, GridPoint apex, const SeenB
       patch.facet = id;
       patch.from_apex_m /= patch.area_m2;
       patch.lies_m /= patch.area_m2;
-      patch.sine /= bed.bent.empty() ? glm::length(patch.from_apex_m) : patch.area_m2;
-      patch.absorbed = bed.bent.empty() ? 1 : patch.absorbed / patch.area_m2;
+      patch.sine /= bed.refracted.empty() ? glm::length(patch.from_apex_m) : patch.area_m2;
+      patch.absorbed = bed.refracted.empty() ? 1 : patch.absorbed / patch.area_m2;
       patches.push_back(patch);
     }
   }

@@ -51,7 +51,7 @@ class PathTracer {
         true_apex_(images.sent.front().windows.apex),
         true_receive_(receive),
         one_place_(images.sent.data() == images.received.data()),
-        bent_(images.bent) {
+        refracted_(images.refracted) {
     echo_.by_order.resize(std::size_t(settings.order) + 1);
     for (Echo& echo : echo_.by_order) {
       echo.beams = beams.count;
@@ -61,10 +61,10 @@ class PathTracer {
     echo_.images = transmit_.size() - 1 + (one_place_ ? 0 : receive_.size() - 1);
     if (!settings.reference_tolerance) return;
     for (const Echo& echo : echo_.by_order) echo_.bound_by_order.emplace_back(echo.energy.size(), 0.0);
-    if (bent_ == nullptr) return;
+    if (refracted_ == nullptr) return;
     bed_law_ = law;
-    bed_law_.material = bent_->bed().material;
-    enclosed_.emplace(*bent_, bed_law_, settings.mirrors.reflection,
+    bed_law_.material = refracted_->bed().material;
+    enclosed_.emplace(*refracted_, bed_law_, settings.mirrors.reflection,
                       std::initializer_list<std::span<const Image>>{
                           images.sent, one_place_ ? std::span<const Image>() : images.received});
   }
@@ -73,7 +73,7 @@ class PathTracer {
     scatter();
     if (settings_.scatterings > 1)
       add_scattered_paths({mesh_, unit_m_, finder_, beams_, samples_, law_, settings_, true_apex_,
-                           true_receive_.reach, bent_},
+                           true_receive_.reach, refracted_},
                           transmit_, receive_, echo_);
     for (const Image& image : settings_.arrivals ? transmit_ : std::span<const Image>())
       if (image.mirrors > 0 || (settings_.direct && !one_place_))
@@ -108,9 +108,9 @@ class PathTracer {
       const Image &sent = transmit_[pairs[k].sent], &received = receive_[pairs[k].received];
       const bool itself = &sent == &received;
       const std::size_t order = sent.mirrors + received.mirrors + 1;
-      if (bent_) {
-        add_bent(parts[k], order, sent, received);
-        if (one_place_ && !itself) add_bent(parts[k], order, received, sent);
+      if (refracted_) {
+        add_refracted(parts[k], order, sent, received);
+        if (one_place_ && !itself) add_refracted(parts[k], order, received, sent);
         return;
       }
       SharedFootprints shared = itself ? shared_with_itself(mesh_, sent.look(), unit_m_)
@@ -152,7 +152,7 @@ class PathTracer {
     tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t i) {
       if (!wanted[i]) return;
       auto image = std::make_unique<RayImage>(images[i], mesh_, *settings_.sampled);
-      if (bent_) image->place(bent_->bed().facets.size());
+      if (refracted_) image->place(refracted_->bed().facets.size());
       ready[i] = std::move(image);
     });
     return ready;
@@ -190,11 +190,11 @@ class PathTracer {
           [&] {
             for (const std::size_t j : received_by[i]) {
               const Image& received = receive_[j];
-              BistaticHistory shared =
-                  shared_hits(history, *senders[i]->end, *image_receivers[j]->end,
-                              bent_ ? bent_->bed() : mesh_, bent_ ? &image_receivers[j]->apparent : nullptr);
+              BistaticHistory shared = shared_hits(history, *senders[i]->end, *image_receivers[j]->end,
+                                                   refracted_ ? refracted_->bed() : mesh_,
+                                                   refracted_ ? &image_receivers[j]->apparent : nullptr);
               if (shared.hits.empty()) continue;
-              if (bent_) pair_facets(parts[i], sent, received, shared);
+              if (refracted_) pair_facets(parts[i], sent, received, shared);
               parts[i].hits += shared.hits.size();
               add(parts[i], sent.mirrors + received.mirrors + 1, scattered(sent, received, std::move(shared)),
                   0);
@@ -206,7 +206,7 @@ class PathTracer {
   }
 
   /// Each end sees the bed elsewhere: what they share is told where the one sees it that sends.
-  void add_bent(Part& part, std::size_t order, const Image& sent, const Image& received) const {
+  void add_refracted(Part& part, std::size_t order, const Image& sent, const Image& received) const {
     BistaticHistory history{sent.windows, received.windows, unit_m_,
                             FootprintSharer(sent.look(), received.look(), unit_m_).all()};
     if (history.shared.pieces.empty()) return;
@@ -215,9 +215,10 @@ class PathTracer {
   }
 
   void pair_facets(Part& part, const Image& sent, const Image& received, BistaticHistory& history) const {
-    history.paired = paired_facets(history.shared, bent_->bed(), bent_->end_of(sent), bent_->end_of(received),
-                                   bent_->grid(), law_.absorption_db_per_m);
-    const glm::dvec3 beside_m = bent_->beside_m(received);
+    history.paired =
+        paired_facets(history.shared, refracted_->bed(), refracted_->end_of(sent),
+                      refracted_->end_of(received), refracted_->grid(), law_.absorption_db_per_m);
+    const glm::dvec3 beside_m = refracted_->beside_m(received);
     for (std::size_t k = 0; k < history.paired.size(); ++k) {
       part.misfit_m = std::max(part.misfit_m, history.paired[k].misfit_m);
       if (beside_m != glm::dvec3(0) && !history.paired[k].move_receiver(beside_m))
@@ -251,12 +252,13 @@ class PathTracer {
   }
 
   CertifiedEcho scattered(const Image& sent, const Image& received, const BistaticHistory& history) const {
-    const PairLaw pair(sent, received, true_apex_, unit_m_, law_, beams_, bent_ ? &bent_->bed() : nullptr);
+    const PairLaw pair(sent, received, true_apex_, unit_m_, law_, beams_,
+                       refracted_ ? &refracted_->bed() : nullptr);
     CertifiedEcho found;
     found.echo = integrate_echo(history, pair.beams, samples_, pair.law, settings_.binning);
     const auto tolerance = settings_.reference_tolerance;
     if (tolerance && enclosed_) {
-      VisibilityOptions options = bent_->options();
+      VisibilityOptions options = refracted_->options();
       options.open_water = false;
       found = certify_refracted_echo(
                   enclosed_->bed_between(sent, received),
@@ -274,9 +276,9 @@ class PathTracer {
   /// once.
   void arrive(const Image& image) {
     const GridPoint from = image.windows.apex;
-    if (bent_) {
-      const WorldGrid& grid = bent_->grid();
-      for (const MirroredRay& ray : bent_->rays_to(image, true_receive_.apex)) {
+    if (refracted_) {
+      const WorldGrid& grid = refracted_->grid();
+      for (const MirroredRay& ray : refracted_->rays_to(image, true_receive_.apex)) {
         const GridPoint back = grid.snap(grid.to_metres(from) - 2 * ray.half_path_m * ray.arrives) - from;
         arrive(image,
                {ray.seen_at - from, back, ray.sent, ray.arrives, ray.half_path_m, ray.kept, ray.tube_area_m2},
@@ -368,7 +370,7 @@ class PathTracer {
       return;
     }
     const MirroredRay& ray = *found.ray;
-    const WorldGrid& grid = bent_->grid();
+    const WorldGrid& grid = refracted_->grid();
     const GridPoint from = image.windows.apex, along = ray.seen_at - from,
                     back = grid.snap(grid.to_metres(from) - 2 * ray.half_path_m * ray.arrives) - from;
     // Both are rounded to the grid.
@@ -472,8 +474,8 @@ class PathTracer {
   GridPoint true_apex_;
   const TubeSet& true_receive_;
   bool one_place_;
-  RefractedImages* bent_;  // in refracting water: who made the images
-  EchoLaw bed_law_;        // with a reference: of the bed that these see
+  RefractedImages* refracted_;  // in refracting water: who made the images
+  EchoLaw bed_law_;             // with a reference: of the bed that these see
   std::optional<EnclosedImages> enclosed_;
   std::set<std::pair<Source, std::uint32_t>> arrived_;  // and fans
   PathEcho echo_;
@@ -492,13 +494,13 @@ PathEcho path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_uni
     if (!one_place) ends.push_back(receive);
     PathWater own = *water;
     own.keep_last = settings.reference_tolerance.has_value();
-    RefractedImages bent(mesh, tree, options, settings.mirrors, settings.least(), settings.most_images,
-                         law.absorption_db_per_m, own, std::move(ends), settings.order);
-    const std::vector<Image> sent = bent.images_of(0, {{receive.apex}}),
-                             received = one_place ? std::vector<Image>{} : bent.images_of(1);
-    PathEcho echo = path_echo(mesh, grid_unit_m, {finder, sent, one_place ? sent : received, &bent}, receive,
-                              beams, samples, law, settings);
-    echo.grounds = bent.take_grounds();
+    RefractedImages refracted(mesh, tree, options, settings.mirrors, settings.least(), settings.most_images,
+                              law.absorption_db_per_m, own, std::move(ends), settings.order);
+    const std::vector<Image> sent = refracted.images_of(0, {{receive.apex}}),
+                             received = one_place ? std::vector<Image>{} : refracted.images_of(1);
+    PathEcho echo = path_echo(mesh, grid_unit_m, {finder, sent, one_place ? sent : received, &refracted},
+                              receive, beams, samples, law, settings);
+    echo.grounds = refracted.take_grounds();
     return echo;
   }
   const std::vector<Image> sent = finder.images_of(transmit, settings.order, {{receive.apex}});

@@ -72,7 +72,7 @@ struct PathEcho {
   std::vector<ArrivedEnergy> arrived;  ///< by image and beam; part of the energies
   /// In refracting water: what each chain of mirrors made of the bed, and the largest misfit of its facets
   /// (PairedFacet).
-  std::vector<ApparentGround> grounds;
+  std::vector<ApparentSurface> grounds;
   double largest_misfit_m = 0;
   GroundCounts seen_by_patches;  ///< what all patches made of it
 };
@@ -110,7 +110,7 @@ struct KnownImages {
   const ImageFinder& finder;        ///< that made them
   std::span<const Image> sent;      ///< with the most mirrors those that have a window towards the receiver
   std::span<const Image> received;  ///< with one mirror less; the very same for a sonar in one place
-  RefractedImages* bent = nullptr;  ///< in refracting water: that made them; its grounds are left to it
+  RefractedImages* refracted = nullptr;  ///< in refracting water: that made them; its grounds are left to it
 };
 /// The same between these.
 PathEcho path_echo(const FacetMesh& mesh, double grid_unit_m, const KnownImages& images,

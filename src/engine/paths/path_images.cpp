@@ -23,11 +23,11 @@ PathImages::PathImages(const FacetMesh& mesh, const SceneTree& tree, double grid
   if (water != nullptr) {
     std::vector<TubeSet> ends{std::move(transmit)};
     if (!one_place_) ends.push_back(std::move(receive));
-    bent_ = std::make_unique<RefractedImages>(mesh, tree, options, settings.mirrors, settings.least(),
-                                              settings.most_images, absorption_db_per_m, *water,
-                                              std::move(ends), settings.order);
-    sent_ = bent_->images_of(0);
-    if (!one_place_) received_ = bent_->images_of(1);
+    refracted_ = std::make_unique<RefractedImages>(mesh, tree, options, settings.mirrors, settings.least(),
+                                                   settings.most_images, absorption_db_per_m, *water,
+                                                   std::move(ends), settings.order);
+    sent_ = refracted_->images_of(0);
+    if (!one_place_) received_ = refracted_->images_of(1);
     return;
   }
   finder_ = std::make_unique<ImageFinder>(mesh, tree, options, settings.mirrors, settings.least(),
@@ -43,15 +43,15 @@ std::vector<ImagePair> PathImages::pairs() const {
                          100 * settings_.most_images);
 }
 
-const FacetMesh& PathImages::bed() const { return bent_ ? bent_->bed() : mesh_; }
+const FacetMesh& PathImages::bed() const { return refracted_ ? refracted_->bed() : mesh_; }
 
 PathImages::Parts PathImages::parts_seen_by(const Image& image) const {
   Parts parts;
   if (image.mesh == &mesh_) return parts;
   parts.name.assign(image.origin.begin(), image.origin.end());
-  if (bent_) {
-    for (const FacetId facet : parts.name) parts.of.push_back(bent_->uncut(facet));
-    parts.weights = bent_->weights(image);
+  if (refracted_) {
+    for (const FacetId facet : parts.name) parts.of.push_back(refracted_->uncut(facet));
+    parts.weights = refracted_->weights(image);
     return parts;
   }
   parts.of = parts.name;
@@ -65,13 +65,13 @@ PathImages::Parts PathImages::parts_seen_by(const Image& image) const {
 }
 
 FootprintSharer PathImages::sharer(const Image& sent, const Image& received) const {
-  if (bent_) return FootprintSharer(sent.look(), received.look(), unit_m_);
+  if (refracted_) return FootprintSharer(sent.look(), received.look(), unit_m_);
   return FootprintSharer(mesh_, sent.look(), received.look(), unit_m_);
 }
 
 std::vector<Image> PathImages::arriving() const {
   std::vector<Image> arriving;
-  if (!settings_.arrivals || bent_) return arriving;
+  if (!settings_.arrivals || refracted_) return arriving;
   const TubeSet& receive = received().front().windows;
   const auto any_holds = [](const TubeSet& tubes, GridPoint along, double slack_rad) {
     for (std::uint32_t tube = 0; tube < tubes.tubes.size(); ++tube)
@@ -93,11 +93,11 @@ std::vector<Image> PathImages::arriving() const {
 
 BistaticHistory PathImages::history(const Image& sent, const Image& received) const {
   BistaticHistory history{sent.windows, received.windows, unit_m_, {}};
-  history.shared = &sent == &received && !bent_ ? shared_with_itself(mesh_, sent.look(), unit_m_)
-                                                : sharer(sent, received).all();
-  if (bent_)
-    history.paired = paired_facets(history.shared, bent_->bed(), bent_->end_of(sent), bent_->end_of(received),
-                                   bent_->grid(), absorption_db_per_m_);
+  history.shared = &sent == &received && !refracted_ ? shared_with_itself(mesh_, sent.look(), unit_m_)
+                                                     : sharer(sent, received).all();
+  if (refracted_)
+    history.paired = paired_facets(history.shared, refracted_->bed(), refracted_->end_of(sent),
+                                   refracted_->end_of(received), refracted_->grid(), absorption_db_per_m_);
   return history;
 }
 

@@ -36,13 +36,13 @@ class PathImages {
 
   /// The facets that shared ones are of: the mesh, or in refracting water what it was cut into.
   const FacetMesh& bed() const;
-  bool is_cut() const { return bent_ != nullptr; }
+  bool is_cut() const { return refracted_ != nullptr; }
   /// By facet of that: the one of the mesh that it is, or is a part of.
-  FacetId uncut(FacetId facet) const { return bent_ ? bent_->uncut(facet) : facet; }
+  FacetId uncut(FacetId facet) const { return refracted_ ? refracted_->uncut(facet) : facet; }
   /// Of what `law` and `beams` are between the apexes; they and this outlive it.
   PairLaw law(const Image& sent, const Image& received, const EchoLaw& law, const ReceiveBeams& beams) const {
     return PairLaw(sent, received, this->sent().front().windows.apex, unit_m_, law, beams,
-                   bent_ ? &bed() : nullptr);
+                   refracted_ ? &bed() : nullptr);
   }
   /// Facets that an image sees as parts of those of the mesh: of which, where they lie on it, and what all
   /// images that see the same (in even water, a part of the same) call it. Empty where it sees the mesh
@@ -65,7 +65,7 @@ class PathImages {
   double unit_m_, absorption_db_per_m_;
   const PathSettings& settings_;
   bool one_place_;
-  std::unique_ptr<RefractedImages> bent_;
+  std::unique_ptr<RefractedImages> refracted_;
   std::unique_ptr<ImageFinder> finder_;
   std::vector<Image> sent_, received_;
 };

@@ -76,12 +76,12 @@ class ReceiverPairTracer {
       std::vector<TubeSet> places{ends.transmit};
       if (ends.receive != ends.transmit) places.push_back(ends.receive);
       const std::size_t middle = places.size() - 1;
-      bent_.emplace(mesh, tree, options, settings.mirrors, settings.least(), settings.most_images,
-                    law.absorption_db_per_m, *water, std::move(places), settings.order);
-      sent_ = bent_->images_of(0, received_at);
+      refracted_.emplace(mesh, tree, options, settings.mirrors, settings.least(), settings.most_images,
+                         law.absorption_db_per_m, *water, std::move(places), settings.order);
+      sent_ = refracted_->images_of(0, received_at);
       for (std::size_t end = 0; end < 2; ++end) {
         const TubeSet beside = moved_along(ends.receive, receiver_pair_, end == 0 ? 1 : -1, unit_m);
-        received_[end] = bent_->images_of(middle, {}, &beside);
+        received_[end] = refracted_->images_of(middle, {}, &beside);
       }
     }
     for (std::size_t k = 0; k < received_[1].size(); ++k) by_chain_[chain_of(received_[1][k])].push_back(k);
@@ -96,8 +96,9 @@ class ReceiverPairTracer {
     PathSettings once = settings_;
     once.scatterings = 1;
     for (std::size_t end = 0; end < 2; ++end) {
-      PathEcho one = path_echo(mesh_, unit_m_, {finder_, sent_, received_[end], bent_ ? &*bent_ : nullptr},
-                               ends_[end], {1, only_beam_}, samples_, law_, once);
+      PathEcho one =
+          path_echo(mesh_, unit_m_, {finder_, sent_, received_[end], refracted_ ? &*refracted_ : nullptr},
+                    ends_[end], {1, only_beam_}, samples_, law_, once);
       const auto row = [end](ReceiverPairEcho& echo) -> std::vector<double>& {
         return end == 0 ? echo.upper_j : echo.lower_j;
       };
@@ -113,7 +114,7 @@ class ReceiverPairTracer {
     multiply_scattered();
     multiply_arrivals(arrived);
     if (settings_.scatterings > 1) add_scattered();
-    if (bent_) echo_.grounds = bent_->take_grounds();
+    if (refracted_) echo_.grounds = refracted_->take_grounds();
     return std::move(echo_);
   }
 
@@ -196,7 +197,7 @@ class ReceiverPairTracer {
     share(sent, lower, history.by_lower, history.paired_lower);
     if (history.by_lower.pieces.empty()) return {};
     EchoLaw by_upper = law_;
-    if (bent_) by_upper.material = bent_->bed().material;
+    if (refracted_) by_upper.material = refracted_->bed().material;
     by_upper.path.out = sent.leg;
     by_upper.path.out.apex_m = law_.path.out.apex_m + way_m(apex_, sent.windows.apex, unit_m_);
     EchoLaw by_lower = by_upper;
@@ -219,13 +220,13 @@ class ReceiverPairTracer {
   /// What both ends see of the bed, in refracting water from the receiver pair's middle.
   void share(const Image& sent, const Image& received, SharedFootprints& shared,
              std::vector<PairedFacet>& paired) const {
-    if (!bent_) {
+    if (!refracted_) {
       shared = FootprintSharer(mesh_, sent.look(), received.look(), unit_m_).all();
       return;
     }
     shared = FootprintSharer(sent.look(), received.look(), unit_m_).all();
-    paired = paired_facets(shared, bent_->bed(), bent_->end_of(sent), bent_->end_of(received), bent_->grid(),
-                           law_.absorption_db_per_m);
+    paired = paired_facets(shared, refracted_->bed(), refracted_->end_of(sent), refracted_->end_of(received),
+                           refracted_->grid(), law_.absorption_db_per_m);
   }
 
   /// What comes to both receivers straight from the same image of the transmitter; where water refracts, by
@@ -267,7 +268,7 @@ class ReceiverPairTracer {
   void add_scattered() {
     const ReceiveBeams beams{1, only_beam_};
     const PathScene scene{mesh_, unit_m_,   finder_, beams,          samples_,
-                          law_,  settings_, apex_,   ends_[0].reach, bent_ ? &*bent_ : nullptr};
+                          law_,  settings_, apex_,   ends_[0].reach, refracted_ ? &*refracted_ : nullptr};
     std::vector<ImageReceiver> image_receivers;
     for (std::uint32_t end = 0; end < 2; ++end)
       for (const Image& image : received_[end]) image_receivers.push_back({scene.received_by(image), end});
@@ -308,7 +309,7 @@ class ReceiverPairTracer {
   std::array<TubeSet, 2> ends_;  // upper, lower
   std::vector<std::uint32_t> only_beam_;
   ImageFinder finder_;
-  std::optional<RefractedImages> bent_;  // in refracting water
+  std::optional<RefractedImages> refracted_;  // in refracting water
   std::vector<Image> sent_;
   std::array<std::vector<Image>, 2> received_;
   std::map<Chain, std::vector<std::size_t>> by_chain_;  // of the lower receiver's images

@@ -15,7 +15,7 @@ struct ReceiverPairPathEcho {
   std::vector<ReceiverPairEcho> by_order;
   std::vector<ReceiverPairEcho> bound_by_order{};  ///< with a reference: half-widths of their enclosures
   std::size_t images = 0, shared_pieces = 0, arrivals = 0, patches = 0;
-  std::vector<ApparentGround> grounds;  ///< as PathEcho's
+  std::vector<ApparentSurface> grounds;  ///< as PathEcho's
   double largest_misfit_m = 0;
   GroundCounts seen_by_patches;  ///< as PathEcho's
 };

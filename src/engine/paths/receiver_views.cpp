@@ -32,23 +32,25 @@ double turning(const std::vector<glm::dvec2>& polygon) {
 }
 
 ReceiverViews::ReceiverViews(const Image& received, glm::dvec3 apex_m, SeenBed bed)
-    : ends_{{&received, apex_m, std::make_shared<const std::vector<BentFacet>>(std::move(bed.bent))}} {
+    : ends_{{&received, apex_m,
+             std::make_shared<const std::vector<RefractedFacet>>(std::move(bed.refracted))}} {
   const SharedFootprints& seen = bed.shared;
-  const std::vector<BentFacet>& all_bent = *ends_.front().bent;
+  const std::vector<RefractedFacet>& all_refracted = *ends_.front().refracted;
   const auto number_of = [&](const SharedFacet& facet) { return std::size_t(&facet - seen.facets.data()); };
   std::vector<const SharedFacet*> by_facet;
   for (const SharedFacet& facet : seen.facets) by_facet.push_back(&facet);
   std::stable_sort(by_facet.begin(), by_facet.end(),
                    [](const SharedFacet* a, const SharedFacet* b) { return a->facet < b->facet; });
   for (const SharedFacet* one : by_facet) {
-    const BentFacet* bent = all_bent.empty() ? nullptr : &all_bent[number_of(*one)];
-    const FacetPlane plane = bent == nullptr
-                                 ? FacetPlane{one->plane_normal, one->transmit_distance_m}
-                                 : FacetPlane{bent->normal, -glm::dot(bent->normal, bent->lies.lies_m)};
+    const RefractedFacet* refracted = all_refracted.empty() ? nullptr : &all_refracted[number_of(*one)];
+    const FacetPlane plane =
+        refracted == nullptr
+            ? FacetPlane{one->plane_normal, one->transmit_distance_m}
+            : FacetPlane{refracted->normal, -glm::dot(refracted->normal, refracted->lies.lies_m)};
     // Bent rays may come to both sides of a facet.
     std::size_t at = facets_.size();
     while (at > 0 && facets_[at - 1].facet == one->facet &&
-           !(bent == nullptr || glm::dot(facets_[at - 1].plane.normal, plane.normal) > 0))
+           !(refracted == nullptr || glm::dot(facets_[at - 1].plane.normal, plane.normal) > 0))
       --at;
     if (at == 0 || facets_[at - 1].facet != one->facet) {
       facets_.push_back({one->facet, plane, PlaneFrame(plane), {plane.distance_m, 0}, {}});
@@ -63,7 +65,7 @@ ReceiverViews::ReceiverViews(const Image& received, glm::dvec3 apex_m, SeenBed b
       std::vector<glm::dvec2>& corners = piece.seen.emplace_back();
       for (std::uint32_t c = 0; c < from.count; ++c) {
         const glm::dvec3 corner = seen.corners_m[from.first + c];
-        corners.push_back(facet.frame.project(bent == nullptr ? corner : bent->lies.at(corner)));
+        corners.push_back(facet.frame.project(refracted == nullptr ? corner : refracted->lies.at(corner)));
       }
       const double area = turning(corners);
       if (area == 0) continue;
@@ -116,29 +118,29 @@ double ReceiverViews::largest() const {
 }
 
 OverFacet::OverFacet(const ReceiverViews::Facet& facet, glm::dvec3 from_received_m, double height_m,
-                     const BentFacet* bent)
-    : height_(height_m), foot_(facet.frame.project(from_received_m)), bent_(bent) {
+                     const RefractedFacet* refracted)
+    : height_(height_m), foot_(facet.frame.project(from_received_m)), refracted_(refracted) {
   lies_.foot_m = seen_.foot_m = -facet.plane.distance_m * facet.plane.normal - from_received_m;
   lies_.u = seen_.u = facet.frame.u;
   lies_.v = seen_.v = facet.frame.v;
-  if (bent == nullptr) {
+  if (refracted == nullptr) {
     lies_.foot_m = -height_m * facet.plane.normal;
     return;
   }
-  seen_.foot_m = bent->seen.at(lies_.foot_m);
-  seen_.u = bent->seen.linear * lies_.u;
-  seen_.v = bent->seen.linear * lies_.v;
+  seen_.foot_m = refracted->seen.at(lies_.foot_m);
+  seen_.u = refracted->seen.linear * lies_.u;
+  seen_.v = refracted->seen.linear * lies_.v;
   steepest_ = std::sqrt(glm::dot(seen_.u, seen_.u) + glm::dot(seen_.v, seen_.v));
 }
 
-OverFacet::Met OverFacet::meet_bent(glm::dvec2 p) const {
+OverFacet::Met OverFacet::meet_refracted(glm::dvec2 p) const {
   Met met;
   const glm::dvec3 seen = seen_.at(p);
   met.lies_m = lies_.at(p);
   met.range = glm::length(seen);
   met.direction = seen / met.range;
-  const BentFacet::Ray ray = bent_->ray_to(met.lies_m);
-  met.sine = bent_->sine(seen, ray);
+  const RefractedFacet::Ray ray = refracted_->ray_to(met.lies_m);
+  met.sine = refracted_->sine(seen, ray);
   met.out = ray.out;
   met.home = ray.home;
   return met;

@@ -32,7 +32,7 @@ class ReceiverViews {
   struct End {
     const Image* image;
     glm::dvec3 apex_m;
-    std::shared_ptr<const std::vector<BentFacet>> bent;  ///< empty where rays are straight
+    std::shared_ptr<const std::vector<RefractedFacet>> refracted;  ///< empty where rays are straight
   };
   /// Part of a facet: what lies in all of its polygons.
   struct Piece {
@@ -56,9 +56,9 @@ class ReceiverViews {
   /// Image::largest, of the end that has less.
   double largest() const;
   /// Null where rays are straight.
-  const BentFacet* bent_of(const Piece& piece, std::size_t end) const {
-    const std::vector<BentFacet>& bent = *ends_[end].bent;
-    return bent.empty() ? nullptr : &bent[piece.seen_as[end]];
+  const RefractedFacet* refracted_of(const Piece& piece, std::size_t end) const {
+    const std::vector<RefractedFacet>& refracted = *ends_[end].refracted;
+    return refracted.empty() ? nullptr : &refracted[piece.seen_as[end]];
   }
 
  private:
@@ -70,21 +70,21 @@ class ReceiverViews {
 class OverFacet {
  public:
   OverFacet() = default;
-  /// `from_received_m`: where it is, from the (upper) image that `facet` is told by; `bent`: how it sees the
-  /// facet, null where rays are straight.
+  /// `from_received_m`: where it is, from the (upper) image that `facet` is told by; `refracted`: how it sees
+  /// the facet, null where rays are straight.
   OverFacet(const ReceiverViews::Facet& facet, glm::dvec3 from_received_m, double height_m,
-            const BentFacet* bent);
+            const RefractedFacet* refracted);
 
   /// Where a place is seen, or seems to be, from here.
   const LyingPlane& seen() const { return seen_; }
   double range(glm::dvec2 p) const {
-    if (bent_ != nullptr) return glm::length(seen_.at(p));
+    if (refracted_ != nullptr) return glm::length(seen_.at(p));
     const glm::dvec2 away = p - foot_;
     return std::sqrt(height_ * height_ + glm::dot(away, away));
   }
   /// Of the range, which is known.
   glm::dvec2 slope(glm::dvec2 p, double range) const {
-    if (bent_ == nullptr) return (p - foot_) / range;
+    if (refracted_ == nullptr) return (p - foot_) / range;
     const glm::dvec3 at = seen_.at(p);
     return glm::dvec2(glm::dot(at, seen_.u), glm::dot(at, seen_.v)) / range;
   }
@@ -99,7 +99,7 @@ class OverFacet {
     double out = 1, home = 1;  ///< spreading and absorption over those of the straight way
   };
   Met meet(glm::dvec2 p) const {
-    if (bent_ != nullptr) return meet_bent(p);
+    if (refracted_ != nullptr) return meet_refracted(p);
     Met met;
     const glm::dvec2 away = p - foot_;
     met.range = std::sqrt(height_ * height_ + glm::dot(away, away));
@@ -111,11 +111,11 @@ class OverFacet {
   }
 
  private:
-  Met meet_bent(glm::dvec2 p) const;
+  Met meet_refracted(glm::dvec2 p) const;
 
   double height_ = 0;   // over the plane
   glm::dvec2 foot_{0};  // its foot point
-  const BentFacet* bent_ = nullptr;
+  const RefractedFacet* refracted_ = nullptr;
   LyingPlane seen_;  // where the plane's points are seen, from here
   LyingPlane lies_;  // where they lie; in even water from the foot point on
   double steepest_ = 1;

@@ -101,11 +101,11 @@ struct RefractedImages::Way {
         up_first(!heights.empty() && heights.front() > tubes.apex.z),
         unfolded(unfold(water.column, water.rays, water.surface_height_m, in_metres(heights, water.grid),
                         up_first)),
-        straightening(unfolded.water, water.grid.to_metres(tubes.apex), water.surface_height_m, unfolded.rays,
-                      water.reference_speed_m_s, unfolded.unfolding,
-                      {on_bed.front, heights.empty() ? on_bed.straight_within_m : 0}),
-        rays(straightening, unfolded.rays),
-        view_bounds(tubes, water.grid.unit_m(), straightening) {}
+        apparent_map(unfolded.water, water.grid.to_metres(tubes.apex), water.surface_height_m, unfolded.rays,
+                     water.reference_speed_m_s, unfolded.unfolding,
+                     {on_bed.front, heights.empty() ? on_bed.straight_within_m : 0}),
+        rays(apparent_map, unfolded.rays),
+        view_bounds(tubes, water.grid.unit_m(), apparent_map) {}
   Way(const Way&) = delete;
   Way& operator=(const Way&) = delete;
 
@@ -119,11 +119,11 @@ struct RefractedImages::Way {
   Heights heights;
   bool up_first;
   UnfoldedWater unfolded;
-  Straightening straightening;
+  ApparentMap apparent_map;
   RayEnclosure rays;
   ViewBounds view_bounds;
-  std::unique_ptr<SceneTree> tree;      ///< of what it sees
-  std::unique_ptr<AlikeGrounds> alone;  ///< that, of a way whose images do not look
+  std::unique_ptr<SceneTree> tree;                ///< of what it sees
+  std::unique_ptr<CommonApparentSurfaces> alone;  ///< that, of a way whose images do not look
 };
 
 RefractedImages::~RefractedImages() = default;
@@ -157,7 +157,7 @@ RefractedImages::RefractedImages(const FacetMesh& mesh, const SceneTree& tree,
     cut_tree_ = std::make_unique<SceneTree>(cut_);
     tree_ = cut_tree_.get();
   }
-  straighten_ways();
+  map_apparent_paths();
 }
 
 RefractedImages::RefractedImages(const RefractedImages& others, const PathWater& water, TubeSet tubes,
@@ -174,25 +174,25 @@ RefractedImages::RefractedImages(const RefractedImages& others, const PathWater&
       levels_(others.levels_),
       mesh_(others.mesh_),
       tree_(others.tree_) {
-  straighten_ways();
+  map_apparent_paths();
 }
 
-void RefractedImages::straighten_ways() {
+void RefractedImages::map_apparent_paths() {
   std::vector<FacetId> facets;
   for (std::size_t end = 0; end < ends_.size(); ++end) find_ways(end, {}, false, 1, 0, order_ - 1);
-  std::vector<const Straightening*> straightenings;
+  std::vector<const ApparentMap*> straightenings;
   std::vector<const ViewBounds*> all_view_bounds;
   for (const Way& way : ways_) {
     stop_if_wanted();
-    straightenings.push_back(&way.straightening);
+    straightenings.push_back(&way.apparent_map);
     all_view_bounds.push_back(&way.view_bounds);
     const std::vector<FacetId> some = way.view_bounds.facets(*mesh_, *tree_, water_.grid);
     facets.insert(facets.end(), some.begin(), some.end());
   }
   std::ranges::sort(facets);
   facets.erase(std::unique(facets.begin(), facets.end()), facets.end());
-  alike_ = straighten_alike(*mesh_, facets, water_.grid, straightenings, absorption_db_per_m_,
-                            water_.straightening, water_.limits, all_view_bounds);
+  alike_ = map_apparent_together(*mesh_, facets, water_.grid, straightenings, absorption_db_per_m_,
+                                 water_.apparent_map, water_.limits, all_view_bounds);
   for (std::size_t k = 0; k < ways_.size(); ++k)
     ways_[k].tree = std::make_unique<SceneTree>(alike_.seen[k].refined.mesh, SceneTree::Sheets::ignored);
 }
@@ -344,7 +344,7 @@ std::vector<Image> RefractedImages::children_of(const Image& image, std::span<co
     Image child;
     child.mirrors = image.mirrors + 1;
     child.way = known->second;
-    const Straightening& water = ways_[child.way].straightening;
+    const ApparentMap& water = ways_[child.way].apparent_map;
     child.leg.to_true[2][2] = water.unfolding().sign;
     child.leg.loss = image.leg.loss;
     child.leg.loss.factor *= reflection;
@@ -396,31 +396,31 @@ std::vector<PartWeights> RefractedImages::weights(const Image& image) const {
 }
 
 ApparentEnd RefractedImages::end_of(const Image& image) const {
-  return {alike_.seen[image.way], ways_[image.way].straightening};
+  return {alike_.seen[image.way], ways_[image.way].apparent_map};
 }
 
 PairedBed RefractedImages::bed_between(const Image& sent, const Image& received) {
   for (const Image* image : {&sent, &received}) {
     Way& way = ways_[image->way];
     if (way.tree != nullptr) continue;
-    way.alone = std::make_unique<AlikeGrounds>(
-        straighten_alike(*mesh_, way.view_bounds.facets(*mesh_, *tree_, water_.grid), water_.grid,
-                         std::array{&way.straightening}, absorption_db_per_m_, water_.straightening,
-                         water_.limits, std::array{&way.view_bounds}));
+    way.alone = std::make_unique<CommonApparentSurfaces>(
+        map_apparent_together(*mesh_, way.view_bounds.facets(*mesh_, *tree_, water_.grid), water_.grid,
+                              std::array{&way.apparent_map}, absorption_db_per_m_, water_.apparent_map,
+                              water_.limits, std::array{&way.view_bounds}));
     way.tree = std::make_unique<SceneTree>(way.alone->seen[0].refined.mesh, SceneTree::Sheets::ignored);
   }
   const auto end = [&](const Image& image) {
     const Way& way = ways_[image.way];
     const bool alone = way.alone != nullptr;
     return PairedEnd{alone ? way.alone->seen[0] : alike_.seen[image.way], *way.tree,
-                     alone ? way.alone->origin[0] : alike_.origin[image.way], way.straightening, way.rays};
+                     alone ? way.alone->origin[0] : alike_.origin[image.way], way.apparent_map, way.rays};
   };
   const RefinedMesh& cut = ways_[sent.way].alone ? ways_[sent.way].alone->bed : alike_.bed;
   return {cut.mesh, cut.parent, *mesh_, water_.grid, end(sent), end(received)};
 }
 
-const Straightening& RefractedImages::water_of(const Image& image) const {
-  return ways_[image.way].straightening;
+const ApparentMap& RefractedImages::water_of(const Image& image) const {
+  return ways_[image.way].apparent_map;
 }
 
 const RayEnclosure& RefractedImages::rays_of(const Image& image) const { return ways_[image.way].rays; }
@@ -433,7 +433,7 @@ std::optional<std::size_t> RefractedImages::way_before(const Image& image) const
 
 SeenBed RefractedImages::seen_by(const Image& image) const {
   const Way& way = ways_[image.way];
-  const ApparentGround& ground = alike_.seen[image.way];
+  const ApparentSurface& ground = alike_.seen[image.way];
   const FacetMesh& mesh = *image.mesh;
   const glm::dvec3 apex_m = water_.grid.to_metres(image.windows.apex);
   SeenBed bed{shared_with_itself(mesh, {image.windows, image.seen}, water_.grid.unit_m())};
@@ -447,10 +447,10 @@ SeenBed RefractedImages::seen_by(const Image& image) const {
       seen[k] = water_.grid.to_metres(mesh.vertices[v]);
       lies[k] = ground.truth[v];
       const auto [known, is_new] = rays.try_emplace(v);
-      if (is_new) known->second = way.straightening.apparent(lies[k])->ray;  // or it would not be seen
+      if (is_new) known->second = way.apparent_map.apparent(lies[k])->ray;  // or it would not be seen
       ray[k] = known->second;
     }
-    bed.bent.push_back(bent_facet(apex_m, seen, lies, ray, way.straightening, absorption_db_per_m_));
+    bed.refracted.push_back(refracted_facet(apex_m, seen, lies, ray, way.apparent_map, absorption_db_per_m_));
     facet.facet = alike_.bed.parent[image.origin[facet.facet]];
   }
   return bed;
@@ -459,18 +459,18 @@ SeenBed RefractedImages::seen_by(const Image& image) const {
 GroundCounts RefractedImages::counts(std::span<const SeenBed> seen) const {
   GroundCounts all;
   for (std::size_t k = 0; k < ways_.size(); ++k)
-    all.add(counts_from(alike_.seen[k], ways_[k].straightening,
+    all.add(counts_from(alike_.seen[k], ways_[k].apparent_map,
                         ways_[k].heights.empty() ? on_bed_.front : glm::dvec3(0), 4 * water_.grid.unit_m()));
   for (const SeenBed& bed : seen) all.folded += folded_facets(bed);
   return all;
 }
 
-std::vector<ApparentGround> RefractedImages::take_grounds() {
-  std::vector<ApparentGround> grounds;
+std::vector<ApparentSurface> RefractedImages::take_grounds() {
+  std::vector<ApparentSurface> grounds;
   for (std::size_t k = 0; k < alike_.seen.size(); ++k) {
     if (ways_[k].heights.empty()) continue;
     for (UnclearPlace& place : alike_.seen[k].unclear)
-      if (place.eigenrays > 0) place.direction.z *= ways_[k].straightening.unfolding().sign;
+      if (place.eigenrays > 0) place.direction.z *= ways_[k].apparent_map.unfolding().sign;
     grounds.push_back(std::move(alike_.seen[k]));
   }
   return grounds;
@@ -478,11 +478,11 @@ std::vector<ApparentGround> RefractedImages::take_grounds() {
 
 bool RefractedImages::is_hidden(const Image& image, const GridPoint& from, const GridPoint& to) {
   if (image.mesh != nullptr) return !in_view(*image.mesh, *image.tree, from, to);
-  // Of the last mirror nothing is scattered: what lies behind it has not been straightened.
+  // Of the last mirror nothing is scattered: what lies behind it has not been mapped.
   Way& way = ways_[image.way];
-  const ApparentGround ground =
-      straighten(*mesh_, way.view_bounds.facets(*mesh_, *tree_, water_.grid), water_.grid, way.straightening,
-                 absorption_db_per_m_, water_.straightening, water_.limits, {}, &way.view_bounds);
+  const ApparentSurface ground =
+      map_apparent(*mesh_, way.view_bounds.facets(*mesh_, *tree_, water_.grid), water_.grid, way.apparent_map,
+                   absorption_db_per_m_, water_.apparent_map, water_.limits, {}, &way.view_bounds);
   const SceneTree tree(ground.refined.mesh, SceneTree::Sheets::ignored);
   return !in_view(ground.refined.mesh, tree, from, to);
 }
@@ -500,7 +500,7 @@ std::vector<MirroredRay> RefractedImages::rays_to(const Image& image, GridPoint 
 }
 
 std::vector<MirroredRay> RefractedImages::all_rays_to(const Image& image, GridPoint place) const {
-  const Straightening& water = ways_[image.way].straightening;
+  const ApparentMap& water = ways_[image.way].apparent_map;
   const glm::dvec3 at_m = water_.grid.to_metres(place), way = at_m - water.apex_m();
   std::vector<MirroredRay> rays;
   if (!water.unfolding().may_reach(at_m.z, at_m.z)) return rays;

@@ -25,7 +25,7 @@ struct PathWater {
   double surface_height_m = 0;  ///< depth = this - z
   EigenrayOptions rays;
   double reference_speed_m_s = 1500;  ///< by which a travel time becomes a range
-  StraighteningSettings straightening;
+  ApparentMapSettings apparent_map;
   RefinementLimits limits;
   const WorldGrid& grid;
   /// Images in the most mirrors are kept whether anything seems to come from them or not.
@@ -46,14 +46,14 @@ struct MirroredRay {
 /// The images of one apex or of two, over one bed that is cut alike for all of them.
 ///
 /// An image has the place of its true apex, and sees the bed where rays over its chain of mirrors say
-/// (Straightening with Unfolding): through the windows that the mirror is seen in, as anywhere. Mirrors are
+/// (Apparent map with Unfolding): through the windows that the mirror is seen in, as anywhere. Mirrors are
 /// the sea surface and level facets; of rays that turn, those are followed that do it before the first mirror
 /// or after the last.
 class RefractedImages {
  public:
   /// `ends`: tubes of the transmitter, and of a receiver that is apart. `order`: most mirrors of a chain of
   /// the transmitter; one less of what scatters. What is referred to must outlive it. Throws as
-  /// straighten_alike(); std::length_error for more than `most_images` chains; std::invalid_argument for
+  /// map_apparent_together(); std::length_error for more than `most_images` chains; std::invalid_argument for
   /// mirrors that are not level.
   RefractedImages(const FacetMesh& mesh, const SceneTree& tree, const VisibilityOptions& options,
                   const Mirrors& mirrors, double least_loss, std::size_t most_images,
@@ -77,7 +77,7 @@ class RefractedImages {
   const PathWater& water() const { return water_; }
   /// What an image that has looked sees.
   SeenBed seen_by(const Image& image) const;
-  /// Of all that was straightened for an apex on the bed, which sees that.
+  /// Of all that was mapped for an apex on the bed, which sees that.
   GroundCounts counts(std::span<const SeenBed> seen) const;
   /// By facet of that: the one of the mesh that it is a part of.
   FacetId uncut(FacetId facet) const {
@@ -93,13 +93,13 @@ class RefractedImages {
   /// straighten it for that.
   PairedBed bed_between(const Image& sent, const Image& received);
   const VisibilityOptions& options() const { return options_; }
-  const Straightening& water_of(const Image& image) const;
+  const ApparentMap& water_of(const Image& image) const;
   const RayEnclosure& rays_of(const Image& image) const;
   /// The way of those that have one mirror less; none of an end itself.
   std::optional<std::size_t> way_before(const Image& image) const;
-  /// What came of straightening, but for the apexes' own; by chain of mirrors. Directions are those of
+  /// What came of apparent map, but for the apexes' own; by chain of mirrors. Directions are those of
   /// launch.
-  std::vector<ApparentGround> take_grounds();
+  std::vector<ApparentSurface> take_grounds();
 
   /// All rays from an image over its mirrors to a place, those through its windows not hidden by facets.
   std::vector<MirroredRay> rays_to(const Image& image, GridPoint place);
@@ -111,7 +111,7 @@ class RefractedImages {
   using Heights = std::vector<std::int32_t>;
   struct Children;
 
-  void straighten_ways();
+  void map_apparent_paths();
   void find_levels(const FacetMesh& mesh);
   void find_ways(std::size_t end, const Heights& heights, bool up, double passes, double way_m, int most);
   Way& add_way(std::size_t end, const Heights& heights);
@@ -138,7 +138,7 @@ class RefractedImages {
   const SceneTree* tree_;
   std::deque<Way> ways_;
   std::map<std::pair<std::size_t, Heights>, std::size_t> way_of_;
-  AlikeGrounds alike_;
+  CommonApparentSurfaces alike_;
 };
 
 }  // namespace tubefoot

@@ -7,7 +7,7 @@
 
 namespace tubefoot {
 
-BentFacet::Ray BentFacet::ray_to(glm::dvec3 lies_m) const {
+RefractedFacet::Ray RefractedFacet::ray_to(glm::dvec3 lies_m) const {
   const glm::dvec3 part = parts.at(lies_m);
   const auto between = [&](double Ray::*what) {
     return corners[0].*what + part.x * (corners[1].*what - corners[0].*what) +
@@ -16,20 +16,20 @@ BentFacet::Ray BentFacet::ray_to(glm::dvec3 lies_m) const {
   return {between(&Ray::bend), between(&Ray::out), between(&Ray::home), between(&Ray::absorbed)};
 }
 
-double BentFacet::sine(glm::dvec3 seen_m, const Ray& ray) const {
+double RefractedFacet::sine(glm::dvec3 seen_m, const Ray& ray) const {
   return ray.bend - glm::dot(normal, seen_m) / glm::length(seen_m);
 }
 
-BentFacet bent_facet(glm::dvec3 apex_m, const glm::dvec3 (&seen_m)[3], const glm::dvec3 (&lies_m)[3],
-                     const Eigenray (&rays)[3], const Straightening& water,
-                     double reference_absorption_db_per_m) {
+RefractedFacet refracted_facet(glm::dvec3 apex_m, const glm::dvec3 (&seen_m)[3],
+                               const glm::dvec3 (&lies_m)[3], const Eigenray (&rays)[3],
+                               const ApparentMap& water, double reference_absorption_db_per_m) {
   glm::dvec3 lies[3], from_apex[3], arrival[3];
   for (std::size_t k = 0; k < 3; ++k) {
     lies[k] = lies_m[k] - apex_m;
     from_apex[k] = seen_m[k] - apex_m;
     arrival[k] = water.arrival_direction(lies_m[k], rays[k]);
   }
-  BentFacet facet;
+  RefractedFacet facet;
   facet.lies = facet_map(from_apex, lies);
   facet.seen = facet_map(lies, from_apex);
   facet.parts = facet_map(lies, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
@@ -41,7 +41,7 @@ BentFacet bent_facet(glm::dvec3 apex_m, const glm::dvec3 (&seen_m)[3], const glm
   for (std::size_t k = 0; k < 3; ++k) {
     // As long as the image is far, but for the grid.
     const double range_m = water.reference_speed_m_s() * rays[k].time_s;
-    BentFacet::Ray& ray = facet.corners[k];
+    RefractedFacet::Ray& ray = facet.corners[k];
     ray.bend = glm::dot(facet.normal, water.launch_direction(lies_m[k], rays[k]) - arrival[k]);
     ray.absorbed = std::exp(-(rays[k].absorption_db - reference_absorption_db_per_m * range_m) *
                             std::numbers::ln10 / 10);

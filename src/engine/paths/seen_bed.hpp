@@ -14,7 +14,7 @@ namespace tubefoot {
 /// A part of a facet that is seen elsewhere than where it lies, and the rays to it. Places are relative to
 /// the apex that sees it. The end of a receiver pair sees the bed where its middle does, whose rays are its
 /// own but for direction and range, which are from the end.
-struct BentFacet {
+struct RefractedFacet {
   FacetMap lies;          ///< from where places are seen to where they lie
   FacetMap seen;          ///< and back
   FacetMap parts;         ///< from where they lie to how far towards the second corner (x) and the third (y)
@@ -38,17 +38,17 @@ struct BentFacet {
 
 /// As it is seen from `apex_m`, which is the water's apex or beside it. All places in the local frame;
 /// `rays`: from the water's apex to where the corners lie.
-BentFacet bent_facet(glm::dvec3 apex_m, const glm::dvec3 (&seen_m)[3], const glm::dvec3 (&lies_m)[3],
-                     const Eigenray (&rays)[3], const Straightening& water,
-                     double reference_absorption_db_per_m);
+RefractedFacet refracted_facet(glm::dvec3 apex_m, const glm::dvec3 (&seen_m)[3],
+                               const glm::dvec3 (&lies_m)[3], const Eigenray (&rays)[3],
+                               const ApparentMap& water, double reference_absorption_db_per_m);
 
 /// What an image sees of the bed.
 struct SeenBed {
-  SharedFootprints shared;        ///< with itself, where it is seen; facets are named by the bed
-  std::vector<BentFacet> bent{};  ///< by facet there; empty: all lies where it is seen
+  SharedFootprints shared;                  ///< with itself, where it is seen; facets are named by the bed
+  std::vector<RefractedFacet> refracted{};  ///< by facet there; empty: all lies where it is seen
 
-  const BentFacet* bent_of(const SharedFacet& facet) const {
-    return bent.empty() ? nullptr : &bent[static_cast<std::size_t>(&facet - shared.facets.data())];
+  const RefractedFacet* refracted_of(const SharedFacet& facet) const {
+    return refracted.empty() ? nullptr : &refracted[static_cast<std::size_t>(&facet - shared.facets.data())];
   }
 };
 

@@ -162,12 +162,12 @@ void MovingPulse::add(const Passing& passing, const TabulatedWay& receive, std::
                              step = turn(k * (step_m + bend_m));
         if (even) phase *= even_size;
         const double first = (first_s - first_m * per_c_ - begin_s_) * per_s_,
-                     per_sample = (step_s - step_m * per_c_) * per_s_, bent = -bend_m * per_c_ * per_s_;
+                     per_sample = (step_s - step_m * per_c_) * per_s_, refracted = -bend_m * per_c_ * per_s_;
         const std::size_t count = std::min(turns_together, to - anchor);
         std::complex<double>* sample = out + anchor;
         for (std::size_t m = 0; m < count; ++m) {
           const double n = double(std::ptrdiff_t(m));
-          std::complex<double> g = envelope(first + n * (per_sample + n * bent));
+          std::complex<double> g = envelope(first + n * (per_sample + n * refracted));
           if (!even) g *= amplitude.at(times_.time_s(anchor + m));
           sample[m] += product(phase, g);
           phase = product(phase, step);

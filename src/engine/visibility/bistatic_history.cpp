@@ -46,7 +46,7 @@ BistaticHistory trace_bistatic(const FacetMesh& mesh, const SceneTree& tree, dou
 
 BistaticHistory trace_bistatic(const ApparentPair& pair, const WorldGrid& grid,
                                const VisibilityOptions& options, TubeSet transmit, TubeSet receive,
-                               const Straightening& transmit_water, const Straightening& receive_water,
+                               const ApparentMap& transmit_water, const ApparentMap& receive_water,
                                double reference_absorption_db_per_m) {
   BistaticHistory history{std::move(transmit), std::move(receive), grid.unit_m(), {}};
   const FacetMesh &sent_to = pair.transmit.refined.mesh, &received_from = pair.receive.refined.mesh;

@@ -45,7 +45,7 @@ BistaticHistory trace_bistatic(const FacetMesh& mesh, const SceneTree& tree, dou
 /// was made with; both have the same reference speed.
 BistaticHistory trace_bistatic(const ApparentPair& pair, const WorldGrid& grid,
                                const VisibilityOptions& options, TubeSet transmit, TubeSet receive,
-                               const Straightening& transmit_water, const Straightening& receive_water,
+                               const ApparentMap& transmit_water, const ApparentMap& receive_water,
                                double reference_absorption_db_per_m);
 
 }  // namespace tubefoot

@@ -142,14 +142,14 @@ struct RayEnclosure::Sums {
   }
 };
 
-RayEnclosure::RayEnclosure(const Straightening& straightening, const EigenrayOptions& options)
-    : straightening_(straightening),
+RayEnclosure::RayEnclosure(const ApparentMap& apparent_map, const EigenrayOptions& options)
+    : apparent_map_(apparent_map),
       options_(options),
-      finder_(straightening.water(), straightening.finder().source_depth_m(), options),
+      finder_(apparent_map.water(), apparent_map.finder().source_depth_m(), options),
       source_m_(finder_.source_depth_m()),
       source_speed_(finder_.source_speed_m_s()),
-      reference_speed_(straightening.reference_speed_m_s()) {
-  const auto& points = straightening.water().profile.points();
+      reference_speed_(apparent_map.reference_speed_m_s()) {
+  const auto& points = apparent_map.water().profile.points();
   const auto [slowest, fastest] = std::ranges::minmax(points, {}, &ProfilePoint::sound_speed_m_s);
   least_stretch_ = reference_speed_ / fastest.sound_speed_m_s * (1 - slack);
   const double least_ratio = slowest.sound_speed_m_s / fastest.sound_speed_m_s;
@@ -161,7 +161,7 @@ RayEnclosure::RayEnclosure(const Straightening& straightening, const EigenrayOpt
 /// turns at `b`, twice beyond both ends.
 bool RayEnclosure::turning_rays_are_longer(const Interval& depth_m, double farthest_m, bool below,
                                            std::optional<double> beyond_m) const {
-  const SoundSpeedProfile& profile = straightening_.water().profile;
+  const SoundSpeedProfile& profile = apparent_map_.water().profile;
   const double end = below ? std::min(options_.deepest_turn_m, profile.points().back().depth_m)
                            : std::max(options_.surface_m, profile.points().front().depth_m);
   const double near = std::clamp(source_m_, depth_m.lo, depth_m.hi);
@@ -211,7 +211,7 @@ bool RayEnclosure::no_ray_turns(const Interval& depth_m, double farthest_m) cons
 }
 
 bool RayEnclosure::no_ray_comes_back(std::size_t layer, const Interval& depth_m, double farthest_m) const {
-  const SoundSpeedProfile& profile = straightening_.water().profile;
+  const SoundSpeedProfile& profile = apparent_map_.water().profile;
   return options_.most_turns <= 1 &&
          turning_rays_are_longer(depth_m, farthest_m, true, profile.bottom_m(layer)) &&
          turning_rays_are_longer(depth_m, farthest_m, false, profile.top_m(layer));
@@ -219,7 +219,7 @@ bool RayEnclosure::no_ray_comes_back(std::size_t layer, const Interval& depth_m,
 
 /// No other layer turns rays.
 bool RayEnclosure::only_arc(std::size_t layer) const {
-  const SoundSpeedProfile& profile = straightening_.water().profile;
+  const SoundSpeedProfile& profile = apparent_map_.water().profile;
   if (options_.most_turns > 1) return false;
   for (std::size_t other = 0; other < profile.layers(); ++other)
     if (other != layer && profile.gradient_per_s(other) != 0 &&
@@ -230,15 +230,15 @@ bool RayEnclosure::only_arc(std::size_t layer) const {
 
 std::optional<RayJets> RayEnclosure::within_layer(std::size_t layer, const Jet& x, const Jet& y,
                                                   const Jet& depth, bool alone) const {
-  const SoundSpeedProfile& profile = straightening_.water().profile;
+  const SoundSpeedProfile& profile = apparent_map_.water().profile;
   const double gradient = profile.gradient_per_s(layer);
   const Interval g = gradient == 0 ? Interval(0.0) : outwards(gradient, gradient, 4);
   const Interval cs = outwards(source_speed_, source_speed_, 4);
   const Jet dz = depth - Jet(source_m_), m = squared(x) + squared(y), d2 = m + squared(dz);
   const Jet cr = Jet(cs) + Jet(g) * dz, sum = Jet(cs) + cr;
   const Jet half = root(squared(sum) + Jet(squared(g)) * m);
-  const Jet along = dz * sum, bent = Jet(g) * m;
-  const Interval launch = (along + bent).v, arrival = (along - bent).v;
+  const Jet along = dz * sum, refracted = Jet(g) * m;
+  const Interval launch = (along + refracted).v, arrival = (along - refracted).v;
   if (!d2.v.surely_positive() || !cr.v.surely_positive()) return std::nullopt;
   const bool straight_on = gradient == 0 || (launch * arrival).surely_positive();
   const double farthest = root(m.v).hi;
@@ -248,8 +248,8 @@ std::optional<RayJets> RayEnclosure::within_layer(std::size_t layer, const Jet& 
   if (!straight_on) {
     // Depth of the turning point of those rays that have one: the speed there is that at the source over the
     // cosine of the launch angle. These have launch and arrival of two signs, so `along` is no larger than
-    // `bent`, whatever other rays the patch has.
-    const double flattest = std::min(2 * bent.v.largest(), launch.largest()) * (1 + slack);
+    // `refracted`, whatever other rays the patch has.
+    const double flattest = std::min(2 * refracted.v.largest(), launch.largest()) * (1 + slack);
     const Interval cosine = 2.0 * cs * root(m.v) / (root(d2.v) * half.v);
     const Interval sine2 = squared(Interval(-flattest, flattest)) / (d2.v * squared(half.v));
     Interval turn = source_m_ + cs * sine2 / (cosine * (1.0 + cosine) * g);
@@ -262,19 +262,19 @@ std::optional<RayJets> RayEnclosure::within_layer(std::size_t layer, const Jet& 
   const Jet d = root(d2), size = Jet(reference_speed_) * s / (speeds * half);
   RayJets rays;
   const Jet across = size * Jet(2.0 * cs);
-  rays.image = {across * x, across * y, -(size * (along + bent))};
+  rays.image = {across * x, across * y, -(size * (along + refracted))};
   rays.time_s = d * s / speeds;
   rays.slowness_s_per_m = s / speeds;
   rays.arrival_across = Jet(2.0) * cr / half;
-  rays.arrival_down_m = (along - bent) / half;
+  rays.arrival_down_m = (along - refracted) / half;
   rays.area_ratio_per_sr = Jet(cs) * (Jet(1.0) + v) / cr;
-  rays.absorption_db = Jet(straightening_.water().absorption_in(layer)) * d *
+  rays.absorption_db = Jet(apparent_map_.water().absorption_in(layer)) * d *
                        asin_root_ratio(Jet(squared(g)) * m / squared(half));
   return rays;
 }
 
 RayEnclosure::Sums RayEnclosure::sums_to(double depth_m, const Interval& k) const {
-  const WaterColumn& water = straightening_.water();
+  const WaterColumn& water = apparent_map_.water();
   Sums sums;
   for (const Leg& leg : legs_between(water.profile, source_m_, depth_m)) {
     const Interval s1 = sine_at(k, leg.c1), s2 = sine_at(k, leg.c2), dz(leg.dz_m), both = leg.c1 + leg.c2;
@@ -295,7 +295,7 @@ RayEnclosure::Sums RayEnclosure::sums_to(double depth_m, const Interval& k) cons
 
 /// What lies between the nearer and the farther end of a patch, from nothing to all of it.
 bool RayEnclosure::extend(Sums& sums, const Interval& k, double from_m, double to_m) const {
-  const WaterColumn& water = straightening_.water();
+  const WaterColumn& water = apparent_map_.water();
   const bool down = to_m >= source_m_ && from_m >= source_m_;
   // Borders of layers belong to both.
   const double more = 1e-9 * (1 + std::abs(to_m));
@@ -377,7 +377,7 @@ std::optional<RayJets> RayEnclosure::through_layers(const Jet& x, const Jet& y, 
   RayJets rays;
   const Jet d2 = m + squared(way), d = root(d2);
   std::vector<RayDifferences::Part> parts;
-  for (const Leg& leg : legs_between(straightening_.water().profile, source_m_, near))
+  for (const Leg& leg : legs_between(apparent_map_.water().profile, source_m_, near))
     parts.push_back({leg.dz_m, hull(leg.c1, leg.c2)});
   parts.push_back({Interval(0, std::abs(far - near) * (1 + slack)), c});
   const RayDifferences differences(parts, {k, sums.reach, sums.reach_k, sums.time, sums.dx_dp, sums.dx_dp_k,
@@ -391,7 +391,7 @@ std::optional<RayJets> RayEnclosure::through_layers(const Jet& x, const Jet& y, 
   const Interval k0(k.middle()), h0 = root(squared(Interval(near) - source_m_)), k_off = k - k0,
                                  h_off = way.v - h0;
   const Sums there = sums_to(near, k0);
-  const double end_speed = straightening_.water().profile.at(near);
+  const double end_speed = apparent_map_.water().profile.at(near);
   const Interval c0 = outwards(end_speed, end_speed, 8), d0 = root(k0 * squared(there.reach) + squared(h0));
   rays.slowness_s_per_m = compose(kj, way, differences.slowness(there.time / d0, k_off, h_off));
   const auto with_slopes = [&](Jet value, const Interval& at_one_place, const RayDifferences::Slopes& slope) {
@@ -427,7 +427,7 @@ std::optional<RayJets> RayEnclosure::over(const std::array<Interval, 3>& origin_
     at[i].b = outwards(v[i], v[i], 4);
   }
   const Jet depth = Jet(source_m_) - at[2];
-  const SoundSpeedProfile& profile = straightening_.water().profile;
+  const SoundSpeedProfile& profile = apparent_map_.water().profile;
   // A layer whose borders the patch may touch, but no more.
   const std::size_t layer = profile.layer_at(std::min(source_m_, depth.v.middle()));
   for (const std::size_t common : {layer, layer + 1})

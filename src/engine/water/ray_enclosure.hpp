@@ -5,12 +5,12 @@
 #include <glm/vec3.hpp>
 #include <optional>
 
-#include "engine/water/straightening.hpp"
+#include "engine/water/apparent_map.hpp"
 #include "geometry/numbers/interval.hpp"
 
 namespace tubefoot {
 
-/// The ray from an apex to every point of a patch, enclosed: all that Straightening computes at a point, with
+/// The ray from an apex to every point of a patch, enclosed: all that Apparent map computes at a point, with
 /// derivatives along the two directions of a plane. Sines are positive downwards.
 struct RayJets {
   std::array<Jet, 3> image;  ///< apparent point, relative to the apex
@@ -27,7 +27,7 @@ struct RayJets {
 
 /// Encloses rays from one apex over patches of planes.
 ///
-/// A patch is enclosed only if it is proven that exactly one ray of those that Straightening follows
+/// A patch is enclosed only if it is proven that exactly one ray of those that Apparent map follows
 /// (without, or with one turning point) leads to each of its points: through layers the one that rises or
 /// falls all the way, which exists where a bracket of its Snell parameter k = p^2 is verified (horizontal
 /// range grows with k), or the arc within one layer, by its closed form; and rays that turn elsewhere are all
@@ -35,8 +35,8 @@ struct RayJets {
 /// R(k, z)^2 = x^2 + y^2, where R = range / p.
 class RayEnclosure {
  public:
-  /// Refers to the straightening's water. `options`: as its own.
-  RayEnclosure(const Straightening& straightening, const EigenrayOptions& options);
+  /// Refers to the apparent map's water. `options`: as its own.
+  RayEnclosure(const ApparentMap& apparent_map, const EigenrayOptions& options);
 
   /// Over the points origin + a u + b v, relative to the apex, local frame, for a and b in the intervals.
   /// None where it is not proven that there is one ray. `alone`: none_turns_before() is known of a patch that
@@ -49,7 +49,7 @@ class RayEnclosure {
   bool none_turns_before(const std::array<Interval, 3>& origin_m, const glm::dvec3& u, const glm::dvec3& v,
                          const Interval& a, const Interval& b) const;
 
-  glm::dvec3 apex_m() const { return straightening_.apex_m(); }
+  glm::dvec3 apex_m() const { return apparent_map_.apex_m(); }
   double reference_speed_m_s() const { return reference_speed_; }
   /// No image is nearer than this times its point.
   double least_stretch() const { return least_stretch_; }
@@ -73,7 +73,7 @@ class RayEnclosure {
   Sums sums_to(double depth_m, const Interval& k) const;
   bool extend(Sums& sums, const Interval& k, double from_m, double to_m) const;
 
-  const Straightening& straightening_;
+  const ApparentMap& apparent_map_;
   EigenrayOptions options_;
   EigenrayFinder finder_;
   double source_m_, source_speed_, reference_speed_;

@@ -9,7 +9,7 @@ namespace tubefoot {
 /// Apparent facets of transmissions through refracting water (engine/ground/refracted_ground.hpp), and where
 /// some have not exactly one ray: azimuth and elevation in degrees and range in metres, from the sonar in the
 /// local frame.
-struct StraighteningCounts {
+struct ApparentMapCounts {
   std::uint64_t facets = 0, in_shadow = 0, of_several = 0, folded = 0;
   double largest_gap_m = 0;
   std::array<double, 3> shadow{}, several{};  ///< the first of each
@@ -31,8 +31,8 @@ struct PingCounts {
   /// Of paths: image apexes, arrivals without scattering, and the energy of each order.
   std::uint64_t images = 0, arrivals = 0;
   std::array<double, 9> energy_of_order{};
-  /// Of refraction, by transmission: apparent facets, and those that StraighteningCounts names.
-  StraighteningCounts refraction;
+  /// Of refraction, by transmission: apparent facets, and those that ApparentMapCounts names.
+  ApparentMapCounts refraction;
 };
 
 }  // namespace tubefoot

@@ -115,8 +115,8 @@ class Gathered {
         left.push_back({child, visit.to_model * matrix(child->mTransformation)});
       }
     }
-    if (bent_ > 0)
-      model_.soup.warnings.push_back(std::to_string(bent_) +
+    if (refracted_ > 0)
+      model_.soup.warnings.push_back(std::to_string(refracted_) +
                                      " meshes hang on bones: they are taken as they were modelled, not as "
                                      "the bones bend them");
     return std::move(model_);
@@ -128,7 +128,7 @@ class Gathered {
     const std::size_t first = soup.points.size();
     if (first + mesh.mNumVertices >= std::numeric_limits<std::uint32_t>::max())
       throw std::runtime_error("it has more than 2^32 vertices");
-    if (mesh.mNumBones > 0) ++bent_;
+    if (mesh.mNumBones > 0) ++refracted_;
     for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
       const aiVector3D& p = mesh.mVertices[v];
       soup.points.emplace_back(to_model * glm::dvec4(p.x, p.y, p.z, 1));
@@ -172,7 +172,7 @@ class Gathered {
   std::uint64_t most_, placed_ = 0;
   std::vector<std::uint64_t> size_of_;  ///< by mesh: vertices and corners
   Model model_;
-  std::size_t bent_ = 0;
+  std::size_t refracted_ = 0;
 };
 
 template <typename T>

@@ -156,11 +156,11 @@ struct EnclosuresAgainstRays {
   void add(const GradientBed& site, const WaterColumn& water, double absorption, std::mt19937_64& random) {
     std::uniform_real_distribution<double> unit(0, 1);
     const EigenrayOptions options{.deepest_turn_m = 30};
-    const Straightening straightening(water, glm::dvec3(0), GradientBed::apex_depth_m, options);
+    const ApparentMap apparent_map(water, glm::dvec3(0), GradientBed::apex_depth_m, options);
     std::vector<FacetId> facets{FacetId(site.base.facets.size() - 1)};
-    const ApparentGround ground =
-        straighten(site.base, facets, site.grid, straightening, absorption, {.gap_m = 1e9});
-    const RayEnclosure rays(straightening, options);
+    const ApparentSurface ground =
+        map_apparent(site.base, facets, site.grid, apparent_map, absorption, {.gap_m = 1e9});
+    const RayEnclosure rays(apparent_map, options);
     const SceneTree tree(ground.refined.mesh);
     const EchoLaw law = site.law(ground.refined.mesh, absorption);
     const ApparentEnclosures all =
@@ -176,7 +176,7 @@ struct EnclosuresAgainstRays {
         double a = unit(random), b = unit(random);
         if (a + b > 1) a = 1 - a, b = 1 - b;
         const glm::dvec3 place = lies[0] + a * (lies[1] - lies[0]) + b * (lies[2] - lies[0]);
-        const auto image = straightening.apparent(place);
+        const auto image = apparent_map.apparent(place);
         ASSERT_TRUE(image);
         ASSERT_EQ(image->eigenrays, 1);
         const glm::dvec3 flat =
@@ -193,8 +193,8 @@ struct EnclosuresAgainstRays {
         EXPECT_LE(range, facet.farthest_m);
         const double beta = std::numbers::ln10 / 5;
         const double lies_sine =
-            std::abs(glm::dot(normal, straightening.arrival_direction(place, image->ray)));
-        const double per_sr = lies_sine / straightening.return_area_m2_per_sr(place, image->ray) *
+            std::abs(glm::dot(normal, apparent_map.arrival_direction(place, image->ray)));
+        const double per_sr = lies_sine / apparent_map.return_area_m2_per_sr(place, image->ray) *
                               std::exp(-beta * image->ray.absorption_db);
         const double factor =
             per_sr / (sine / (straight * straight) * std::exp(-beta * absorption * straight));

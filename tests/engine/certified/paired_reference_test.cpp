@@ -27,17 +27,18 @@ struct Paired {
   const BeamPatterns* patterns = nullptr;
 
   EigenrayOptions options{.deepest_turn_m = GradientBed::apex_depth_m + GradientBed::below_m};
-  Straightening end(const TubeSet& tubes) const {
-    return Straightening(water, site.grid.to_metres(tubes.apex), GradientBed::apex_depth_m, options, 1500);
+  ApparentMap end(const TubeSet& tubes) const {
+    return ApparentMap(water, site.grid.to_metres(tubes.apex), GradientBed::apex_depth_m, options, 1500);
   }
-  RefractedReference certified(const StraighteningSettings& settings, const RangeSamples& samples,
+  RefractedReference certified(const ApparentMapSettings& settings, const RangeSamples& samples,
                                double tolerance) const {
     std::vector<FacetId> all(site.base.facets.size());
     std::iota(all.begin(), all.end(), 0u);
-    const Straightening out = end(sent), home = end(received);
+    const ApparentMap out = end(sent), home = end(received);
     const ViewBounds from_out(sent, site.grid.unit_m(), out), from_home(received, site.grid.unit_m(), home);
-    const AlikeGrounds alike = straighten_alike(site.base, all, site.grid, std::array{&out, &home},
-                                                absorption, settings, {}, std::array{&from_out, &from_home});
+    const CommonApparentSurfaces alike =
+        map_apparent_together(site.base, all, site.grid, std::array{&out, &home}, absorption, settings, {},
+                              std::array{&from_out, &from_home});
     const ApparentPair pair{alike.bed.mesh, alike.seen[0], alike.seen[1], alike.origin[0], alike.origin[1]};
     EchoLaw law = site.law(pair.mesh, absorption);
     law.patterns = patterns;
@@ -194,12 +195,12 @@ TEST(PairedReference, EnclosuresHoldWhatRaysToPlacesSay) {
     const WaterColumn& water = trial % 8 < 4 ? one : layers;
     const EigenrayOptions options{.deepest_turn_m = 30};
     const glm::dvec3 apexes[2]{glm::dvec3(0), site.grid.to_metres(site.grid.snap(home_m))};
-    const Straightening out(water, apexes[0], GradientBed::apex_depth_m, options, 1500),
+    const ApparentMap out(water, apexes[0], GradientBed::apex_depth_m, options, 1500),
         home(water, apexes[1], GradientBed::apex_depth_m, options, 1500);
     const std::vector<FacetId> facets{FacetId(site.base.facets.size() - 1)};
-    const AlikeGrounds alike =
-        straighten_alike(site.base, facets, site.grid, std::array{&out, &home}, absorption, {.gap_m = 1e9},
-                         {}, std::array<const ViewBounds*, 2>{});
+    const CommonApparentSurfaces alike =
+        map_apparent_together(site.base, facets, site.grid, std::array{&out, &home}, absorption,
+                              {.gap_m = 1e9}, {}, std::array<const ViewBounds*, 2>{});
     const FacetMesh& mesh = alike.bed.mesh;
     if (alike.origin[0].size() != 1 || alike.origin[1].size() != 1) continue;
     SharedFootprints shared;
@@ -228,12 +229,13 @@ TEST(PairedReference, EnclosuresHoldWhatRaysToPlacesSay) {
     const PairedEnclosure& facet = all.facets[0];
     if (!facet.proven) continue;
     ++proven;
-    const PairedFacet& laid = paired[0];
+    const PairedFacet& flattened = paired[0];
     Triangle lies;
     for (int k = 0; k < 3; ++k) lies[std::size_t(k)] = site.grid.to_metres(mesh.vertices[mesh.facets[0][k]]);
     const glm::dvec3 across = glm::cross(lies[1] - lies[0], lies[2] - lies[0]), up = glm::normalize(across);
-    const double laid_area = glm::length(glm::cross(laid.to_plane.linear * (corner(0, 1) - corner(0, 0)),
-                                                    laid.to_plane.linear * (corner(0, 2) - corner(0, 0))));
+    const double flattened_area =
+        glm::length(glm::cross(flattened.to_plane.linear * (corner(0, 1) - corner(0, 0)),
+                               flattened.to_plane.linear * (corner(0, 2) - corner(0, 0))));
     for (int k = 0; k < 60; ++k) {
       double a = unit(random), b = unit(random);
       if (a + b > 1) a = 1 - a, b = 1 - b;
@@ -241,14 +243,15 @@ TEST(PairedReference, EnclosuresHoldWhatRaysToPlacesSay) {
         return p + a * (q - p) + b * (r - p);
       };
       const glm::dvec3 there = between(lies[0], lies[1], lies[2]);
-      const glm::dvec2 flat(laid.to_plane.at(between(corner(0, 0), corner(0, 1), corner(0, 2))));
-      const double range[2]{std::hypot(glm::length(flat), laid.transmit_distance_m),
-                            std::hypot(glm::length(flat - laid.receive_foot_m), laid.receive_distance_m)};
-      const double height[2]{laid.transmit_distance_m, laid.receive_distance_m};
+      const glm::dvec2 flat(flattened.to_plane.at(between(corner(0, 0), corner(0, 1), corner(0, 2))));
+      const double range[2]{
+          std::hypot(glm::length(flat), flattened.transmit_distance_m),
+          std::hypot(glm::length(flat - flattened.receive_foot_m), flattened.receive_distance_m)};
+      const double height[2]{flattened.transmit_distance_m, flattened.receive_distance_m};
       const double beta = std::numbers::ln10 / 10;
-      double half = 0, truth = glm::length(across), model = laid_area;
+      double half = 0, truth = glm::length(across), model = flattened_area;
       for (const int e : {0, 1}) {
-        const Straightening& water_from = e == 0 ? out : home;
+        const ApparentMap& water_from = e == 0 ? out : home;
         const auto image = water_from.apparent(there);
         ASSERT_TRUE(image);
         const double ray_m = 1500 * image->ray.time_s;
@@ -263,7 +266,7 @@ TEST(PairedReference, EnclosuresHoldWhatRaysToPlacesSay) {
         const double seen_sine = height[e] / range[e];
         model *= (trial % 2 ? sigma(*facet.law[std::size_t(e)], seen_sine) : seen_sine) *
                  std::exp(-beta * absorption * range[e]) / (range[e] * range[e]);
-        const LyingPlane& seen = e == 0 ? laid.transmit_seen : laid.receive_seen;
+        const LyingPlane& seen = e == 0 ? flattened.transmit_seen : flattened.receive_seen;
         const double turn = glm::distance(glm::normalize(image->at_m - apexes[e]), seen.towards(flat));
         EXPECT_LE(turn, facet.turn_rad[std::size_t(e)] * (1 + 1e-9) + 1e-12);
         EXPECT_LE(std::abs(glm::length(seen.at(flat)) / range[e] - 1), facet.stretch[std::size_t(e)] + 1e-12);

@@ -257,11 +257,11 @@ TEST(RefractedBed, EnclosuresHoldWhatRaysToPlacesOnFacetsSay) {
                              {0.1, 0.12, 0.09, 0.08, 0.1}};
     const WaterColumn& water = trial % 8 < 4 ? one : layers;
     const EigenrayOptions options{.deepest_turn_m = 30};
-    const Straightening straightening(water, glm::dvec3(0), GradientBed::apex_depth_m, options);
+    const ApparentMap apparent_map(water, glm::dvec3(0), GradientBed::apex_depth_m, options);
     std::vector<FacetId> facets{FacetId(site.base.facets.size() - 1)};
-    const ApparentGround ground =
-        straighten(site.base, facets, site.grid, straightening, absorption, {.gap_m = 1e9});
-    const RayEnclosure rays(straightening, options);
+    const ApparentSurface ground =
+        map_apparent(site.base, facets, site.grid, apparent_map, absorption, {.gap_m = 1e9});
+    const RayEnclosure rays(apparent_map, options);
     const SceneTree tree(ground.refined.mesh);
     const ApparentEnclosures all = enclose({ground, tree, site.base, ground.refined.parent, site.grid}, rays,
                                            site.law(ground.refined.mesh, absorption));
@@ -278,7 +278,7 @@ TEST(RefractedBed, EnclosuresHoldWhatRaysToPlacesOnFacetsSay) {
         double a = unit(random), b = unit(random);
         if (a + b > 1) a = 1 - a, b = 1 - b;
         const glm::dvec3 place = lies[0] + a * (lies[1] - lies[0]) + b * (lies[2] - lies[0]);
-        const auto image = straightening.apparent(place);
+        const auto image = apparent_map.apparent(place);
         ASSERT_TRUE(image);
         const glm::dvec3 direction = glm::normalize(image->at_m);
         const double sine = glm::dot(direction, facet.normal), straight = facet.plane_m / sine;
@@ -287,9 +287,9 @@ TEST(RefractedBed, EnclosuresHoldWhatRaysToPlacesOnFacetsSay) {
         closest_place = std::max(closest_place, off / facet.place_off_m);
         const double beta = std::numbers::ln10 / 5;
         const double lies_sine =
-            std::abs(glm::dot(normal, straightening.arrival_direction(place, image->ray)));
+            std::abs(glm::dot(normal, apparent_map.arrival_direction(place, image->ray)));
         const double per_sr = law.value(std::acos(std::min(lies_sine, 1.0))) / lies_sine /
-                              straightening.return_area_m2_per_sr(place, image->ray) *
+                              apparent_map.return_area_m2_per_sr(place, image->ray) *
                               std::exp(-beta * image->ray.absorption_db);
         const double factor =
             per_sr / (facet.law->cross_section(sine, std::sqrt((1 - sine) * (1 + sine))) / sine /

@@ -37,8 +37,8 @@ struct Staffed {
   glm::dvec3 end_m(double end) const {
     return middle_m + end * receiver_pair.baseline_m / 2 * receiver_pair.axis;
   }
-  Straightening seen_from(glm::dvec3 apex_m) const {
-    return Straightening(water, apex_m, GradientBed::apex_depth_m, options, 1500);
+  ApparentMap seen_from(glm::dvec3 apex_m) const {
+    return ApparentMap(water, apex_m, GradientBed::apex_depth_m, options, 1500);
   }
   BeamPatterns for_tubes(const TubeSet& tubes) const {
     BeamPatterns own = patterns;
@@ -47,28 +47,28 @@ struct Staffed {
     return own;
   }
 
-  RefractedReference certified(const StraighteningSettings& settings, double tolerance) const {
+  RefractedReference certified(const ApparentMapSettings& settings, double tolerance) const {
     std::vector<FacetId> all(site.base.facets.size());
     std::iota(all.begin(), all.end(), 0u);
     const double unit = site.grid.unit_m();
     const TubeSet sent = tubes_from(sent_m), middle = tubes_from(middle_m);
     const std::array<TubeSet, 2> received{moved_along(middle, receiver_pair, 1, unit),
                                           moved_along(middle, receiver_pair, -1, unit)};
-    const Straightening out = seen_from(site.grid.to_metres(sent.apex)), upper = seen_from(end_m(1)),
-                        lower = seen_from(end_m(-1));
+    const ApparentMap out = seen_from(site.grid.to_metres(sent.apex)), upper = seen_from(end_m(1)),
+                      lower = seen_from(end_m(-1));
     const ViewBounds from_out(sent, unit, out), from_upper(received[0], unit, upper),
         from_lower(received[1], unit, lower);
-    const AlikeGrounds alike =
-        straighten_alike(site.base, all, site.grid, std::array{&out, &upper, &lower}, absorption, settings,
-                         {}, std::array{&from_out, &from_upper, &from_lower});
+    const CommonApparentSurfaces alike =
+        map_apparent_together(site.base, all, site.grid, std::array{&out, &upper, &lower}, absorption,
+                              settings, {}, std::array{&from_out, &from_upper, &from_lower});
     EchoLaw law = site.law(alike.bed.mesh, absorption);
     const BeamPatterns own = for_tubes(sent);
     law.patterns = &own;
     const RayEnclosure out_rays(out, options), upper_rays(upper, options), lower_rays(lower, options);
     std::vector<SceneTree> trees;
-    for (const ApparentGround& ground : alike.seen)
+    for (const ApparentSurface& ground : alike.seen)
       trees.emplace_back(ground.refined.mesh, SceneTree::Sheets::ignored);
-    const std::array<Straightening const*, 2> waters{&upper, &lower};
+    const std::array<ApparentMap const*, 2> waters{&upper, &lower};
     const std::array<RayEnclosure const*, 2> rays{&upper_rays, &lower_rays};
     std::array<Echo, 2> ordinary;
     const std::vector<std::uint32_t> beams(sent.tubes.size(), 0);
@@ -93,12 +93,12 @@ struct Staffed {
   }
 
   /// Without bounds: receivers in the bed as it appears from the receiver pair's middle.
-  ReceiverPairEcho ordinary(const StraighteningSettings& settings) const {
+  ReceiverPairEcho ordinary(const ApparentMapSettings& settings) const {
     std::vector<FacetId> all(site.base.facets.size());
     std::iota(all.begin(), all.end(), 0u);
     const TubeSet sent = tubes_from(sent_m), middle = tubes_from(middle_m);
-    const Straightening out = seen_from(sent_m), home = seen_from(middle_m);
-    const ApparentPair pair = straighten_pair(site.base, all, site.grid, out, home, absorption, settings);
+    const ApparentMap out = seen_from(sent_m), home = seen_from(middle_m);
+    const ApparentPair pair = map_apparent_pair(site.base, all, site.grid, out, home, absorption, settings);
     ReceiverBaseline stretched = receiver_pair;
     stretched.baseline_m *=
         1500 / water.profile.at(GradientBed::apex_depth_m - site.grid.to_metres(middle.apex).z);
@@ -141,7 +141,7 @@ std::vector<double> rectangle_rows(const Staffed& scene, double g, glm::dvec2 fr
                 const glm::dvec3 place = GradientPath::place(x, y);
                 const double phase =
                     scene.receiver_pair.wavenumber_rad_m * 1500 *
-                    (BentPath(g, upper.home, place).time_s - BentPath(g, lower.home, place).time_s);
+                    (RefractedPath(g, upper.home, place).time_s - RefractedPath(g, lower.home, place).time_s);
                 return std::polar(std::sqrt(upper.density(x, y) * lower.density(x, y)), phase);
               };
               rows[2 * row + sample] +=
@@ -266,8 +266,8 @@ TEST(RefractedReceiverPair, AGradientThatGoesToZeroLeavesEvenWater) {
   double changed[2];
   for (int k = 0; k < 2; ++k) {
     const WaterColumn water = bed_gradient(k == 0 ? 0.6 : 0.3);
-    Staffed bent{.site = bed, .water = water, .receiver_pair = scene.receiver_pair};
-    const CertifiedEcho found = bent.certified({.gap_m = 1e-3}, 1e-2).certified;
+    Staffed refracted{.site = bed, .water = water, .receiver_pair = scene.receiver_pair};
+    const CertifiedEcho found = refracted.certified({.gap_m = 1e-3}, 1e-2).certified;
     changed[k] = 0;
     double bounds = 0;
     for (std::size_t bin = 0; bin < found.bound.size(); ++bin) {

@@ -83,12 +83,12 @@ struct Scenery {
   double absorption = 0;
 
   BistaticHistory history(const TubeSet& sent, const TubeSet& received) const {
-    const Straightening transmit(water, grid.to_metres(sent.apex), surface_m, {}, 1500),
+    const ApparentMap transmit(water, grid.to_metres(sent.apex), surface_m, {}, 1500),
         receive(water, grid.to_metres(received.apex), surface_m, {}, 1500);
     std::vector<FacetId> all(base.facets.size());
     std::iota(all.begin(), all.end(), 0u);
     const ApparentPair pair =
-        straighten_pair(base, all, grid, transmit, receive, absorption, {.gap_m = gap_m});
+        map_apparent_pair(base, all, grid, transmit, receive, absorption, {.gap_m = gap_m});
     material = pair.mesh.material;
     return trace_bistatic(pair, grid, {}, sent, received, transmit, receive, absorption);
   }
@@ -121,11 +121,11 @@ TEST(RefractedBistatic, EvenWaterIsTheStraightEngine) {
     const BistaticHistory history = scenery.history(sent, received);
     ASSERT_EQ(history.paired.size(), history.shared.facets.size());
     for (const PairedFacet& facet : history.paired) EXPECT_LT(facet.misfit_m, 1e-9);
-    const Echo bent = scenery.echo(history, samples);
+    const Echo refracted = scenery.echo(history, samples);
     const double peak = *std::max_element(straight.energy.begin(), straight.energy.end());
     int lit = 0;
     for (std::size_t k = 0; k < straight.energy.size(); ++k) {
-      EXPECT_NEAR(bent.energy[k], straight.energy[k], 2e-10 * straight.energy[k] + 1e-13 * peak) << k;
+      EXPECT_NEAR(refracted.energy[k], straight.energy[k], 2e-10 * straight.energy[k] + 1e-13 * peak) << k;
       lit += straight.energy[k] > 0;
     }
     EXPECT_GT(lit, 30);
@@ -235,8 +235,8 @@ TEST(RefractedBistatic, InOnePlaceItIsTheMonostaticEcho) {
   const Echo apart = scenery.echo(scenery.history(tubes, tubes), samples);
   std::vector<FacetId> all(base.facets.size());
   std::iota(all.begin(), all.end(), 0u);
-  const ApparentGround ground =
-      straighten(base, all, grid, Straightening(water, transmitter, surface_m, {}, 1500), 0, {.gap_m = gap});
+  const ApparentSurface ground =
+      map_apparent(base, all, grid, ApparentMap(water, transmitter, surface_m, {}, 1500), 0, {.gap_m = gap});
   const FacetMesh& mesh = ground.refined.mesh;
   EchoLaw law{material_mu, mesh.material, 0, nullptr};
   law.path.facet_factor = ground.facet_factor;

@@ -33,11 +33,11 @@ struct Site {
     base = builder.finish(report);
   }
 
-  ApparentGround ground(const WaterColumn& water, double gap_m, double absorption = 0) const {
+  ApparentSurface ground(const WaterColumn& water, double gap_m, double absorption = 0) const {
     std::vector<FacetId> all(base.facets.size());
     std::iota(all.begin(), all.end(), 0u);
-    const Straightening straightening(water, glm::dvec3(0), apex_depth_m);
-    return straighten(base, all, grid, straightening, absorption, {.gap_m = gap_m});
+    const ApparentMap apparent_map(water, glm::dvec3(0), apex_depth_m);
+    return map_apparent(base, all, grid, apparent_map, absorption, {.gap_m = gap_m});
   }
 };
 
@@ -102,7 +102,7 @@ double ring_energy(double g, double t1, double t2) {
 TEST(RefractedGround, EvenWaterIsTheStraightEngine) {
   const Site site;
   const WaterColumn water{SoundSpeedProfile({{0, 1480}, {50, 1480}}), {0.05, 0.05, 0.05}};
-  const ApparentGround ground = site.ground(water, 1e-6, 0.05);
+  const ApparentSurface ground = site.ground(water, 1e-6, 0.05);
   EXPECT_EQ(ground.refined.mesh.vertices, site.base.vertices);
   EXPECT_EQ(ground.refined.mesh.facets, site.base.facets);
   EXPECT_TRUE(ground.unclear.empty());
@@ -110,10 +110,10 @@ TEST(RefractedGround, EvenWaterIsTheStraightEngine) {
   EXPECT_LT(ground.largest_gap_m, 1e-11);
   for (const double factor : ground.facet_factor) EXPECT_NEAR(factor, 1, 1e-11);
   const Echo straight = hear(site.base, {}, range_samples, 0.05).echo;
-  const Echo bent = hear(ground.refined.mesh, ground.facet_factor, range_samples, 0.05).echo;
+  const Echo refracted = hear(ground.refined.mesh, ground.facet_factor, range_samples, 0.05).echo;
   for (std::size_t k = 0; k < straight.energy.size(); ++k) {
     EXPECT_GT(straight.energy[k], 0);
-    EXPECT_NEAR(bent.energy[k] / straight.energy[k], 1, 1e-10);
+    EXPECT_NEAR(refracted.energy[k] / straight.energy[k], 1, 1e-10);
   }
 }
 
@@ -123,7 +123,7 @@ TEST(RefractedGround, FlatBedUnderOneGradientConvergesToTheClosedForm) {
     SCOPED_TRACE(g);
     double before = 0;
     for (const double gap : {0.16, 0.04, 0.01}) {
-      const ApparentGround ground = site.ground(gradient(g), gap);
+      const ApparentSurface ground = site.ground(gradient(g), gap);
       EXPECT_TRUE(ground.unclear.empty());
       EXPECT_LE(ground.largest_gap_m, gap);
       const Echo echo = hear(ground.refined.mesh, ground.facet_factor, range_samples).echo;
@@ -150,19 +150,19 @@ TEST(RefractedGround, FlatBedUnderOneGradientConvergesToTheClosedForm) {
 TEST(RefractedGround, PointsConvergeAtSecondOrder) {
   // The gap is what a facet's middle is off: halving edges quarters it.
   const WaterColumn water = gradient(-0.5);
-  const Straightening straightening(water, glm::dvec3(0), Site::apex_depth_m);
+  const ApparentMap apparent_map(water, glm::dvec3(0), Site::apex_depth_m);
   double before = 0;
   for (const double cell : {32., 16., 8., 4.}) {
     const Site site(128, cell);
-    const ApparentGround ground = site.ground(water, 1e9);
+    const ApparentSurface ground = site.ground(water, 1e9);
     ASSERT_EQ(ground.refined.mesh.facets, site.base.facets);
     double gap = 0;
     for (const auto& f : site.base.facets)
       for (std::size_t k = 0; k < 3; ++k) {
         const glm::dvec3 a = site.grid.to_metres(site.base.vertices[f[k]]),
                          b = site.grid.to_metres(site.base.vertices[f[(k + 1) % 3]]);
-        gap = std::max(gap, edge_gap_m(straightening.apparent(a)->at_m, straightening.apparent(b)->at_m,
-                                       straightening.apparent((a + b) / 2.0)->at_m));
+        gap = std::max(gap, edge_gap_m(apparent_map.apparent(a)->at_m, apparent_map.apparent(b)->at_m,
+                                       apparent_map.apparent((a + b) / 2.0)->at_m));
       }
     EXPECT_LE(gap, ground.largest_gap_m);  // a bound, where it was not measured
     EXPECT_LT(ground.largest_gap_m, 5 * gap);
@@ -175,7 +175,7 @@ TEST(RefractedGround, PointsConvergeAtSecondOrder) {
 
 TEST(RefractedGround, TubesOverApparentFacetsClose) {
   const Site site;
-  const ApparentGround ground = site.ground(gradient(-0.5), 0.02);
+  const ApparentSurface ground = site.ground(gradient(-0.5), 0.02);
   EXPECT_GT(ground.refined.mesh.facets.size(), 100u);
   const SceneTree tree(ground.refined.mesh);
   const TubeEngine engine(ground.refined.mesh, tree, 0x1p-20, {});
@@ -187,7 +187,7 @@ TEST(RefractedGround, ShadowsAreToldAndLeftOut) {
   // Rays part from the fastest depth, 20 m, between apex and bed: the last to pass is horizontal there.
   const WaterColumn water{SoundSpeedProfile({{0, 1460}, {20, 1500}, {40, 1460}}), {}};
   const double edge = 2 * std::sqrt((1500 - 1480) * (1500 + 1480.)) / 2;
-  const ApparentGround ground = site.ground(water, 0.05);
+  const ApparentSurface ground = site.ground(water, 0.05);
   ASSERT_FALSE(ground.unclear.empty());
   EXPECT_GT(ground.facets_in_shadow, 0u);
   for (const UnclearPlace& place : ground.unclear) {
@@ -204,7 +204,7 @@ TEST(RefractedGround, BedBehindTheLastRayIsHidden) {
   const double g = 2, cr = 1500 + 20 * g;
   const double last_s =
       std::atanh(std::sqrt((cr - 1500) * (cr + 1500)) / cr) / g;  // to the grazing ray's touch
-  const ApparentGround ground = site.ground(gradient(g), 0.02);
+  const ApparentSurface ground = site.ground(gradient(g), 0.02);
   const Echo echo = hear(ground.refined.mesh, ground.facet_factor, {1500 * last_s + 1, 1, 100}).echo;
   const Echo before = hear(ground.refined.mesh, ground.facet_factor, {1500 * last_s - 12, 1, 10}).echo;
   const auto sum = [](const Echo& e) { return std::accumulate(e.energy.begin(), e.energy.end(), 0.0); };
@@ -214,7 +214,7 @@ TEST(RefractedGround, BedBehindTheLastRayIsHidden) {
 
 TEST(RefractedGround, TruePlacesAndAreasAreThoseOfTheBed) {
   const Site site;
-  const ApparentGround ground = site.ground(gradient(-0.5), 0.02);
+  const ApparentSurface ground = site.ground(gradient(-0.5), 0.02);
   double area_m2 = 0;
   for (FacetId f = 0; f < ground.refined.mesh.facets.size(); ++f) {
     glm::dvec3 seen[3], centre(0);
@@ -238,18 +238,18 @@ TEST(RefractedGround, FacetsSeenHoldAllWithAnImageInTheTubes) {
   const SceneTree tree(site.base);
   for (const double g : {-0.5, -0.05, 0.3}) {
     const WaterColumn water = gradient(g);
-    const Straightening straightening(water, glm::dvec3(0), Site::apex_depth_m);
+    const ApparentMap apparent_map(water, glm::dvec3(0), Site::apex_depth_m);
     for (const double reach_m : {40., 90.}) {
       TubeSet tubes = fan();
       tubes.reach = reach_m / site.grid.unit_m();
       const Sector sector(tubes, site.grid.unit_m());
       const std::vector<FacetId> seen =
-          ViewBounds(tubes, site.grid.unit_m(), straightening).facets(site.base, tree, site.grid);
+          ViewBounds(tubes, site.grid.unit_m(), apparent_map).facets(site.base, tree, site.grid);
       std::size_t inside = 0;
       for (FacetId f = 0; f < site.base.facets.size(); ++f) {
         bool any = false;
         for (const VertexId v : site.base.facets[f]) {
-          const auto image = straightening.apparent(site.grid.to_metres(site.base.vertices[v]));
+          const auto image = apparent_map.apparent(site.grid.to_metres(site.base.vertices[v]));
           any = any || (image && sector.may_meet(image->at_m, 0));
         }
         inside += any;
@@ -269,12 +269,12 @@ TEST(RefractedGround, OtherLawsScatterAtTrueGrazingAngles) {
   std::vector<FacetId> all(site.base.facets.size());
   std::iota(all.begin(), all.end(), 0u);
   const WaterColumn water = gradient(-0.5);
-  const Straightening straightening(water, glm::dvec3(0), Site::apex_depth_m);
+  const ApparentMap apparent_map(water, glm::dvec3(0), Site::apex_depth_m);
   const std::vector<std::shared_ptr<const ScatteringLaw>> laws{
       std::make_shared<const ScatteringLaw>(ScatteringLaw::gsab({.oblique = 0.1, .oblique_exponent = 5}))};
-  const ApparentGround lambert = site.ground(water, 1);
-  const ApparentGround other =
-      straighten(site.base, all, site.grid, straightening, 0, {.gap_m = 1}, {}, laws);
+  const ApparentSurface lambert = site.ground(water, 1);
+  const ApparentSurface other =
+      map_apparent(site.base, all, site.grid, apparent_map, 0, {.gap_m = 1}, {}, laws);
   ASSERT_EQ(lambert.facet_factor.size(), other.facet_factor.size());
   for (std::size_t f = 0; f < all.size(); ++f) {
     glm::dvec3 lies(0), seen(0), corner[3];
@@ -284,7 +284,7 @@ TEST(RefractedGround, OtherLawsScatterAtTrueGrazingAngles) {
       corner[k] = site.grid.to_metres(other.refined.mesh.vertices[v]);
       seen += corner[k] / 3.0;
     }
-    const auto ray = straightening.apparent(lies)->ray;
+    const auto ray = apparent_map.apparent(lies)->ray;
     const glm::dvec3 n = glm::normalize(glm::cross(corner[1] - corner[0], corner[2] - corner[0]));
     const double sine_seen = std::abs(glm::dot(n, glm::normalize(seen)));
     // sigma is sine^5, Lambert's sine^2: three powers more of the ratio of the sines.

@@ -34,10 +34,10 @@ WaterColumn gradient(double g) {
   return {SoundSpeedProfile({{-10, 1500 - 20 * g}, {60, 1500 + 50 * g}}), {}};
 }
 
-ApparentGround apparent(const FacetMesh& base, const WaterColumn& water, double gap_m) {
+ApparentSurface apparent(const FacetMesh& base, const WaterColumn& water, double gap_m) {
   std::vector<FacetId> all(base.facets.size());
   std::iota(all.begin(), all.end(), 0u);
-  return straighten(base, all, grid, Straightening(water, glm::dvec3(0), 10), 0, {.gap_m = gap_m});
+  return map_apparent(base, all, grid, ApparentMap(water, glm::dvec3(0), 10), 0, {.gap_m = gap_m});
 }
 
 /// A fan of 6 degrees about x; every tube is a beam of its own.
@@ -51,7 +51,7 @@ TubeSet fan() {
 const RangeSamples range_samples{25, 2.5, 12};
 
 /// Of an apparent ground, or of a mesh as it is.
-std::vector<double> hear(const FacetMesh& mesh, const ApparentGround* ground, const Field& texture,
+std::vector<double> hear(const FacetMesh& mesh, const ApparentSurface* ground, const Field& texture,
                          double tolerance = 1e-10, bool one_beam = true, Binning binning = Binning::exact) {
   const SceneTree tree(mesh);
   const std::vector<double> material_mu{mu};
@@ -82,24 +82,24 @@ TEST(RefractedTexture, EvenWaterIsTheStraightEngine) {
   const WaterColumn water{SoundSpeedProfile({{0, 1480}, {50, 1480}}), {}};
   std::vector<FacetId> all(base.facets.size());
   std::iota(all.begin(), all.end(), 0u);
-  const ApparentGround ground =
-      straighten(base, all, grid, Straightening(water, glm::dvec3(0), 10), 0, {.gap_m = 1e-6});
+  const ApparentSurface ground =
+      map_apparent(base, all, grid, ApparentMap(water, glm::dvec3(0), 10), 0, {.gap_m = 1e-6});
   ASSERT_EQ(ground.refined.mesh.facets, base.facets);
   for (const std::uint64_t seed : {1, 2}) {
     SCOPED_TRACE(seed);
     for (const Field& texture : {perlin(1.3, 2, 0.8, seed), map_askew(seed)}) {
       const std::vector<double> straight = hear(base, nullptr, texture);
-      const std::vector<double> bent = hear(ground.refined.mesh, &ground, texture);
+      const std::vector<double> refracted = hear(ground.refined.mesh, &ground, texture);
       for (std::size_t k = 0; k < straight.size(); ++k) {
         EXPECT_GT(straight[k], 0);
-        EXPECT_NEAR(bent[k] / straight[k], 1, 1e-12) << k;
+        EXPECT_NEAR(refracted[k] / straight[k], 1, 1e-12) << k;
       }
     }
   }
 }
 
 TEST(RefractedTexture, AConstantTextureIsNone) {
-  const ApparentGround ground = apparent(flat_bed(128, 256), gradient(-0.5), 0.02);
+  const ApparentSurface ground = apparent(flat_bed(128, 256), gradient(-0.5), 0.02);
   ASSERT_GT(ground.refined.mesh.facets.size(), 100u);
   const Field one = std::make_shared<PerlinReflectivity>(PerlinReflectivity::Settings{.depth = 0});
   const std::vector<double> even = hear(ground.refined.mesh, &ground, nullptr),
@@ -146,7 +146,7 @@ double closed_form(double g, double t1, double t2, double azimuth1, double azimu
 TEST(RefractedTexture, UnderOneGradientItLiesWhereTheBedIs) {
   const FacetMesh base = flat_bed(128, 256);
   for (const double g : {-1.0, 0.4}) {
-    const ApparentGround ground = apparent(base, gradient(g), 1e-3);
+    const ApparentSurface ground = apparent(base, gradient(g), 1e-3);
     for (const std::uint64_t seed : {3, 4}) {
       SCOPED_TRACE(testing::Message() << "g " << g << " seed " << seed);
       const Field texture = perlin(1.5, 1, 0.8, seed);

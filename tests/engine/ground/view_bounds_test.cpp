@@ -64,11 +64,11 @@ bool looks_along(const TubeSet& set, const glm::dvec3& direction) {
 }
 
 /// Whether a ray of the tubes leads to a point, within their reach.
-bool is_seen(const TubeSet& set, const Straightening& straightening, const glm::dvec3& at_m) {
-  const glm::dvec3 way = at_m - straightening.apex_m();
+bool is_seen(const TubeSet& set, const ApparentMap& apparent_map, const glm::dvec3& at_m) {
+  const glm::dvec3 way = at_m - apparent_map.apex_m();
   const double range = std::hypot(way.x, way.y);
-  for (const Eigenray& ray : straightening.finder().all(straightening.depth_m(at_m), range))
-    if (straightening.reference_speed_m_s() * ray.time_s < set.reach * unit_m &&
+  for (const Eigenray& ray : apparent_map.finder().all(apparent_map.depth_m(at_m), range))
+    if (apparent_map.reference_speed_m_s() * ray.time_s < set.reach * unit_m &&
         looks_along(set,
                     {ray.launch_cosine * way.x / range, ray.launch_cosine * way.y / range, -ray.launch_sine}))
       return true;
@@ -81,13 +81,13 @@ TEST(ViewBounds, NothingIsMissingThatARayOfTheTubesLeadsTo) {
     SCOPED_TRACE(seed);
     Random random(seed);
     const WaterColumn water = some_water(random);
-    const Straightening straightening(water, glm::dvec3(3, -2, -apex_depth_m), 0);
+    const ApparentMap apparent_map(water, glm::dvec3(3, -2, -apex_depth_m), 0);
     const TubeSet tubes = some_tubes(random);
-    const ViewBounds view_bounds(tubes, unit_m, straightening);
+    const ViewBounds view_bounds(tubes, unit_m, apparent_map);
     for (int k = 0; k < 250; ++k) {
-      glm::dvec3 at = straightening.apex_m() + random.between(1, 120) * random.direction();
+      glm::dvec3 at = apparent_map.apex_m() + random.between(1, 120) * random.direction();
       at.z = k % 2 == 0 ? random.between(-60, 0) : -std::abs(at.z);
-      if (!is_seen(tubes, straightening, at)) continue;
+      if (!is_seen(tubes, apparent_map, at)) continue;
       ++seen;
       EXPECT_TRUE(view_bounds.may_see(at, 0));
       const double radius = std::exp(random.between(-6, 5));
@@ -114,10 +114,10 @@ TEST(ViewBounds, WhatIsTrueForAPartIsTrueForTheWhole) {
     SCOPED_TRACE(seed);
     Random random(seed);
     const WaterColumn water = some_water(random);
-    const Straightening straightening(water, glm::dvec3(0, 0, -apex_depth_m), 0);
-    const ViewBounds view_bounds(some_tubes(random), unit_m, straightening);
+    const ApparentMap apparent_map(water, glm::dvec3(0, 0, -apex_depth_m), 0);
+    const ViewBounds view_bounds(some_tubes(random), unit_m, apparent_map);
     for (int k = 0; k < 30; ++k) {
-      const glm::dvec3 centre = straightening.apex_m() + random.between(1, 120) * random.direction();
+      const glm::dvec3 centre = apparent_map.apex_m() + random.between(1, 120) * random.direction();
       const double radius = std::exp(random.between(-4, 4)), part = random.between(0.1, 0.9) * radius;
       const glm::dvec3 inside = centre + (radius - part) * 0.999 * random.direction();
       const glm::dvec3 corners[3] = {inside + part * random.direction(), inside + part * random.direction(),
@@ -143,14 +143,14 @@ TEST(ViewBounds, WhatIsTrueForAPartIsTrueForTheWhole) {
 TEST(ViewBounds, TakesLittleMoreThanWhatIsSeen) {
   const WaterColumn water{
       SoundSpeedProfile({{0, 1527}, {6, 1519}, {8, 1508}, {10, 1499}, {13, 1494}, {35, 1490}}), {}};
-  const Straightening straightening(water, glm::dvec3(0, 0, -8), 0);
+  const ApparentMap apparent_map(water, glm::dvec3(0, 0, -8), 0);
   AngularGrid angles;  // a sidescan's fan to one side
   for (int k = 0; k <= 1; ++k) angles.azimuth_edges_rad.push_back(0.3 * degree * (k - 0.5));
   for (int k = 0; k <= 8; ++k) angles.elevation_edges_rad.push_back((-60 + 57 * k / 8.0) * degree);
   TubeSet tubes;
   tubes.reach = 60 / unit_m;
   append_tubes(tubes, angles);
-  const ViewBounds view_bounds(tubes, unit_m, straightening);
+  const ViewBounds view_bounds(tubes, unit_m, apparent_map);
   const unsigned seed = 7;
   SCOPED_TRACE(seed);
   Random random(seed);
@@ -158,7 +158,7 @@ TEST(ViewBounds, TakesLittleMoreThanWhatIsSeen) {
   for (int k = 0; k < 20000; ++k) {
     const double azimuth = random.between(-0.5, 0.5) * degree, across = random.between(1, 70);
     const glm::dvec3 at(across * std::cos(azimuth), across * std::sin(azimuth), random.between(-30, 0));
-    seen += is_seen(tubes, straightening, at);
+    seen += is_seen(tubes, apparent_map, at);
     taken += view_bounds.may_see(at, 0);
   }
   EXPECT_GT(seen, 2000u);

@@ -11,8 +11,8 @@
 #include "engine/signal/gated_covariance.hpp"
 #include "engine/signal/smooth_amplitude.hpp"
 #include "engine/visibility/tube_engine.hpp"
-#include "fixtures/world/bent_rays.hpp"
 #include "fixtures/world/path_scenes.hpp"
+#include "fixtures/world/refracted_rays.hpp"
 
 namespace tubefoot {
 namespace {
@@ -563,16 +563,18 @@ TEST(CoherentPaths, SayWhatTheyCannotDo) {
         },
         "mirrors");
   });
-  Setting bent = under_surface(2);
-  bent.mesh = square_bed(-20, 30);
+  Setting refracted = under_surface(2);
+  refracted.mesh = square_bed(-20, 30);
   const WaterColumn column = gradient(-0.5, 1510);
   const PathWater water = water_of(column, 1e-2);
-  const SceneTree tree(bent.mesh);
-  PathSettings settings = bent.paths;
-  settings.mirrors.reflection = bent.reflection;
-  const PathImages images(bent.mesh, tree, unit, {}, bent.transmit, bent.receive, settings, 0, &water);
-  expect_refusal([&] { for_coherent_paths(images, bent.law(bent.transmit), same, nothing); }, "refracting");
-  expect_refusal([&] { for_coherent_arrivals(images, bent.law(bent.transmit), same, nothing); },
+  const SceneTree tree(refracted.mesh);
+  PathSettings settings = refracted.paths;
+  settings.mirrors.reflection = refracted.reflection;
+  const PathImages images(refracted.mesh, tree, unit, {}, refracted.transmit, refracted.receive, settings, 0,
+                          &water);
+  expect_refusal([&] { for_coherent_paths(images, refracted.law(refracted.transmit), same, nothing); },
+                 "refracting");
+  expect_refusal([&] { for_coherent_arrivals(images, refracted.law(refracted.transmit), same, nothing); },
                  "refracting");
 }
 

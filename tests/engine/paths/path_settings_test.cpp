@@ -136,8 +136,8 @@ TEST(PathRays, TheMeanOverSeedsIsWhatExactCutsGiveInRefractingWater) {
       const PathWater water{column, 0, rays, 1500, {.gap_m = 0.02}, {}, WorldGrid(20, glm::dvec3(0))};
       expect_same_mean(s, &water);
       // The water is not even: what bends is seen.
-      const PathEcho bent = s.run(nullptr, &water), straight = s.run();
-      EXPECT_GT(std::abs(total(bent.by_order[2]) / total(straight.by_order[2]) - 1), 1e-3);
+      const PathEcho refracted = s.run(nullptr, &water), straight = s.run();
+      EXPECT_GT(std::abs(total(refracted.by_order[2]) / total(straight.by_order[2]) - 1), 1e-3);
     }
 }
 

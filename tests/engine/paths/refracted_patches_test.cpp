@@ -8,7 +8,7 @@
 #include <random>
 
 #include "engine/paths/patches.hpp"
-#include "fixtures/world/bent_rays.hpp"
+#include "fixtures/world/refracted_rays.hpp"
 
 namespace tubefoot {
 namespace {
@@ -51,11 +51,11 @@ TEST(RefractedPatches, EvenWaterIsTheStraightEngine) {
   Setting s = plates(true);
   s.paths.order = s.paths.scatterings = 3;
   s.paths.mirrors.surface = SeaSurface{0, 0.7, 0.4};
-  const PathEcho straight = s.run(), bent = through(through_water(even), s);
-  EXPECT_EQ(bent.seen_by_patches.in_shadow, 0u);
-  EXPECT_EQ(bent.seen_by_patches.folded, 0u);
+  const PathEcho straight = s.run(), refracted = through(through_water(even), s);
+  EXPECT_EQ(refracted.seen_by_patches.in_shadow, 0u);
+  EXPECT_EQ(refracted.seen_by_patches.folded, 0u);
   for (std::size_t order = 2; order < 4; ++order)
-    expect_near(bent.by_order[order], straight.by_order[order].energy, 2e-3, 2e-3, "even");
+    expect_near(refracted.by_order[order], straight.by_order[order].energy, 2e-3, 2e-3, "even");
 }
 
 // To first order in the gradient.

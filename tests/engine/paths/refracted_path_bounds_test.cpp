@@ -8,7 +8,7 @@
 #include <tuple>
 
 #include "engine/certified/reference.hpp"
-#include "fixtures/world/bent_rays.hpp"
+#include "fixtures/world/refracted_rays.hpp"
 
 namespace tubefoot {
 namespace {
@@ -120,14 +120,14 @@ TEST(RefractedPathBounds, EvenWaterIsTheStraightReference) {
     SCOPED_TRACE(apart);
     Setting s = few(apart);
     s.absorption_db_per_m = 1e-5;
-    const PathEcho bent = certified(water_of(even, 1), s, 1e-3);
+    const PathEcho refracted = certified(water_of(even, 1), s, 1e-3);
     s.paths.reference_tolerance = 1e-5;
     const PathEcho straight = s.run();
-    EXPECT_EQ(bent.arrivals, straight.arrivals);
-    expect_agree(bent, straight, 1, 3e-6);
+    EXPECT_EQ(refracted.arrivals, straight.arrivals);
+    expect_agree(refracted, straight, 1, 3e-6);
     for (const std::size_t order : {2, 3}) {
-      EXPECT_GT(sums_of(bent, order).energies, 0);
-      EXPECT_LT(sums_of(bent, order).bounds, 0.02 * sums_of(bent, order).energies) << order;
+      EXPECT_GT(sums_of(refracted, order).energies, 0);
+      EXPECT_LT(sums_of(refracted, order).bounds, 0.02 * sums_of(refracted, order).energies) << order;
     }
   }
 }
@@ -152,7 +152,7 @@ TEST(RefractedPathBounds, AGradientThatGoesToZeroLeavesTheImageSeries) {
     EXPECT_LT(sums_of(half, order).bounds, 0.6 * sums_of(whole, order).bounds) << order;
     for (int k = 0; k < 4; ++k) {
       const double even = straight.by_order[order].at(0, k);
-      const auto moved = [&](const PathEcho& bent) { return bent.by_order[order].at(0, k) - even; };
+      const auto moved = [&](const PathEcho& refracted) { return refracted.by_order[order].at(0, k) - even; };
       EXPECT_LE(std::abs(moved(least)), least.bound_by_order[order][k] + 2e-5 * even);
       EXPECT_LE(std::abs(moved(whole) - 2 * moved(half)),
                 whole.bound_by_order[order][k] + 2 * half.bound_by_order[order][k] + 1e-6 * even)

@@ -10,7 +10,7 @@
 #include <random>
 
 #include "engine/visibility/tube_engine.hpp"
-#include "fixtures/world/bent_rays.hpp"
+#include "fixtures/world/refracted_rays.hpp"
 
 namespace tubefoot {
 namespace {
@@ -25,8 +25,8 @@ TEST(RefractedPaths, EvenWaterIsTheStraightEngine) {
     Setting s = furnished(apart);
     s.absorption_db_per_m = 0.02;
     s.paths.mirrors.surface->roughness = 0.8;
-    const PathEcho straight = s.run(), bent = through(water_of(even), s);
-    EXPECT_EQ(bent.arrivals, straight.arrivals);
+    const PathEcho straight = s.run(), refracted = through(water_of(even), s);
+    EXPECT_EQ(refracted.arrivals, straight.arrivals);
     EXPECT_EQ(straight.arrivals, apart ? 2u : 0u);  // direct and by the surface
     for (std::size_t order = 0; order < straight.by_order.size(); ++order) {
       const double peak = *std::ranges::max_element(straight.by_order[order].energy);
@@ -34,7 +34,7 @@ TEST(RefractedPaths, EvenWaterIsTheStraightEngine) {
         EXPECT_GT(peak, 0) << order;
       }
       for (std::size_t k = 0; k < straight.by_order[order].energy.size(); ++k)
-        EXPECT_NEAR(bent.by_order[order].energy[k], straight.by_order[order].energy[k],
+        EXPECT_NEAR(refracted.by_order[order].energy[k], straight.by_order[order].energy[k],
                     3e-6 * straight.by_order[order].energy[k] + 1e-9 * peak)
             << apart << " order " << order << " sample " << k;
     }
@@ -57,8 +57,8 @@ TEST(RefractedPaths, AGradientThatGoesToZeroLeavesTheImageSeries) {
   const PathEcho whole = at(4e-3), half = at(2e-3), next_to_none = at(1e-9);
   for (const std::size_t order : {2, 3})
     for (const int k : {5, 12, 20}) {
-      const auto moved = [&](const PathEcho& bent) {
-        return bent.by_order[order].at(0, k) / straight.by_order[order].at(0, k) - 1;
+      const auto moved = [&](const PathEcho& refracted) {
+        return refracted.by_order[order].at(0, k) / straight.by_order[order].at(0, k) - 1;
       };
       EXPECT_GT(std::abs(moved(whole)), 1e-6) << order << ' ' << k;
       EXPECT_NEAR(moved(whole) / moved(half), 2, 0.03) << order << ' ' << k;
@@ -237,8 +237,8 @@ TEST(RefractedPaths, ASurfaceIsItsImage) {
   FacetMesh above = s.mesh;
   for (GridPoint& v : above.vertices) v.z = -v.z;
   std::vector<FacetId> all{0, 1};
-  const Straightening straightening(mirrored, {0, 0, -5}, 60, {}, c_ref);
-  const ApparentGround ground = straighten(above, all, grid, straightening, 0, {.gap_m = 2e-4});
+  const ApparentMap apparent_map(mirrored, {0, 0, -5}, 60, {}, c_ref);
+  const ApparentSurface ground = map_apparent(above, all, grid, apparent_map, 0, {.gap_m = 2e-4});
   const std::vector<std::uint32_t> beam(s.transmit.tubes.size(), 0);
   EchoLaw law{s.mu, ground.refined.mesh.material, 0, nullptr};
   law.path.facet_factor = ground.facet_factor;

@@ -9,8 +9,8 @@
 #include <complex>
 #include <numeric>
 
-#include "fixtures/world/bent_rays.hpp"
 #include "fixtures/world/receiver_pairs.hpp"
+#include "fixtures/world/refracted_rays.hpp"
 
 namespace tubefoot {
 namespace {
@@ -101,11 +101,11 @@ TEST(RefractedReceiverPairPatches, EvenWaterIsTheStraightEngine) {
   s.paths.mirrors.surface = SeaSurface{0, 0.7, 0.4};
   const WaterColumn even{SoundSpeedProfile({{0, c_ref}, {8, c_ref}}), {0.3, 0.3, 0.3}};
   const ReceiverPairPathEcho straight = received_by_receiver_pair(s, receiver_pair),
-                             bent = received_through(even, s);
-  EXPECT_EQ(bent.seen_by_patches.in_shadow, 0u);
-  EXPECT_EQ(bent.seen_by_patches.folded, 0u);
+                             refracted = received_through(even, s);
+  EXPECT_EQ(refracted.seen_by_patches.in_shadow, 0u);
+  EXPECT_EQ(refracted.seen_by_patches.folded, 0u);
   for (std::size_t order = 2; order < 4; ++order) {
-    const ReceiverPairEcho &a = straight.by_order[order], &b = bent.by_order[order];
+    const ReceiverPairEcho &a = straight.by_order[order], &b = refracted.by_order[order];
     const double all = std::reduce(a.upper_j.begin(), a.upper_j.end());
     EXPECT_GT(all, 0);
     for (std::size_t k = 0; k < a.upper_j.size(); ++k) {

@@ -10,8 +10,8 @@
 #include <optional>
 #include <random>
 
-#include "fixtures/world/bent_rays.hpp"
 #include "fixtures/world/receiver_pairs.hpp"
+#include "fixtures/world/refracted_rays.hpp"
 
 namespace tubefoot {
 namespace {
@@ -28,11 +28,11 @@ TEST(RefractedReceiverPairPaths, EvenWaterIsTheStraightEngine) {
     s.paths.direct = false;
     s.paths.mirrors.surface->roughness = 0.8;
     const ReceiverPairPathEcho straight = received_by_receiver_pair(s, receiver_pair),
-                               bent = received_by_receiver_pair(s, receiver_pair, &water);
-    EXPECT_EQ(bent.arrivals, straight.arrivals);
+                               refracted = received_by_receiver_pair(s, receiver_pair, &water);
+    EXPECT_EQ(refracted.arrivals, straight.arrivals);
     EXPECT_EQ(straight.arrivals, apart ? 2u : 0u);  // by the surface, to both ends
     for (std::size_t order = apart ? 1 : 2; order < straight.by_order.size(); ++order) {
-      const ReceiverPairEcho &a = straight.by_order[order], &b = bent.by_order[order];
+      const ReceiverPairEcho &a = straight.by_order[order], &b = refracted.by_order[order];
       const double peak = *std::ranges::max_element(a.upper_j);
       EXPECT_GT(peak, 0) << order;
       double turned = 0;
@@ -70,8 +70,8 @@ TEST(RefractedReceiverPairPaths, AGradientThatGoesToZeroLeavesEvenWater) {
   for (const std::size_t order : {2, 3})
     for (const std::size_t k : {2, 3, 4}) {
       const ReceiverPairEcho& even = straight.by_order[order];
-      const auto moved = [&](const ReceiverPairPathEcho& bent) {
-        return (product(bent.by_order[order], k) - product(even, k)) / even.upper_j[k];
+      const auto moved = [&](const ReceiverPairPathEcho& refracted) {
+        return (product(refracted.by_order[order], k) - product(even, k)) / even.upper_j[k];
       };
       EXPECT_GT(std::abs(moved(whole)), 1e-6) << order << ' ' << k;
       EXPECT_LT(std::abs(moved(whole) / moved(half) - 2.0), 0.05) << order << ' ' << k;

@@ -225,19 +225,19 @@ TEST(SharedHits, ThreadsChangeNoBit) {
 TEST(SharedHits, InRefractingWaterTheMeanIsWhatTubesShare) {
   Apart apart;
   const WaterColumn water{SoundSpeedProfile({{0, 1500}, {60, 1500 - 60 * 8.0}}), {}};
-  const Straightening transmit(water, grid.to_metres(apart.sent.apex), 10, {}, 1500),
+  const ApparentMap transmit(water, grid.to_metres(apart.sent.apex), 10, {}, 1500),
       receive(water, grid.to_metres(apart.received.apex), 10, {}, 1500);
   std::vector<FacetId> all(apart.mesh.facets.size());
   std::iota(all.begin(), all.end(), 0u);
-  const ApparentPair pair = straighten_pair(apart.mesh, all, grid, transmit, receive, 0.1, {.gap_m = 0.01});
+  const ApparentPair pair = map_apparent_pair(apart.mesh, all, grid, transmit, receive, 0.1, {.gap_m = 0.01});
   const Echo straight = apart.exact();
   apart.mesh = pair.mesh;
   const Echo exact =
       apart.echo(trace_bistatic(pair, grid, {}, apart.sent, apart.received, transmit, receive, 0.1));
-  double bent = 0;
+  double refracted = 0;
   for (std::size_t k = 0; k < exact.energy.size(); ++k)
-    bent += std::abs(exact.energy[k] - straight.energy[k]);
-  ASSERT_GT(bent, 0.03 * total(exact));
+    refracted += std::abs(exact.energy[k] - straight.energy[k]);
+  ASSERT_GT(refracted, 0.03 * total(exact));
   const RayScene there(pair.transmit.refined.mesh, grid), back(pair.receive.refined.mesh, grid);
   const TubeFinder sent_tubes(apart.sent), received_tubes(apart.received);
   ApparentFacets facets;

@@ -34,7 +34,7 @@ EndWay turning(glm::dvec3 start_m, glm::dvec3 velocity_m_s, double rad_s, glm::d
   };
 }
 /// From pose to pose, with a bend at each.
-EndWay bent(glm::dvec3 start_m, glm::dvec3 velocity_m_s, double interval_s) {
+EndWay refracted(glm::dvec3 start_m, glm::dvec3 velocity_m_s, double interval_s) {
   return [=](double t) {
     const double n = std::floor(t / interval_s), share = t / interval_s - n;
     const auto pose = [&](double k) {
@@ -146,7 +146,7 @@ TEST(MovingEnds, HearTheSumOverAllScatterersOfTheField) {
                                                       return turning(p, {2, -1, 0.3}, 3, {0.4, -0.3, 0.1});
                                                     },
                                                     [](glm::dvec3 p) {
-                                                      return bent(p, {1, 2, 0}, 7e-4);
+                                                      return refracted(p, {1, 2, 0}, 7e-4);
                                                     }};
   for (const std::size_t number : {0u, 1u, 4u}) {
     const test::SignalScene scene = test::signal_scenes()[number];
@@ -217,7 +217,7 @@ TEST(MovingEnds, HaveTheSameBitsForAnyThreads) {
   const SeenPatches seen = view.patches();
   const GroundField field{9, 0.03};
   const CoherentReceiver receiver = receiver_on(view.apex_m, [](glm::dvec3 p) {
-    return bent(p, {1, 2, 0}, 7e-4);
+    return refracted(p, {1, 2, 0}, 7e-4);
   });
   const ChannelSignals one = element_signals(seen, receiver, view.law, field),
                        two = drawn_signals(seen, receiver, view.law, 1, 0);
@@ -276,7 +276,8 @@ TEST(MovingEnds, KeepPhasesToABillionthOfAWavelength) {
       {"slow", straight(start, {0, 2, 0}), straight(start + glm::dvec3(0.3, 0, 0), {0, 2, 0})},
       {"20 m/s", straight(start, {12, 16, 0}), straight(start + glm::dvec3(0.3, 0, 0), {12, 16, 0})},
       {"turning", turning(start, {2, 3, 0}, 1.5, {1, 0.5, 0}), turning(start, {2, 3, 0}, 1.5, {-1, 0.2, 0})},
-      {"bent", bent(start, {5, 1, 0}, 6.1e-3), bent(start + glm::dvec3(0.1, 0, 0), {5, 1, 0}, 6.1e-3)}};
+      {"bent", refracted(start, {5, 1, 0}, 6.1e-3),
+       refracted(start + glm::dvec3(0.1, 0, 0), {5, 1, 0}, 6.1e-3)}};
   for (const double duration_s : {1e-4, 2e-3, 50e-3})
     for (const double carrier_hz : {30e3, 400e3})
       for (const Case& its : cases) {

@@ -38,8 +38,8 @@ TEST(RayEnclosure, HoldsEveryEigenrayAndItsDerivatives) {
     const double surface = 5, apex_depth = 1 + 30 * unit(random);
     EigenrayOptions options;
     options.deepest_turn_m = 90;
-    const Straightening straightening(water, {3, -2, surface - apex_depth}, surface, options, 1500);
-    const RayEnclosure enclosure(straightening, options);
+    const ApparentMap apparent_map(water, {3, -2, surface - apex_depth}, surface, options, 1500);
+    const RayEnclosure enclosure(apparent_map, options);
     const double size = std::pow(10, -4 * unit(random));
     std::array<Interval, 3> origin;
     glm::dvec3 centre;
@@ -54,27 +54,27 @@ TEST(RayEnclosure, HoldsEveryEigenrayAndItsDerivatives) {
     if (!rays) continue;
     const double slack = 1e-11 * glm::length(centre);
     const auto image_at = [&](double a, double b) {
-      return straightening.apparent(straightening.apex_m() + centre + a * u + b * v)->at_m -
-             straightening.apex_m();
+      return apparent_map.apparent(apparent_map.apex_m() + centre + a * u + b * v)->at_m -
+             apparent_map.apex_m();
     };
     ++enclosed[trial % 4 > 0];
     for (int k = 0; k < 4; ++k) {
       const double a = size * (2 * unit(random) - 1), b = size * (2 * unit(random) - 1);
-      const glm::dvec3 at = straightening.apex_m() + centre + a * u + b * v;
-      const auto point = straightening.apparent(at);
+      const glm::dvec3 at = apparent_map.apex_m() + centre + a * u + b * v;
+      const auto point = apparent_map.apparent(at);
       ASSERT_TRUE(point) << trial;
       EXPECT_EQ(point->eigenrays, 1) << trial;
-      const glm::dvec3 arrival = straightening.arrival_direction(at, point->ray);
+      const glm::dvec3 arrival = apparent_map.arrival_direction(at, point->ray);
       for (int i = 0; i < 3; ++i) expect_holds(rays->image[i].v, image_at(a, b)[i], slack, "image");
       expect_holds(rays->time_s.v, point->ray.time_s, 1e-12 * point->ray.time_s, "time");
       const double range = std::hypot(at.x - 3, at.y + 2),
-                   distance = glm::distance(at, straightening.apex_m());
+                   distance = glm::distance(at, apparent_map.apex_m());
       expect_holds(rays->arrival_down_m.v, -arrival.z * distance, 1e-11 * distance, "arrival");
       expect_holds(rays->slowness_s_per_m.v, point->ray.time_s / distance, 1e-15, "slowness");
       if (range > 1e-3)
         expect_holds(rays->arrival_across.v, point->ray.arrival_cosine / range * distance,
                      1e-9 / range * distance, "cosine");
-      const double area = straightening.return_area_m2_per_sr(at, point->ray) / (distance * distance);
+      const double area = apparent_map.return_area_m2_per_sr(at, point->ray) / (distance * distance);
       expect_holds(rays->area_ratio_per_sr.v, area, 1e-10 * area, "area");
       expect_holds(rays->absorption_db.v, point->ray.absorption_db, 1e-11, "absorption");
       // Derivatives: the mean of one over a way is a difference.
@@ -90,15 +90,15 @@ TEST(RayEnclosure, HoldsEveryEigenrayAndItsDerivatives) {
         expect_holds(rays->image[i].ab, cross[i] / (4 * step * step), second, "by ab");
       }
       const auto value_at = [&](double a2, const auto& of) {
-        const glm::dvec3 place = straightening.apex_m() + centre + a2 * u;
-        return of(place, straightening.apparent(place)->ray);
+        const glm::dvec3 place = apparent_map.apex_m() + centre + a2 * u;
+        return of(place, apparent_map.apparent(place)->ray);
       };
       const auto slope = [&](const auto& of) {
         return (value_at(step, of) - value_at(-step, of)) / (2 * step);
       };
       const auto area_of = [&](const glm::dvec3& p, const Eigenray& r) {
-        const glm::dvec3 way = p - straightening.apex_m();
-        return straightening.return_area_m2_per_sr(p, r) / glm::dot(way, way);
+        const glm::dvec3 way = p - apparent_map.apex_m();
+        return apparent_map.return_area_m2_per_sr(p, r) / glm::dot(way, way);
       };
       expect_holds(rays->area_ratio_per_sr.a, slope(area_of), 1e-12 * area / step, "area by a");
       const auto db_of = [](const glm::dvec3&, const Eigenray& r) { return r.absorption_db; };
@@ -118,17 +118,17 @@ TEST(RayEnclosure, ClaimsNothingWhereRaysAreSeveralOrNone) {
   // A duct: sound is slowest at 20 m.
   const WaterColumn water{SoundSpeedProfile({{0, 1520}, {20, 1480}, {40, 1520}}), {}};
   const EigenrayOptions options{.deepest_turn_m = 40};
-  const Straightening straightening(water, {0, 0, -20}, 0, options);
-  const RayEnclosure enclosure(straightening, options);
+  const ApparentMap apparent_map(water, {0, 0, -20}, 0, options);
+  const RayEnclosure enclosure(apparent_map, options);
   const auto over = [&](double range, double below) {
     return enclosure.over({range, 0.0, -below}, {1, 0, 0}, {0, 1, 0}, {-0.01, 0.01}, {-0.01, 0.01});
   };
   EXPECT_TRUE(over(10, 15));
   EXPECT_FALSE(over(300, 5));
-  ASSERT_GT(straightening.apparent({300, 0, -25})->eigenrays, 1);
+  ASSERT_GT(apparent_map.apparent({300, 0, -25})->eigenrays, 1);
   // Bent up before it gets there.
   const WaterColumn up{SoundSpeedProfile({{0, 1400}, {40, 1800}}), {}};
-  const Straightening shadowed(up, {0, 0, -20}, 0, {.deepest_turn_m = 25});
+  const ApparentMap shadowed(up, {0, 0, -20}, 0, {.deepest_turn_m = 25});
   const RayEnclosure dark(shadowed, {.deepest_turn_m = 25});
   ASSERT_FALSE(shadowed.apparent({100, 0, -25}));
   EXPECT_FALSE(dark.over({100.0, 0.0, -5.0}, {1, 0, 0}, {0, 1, 0}, {-0.01, 0.01}, {-0.01, 0.01}));

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "engine/water/apparent_map.hpp"
 #include "engine/water/ray_trace.hpp"
-#include "engine/water/straightening.hpp"
 
 namespace tubefoot {
 namespace {
@@ -63,22 +63,22 @@ TEST(Unfolding, RaysOverAChannelsMirrorsAreArcsOfCircles) {
         const UnfoldedWater unfolded = unfold(water, options, surface, mirrors, up_first);
         EXPECT_EQ(unfolded.unfolding.sign, n % 2 == 0 ? 1 : -1);
         const glm::dvec3 apex(0, 0, surface - 12);
-        const Straightening straightening(unfolded.water, apex, surface, unfolded.rays, 1490,
-                                          unfolded.unfolding);
+        const ApparentMap apparent_map(unfolded.water, apex, surface, unfolded.rays, 1490,
+                                       unfolded.unfolding);
         // No ray that is as steep turns anywhere.
         for (const double launch : {0.3, 0.7, 1.3}) {
           if (n == 0 && up_first) continue;
           const double to = 33;
           const Arcs::Sum expected = arcs.along(launch, 12, depths, to);
           const glm::dvec3 at(0.6 * double(expected.x), 0.8 * double(expected.x), surface - to);
-          const auto seen = straightening.apparent(at);
+          const auto seen = apparent_map.apparent(at);
           ASSERT_TRUE(seen) << n;
           const Eigenray& ray = seen->ray;
           EXPECT_EQ(ray.turns, 0);
           EXPECT_NEAR(ray.time_s, double(expected.t), 1e-12 * double(expected.t));
           EXPECT_NEAR(ray.length_m, double(expected.s), 1e-11 * double(expected.s));
           EXPECT_NEAR(ray.launch_sine, (up_first ? -1 : 1) * std::sin(launch), 1e-9);
-          const glm::dvec3 arrives = straightening.arrival_direction(at, ray);
+          const glm::dvec3 arrives = apparent_map.arrival_direction(at, ray);
           const bool rises = (n % 2 == 0) == up_first;
           EXPECT_NEAR(arrives.z, (rises ? 1 : -1) * double(expected.last_sine), 1e-9);
           // Tube area: x sin(arrival) |dx/dlaunch| / cos(launch).
@@ -116,9 +116,8 @@ TEST(Unfolding, ARayThatTurnsAfterTheLastMirrorIsFound) {
     std::size_t bounces = 0;
     for (const RayNode& node : nodes) bounces += node.event == RayEvent::surface;
     ASSERT_EQ(bounces, 1u);
-    const Straightening straightening(unfolded.water, {0, 0, -20}, 0, unfolded.rays, 1480,
-                                      unfolded.unfolding);
-    const auto rays = straightening.finder().all(straightening.depth_m({range, 0, -depth}), range);
+    const ApparentMap apparent_map(unfolded.water, {0, 0, -20}, 0, unfolded.rays, 1480, unfolded.unfolding);
+    const auto rays = apparent_map.finder().all(apparent_map.depth_m({range, 0, -depth}), range);
     const auto same = std::ranges::find_if(
         rays, [&](const Eigenray& ray) { return std::abs(ray.launch_sine - std::sin(launch)) < 1e-9; });
     ASSERT_NE(same, rays.end()) << range;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/water/straightening.hpp"
+#include "engine/water/apparent_map.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,9 +11,9 @@
 namespace tubefoot {
 namespace {
 
-TEST(Straightening, EvenWaterLeavesPointsWhereTheyAre) {
+TEST(ApparentMap, EvenWaterLeavesPointsWhereTheyAre) {
   const WaterColumn water{SoundSpeedProfile({{0, 1480}, {20, 1480}}), {}};
-  const Straightening straight(water, {3, -4, 10}, 12);
+  const ApparentMap straight(water, {3, -4, 10}, 12);
   const unsigned seed = 5;
   SCOPED_TRACE(seed);
   std::mt19937_64 random(seed);
@@ -32,10 +32,10 @@ TEST(Straightening, EvenWaterLeavesPointsWhereTheyAre) {
   EXPECT_LT(glm::length(straight.arrival_direction({3, -4, -30}, below->ray) - glm::dvec3(0, 0, -1)), 1e-14);
 }
 
-TEST(Straightening, KeepsDirectionAndTime) {
+TEST(ApparentMap, KeepsDirectionAndTime) {
   const WaterColumn water{SoundSpeedProfile({{0, 1520}, {30, 1490}, {60, 1495}}), {}};
   const glm::dvec3 apex(0, 0, -5);
-  const Straightening straight(water, apex, 0);
+  const ApparentMap straight(water, apex, 0);
   const glm::dvec3 x(90, 120, -50);
   const auto image = straight.apparent(x);
   ASSERT_TRUE(image);
@@ -47,9 +47,9 @@ TEST(Straightening, KeepsDirectionAndTime) {
   EXPECT_NE(seen.z, x.z - apex.z);
 }
 
-TEST(Straightening, GapOfAnEdgeIsOfSecondOrder) {
+TEST(ApparentMap, GapOfAnEdgeIsOfSecondOrder) {
   const WaterColumn water{SoundSpeedProfile({{0, 1520}, {30, 1490}, {60, 1495}}), {}};
-  const Straightening straight(water, {0, 0, -5}, 0);
+  const ApparentMap straight(water, {0, 0, -5}, 0);
   const auto at = [&](glm::dvec3 x) { return straight.apparent(x)->at_m; };
   double before = 0;
   for (double length = 16; length > 0.2; length /= 2) {
@@ -64,7 +64,7 @@ TEST(Straightening, GapOfAnEdgeIsOfSecondOrder) {
 }
 
 /// Of a facet with Lambert's law.
-std::optional<double> factor_of(const Straightening& straight, const glm::dvec3 (&corners)[3],
+std::optional<double> factor_of(const ApparentMap& straight, const glm::dvec3 (&corners)[3],
                                 double absorption_db_per_m) {
   glm::dvec3 seen[3];
   CornerReturn returns[3];
@@ -81,19 +81,19 @@ std::optional<double> factor_of(const Straightening& straight, const glm::dvec3 
   return facet_factor(corners, seen, returns, &between, absorption_db_per_m, lambert_sigma);
 }
 
-TEST(Straightening, FacetFactorIsOneInEvenWater) {
+TEST(ApparentMap, FacetFactorIsOneInEvenWater) {
   const WaterColumn water{SoundSpeedProfile({{0, 1480}, {20, 1480}}), {0.06, 0.06, 0.06}};
-  const Straightening straight(water, {0, 0, -3}, 0);
+  const ApparentMap straight(water, {0, 0, -3}, 0);
   const glm::dvec3 facet[3] = {{30, 1, -40}, {31, 1, -40}, {30, 2, -39.5}};
   EXPECT_NEAR(*factor_of(straight, facet, 0.06), 1, 1e-12);
 }
 
 // The energy of a small facet, from the tube of rays that it intercepts: launch directions to its corners
 // enclose its solid angle, no matter what area per steradian says.
-TEST(Straightening, FacetFactorReturnsTheEnergyOfTheCurvedTubes) {
+TEST(ApparentMap, FacetFactorReturnsTheEnergyOfTheCurvedTubes) {
   const WaterColumn water{SoundSpeedProfile({{0, 1530}, {30, 1480}, {60, 1500}}), {0.05, 0.06, 0.04, 0.04}};
   const glm::dvec3 apex(0, 0, -5);
-  const Straightening straight(water, apex, 0);
+  const ApparentMap straight(water, apex, 0);
   const double absorption = 0.06;
   const glm::dvec3 a(150, 40, -52), u(0.02, 0.003, 0.004), v(-0.004, 0.02, 0.001);
   const glm::dvec3 corners[3] = {a, a + u, a + v};
@@ -124,24 +124,24 @@ TEST(Straightening, FacetFactorReturnsTheEnergyOfTheCurvedTubes) {
   EXPECT_GT(std::abs(factor - 1), 0.02);
 }
 
-TEST(Straightening, TellsShadowsAndCrossings) {
+TEST(ApparentMap, TellsShadowsAndCrossings) {
   const WaterColumn parting{SoundSpeedProfile({{0, 1495}, {50, 1500}, {100, 1495}}), {}};
-  const Straightening straight(parting, {0, 0, -40}, 0);
+  const ApparentMap straight(parting, {0, 0, -40}, 0);
   EXPECT_TRUE(straight.apparent({100, 0, -60}));
   EXPECT_FALSE(straight.apparent({0, 20000, -60}));
   const glm::dvec3 facet[3] = {{20000, 0, -60}, {20001, 0, -60}, {20000, 1, -60}};
   EXPECT_FALSE(factor_of(straight, facet, 0));
   const WaterColumn crossing{SoundSpeedProfile({{0, 1500}, {100, 1500.5}, {200, 1540}}), {}};
-  EXPECT_GE(Straightening(crossing, {0, 0, -20}, 0).apparent({3000, 0, -20})->eigenrays, 2);
-  EXPECT_THROW(Straightening(crossing, {0, 0, 1}, 0), std::invalid_argument);
+  EXPECT_GE(ApparentMap(crossing, {0, 0, -20}, 0).apparent({3000, 0, -20})->eigenrays, 2);
+  EXPECT_THROW(ApparentMap(crossing, {0, 0, 1}, 0), std::invalid_argument);
 }
 
 // A sonar that rises keeps one speed for its ranges: images move towards or away from it, and what facets
 // return stays the same.
-TEST(Straightening, ReferenceSpeedScalesImagesAndNotEnergies) {
+TEST(ApparentMap, ReferenceSpeedScalesImagesAndNotEnergies) {
   const WaterColumn water{SoundSpeedProfile({{0, 1520}, {40, 1480}}), {}};
   const glm::dvec3 apex(1, 2, -3);
-  const Straightening own(water, apex, 0), other(water, apex, 0, {}, 1400);
+  const ApparentMap own(water, apex, 0), other(water, apex, 0, {}, 1400);
   EXPECT_EQ(own.reference_speed_m_s(), 1517);
   const glm::dvec3 corners[3] = {{60, 5, -30}, {60.1, 5, -30}, {60, 5.1, -30}};
   glm::dvec3 seen[2][3];

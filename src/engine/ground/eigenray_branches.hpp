@@ -19,11 +19,11 @@ namespace tubefoot {
 /// sheets are one surface over the launch directions, with neither gaps nor overlaps but for chords: the
 /// solid angle that the sonar sends into is that which arrives. In one mesh they hide one another as facets
 /// do: the first along a launch direction is where its ray first meets the bed.
-class ApparentSheets {
+class EigenrayBranches {
  public:
   /// Adds to `ground`; all outlive it. `laws` as in straighten().
-  ApparentSheets(const FineFacets& fine, const Images& images, const WorldGrid& grid,
-                 std::span<const std::shared_ptr<const ScatteringLaw>> laws, ApparentGround& ground);
+  EigenrayBranches(const FineFacets& fine, const Images& images, const WorldGrid& grid,
+                   std::span<const std::shared_ptr<const ScatteringLaw>> laws, ApparentSurface& ground);
   /// All that is seen of a facet.
   void add(FacetId facet);
   /// Where the vertices lie that were added to the mesh.
@@ -61,7 +61,7 @@ class ApparentSheets {
   const Images& images_;
   const WorldGrid& grid_;
   std::span<const std::shared_ptr<const ScatteringLaw>> laws_;
-  ApparentGround& ground_;
+  ApparentSurface& ground_;
   std::unordered_map<VertexId, Place> places_;
   std::unordered_map<std::uint64_t, std::optional<Border>> borders_;
   std::vector<glm::dvec3> truth_;

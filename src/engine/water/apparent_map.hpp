@@ -40,13 +40,13 @@ struct OnBed {
 /// Over level mirrors (Unfolding): rays are those through unfolded water. What is seen over an odd number of
 /// mirrors is seen mirrored; so it is put upside down about the apex, as an image of the apex sees it, and
 /// facets turn as they do.
-class Straightening {
+class ApparentMap {
  public:
   /// Refers to `water`. `reference_speed_m_s`: else the apex's own. Throws std::invalid_argument for an apex
   /// above the surface. `unfolding`: with its unfolded water and options.
-  Straightening(const WaterColumn& water, glm::dvec3 apex_m, double surface_height_m,
-                const EigenrayOptions& options = {}, std::optional<double> reference_speed_m_s = {},
-                const Unfolding& unfolding = {}, const OnBed& on_bed = {});
+  ApparentMap(const WaterColumn& water, glm::dvec3 apex_m, double surface_height_m,
+              const EigenrayOptions& options = {}, std::optional<double> reference_speed_m_s = {},
+              const Unfolding& unfolding = {}, const OnBed& on_bed = {});
 
   /// None where no ray leads to (a shadow zone). `each`: becomes all_apparent() where several rays lead
   /// there.
@@ -106,7 +106,7 @@ struct CornerReturn {
   /// the area per steradian from the point back to the apex; not finite on a caustic.
   double spreading = 1;
 };
-CornerReturn corner_return(const Straightening& straightening, glm::dvec3 point_m, const ApparentPoint& image,
+CornerReturn corner_return(const ApparentMap& apparent_map, glm::dvec3 point_m, const ApparentPoint& image,
                            double reference_absorption_db_per_m);
 
 /// Energy flux: the sonar sends energy into a tube of launch directions, the facet intercepts it whatever the
@@ -131,16 +131,16 @@ double facet_factor(const glm::dvec3 (&corners_m)[3], const glm::dvec3 (&seen_m)
     const double length = area * glm::length(along);
     return length > 0 ? std::abs(glm::dot(normal, along)) / length : 0;
   };
-  double bent = 0, straight = 0;
+  double refracted = 0, straight = 0;
   const auto add = [&](double weight, const CornerReturn& returned, const glm::dvec3& seen_at_m) {
     const double r2 = glm::dot(seen_at_m, seen_at_m);
-    bent += weight * sigma(sine(lies, lies_area, returned.arrival)) * returned.density_per_m4;
+    refracted += weight * sigma(sine(lies, lies_area, returned.arrival)) * returned.density_per_m4;
     straight += weight * sigma(sine(seen, seen_area, seen_at_m)) / (r2 * r2) *
                 std::exp(-reference_absorption_db_per_m * std::sqrt(r2) * std::numbers::ln10 / 5);
   };
   for (int i = 0; i < 3; ++i) add(centre != nullptr ? 1.0 / 12 : 1.0 / 3, returns[i], seen_m[i]);
   if (centre != nullptr) add(0.75, *centre, (seen_m[0] + seen_m[1] + seen_m[2]) / 3.0);
-  return straight > 0 ? bent * lies_area / (straight * seen_area) : 0;
+  return straight > 0 ? refracted * lies_area / (straight * seen_area) : 0;
 }
 
 inline double lambert_sigma(double sine) { return sine * sine; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/ground/apparent_sheets.hpp"
+#include "engine/ground/eigenray_branches.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -32,18 +32,18 @@ double factor_beside_caustic(const glm::dvec3 (&lies_m)[3], const glm::dvec3 (&s
                              const std::array<const SeenPoint*, 3>& rays, double absorption_db_per_m,
                              const ScatteringLaw* law) {
   const glm::dvec3 lies = normal_of(lies_m), seen = normal_of(seen_m);
-  double bent = 0, straight = 0, caustic = 0;
+  double refracted = 0, straight = 0, caustic = 0;
   std::array<double, 3> width;
   for (std::size_t k = 0; k < 3; ++k) {
     const double there = grazing_sine(lies, rays[k]->returned.arrival), here = grazing_sine(seen, seen_m[k]),
                  r2 = glm::dot(seen_m[k], seen_m[k]),
                  rest = std::exp(-absorption_db_per_m * std::sqrt(r2) * std::numbers::ln10 / 5) / (r2 * r2);
-    if (there > 0) bent += sigma_of(law, there) / there * here * rest;
+    if (there > 0) refracted += sigma_of(law, there) / there * here * rest;
     straight += sigma_of(law, here) * rest;
     width[k] = rays[k]->width;
     caustic += rays[k]->caustic_width / 3;
   }
-  return straight > 0 ? bent / straight * mean_inverse_width(width, caustic) : 0;
+  return straight > 0 ? refracted / straight * mean_inverse_width(width, caustic) : 0;
 }
 
 }  // namespace
@@ -63,19 +63,19 @@ double mean_inverse_width(const std::array<double, 3>& width, double least) {
   return 2 * (between(w[1], w[2]) - between(w[0], w[1])) / (w[2] - w[0]);
 }
 
-ApparentSheets::ApparentSheets(const FineFacets& fine, const Images& images, const WorldGrid& grid,
-                               std::span<const std::shared_ptr<const ScatteringLaw>> laws,
-                               ApparentGround& ground)
+EigenrayBranches::EigenrayBranches(const FineFacets& fine, const Images& images, const WorldGrid& grid,
+                                   std::span<const std::shared_ptr<const ScatteringLaw>> laws,
+                                   ApparentSurface& ground)
     : fine_(fine), images_(images), grid_(grid), laws_(laws), ground_(ground) {}
 
-VertexId ApparentSheets::add_vertex(const SeenPoint& seen, const glm::dvec3& lies_m) {
+VertexId EigenrayBranches::add_vertex(const SeenPoint& seen, const glm::dvec3& lies_m) {
   std::vector<GridPoint>& vertices = ground_.refined.mesh.vertices;
   vertices.push_back(grid_.snap(seen.at_m));
   truth_.push_back(lies_m);
   return VertexId(vertices.size() - 1);
 }
 
-const ApparentSheets::Place& ApparentSheets::place_of(VertexId vertex) {
+const EigenrayBranches::Place& EigenrayBranches::place_of(VertexId vertex) {
   const auto [entry, is_new] = places_.try_emplace(vertex);
   Place& place = entry->second;
   if (!is_new) return place;
@@ -90,7 +90,7 @@ const ApparentSheets::Place& ApparentSheets::place_of(VertexId vertex) {
   return place;
 }
 
-const ApparentSheets::Border* ApparentSheets::border_on(VertexId a, VertexId b) {
+const EigenrayBranches::Border* EigenrayBranches::border_on(VertexId a, VertexId b) {
   const auto [low, high] = std::minmax(a, b);
   const auto [entry, is_new] = borders_.try_emplace(std::uint64_t{low} << 32 | high);
   if (is_new) {
@@ -100,7 +100,7 @@ const ApparentSheets::Border* ApparentSheets::border_on(VertexId a, VertexId b) 
   return entry->second ? &*entry->second : nullptr;
 }
 
-std::optional<ApparentSheets::Border> ApparentSheets::find_border(VertexId richer, VertexId poorer) {
+std::optional<EigenrayBranches::Border> EigenrayBranches::find_border(VertexId richer, VertexId poorer) {
   const Place &from = place_of(richer), &to = place_of(poorer);
   Border border;
   border.richer = richer;
@@ -140,7 +140,7 @@ std::optional<ApparentSheets::Border> ApparentSheets::find_border(VertexId riche
   return border;
 }
 
-void ApparentSheets::add(FacetId facet) {
+void EigenrayBranches::add(FacetId facet) {
   ++ground_.facets_of_several;
   const std::array<VertexId, 3>& corner = fine_.mesh.mesh.facets[facet];
   const PartWeights weights = fine_.mesh.weights.empty() ? all_of_it : fine_.mesh.weights[facet];
@@ -187,7 +187,7 @@ void ApparentSheets::add(FacetId facet) {
                      at_border(1, border[1]->fewer)});
 }
 
-void ApparentSheets::add_part(FacetId facet, const std::array<Corner, 3>& corners) {
+void EigenrayBranches::add_part(FacetId facet, const std::array<Corner, 3>& corners) {
   const glm::dvec3 lies[3] = {corners[0].place->at_m, corners[1].place->at_m, corners[2].place->at_m};
   const auto leave_out = [&] {
     ++ground_.facets_in_shadow;
@@ -226,8 +226,8 @@ void ApparentSheets::add_part(FacetId facet, const std::array<Corner, 3>& corner
   if (fewest.size() > 1) ground_.part_material.push_back(fine_.mesh.mesh.material[facet]);
 }
 
-void ApparentSheets::add_seen(FacetId facet, const std::array<Corner, 3>& corners,
-                              const std::array<std::size_t, 3>& ray, const SeenPoint* centre) {
+void EigenrayBranches::add_seen(FacetId facet, const std::array<Corner, 3>& corners,
+                                const std::array<std::size_t, 3>& ray, const SeenPoint* centre) {
   FacetMesh& mesh = ground_.refined.mesh;
   const FacetMesh& from = fine_.mesh.mesh;
   glm::dvec3 lies[3], seen[3], towards{0};
@@ -245,7 +245,7 @@ void ApparentSheets::add_seen(FacetId facet, const std::array<Corner, 3>& corner
     towards += returns[k].arrival;
     is_wide = is_wide && rays[k]->is_wide();
   }
-  const glm::dvec3 apex = images_.straightening().apex_m();
+  const glm::dvec3 apex = images_.apparent_map().apex_m();
   for (std::size_t k = 0; k < 3; ++k) {
     seen[k] = grid_.to_metres(mesh.vertices[vertex[k]]) - apex;
     longest = std::max(longest, glm::distance(rays[k]->at_m, rays[(k + 1) % 3]->at_m));

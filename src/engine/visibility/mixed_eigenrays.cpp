@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/visibility/crossed_ways.hpp"
+#include "engine/visibility/mixed_eigenrays.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -80,9 +80,9 @@ struct Sheet {
 
 }  // namespace
 
-void trace_crossed_ways(const ApparentGround& ground, const SceneTree& tree, const WorldGrid& grid,
-                        const VisibilityOptions& options, const TubeSet& tubes,
-                        const std::function<void(const BistaticHistory&)>& take) {
+void trace_mixed_eigenrays(const ApparentSurface& ground, const SceneTree& tree, const WorldGrid& grid,
+                           const VisibilityOptions& options, const TubeSet& tubes,
+                           const std::function<void(const BistaticHistory&)>& take) {
   std::set<Family> families;
   for (const RayOfPart& ray : ground.several) families.emplace(ray.rank, ray.crossed);
   if (families.size() < 2) return;
@@ -129,17 +129,17 @@ void trace_crossed_ways(const ApparentGround& ground, const SceneTree& tree, con
         std::swap(corner[1], corner[2]);
         place();
       }
-      LaidOutFacet laid = lay_out_between(from_t, from_r, lies);
+      FlattenedFacet flattened = flatten_between(from_t, from_r, lies);
       const double gain = mean_gain(sent, received);
       for (std::size_t k = 0; k < 3; ++k) {
         const RayOfPart::Corner &there = sent.corners[corner[k]], &back = received.corners[corner[k]];
-        PairedFacet::Corner& at = laid.facet.corners[k];
+        PairedFacet::Corner& at = flattened.facet.corners[k];
         at.transmit_lies = there.sine;
         at.receive_lies = back.sine;
-        const double ranges = laid.there_m[k] * laid.back_m[k] / (there.range_m * back.range_m);
+        const double ranges = flattened.there_m[k] * flattened.back_m[k] / (there.range_m * back.range_m);
         at.gain *= gain * ranges * ranges;
       }
-      history.paired.push_back(laid.facet);
+      history.paired.push_back(flattened.facet);
     }
   };
   const auto share_a_part = [](const Sheet& a, const Sheet& b) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/water/straightening.hpp"
+#include "engine/water/apparent_map.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,9 @@
 
 namespace tubefoot {
 
-Straightening::Straightening(const WaterColumn& water, glm::dvec3 apex_m, double surface_height_m,
-                             const EigenrayOptions& options, std::optional<double> reference_speed_m_s,
-                             const Unfolding& unfolding, const OnBed& on_bed)
+ApparentMap::ApparentMap(const WaterColumn& water, glm::dvec3 apex_m, double surface_height_m,
+                         const EigenrayOptions& options, std::optional<double> reference_speed_m_s,
+                         const Unfolding& unfolding, const OnBed& on_bed)
     : finder_(water, surface_height_m - apex_m.z, options),
       apex_m_(apex_m),
       surface_height_m_(surface_height_m),
@@ -18,7 +18,7 @@ Straightening::Straightening(const WaterColumn& water, glm::dvec3 apex_m, double
       unfolding_(unfolding),
       on_bed_(on_bed) {}
 
-ApparentPoint Straightening::straight_to(glm::dvec3 point_m) const {
+ApparentPoint ApparentMap::straight_to(glm::dvec3 point_m) const {
   const glm::dvec3 way = point_m - apex_m_;
   const double c = finder_.source_speed_m_s(), depth_m = finder_.source_depth_m(),
                length_m = std::max(glm::length(way), 1e-9);  // less than a grid unit
@@ -32,8 +32,8 @@ ApparentPoint Straightening::straight_to(glm::dvec3 point_m) const {
   return {apex_m_ + reference_speed_m_s_ / c * way, ray, 1};
 }
 
-std::optional<ApparentPoint> Straightening::apparent(glm::dvec3 point_m,
-                                                     std::vector<ApparentPoint>* each) const {
+std::optional<ApparentPoint> ApparentMap::apparent(glm::dvec3 point_m,
+                                                   std::vector<ApparentPoint>* each) const {
   const glm::dvec3 way = point_m - apex_m_;
   if (on_bed_.straight_within_m > 0 && glm::length(way) <= on_bed_.straight_within_m)
     return straight_to(point_m);
@@ -64,7 +64,7 @@ std::optional<ApparentPoint> Straightening::apparent(glm::dvec3 point_m,
   return seen_by(first, point_m, count);
 }
 
-ApparentPoint Straightening::seen_by(const Eigenray& ray, glm::dvec3 point_m, std::size_t rays) const {
+ApparentPoint ApparentMap::seen_by(const Eigenray& ray, glm::dvec3 point_m, std::size_t rays) const {
   const glm::dvec3 way = point_m - apex_m_;
   const double range = std::hypot(way.x, way.y), distance = reference_speed_m_s_ * ray.time_s;
   // A vertical ray has no azimuth and needs none.
@@ -73,33 +73,33 @@ ApparentPoint Straightening::seen_by(const Eigenray& ray, glm::dvec3 point_m, st
           ray, static_cast<int>(rays)};
 }
 
-std::vector<ApparentPoint> Straightening::seen_by(std::vector<Eigenray> rays, glm::dvec3 point_m) const {
+std::vector<ApparentPoint> ApparentMap::seen_by(std::vector<Eigenray> rays, glm::dvec3 point_m) const {
   std::ranges::sort(rays, {}, [](const Eigenray& ray) { return ray.launch_sine; });
   std::vector<ApparentPoint> all;
   for (const Eigenray& ray : rays) all.push_back(seen_by(ray, point_m, rays.size()));
   return all;
 }
 
-std::vector<ApparentPoint> Straightening::all_apparent(glm::dvec3 point_m) const {
+std::vector<ApparentPoint> ApparentMap::all_apparent(glm::dvec3 point_m) const {
   const glm::dvec3 way = point_m - apex_m_;
   return seen_by(finder_.all(depth_m(point_m), std::hypot(way.x, way.y)), point_m);
 }
 
-glm::dvec3 Straightening::launch_direction(glm::dvec3 point_m, const Eigenray& ray) const {
+glm::dvec3 ApparentMap::launch_direction(glm::dvec3 point_m, const Eigenray& ray) const {
   const glm::dvec3 way = point_m - apex_m_;
   const double range = std::hypot(way.x, way.y);
   const double across = range > 0 ? ray.launch_cosine / range : 0;
   return {across * way.x, across * way.y, -unfolding_.sign * ray.launch_sine};
 }
 
-glm::dvec3 Straightening::arrival_direction(glm::dvec3 point_m, const Eigenray& ray) const {
+glm::dvec3 ApparentMap::arrival_direction(glm::dvec3 point_m, const Eigenray& ray) const {
   const glm::dvec3 way = point_m - apex_m_;
   const double range = std::hypot(way.x, way.y);
   const double across = range > 0 ? ray.arrival_cosine / range : 0;
   return {across * way.x, across * way.y, -unfolding_.sign * ray.arrival_sine};
 }
 
-double Straightening::return_area_m2_per_sr(glm::dvec3 point_m, const Eigenray& ray) const {
+double ApparentMap::return_area_m2_per_sr(glm::dvec3 point_m, const Eigenray& ray) const {
   const double speeds = finder_.source_speed_m_s() / water().profile.at(depth_m(point_m));
   return ray.tube_area_m2_per_sr * speeds * speeds;
 }
@@ -108,12 +108,12 @@ double edge_gap_m(glm::dvec3 a, glm::dvec3 b, glm::dvec3 middle) {
   return glm::length(middle - (a + b) / 2.0);
 }
 
-CornerReturn corner_return(const Straightening& straightening, glm::dvec3 point_m, const ApparentPoint& image,
+CornerReturn corner_return(const ApparentMap& apparent_map, glm::dvec3 point_m, const ApparentPoint& image,
                            double reference_absorption_db_per_m) {
-  const double range = straightening.reference_speed_m_s() * image.ray.time_s;
-  const double back = straightening.return_area_m2_per_sr(point_m, image.ray),
+  const double range = apparent_map.reference_speed_m_s() * image.ray.time_s;
+  const double back = apparent_map.return_area_m2_per_sr(point_m, image.ray),
                beyond_db = image.ray.absorption_db - reference_absorption_db_per_m * range;
-  return {straightening.arrival_direction(point_m, image.ray),
+  return {apparent_map.arrival_direction(point_m, image.ray),
           std::exp(-2 * image.ray.absorption_db * std::numbers::ln10 / 10) /
               (image.ray.tube_area_m2_per_sr * back),
           range * range / back * std::exp(-2 * beyond_db * std::numbers::ln10 / 10)};

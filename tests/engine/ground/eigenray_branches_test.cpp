@@ -2,7 +2,7 @@
 // Several rays to the bed: under a thermocline that turns rays back down every place beyond some 310 m is
 // reached by three. One gradient above the sonar and even water below it leave all in closed form by launch
 // angle; rays are fanned out over that and binned by where and when they land.
-#include "engine/ground/apparent_sheets.hpp"
+#include "engine/ground/eigenray_branches.hpp"
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@
 #include <random>
 
 #include "engine/echo/echo.hpp"
-#include "engine/visibility/crossed_ways.hpp"
+#include "engine/visibility/mixed_eigenrays.hpp"
 #include "engine/visibility/tube_engine.hpp"
 #include "engine/water/ray_trace.hpp"
 #include "fixtures/geometry/metre_meshes.hpp"
@@ -53,7 +53,7 @@ TubeSet tubes_of(const std::vector<double>& elevations_deg) {
   return set;
 }
 
-StraighteningSettings fine(double shortest_m = 0.25) {
+ApparentMapSettings fine(double shortest_m = 0.25) {
   return {.gap_m = 0.02,
           .tolerance_db = 0.1,
           .shortest_edge_m = shortest_m,
@@ -62,21 +62,21 @@ StraighteningSettings fine(double shortest_m = 0.25) {
 }
 
 struct Seen {
-  ApparentGround ground;
+  ApparentSurface ground;
   History history;
   Echo echo;
 };
 
 Seen see(const FacetMesh& bed, const TubeSet& tubes, const RangeSamples& samples,
-         const StraighteningSettings& settings, int turns = 1) {
+         const ApparentMapSettings& settings, int turns = 1) {
   static const WaterColumn water = TurningWater::column();
   EigenrayOptions options;
   options.most_turns = turns;
   options.frequency_hz = TurningWater::frequency_hz;
-  const Straightening straightening(water, glm::dvec3(0), TurningWater::sonar_depth_m, options);
+  const ApparentMap apparent_map(water, glm::dvec3(0), TurningWater::sonar_depth_m, options);
   std::vector<FacetId> all(bed.facets.size());
   std::iota(all.begin(), all.end(), 0u);
-  Seen seen{straighten(bed, all, WorldGrid(20, glm::dvec3(0)), straightening, 0, settings), {}, {}};
+  Seen seen{map_apparent(bed, all, WorldGrid(20, glm::dvec3(0)), apparent_map, 0, settings), {}, {}};
   const FacetMesh& mesh = seen.ground.refined.mesh;
   const SceneTree tree(mesh, SceneTree::Sheets::ignored);
   seen.history = TubeEngine(mesh, tree, 0x1p-20, {}).trace(tubes);
@@ -104,7 +104,7 @@ const std::vector<double> elevations{-5, -4, -3.4, 4, 5, 6, 7, 7.2, 7.6, 8, 9, 1
 
 // Every direction is one ray, and every one that lands does so on one sheet: nothing is missing at the
 // caustic, where two sheets meet, and nothing is there twice.
-TEST(ApparentSheets, WhatIsSentIsWhatLands) {
+TEST(EigenrayBranches, WhatIsSentIsWhatLands) {
   const FacetMesh bed = strip(200, 440, 40);
   const Seen seen = see(bed, tubes_of(elevations), {0, 500, 1}, fine());
   const std::vector<double> found = solid_angles(seen);
@@ -118,7 +118,7 @@ TEST(ApparentSheets, WhatIsSentIsWhatLands) {
 }
 
 // Energy a beam and sample: what is sent, scattered once, by the area of the tube back.
-TEST(ApparentSheets, EnergiesAreThoseOfAFanOfRays) {
+TEST(EigenrayBranches, EnergiesAreThoseOfAFanOfRays) {
   const FacetMesh bed = strip(200, 440, 40);
   const RangeSamples samples{0, 5, 100};
   const Seen seen = see(bed, tubes_of(elevations), samples, fine());
@@ -165,7 +165,7 @@ std::vector<double> launches_to(double x) {
 }
 
 // Out along one ray and home along another, both ways: places of the bed, one by one.
-TEST(ApparentSheets, CrossedWaysAreThoseBetweenAllRaysToAPlace) {
+TEST(EigenrayBranches, MixedEigenraysAreThoseBetweenAllRaysToAPlace) {
   const FacetMesh bed = strip(200, 440, 40);
   const RangeSamples samples{0, 5, 100};
   const TubeSet tubes = tubes_of(elevations);
@@ -177,13 +177,13 @@ TEST(ApparentSheets, CrossedWaysAreThoseBetweenAllRaysToAPlace) {
   std::vector<std::uint32_t> own(beams);
   std::iota(own.begin(), own.end(), 0u);
   int histories = 0;
-  trace_crossed_ways(seen.ground, tree, WorldGrid(20, glm::dvec3(0)), {}, tubes,
-                     [&](const BistaticHistory& history) {
-                       const EchoLaw law{material_mu, seen.ground.part_material, 0, nullptr};
-                       const Echo echo = integrate_echo(history, {int(beams), own}, samples, law);
-                       for (std::size_t k = 0; k < found.size(); ++k) found[k] += echo.energy[k];
-                       ++histories;
-                     });
+  trace_mixed_eigenrays(seen.ground, tree, WorldGrid(20, glm::dvec3(0)), {}, tubes,
+                        [&](const BistaticHistory& history) {
+                          const EchoLaw law{material_mu, seen.ground.part_material, 0, nullptr};
+                          const Echo echo = integrate_echo(history, {int(beams), own}, samples, law);
+                          for (std::size_t k = 0; k < found.size(); ++k) found[k] += echo.energy[k];
+                          ++histories;
+                        });
   EXPECT_GE(histories, 6);
   constexpr int places = 400000;
   for (int i = 0; i < places; ++i) {
@@ -207,9 +207,9 @@ TEST(ApparentSheets, CrossedWaysAreThoseBetweenAllRaysToAPlace) {
 }
 
 // Where one ray leads, nothing is changed by asking for more.
-TEST(ApparentSheets, OneRayIsOneSheet) {
+TEST(EigenrayBranches, OneRayIsOneSheet) {
   const FacetMesh bed = strip(80, 280, 40);
-  StraighteningSettings one = fine();
+  ApparentMapSettings one = fine();
   one.later_arrivals = false;
   const Seen all = see(bed, tubes_of({-12, -5}), {0, 500, 1}, fine()),
              first = see(bed, tubes_of({-12, -5}), {0, 500, 1}, one);
@@ -220,9 +220,9 @@ TEST(ApparentSheets, OneRayIsOneSheet) {
 }
 
 // Rays as many as a fine fan finds, crossed where the fan turns back.
-TEST(ApparentSheets, FamiliesAreThoseOfAFineFan) {
+TEST(EigenrayBranches, FamiliesAreThoseOfAFineFan) {
   const WaterColumn water = TurningWater::column();
-  const Straightening straightening(water, glm::dvec3(0), TurningWater::sonar_depth_m);
+  const ApparentMap apparent_map(water, glm::dvec3(0), TurningWater::sonar_depth_m);
   for (double x = 250.5; x < 440; x += 7) {
     std::vector<std::pair<double, bool>> fan;  // launch, crossed: from the highest
     constexpr int rays = 200000;
@@ -241,7 +241,7 @@ TEST(ApparentSheets, FamiliesAreThoseOfAFineFan) {
       before = ray;
       at_before = launch;
     }
-    const std::vector<ApparentPoint> found = straightening.all_apparent({x, 0, -TurningWater::bed_m});
+    const std::vector<ApparentPoint> found = apparent_map.all_apparent({x, 0, -TurningWater::bed_m});
     ASSERT_EQ(found.size(), fan.size()) << x;
     for (std::size_t k = 0; k < fan.size(); ++k) {
       const Eigenray& ray = found[k].ray;
@@ -257,12 +257,12 @@ constexpr double channel_sonar_m = 40, wall_m = 600;
 
 // Rays that turn up to four times before they come to a wall across the channel: as many as a fan traced
 // apart finds at each depth, and all that is sent arrives.
-TEST(ApparentSheets, AWallAcrossAChannelIsSeenByManyTurns) {
+TEST(EigenrayBranches, AWallAcrossAChannelIsSeenByManyTurns) {
   const WaterColumn water = channel();
   EigenrayOptions options;
   options.most_turns = 4;
   options.deepest_turn_m = 100;
-  const Straightening straightening(water, glm::dvec3(0), channel_sonar_m, options);
+  const ApparentMap apparent_map(water, glm::dvec3(0), channel_sonar_m, options);
   const auto depth_at_wall = [&](double launch_rad) {
     return trace_ray(water, channel_sonar_m, launch_rad, {.longest_range_m = wall_m}).back().state.depth_m;
   };
@@ -276,7 +276,7 @@ TEST(ApparentSheets, AWallAcrossAChannelIsSeenByManyTurns) {
     for (int i = 0; i < rays; ++i)
       wanted += (depth[std::size_t(i)] - z) * (depth[std::size_t(i) + 1] - z) <= 0;
     std::size_t found = 0;  // of those, and steeper ones fall or rise all the way
-    for (const ApparentPoint& point : straightening.all_apparent({wall_m, 0, channel_sonar_m - z}))
+    for (const ApparentPoint& point : apparent_map.all_apparent({wall_m, 0, channel_sonar_m - z}))
       found += std::abs(point.ray.launch_sine) < std::sin(steepest);
     EXPECT_EQ(found, wanted) << z;
     most = std::max(most, found);
@@ -293,8 +293,8 @@ TEST(ApparentSheets, AWallAcrossAChannelIsSeenByManyTurns) {
   const FacetMesh wall = mesh_of(facets);
   std::vector<FacetId> all(wall.facets.size());
   std::iota(all.begin(), all.end(), 0u);
-  const ApparentGround ground =
-      straighten(wall, all, WorldGrid(20, glm::dvec3(0)), straightening, 0, fine(1));
+  const ApparentSurface ground =
+      map_apparent(wall, all, WorldGrid(20, glm::dvec3(0)), apparent_map, 0, fine(1));
   std::vector<double> edges;
   for (int e = -8; e <= 8; ++e) edges.push_back(e);
   Seen seen{ground, {}, {}};
@@ -306,7 +306,7 @@ TEST(ApparentSheets, AWallAcrossAChannelIsSeenByManyTurns) {
 }
 
 // What diffraction leaves of the tube on the caustic, against the fan's own second derivative.
-TEST(ApparentSheets, CausticsAreAsWideAsAirysFunction) {
+TEST(EigenrayBranches, CausticsAreAsWideAsAirysFunction) {
   const WaterColumn water = TurningWater::column();
   EigenrayOptions options;
   options.frequency_hz = TurningWater::frequency_hz;
@@ -322,7 +322,7 @@ TEST(ApparentSheets, CausticsAreAsWideAsAirysFunction) {
   EXPECT_EQ(compared, 6);
 }
 
-TEST(ApparentSheets, MeanInverseWidthIsTheIntegral) {
+TEST(EigenrayBranches, MeanInverseWidthIsTheIntegral) {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> any(0, 1);
   for (int trial = 0; trial < 40; ++trial) {
@@ -347,7 +347,7 @@ TEST(ApparentSheets, MeanInverseWidthIsTheIntegral) {
   EXPECT_EQ(mean_inverse_width({0, 0, 0}, 0), 0);
 }
 
-TEST(ApparentSheets, RaysThatStayKeepTheirOrder) {
+TEST(EigenrayBranches, RaysThatStayKeepTheirOrder) {
   const auto rays = [](std::initializer_list<std::pair<double, bool>> of) {
     std::vector<SeenPoint> points;
     for (const auto& [launch, crossed] : of) {
