@@ -167,46 +167,46 @@ Coverage::Coverage(const FacetMesh& mesh, const SceneTree& tree, std::span<const
   // Of a facet that a ping sees all of, nothing lies in a shadow.
   std::vector<char> seen_whole(mesh.facets.size(), 0);
   for (std::uint32_t l = 0; l < looks.size(); ++l) {
-    parted_ = parted_ || looks[l].out.bed || (looks[l].home && looks[l].home->bed);
+    parted_ = parted_ || looks[l].tx.bed || (looks[l].rx && looks[l].rx->bed);
     add_seen(l, false, seen_whole);
-    if (looks[l].home) add_seen(l, true, seen_whole);
+    if (looks[l].rx) add_seen(l, true, seen_whole);
   }
   std::vector<std::vector<Part>> within(looks.size());
   tbb::parallel_for(std::size_t{0}, looks.size(), [&](std::size_t l) {
     const auto look = static_cast<std::uint32_t>(l);
     add_within(look, false, seen_whole, within[l]);
-    if (looks[l].home) add_within(look, true, seen_whole, within[l]);
+    if (looks[l].rx) add_within(look, true, seen_whole, within[l]);
   });
   for (const auto& parts : within) within_.insert(within_.end(), parts.begin(), parts.end());
   index();
 }
 
-void Coverage::add_seen(std::uint32_t l, bool home, std::vector<char>& seen_whole) {
+void Coverage::add_seen(std::uint32_t l, bool rx, std::vector<char>& seen_whole) {
   const CoverageLook& look = looks_[l];
-  const CoverageEnd& end = home ? *look.home : look.out;
+  const CoverageEnd& end = rx ? *look.rx : look.tx;
   const FacetMesh& mesh = end.bed ? end.bed->mesh : mesh_;
   for (std::uint32_t tube = 0; tube < end.seen.size(); ++tube) {
     stop_if_wanted();
     const TubeVisibility& seen = end.seen[tube];
     for (std::uint32_t k = 0; k < seen.pieces.size(); ++k) {
       const FacetId own = seen.pieces[k].facet, facet = end.base_of(own);
-      seen_.push_back({facet, l, end.name_of(own), home, own, tube, k});
-      if (!look.home && !end.bed && !seen_whole[facet] && is_whole_facet(mesh, seen, seen.pieces[k]) &&
+      seen_.push_back({facet, l, end.name_of(own), rx, own, tube, k});
+      if (!look.rx && !end.bed && !seen_whole[facet] && is_whole_facet(mesh, seen, seen.pieces[k]) &&
           surely_in_window(look, mesh, own, mesh, own))
         seen_whole[facet] = 1;
     }
   }
 }
 
-void Coverage::add_within(std::uint32_t l, bool home, const std::vector<char>& seen_whole,
+void Coverage::add_within(std::uint32_t l, bool rx, const std::vector<char>& seen_whole,
                           std::vector<Part>& to) const {
   const CoverageLook& look = looks_[l];
-  const CoverageEnd& end = home ? *look.home : look.out;
+  const CoverageEnd& end = rx ? *look.rx : look.tx;
   const FacetMesh& mesh = end.bed ? end.bed->mesh : mesh_;
   const SceneTree& tree = end.bed ? *end.bed->tree : tree_;
   // Parts that the look itself sees whole; with one end that is enough.
   std::vector<char> part_whole;
-  if (end.bed && !look.home) {
+  if (end.bed && !look.rx) {
     part_whole.resize(mesh.facets.size(), 0);
     for (const TubeVisibility& seen : end.seen)
       for (const NamedPiece& piece : seen.pieces)
@@ -224,18 +224,18 @@ void Coverage::add_within(std::uint32_t l, bool home, const std::vector<char>& s
     }
     candidates.clear();
     // Half a path may be less than the range from one of its ends.
-    tree.query(tubes.apex, walls, look.home ? tubes.reach : std::min(tubes.reach, look.farthest), candidates);
+    tree.query(tubes.apex, walls, look.rx ? tubes.reach : std::min(tubes.reach, look.farthest), candidates);
     for (const FacetId own : candidates) {
       const FacetId facet = end.base_of(own);
       if (!seen_whole[facet] && (part_whole.empty() || !part_whole[own]) &&
           may_be_within(mesh, own, tubes, tube))
-        to.push_back({facet, l, end.name_of(own), home, own, tube, no_piece});
+        to.push_back({facet, l, end.name_of(own), rx, own, tube, no_piece});
     }
   }
 }
 
 void Coverage::index() {
-  const auto key = [](const Part& p) { return std::tuple(p.facet, p.look, p.name, p.home, p.tube, p.piece); };
+  const auto key = [](const Part& p) { return std::tuple(p.facet, p.look, p.name, p.rx, p.tube, p.piece); };
   const auto before = [&](const Part& a, const Part& b) { return key(a) < key(b); };
   tbb::parallel_sort(seen_.begin(), seen_.end(), before);
   tbb::parallel_sort(within_.begin(), within_.end(), before);
@@ -275,39 +275,39 @@ void Coverage::add_regions(FacetRegions& facet, std::span<const Part> parts) con
   for (std::size_t first = 0, end = 0; first < parts.size(); first = end) {
     const Part& part = parts[first];
     while (end < parts.size() && parts[end].look == part.look && parts[end].name == part.name) ++end;
-    std::size_t home = first;
-    while (home < end && !parts[home].home) ++home;
+    std::size_t rx = first;
+    while (rx < end && !parts[rx].rx) ++rx;
     const CoverageLook& look = looks_[part.look];
-    if (home == first || (look.home && home == end)) continue;  // in the sector of one end only
-    const std::span<const Part> sent = parts.subspan(first, home - first),
-                                listened = parts.subspan(home, end - home);
+    if (rx == first || (look.rx && rx == end)) continue;  // in the sector of one end only
+    const std::span<const Part> sent = parts.subspan(first, rx - first),
+                                listened = parts.subspan(rx, end - rx);
     for (const FacetId own : own_parts(sent)) {
-      const FacetRegions::Aspect out = facet.aspect(look.out, own);
-      if (out.edge_on) continue;
+      const FacetRegions::Aspect tx = facet.aspect(look.tx, own);
+      if (tx.edge_on) continue;
       FacetRegion what{look.ping, part.look, {own, own}, part.piece == no_piece, {}, {}};
-      if (!look.home) {
-        const FacetRegions::Window window = facet.window(look, out, nullptr);
+      if (!look.rx) {
+        const FacetRegions::Window window = facet.window(look, tx, nullptr);
         if (window.none) continue;
         for (const Part& its : sent)
-          if (its.own == own) facet.add(window, polygon(out, its), what);
+          if (its.own == own) facet.add(window, polygon(tx, its), what);
         continue;
       }
-      for (const FacetId own_home : own_parts(listened)) {
-        what.parts[1] = own_home;
-        const FacetRegions::Aspect there = facet.aspect(*look.home, own_home);
-        if (there.edge_on || (!what.hidden_too && out.seen.reversed != there.seen.reversed)) continue;
-        const FacetRegions::Window window = facet.window(look, out, &there);
+      for (const FacetId own_rx : own_parts(listened)) {
+        what.parts[1] = own_rx;
+        const FacetRegions::Aspect there = facet.aspect(*look.rx, own_rx);
+        if (there.edge_on || (!what.hidden_too && tx.seen.reversed != there.seen.reversed)) continue;
+        const FacetRegions::Window window = facet.window(look, tx, &there);
         if (window.none) continue;
         std::vector<Placed> received;
         for (const Part& its : listened)
-          if (its.own == own_home)
+          if (its.own == own_rx)
             if (LinePolygon p = polygon(there, its); !p.empty()) {
               const ChartBox box = box_of(corners_of(p));
               received.push_back({std::move(p), box});
             }
         for (const Part& its : sent) {
           if (its.own != own) continue;
-          const LinePolygon from = polygon(out, its);
+          const LinePolygon from = polygon(tx, its);
           if (from.empty()) continue;
           const ChartBox box = box_of(corners_of(from));
           for (const Placed& other : received) {
@@ -391,8 +391,8 @@ FacetId Coverage::occluder(const FacetCoverage& of, const CoverageCell& cell) co
     return own_occluder == no_facet ? no_facet : end.bed->base[own_occluder];
   };
   const CoverageLook& look = looks_[cell.first_look];
-  const FacetId out = hides(look.out, cell.first_parts[0]);
-  return out != no_facet || !look.home ? out : hides(*look.home, cell.first_parts[1]);
+  const FacetId tx = hides(look.tx, cell.first_parts[0]);
+  return tx != no_facet || !look.rx ? tx : hides(*look.rx, cell.first_parts[1]);
 }
 
 FacetId first_in_the_way(const FacetMesh& mesh, const SceneTree& tree, GridPoint apex, glm::dvec3 point) {

@@ -49,12 +49,12 @@ struct CoverageEnd {
 /// What one transmission of a ping sees.
 struct CoverageLook {
   std::uint32_t ping = 0;  ///< what several looks of one ping see counts once
-  CoverageEnd out;
+  CoverageEnd tx;
   /// The window of half paths, grid units. A facet that reaches beyond it is cut (docs/coverage.md).
   double nearest = 0, farthest = std::numeric_limits<double>::infinity();
   /// A receiver elsewhere. Seen is then what both ends see of the same side, and in the sector what both have
   /// in their tubes.
-  std::optional<CoverageEnd> home = {};
+  std::optional<CoverageEnd> rx = {};
 };
 
 /// A part of a facet's area that so many pings see.
@@ -88,7 +88,7 @@ struct FacetCoverage {
 /// Law O1 (coverage): shares by number of pings are those of inclusion and exclusion in rationals.
 /// Law O2 (order): neither the order of pings nor how tubes are split changes them.
 /// Law O3 (parts): nor how the looks' own beds part its facets.
-/// Law O4 (ends): nor which of two ends is the way out; both in one place see what one does.
+/// Law O4 (ends): nor which of two ends is the transmit leg; both in one place see what one does.
 class Coverage {
  public:
   /// Mesh, tree and looks must outlive it; looks are ordered by ping.
@@ -104,8 +104,8 @@ class Coverage {
   FacetCoverage facet(std::size_t number) const;
 
   /// What comes first on the way from the first look of a hidden cell to its middle (from its way home, if
-  /// the way out is free): a facet of the mesh, no_facet where there is none or it is too close to tell. In
-  /// double.
+  /// the transmit leg is free): a facet of the mesh, no_facet where there is none or it is too close to tell.
+  /// In double.
   FacetId occluder(const FacetCoverage& of, const CoverageCell& cell) const;
 
  private:
@@ -113,15 +113,15 @@ class Coverage {
     FacetId facet = 0;
     std::uint32_t look = 0;
     FacetId name = 0;
-    bool home = false;
+    bool rx = false;
     FacetId own = 0;                    ///< in the end's bed
     std::uint32_t tube = 0, piece = 0;  ///< piece: no_piece for the tube itself
   };
   struct Group {
     std::size_t seen = 0, seen_end = 0, within = 0, within_end = 0;
   };
-  void add_seen(std::uint32_t look, bool home, std::vector<char>& seen_whole);
-  void add_within(std::uint32_t look, bool home, const std::vector<char>& seen_whole,
+  void add_seen(std::uint32_t look, bool rx, std::vector<char>& seen_whole);
+  void add_within(std::uint32_t look, bool rx, const std::vector<char>& seen_whole,
                   std::vector<Part>& to) const;
   void index();
   static std::vector<FacetId> own_parts(std::span<const Part> parts);

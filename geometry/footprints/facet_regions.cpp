@@ -168,34 +168,34 @@ std::vector<const PlaneLine*> FacetRegions::lines_round(std::span<const glm::dve
   return lines;
 }
 
-FacetRegions::Window FacetRegions::window(const CoverageLook& look, const Aspect& out, const Aspect* home) {
+FacetRegions::Window FacetRegions::window(const CoverageLook& look, const Aspect& tx, const Aspect* rx) {
   Window window;
-  const FacetMesh& mesh = look.out.bed ? look.out.bed->mesh : mesh_;
-  const FacetMesh& there = home != nullptr && home->end->bed ? home->end->bed->mesh : mesh_;
-  if (surely_in_window(look, mesh, out.facet, there, home ? home->facet : out.facet)) return window;
+  const FacetMesh& mesh = look.tx.bed ? look.tx.bed->mesh : mesh_;
+  const FacetMesh& there = rx != nullptr && rx->end->bed ? rx->end->bed->mesh : mesh_;
+  if (surely_in_window(look, mesh, tx.facet, there, rx ? rx->facet : tx.facet)) return window;
   const auto ring = [&](double range, RingSide side) {
-    if (home != nullptr) {
+    if (rx != nullptr) {
       const auto places = [](const Aspect& of) {
         return std::array{vector(of.corners[0]), vector(of.corners[1]), vector(of.corners[2])};
       };
-      if (home->on_chart == out.on_chart) return half_path_ring(places(out), places(*home), range, side);
+      if (rx->on_chart == tx.on_chart) return half_path_ring(places(tx), places(*rx), range, side);
       // Parts of the same that each end's mirrors have cut: it lies in one place.
-      Aspect same = out;
-      const GridPoint apart = home->end->tubes.apex - out.end->tubes.apex;
+      Aspect same = tx;
+      const GridPoint apart = rx->end->tubes.apex - tx.end->tubes.apex;
       for (GridPoint& corner : same.corners) corner = corner - apart;
-      return half_path_ring(places(out), places(same), range, side);
+      return half_path_ring(places(tx), places(same), range, side);
     }
-    const FacetCone plane = facet_plane(mesh, out.facet);
+    const FacetCone plane = facet_plane(mesh, tx.facet);
     const glm::dvec3 n = glm::normalize(vector(plane.normal));
     glm::dvec3 other(0);
     other[FacetChart(plane).u] = 1;
-    return range_ring(vector(out.corners[0]), n, glm::normalize(other - n * glm::dot(n, other)), range, side);
+    return range_ring(vector(tx.corners[0]), n, glm::normalize(other - n * glm::dot(n, other)), range, side);
   };
   if (std::isfinite(look.farthest)) {
-    window.outer = lines_round(ring(look.farthest, RingSide::inscribed), out);
+    window.outer = lines_round(ring(look.farthest, RingSide::inscribed), tx);
     window.none = window.outer.empty();
   }
-  if (look.nearest > 0) window.inner = lines_round(ring(look.nearest, RingSide::circumscribed), out);
+  if (look.nearest > 0) window.inner = lines_round(ring(look.nearest, RingSide::circumscribed), tx);
   return window;
 }
 
@@ -264,8 +264,8 @@ LinePolygon FacetRegions::within(const Aspect& from, std::uint32_t tube) {
   return polygon;
 }
 
-bool surely_in_window(const CoverageLook& look, const FacetMesh& mesh, FacetId out, const FacetMesh& there,
-                      FacetId home) {
+bool surely_in_window(const CoverageLook& look, const FacetMesh& mesh, FacetId tx, const FacetMesh& there,
+                      FacetId rx) {
   // The mean of both ends' ranges, each bounded by itself.
   double farthest = 0, nearest = 0;
   const auto add = [&](const FacetMesh& its, FacetId facet, GridPoint apex) {
@@ -282,9 +282,9 @@ bool surely_in_window(const CoverageLook& look, const FacetMesh& mesh, FacetId o
     farthest += reach;
     nearest += glm::length(middle) - radius;
   };
-  add(mesh, out, look.out.tubes.apex);
-  if (look.home) {
-    add(there, home, look.home->tubes.apex);
+  add(mesh, tx, look.tx.tubes.apex);
+  if (look.rx) {
+    add(there, rx, look.rx->tubes.apex);
     farthest /= 2;
     nearest /= 2;
   }

@@ -75,8 +75,8 @@ class FacetRegions {
   };
 
   Aspect aspect(const CoverageEnd& end, FacetId facet);
-  /// `home`: of the same part; null with one end.
-  Window window(const CoverageLook& look, const Aspect& out, const Aspect* home);
+  /// `rx`: of the same part; null with one end.
+  Window window(const CoverageLook& look, const Aspect& tx, const Aspect* rx);
   /// What a piece of a tube covers, and what all of a tube has.
   LinePolygon seen(const Aspect& from, std::uint32_t tube, std::uint32_t piece);
   LinePolygon within(const Aspect& from, std::uint32_t tube);
@@ -109,9 +109,9 @@ class FacetRegions {
 };
 
 /// Whether a part lies inside the window of a look, seen from anywhere on it; false if that is not sure.
-/// `home`: of `there`, where the look has another end.
-bool surely_in_window(const CoverageLook& look, const FacetMesh& mesh, FacetId out, const FacetMesh& there,
-                      FacetId home);
+/// `rx`: of `there`, where the look has another end.
+bool surely_in_window(const CoverageLook& look, const FacetMesh& mesh, FacetId tx, const FacetMesh& there,
+                      FacetId rx);
 /// Whether all of a piece's edges are edges of its facet, by name alone.
 bool is_whole_facet(const FacetMesh& mesh, const TubeVisibility& seen, const NamedPiece& piece);
 

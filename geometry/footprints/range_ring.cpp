@@ -13,18 +13,18 @@ namespace {
 /// Half paths to the points of the first image's plane, and how they grow.
 class HalfPath {
  public:
-  HalfPath(const std::array<glm::dvec3, 3>& out, const std::array<glm::dvec3, 3>& home)
-      : out_(out[0]), home_(home[0]) {
-    const glm::dvec3 along = out[1] - out[0], across = out[2] - out[0], n = glm::cross(along, across);
+  HalfPath(const std::array<glm::dvec3, 3>& tx, const std::array<glm::dvec3, 3>& rx)
+      : tx_(tx[0]), rx_(rx[0]) {
+    const glm::dvec3 along = tx[1] - tx[0], across = tx[2] - tx[0], n = glm::cross(along, across);
     const double area2 = glm::dot(n, n);
     u = glm::normalize(along);
     v = glm::normalize(glm::cross(n, along));
-    const auto on_home = [&](glm::dvec3 way) {
-      return (home[1] - home[0]) * (glm::dot(way, glm::cross(across, n)) / area2) +
-             (home[2] - home[0]) * (glm::dot(way, glm::cross(n, along)) / area2);
+    const auto on_rx = [&](glm::dvec3 way) {
+      return (rx[1] - rx[0]) * (glm::dot(way, glm::cross(across, n)) / area2) +
+             (rx[2] - rx[0]) * (glm::dot(way, glm::cross(n, along)) / area2);
     };
-    home_u_ = on_home(u);
-    home_v_ = on_home(v);
+    rx_u_ = on_rx(u);
+    rx_v_ = on_rx(v);
   }
 
   glm::dvec3 u, v;  ///< of the first image's plane
@@ -36,11 +36,11 @@ class HalfPath {
   };
   Value at(glm::dvec2 q) const {
     Value sum;
-    add(out_ + q.x * u + q.y * v, u, v, sum);
-    add(home_ + q.x * home_u_ + q.y * home_v_, home_u_, home_v_, sum);
+    add(tx_ + q.x * u + q.y * v, u, v, sum);
+    add(rx_ + q.x * rx_u_ + q.y * rx_v_, rx_u_, rx_v_, sum);
     return sum;
   }
-  glm::dvec2 foot() const { return {-glm::dot(out_, u), -glm::dot(out_, v)}; }
+  glm::dvec2 foot() const { return {-glm::dot(tx_, u), -glm::dot(tx_, v)}; }
 
   /// Where it is least: damped steps of Newton's, of a convex function.
   glm::dvec2 lowest() const {
@@ -93,7 +93,7 @@ class HalfPath {
     sum.bend[1][1] += (cc - slope.y * slope.y) / r / 2;
   }
 
-  glm::dvec3 out_, home_, home_u_{0}, home_v_{0};
+  glm::dvec3 tx_, rx_, rx_u_{0}, rx_v_{0};
 };
 
 /// Points of the curve, as the corners of a regular polygon under a linear map.
@@ -126,10 +126,9 @@ std::vector<glm::dvec3> range_ring(glm::dvec3 corner, glm::dvec3 normal, glm::dv
   return ring;
 }
 
-std::vector<glm::dvec3> half_path_ring(const std::array<glm::dvec3, 3>& out,
-                                       const std::array<glm::dvec3, 3>& home, double half_path,
-                                       RingSide side) {
-  const HalfPath path(out, home);
+std::vector<glm::dvec3> half_path_ring(const std::array<glm::dvec3, 3>& tx,
+                                       const std::array<glm::dvec3, 3>& rx, double half_path, RingSide side) {
+  const HalfPath path(tx, rx);
   const glm::dvec2 lowest = path.lowest();
   if (!(path.at(lowest).value < half_path)) return {};
   std::vector<glm::dvec2> points = round(path, lowest, glm::dmat2(1), half_path);

@@ -24,8 +24,7 @@ std::vector<glm::dvec3> range_ring(glm::dvec3 corner, glm::dvec3 normal, glm::dv
 /// The same of half paths between two apexes, to points of a facet that both see, the second perhaps as
 /// another image: corners relative to each. Half paths are a convex function of the facet's points, so that
 /// the curve has an inside. On the first image, relative to its first corner, turning as its corners do.
-std::vector<glm::dvec3> half_path_ring(const std::array<glm::dvec3, 3>& out,
-                                       const std::array<glm::dvec3, 3>& home, double half_path,
-                                       RingSide side);
+std::vector<glm::dvec3> half_path_ring(const std::array<glm::dvec3, 3>& tx,
+                                       const std::array<glm::dvec3, 3>& rx, double half_path, RingSide side);
 
 }  // namespace tubefoot

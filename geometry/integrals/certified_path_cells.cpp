@@ -58,13 +58,13 @@ PathCurve PathCurve::line(const Ball& x, const Ball& y, const Ball& dx, const Ba
   return curve;
 }
 
-/// With r_out^2 = A + 2 B X + D X^2 along (1, t), D = 1 + t^2, and r_home alike,
-/// 4 P^2 r_out^2 = (P^2 + r_out^2 - r_home^2)^2 is quadratic in X.
-PathCurve PathCurve::ellipse(const RayFrame& frame, const ApexOverPlane& out, const ApexOverPlane& home,
+/// With r_out^2 = A + 2 B X + D X^2 along (1, t), D = 1 + t^2, and r_rx alike,
+/// 4 P^2 r_out^2 = (P^2 + r_out^2 - r_rx^2)^2 is quadratic in X.
+PathCurve PathCurve::ellipse(const RayFrame& frame, const ApexOverPlane& tx, const ApexOverPlane& rx,
                              const Ball& path) {
-  const Ball ox = frame.x_of({out.x, out.y}), oy = frame.y_of({out.x, out.y}),
-             hx = frame.x_of({home.x, home.y}), hy = frame.y_of({home.x, home.y});
-  const Ball out2 = squared(out.height) + size2(ox, oy), home2 = squared(home.height) + size2(hx, hy);
+  const Ball ox = frame.x_of({tx.x, tx.y}), oy = frame.y_of({tx.x, tx.y}), hx = frame.x_of({rx.x, rx.y}),
+             hy = frame.y_of({rx.x, rx.y});
+  const Ball out2 = squared(tx.height) + size2(ox, oy), home2 = squared(rx.height) + size2(hx, hy);
   const Ball ro = root(out2), rh = root(home2), path2 = squared(path), four(4), two(2);
   const Ball m0 = hx - ox, m1 = hy - oy, sum = two * (path2 + out2 - home2);
   PathCurve curve;
@@ -116,9 +116,9 @@ Interval IntervalCurve::at(const Interval& t) const {
 CertifiedPathCutter::CertifiedPathCutter(std::span<const double> half_path_borders_m)
     : borders_(half_path_borders_m) {}
 
-Ball CertifiedPathCutter::path_to(const ApexOverPlane& home, const Ball& x, const Ball& y) const {
-  return root(squared(out_.height) + size2(x - out_.x, y - out_.y)) +
-         root(squared(home.height) + size2(x - home.x, y - home.y));
+Ball CertifiedPathCutter::path_to(const ApexOverPlane& rx, const Ball& x, const Ball& y) const {
+  return root(squared(tx_.height) + size2(x - tx_.x, y - tx_.y)) +
+         root(squared(rx.height) + size2(x - rx.x, y - rx.y));
 }
 
 void CertifiedPathCutter::give_gap(std::size_t first, std::size_t end, const Ball& area) {
@@ -144,27 +144,27 @@ double CertifiedPathCutter::least_path(const RayFrame& frame, const Edge& edge) 
       aside2 = squared(cross(x, y, dx, dy)) / length2;
     return root(squared(apex.height) + Ball(std::max(aside2.lo(), 0.0)));
   };
-  return std::max((least(out_) + least(homes_[0].apex)).lo(), homes_[0].shortest.lo());
+  return std::max((least(tx_) + least(homes_[0].apex)).lo(), homes_[0].shortest.lo());
 }
 
-void CertifiedPathCutter::cut(const CertifiedPolygon& polygon, const ApexOverPlane& out,
+void CertifiedPathCutter::cut(const CertifiedPolygon& polygon, const ApexOverPlane& tx,
                               std::span<const ApexOverPlane> homes, const std::optional<Ball>& unsure) {
   frames_.clear();
   cells_.clear();
   gaps_.clear();
   const std::size_t n = polygon.points.size();
   if (n < 3 || borders_.size() < 2) return;
-  out_ = out;
+  tx_ = tx;
   // The mirrored receiver's straight line to the transmitter meets the plane there.
-  const Ball share = out.height / (out.height + homes[0].height);
-  centre_x_ = (out.x + (homes[0].x - out.x) * share).centre();
-  centre_y_ = (out.y + (homes[0].y - out.y) * share).centre();
+  const Ball share = tx.height / (tx.height + homes[0].height);
+  centre_x_ = (tx.x + (homes[0].x - tx.x) * share).centre();
+  centre_y_ = (tx.y + (homes[0].y - tx.y) * share).centre();
   homes_.clear();
-  for (const ApexOverPlane& home : homes) {
-    const Ball heights = out.height + home.height;
-    homes_.push_back({home,
-                      path_to(home, centre_x_, centre_y_),
-                      root(squared(heights) + size2(home.x - out.x, home.y - out.y)),
+  for (const ApexOverPlane& rx : homes) {
+    const Ball heights = tx.height + rx.height;
+    homes_.push_back({rx,
+                      path_to(rx, centre_x_, centre_y_),
+                      root(squared(heights) + size2(rx.x - tx.x, rx.y - tx.y)),
                       {}});
   }
 
@@ -265,22 +265,21 @@ void CertifiedPathCutter::find_rings(const CertifiedPolygon& polygon) {
   Ball size;  // of the polygon, at most
   for (const CertifiedPolygon::Point& p : polygon.points)
     size = both(size, size2(p.x - polygon.points[0].x, p.y - polygon.points[0].y));
-  for (Home& home : homes_) {
-    const Ball share = out_.height / (out_.height + home.apex.height);
-    const Ball own_x = out_.x + (home.apex.x - out_.x) * share,
-               own_y = out_.y + (home.apex.y - out_.y) * share;
+  for (ReceiveEnd& rx : homes_) {
+    const Ball share = tx_.height / (tx_.height + rx.apex.height);
+    const Ball own_x = tx_.x + (rx.apex.x - tx_.x) * share, own_y = tx_.y + (rx.apex.y - tx_.y) * share;
     for (std::size_t border = first_; border <= end_; ++border) {
       const Ball path = Ball(2) * Ball(borders_[border]);
       Ring ring = Ring::unsure;
-      if ((path - home.path_at_centre).surely_positive())
+      if ((path - rx.path_at_centre).surely_positive())
         ring = Ring::holds_centre;
-      else if ((path - home.shortest).surely_negative())
+      else if ((path - rx.shortest).surely_negative())
         ring = Ring::nothing;
-      home.ring.push_back(ring);
+      rx.ring.push_back(ring);
       if (ring != Ring::unsure) continue;
       // A place is no farther from the line between the apexes' images than half the root of P^2 - l^2.
-      const Ball beyond(std::max((squared(path) - squared(home.shortest)).hi(), 0.0));
-      const Ball radius = home.shortest * root(beyond) / (Ball(2) * (out_.height + home.apex.height)) +
+      const Ball beyond(std::max((squared(path) - squared(rx.shortest)).hi(), 0.0));
+      const Ball radius = rx.shortest * root(beyond) / (Ball(2) * (tx_.height + rx.apex.height)) +
                           root(size2(own_x - centre_x_, own_y - centre_y_));
       const Ball disk = Ball(4) * squared(Ball(radius.hi()));
       const Ball whole = Ball::pi() * Ball(size.hi());
@@ -337,15 +336,15 @@ void CertifiedPathCutter::cut_sectors(std::uint32_t number, const std::vector<Ed
 }
 
 /// Where the line from + u way has that path, as enclosures of t.
-void CertifiedPathCutter::add_roots(const RayFrame& frame, const ApexOverPlane& home, const Ball& path,
+void CertifiedPathCutter::add_roots(const RayFrame& frame, const ApexOverPlane& rx, const Ball& path,
                                     const At& from, const At& way, bool within,
                                     std::vector<Stretch>& at) const {
   const auto relative = [&](const ApexOverPlane& apex) {
     return At{from.x - frame.x_of({apex.x, apex.y}), from.y - frame.y_of({apex.x, apex.y})};
   };
-  const At o = relative(out_), h = relative(home);
-  const Ball path2 = squared(path), out2 = squared(out_.height) + size2(o.x, o.y),
-             home2 = squared(home.height) + size2(h.x, h.y), along = dot(o.x, o.y, way.x, way.y),
+  const At o = relative(tx_), h = relative(rx);
+  const Ball path2 = squared(path), out2 = squared(tx_.height) + size2(o.x, o.y),
+             home2 = squared(rx.height) + size2(h.x, h.y), along = dot(o.x, o.y, way.x, way.y),
              slope = along - dot(h.x, h.y, way.x, way.y), sum = path2 + out2 - home2;
   const Ball a = Ball(4) * (path2 * size2(way.x, way.y) - squared(slope)),
              b = Ball(4) * path2 * along - Ball(2) * slope * sum, c = Ball(4) * path2 * out2 - squared(sum);
@@ -363,15 +362,15 @@ void CertifiedPathCutter::add_roots(const RayFrame& frame, const ApexOverPlane& 
   }
 }
 
-void CertifiedPathCutter::add_crossings(const RayFrame& frame, const Edge& edge, const Home& home,
+void CertifiedPathCutter::add_crossings(const RayFrame& frame, const Edge& edge, const ReceiveEnd& rx,
                                         std::size_t border, std::vector<Stretch>& at) const {
-  if (home.ring[border - first_] == Ring::holds_centre)
-    add_roots(frame, home.apex, Ball(2) * Ball(borders_[border]), edge.from,
+  if (rx.ring[border - first_] == Ring::holds_centre)
+    add_roots(frame, rx.apex, Ball(2) * Ball(borders_[border]), edge.from,
               {edge.to.x - edge.from.x, edge.to.y - edge.from.y}, true, at);
 }
 
 /// Ellipses of two homes. On one of path P, 2 P r_out = 2 p.f + P^2 + h^2 - d^2 - |f|^2, with p and the
-/// home's foot point f from that of the way out at height h, d the home's height: r_out eliminated, a
+/// home's foot point f from that of the transmit leg at height h, d the home's height: r_out eliminated, a
 /// straight line.
 void CertifiedPathCutter::add_meetings(const RayFrame& frame, std::size_t first_border,
                                        std::size_t second_border, std::vector<Stretch>& at) const {
@@ -379,13 +378,13 @@ void CertifiedPathCutter::add_meetings(const RayFrame& frame, std::size_t first_
       homes_[1].ring[second_border - first_] != Ring::holds_centre)
     return;
   const Ball path[2] = {Ball(2) * Ball(borders_[first_border]), Ball(2) * Ball(borders_[second_border])};
-  const At out{frame.x_of({out_.x, out_.y}), frame.y_of({out_.x, out_.y})};
+  const At tx{frame.x_of({tx_.x, tx_.y}), frame.y_of({tx_.x, tx_.y})};
   At foot[2];
   Ball level[2];
   for (int k = 0; k < 2; ++k) {
-    const ApexOverPlane& home = homes_[std::size_t(k)].apex;
-    foot[k] = {frame.x_of({home.x, home.y}) - out.x, frame.y_of({home.x, home.y}) - out.y};
-    level[k] = squared(path[k]) + squared(out_.height) - squared(home.height) - size2(foot[k].x, foot[k].y);
+    const ApexOverPlane& rx = homes_[std::size_t(k)].apex;
+    foot[k] = {frame.x_of({rx.x, rx.y}) - tx.x, frame.y_of({rx.x, rx.y}) - tx.y};
+    level[k] = squared(path[k]) + squared(tx_.height) - squared(rx.height) - size2(foot[k].x, foot[k].y);
   }
   const Ball nx = Ball(2) * (path[1] * foot[0].x - path[0] * foot[1].x),
              ny = Ball(2) * (path[1] * foot[0].y - path[0] * foot[1].y), n2 = size2(nx, ny),
@@ -395,7 +394,7 @@ void CertifiedPathCutter::add_meetings(const RayFrame& frame, std::size_t first_
   if ((offset - farthest).surely_positive() || (offset + farthest).surely_negative()) return;
   if (!n2.surely_positive()) return at.push_back({-endless, endless});
   const Ball along = -(offset / n2);
-  add_roots(frame, homes_[0].apex, path[0], {out.x + along * nx, out.y + along * ny}, {-ny, nx}, false, at);
+  add_roots(frame, homes_[0].apex, path[0], {tx.x + along * nx, tx.y + along * ny}, {-ny, nx}, false, at);
 }
 
 void CertifiedPathCutter::cut_sample(std::uint32_t number, std::size_t sample, const Edge* near,
@@ -406,14 +405,14 @@ void CertifiedPathCutter::cut_sample(std::uint32_t number, std::size_t sample, c
   };
   std::vector<PathCurve> lower{near == nullptr ? PathCurve() : line(*near)}, upper{line(far)};
   at_.assign({{sector.lo, sector.lo}, {sector.hi, sector.hi}});
-  for (const Home& home : homes_) {
-    if (home.ring[sample + 1 - first_] != Ring::holds_centre) return;
+  for (const ReceiveEnd& rx : homes_) {
+    if (rx.ring[sample + 1 - first_] != Ring::holds_centre) return;
     for (const std::size_t border : {sample, sample + 1}) {
-      if (home.ring[border - first_] != Ring::holds_centre) continue;
+      if (rx.ring[border - first_] != Ring::holds_centre) continue;
       (border == sample ? lower : upper)
-          .push_back(PathCurve::ellipse(frame, out_, home.apex, Ball(2) * Ball(borders_[border])));
-      add_crossings(frame, far, home, border, at_);
-      if (near != nullptr) add_crossings(frame, *near, home, border, at_);
+          .push_back(PathCurve::ellipse(frame, tx_, rx.apex, Ball(2) * Ball(borders_[border])));
+      add_crossings(frame, far, rx, border, at_);
+      if (near != nullptr) add_crossings(frame, *near, rx, border, at_);
     }
   }
   if (homes_.size() > 1)

@@ -65,7 +65,7 @@ class PathCurve {
   /// Through a place of the frame, in a direction.
   static PathCurve line(const Ball& x, const Ball& y, const Ball& dx, const Ball& dy);
   /// About a centre that is inside of it.
-  static PathCurve ellipse(const RayFrame& frame, const ApexOverPlane& out, const ApexOverPlane& home,
+  static PathCurve ellipse(const RayFrame& frame, const ApexOverPlane& tx, const ApexOverPlane& rx,
                            const Ball& path);
 
   Ball at(const Ball& t) const;
@@ -119,7 +119,7 @@ class CertifiedPathCutter {
 
   /// One home or two. Cells and gaps replace those of the polygon before. With `unsure` there is only a gap
   /// of that area, somewhere in the polygon.
-  void cut(const CertifiedPolygon& polygon, const ApexOverPlane& out, std::span<const ApexOverPlane> homes,
+  void cut(const CertifiedPolygon& polygon, const ApexOverPlane& tx, std::span<const ApexOverPlane> homes,
            const std::optional<Ball>& unsure = {});
   const std::vector<RayFrame>& frames() const { return frames_; }
   /// Whether the rays' centre may lie in the polygon, or on an edge: then gaps may reach there.
@@ -144,7 +144,7 @@ class CertifiedPathCutter {
   };
   /// What of a border there is for a home.
   enum class Ring { nothing, unsure, holds_centre };
-  struct Home {
+  struct ReceiveEnd {
     ApexOverPlane apex;
     Ball path_at_centre, shortest;
     std::vector<Ring> ring;  ///< by border from first_
@@ -156,13 +156,13 @@ class CertifiedPathCutter {
                   const Stretch& sector);
   void give_gap(std::size_t first, std::size_t end, const Ball& area);
   Ball area_of(long double lo, long double hi) const;
-  Ball path_to(const ApexOverPlane& home, const Ball& x, const Ball& y) const;
+  Ball path_to(const ApexOverPlane& rx, const Ball& x, const Ball& y) const;
   double least_path(const RayFrame& frame, const Edge& edge) const;
-  void add_crossings(const RayFrame& frame, const Edge& edge, const Home& home, std::size_t border,
+  void add_crossings(const RayFrame& frame, const Edge& edge, const ReceiveEnd& rx, std::size_t border,
                      std::vector<Stretch>& at) const;
   void add_meetings(const RayFrame& frame, std::size_t first_border, std::size_t second_border,
                     std::vector<Stretch>& at) const;
-  void add_roots(const RayFrame& frame, const ApexOverPlane& home, const Ball& path, const At& from,
+  void add_roots(const RayFrame& frame, const ApexOverPlane& rx, const Ball& path, const At& from,
                  const At& way, bool within, std::vector<Stretch>& at) const;
 
   std::span<const double> borders_;
@@ -170,10 +170,10 @@ class CertifiedPathCutter {
   std::vector<Cell> cells_;
   std::vector<Gap> gaps_;
   // Of the polygon at hand.
-  ApexOverPlane out_;
+  ApexOverPlane tx_;
   Ball centre_x_, centre_y_;
   bool about_centre_ = false;
-  std::vector<Home> homes_;
+  std::vector<ReceiveEnd> homes_;
   std::size_t first_ = 0, end_ = 0;  // samples that it may reach
   Ball reach2_;                      // of an area over dt: between its nearest and its farthest X, squared
   std::vector<Stretch> at_, merged_;

@@ -83,12 +83,11 @@ ComplexBall PathWave::at(const Ball& path) const {
 }
 
 CertifiedPathEdges::CertifiedPathEdges(std::span<const Point> points, const Ball& height,
-                                       const ApexOverPlane& home) {
-  const Ball heights = height + home.height, share = height / heights, c_x = home.x * share,
-             c_y = home.y * share;
-  shortest_ = root(squared(heights) + squared(home.x) + squared(home.y));
-  slope_x_ = home.x / shortest_;
-  slope_y_ = home.y / shortest_;
+                                       const ApexOverPlane& rx) {
+  const Ball heights = height + rx.height, share = height / heights, c_x = rx.x * share, c_y = rx.y * share;
+  shortest_ = root(squared(heights) + squared(rx.x) + squared(rx.y));
+  slope_x_ = rx.x / shortest_;
+  slope_y_ = rx.y / shortest_;
   const Ball turn = heights / shortest_ / (Ball(4.0) * Ball::pi());
   bool surely_inside = points.size() >= 3, surely_outside = false;
   Ball twice_area(0.0);
@@ -101,11 +100,11 @@ CertifiedPathEdges::CertifiedPathEdges(std::span<const Point> points, const Ball
     const auto square = [&](const Ball& x, const Ball& y, const Ball& h) {
       return squared(x) + squared(y) + squared(h);
     };
-    const Ball home_x = a.x - home.x, home_y = a.y - home.y;
-    edge.out_square = square(a.x, a.y, height);
-    edge.home_square = square(home_x, home_y, home.height);
-    edge.out_slope = Ball(2.0) * (a.x * edge.step_x + a.y * edge.step_y);
-    edge.home_slope = Ball(2.0) * (home_x * edge.step_x + home_y * edge.step_y);
+    const Ball rx_x = a.x - rx.x, rx_y = a.y - rx.y;
+    edge.tx_square = square(a.x, a.y, height);
+    edge.rx_square = square(rx_x, rx_y, rx.height);
+    edge.tx_slope = Ball(2.0) * (a.x * edge.step_x + a.y * edge.step_y);
+    edge.rx_slope = Ball(2.0) * (rx_x * edge.step_x + rx_y * edge.step_y);
     twice_area += a.x * b.y - a.y * b.x;
     surely_inside = surely_inside && left.surely_positive();
     surely_outside = surely_outside || left.surely_negative();
@@ -137,8 +136,8 @@ CertifiedPathEdges::CertifiedPathEdges(std::span<const Point> points, const Ball
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < edges_.size(); ++k) {
     const Edge &edge = edges_[k], &next = edges_[(k + 1) % edges_.size()];
-    const Ball path = root(edge.out_square) + root(edge.home_square),
-               end = root(next.out_square) + root(next.home_square),
+    const Ball path = root(edge.tx_square) + root(edge.rx_square),
+               end = root(next.tx_square) + root(next.rx_square),
                shortest = (path + end) / Ball(2.0) - root(edge.length_square);
     longest_path_ = std::max(longest_path_, path.hi());
     least = std::min(least, shortest.lo());
@@ -148,12 +147,11 @@ CertifiedPathEdges::CertifiedPathEdges(std::span<const Point> points, const Ball
 
 template <class N>
 CertifiedPathEdges::Place<N> CertifiedPathEdges::place(const Edge& edge, const N& t) const {
-  const N out = root(quadratic(edge.out_square, edge.out_slope, edge.length_square, t)),
-          home = root(quadratic(edge.home_square, edge.home_slope, edge.length_square, t)), d(shortest_);
+  const N tx = root(quadratic(edge.tx_square, edge.tx_slope, edge.length_square, t)),
+          rx = root(quadratic(edge.rx_square, edge.rx_slope, edge.length_square, t)), d(shortest_);
   const N x = N(edge.from_x) + t * N(edge.step_x), y = N(edge.from_y) + t * N(edge.step_y),
           along = x * N(slope_x_) + y * N(slope_y_);
-  return {out + home, out * home, (d - (out - home)) * (d + (out - home)),
-          squared(x) + squared(y) - squared(along)};
+  return {tx + rx, tx * rx, (d - (tx - rx)) * (d + (tx - rx)), squared(x) + squared(y) - squared(along)};
 }
 
 template <class N>
@@ -192,12 +190,11 @@ const std::vector<CertifiedPathEdges::Panel::Node>& CertifiedPathEdges::nodes(co
 void CertifiedPathEdges::add_crossings(const Edge& edge, const Ball& path,
                                        std::vector<std::pair<double, double>>& at) const {
   if (!(path - shortest_).surely_positive() && !(path - shortest_).may_be_zero()) return;
-  // The range of the way out is (p + (r^2 - s^2) / p) / 2, and r^2 - s^2 straight in t.
+  // The range of the transmit leg is (p + (r^2 - s^2) / p) / 2, and r^2 - s^2 straight in t.
   const Ball square = squared(path), four = Ball(4.0) * square,
-             start = square + edge.out_square - edge.home_square, slope = edge.out_slope - edge.home_slope;
+             start = square + edge.tx_square - edge.rx_square, slope = edge.tx_slope - edge.rx_slope;
   const Ball a = edge.length_square - squared(slope) / four,
-             b = edge.out_slope - Ball(2.0) * slope * start / four,
-             c = edge.out_square - squared(start) / four;
+             b = edge.tx_slope - Ball(2.0) * slope * start / four, c = edge.tx_square - squared(start) / four;
   if (!a.surely_positive()) return at.emplace_back(0, 1), void();
   const Ball below = squared(b) - Ball(4.0) * a * c;
   if (below.surely_negative()) return;

@@ -41,10 +41,10 @@ struct PathWave {
 /// A convex polygon's edges, for any number of waves.
 class CertifiedPathEdges {
  public:
-  /// `points` about the foot point of the apex of the way out, which is `height` above the plane, positive as
-  /// that of the way home.
+  /// `points` about the foot point of the apex of the transmit leg, which is `height` above the plane,
+  /// positive as that of the receive leg.
   CertifiedPathEdges(std::span<const CertifiedPolygon::Point> points, const Ball& height,
-                     const ApexOverPlane& home);
+                     const ApexOverPlane& rx);
 
   /// Bounds of the paths over places of the polygon.
   double shortest_path() const { return shortest_path_; }
@@ -59,9 +59,9 @@ class CertifiedPathEdges {
   /// A directed edge, t from 0 to 1, places told from that of shortest path.
   struct Edge {
     Ball from_x, from_y, step_x, step_y;
-    Ball angle;                    ///< turn times cross(from, step) / 4 pi
-    Ball out_square, home_square;  ///< of ranges, at t = 0
-    Ball out_slope, home_slope;    ///< of those squares
+    Ball angle;                 ///< turn times cross(from, step) / 4 pi
+    Ball tx_square, rx_square;  ///< of ranges, at t = 0
+    Ball tx_slope, rx_slope;    ///< of those squares
     Ball length_square;
   };
   /// What an edge's integrands are made of at a place: with N a ball or a complex one.
@@ -115,7 +115,7 @@ class CertifiedPathEdges {
   ComplexBall rest(const Edge& edge, const PathWave& wave, double from, double to) const;
 
   Ball shortest_;  ///< D
-  Ball out_x_, out_y_, slope_x_, slope_y_;
+  Ball tx_x_, tx_y_, slope_x_, slope_y_;
   std::vector<Edge> edges_;
   std::vector<std::map<std::pair<double, double>, Panel>> panels_;  ///< by edge
   bool near_ = false, inside_ = false;

@@ -54,7 +54,7 @@ ComplexBall series(const Ball& x, const Ball& y, const Ball& z) {
 /// A directed edge, seen from the place c of shortest path, and the ends over the plane.
 struct EdgeOfWave {
   Ball from_x, from_y, step_x, step_y;  ///< from c
-  Ball out_x, out_y, out_height, home_x, home_y, home_height;
+  Ball tx_x, tx_y, tx_height, rx_x, rx_y, rx_height;
   Ball shortest, k;
   Ball angle;  ///< turn times cross(from, step) / 4 pi
 
@@ -67,7 +67,7 @@ struct EdgeOfWave {
       return root(squared(x - ComplexBall(foot_x)) + squared(y - ComplexBall(foot_y)) +
                   ComplexBall(squared(height)));
     };
-    const ComplexBall r = range(out_x, out_y, out_height), s = range(home_x, home_y, home_height);
+    const ComplexBall r = range(tx_x, tx_y, tx_height), s = range(rx_x, rx_y, rx_height);
     const ComplexBall across = (d - (r - s)) * (d + (r - s)), total = r + s + d;
     const ComplexBall per_square = ComplexBall(4.0) * d * d / (across * total);
     const ComplexBall longer = r + s - d, ik = imaginary_unit * ComplexBall(k);
@@ -146,20 +146,19 @@ ComplexBall certified_transform(std::span<const CertifiedPolygon::Point> points,
 }
 
 std::optional<ComplexBall> certified_edge_form(std::span<const CertifiedPolygon::Point> points,
-                                               const Ball& height, const ApexOverPlane& home, const Ball& k,
+                                               const Ball& height, const ApexOverPlane& rx, const Ball& k,
                                                double tolerance) {
-  if (!height.surely_positive() || !home.height.surely_positive() || !(tolerance > 0)) return std::nullopt;
+  if (!height.surely_positive() || !rx.height.surely_positive() || !(tolerance > 0)) return std::nullopt;
   ComplexBall sum(0.0);
   if (points.size() < 3) return sum;
-  const Ball heights = height + home.height, share = height / heights, c_x = home.x * share,
-             c_y = home.y * share;
-  const Ball shortest = root(squared(heights) + squared(home.x) + squared(home.y));
+  const Ball heights = height + rx.height, share = height / heights, c_x = rx.x * share, c_y = rx.y * share;
+  const Ball shortest = root(squared(heights) + squared(rx.x) + squared(rx.y));
   const Ball turn = heights / shortest / (Ball(4.0) * Ball::pi());
   const double allowed = tolerance / shortest.hi() / static_cast<double>(points.size()) / 2;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const CertifiedPolygon::Point &a = points[i], &b = points[i + 1 == points.size() ? 0 : i + 1];
-    EdgeOfWave edge{a.x - c_x,    a.y - c_y,    b.x - a.x,   b.y - a.y, -c_x, -c_y,     height,
-                    home.x - c_x, home.y - c_y, home.height, shortest,  k,    Ball(0.0)};
+    EdgeOfWave edge{a.x - c_x,  a.y - c_y,  b.x - a.x, b.y - a.y, -c_x, -c_y,     height,
+                    rx.x - c_x, rx.y - c_y, rx.height, shortest,  k,    Ball(0.0)};
     edge.angle = turn * (edge.from_x * edge.step_y - edge.from_y * edge.step_x);
     if (!add_edge(edge, 0, 1, allowed, 0, sum)) return std::nullopt;
   }

@@ -28,7 +28,7 @@ ComplexBall certified_transform(std::span<const CertifiedPolygon::Point> points,
 /// out, which is `height` above the plane. `tolerance`: of the quadrature's error, relative to 1 / D; what
 /// the radius has beyond it comes from the corners. None where that is not reached: for ends in the plane.
 std::optional<ComplexBall> certified_edge_form(std::span<const CertifiedPolygon::Point> points,
-                                               const Ball& height, const ApexOverPlane& home, const Ball& k,
+                                               const Ball& height, const ApexOverPlane& rx, const Ball& k,
                                                double tolerance);
 
 }  // namespace tubefoot

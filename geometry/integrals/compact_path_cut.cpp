@@ -109,13 +109,13 @@ bool CompactPathCutter::is_compact(const std::vector<glm::dvec2>& corners) {
                    from_receiver = from_transmitter - receiver.foot;
   transmit_.height2 = polygon_->distance * polygon_->distance;
   receive_.height2 = receiver.distance * receiver.distance;
-  const double out = std::sqrt(transmit_.height2 + glm::dot(from_transmitter, from_transmitter)),
-               home = std::sqrt(receive_.height2 + glm::dot(from_receiver, from_receiver));
-  const double least_out = out - reach, least_home = home - reach;
-  if (!(least_out > 0 && least_home > 0)) return false;
-  const glm::dvec2 gradient = from_transmitter / out + from_receiver / home;
-  const double steep = glm::length(gradient), bend = 1 / least_out + 1 / least_home;
-  const double least_range = std::min(least_out, least_home);
+  const double tx = std::sqrt(transmit_.height2 + glm::dot(from_transmitter, from_transmitter)),
+               rx = std::sqrt(receive_.height2 + glm::dot(from_receiver, from_receiver));
+  const double least_tx = tx - reach, least_rx = rx - reach;
+  if (!(least_tx > 0 && least_rx > 0)) return false;
+  const glm::dvec2 gradient = from_transmitter / tx + from_receiver / rx;
+  const double steep = glm::length(gradient), bend = 1 / least_tx + 1 / least_rx;
+  const double least_range = std::min(least_tx, least_rx);
   // Places where the path does not grow any more are singular as well, and nearer where ranges have shrunk.
   const double growth = steep / bend - reach;
   if (!(growth > 0)) return false;
@@ -126,7 +126,7 @@ bool CompactPathCutter::is_compact(const std::vector<glm::dvec2>& corners) {
   transmit_.foot = {-glm::dot(from_transmitter, along_), -glm::dot(from_transmitter, across_)};
   receive_.foot = {-glm::dot(from_receiver, along_), -glm::dot(from_receiver, across_)};
   flattest_ = steep - bend * reach;
-  rounding_m_ = 1e-15 * (out + home) / flattest_;
+  rounding_m_ = 1e-15 * (tx + rx) / flattest_;
   steepest_ = bend * reach / flattest_;
   smooth_m_ = std::min(analytic_m, std::min(task_->work.resolution_rad, 1.0) * least_range);
   return true;
@@ -182,9 +182,9 @@ void CompactPathCutter::integrate(const Strip& strip) {
   // The path is convex: along an edge it is longest at an end, and nowhere below a tangent.
   const double middle = (strip.from + strip.to) / 2;
   const glm::dvec2 p(strip.near->at(middle), middle), q(strip.near->at(strip.to), strip.to);
-  const double out = transmit_.range(p), home = receive_.range(p);
-  const double rise = std::abs(glm::dot((p - transmit_.foot) / out + (p - receive_.foot) / home, q - p));
-  const double near_least = std::min({out + home - rise, near_from, near_to}),
+  const double tx = transmit_.range(p), rx = receive_.range(p);
+  const double rise = std::abs(glm::dot((p - transmit_.foot) / tx + (p - receive_.foot) / rx, q - p));
+  const double near_least = std::min({tx + rx - rise, near_from, near_to}),
                near_most = std::max(near_from, near_to),
                far_most = std::max(path_on(*strip.far, strip.from), path_on(*strip.far, strip.to));
   const std::span<const double> borders = task_->borders_m;
@@ -280,10 +280,10 @@ double CompactPathCutter::tensor(const Cell& cell, int by_along, int by_across, 
     double near = near_edge, far = far_edge;
     if (cell.near_path > 0 || cell.far_path > 0) {
       const glm::dvec2 base(0, v);
-      const double out = transmit_.range(base), home = receive_.range(base);
+      const double tx = transmit_.range(base), rx = receive_.range(base);
       // The path grows along, so the ray leaves the ellipse.
       const auto leaves = [&](double path) {
-        const PathCutter::EllipseOnRay on(path, out, home, -transmit_.foot.x, -receive_.foot.x);
+        const PathCutter::EllipseOnRay on(path, tx, rx, -transmit_.foot.x, -receive_.foot.x);
         const double root = std::sqrt(std::max(on.discriminant(), 0.0));
         return on.b > 0 ? -on.c / (on.b + root) : (root - on.b) / on.a;
       };

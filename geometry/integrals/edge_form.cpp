@@ -83,12 +83,12 @@ double arc_angle(const PlanarPolygon& polygon, double range_m) {
 
 /// The ends over the plane, seen from the place c of shortest path.
 struct EdgeForm::Plane {
-  double out_height, home_height;
-  glm::dvec2 out_foot, home_foot;  ///< from c
-  double shortest;                 ///< D
-  glm::dvec2 tilt;                 ///< the plane's part of the unit vector along the line through c
-  double turn;                     ///< dpsi is this times cross(place, step) over its squared distance
-  bool near;                       ///< whether F(D) is taken off: the polygon may hold c
+  double tx_height, rx_height;
+  glm::dvec2 tx_foot, rx_foot;  ///< from c
+  double shortest;              ///< D
+  glm::dvec2 tilt;              ///< the plane's part of the unit vector along the line through c
+  double turn;                  ///< dpsi is this times cross(place, step) over its squared distance
+  bool near;                    ///< whether F(D) is taken off: the polygon may hold c
 };
 /// A directed line through `from`, seen from c.
 struct EdgeForm::Edge {
@@ -119,16 +119,16 @@ void EdgeForm::expand(double shortest) {
   }
 }
 
-void EdgeForm::add(const PlanarPolygon& polygon, const PathCutter::Receiver& home,
+void EdgeForm::add(const PlanarPolygon& polygon, const PathCutter::Receiver& rx,
                    std::span<std::complex<double>> out) {
-  const double heights = polygon.distance + home.distance;
-  if (!(polygon.distance > 0) || !(home.distance > 0) || polygon.offsets.size() < 3) return;
-  const glm::dvec2 c = home.foot * (polygon.distance / heights);
-  Plane plane{polygon.distance, home.distance, -c, home.foot - c, 0, {}, 0, false};
-  plane.shortest = std::sqrt(heights * heights + glm::dot(home.foot, home.foot));
-  plane.tilt = home.foot / plane.shortest;
+  const double heights = polygon.distance + rx.distance;
+  if (!(polygon.distance > 0) || !(rx.distance > 0) || polygon.offsets.size() < 3) return;
+  const glm::dvec2 c = rx.foot * (polygon.distance / heights);
+  Plane plane{polygon.distance, rx.distance, -c, rx.foot - c, 0, {}, 0, false};
+  plane.shortest = std::sqrt(heights * heights + glm::dot(rx.foot, rx.foot));
+  plane.tilt = rx.foot / plane.shortest;
   plane.turn = heights / plane.shortest;
-  const double nearer = std::min(polygon.distance, home.distance) * plane.shortest / heights;
+  const double nearer = std::min(polygon.distance, rx.distance) * plane.shortest / heights;
   plane.near = reaches(polygon, c, nearer / 4);
   if (plane.near) expand(plane.shortest);
   const std::size_t n = polygon.offsets.size();
@@ -153,7 +153,7 @@ void EdgeForm::add(const Plane& plane, const Edge& edge, double from, double to,
                            std::sqrt(beside * beside + height * height) / half);
   };
   double rho =
-      std::min(ellipse_of(plane.out_foot, plane.out_height), ellipse_of(plane.home_foot, plane.home_height));
+      std::min(ellipse_of(plane.tx_foot, plane.tx_height), ellipse_of(plane.rx_foot, plane.rx_height));
   const double slope = glm::dot(edge.along, plane.tilt), start = glm::dot(edge.from, plane.tilt);
   const double a = 1 - slope * slope, b = glm::dot(edge.from, edge.along) - start * slope,
                c = glm::dot(edge.from, edge.from) - start * start;
@@ -166,7 +166,7 @@ void EdgeForm::add(const Plane& plane, const Edge& edge, double from, double to,
       const glm::dvec2 away = place - foot;
       return glm::dot(away, edge.along) / std::sqrt(glm::dot(away, away) + height * height);
     };
-    return std::abs(of(plane.out_foot, plane.out_height) + of(plane.home_foot, plane.home_height));
+    return std::abs(of(plane.tx_foot, plane.tx_height) + of(plane.rx_foot, plane.rx_height));
   };
   const int nodes =
       nodes_within(rho, growth_per_m_ * half * std::max(steepness(from), steepness(to)), log_error);
@@ -185,7 +185,7 @@ void EdgeForm::add(const Plane& plane, const Edge& edge, double from, double to,
       const glm::dvec2 away = place - foot;
       return std::sqrt(glm::dot(away, away) + height * height);
     };
-    const double r = range(plane.out_foot, plane.out_height), s = range(plane.home_foot, plane.home_height);
+    const double r = range(plane.tx_foot, plane.tx_height), s = range(plane.rx_foot, plane.rx_height);
     const double d = plane.shortest;
     const double angle = rule.weight[k] * half * plane.turn * edge.height / (4 * std::numbers::pi);
     // (P - D) (P + D) = 4 D^2 square / across: no difference of paths is needed.

@@ -21,8 +21,8 @@ double arc_angle(const PlanarPolygon& polygon, double range_m);
 
 /// (1/4 pi) times the integral over a polygon of the derivative, along the plane's normal towards the apexes,
 /// of F(r + s) / (r s) where F is e^{ikP} or any sum of such: r and s are the distances of a place from the
-/// apex of the way out and from that of the way home, which lie on the same side of the plane. One apex is
-/// the case where both are one.
+/// apex of the transmit leg and from that of the receive leg, which lie on the same side of the plane. One
+/// apex is the case where both are one.
 ///
 /// With D the distance from the one apex to the other's image, P = r + s and psi the angle about the line
 /// from apex to image it is
@@ -39,11 +39,10 @@ class EdgeForm {
   /// e^{growth |Im P|}: for e^{ikP}, k. It is also asked of paths that are a little too short.
   EdgeForm(Wave wave, std::size_t count, double growth_per_m);
 
-  /// Adds the polygon's part. `polygon.distance` is that of the way out's apex. An apex in the plane sees it
-  /// from the edge: nothing is added. Polygons need not be convex. Accurate to some 1e-14 of F over the
-  /// distance of the plane's place of shortest path (of the polygon, where that place is far from it).
-  void add(const PlanarPolygon& polygon, const PathCutter::Receiver& home,
-           std::span<std::complex<double>> out);
+  /// Adds the polygon's part. `polygon.distance` is that of the transmit leg's apex. An apex in the plane
+  /// sees it from the edge: nothing is added. Polygons need not be convex. Accurate to some 1e-14 of F over
+  /// the distance of the plane's place of shortest path (of the polygon, where that place is far from it).
+  void add(const PlanarPolygon& polygon, const PathCutter::Receiver& rx, std::span<std::complex<double>> out);
   /// The same for one apex.
   void add(const PlanarPolygon& polygon, std::span<std::complex<double>> out) {
     add(polygon, {polygon.distance, glm::dvec2(0)}, out);

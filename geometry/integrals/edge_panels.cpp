@@ -21,18 +21,18 @@ double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
 }  // namespace
 
-void EdgePanels::assign(const PlanarPolygon& polygon, const PathCutter::Receiver& home, double growth_per_m,
+void EdgePanels::assign(const PlanarPolygon& polygon, const PathCutter::Receiver& rx, double growth_per_m,
                         double most_spread_m) {
   edges_.clear();
   panels_.clear();
   image_ = 0;
   growth_per_m_ = growth_per_m;
-  const double heights = polygon.distance + home.distance;
-  if (!(polygon.distance > 0) || !(home.distance > 0) || polygon.offsets.size() < 3) return;
-  const glm::dvec2 c = home.foot * (polygon.distance / heights), out_foot = -c, home_foot = home.foot - c;
-  shortest_m_ = std::sqrt(heights * heights + glm::dot(home.foot, home.foot));
+  const double heights = polygon.distance + rx.distance;
+  if (!(polygon.distance > 0) || !(rx.distance > 0) || polygon.offsets.size() < 3) return;
+  const glm::dvec2 c = rx.foot * (polygon.distance / heights), tx_foot = -c, rx_foot = rx.foot - c;
+  shortest_m_ = std::sqrt(heights * heights + glm::dot(rx.foot, rx.foot));
   turn_ = heights / shortest_m_;
-  const glm::dvec2 tilt = home.foot / shortest_m_;
+  const glm::dvec2 tilt = rx.foot / shortest_m_;
   double angle = 0;
   const std::size_t n = polygon.offsets.size();
   for (std::size_t k = 0; k < n; ++k) {
@@ -41,19 +41,18 @@ void EdgePanels::assign(const PlanarPolygon& polygon, const PathCutter::Receiver
     if (!(length > 0)) continue;
     const glm::dvec2 start = polygon.first - c + polygon.offsets[k], along = step / length,
                      beside(along.y, -along.x);
-    Edge edge{cross(start, along),   glm::dot(out_foot, along), glm::dot(home_foot, along), 0, 0,
+    Edge edge{cross(start, along),   glm::dot(tx_foot, along), glm::dot(rx_foot, along), 0, 0,
               glm::dot(tilt, along), glm::dot(tilt, beside)};
     if (!(std::abs(edge.height) * growth_per_m > through_rad)) continue;
     // The point of the line nearest to c is height times beside.
-    edge.out_m = std::hypot(edge.height - glm::dot(out_foot, beside), polygon.distance);
-    edge.home_m = std::hypot(edge.height - glm::dot(home_foot, beside), home.distance);
+    edge.tx_m = std::hypot(edge.height - glm::dot(tx_foot, beside), polygon.distance);
+    edge.rx_m = std::hypot(edge.height - glm::dot(rx_foot, beside), rx.distance);
     const double from = glm::dot(start, along), to = from + length;
     // The integral of turn height / (squared distance from the line through c) along the edge.
     const double a = 1 - edge.tilt_along * edge.tilt_along,
                  b = -edge.height * edge.tilt_beside * edge.tilt_along, rest = std::abs(edge.height) * turn_;
     angle += std::copysign(std::atan2(a * to + b, rest) - std::atan2(a * from + b, rest), edge.height);
-    const double lowest =
-        (edge.out_at * edge.home_m + edge.home_at * edge.out_m) / (edge.out_m + edge.home_m);
+    const double lowest = (edge.tx_at * edge.rx_m + edge.rx_at * edge.tx_m) / (edge.tx_m + edge.rx_m);
     edges_.push_back(edge);
     if (lowest > from && lowest < to) {
       add_panels(edges_.size() - 1, from, lowest, most_spread_m, 0);
@@ -68,8 +67,8 @@ void EdgePanels::assign(const PlanarPolygon& polygon, const PathCutter::Receiver
 }
 
 double EdgePanels::path_at(const Edge& edge, double at) const {
-  const double out = at - edge.out_at, home = at - edge.home_at;
-  return std::sqrt(out * out + edge.out_m * edge.out_m) + std::sqrt(home * home + edge.home_m * edge.home_m);
+  const double tx = at - edge.tx_at, rx = at - edge.rx_at;
+  return std::sqrt(tx * tx + edge.tx_m * edge.tx_m) + std::sqrt(rx * rx + edge.rx_m * edge.rx_m);
 }
 
 void EdgePanels::add_panels(std::size_t edge, double from, double to, double most_spread_m, int halvings) {
@@ -91,8 +90,8 @@ double EdgePanels::place_of(const Panel& panel, double path_m) const {
   double at = low + std::clamp(share, 0.0, 1.0) * (high - low);
   if (!std::isfinite(at)) return (low + high) / 2;
   for (int step = 0; step < most_halvings; ++step) {
-    const double out = at - edge.out_at, home = at - edge.home_at, r = std::hypot(out, edge.out_m),
-                 s = std::hypot(home, edge.home_m), off = r + s - path_m, slope = out / r + home / s;
+    const double tx = at - edge.tx_at, rx = at - edge.rx_at, r = std::hypot(tx, edge.tx_m),
+                 s = std::hypot(rx, edge.rx_m), off = r + s - path_m, slope = tx / r + rx / s;
     if (std::abs(off) <= 4e-16 * path_m) return at;
     (sign * off < 0 ? low : high) = at;
     double next = at - off / slope;
@@ -118,12 +117,12 @@ void EdgePanels::add_nodes(const Edge& edge, double from, double to, double grow
   // What is singular lies beside the line: where a range is zero, and where the line from the apex to the
   // other's image is met.
   const double a = 1 - edge.tilt_along * edge.tilt_along, b = -h * edge.tilt_beside * edge.tilt_along,
-               rho = std::min({ellipse_through((edge.out_at - middle) / half, edge.out_m / half),
-                               ellipse_through((edge.home_at - middle) / half, edge.home_m / half),
+               rho = std::min({ellipse_through((edge.tx_at - middle) / half, edge.tx_m / half),
+                               ellipse_through((edge.rx_at - middle) / half, edge.rx_m / half),
                                ellipse_through((-b / a - middle) / half, std::abs(h) * turn_ / (a * half))});
   const auto steepness = [&](double at) {
-    return std::abs((at - edge.out_at) / std::hypot(at - edge.out_at, edge.out_m) +
-                    (at - edge.home_at) / std::hypot(at - edge.home_at, edge.home_m));
+    return std::abs((at - edge.tx_at) / std::hypot(at - edge.tx_at, edge.tx_m) +
+                    (at - edge.rx_at) / std::hypot(at - edge.rx_at, edge.rx_m));
   };
   const int count =
       nodes_within(rho, growth_per_m * half * std::max(steepness(from), steepness(to)), log_error);
@@ -135,11 +134,11 @@ void EdgePanels::add_nodes(const Edge& edge, double from, double to, double grow
   const GaussRule& rule = gauss_rule(std::min(count, most_gauss_nodes));
   const double all = -half * turn_ * h / (8 * pi * d);
   for (std::size_t k = 0; k < rule.node.size(); ++k) {
-    const double at = middle + half * rule.node[k], away_out = at - edge.out_at,
-                 away_home = at - edge.home_at, tilted = h * edge.tilt_beside + at * edge.tilt_along,
+    const double at = middle + half * rule.node[k], away_tx = at - edge.tx_at, away_rx = at - edge.rx_at,
+                 tilted = h * edge.tilt_beside + at * edge.tilt_along,
                  square = h * h + at * at - tilted * tilted,
-                 r = std::sqrt(away_out * away_out + edge.out_m * edge.out_m),
-                 s = std::sqrt(away_home * away_home + edge.home_m * edge.home_m),
+                 r = std::sqrt(away_tx * away_tx + edge.tx_m * edge.tx_m),
+                 s = std::sqrt(away_rx * away_rx + edge.rx_m * edge.rx_m),
                  across = (d - (r - s)) * (d + (r - s));
     out.push_back({r + s, all * rule.weight[k] * across / (square * r * s)});
   }

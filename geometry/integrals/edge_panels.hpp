@@ -33,7 +33,7 @@ class EdgePanels {
   /// `growth_per_m`: F's pieces are no larger than some e^{growth |Im path|}. `most_spread_m`: of the paths
   /// of a panel. An apex in the plane sees it from the edge: there is nothing then. The polygon need not be
   /// convex.
-  void assign(const PlanarPolygon& polygon, const PathCutter::Receiver& home, double growth_per_m,
+  void assign(const PlanarPolygon& polygon, const PathCutter::Receiver& rx, double growth_per_m,
               double most_spread_m);
 
   const std::vector<Panel>& panels() const { return panels_; }
@@ -53,9 +53,9 @@ class EdgePanels {
  private:
   /// A line with an edge on it, about the place of shortest path.
   struct Edge {
-    double height;           ///< signed distance
-    double out_at, home_at;  ///< the apexes' feet along it
-    double out_m, home_m;    ///< the apexes' distances from the line
+    double height;        ///< signed distance
+    double tx_at, rx_at;  ///< the apexes' feet along it
+    double tx_m, rx_m;    ///< the apexes' distances from the line
     double tilt_along, tilt_beside;
   };
   double path_at(const Edge& edge, double at) const;

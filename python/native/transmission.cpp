@@ -42,9 +42,9 @@ NativeTransmission::NativeTransmission(const Survey& survey, const RunRequest& r
       ends_(transmission_, which.sensor) {}
 
 const std::vector<glm::dvec3>& NativeTransmission::vertices_m() const {
-  if (ends_.out().refined == nullptr) return survey().site->vertices_m();
+  if (ends_.tx().refined == nullptr) return survey().site->vertices_m();
   std::call_once(vertices_made_, [this] {
-    const auto& vertices = ends_.out().mesh->vertices;
+    const auto& vertices = ends_.tx().mesh->vertices;
     vertices_m_.reserve(vertices.size());
     for (const GridPoint& p : vertices) vertices_m_.push_back(survey().scene.grid.to_metres(p));
   });

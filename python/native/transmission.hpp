@@ -42,8 +42,8 @@ class NativeTransmission : public std::enable_shared_from_this<NativeTransmissio
   /// Of facets that both ends see: where the transmitter sees them.
   const FacetMesh& mesh() const { return ends_.shared_mesh(); }
   const TransmissionEnds& ends() const { return ends_; }
-  const TubeSet& tubes() const { return ends_.out().tubes; }
-  const TubeSet& receive_tubes() const { return ends_.home().tubes; }
+  const TubeSet& tubes() const { return ends_.tx().tubes; }
+  const TubeSet& receive_tubes() const { return ends_.rx().tubes; }
   const std::vector<glm::dvec3>& vertices_m() const;
   glm::dvec3 metres(GridPoint apex) const { return survey().scene.grid.to_metres(apex); }
 

@@ -105,7 +105,7 @@ class Projector {
     const Complex received =
         interpolator_.at(signals_.channel(ping, receiver), (delay_s - sampling.first_s) * sampling.rate_hz);
     if (received == 0.0) return 0;
-    const double gain = spreading_undone_ ? path.out_m * path.home_m : 1;
+    const double gain = spreading_undone_ ? path.tx_m * path.rx_m : 1;
     return received * std::polar(gain, -2 * std::numbers::pi * sampling.baseband_hz * delay_s);
   }
 

@@ -89,9 +89,9 @@ class Strips {
       if (!std::isfinite(value)) continue;
       const double across_m = bed.far_m - bed.near_m;
       for (int a = 0; a < bed.steps; ++a) {
-        const double out_m = bed.near_m + across_m * (a + 0.5) / bed.steps;
-        const glm::dvec2 from = own_.track + side * out_m * own_.starboard;
-        const glm::dvec2 to = from + way * (other.track + side * out_m * other.starboard - from);
+        const double tx_m = bed.near_m + across_m * (a + 0.5) / bed.steps;
+        const glm::dvec2 from = own_.track + side * tx_m * own_.starboard;
+        const glm::dvec2 to = from + way * (other.track + side * tx_m * other.starboard - from);
         const double length_m = glm::distance(from, to);
         const int along = steps_over(length_m);
         constexpr double thread_m = 1e-9;  // width of a ping that has no neighbour

@@ -83,9 +83,9 @@ void define(EchoGroup& root, const ElementSignals& signals) {
   root.variable("ping_start_time", {ping}, "s", "start of the transmission on the scene's clock",
                 signals.motion.ping_start_s());
 
-  const glm::dvec3& out = signals.array.transmitter_m;
+  const glm::dvec3& tx = signals.array.transmitter_m;
   root.variable("transmitter_position", {xyz}, "m",
-                "place of the transmitter on the vehicle: starboard, forward, up", {out.x, out.y, out.z});
+                "place of the transmitter on the vehicle: starboard, forward, up", {tx.x, tx.y, tx.z});
   std::vector<double> places;
   for (const glm::dvec3& p : signals.array.receivers_m) places.insert(places.end(), {p.x, p.y, p.z});
   root.variable("receiver_position", {receiver, xyz}, "m",
@@ -250,11 +250,11 @@ class SignalsInput {
   }
 
   ElementArray array(std::size_t receivers) const {
-    const std::vector<double> out = values("transmitter_position", {"xyz"}, metres, 3),
-                              home = values("receiver_position", {"receiver", "xyz"}, metres, 3 * receivers);
-    ElementArray array{{out[0], out[1], out[2]}, {}};
-    for (std::size_t k = 0; k < home.size(); k += 3)
-      array.receivers_m.emplace_back(home[k], home[k + 1], home[k + 2]);
+    const std::vector<double> tx = values("transmitter_position", {"xyz"}, metres, 3),
+                              rx = values("receiver_position", {"receiver", "xyz"}, metres, 3 * receivers);
+    ElementArray array{{tx[0], tx[1], tx[2]}, {}};
+    for (std::size_t k = 0; k < rx.size(); k += 3)
+      array.receivers_m.emplace_back(rx[k], rx[k + 1], rx[k + 2]);
     return array;
   }
 

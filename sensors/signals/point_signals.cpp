@@ -31,7 +31,7 @@ void add_echo(const PointScatterer& target, std::size_t number, const ElementSig
   const PlaceOnTheWay transmitter(signals.motion, ping, signals.array.transmitter_m, last_s),
       receiver(signals.motion, ping, signals.array.receivers_m[element], last_s);
   const TwoWayPath first = path_emitted_at(0, transmitter, target.position_m, receiver, speed_m_s);
-  if (!(first.out_m > 0 && first.home_m > 0))
+  if (!(first.tx_m > 0 && first.rx_m > 0))
     throw std::invalid_argument(
         fmt::format("scatterer {} lies at an element at ping {}: move it away", number, ping));
   const TwoWayPath last =
@@ -53,7 +53,7 @@ void add_echo(const PointScatterer& target, std::size_t number, const ElementSig
     const double tau_s = still ? first.delay_s() : path.delay_s();
     const Complex pulse = baseband_at(signals.waveform, sampling.baseband_hz, path.emitted_s);
     const Complex turned =
-        std::polar(1 / (path.out_m * path.home_m), 2 * std::numbers::pi * sampling.baseband_hz * tau_s);
+        std::polar(1 / (path.tx_m * path.rx_m), 2 * std::numbers::pi * sampling.baseband_hz * tau_s);
     channel[k] += target.strength * (pulse * turned);
   }
 }

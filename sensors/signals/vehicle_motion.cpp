@@ -113,18 +113,18 @@ glm::dvec3 PlaceOnTheWay::turned(double after_start_s) const {
 TwoWayPath path_emitted_at(double emitted_s, const PlaceOnTheWay& transmitter, glm::dvec3 point_m,
                            const PlaceOnTheWay& receiver, double sound_speed_m_s) {
   TwoWayPath path{emitted_s, 0, glm::distance(transmitter.at(emitted_s), point_m), 0};
-  const double there_s = emitted_s + path.out_m / sound_speed_m_s;
+  const double there_s = emitted_s + path.tx_m / sound_speed_m_s;
   path.received_s = time_at(there_s, 1, receiver, point_m, sound_speed_m_s);
-  path.home_m = glm::distance(receiver.at(path.received_s), point_m);
+  path.rx_m = glm::distance(receiver.at(path.received_s), point_m);
   return path;
 }
 
 TwoWayPath path_received_at(double received_s, const PlaceOnTheWay& transmitter, glm::dvec3 point_m,
                             const PlaceOnTheWay& receiver, double sound_speed_m_s) {
   TwoWayPath path{0, received_s, 0, glm::distance(receiver.at(received_s), point_m)};
-  const double there_s = received_s - path.home_m / sound_speed_m_s;
+  const double there_s = received_s - path.rx_m / sound_speed_m_s;
   path.emitted_s = time_at(there_s, -1, transmitter, point_m, sound_speed_m_s);
-  path.out_m = glm::distance(transmitter.at(path.emitted_s), point_m);
+  path.tx_m = glm::distance(transmitter.at(path.emitted_s), point_m);
   return path;
 }
 

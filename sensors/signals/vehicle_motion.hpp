@@ -58,7 +58,7 @@ class PlaceOnTheWay {
 /// A way of sound from a transmitter by a point at rest to a receiver.
 struct TwoWayPath {
   double emitted_s = 0, received_s = 0;  ///< after the ping's start
-  double out_m = 0, home_m = 0;          ///< from where it was emitted, to where it is received
+  double tx_m = 0, rx_m = 0;             ///< from where it was emitted, to where it is received
 
   double delay_s() const { return received_s - emitted_s; }
 };

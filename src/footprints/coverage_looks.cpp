@@ -34,33 +34,33 @@ CoverageEnd seen_by(const TransmissionEnd& end, std::shared_ptr<const PartedBed>
 }
 
 /// Adds looks of two ends, a fan each: nobody receives what one fan sends to another.
-void add_by_fans(const CoverageLook& all, std::span<const std::uint32_t> fan_of_out,
-                 std::span<const std::uint32_t> fan_of_home, std::vector<CoverageLook>& looks) {
+void add_by_fans(const CoverageLook& all, std::span<const std::uint32_t> fan_of_tx,
+                 std::span<const std::uint32_t> fan_of_rx, std::vector<CoverageLook>& looks) {
   const auto of_fan = [](const CoverageEnd& end, std::span<const std::uint32_t> fans, std::uint32_t fan) {
     CoverageEnd own{tubes_of_fan(end.tubes, fans, fan), {}, end.bed};
     for (std::size_t tube = 0; tube < fans.size(); ++tube)
       if (fans[tube] == fan) own.seen.push_back(end.seen[tube]);
     return own;
   };
-  const std::uint32_t fans = fan_of_out.empty() ? 0 : 1 + *std::ranges::max_element(fan_of_out);
+  const std::uint32_t fans = fan_of_tx.empty() ? 0 : 1 + *std::ranges::max_element(fan_of_tx);
   for (std::uint32_t fan = 0; fan < fans; ++fan)
-    looks.push_back({all.ping, of_fan(all.out, fan_of_out, fan), all.nearest, all.farthest,
-                     of_fan(*all.home, fan_of_home, fan)});
+    looks.push_back({all.ping, of_fan(all.tx, fan_of_tx, fan), all.nearest, all.farthest,
+                     of_fan(*all.rx, fan_of_rx, fan)});
 }
 
 void add_straight(const Transmission& transmission, std::size_t sensor, std::uint32_t ping,
                   std::vector<CoverageLook>& looks) {
   const TransmissionEnds ends(transmission, sensor, true);
   const VisibilityOptions& options = transmission.request().visibility;
-  const auto bed = bed_of(ends.out());
-  CoverageLook look{ping, seen_by(ends.out(), bed, options),
+  const auto bed = bed_of(ends.tx());
+  CoverageLook look{ping, seen_by(ends.tx(), bed, options),
                     transmission.sensor(sensor).samples().first_m / transmission.scene().grid.unit_m(),
                     transmission.sensor(sensor).reach(transmission.scene().grid)};
   if (!ends.are_two()) {
     looks.push_back(std::move(look));
     return;
   }
-  look.home = seen_by(ends.home(), ends.apparent_pair() != nullptr ? bed_of(ends.home()) : bed, options);
+  look.rx = seen_by(ends.rx(), ends.apparent_pair() != nullptr ? bed_of(ends.rx()) : bed, options);
   const std::vector<std::uint32_t> fans = transmission.sensor(sensor).fan_of_tube(transmission.number());
   add_by_fans(look, fans, fans, looks);
 }
@@ -133,7 +133,7 @@ void add_over_mirrors(const Transmission& transmission, std::size_t sensor, cons
       looks.push_back(std::move(look));
       continue;
     }
-    look.home = images.one_place() ? sent[j] : received[j];
+    look.rx = images.one_place() ? sent[j] : received[j];
     add_by_fans(look, fans_of(images.sent()[i]), fans_of(images.received()[j]), looks);
   }
 }

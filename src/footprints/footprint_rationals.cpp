@@ -117,26 +117,26 @@ std::size_t RationalsFile::add(const Transmission& transmission, std::span<const
   if (chosen.empty()) return 0;
   const TransmissionEnds ends(transmission, state_->sensor);
   state_->write(fmt::format("shot {} {}{}\n", transmission.ping(), transmission.number(),
-                            EndLines(transmission.scene().grid, ends.out()).apex()));
+                            EndLines(transmission.scene().grid, ends.tx()).apex()));
   // Beams are the receiver's: what it receives may come from any tube of a transmitter apart.
-  TransmissionEnd home = ends.home();
-  home.tubes = only_tubes(std::move(home.tubes), chosen);
-  if (!ends.are_two()) return add_end(transmission, home, chosen, nullptr);
-  const TransmissionEnd& out = ends.out();
-  std::vector<std::uint32_t> all(out.tubes.tubes.size());
+  TransmissionEnd rx = ends.rx();
+  rx.tubes = only_tubes(std::move(rx.tubes), chosen);
+  if (!ends.are_two()) return add_end(transmission, rx, chosen, nullptr);
+  const TransmissionEnd& tx = ends.tx();
+  std::vector<std::uint32_t> all(tx.tubes.tubes.size());
   std::iota(all.begin(), all.end(), 0u);
   std::vector<TubeVisibility> sent, received;
-  std::size_t pieces = add_end(transmission, out, all, &sent);
-  state_->write(fmt::format("receiver{}\n", EndLines(transmission.scene().grid, home).apex()));
-  pieces += add_end(transmission, home, chosen, &received);
+  std::size_t pieces = add_end(transmission, tx, all, &sent);
+  state_->write(fmt::format("receiver{}\n", EndLines(transmission.scene().grid, rx).apex()));
+  pieces += add_end(transmission, rx, chosen, &received);
   const double unit_m = transmission.scene().grid.unit_m();
   if (ends.apparent_pair() != nullptr)
-    add_shared(out, chosen,
-               FootprintSharer({out.tubes, sent, out.mesh, out.name},
-                               {home.tubes, received, home.mesh, home.name}, unit_m),
-               transmission.scene().grid);
+    add_shared(
+        tx, chosen,
+        FootprintSharer({tx.tubes, sent, tx.mesh, tx.name}, {rx.tubes, received, rx.mesh, rx.name}, unit_m),
+        transmission.scene().grid);
   else
-    add_shared(out, chosen, FootprintSharer(*out.mesh, {out.tubes, sent}, {home.tubes, received}, unit_m),
+    add_shared(tx, chosen, FootprintSharer(*tx.mesh, {tx.tubes, sent}, {rx.tubes, received}, unit_m),
                transmission.scene().grid);
   return pieces;
 }
@@ -191,16 +191,16 @@ std::size_t RationalsFile::add_end(const Transmission& transmission, const Trans
   return pieces;
 }
 
-void RationalsFile::add_shared(const TransmissionEnd& out, std::span<const std::uint32_t> receive_tubes,
+void RationalsFile::add_shared(const TransmissionEnd& tx, std::span<const std::uint32_t> receive_tubes,
                                const FootprintSharer& sharer, const WorldGrid& grid) {
-  const EndLines lines(grid, out);
+  const EndLines lines(grid, tx);
   for (std::size_t begin = 0; begin < sharer.facets(); begin += tubes_a_block) {
     const std::size_t stop = std::min(begin + tubes_a_block, sharer.facets());
     std::vector<std::string> of_facet(stop - begin);
     tbb::parallel_for(begin, stop, [&](std::size_t number) {
       std::string& to = of_facet[number - begin];
       for (const ExactPart& part : sharer.exact(number)) {
-        to += fmt::format("shared {} {} {} {}", out.number_of_name(part.facet), part.transmit_tube,
+        to += fmt::format("shared {} {} {} {}", tx.number_of_name(part.facet), part.transmit_tube,
                           receive_tubes[part.receive_tube], part.corners.size());
         for (const ExactWeights& weights : part.corners) to += lines.point(weights, part.vertex);
         to += '\n';

@@ -33,8 +33,8 @@ const std::array<FootprintColumn, 23> columns{{
     {"component_index", "1", "component of the scene, counted from 0", &T::component},
     {"material_index", "1", "material of the scene, counted from 0", &T::material},
     {"path_order", "1", "interactions of the path: 1 is the ordinary echo", &T::path_order},
-    {"mirrors_out", "1", "mirrors on the way out", &T::mirrors_out},
-    {"mirrors_home", "1", "mirrors on the way home", &T::mirrors_home},
+    {"mirrors_out", "1", "mirrors on the way out", &T::mirrors_tx},
+    {"mirrors_home", "1", "mirrors on the way home", &T::mirrors_rx},
     {"area_m2", "m2", "area", &T::area_m2},
     {"solid_angle_sr", "sr", "solid angle at the sensor", &T::solid_angle_sr},
     {"grazing_deg", "degree", "grazing angle at the centroid", &T::grazing_deg},
@@ -77,17 +77,17 @@ Occluders occluders_of(const FootprintSet& set, const End& end) {
   return all;
 }
 
-/// Of a facet, in a tube of the way out and one of the way home.
-std::vector<FacetId> of_either(const Occluders& out, std::uint32_t out_tube, const Occluders& home,
-                               std::uint32_t home_tube, FacetId facet) {
+/// Of a facet, in a tube of the transmit leg and one of the receive leg.
+std::vector<FacetId> of_either(const Occluders& tx, std::uint32_t tx_tube, const Occluders& rx,
+                               std::uint32_t rx_tube, FacetId facet) {
   std::vector<FacetId> occluders;
   const auto add = [&](const Occluders& all, std::uint32_t tube) {
     // In plain doubles what both see of a facet and what one of them sees may disagree.
     if (const auto its = all.find({facet, tube}); its != all.end())
       occluders.insert(occluders.end(), its->second.begin(), its->second.end());
   };
-  add(out, out_tube);
-  add(home, home_tube);
+  add(tx, tx_tube);
+  add(rx, rx_tube);
   std::sort(occluders.begin(), occluders.end());
   occluders.erase(std::unique(occluders.begin(), occluders.end()), occluders.end());
   return occluders;
@@ -95,8 +95,8 @@ std::vector<FacetId> of_either(const Occluders& out, std::uint32_t out_tube, con
 
 /// A way over mirrors, or none.
 struct RowPath {
-  std::uint32_t mirrors_out = 0, mirrors_home = 0;
-  glm::dmat3 to_true{1};  ///< a direction of the way out as the apex has it
+  std::uint32_t mirrors_tx = 0, mirrors_rx = 0;
+  glm::dmat3 to_true{1};  ///< a direction of the transmit leg as the apex has it
 };
 
 /// Rows of footprints, whichever way they are seen.
@@ -121,9 +121,9 @@ class Rows {
     table.base_facet.push_back(base);
     table.component.push_back(mesh.component[facet]);
     table.material.push_back(mesh.material[facet]);
-    table.path_order.push_back(path.mirrors_out + path.mirrors_home + 1);
-    table.mirrors_out.push_back(path.mirrors_out);
-    table.mirrors_home.push_back(path.mirrors_home);
+    table.path_order.push_back(path.mirrors_tx + path.mirrors_rx + 1);
+    table.mirrors_tx.push_back(path.mirrors_tx);
+    table.mirrors_rx.push_back(path.mirrors_rx);
     table.area_m2.push_back(area_m2);
     table.solid_angle_sr.push_back(footprint.solid_angle_sr);
     table.grazing_deg.push_back(footprint.grazing_angle_rad * degrees);
@@ -170,19 +170,18 @@ FootprintTable table_of_two_ends(const Transmission& transmission, std::size_t s
   const FootprintEnergies energies =
       footprint_energies(received, seen.history, beam_of_tube, transmission.beams_by_fans(s, fans),
                          sensor.samples(), ends.law(s)->law, transmission.request().binning);
-  const Occluders out = occluders_of(alone[0].footprints, ends.out()),
-                  home = occluders_of(alone[1].footprints, ends.home());
-  const glm::dvec3 apex = transmission.scene().grid.to_metres(ends.out().tubes.apex);
+  const Occluders tx = occluders_of(alone[0].footprints, ends.tx()),
+                  rx = occluders_of(alone[1].footprints, ends.rx());
+  const glm::dvec3 apex = transmission.scene().grid.to_metres(ends.tx().tubes.apex);
   Rows rows(transmission, s);
   for (std::size_t k = 0; k < seen.footprints.footprints.size(); ++k) {
     stop_if_wanted();
     const Footprint& footprint = seen.footprints.footprints[k];
     if (!std::ranges::binary_search(tubes, seen.receive_tube[k])) continue;
     if (fans[footprint.tube] != fans[seen.receive_tube[k]]) continue;  // nobody receives that
-    rows.add(footprint, seen.footprints, seen.receive_tube[k], ends.out().number_of_name(footprint.facet),
+    rows.add(footprint, seen.footprints, seen.receive_tube[k], ends.tx().number_of_name(footprint.facet),
              ends.base_facet(footprint.facet), ends.shared_mesh(), seen.area_m2(k), energies.all_beams[k],
-             energies.own_beam[k],
-             of_either(out, footprint.tube, home, seen.receive_tube[k], footprint.facet),
+             energies.own_beam[k], of_either(tx, footprint.tube, rx, seen.receive_tube[k], footprint.facet),
              [&](glm::dvec3 corner) { return seen.place(k, corner, apex); });
   }
   return std::move(rows.table);
@@ -209,14 +208,14 @@ class PathRows {
       for (std::size_t k = pairs.size(); k-- > 0;)
         if (pairs[k].sent != pairs[k].received) pairs.push_back({pairs[k].received, pairs[k].sent});
     const auto path = [&](const ImagePair& pair) {
-      const std::uint32_t out = images.sent()[pair.sent].mirrors,
-                          home = images.received()[pair.received].mirrors;
-      return std::tuple(out + home, out, pair.sent, pair.received);
+      const std::uint32_t tx = images.sent()[pair.sent].mirrors,
+                          rx = images.received()[pair.received].mirrors;
+      return std::tuple(tx + rx, tx, pair.sent, pair.received);
     };
     std::ranges::sort(pairs, {}, path);
-    for (const Image& image : images.sent()) out_.push_back(hidden_of(image));
+    for (const Image& image : images.sent()) tx_.push_back(hidden_of(image));
     if (!images.one_place())
-      for (const Image& image : images.received()) home_.push_back(hidden_of(image));
+      for (const Image& image : images.received()) rx_.push_back(hidden_of(image));
     for (const ImagePair& pair : pairs)
       if (is_order_wanted(transmission_.scene(), std::get<0>(path(pair)) + 1)) add(pair);
     return std::move(rows_.table);
@@ -250,16 +249,15 @@ class PathRows {
     if (history.shared.pieces.empty()) return;
     const PathFootprints seen = path_footprints(history);
     const PairLaw law = images.law(sent, received, law_.law, transmission_.beams_by_fans(s_, fans_));
-    FootprintSet at_home = seen.footprints;
-    for (std::size_t k = 0; k < at_home.footprints.size(); ++k)
-      at_home.footprints[k].tube = seen.receive_tube[k];
+    FootprintSet at_rx = seen.footprints;
+    for (std::size_t k = 0; k < at_rx.footprints.size(); ++k) at_rx.footprints[k].tube = seen.receive_tube[k];
     const Sensor& sensor = transmission_.sensor(s_);
     const FootprintEnergies energies =
-        footprint_energies(at_home, seen.history, law.beams.of_tube, law.beams, sensor.samples(), law.law,
+        footprint_energies(at_rx, seen.history, law.beams.of_tube, law.beams, sensor.samples(), law.law,
                            transmission_.request().binning);
     const glm::dvec3 apex = transmission_.scene().grid.to_metres(sent.windows.apex);
     const RowPath path{sent.mirrors, received.mirrors, sent.leg.to_true};
-    const Occluders& home = (images.one_place() ? out_ : home_)[pair.received];
+    const Occluders& rx = (images.one_place() ? tx_ : rx_)[pair.received];
     for (std::size_t k = 0; k < seen.footprints.footprints.size(); ++k) {
       Footprint footprint = seen.footprints.footprints[k];
       const std::uint32_t window = footprint.tube, receive_tube = received.own_tube[seen.receive_tube[k]];
@@ -270,7 +268,7 @@ class PathRows {
           footprint, seen.footprints, receive_tube, number_of(footprint.facet),
           images_.ground().base_facet(images.uncut(footprint.facet)), images.bed(), seen.area_m2(k),
           energies.all_beams[k], energies.own_beam[k],
-          of_either(out_[pair.sent], window, home, seen.receive_tube[k], footprint.facet),
+          of_either(tx_[pair.sent], window, rx, seen.receive_tube[k], footprint.facet),
           [&](glm::dvec3 corner) { return seen.place(k, corner, apex); }, path);
     }
   }
@@ -282,7 +280,7 @@ class PathRows {
   SensorLaw law_;
   std::vector<std::uint32_t> fans_;
   Rows rows_;
-  std::vector<Occluders> out_, home_;  // by image
+  std::vector<Occluders> tx_, rx_;  // by image
 };
 
 }  // namespace

@@ -23,9 +23,9 @@ struct FootprintTable {
       receive_tube;  ///< that it is received in: the same, unless the receiver is apart
   std::vector<std::uint32_t> facet,
       base_facet;  ///< of the transmission's ground; of the scene without relief
-  std::vector<std::uint32_t> component, material;        ///< as the scene numbers them
-  std::vector<std::uint32_t> path_order;                 ///< interactions of the path: 1 is the ordinary echo
-  std::vector<std::uint32_t> mirrors_out, mirrors_home;  ///< of the way out, and of the way home
+  std::vector<std::uint32_t> component, material;     ///< as the scene numbers them
+  std::vector<std::uint32_t> path_order;              ///< interactions of the path: 1 is the ordinary echo
+  std::vector<std::uint32_t> mirrors_tx, mirrors_rx;  ///< of the transmit leg, and of the receive leg
   std::vector<double> area_m2, solid_angle_sr, grazing_deg;
   /// Of the direction from the sensor to the centroid: clockwise from the local frame's north, [0, 360).
   std::vector<double> azimuth_deg;

@@ -69,16 +69,16 @@ RefractedPairTransmission certify(const Transmission& transmission, const PairAp
   RefractedPairTransmission found{std::move(pair), {}, {}, false};
   const ApparentPair& own = found.pair.apparent;
   found.history = trace_both(transmission, found.pair);
-  const SceneTree out_tree(own.transmit.refined.mesh, SceneTree::Sheets::ignored),
-      home_tree(own.receive.refined.mesh, SceneTree::Sheets::ignored);
-  const RayEnclosure out_rays(found.pair.transmit_water, eigenray_options(transmission.site())),
-      home_rays(found.pair.receive_water, eigenray_options(transmission.site()));
+  const SceneTree tx_tree(own.transmit.refined.mesh, SceneTree::Sheets::ignored),
+      rx_tree(own.receive.refined.mesh, SceneTree::Sheets::ignored);
+  const RayEnclosure tx_rays(found.pair.transmit_water, eigenray_options(transmission.site())),
+      rx_rays(found.pair.receive_water, eigenray_options(transmission.site()));
   const PairedBed bed{own.mesh,
                       parent,
                       seen.bed().mesh(),
                       transmission.scene().grid,
-                      {own.transmit, out_tree, own.transmit_origin, found.pair.transmit_water, out_rays},
-                      {own.receive, home_tree, own.receive_origin, found.pair.receive_water, home_rays}};
+                      {own.transmit, tx_tree, own.transmit_origin, found.pair.transmit_water, tx_rays},
+                      {own.receive, rx_tree, own.receive_origin, found.pair.receive_water, rx_rays}};
   SensorLaw law(transmission, TransmissionGround(transmission.site()), s);
   law.law.material = own.mesh.material;
   const std::vector<std::uint32_t> fans = transmission.sensor(s).fan_of_tube(transmission.number());

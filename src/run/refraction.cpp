@@ -57,7 +57,7 @@ std::string turning_points(const Survey& survey) {
   return fmt::format("{} turning point{} at most", most, most == 1 ? "" : "s");
 }
 
-/// Which of several rays to a place are followed; empty: every one, out and home along any two.
+/// Which of several rays to a place are followed; empty: every one, transmit and receive along any two.
 std::string rays_left_out(const Survey& survey, bool reference) {
   if (reference || has_ways_of_first_rays(survey))
     return "to receivers apart, over mirrors and in references only the first to arrive is followed";

@@ -13,15 +13,15 @@ SensorLaw::SensorLaw(const Transmission& transmission, const TransmissionGround&
   law = {scene.material_mu, ground.mesh().material, absorption_db_per_m(scene, *pings.sensor)};
   law.reflectivity = scene.reflectivity;
   law.scattering = scene.scattering;
-  law.path.out.apex_m = scene.grid.to_metres(
+  law.path.tx.apex_m = scene.grid.to_metres(
       scene.grid.snap(pings.transmission_pose(transmission.ping(), transmission.number()).position_m));
   if (ground.apparent() != nullptr) {
     law.path.facet_factor = ground.apparent()->facet_factor;
     if (transmission.truth() != nullptr ||
         std::any_of(scene.reflectivity.begin(), scene.reflectivity.end(),
                     [](const auto& texture) { return texture != nullptr; })) {
-      facet_maps = ground.apparent()->facet_maps(law.path.out.apex_m, scene.grid);
-      law.path.out.facet_map = facet_maps;
+      facet_maps = ground.apparent()->facet_maps(law.path.tx.apex_m, scene.grid);
+      law.path.tx.facet_map = facet_maps;
     }
   }
   if (!pings.sensor->has_patterns()) return;

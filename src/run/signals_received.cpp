@@ -263,7 +263,7 @@ class TransmissionSignals {
     const BistaticHistory* apart = visibility.two_apexes();
     const CertifiedSmoothSignals enclosing(
         {transmission_.ground().mesh(),
-         apart != nullptr ? apart->transmit.apex : transmission_.tubes_of(sensor_).apex, visibility.home_m(),
+         apart != nullptr ? apart->transmit.apex : transmission_.tubes_of(sensor_).apex, visibility.rx_m(),
          visibility.grid_unit_m()},
         {waveform.start_hz, waveform.stop_hz, waveform.duration_s, waveform.taper}, receiver_.times,
         model_.sampling.baseband_hz, receiver_.sound_speed_m_s);

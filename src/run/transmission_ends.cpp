@@ -42,8 +42,8 @@ TransmissionEnds::TransmissionEnds(const Transmission& transmission, std::size_t
 FacetId TransmissionEnds::base_facet(FacetId shared) const {
   if (pair_)
     shared = pair_parent_[shared];
-  else if (out().refined != nullptr)
-    shared = out().refined->parent[shared];
+  else if (tx().refined != nullptr)
+    shared = tx().refined->parent[shared];
   return transmission_.site().base_number_of(shared);
 }
 
@@ -63,10 +63,8 @@ TransmissionEnds::Looks TransmissionEnds::look_from_all(bool open_water) const {
 
 FootprintSharer TransmissionEnds::sharer(const Looks& looks) const {
   const double unit_m = transmission_.scene().grid.unit_m();
-  if (!pair_) return {*out().mesh, {out().tubes, looks[0]}, {home().tubes, looks[1]}, unit_m};
-  return {{out().tubes, looks[0], out().mesh, out().name},
-          {home().tubes, looks[1], home().mesh, home().name},
-          unit_m};
+  if (!pair_) return {*tx().mesh, {tx().tubes, looks[0]}, {rx().tubes, looks[1]}, unit_m};
+  return {{tx().tubes, looks[0], tx().mesh, tx().name}, {rx().tubes, looks[1], rx().mesh, rx().name}, unit_m};
 }
 
 TransmissionEnds::Seen TransmissionEnds::seen() const {
@@ -75,7 +73,7 @@ TransmissionEnds::Seen TransmissionEnds::seen() const {
   Seen seen;
   for (std::size_t k = 0; k < ends_.size(); ++k)
     seen.alone.push_back(history_of(*ends_[k].mesh, ends_[k].tubes, looks[k], grid.unit_m()));
-  BistaticHistory both{out().tubes, home().tubes, grid.unit_m(), shared_by_all(sharer(looks))};
+  BistaticHistory both{tx().tubes, rx().tubes, grid.unit_m(), shared_by_all(sharer(looks))};
   if (pair_)
     both.paired = paired_facets(both.shared, pair_->apparent, grid, pair_->transmit_water,
                                 pair_->receive_water, pair_->absorption_db_per_m);
@@ -85,9 +83,9 @@ TransmissionEnds::Seen TransmissionEnds::seen() const {
 
 BistaticAudit TransmissionEnds::audit(std::uint64_t label) const {
   const Looks looks = look_from_all(true);
-  constexpr std::uint64_t of_home = std::uint64_t{1} << 62;
-  return {audit_tubes(*out().mesh, out().tubes, looks[0], label),
-          audit_tubes(*home().mesh, home().tubes, looks[1], label_of_part(label, of_home)),
+  constexpr std::uint64_t of_rx = std::uint64_t{1} << 62;
+  return {audit_tubes(*tx().mesh, tx().tubes, looks[0], label),
+          audit_tubes(*rx().mesh, rx().tubes, looks[1], label_of_part(label, of_rx)),
           audit_shared(sharer(looks), label)};
 }
 

@@ -41,12 +41,12 @@ class TransmissionEnds {
   TransmissionEnds& operator=(const TransmissionEnds&) = delete;
 
   bool are_two() const { return ends_.size() == 2; }
-  const TransmissionEnd& out() const { return ends_.front(); }
-  const TransmissionEnd& home() const { return ends_.back(); }
+  const TransmissionEnd& tx() const { return ends_.front(); }
+  const TransmissionEnd& rx() const { return ends_.back(); }
   std::span<const TransmissionEnd> all() const { return ends_; }
   /// Facets of what two ends see together, and, in refracting water, where each sees them; null in even
   /// water.
-  const FacetMesh& shared_mesh() const { return pair_ ? pair_->apparent.mesh : *out().mesh; }
+  const FacetMesh& shared_mesh() const { return pair_ ? pair_->apparent.mesh : *tx().mesh; }
   /// Of the scene without relief, a facet of that, by its number in all of the scene.
   FacetId base_facet(FacetId shared) const;
   const ApparentPair* apparent_pair() const { return pair_ ? &pair_->apparent : nullptr; }

@@ -45,14 +45,13 @@ class HeightWeight : public Weight {
 /// The mean of the ranges from both ends.
 class RangeWeight : public Weight {
  public:
-  RangeWeight(glm::dvec3 out_m, glm::dvec3 home_m, double scale_m)
-      : Weight(scale_m), out_m_(out_m), home_m_(home_m) {}
+  RangeWeight(glm::dvec3 tx_m, glm::dvec3 rx_m, double scale_m) : Weight(scale_m), tx_m_(tx_m), rx_m_(rx_m) {}
   double factor(glm::dvec3 place_m) const override {
-    return (glm::distance(place_m, out_m_) + glm::distance(place_m, home_m_)) / (2 * scale_m_);
+    return (glm::distance(place_m, tx_m_) + glm::distance(place_m, rx_m_)) / (2 * scale_m_);
   }
 
  private:
-  const glm::dvec3 out_m_, home_m_;
+  const glm::dvec3 tx_m_, rx_m_;
 };
 
 bool is_uniform(const BeamPatterns& patterns) {
@@ -147,14 +146,14 @@ TruthLaws::TruthLaws(const Transmission& transmission, std::size_t sensor, const
 
 void TruthLaws::make_tables() {
   const RangeSamples& samples = transmission_.sensor(sensor_).samples();
-  const glm::dvec3 out_m = law_.path.out.apex_m;
+  const glm::dvec3 tx_m = law_.path.tx.apex_m;
   // No place of a path is farther from either of its ends than the path is long.
   scale_m_ = 2 * (samples.first_m + samples.count * samples.step_m);
-  lowest_m_ = out_m.z - scale_m_;
-  glm::dvec3 home_m = out_m;
+  lowest_m_ = tx_m.z - scale_m_;
+  glm::dvec3 rx_m = tx_m;
   if (transmission_.has_receiver_apart()) {
     const WorldGrid& grid = transmission_.scene().grid;
-    home_m = grid.to_metres(grid.snap(transmission_.receiver_pose().position_m));
+    rx_m = grid.to_metres(grid.snap(transmission_.receiver_pose().position_m));
   }
   for (const Truth::Owner& owner : truth_.owners()) {
     mu_.push_back(law_.material_mu[owner.material]);
@@ -165,7 +164,7 @@ void TruthLaws::make_tables() {
   no_scattering_.assign(scattering_.size(), nullptr);
   level_ = weighed_by(std::make_shared<Weight>(scale_m_));
   height_ = weighed_by(std::make_shared<HeightWeight>(lowest_m_, scale_m_));
-  range_ = weighed_by(std::make_shared<RangeWeight>(out_m, home_m, scale_m_));
+  range_ = weighed_by(std::make_shared<RangeWeight>(tx_m, rx_m, scale_m_));
 }
 
 TruthLaws::Textures TruthLaws::weighed_by(const std::shared_ptr<const ReflectivityField>& weight) const {

@@ -72,10 +72,10 @@ class Gatherer {
       if (ends.are_two())
         add_two_ends(transmission, ends, place);
       else
-        add_one_end(transmission, ends.out(), place);
-      if (view.pings.size() == 1 && number == 0 && ends.out().refined != nullptr &&
-          ends.out().apparent == nullptr)
-        own_mesh_ = *ends.out().mesh;
+        add_one_end(transmission, ends.tx(), place);
+      if (view.pings.size() == 1 && number == 0 && ends.tx().refined != nullptr &&
+          ends.tx().apparent == nullptr)
+        own_mesh_ = *ends.tx().mesh;
     }
     if (surfaces_are_known(around.survey(), index_))
       for (const int samples :
@@ -223,14 +223,14 @@ class Gatherer {
         occluders[k][{end.name_of(f.facet), f.tube}] = f.occluder_count;
       shade(transmission, end, history);
     }
-    const glm::dvec3 apex = transmission.scene().grid.to_metres(ends.out().tubes.apex);
+    const glm::dvec3 apex = transmission.scene().grid.to_metres(ends.tx().tubes.apex);
     const auto first_footprint = static_cast<std::uint32_t>(view.footprints.size());
     for (std::size_t k = 0; k < seen.footprints.footprints.size(); ++k) {
       const Footprint& f = seen.footprints.footprints[k];
-      const std::uint32_t home = seen.receive_tube[k];
-      add_footprint(transmission, f, seen.footprints, place, home, first_tube[0], first_tube[1],
+      const std::uint32_t rx = seen.receive_tube[k];
+      add_footprint(transmission, f, seen.footprints, place, rx, first_tube[0], first_tube[1],
                     ends.base_facet(f.facet), ends.shared_mesh(), seen.area_m2(k),
-                    occluders[0][{f.facet, f.tube}] + occluders[1][{f.facet, home}],
+                    occluders[0][{f.facet, f.tube}] + occluders[1][{f.facet, rx}],
                     [&](glm::dvec3 seen_m) { return seen.place(k, seen_m, apex); });
     }
     const std::unique_ptr<SensorLaw> law = ends.law(index_);

@@ -213,7 +213,7 @@ TEST_F(Worlds, ReadStonefishDown) {
   EXPECT_LT(glm::length(scene.sensors[0].own.turn * glm::dvec3(0, 1, 0) - glm::dvec3(0, 1, 0)), 1e-14);
   EXPECT_LT(glm::length(scene.sensors[0].own.turn * glm::dvec3(0, 0, 1) - glm::dvec3(0, 0, 1)), 1e-14);
   EXPECT_EQ(scene.sensors[0].own.position_m, glm::dvec3(0, 0, -1));
-  // Four views of 20 degrees, 16 beams each: the first one's axis is 15 sixteenths of the way out, in
+  // Four views of 20 degrees, 16 beams each: the first one's axis is 15 sixteenths of the transmit leg, in
   // tangent.
   const double ten = 10 * std::numbers::pi / 180;
   const std::string first =

@@ -66,12 +66,12 @@ Polygons read(const std::filesystem::path& file) {
       all.receiver_tubes += receiver;
     }
     all.seen += word == "seen";
-    int facet = 0, home = tube;
+    int facet = 0, rx = tube;
     std::size_t count = 0;
     if (word == "piece") {
       words >> facet >> count;
     } else if (word == "shared") {
-      words >> facet >> tube >> home >> count;
+      words >> facet >> tube >> rx >> count;
     } else {
       continue;
     }
@@ -92,7 +92,7 @@ Polygons read(const std::filesystem::path& file) {
       glm::dvec3 sum(0);
       for (std::size_t k = 1; k + 1 < count; ++k)
         sum += glm::cross(corners[k] - corners[0], corners[k + 1] - corners[0]);
-      all.area_m2[{facet, tube, word == "shared" ? home : -1}] += glm::length(sum) / 2;
+      all.area_m2[{facet, tube, word == "shared" ? rx : -1}] += glm::length(sum) / 2;
       ++all.pieces;
     }
   }
@@ -129,9 +129,9 @@ TEST_P(ExactCorners, AreThoseOfTheTable) {
   ASSERT_TRUE(data);
   for (const auto& row : *data->GetLayer(0)) {
     const auto number = [&](const char* name) { return row->GetFieldAsInteger(name); };
-    const int facet = number("facet"), tube = number("tube"), home = number("receive_tube");
-    const auto found = exact.area_m2.find({facet, tube, apart ? home : -1});
-    ASSERT_NE(found, exact.area_m2.end()) << facet << ' ' << tube << ' ' << home;
+    const int facet = number("facet"), tube = number("tube"), rx = number("receive_tube");
+    const auto found = exact.area_m2.find({facet, tube, apart ? rx : -1});
+    ASSERT_NE(found, exact.area_m2.end()) << facet << ' ' << tube << ' ' << rx;
     // The bed is the plane 0, though rays lead where it does not seem to be.
     if (std::string(row->GetFieldAsString("material")) == "sand") {
       EXPECT_LT(exact.farthest_up_m.at(facet), 1e-9);
@@ -140,7 +140,7 @@ TEST_P(ExactCorners, AreThoseOfTheTable) {
     const double area = row->GetFieldAsDouble("area_m2");
     EXPECT_NEAR(found->second, area, 1e-9 * area + 1e-12);
     if (!apart) {
-      EXPECT_EQ(tube, home);
+      EXPECT_EQ(tube, rx);
     }
     if (of_a_beam) {
       EXPECT_EQ(number("beam"), 1);

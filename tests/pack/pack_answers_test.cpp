@@ -76,9 +76,9 @@ double over(const std::vector<std::array<glm::dvec3, 3>>& triangles, int n,
 
 /// mu sin(g1) sin(g2) r1^-2 r2^-2.
 double scattered(double mu, glm::dvec3 from, glm::dvec3 to, glm::dvec3 at, glm::dvec3 normal) {
-  const glm::dvec3 out = at - from, home = at - to;
-  const double r1 = glm::length(out), r2 = glm::length(home);
-  return mu * std::abs(glm::dot(out, normal) / r1 * glm::dot(home, normal) / r2) / (r1 * r1 * r2 * r2);
+  const glm::dvec3 tx = at - from, rx = at - to;
+  const double r1 = glm::length(tx), r2 = glm::length(rx);
+  return mu * std::abs(glm::dot(tx, normal) / r1 * glm::dot(rx, normal) / r2) / (r1 * r1 * r2 * r2);
 }
 
 // README.md: E = mu H^2 w (r0^-4 - r1^-4) / 4; w between the rounded corner rays.
@@ -233,12 +233,12 @@ TEST(PackAnswers, TwoScatteringsAreThoseOfTwoPlatesAndTheirToleranceHolds) {
   const double mu = std::pow(10, -0.6);
   const double later = 2 * over(port, 6, [&](glm::dvec3 p, glm::dvec3 n) {
                          return over(starboard, 6, [&](glm::dvec3 q, glm::dvec3 m) {
-                           const double out = glm::length(p - sonar), home = glm::length(q - sonar),
+                           const double tx = glm::length(p - sonar), rx = glm::length(q - sonar),
                                         s = glm::length(q - p);
                            return mu * mu *
-                                  std::abs(glm::dot(p - sonar, n) / out * glm::dot(q - p, n) / s *
-                                           glm::dot(q - p, m) / s * glm::dot(q - sonar, m) / home) /
-                                  (out * out * s * s * home * home);
+                                  std::abs(glm::dot(p - sonar, n) / tx * glm::dot(q - p, n) / s *
+                                           glm::dot(q - p, m) / s * glm::dot(q - sonar, m) / rx) /
+                                  (tx * tx * s * s * rx * rx);
                          });
                        });
   const auto begins =

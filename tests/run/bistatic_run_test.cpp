@@ -129,11 +129,11 @@ TEST(BistaticRun, RefractingWaterBendsBothWays) {
   };
   for (double x = -6 + cell / 2; x < 6; x += cell)
     for (double y = cell / 2; y < 5; y += cell) {  // and the other half
-      const Way out = way(x - b / 2, y), home = way(x + b / 2, y);
-      const double sample = (cs * (out.time_s + home.time_s) / 2 - refracted.first_m(0)) / step;
+      const Way tx = way(x - b / 2, y), rx = way(x + b / 2, y);
+      const double sample = (cs * (tx.time_s + rx.time_s) / 2 - refracted.first_m(0)) / step;
       if (sample >= double(expected.size())) continue;
       expected[std::size_t(sample)] +=
-          2 * mu * out.sine * home.sine * cell * cell * cr * cr / (out.tube_m2 * home.tube_m2 * cs * cs);
+          2 * mu * tx.sine * rx.sine * cell * cell * cr * cr / (tx.tube_m2 * rx.tube_m2 * cs * cs);
     }
   double difference = 0, all = 0, far_m = std::hypot(h, b / 2) * 1.08;
   for (std::size_t k = 0; k < expected.size(); ++k) {

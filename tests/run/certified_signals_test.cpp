@@ -130,9 +130,9 @@ class SurfaceIntegral {
       for (const auto& [y, wy] : rule(over.south, over.north)) {
         const glm::dvec3 there(x, y, over.z);
         const double r = glm::distance(from, there), s = glm::distance(there, to);
-        const double up_out = from.z - over.z, up_home = to.z - over.z;
-        points_.push_back({r + s, up_out / (r * r) + up_home / (s * s), up_out / r + up_home / s,
-                           wx * wy / (4 * pi * r * s)});
+        const double up_tx = from.z - over.z, up_rx = to.z - over.z;
+        points_.push_back(
+            {r + s, up_tx / (r * r) + up_rx / (s * s), up_tx / r + up_rx / s, wx * wy / (4 * pi * r * s)});
         shortest_ = std::min(shortest_, r + s);
         longest_ = std::max(longest_, r + s);
       }

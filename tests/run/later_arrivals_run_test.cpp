@@ -66,14 +66,14 @@ std::vector<double> crossed(std::size_t samples) {
       const double up = std::atan((x + sign * std::sqrt(root2)) / (2 * a));
       if (up < TurningWater::steepest_rad) rays.push_back(TurningWater::landing(-up));
     }
-    for (std::size_t out = 0; out < rays.size(); ++out)
-      for (std::size_t home = 0; home < rays.size(); ++home) {
+    for (std::size_t tx = 0; tx < rays.size(); ++tx)
+      for (std::size_t rx = 0; rx < rays.size(); ++rx) {
         const double sample =
-            (750 * (rays[out].time_s + rays[home].time_s) - from_m) / (to_m - from_m) * double(samples);
-        if (out != home && sample >= 0 && sample < double(samples))
-          energy[std::size_t(sample)] += mu * std::sin(rays[out].arrival_rad) *
-                                         std::sin(rays[home].arrival_rad) * x * fan_rad * step /
-                                         (rays[out].area_back_m2 * rays[home].area_back_m2);
+            (750 * (rays[tx].time_s + rays[rx].time_s) - from_m) / (to_m - from_m) * double(samples);
+        if (tx != rx && sample >= 0 && sample < double(samples))
+          energy[std::size_t(sample)] += mu * std::sin(rays[tx].arrival_rad) *
+                                         std::sin(rays[rx].arrival_rad) * x * fan_rad * step /
+                                         (rays[tx].area_back_m2 * rays[rx].area_back_m2);
       }
   }
   return energy;

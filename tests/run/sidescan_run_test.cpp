@@ -20,9 +20,9 @@ namespace {
 constexpr int pings = 60, samples = 400;
 constexpr double range_m = 20, spacing_m = 0.2;
 
-/// 5 m above a dark bed, 12 m long to the north, past a sphere that lies `out_m` to starboard, 8 m from the
+/// 5 m above a dark bed, 12 m long to the north, past a sphere that lies `tx_m` to starboard, 8 m from the
 /// start.
-std::string scene_with_target(double out_m, bool georeferenced = true) {
+std::string scene_with_target(double tx_m, bool georeferenced = true) {
   return fmt::format(R"({}[water]
 sound_speed_m_s = 1500
 [[materials]]
@@ -59,7 +59,7 @@ range_max_m = {}
 pulse_length_us = 50
 tvg_spreading = 40
 )",
-                     georeferenced ? "[georeference]\norigin_lat_lon_deg = [48, -4]\n" : "", out_m, pings,
+                     georeferenced ? "[georeference]\norigin_lat_lon_deg = [48, -4]\n" : "", tx_m, pings,
                      samples, range_m);
 }
 
@@ -136,10 +136,10 @@ std::string run(const TestFolder& folder, const std::string& scene) {
 struct SidescanRun : testing::TestWithParam<double> {};
 
 TEST_P(SidescanRun, TargetAheadIsOnItsSideInEveryFile) {
-  const double out_m = GetParam();
-  const bool port = out_m < 0;
+  const double tx_m = GetParam();
+  const bool port = tx_m < 0;
   const TestFolder folder;
-  run(folder, scene_with_target(out_m));
+  run(folder, scene_with_target(tx_m));
   const std::filesystem::path results = folder / "results";
   const double slant_m =
       std::hypot(12, 4.7) - 0.3;  // of the sphere's front, within its radius of the brightest

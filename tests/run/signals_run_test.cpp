@@ -95,8 +95,8 @@ ElementSignals of_points_on_the_way(const ElementSignals& like, const GroundFiel
           const double t = like.sampling.time_s(k);
           const TwoWayPath path = path_received_at(t, sent, place, received, like.sound_speed_m_s);
           const double up = sent.at(path.emitted_s).z - place.z, over = received.at(t).z - place.z;
-          sum.channel(ping, e)[k] += z * std::sqrt(mu * up / path.out_m * over / path.home_m) /
-                                     (path.out_m * path.home_m) *
+          sum.channel(ping, e)[k] += z * std::sqrt(mu * up / path.tx_m * over / path.rx_m) /
+                                     (path.tx_m * path.rx_m) *
                                      baseband_at(like.waveform, like.sampling.baseband_hz, path.emitted_s) *
                                      std::polar(1.0, 2 * pi * like.sampling.baseband_hz * path.delay_s());
         }
@@ -106,8 +106,8 @@ ElementSignals of_points_on_the_way(const ElementSignals& like, const GroundFiel
   return sum;
 }
 
-/// All scatterers of a level square of Lambert's law that nothing hides, as points: out and home along
-/// straight lines, a(x) = sqrt(mu sin sin) / (r s) in amplitude.
+/// All scatterers of a level square of Lambert's law that nothing hides, as points: transmit and receive
+/// along straight lines, a(x) = sqrt(mu sin sin) / (r s) in amplitude.
 ElementSignals of_points(const ElementSignals& like, const GroundField& field, glm::dvec3 middle_m,
                          double half_m) {
   ElementSignals sum = like;

@@ -496,9 +496,9 @@ std::string bed_by_way_of_the_surface(std::string_view paths) {
              "receive_pattern_angle = \"azimuth\"\nreceive_beam_width_deg = 10\n",
              paths);
 }
-/// What the beam receives over one reflection, on the way out or on the way back, where the product of both
-/// gains is at least `least`: by the midpoint rule in polar coordinates about the sonar's foot. The camera
-/// looks north.
+/// What the beam receives over one reflection, on the transmit leg or on the way back, where the product of
+/// both gains is at least `least`: by the midpoint rule in polar coordinates about the sonar's foot. The
+/// camera looks north.
 double received_over_the_surface(double least) {
   constexpr double below_m = 3, image_m = 5, mu = 0.01, degree = std::numbers::pi / 180;
   constexpr int distances = 1000, azimuths = 600;

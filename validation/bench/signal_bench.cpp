@@ -118,7 +118,7 @@ Place flat_bed(glm::dvec3 apex) {
   Place place;
   place.law.material_mu = mu;
   place.law.material = material;
-  place.law.path.out.apex_m = place.seen.origin_m = apex;
+  place.law.path.tx.apex_m = place.seen.origin_m = apex;
   place.seen.corners_m = {{-20, 8, -10}, {-20, 28, -10}, {20, 28, -10}, {20, 8, -10}};
   place.seen.patches = {{0, {0, 0, 1}, 10, 0, 4, 0, 0}};
   return place;
@@ -143,7 +143,7 @@ void run(double reach_m, int most_elements, bool direct) {
   Place place;
   place.law.material_mu = scene.material_mu;
   place.law.material = scene.mesh.material;
-  place.law.path.out.apex_m = apex;
+  place.law.path.tx.apex_m = apex;
   place.seen = seen_patches(history, place.law);
   fmt::print("survey scene, {} m: {} polygons, {:.0f} m2, {:.2f} s for the sight\n", reach_m,
              place.seen.patches.size(), place.seen.area_m2(), visibility_s);

@@ -110,7 +110,7 @@ void run(int elements, int exact_elements) {
   append_tubes(tubes, grid);
   const History history = TubeEngine(scene.mesh, tree, scene.grid.unit_m(), {}).trace(tubes);
   EchoLaw law;
-  law.path.out.apex_m = scene.grid.to_metres(tubes.apex);
+  law.path.tx.apex_m = scene.grid.to_metres(tubes.apex);
   const SplitPatches split = split_patches(seen_patches(history, law), [&](FacetId facet) {
     return scene.description.materials[scene.mesh.material[facet]].name == "steel";
   });

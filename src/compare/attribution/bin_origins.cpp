@@ -73,9 +73,9 @@ class Origins {
         [&](std::size_t number) { return all.together.footprints.footprints[number].facet; },
         [&](FacetId facet) { return ends.base_facet(facet); });
     const WorldGrid& grid = transmission.scene().grid;
-    add_edges(transmission, all.alone.back(), *ends.home().mesh,
-              grid.to_metres(ends.out().tubes.apex) - grid.to_metres(ends.home().tubes.apex),
-              [&](FacetId facet) { return ends.base_facet(ends.home().name_of(facet)); });
+    add_edges(transmission, all.alone.back(), *ends.rx().mesh,
+              grid.to_metres(ends.tx().tubes.apex) - grid.to_metres(ends.rx().tubes.apex),
+              [&](FacetId facet) { return ends.base_facet(ends.rx().name_of(facet)); });
   }
 
   template <class FacetOf, class BaseOf>

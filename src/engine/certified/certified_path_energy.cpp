@@ -238,102 +238,101 @@ bool CertifiedEnd::bound(const ScatteringLaw* law, const PlanePlace<ComplexBall>
   return true;
 }
 
-CertifiedPathEnergy::CertifiedPathEnergy(const CertifiedPolygon& polygon, const std::array<Ball, 3>& home_m,
+CertifiedPathEnergy::CertifiedPathEnergy(const CertifiedPolygon& polygon, const std::array<Ball, 3>& rx_m,
                                          const EchoLaw& law, const FacetBed& bed, const Ball& beta_per_m)
-    : out_(polygon, {}),
-      home_(polygon, home_m),
-      out_law_(bed.scattering),
-      home_law_(bed.scattering),
+    : tx_(polygon, {}),
+      rx_(polygon, rx_m),
+      tx_law_(bed.scattering),
+      rx_law_(bed.scattering),
       beta_(beta_per_m) {
   take(law.path, bed.factor, bed.mu);
 }
 
-CertifiedPathEnergy::CertifiedPathEnergy(CertifiedEnd out, CertifiedEnd home, const Path& path,
+CertifiedPathEnergy::CertifiedPathEnergy(CertifiedEnd tx, CertifiedEnd rx, const Path& path,
                                          const std::array<const ScatteringLaw*, 2>& laws, double mu,
                                          const Ball& beta_per_m)
-    : out_(std::move(out)), home_(std::move(home)), out_law_(laws[0]), home_law_(laws[1]), beta_(beta_per_m) {
+    : tx_(std::move(tx)), rx_(std::move(rx)), tx_law_(laws[0]), rx_law_(laws[1]), beta_(beta_per_m) {
   take(path, 1, mu);
 }
 
 void CertifiedPathEnergy::take(const Path& path, double factor, double mu) {
-  out_.take_loss(path.out.loss);
-  home_.take_loss(path.back().loss);
-  factor_ = out_law_ != nullptr ? Ball(factor) : Ball(mu) * out_.over().height * home_.over().height;
+  tx_.take_loss(path.tx.loss);
+  rx_.take_loss(path.back().loss);
+  factor_ = tx_law_ != nullptr ? Ball(factor) : Ball(mu) * tx_.over().height * rx_.over().height;
   factor_in_doubles_ = interval_of(factor_);
   beta_in_doubles_ = interval_of(beta_);
-  for (const ScatteringLaw* law : {out_law_, home_law_})
+  for (const ScatteringLaw* law : {tx_law_, rx_law_})
     if (law != nullptr)
       smooth_rad_ = std::min(smooth_rad_, smooth_angle([&](double y) { return law->growth(y); }));
-  for (const MirrorLoss* loss : {&path.out.loss, &path.back().loss})
+  for (const MirrorLoss* loss : {&path.tx.loss, &path.back().loss})
     if (!loss->rough_normals.empty())
       smooth_rad_ =
           std::min(smooth_rad_, 1 / std::sqrt(1 + loss->roughness * double(loss->rough_normals.size())));
 }
 
 /// But for what ranges take of it.
-Ball CertifiedPathEnergy::scattered(const PlanePlace<Ball>& p, const Ball& out_range,
-                                    const Ball& home_range) const {
-  const Ball value = factor_ * out_.passed(p, out_range) * home_.passed(p, home_range);
-  if (out_law_ == nullptr) return value;
-  return value *
-         root(out_.cross_section(*out_law_, p, out_range) * home_.cross_section(*home_law_, p, home_range));
+Ball CertifiedPathEnergy::scattered(const PlanePlace<Ball>& p, const Ball& tx_range,
+                                    const Ball& rx_range) const {
+  const Ball value = factor_ * tx_.passed(p, tx_range) * rx_.passed(p, rx_range);
+  if (tx_law_ == nullptr) return value;
+  return value * root(tx_.cross_section(*tx_law_, p, tx_range) * rx_.cross_section(*rx_law_, p, rx_range));
 }
 
-Ball CertifiedPathEnergy::spread(const Ball& out_range, const Ball& home_range) const {
-  const auto way = Way<Ball>::of(out_range, home_range);
-  return out_law_ == nullptr ? lambert_density(way, beta_) : density(Ball(1), way, beta_);
+Ball CertifiedPathEnergy::spread(const Ball& tx_range, const Ball& rx_range) const {
+  const auto way = Way<Ball>::of(tx_range, rx_range);
+  return tx_law_ == nullptr ? lambert_density(way, beta_) : density(Ball(1), way, beta_);
 }
 
-Ball CertifiedPathEnergy::density_at(const PlanePlace<Ball>& p, const Ball& out_range,
-                                     const Ball& home_range) const {
-  const Ball sent = scattered(p, out_range, home_range);
-  if (!is_wide(out_range) && !is_wide(home_range)) return sent * spread(out_range, home_range);
+Ball CertifiedPathEnergy::density_at(const PlanePlace<Ball>& p, const Ball& tx_range,
+                                     const Ball& rx_range) const {
+  const Ball sent = scattered(p, tx_range, rx_range);
+  if (!is_wide(tx_range) && !is_wide(rx_range)) return sent * spread(tx_range, rx_range);
   // The farther, the less.
-  const Ball most = spread(Ball(out_range.lo()), Ball(home_range.lo())),
-             least = spread(Ball(out_range.hi()), Ball(home_range.hi()));
+  const Ball most = spread(Ball(tx_range.lo()), Ball(rx_range.lo())),
+             least = spread(Ball(tx_range.hi()), Ball(rx_range.hi()));
   return sent * Ball::between(std::max(least.lo(), 0.0), most.hi());
 }
 
-Interval CertifiedPathEnergy::density_at(const PlanePlace<Interval>& p, const Interval& out_range,
-                                         const Interval& home_range) const {
+Interval CertifiedPathEnergy::density_at(const PlanePlace<Interval>& p, const Interval& tx_range,
+                                         const Interval& rx_range) const {
   // All of it is positive, and falls with both ranges: as narrow as intervals can be.
-  const auto way = Way<Interval>::of(out_range, home_range);
-  const Interval sent = factor_in_doubles_ * out_.passed(p, out_range) * home_.passed(p, home_range);
-  if (out_law_ == nullptr) return sent * lambert_density(way, beta_in_doubles_);
+  const auto way = Way<Interval>::of(tx_range, rx_range);
+  const Interval sent = factor_in_doubles_ * tx_.passed(p, tx_range) * rx_.passed(p, rx_range);
+  if (tx_law_ == nullptr) return sent * lambert_density(way, beta_in_doubles_);
   const Interval lobes =
-      root(out_.cross_section(*out_law_, p, out_range) * home_.cross_section(*home_law_, p, home_range));
+      root(tx_.cross_section(*tx_law_, p, tx_range) * rx_.cross_section(*rx_law_, p, rx_range));
   return density(sent * lobes, way, beta_in_doubles_);
 }
 
-double CertifiedPathEnergy::log_bound(const PlanePlace<ComplexBall>& p, CertifiedEnd::Bound& out,
-                                      CertifiedEnd::Bound& home) const {
-  if (!out_.bound(out_law_, p, out) || !home_.bound(home_law_, p, home)) return infinite;
-  const double power = out_law_ == nullptr ? 3 : 2;
-  double value = std::log(factor_.hi()) + out.passed + home.passed -
-                 power * (std::log(out.least_range) + std::log(home.least_range)) -
-                 beta_.lo() * std::max(out.least_real_range + home.least_real_range, 0.0);
-  if (out_law_ != nullptr) value += (out.cross_section + home.cross_section) / 2;
+double CertifiedPathEnergy::log_bound(const PlanePlace<ComplexBall>& p, CertifiedEnd::Bound& tx,
+                                      CertifiedEnd::Bound& rx) const {
+  if (!tx_.bound(tx_law_, p, tx) || !rx_.bound(rx_law_, p, rx)) return infinite;
+  const double power = tx_law_ == nullptr ? 3 : 2;
+  double value = std::log(factor_.hi()) + tx.passed + rx.passed -
+                 power * (std::log(tx.least_range) + std::log(rx.least_range)) -
+                 beta_.lo() * std::max(tx.least_real_range + rx.least_real_range, 0.0);
+  if (tx_law_ != nullptr) value += (tx.cross_section + rx.cross_section) / 2;
   return std::isnan(value) ? infinite : value + 1e-9 * (1 + std::abs(value));
 }
 
 bool CertifiedPathEnergy::has_pieces() const {
-  return out_law_ != nullptr && (out_law_->pieces().size() > 1 || home_law_->pieces().size() > 1);
+  return tx_law_ != nullptr && (tx_law_->pieces().size() > 1 || rx_law_->pieces().size() > 1);
 }
 
 bool CertifiedPathEnergy::take_pieces(const PlanePlace<Ball>& box) {
-  return out_law_ == nullptr || (out_.take_piece(*out_law_, box) && home_.take_piece(*home_law_, box));
+  return tx_law_ == nullptr || (tx_.take_piece(*tx_law_, box) && rx_.take_piece(*rx_law_, box));
 }
 
 void CertifiedPathEnergy::take_all_pieces() {
-  out_.take_all_pieces();
-  home_.take_all_pieces();
+  tx_.take_all_pieces();
+  rx_.take_all_pieces();
 }
 
 double CertifiedPathEnergy::scale_m(const PlanePlace<Ball>& p) const {
-  return std::min(out_.range(p).middle(), home_.range(p).middle()) * smooth_rad_;
+  return std::min(tx_.range(p).middle(), rx_.range(p).middle()) * smooth_rad_;
 }
 
-CertifiedPathGains::CertifiedPathGains(const CertifiedEnd& out, const CertifiedEnd& home,
+CertifiedPathGains::CertifiedPathGains(const CertifiedEnd& tx, const CertifiedEnd& rx,
                                        const TransmitPattern& transmit, std::span<const Directivity> receive)
     : any_(true) {
   const auto add = [&](const Directivity& pattern, const CertifiedEnd& end, std::vector<Gain>& gains) {
@@ -345,11 +344,11 @@ CertifiedPathGains::CertifiedPathGains(const CertifiedEnd& out, const CertifiedE
     tables_ = tables_ || gains.back().is_table();
     smooth_rad_ = std::min(smooth_rad_, smooth_angle([&](double y) { return pattern.growth(y); }));
   };
-  for (const Directivity& beam : transmit.beams) add(beam, out, transmit_);
-  for (const Directivity& beam : receive) add(beam, home, receive_);
+  for (const Directivity& beam : transmit.beams) add(beam, tx, transmit_);
+  for (const Directivity& beam : receive) add(beam, rx, receive_);
 }
 
-void CertifiedPathGains::weigh(const PlanePlace<Ball>& p, const Ball& out_range, const Ball& home_range,
+void CertifiedPathGains::weigh(const PlanePlace<Ball>& p, const Ball& tx_range, const Ball& rx_range,
                                std::vector<Ball>& values) const {
   if (!any_) return;
   const auto gain = [&](const Gain& g, const Ball& range) {
@@ -360,13 +359,13 @@ void CertifiedPathGains::weigh(const PlanePlace<Ball>& p, const Ball& out_range,
     return beyond ? g.most * Ball::between(0, 1) : value;
   };
   Ball sent;
-  for (const Gain& beam : transmit_) sent += gain(beam, out_range);
+  for (const Gain& beam : transmit_) sent += gain(beam, tx_range);
   for (std::size_t b = 0; b < receive_.size(); ++b)
-    values[b] = values[b] * sent * gain(receive_[b], home_range);
+    values[b] = values[b] * sent * gain(receive_[b], rx_range);
 }
 
-void CertifiedPathGains::weigh(const PlanePlace<Interval>& p, const Interval& out_range,
-                               const Interval& home_range, std::vector<Interval>& values) const {
+void CertifiedPathGains::weigh(const PlanePlace<Interval>& p, const Interval& tx_range,
+                               const Interval& rx_range, std::vector<Interval>& values) const {
   if (!any_) return;
   const auto gain = [&](const Gain& g, const Interval& range) {
     return g.is_uniform()
@@ -374,9 +373,9 @@ void CertifiedPathGains::weigh(const PlanePlace<Interval>& p, const Interval& ou
                : g.at(CertifiedEnd::cosine(g.trace_in_doubles, p, range), by_segment_, g.most_in_doubles);
   };
   Interval sent;
-  for (const Gain& beam : transmit_) sent += gain(beam, out_range);
+  for (const Gain& beam : transmit_) sent += gain(beam, tx_range);
   for (std::size_t b = 0; b < receive_.size(); ++b)
-    values[b] = values[b] * sent * gain(receive_[b], home_range);
+    values[b] = values[b] * sent * gain(receive_[b], rx_range);
 }
 
 /// The cosine's rectangle is (f + u x + v y) / range, term by term.
@@ -393,40 +392,39 @@ double CertifiedPathGains::log_bound(const Gain& gain, const PlanePlace<ComplexR
   return gain.log_bound(ComplexRange(w_re.lo, w_re.hi, w_im.lo, w_im.hi));
 }
 
-void CertifiedPathGains::weigh(const PlanePlace<ComplexBall>& p, const CertifiedEnd::Bound& out,
-                               const CertifiedEnd::Bound& home, std::vector<double>& bounds) const {
+void CertifiedPathGains::weigh(const PlanePlace<ComplexBall>& p, const CertifiedEnd::Bound& tx,
+                               const CertifiedEnd::Bound& rx, std::vector<double>& bounds) const {
   if (!any_) return;
   const PlanePlace<ComplexRange> place{ComplexRange(p.x), ComplexRange(p.y)};
-  const ComplexRange per_out(out.per_range), per_home(home.per_range);
+  const ComplexRange per_tx(tx.per_range), per_rx(rx.per_range);
   // The logarithm of a sum, from its largest term.
   double strongest = -infinite;
   std::vector<double> sent;
   for (const Gain& beam : transmit_) {
-    sent.push_back(log_bound(beam, place, per_out));
+    sent.push_back(log_bound(beam, place, per_tx));
     strongest = std::max(strongest, std::isnan(sent.back()) ? infinite : sent.back());
   }
   double sum = 0;
   for (const double beam : sent) sum += std::exp(beam - strongest);
   const double all = strongest < infinite ? strongest + std::log(sum) + 1e-9 : infinite;
-  for (std::size_t b = 0; b < receive_.size(); ++b)
-    bounds[b] += all + log_bound(receive_[b], place, per_home);
+  for (std::size_t b = 0; b < receive_.size(); ++b) bounds[b] += all + log_bound(receive_[b], place, per_rx);
 }
 
-void CertifiedPathGains::take_segments(const PlanePlace<Ball>& box, const Ball& out_range,
-                                       const Ball& home_range, std::vector<double>& off) {
+void CertifiedPathGains::take_segments(const PlanePlace<Ball>& box, const Ball& tx_range,
+                                       const Ball& rx_range, std::vector<double>& off) {
   by_segment_ = tables_;
   if (!tables_) return;
   const auto take = [&](Gain& g, const Ball& range) {
     return g.take_segment(CertifiedEnd::cosine(g.trace, box, range));
   };
   double sent = 0;  // a sum is wrong by no more, relatively, than one of its terms
-  for (Gain& beam : transmit_) sent = std::max(sent, take(beam, out_range));
-  for (std::size_t b = 0; b < receive_.size(); ++b) off[b] += sent + take(receive_[b], home_range);
+  for (Gain& beam : transmit_) sent = std::max(sent, take(beam, tx_range));
+  for (std::size_t b = 0; b < receive_.size(); ++b) off[b] += sent + take(receive_[b], rx_range);
 }
 
-bool CertifiedPathGains::has_no_zero(const PlanePlace<Ball>& box, const Ball& home_range) const {
+bool CertifiedPathGains::has_no_zero(const PlanePlace<Ball>& box, const Ball& rx_range) const {
   return std::ranges::all_of(
-      receive_, [&](const Gain& g) { return g.has_no_zero(CertifiedEnd::cosine(g.trace, box, home_range)); });
+      receive_, [&](const Gain& g) { return g.has_no_zero(CertifiedEnd::cosine(g.trace, box, rx_range)); });
 }
 
 double CertifiedPathIntegrand::scale_m(const PlanePlace<Ball>& place) const {
@@ -434,19 +432,19 @@ double CertifiedPathIntegrand::scale_m(const PlanePlace<Ball>& place) const {
 }
 
 void CertifiedPathIntegrand::at(const PlanePlace<Ball>& place, std::vector<Ball>& values) const {
-  const Ball out = energy_.out().range(place), home = energy_.home().range(place);
-  Ball value = energy_.density_at(place, out, home);
+  const Ball tx = energy_.tx().range(place), rx = energy_.rx().range(place);
+  Ball value = energy_.density_at(place, tx, rx);
   if (texture_ != nullptr) value = value * texture_->factor_at(place.x, place.y);
   values.assign(gains_.beams(), value);
-  gains_.weigh(place, out, home, values);
+  gains_.weigh(place, tx, rx, values);
 }
 
 bool CertifiedPathIntegrand::at(const PlanePlace<Interval>& place, std::vector<Interval>& values) const {
-  const Interval out = energy_.out().range(place), home = energy_.home().range(place);
-  Interval value = energy_.density_at(place, out, home);
+  const Interval tx = energy_.tx().range(place), rx = energy_.rx().range(place);
+  Interval value = energy_.density_at(place, tx, rx);
   if (texture_ != nullptr) value = value * texture_->factor_at(place.x, place.y);
   values.assign(gains_.beams(), value);
-  gains_.weigh(place, out, home, values);
+  gains_.weigh(place, tx, rx, values);
   return true;
 }
 
@@ -455,7 +453,7 @@ bool CertifiedPathIntegrand::take(const PlanePlace<Ball>& box, std::vector<doubl
     gains_.take_tables();
     return energy_.take_pieces(box);
   }
-  gains_.take_segments(box, energy_.out().range(box), energy_.home().range(box), off);
+  gains_.take_segments(box, energy_.tx().range(box), energy_.rx().range(box), off);
   return energy_.take_pieces(box);
 }
 
@@ -466,11 +464,11 @@ void CertifiedPathIntegrand::take_whole() {
 
 void CertifiedPathIntegrand::log_bounds(const PlanePlace<ComplexBall>& place,
                                         std::vector<double>& bounds) const {
-  CertifiedEnd::Bound out, home;
-  double all = energy_.log_bound(place, out, home);
+  CertifiedEnd::Bound tx, rx;
+  double all = energy_.log_bound(place, tx, rx);
   if (all < infinite && texture_ != nullptr) all += std::log(texture_->largest_at(place.x, place.y)) + 1e-9;
   bounds.assign(gains_.beams(), std::isnan(all) ? infinite : all);
-  if (all < infinite) gains_.weigh(place, out, home, bounds);
+  if (all < infinite) gains_.weigh(place, tx, rx, bounds);
 }
 
 }  // namespace tubefoot

@@ -90,40 +90,39 @@ class CertifiedEnd {
   const ScatteringLaw::Piece* piece_ = nullptr;
 };
 
-/// What the bed returns along a path (density.hpp) that is gone out and home between two apexes, weighed by
-/// texture, patterns and mirrors.
+/// What the bed returns along a path (density.hpp) that is gone transmit and receive between two apexes,
+/// weighed by texture, patterns and mirrors.
 class CertifiedPathEnergy {
  public:
-  /// `home_m`: its apex, relative to the polygon's.
-  CertifiedPathEnergy(const CertifiedPolygon& polygon, const std::array<Ball, 3>& home_m, const EchoLaw& law,
+  /// `rx_m`: its apex, relative to the polygon's.
+  CertifiedPathEnergy(const CertifiedPolygon& polygon, const std::array<Ball, 3>& rx_m, const EchoLaw& law,
                       const FacetBed& bed, const Ball& beta_per_m);
   /// Of a facet flattened: each end has a law of its own, or none has (Lambert's `mu`).
-  CertifiedPathEnergy(CertifiedEnd out, CertifiedEnd home, const Path& path,
+  CertifiedPathEnergy(CertifiedEnd tx, CertifiedEnd rx, const Path& path,
                       const std::array<const ScatteringLaw*, 2>& laws, double mu, const Ball& beta_per_m);
 
-  const CertifiedEnd& out() const { return out_; }
-  const CertifiedEnd& home() const { return home_; }
+  const CertifiedEnd& tx() const { return tx_; }
+  const CertifiedEnd& rx() const { return rx_; }
 
   /// Without patterns or texture.
-  Ball density_at(const PlanePlace<Ball>& p, const Ball& out_range, const Ball& home_range) const;
-  Interval density_at(const PlanePlace<Interval>& p, const Interval& out_range,
-                      const Interval& home_range) const;
+  Ball density_at(const PlanePlace<Ball>& p, const Ball& tx_range, const Ball& rx_range) const;
+  Interval density_at(const PlanePlace<Interval>& p, const Interval& tx_range,
+                      const Interval& rx_range) const;
   /// Of its logarithm, over complex places; infinite where it is not analytic. Fills those of its ends.
-  double log_bound(const PlanePlace<ComplexBall>& p, CertifiedEnd::Bound& out,
-                   CertifiedEnd::Bound& home) const;
+  double log_bound(const PlanePlace<ComplexBall>& p, CertifiedEnd::Bound& tx, CertifiedEnd::Bound& rx) const;
   bool has_pieces() const;
   bool take_pieces(const PlanePlace<Ball>& box);
   void take_all_pieces();
   double scale_m(const PlanePlace<Ball>& p) const;
 
  private:
-  Ball scattered(const PlanePlace<Ball>& p, const Ball& out_range, const Ball& home_range) const;
-  Ball spread(const Ball& out_range, const Ball& home_range) const;
+  Ball scattered(const PlanePlace<Ball>& p, const Ball& tx_range, const Ball& rx_range) const;
+  Ball spread(const Ball& tx_range, const Ball& rx_range) const;
 
   void take(const Path& path, double factor, double mu);
 
-  CertifiedEnd out_, home_;
-  const ScatteringLaw *out_law_, *home_law_;
+  CertifiedEnd tx_, rx_;
+  const ScatteringLaw *tx_law_, *rx_law_;
   Ball factor_, beta_;
   Interval factor_in_doubles_, beta_in_doubles_;
   double smooth_rad_ = 1;
@@ -134,23 +133,23 @@ class CertifiedPathGains {
  public:
   /// Without any.
   CertifiedPathGains() = default;
-  CertifiedPathGains(const CertifiedEnd& out, const CertifiedEnd& home, const TransmitPattern& transmit,
+  CertifiedPathGains(const CertifiedEnd& tx, const CertifiedEnd& rx, const TransmitPattern& transmit,
                      std::span<const Directivity> receive);
 
   std::size_t beams() const { return any_ ? receive_.size() : 1; }
   /// Multiplies each beam's value.
-  void weigh(const PlanePlace<Ball>& p, const Ball& out_range, const Ball& home_range,
+  void weigh(const PlanePlace<Ball>& p, const Ball& tx_range, const Ball& rx_range,
              std::vector<Ball>& values) const;
-  void weigh(const PlanePlace<Interval>& p, const Interval& out_range, const Interval& home_range,
+  void weigh(const PlanePlace<Interval>& p, const Interval& tx_range, const Interval& rx_range,
              std::vector<Interval>& values) const;
   /// Adds to the logarithms of each beam's bound.
-  void weigh(const PlanePlace<ComplexBall>& p, const CertifiedEnd::Bound& out,
-             const CertifiedEnd::Bound& home, std::vector<double>& bounds) const;
+  void weigh(const PlanePlace<ComplexBall>& p, const CertifiedEnd::Bound& tx, const CertifiedEnd::Bound& rx,
+             std::vector<double>& bounds) const;
   /// Takes tables for one segment's cubic over a box; adds to `off` by beam.
-  void take_segments(const PlanePlace<Ball>& box, const Ball& out_range, const Ball& home_range,
+  void take_segments(const PlanePlace<Ball>& box, const Ball& tx_range, const Ball& rx_range,
                      std::vector<double>& off);
   /// Of all that receives.
-  bool has_no_zero(const PlanePlace<Ball>& box, const Ball& home_range) const;
+  bool has_no_zero(const PlanePlace<Ball>& box, const Ball& rx_range) const;
   void take_tables() { by_segment_ = false; }
   bool has_tables() const { return tables_; }
   double smooth_rad() const { return smooth_rad_; }

@@ -76,7 +76,7 @@ void add_piece(const ProvenPiece& piece, const Asked& asked, BinsBetween& bins) 
   const CertifiedTexture* texture = asked.textures[material].get();
   if (texture == nullptr) return add(polygon, nullptr, {1, 1});
   const Between range{std::max(texture->range().lo(), 0.0), texture->range().hi()};
-  const FacetMap& lies = law.path.out.facet_map[piece.id];
+  const FacetMap& lies = law.path.tx.facet_map[piece.id];
   const bool worth_it = range.hi - range.lo > asked.tolerance / 8 * range.lo;
   cells = worth_it ? cut_by_cells(polygon, *texture, lies, most_cells, {}) : 0;
   if (cells == 0) {
@@ -113,7 +113,7 @@ RefractedReference certify_refracted_echo(const MappedSeabed& bed, const RayEncl
                     samples.step_m,
                     tolerance,
                     Ball(law.absorption_db_per_m) * log(Ball(10)) / Ball(10)};
-  if (law.path.out.facet_map.empty() &&
+  if (law.path.tx.facet_map.empty() &&
       std::ranges::any_of(asked.textures, [](const auto& texture) { return texture != nullptr; }))
     throw std::invalid_argument("a micro-texture is that of where facets lie: it takes their maps");
   const FacetMesh& apparent = bed.mesh();

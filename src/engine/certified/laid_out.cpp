@@ -42,14 +42,14 @@ CertifiedPolygon flattened(std::span<const glm::dvec3> corners_m, glm::dvec3 rec
 
 CertifiedPathEnergy energy_of(const PairedFacet& paired, const PairedEnclosure& proven, const EchoLaw& law,
                               std::uint16_t material, const Ball& beta_per_m) {
-  const ApexOverPlane out{Ball(paired.transmit_distance_m), Ball(0), Ball(0)},
-      home{Ball(paired.receive_distance_m), Ball(paired.receive_foot_m.x), Ball(paired.receive_foot_m.y)};
+  const ApexOverPlane tx{Ball(paired.transmit_distance_m), Ball(0), Ball(0)},
+      rx{Ball(paired.receive_distance_m), Ball(paired.receive_foot_m.x), Ball(paired.receive_foot_m.y)};
   const auto law_of = [&](std::size_t e) { return proven.law[e] ? &*proven.law[e] : nullptr; };
-  return {{out, paired.transmit_seen}, {home, paired.receive_seen}, law.path,
-          {law_of(0), law_of(1)},      law.material_mu[material],   beta_per_m};
+  return {{tx, paired.transmit_seen}, {rx, paired.receive_seen}, law.path,
+          {law_of(0), law_of(1)},     law.material_mu[material], beta_per_m};
 }
 
-Towards seen_home(const CertifiedPolygon& polygon, const PairedFacet& paired) {
+Towards seen_rx(const CertifiedPolygon& polygon, const PairedFacet& paired) {
   std::vector<glm::dvec3> seen;
   for (const CertifiedPolygon::Point& p : polygon.points)
     seen.push_back(paired.receive_seen.at({p.x.middle(), p.y.middle()}));

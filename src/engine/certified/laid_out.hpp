@@ -17,7 +17,7 @@ CertifiedPolygon flattened(std::span<const glm::dvec3> corners_m, glm::dvec3 rec
 CertifiedPathEnergy energy_of(const PairedFacet& paired, const PairedEnclosure& proven, const EchoLaw& law,
                               std::uint16_t material, const Ball& beta_per_m);
 /// Where the receiver sees a polygon on it.
-Towards seen_home(const CertifiedPolygon& polygon, const PairedFacet& paired);
+Towards seen_rx(const CertifiedPolygon& polygon, const PairedFacet& paired);
 /// From the plane's coordinates to where its places lie.
 FacetMap map_of(const LyingPlane& lies);
 /// No texture changes by more on a way of that length.

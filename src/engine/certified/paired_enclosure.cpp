@@ -19,7 +19,7 @@ namespace {
 
 constexpr double slack = enclosure_slack;
 constexpr double infinite = std::numeric_limits<double>::infinity();
-constexpr int most_parts = 16;  // of HomeRanges
+constexpr int most_parts = 16;  // of ReceiveRanges
 constexpr FacetId none = std::numeric_limits<FacetId>::max();
 using State = FacetEnclosure::State;
 
@@ -184,14 +184,14 @@ class PairedEncloser {
     }
     if (!all.whole[0] || !all.whole[1]) return all;
     for (std::size_t k = 0; k < all.boxes.size(); ++k) {
-      const EndPatch &out = all.patches[0][k], &home = all.patches[1][k];
-      const Interval a = slope(out, &Jet::a) + slope(home, &Jet::a) - 2.0 * out.log_speed_a,
-                     b = slope(out, &Jet::b) + slope(home, &Jet::b) - 2.0 * out.log_speed_b;
+      const EndPatch &tx = all.patches[0][k], &rx = all.patches[1][k];
+      const Interval a = slope(tx, &Jet::a) + slope(rx, &Jet::a) - 2.0 * tx.log_speed_a,
+                     b = slope(tx, &Jet::b) + slope(rx, &Jet::b) - 2.0 * tx.log_speed_b;
       all.level_a = k == 0 ? a : hull(all.level_a, a);
       all.level_b = k == 0 ? b : hull(all.level_b, b);
       const auto& [box_a, box_b] = all.boxes[k];
       const auto also = other.end ? other.end->over(box_a, box_b) : std::nullopt;
-      add_most(out, home, also ? &*also : nullptr, law, all);
+      add_most(tx, rx, also ? &*also : nullptr, law, all);
       if (other.sees && !also) all.per_area = all.per_sr[0] = all.per_sr[1] = infinite;
     }
     return all;
@@ -205,16 +205,16 @@ class PairedEncloser {
     return at.sine_m.*along / at.sine_m.v + 3.0 * (rays.slowness_s_per_m.*along / rays.slowness_s_per_m.v) -
            rays.area_ratio_per_sr.*along / rays.area_ratio_per_sr.v - beta_ * beyond_db;
   }
-  double reference_speed() const { return bed_.out.rays.reference_speed_m_s(); }
+  double reference_speed() const { return bed_.tx.rays.reference_speed_m_s(); }
 
   /// Upper bounds of what a box returns by way of two ends: a square metre, and per steradian of either.
   struct Most {
     double per_sr[2]{}, per_area = 0;
   };
-  Most most_of(const EndPatch& out, const EndPatch& home, const ScatteringLaw* law) const {
+  Most most_of(const EndPatch& tx, const EndPatch& rx, const ScatteringLaw* law) const {
     double lobe[2]{}, by_sine[2]{}, area[2]{}, lost = 1;
     for (const int e : {0, 1}) {
-      const EndPatch& at = e == 0 ? out : home;
+      const EndPatch& at = e == 0 ? tx : rx;
       const Interval sine = at.sine_m.v / root(at.distance2.v);
       const double largest = std::min(sine.largest(), 1.0), least = least_size(sine);
       lobe[e] = law == nullptr
@@ -225,9 +225,9 @@ class PairedEncloser {
       if (!(area[e] > 0)) area[e] = 0;
       lost *= exp(-(beta_ * at.rays.absorption_db.v)).hi;
     }
-    const double sent = bed_.out.water.finder().source_speed_m_s(),
-                 received = bed_.home.water.finder().source_speed_m_s(),
-                 there = out.speed.lo / sent * (1 - slack),  // areas there and back differ by its square
+    const double sent = bed_.tx.water.finder().source_speed_m_s(),
+                 received = bed_.rx.water.finder().source_speed_m_s(),
+                 there = tx.speed.lo / sent * (1 - slack),  // areas there and back differ by its square
         speeds = sent / received * (1 + slack);
     // A place may be seen a tenth wider than its apparent facet has it.
     return {{1.1 * by_sine[0] * lobe[1] * lost / area[1],
@@ -237,15 +237,15 @@ class PairedEncloser {
   static double least_size(const Interval& x) {
     return x.may_be_zero() ? 0 : std::min(std::abs(x.lo), std::abs(x.hi));
   }
-  /// `beside`: what a receiver there receives as well, per steradian of the way home; null: none.
-  void add_most(const EndPatch& out, const EndPatch& home, const EndPatch* beside, const ScatteringLaw* law,
+  /// `beside`: what a receiver there receives as well, per steradian of the receive leg; null: none.
+  void add_most(const EndPatch& tx, const EndPatch& rx, const EndPatch* beside, const ScatteringLaw* law,
                 Gathered& all) const {
-    Most most = most_of(out, home, law);
+    Most most = most_of(tx, rx, law);
     if (beside != nullptr) {
-      const Most other = most_of(out, *beside, law);
-      const double speed = home.speed.hi / bed_.home.water.finder().source_speed_m_s() * (1 + slack),
-                   sine = least_size(home.sine_m.v / root(home.distance2.v)),
-                   area = (home.rays.area_ratio_per_sr.v * home.distance2.v).hi * speed * speed / sine;
+      const Most other = most_of(tx, *beside, law);
+      const double speed = rx.speed.hi / bed_.rx.water.finder().source_speed_m_s() * (1 + slack),
+                   sine = least_size(rx.sine_m.v / root(rx.distance2.v)),
+                   area = (rx.rays.area_ratio_per_sr.v * rx.distance2.v).hi * speed * speed / sine;
       most.per_sr[0] = std::max(most.per_sr[0], other.per_sr[0]);
       most.per_sr[1] = std::max(most.per_sr[1], 1.1 * other.per_area * area);
       most.per_area = std::max(most.per_area, other.per_area);
@@ -404,7 +404,7 @@ class PairedEncloser {
     };
     Interval level = log(outwards(flat.area_m2 / flattened_area, flat.area_m2 / flattened_area, 1e4)) +
                      both_ways(std::log1p(edge_pad_part)) + change(all.level_a, all.level_b) -
-                     2.0 * log(ends[0]->middle().speed / bed_.out.water.finder().source_speed_m_s());
+                     2.0 * log(ends[0]->middle().speed / bed_.tx.water.finder().source_speed_m_s());
     for (std::size_t e = 0; e < 2; ++e) {
       const EndPatch& middle = ends[e]->middle();
       const FacetEnclosure& facet = found.end[e];
@@ -433,39 +433,37 @@ class PairedEncloser {
         level = level + 0.5 * scattering->rest;
       }
       take_directions(flat, flattened[e], seen[e], facet, e, pair);
-      const MirrorLoss& loss = e == 0 ? law_.path.out.loss : law_.path.back().loss;
+      const MirrorLoss& loss = e == 0 ? law_.path.tx.loss : law_.path.back().loss;
       const double turn = pair.turn_rad[e] + pair.stretch[e];
       level = level + both_ways(loss.roughness * double(loss.rough_normals.size()) * (1 + loss.bend) * turn *
                                 (2 + turn) * (1 + slack));
     }
-    if (bed_.beside != nullptr &&
-        !take_home(flat, *ends[1], all.patches[1], flattened[1], misfit[1], pair.home))
+    if (bed_.beside != nullptr && !take_rx(flat, *ends[1], all.patches[1], flattened[1], misfit[1], pair.rx))
       return;
-    pair.home.pad_m = 2 * pad_m;  // of a length
+    pair.rx.pad_m = 2 * pad_m;  // of a length
     pair.factor = exp(level);
     pair.place_off_m = 4 * pad_m;
     pair.proven = pair.factor.is_finite() && std::isfinite(pair.shift_m) && pair.turn_rad[0] < 0.1 &&
                   pair.turn_rad[1] < 0.1 && pair.stretch[0] < 0.1 && pair.stretch[1] < 0.1;
   }
 
-  bool take_home(const FlatFacet& flat, const EndOfFacet& end, const std::vector<EndPatch>& patches,
-                 const Flattened& flattened, const Misfit& misfit, HomeRanges& home) const {
+  bool take_rx(const FlatFacet& flat, const EndOfFacet& end, const std::vector<EndPatch>& patches,
+               const Flattened& flattened, const Misfit& misfit, ReceiveRanges& rx) const {
     Jet bend;
     for (std::size_t k = 0; k < misfit.by_box.size(); ++k) {
       for (Interval Jet::*part : {&Jet::aa, &Jet::ab, &Jet::bb})
         bend.*part = k == 0 ? misfit.by_box[k].*part : hull(bend.*part, misfit.by_box[k].*part);
       const std::array<Interval, 3> change = end.change(patches[k]);
-      for (std::size_t i = 0; i < 3; ++i)
-        home.change[i] = k == 0 ? change[i] : hull(home.change[i], change[i]);
+      for (std::size_t i = 0; i < 3; ++i) rx.change[i] = k == 0 ? change[i] : hull(rx.change[i], change[i]);
     }
-    home.between_m = interpolated(flat, bend_of(bend));
-    if (!std::isfinite(home.between_m)) return false;
-    const auto parts_worth = [&] { return double(home.parts) * home.parts * bed_.ranges_within_m; };
-    for (home.parts = 1; home.parts < most_parts && home.between_m > parts_worth();) home.parts *= 2;
-    home.lattice_m.resize(std::size_t((home.parts + 1) * (home.parts + 1)));
-    for (int i = 0; i <= home.parts; ++i)
-      for (int j = 0; i + j <= home.parts; ++j) {
-        const double to_1 = double(i) / home.parts, to_2 = double(j) / home.parts;
+    rx.between_m = interpolated(flat, bend_of(bend));
+    if (!std::isfinite(rx.between_m)) return false;
+    const auto parts_worth = [&] { return double(rx.parts) * rx.parts * bed_.ranges_within_m; };
+    for (rx.parts = 1; rx.parts < most_parts && rx.between_m > parts_worth();) rx.parts *= 2;
+    rx.lattice_m.resize(std::size_t((rx.parts + 1) * (rx.parts + 1)));
+    for (int i = 0; i <= rx.parts; ++i)
+      for (int j = 0; i + j <= rx.parts; ++j) {
+        const double to_1 = double(i) / rx.parts, to_2 = double(j) / rx.parts;
         const auto between = [&](const auto& corner) {
           return corner[0] + to_1 * (corner[1] - corner[0]) + to_2 * (corner[2] - corner[0]);
         };
@@ -474,7 +472,7 @@ class PairedEncloser {
         const glm::dvec2 at = between(flat.at);
         const Interval laid2 = flattened.range2(at.x, at.y).v, range2 = square_of_range(*there).v,
                        sum = root(range2) + root(laid2);
-        home.lattice_m[std::size_t(i * (home.parts + 1) + j)] =
+        rx.lattice_m[std::size_t(i * (rx.parts + 1) + j)] =
             (range2 - laid2) / sum + both_ways(1e-14 * sum.hi);  // places are rounded
       }
     return true;
@@ -508,10 +506,10 @@ class PairedEncloser {
 
 }  // namespace
 
-double HomeRanges::largest_difference_m(const HomeRanges& one, const HomeRanges& other) {
+double ReceiveRanges::largest_difference_m(const ReceiveRanges& one, const ReceiveRanges& other) {
   const int parts = std::min(one.parts, other.parts);
   if (parts == 0) return infinite;
-  const auto at = [&](const HomeRanges& of, int i, int j) {
+  const auto at = [&](const ReceiveRanges& of, int i, int j) {
     const int step = of.parts / parts;
     return of.lattice_m[std::size_t(step * (i * (of.parts + 1) + j))];
   };

@@ -28,19 +28,19 @@ struct PairedBed {
   std::span<const FacetId> parent;  ///< by facet of the mesh: that of the base
   const FacetMesh& base;            ///< where it lies
   const WorldGrid& grid;
-  PairedEnd out, home;
+  PairedEnd tx, rx;
   /// Another receiver of the same transmission: most_per_sr and most are of what either receives of a place.
   const PairedEnd* beside = nullptr;
-  double ranges_within_m = 0;  ///< with that: how closely HomeRanges are to be told
+  double ranges_within_m = 0;  ///< with that: how closely ReceiveRanges are to be told
 
-  const PairedEnd& end(int which) const { return which == 0 ? out : home; }
+  const PairedEnd& end(int which) const { return which == 0 ? tx : rx; }
 };
 
 /// Ranges along rays home from a facet, less those laid out: on a lattice of a power of two of parts a side,
 /// from the first corner to the second (i) and to the third (j), as the mesh has them. What two receivers
 /// beside each other differ by, mostly, is all but alike for both: so ranges have to be told far more closely
 /// than samples ask for.
-struct HomeRanges {
+struct ReceiveRanges {
   int parts = 0;
   std::vector<Interval> lattice_m{};  ///< at i (parts + 1) + j
   double between_m = 0;  ///< and anywhere between no farther than that from the linear; all of that at 1 part
@@ -48,10 +48,10 @@ struct HomeRanges {
   std::array<Interval, 3> change{};  ///< of the range with its place, anywhere
 
   /// The difference of both ranges differs by no more from that of those laid out.
-  static double largest_difference_m(const HomeRanges& one, const HomeRanges& other);
+  static double largest_difference_m(const ReceiveRanges& one, const ReceiveRanges& other);
 };
 
-/// What is proven of a facet flattened (PairedFacet), by ends: out and home.
+/// What is proven of a facet flattened (PairedFacet), by ends: transmit and receive.
 struct PairedEnclosure {
   bool proven = false;
   double shift_m = 0;  ///< the half path of no place differs by more from the one laid out
@@ -62,7 +62,7 @@ struct PairedEnclosure {
   /// No ray is launched farther than this from where its end sees the place, and the place's distance there
   /// is no farther than this part of itself from the range laid out.
   std::array<double, 2> turn_rad{}, stretch{};
-  HomeRanges home;         ///< of a receiver that has one beside it
+  ReceiveRanges rx;        ///< of a receiver that has one beside it
   double place_off_m = 0;  ///< no place lies farther from where the laid out plane has it
 };
 

@@ -44,7 +44,7 @@ void PairedPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm::
   if (polygon.edges.size() < 3) return;
 
   const CertifiedPathEnergy energy = energy_of(paired, on.proven, law_, on.material, beta_);
-  const ApexOverPlane out = energy.out().over(), home = energy.home().over();
+  const ApexOverPlane tx = energy.tx().over(), rx = energy.rx().over();
   const CertifiedTexture* texture = textures_[on.material].get();
   Between range{1, 1};
   if (texture != nullptr) range = {std::max(texture->range().lo(), 0.0), texture->range().hi()};
@@ -71,7 +71,7 @@ void PairedPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm::
   if (cells > 0) texture_change = change_of(*texture, on.proven.place_off_m);
   if (weighed || texture_change > 0) {
     CertifiedPathIntegrand integrand(energy, {}, nullptr);
-    on.integrator->add(polygon, out, {&home, 1}, integrand, allowance(0.05, 20),
+    on.integrator->add(polygon, tx, {&rx, 1}, integrand, allowance(0.05, 20),
                        [&](std::size_t sample, std::span<const Interval> values) {
                          plain[sample] += values[0].hi;
                          all_plain += values[0].hi;
@@ -87,19 +87,19 @@ void PairedPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm::
   if (weighed) {
     const TransmitPattern& transmit = law_.patterns->transmit[law_.patterns->fan_of_tube[receive_tube]];
     const std::span receive = std::span(law_.patterns->receive).subspan(first, end - first);
-    gains = {energy.out(), energy.home(), transmit, receive};
-    const PatternDoubt out_doubt(transmit, Towards::places(corners_m), on.proven);
-    const Towards back = seen_home(polygon, paired);
+    gains = {energy.tx(), energy.rx(), transmit, receive};
+    const PatternDoubt tx_doubt(transmit, Towards::places(corners_m), on.proven);
+    const Towards back = seen_rx(polygon, paired);
     for (std::size_t b = 0; b < receive.size(); ++b) {
-      doubts[b] = out_doubt;
-      doubts[b].take_home(receive[b], back, on.proven);
+      doubts[b] = tx_doubt;
+      doubts[b].take_rx(receive[b], back, on.proven);
     }
   }
   std::map<std::size_t, std::vector<Between>> found;  // by sample, over all cells
   const auto add_part = [&](const CertifiedPolygon& part, const CertifiedCell* cell) {
     CertifiedPathIntegrand integrand(energy, gains, cell);
     const double parts = 200 * double(std::max<std::size_t>(cells, 1)) * even.hi;
-    on.integrator->add(part, out, {&home, 1}, integrand, allowance(tolerance_ / 8, parts),
+    on.integrator->add(part, tx, {&rx, 1}, integrand, allowance(tolerance_ / 8, parts),
                        [&](std::size_t sample, std::span<const Interval> values) {
                          std::vector<Between>& sums = found[sample];
                          sums.resize(values.size());
@@ -119,11 +119,11 @@ void PairedPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm::
     for (std::size_t b = 0; b < sums.size(); ++b) {
       double off = 0;
       // A sliver's part of a cell may be lost where it is cut; no texture has more than that.
-      const double most = most_plain * range.hi * doubts[b].most_out * doubts[b].most_home;
+      const double most = most_plain * range.hi * doubts[b].most_tx * doubts[b].most_rx;
       if (weighed && !(sums[b].hi <= std::numeric_limits<double>::max())) sums[b].hi = most;
       if (weighed) off += doubts[b].of(sums[b].hi, most_plain * range.hi);
       if (texture_change > 0)
-        off += texture_change * most_plain * (weighed ? doubts[b].most_out * doubts[b].most_home : 1);
+        off += texture_change * most_plain * (weighed ? doubts[b].most_tx * doubts[b].most_rx : 1);
       on.samples.add(std::uint32_t(first + b), std::uint32_t(sample),
                      std::max(sums[b].lo - off, 0.0) * factor.lo * (1 - slack),
                      (sums[b].hi + off) * factor.hi * (1 + slack), bins);
@@ -131,13 +131,13 @@ void PairedPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm::
   }
 }
 
-double PairedPieces::most_of(std::uint32_t transmit, std::uint32_t beam, const Towards& out,
-                             const Towards& home) const {
+double PairedPieces::most_of(std::uint32_t transmit, std::uint32_t beam, const Towards& tx,
+                             const Towards& rx) const {
   const double passes =
-      tubefoot::most_of(law_.path.out.loss, out) * tubefoot::most_of(law_.path.back().loss, home);
+      tubefoot::most_of(law_.path.tx.loss, tx) * tubefoot::most_of(law_.path.back().loss, rx);
   if (law_.patterns == nullptr) return passes;
-  return passes * tubefoot::most_of(law_.patterns->transmit[transmit], out) *
-         tubefoot::most_of(law_.patterns->receive[beam], home);
+  return passes * tubefoot::most_of(law_.patterns->transmit[transmit], tx) *
+         tubefoot::most_of(law_.patterns->receive[beam], rx);
 }
 
 }  // namespace tubefoot

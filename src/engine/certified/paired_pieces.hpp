@@ -39,7 +39,7 @@ class PairedPieces {
            BinsBetween& bins) const;
 
   /// No less than what mirrors and patterns leave of what goes out and comes home in these directions.
-  double most_of(std::uint32_t transmit, std::uint32_t beam, const Towards& out, const Towards& home) const;
+  double most_of(std::uint32_t transmit, std::uint32_t beam, const Towards& tx, const Towards& rx) const;
 
  private:
   const EchoLaw& law_;

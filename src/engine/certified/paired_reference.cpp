@@ -75,13 +75,13 @@ class PairedReference {
         pieces_(law, borders_, samples.step_m, reference_targets(ordinary, tolerance), tolerance) {
     // Facets that begin beyond the reach may be seen before it; where sound is faster than ranges say, ends
     // are farther apart.
-    const double reach_m = std::max(tubes.out.reach, tubes.home.reach) * unit_m_,
-                 apart_m = glm::distance(bed.out.water.apex_m(), bed.home.water.apex_m());
+    const double reach_m = std::max(tubes.tx.reach, tubes.rx.reach) * unit_m_,
+                 apart_m = glm::distance(bed.tx.water.apex_m(), bed.rx.water.apex_m());
     margin_m_ = 0.01 * reach_m + 0.1 * apart_m;
     for (std::size_t e = 0; e < 2; ++e) {
       const PairedEnd& end = bed_.end(int(e));
       EndLook& look = looks_[e];
-      look.tubes = e == 0 ? tubes.out : tubes.home;
+      look.tubes = e == 0 ? tubes.tx : tubes.rx;
       look.tubes.reach += margin_m_ / unit_m_;
       for (std::uint32_t tube = 0; tube < look.tubes.tubes.size(); ++tube)
         look.sectors.push_back(sector_of(look.tubes, tube, unit_m_));
@@ -97,8 +97,8 @@ class PairedReference {
   /// What both ends see, laid out and enclosed.
   void enclose_shared(const Flattening& flatten) {
     const FootprintSharer sharer(
-        {looks_[0].tubes, looks_[0].seen, &bed_.out.ground.refined.mesh, bed_.out.origin},
-        {looks_[1].tubes, looks_[1].seen, &bed_.home.ground.refined.mesh, bed_.home.origin}, unit_m_);
+        {looks_[0].tubes, looks_[0].seen, &bed_.tx.ground.refined.mesh, bed_.tx.origin},
+        {looks_[1].tubes, looks_[1].seen, &bed_.rx.ground.refined.mesh, bed_.rx.origin}, unit_m_);
     shared_ = sharer.all();
     paired_ = flatten(shared_);
     enclosures_ = enclose(bed_, shared_.facets, paired_, law_);
@@ -151,13 +151,11 @@ class PairedReference {
       proven[shared.facets[number].facet] = found.is_proven.back();
     }
     for (FacetId f = 0; f < bed_.mesh.facets.size(); ++f) {
-      const FacetEnclosure *out = end_of(0, f), *home = end_of(1, f);
-      if (out == nullptr || home == nullptr || out->state == State::unproven ||
-          home->state == State::unproven)
+      const FacetEnclosure *tx = end_of(0, f), *rx = end_of(1, f);
+      if (tx == nullptr || rx == nullptr || tx->state == State::unproven || rx->state == State::unproven)
         continue;
-      if (!proven[f] || out->state == State::loose || home->state == State::loose)
-        add({out->nearest_m, out->farthest_m, out->most, looks_[0].apparent_of[f], out->seen}, 0, false,
-            loose);
+      if (!proven[f] || tx->state == State::loose || rx->state == State::loose)
+        add({tx->nearest_m, tx->farthest_m, tx->most, looks_[0].apparent_of[f], tx->seen}, 0, false, loose);
     }
     for (std::size_t e = 0; e < 2; ++e) {
       found.first_doubt[e] = bins.size();
@@ -174,13 +172,13 @@ class PairedReference {
     const FacetId own = looks_[e].apparent_of[facet];
     return own == none ? nullptr : &enclosures_.ends[e].facets[own];
   }
-  bool in_one_fan(std::uint32_t out_tube, std::uint32_t home_tube) const {
+  bool in_one_fan(std::uint32_t tx_tube, std::uint32_t rx_tube) const {
     return beams_.fan_of_transmit_tube.empty() ||
-           beams_.fan_of_transmit_tube[out_tube] == beams_.fan_of_receive_tube[home_tube];
+           beams_.fan_of_transmit_tube[tx_tube] == beams_.fan_of_receive_tube[rx_tube];
   }
-  std::pair<std::uint32_t, std::uint32_t> beams_of(std::uint32_t home_tube) const {
-    if (law_.patterns != nullptr) return law_.patterns->beams_of_tube[home_tube];
-    return {beams_.of_tube[home_tube], beams_.of_tube[home_tube] + 1};
+  std::pair<std::uint32_t, std::uint32_t> beams_of(std::uint32_t rx_tube) const {
+    if (law_.patterns != nullptr) return law_.patterns->beams_of_tube[rx_tube];
+    return {beams_.of_tube[rx_tube], beams_.of_tube[rx_tube] + 1};
   }
   /// Tubes that are received alike have the same.
   std::array<std::uint32_t, 4> label_of(std::size_t e, std::uint32_t tube) const {
@@ -250,9 +248,9 @@ class PairedReference {
 
   /// All that is received of an end's tube at half paths from there on.
   void add_unknown(std::size_t e, std::uint32_t tube, double from_m, BinsBetween& bins) const {
-    for (std::uint32_t home = 0; home < looks_[1].tubes.tubes.size(); ++home) {
-      if (e == 1 ? home != tube : !in_one_fan(tube, home)) continue;
-      const auto [first, end] = beams_of(home);
+    for (std::uint32_t rx = 0; rx < looks_[1].tubes.tubes.size(); ++rx) {
+      if (e == 1 ? rx != tube : !in_one_fan(tube, rx)) continue;
+      const auto [first, end] = beams_of(rx);
       for (std::uint32_t beam = first; beam < end; ++beam)
         each_sample(from_m, infinite,
                     [&](std::size_t sample) { bins[beam * (borders_.size() - 1) + sample].hi = infinite; });
@@ -326,10 +324,10 @@ class PairedReference {
       any = true;
       for (std::uint32_t beam = label[1]; beam < label[2]; ++beam) {
         double& weight = received[beam];
-        const Towards out{about[0].centre_m, about[0].radius_m};
+        const Towards tx{about[0].centre_m, about[0].radius_m};
         weight =
-            std::max(weight, pieces_.most_of(label[3], beam, out, {about[1].centre_m, about[1].radius_m}));
-        if (beside) weight = std::max(weight, pieces_.most_of(label[3], beam, out, *beside));
+            std::max(weight, pieces_.most_of(label[3], beam, tx, {about[1].centre_m, about[1].radius_m}));
+        if (beside) weight = std::max(weight, pieces_.most_of(label[3], beam, tx, *beside));
       }
     }
     return received;
@@ -403,7 +401,7 @@ RefractedReference certify_refracted_echo(const PairedBed& bed, const PairedTube
   const PatternsOfEnds own(law);
   PairedReference reference(bed, tubes, options, beams, samples, own.law, ordinary, tolerance);
   reference.enclose_shared([&](const SharedFootprints& shared) {
-    return paired_facets(shared, bed.mesh, {bed.out.ground, bed.out.water}, {bed.home.ground, bed.home.water},
+    return paired_facets(shared, bed.mesh, {bed.tx.ground, bed.tx.water}, {bed.rx.ground, bed.rx.water},
                          bed.grid, law.absorption_db_per_m);
   });
   const BinsBetween total = added_up(reference.parts().bins);
@@ -417,7 +415,7 @@ std::array<PairedParts, 2> paired_parts(const std::array<PairedBed, 2>& beds,
                                         double tolerance, const std::array<Flattening, 2>& flatten) {
   require_exact(options);
   const PatternsOfEnds own(law);
-  const std::vector<std::uint32_t> of_tube(tubes[0].home.tubes.size(), 0);
+  const std::vector<std::uint32_t> of_tube(tubes[0].rx.tubes.size(), 0);
   const ReceiveBeams beams{1, of_tube};
   PairedReference upper(beds[0], tubes[0], options, beams, samples, own.law, ordinary[0], tolerance),
       lower(beds[1], tubes[1], options, beams, samples, own.law, ordinary[1], tolerance);

@@ -13,7 +13,7 @@ namespace tubefoot {
 
 /// Tubes of both ends of a path.
 struct PairedTubes {
-  const TubeSet &out, &home;
+  const TubeSet &tx, &rx;
   /// Of an image they are windows, made of what is seen of a mirror: no wall is farther than this from where
   /// curved rays have it.
   std::array<double, 2> off_rad{};

@@ -35,7 +35,7 @@ class PathEncloser {
         working_(working),
         target_(reference_targets(ordinary, working)),
         beta_(Ball(law.absorption_db_per_m) * log(Ball(10)) / Ball(10)) {
-    for (std::size_t k = 0; k < 3; ++k) home_m_[k] = Ball(history.shared.receiver_m[int(k)]);
+    for (std::size_t k = 0; k < 3; ++k) rx_m_[k] = Ball(history.shared.receiver_m[int(k)]);
     count_parts();
   }
 
@@ -106,17 +106,17 @@ class PathEncloser {
 
   void add(const CertifiedPolygon& polygon, FacetId facet, const SharedPiece& piece, std::uint32_t first,
            std::uint32_t end, CertifiedPathIntegrator& integrator, BinSums& bins) {
-    const CertifiedPathEnergy energy(polygon, home_m_, law_, law_.bed(facet), beta_);
+    const CertifiedPathEnergy energy(polygon, rx_m_, law_, law_.bed(facet), beta_);
     CertifiedPathGains gains;
     if (law_.patterns != nullptr)
-      gains = {energy.out(), energy.home(),
+      gains = {energy.tx(), energy.rx(),
                law_.patterns->transmit[law_.patterns->fan_of_tube[piece.receive_tube]],
                std::span(law_.patterns->receive).subspan(first, end - first)};
     const CertifiedTexture* texture = textures_[law_.material[facet]].get();
     const Ball range = texture == nullptr ? Ball(1) : texture->range();
     const bool worth_it = polygon.edges.size() >= 3 && range.hi() - range.lo() > working_ / 8 * range.lo();
     const std::size_t row = borders_.size() - 1,
-                      cells = worth_it ? cut_by_cells(polygon, *texture, law_.path.out.map_of(facet),
+                      cells = worth_it ? cut_by_cells(polygon, *texture, law_.path.tx.map_of(facet),
                                                       most_cells, {})
                                        : 0;
     if (worth_it && cells == 0) coarse_ = true;
@@ -130,15 +130,15 @@ class PathEncloser {
             const double sharers = std::max(parts_[bin], 1.0) * double(std::max<std::size_t>(cells, 1));
             return std::max(target_[bin] / 3 / sharers / even.hi, least_allowed);
           }};
-      const ApexOverPlane home = energy.home().over();
-      integrator.add(part, energy.out().over(), {&home, 1}, integrand, allowance,
+      const ApexOverPlane rx = energy.rx().over();
+      integrator.add(part, energy.tx().over(), {&rx, 1}, integrand, allowance,
                      [&](std::size_t sample, std::span<const Interval> values) {
                        for (std::size_t beam = 0; beam < values.size(); ++beam)
                          bins.at(first + beam, sample) += even * values[beam];
                      });
     };
     if (cells == 0) return add_part(polygon, nullptr);
-    cut_by_cells(polygon, *texture, law_.path.out.map_of(facet), most_cells,
+    cut_by_cells(polygon, *texture, law_.path.tx.map_of(facet), most_cells,
                  [&](const CertifiedPolygon& part, const CertifiedCell& cell) { add_part(part, &cell); });
   }
 
@@ -151,7 +151,7 @@ class PathEncloser {
   double working_;
   std::vector<double> target_, parts_;
   Ball beta_;
-  std::array<Ball, 3> home_m_;
+  std::array<Ball, 3> rx_m_;
   std::atomic<bool> coarse_ = false;
 };
 

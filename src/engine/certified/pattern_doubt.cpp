@@ -76,23 +76,23 @@ double most_of(const MirrorLoss& loss, const Towards& towards) {
 
 PatternDoubt::PatternDoubt(const TransmitPattern& transmit, const Towards& there,
                            const PairedEnclosure& proven)
-    : out_beams(double(transmit.beams.size())), most_out(tubefoot::most_of(transmit, there)) {
+    : tx_beams(double(transmit.beams.size())), most_tx(tubefoot::most_of(transmit, there)) {
   for (const Directivity& beam : transmit.beams)
-    out_change = std::max(out_change, root_change(beam, proven.turn_rad[0], proven.stretch[0], there));
+    tx_change = std::max(tx_change, root_change(beam, proven.turn_rad[0], proven.stretch[0], there));
 }
 
-void PatternDoubt::take_home(const Directivity& receive, const Towards& back, const PairedEnclosure& proven) {
-  most_home = std::max(taken_ ? most_home : 0.0, tubefoot::most_of(receive, back));
-  home_change = std::max(home_change, root_change(receive, proven.turn_rad[1], proven.stretch[1], back));
+void PatternDoubt::take_rx(const Directivity& receive, const Towards& back, const PairedEnclosure& proven) {
+  most_rx = std::max(taken_ ? most_rx : 0.0, tubefoot::most_of(receive, back));
+  rx_change = std::max(rx_change, root_change(receive, proven.turn_rad[1], proven.stretch[1], back));
   taken_ = true;
 }
 
 double PatternDoubt::of(double energy, double plain) const {
-  const double t = out_change, n = out_beams, r = home_change, out = plain * most_out,
-               home = plain * most_home, root_n = std::sqrt(n);
-  return (2 * t * root_n * std::sqrt(energy * home) + n * t * t * home + 2 * r * std::sqrt(energy * out) +
-          r * r * out + 4 * t * r * root_n * std::sqrt(energy * plain) +
-          2 * t * root_n * r * r * std::sqrt(out * plain) + 2 * r * n * t * t * std::sqrt(home * plain) +
+  const double t = tx_change, n = tx_beams, r = rx_change, tx = plain * most_tx, rx = plain * most_rx,
+               root_n = std::sqrt(n);
+  return (2 * t * root_n * std::sqrt(energy * rx) + n * t * t * rx + 2 * r * std::sqrt(energy * tx) +
+          r * r * tx + 4 * t * r * root_n * std::sqrt(energy * plain) +
+          2 * t * root_n * r * r * std::sqrt(tx * plain) + 2 * r * n * t * t * std::sqrt(rx * plain) +
           n * t * t * r * r * plain) *
          (1 + slack);
 }

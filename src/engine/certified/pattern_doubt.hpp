@@ -29,13 +29,13 @@ double most_of(const MirrorLoss& loss, const Towards& towards);
 /// With a^2 and b^2 the patterns there and back, integrals of a times others are bounded by Cauchy's and
 /// Schwarz's inequality.
 struct PatternDoubt {
-  double out_change = 0, out_beams = 1, most_out = 1;
-  double home_change = 0, most_home = 1;
+  double tx_change = 0, tx_beams = 1, most_tx = 1;
+  double rx_change = 0, most_rx = 1;
 
-  /// Of the way out; the way home is taken after that, of one receiver or the worst of several.
+  /// of the transmit leg; the receive leg is taken after that, of one receiver or the worst of several.
   PatternDoubt() = default;
   PatternDoubt(const TransmitPattern& transmit, const Towards& there, const PairedEnclosure& proven);
-  void take_home(const Directivity& receive, const Towards& back, const PairedEnclosure& proven);
+  void take_rx(const Directivity& receive, const Towards& back, const PairedEnclosure& proven);
 
   double of(double energy, double plain) const;
 

@@ -34,9 +34,9 @@ std::vector<CertifiedPolygon::Point> without_short_edges(const CertifiedPolygon&
 
 }  // namespace
 
-ReceiverPairPhase::ReceiverPairPhase(const CertifiedEnd& out, const ReceiverBaseline& receiver_pair,
+ReceiverPairPhase::ReceiverPairPhase(const CertifiedEnd& tx, const ReceiverBaseline& receiver_pair,
                                      const glm::dvec3& middle_m)
-    : along(out.trace(receiver_pair.axis)),
+    : along(tx.trace(receiver_pair.axis)),
       turn(Ball(-2) * Ball(receiver_pair.baseline_m) * Ball(receiver_pair.wavenumber_rad_m)),
       growth(std::abs(turn.middle()) / 2) {
   for (int k = 0; k < 3; ++k) along.at_foot += Ball(-middle_m[k]) * Ball(receiver_pair.axis[k]);
@@ -58,11 +58,11 @@ double ReceiverPairIntegrand::scale_m(const PlanePlace<Ball>& p) const {
 }
 
 void ReceiverPairIntegrand::at(const PlanePlace<Ball>& p, std::vector<Ball>& values) const {
-  const Ball out = upper_.energy.out().range(p), up = upper_.energy.home().range(p),
-             down = lower_.energy.home().range(p);
-  std::vector<Ball> one{upper_.energy.density_at(p, out, up)}, other{lower_.energy.density_at(p, out, down)};
-  upper_.gains.weigh(p, out, up, one);
-  lower_.gains.weigh(p, out, down, other);
+  const Ball tx = upper_.energy.tx().range(p), up = upper_.energy.rx().range(p),
+             down = lower_.energy.rx().range(p);
+  std::vector<Ball> one{upper_.energy.density_at(p, tx, up)}, other{lower_.energy.density_at(p, tx, down)};
+  upper_.gains.weigh(p, tx, up, one);
+  lower_.gains.weigh(p, tx, down, other);
   Ball size = root(one[0] * other[0]);
   if (texture_ != nullptr) size = size * texture_->factor_at(p.x, p.y);
   Ball sine, cosine;
@@ -74,16 +74,16 @@ void ReceiverPairIntegrand::at(const PlanePlace<Ball>& p, std::vector<Ball>& val
 }
 
 bool ReceiverPairIntegrand::take(const PlanePlace<Ball>& box, std::vector<double>& off) {
-  const Ball out = upper_.energy.out().range(box);
+  const Ball tx = upper_.energy.tx().range(box);
   std::vector<double> one(1, 0), other(1, 0);
-  upper_.gains.take_segments(box, out, upper_.energy.home().range(box), one);
-  lower_.gains.take_segments(box, out, lower_.energy.home().range(box), other);
+  upper_.gains.take_segments(box, tx, upper_.energy.rx().range(box), one);
+  lower_.gains.take_segments(box, tx, lower_.energy.rx().range(box), other);
   for (double& value : off) value = (one[0] + other[0]) / 2;
   if (with_energies_) off[3] = one[0], off[4] = other[0];
   if (!upper_.energy.take_pieces(box) || !lower_.energy.take_pieces(box)) return false;
   // Roots of patterns have corners at their zeros.
-  return upper_.gains.has_no_zero(box, upper_.energy.home().range(box)) &&
-         lower_.gains.has_no_zero(box, lower_.energy.home().range(box));
+  return upper_.gains.has_no_zero(box, upper_.energy.rx().range(box)) &&
+         lower_.gains.has_no_zero(box, lower_.energy.rx().range(box));
 }
 
 void ReceiverPairIntegrand::take_whole() {
@@ -94,18 +94,18 @@ void ReceiverPairIntegrand::take_whole() {
 }
 
 void ReceiverPairIntegrand::log_bounds(const PlanePlace<ComplexBall>& p, std::vector<double>& bounds) const {
-  CertifiedEnd::Bound out, up, down;
-  std::vector<double> one{upper_.energy.log_bound(p, out, up)}, other{lower_.energy.log_bound(p, out, down)};
+  CertifiedEnd::Bound tx, up, down;
+  std::vector<double> one{upper_.energy.log_bound(p, tx, up)}, other{lower_.energy.log_bound(p, tx, down)};
   bounds.assign(values(), infinite);
   if (!(one[0] < infinite && other[0] < infinite)) return;
-  upper_.gains.weigh(p, out, up, one);
-  lower_.gains.weigh(p, out, down, other);
+  upper_.gains.weigh(p, tx, up, one);
+  lower_.gains.weigh(p, tx, down, other);
   const double texture = texture_ != nullptr ? std::log(texture_->largest_at(p.x, p.y)) + 1e-9 : 0;
   double size = (one[0] + other[0]) / 2 + 1e-9;
   if (texture_ != nullptr) size += texture;
   // |cos z| and |sin z| are at most e^|Im z|.
   const ComplexBall ranges =
-      tight_root(upper_.energy.home().range2(p)) + tight_root(lower_.energy.home().range2(p));
+      tight_root(upper_.energy.rx().range2(p)) + tight_root(lower_.energy.rx().range2(p));
   const ComplexRange phase(ComplexBall(phase_.turn) * phase_.along.at(p) * tight_inverse(ranges));
   if (std::isnan(size) || !phase.is_finite()) return;
   const double turned = size + phase.most_im() * (1 + 1e-12) + 1e-9;

@@ -22,8 +22,8 @@ struct ReceiverPairPhase {
   Ball turn;
   double growth = 0;  ///< about how much it changes over a radian
 
-  /// Of a place that lies where it is seen, the receiver pair's middle there from the apex of the way out:
-  /// (upper^2 - lower^2) / (upper + lower), so that nothing cancels where the baseline is short.
+  /// Of a place that lies where it is seen, the receiver pair's middle there from the apex of the transmit
+  /// leg: (upper^2 - lower^2) / (upper + lower), so that nothing cancels where the baseline is short.
   ReceiverPairPhase(const CertifiedEnd& out, const ReceiverBaseline& receiver_pair,
                     const glm::dvec3& middle_m);
   /// Of two receivers over the plane of a facet that is flattened.

@@ -70,8 +70,8 @@ void ReceiverPairPieces::add(OnFacet& on, const Seen& upper, const Seen& lower, 
   const bool weighed = law_.patterns != nullptr;
   ReceiverPairPath by_upper{energy_of(on.upper.paired, on.upper.proven, law_, on.material, beta_), {}},
       by_lower{energy_of(on.lower.paired, on.lower.proven, law_, on.material, beta_), {}};
-  const ApexOverPlane out = by_upper.energy.out().over(),
-                      homes[2]{by_upper.energy.home().over(), by_lower.energy.home().over()};
+  const ApexOverPlane tx = by_upper.energy.tx().over(),
+                      homes[2]{by_upper.energy.rx().over(), by_lower.energy.rx().over()};
   const ReceiverPairPhase phase(homes[0], homes[1], wavenumber_);
   const std::span both = std::span(homes).first(phase.growth > 0 ? 2 : 1);
   // Either energy of an even bed without patterns: the root of their product is no more than their mean.
@@ -83,8 +83,8 @@ void ReceiverPairPieces::add(OnFacet& on, const Seen& upper, const Seen& lower, 
     doubt = PatternDoubt(transmit, Towards::places(upper.corners_m), on.upper.proven);
     for (const auto& [way, by, polygon] :
          {std::tuple(&by_upper, &on.upper, &seen), {&by_lower, &on.lower, &other}}) {
-      way->gains = {way->energy.out(), way->energy.home(), transmit, receive};
-      doubt.take_home(receive.front(), seen_home(*polygon, by->paired), by->proven);
+      way->gains = {way->energy.tx(), way->energy.rx(), transmit, receive};
+      doubt.take_rx(receive.front(), seen_rx(*polygon, by->paired), by->proven);
     }
   }
   const CertifiedTexture* texture = textures_[on.material].get();
@@ -92,7 +92,7 @@ void ReceiverPairPieces::add(OnFacet& on, const Seen& upper, const Seen& lower, 
   if (texture != nullptr) range = {std::max(texture->range().lo(), 0.0), texture->range().hi()};
   const Interval factor(std::sqrt(on.upper.proven.factor.lo * on.lower.proven.factor.lo) * (1 - slack),
                         std::sqrt(on.upper.proven.factor.hi * on.lower.proven.factor.hi) * (1 + slack));
-  const double largest = factor.hi * range.hi * doubt.most_out * doubt.most_home * (1 + slack);
+  const double largest = factor.hi * range.hi * doubt.most_tx * doubt.most_rx * (1 + slack);
   const auto allowance = [&](double relative, double parts, int which) {
     return CertifiedPathIntegrator::Allowance{
         relative, [this, parts, which](std::size_t value, std::size_t sample) {
@@ -108,12 +108,12 @@ void ReceiverPairPieces::add(OnFacet& on, const Seen& upper, const Seen& lower, 
   };
   if (uncertain.hi() > 0)
     for (CertifiedPathIntegrand& energy : plain)
-      on.integrator->add(seen, out, both.first(1), energy, allowance(1, 1, 2), add_unsure, uncertain);
+      on.integrator->add(seen, tx, both.first(1), energy, allowance(1, 1, 2), add_unsure, uncertain);
   if (!is_any) return;
   const bool wide = on.samples.too_wide();
-  for (const ApexOverPlane& home : both.first(wide ? 1 : both.size()))
+  for (const ApexOverPlane& rx : both.first(wide ? 1 : both.size()))
     for (CertifiedPathIntegrand& energy : plain)
-      on.integrator->add(part, out, {&home, 1}, energy, allowance(0.1, 8, wide ? -1 : 0),
+      on.integrator->add(part, tx, {&rx, 1}, energy, allowance(0.1, 8, wide ? -1 : 0),
                          [&](std::size_t sample, std::span<const Ball> values) {
                            if (wide || sample % 2 == 0) add_unsure(sample, values);
                          });
@@ -130,13 +130,13 @@ void ReceiverPairPieces::add(OnFacet& on, const Seen& upper, const Seen& lower, 
   if (weighed || change > 0)
     for (std::size_t r = 0; r < 2; ++r)
       on.integrator->add(
-          part, out, both, plain[r], allowance(0.05, 20, 1),
+          part, tx, both, plain[r], allowance(0.05, 20, 1),
           [&](std::size_t sample, std::span<const Ball> values) { alone[r][sample] += values[0].hi(); });
   const auto add_part = [&](const CertifiedPolygon& polygon, const CertifiedCell* cell) {
     ReceiverPairIntegrand integrand(by_upper, by_lower, phase, cell, weighed);
     const double parts = 200 * double(std::max<std::size_t>(cells, 1)) * even.hi;
     on.integrator->add(
-        polygon, out, both, integrand, allowance(tolerance_ / 8, parts, 1),
+        polygon, tx, both, integrand, allowance(tolerance_ / 8, parts, 1),
         [&](std::size_t sample, std::span<const Ball> values) { sums[sample].add(values, even); });
   };
   if (cells == 0)
@@ -146,7 +146,7 @@ void ReceiverPairPieces::add(OnFacet& on, const Seen& upper, const Seen& lower, 
         part, *texture, lies, most_cells,
         [&](const CertifiedPolygon& polygon, const CertifiedCell& cell) { add_part(polygon, &cell); });
   const double turn = std::min(
-      2.0, wavenumber_ * HomeRanges::largest_difference_m(on.upper.proven.home, on.lower.proven.home));
+      2.0, wavenumber_ * ReceiveRanges::largest_difference_m(on.upper.proven.rx, on.lower.proven.rx));
   const std::uint32_t row = std::uint32_t(borders_.size() - 1);
   for (const auto& [sample, own] : sums) {
     if (sample % 2 == 0) continue;  // with what is next to a border
@@ -154,7 +154,7 @@ void ReceiverPairPieces::add(OnFacet& on, const Seen& upper, const Seen& lower, 
     if (weighed || change > 0) {
       const double most = std::max(alone[0][sample], alone[1][sample]);
       if (weighed) off += doubt.of(std::max(own.energy, own.size), most * range.hi);
-      off += change * most * doubt.most_out * doubt.most_home;
+      off += change * most * doubt.most_tx * doubt.most_rx;
     }
     const double middle = factor.middle(),
                  apart = ((factor.hi - factor.lo) / 2 + factor.hi * turn) * own.size + factor.hi * off;

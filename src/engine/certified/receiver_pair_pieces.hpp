@@ -17,7 +17,7 @@ namespace tubefoot {
 
 /// Of one fan of a receiver pair. On a facet that is laid out alike for both receivers
 /// (ReceiverPairFlattening) each has its factor and its ranges; the phase is that of those laid out but for
-/// their differences' (HomeRanges).
+/// their differences' (ReceiveRanges).
 class ReceiverPairPieces {
  public:
   /// `law`: with the fan's patterns alone, if with any. `target`: by sample, how wide products may be.

@@ -104,7 +104,7 @@ class ReceiverPairEncloser {
   ReceiverPairPath ends(std::size_t end, FacetId facet, const CertifiedPolygon& polygon) const {
     const EchoLaw& law = *laws_[end];
     CertifiedPathEnergy energy(polygon, at_m_[end], law, law.bed(facet), beta_);
-    CertifiedPathGains gains(energy.out(), energy.home(), law.patterns->transmit.front(),
+    CertifiedPathGains gains(energy.tx(), energy.rx(), law.patterns->transmit.front(),
                              std::span(law.patterns->receive).first(1));
     return {std::move(energy), std::move(gains)};
   }
@@ -123,10 +123,10 @@ class ReceiverPairEncloser {
     const Ball range = texture == nullptr ? Ball(1) : texture->range();
     const bool worth_it = polygon.edges.size() >= 3 && range.hi() - range.lo() > working_ / 8 * range.lo();
     const std::size_t cells =
-        worth_it ? cut_by_cells(polygon, *texture, laws_[0]->path.out.map_of(facet), most_cells, {}) : 0;
+        worth_it ? cut_by_cells(polygon, *texture, laws_[0]->path.tx.map_of(facet), most_cells, {}) : 0;
     if (worth_it && cells == 0) coarse_ = true;
     if (cells == 0) return add(polygon, nullptr, range, 1.0);
-    cut_by_cells(polygon, *texture, laws_[0]->path.out.map_of(facet), most_cells,
+    cut_by_cells(polygon, *texture, laws_[0]->path.tx.map_of(facet), most_cells,
                  [&](const CertifiedPolygon& part, const CertifiedCell& cell) {
                    add(part, &cell, Ball(1), double(cells));
                  });
@@ -142,10 +142,10 @@ class ReceiverPairEncloser {
     by_cells(facet, polygon,
              [&](const CertifiedPolygon& part, const CertifiedCell* cell, const Ball& even, double cells) {
                ReceiverPairPath own = ends(end, facet, part);
-               const ApexOverPlane out = own.energy.out().over(), home = own.energy.home().over();
+               const ApexOverPlane tx = own.energy.tx().over(), rx = own.energy.rx().over();
                CertifiedPathIntegrand integrand(std::move(own.energy), std::move(own.gains), cell);
                integrator.add(
-                   part, out, {&home, 1}, integrand,
+                   part, tx, {&rx, 1}, integrand,
                    {working_ / 3, [&](std::size_t, std::size_t k) { return allowed(end, k, cells); }},
                    [&](std::size_t k, std::span<const Ball> values) {
                      bins[end * samples() + k] += even * values[0];
@@ -161,9 +161,9 @@ class ReceiverPairEncloser {
                const ReceiverPairPath upper = ends(0, facet, part), lower = ends(1, facet, part);
                ReceiverPairIntegrand integrand(
                    {upper.energy, upper.gains}, {lower.energy, lower.gains},
-                   ReceiverPairPhase(upper.energy.out(), receiver_pair_, history_.middle_m), cell);
-               const ApexOverPlane homes[2] = {upper.energy.home().over(), lower.energy.home().over()};
-               integrator.add(part, upper.energy.out().over(),
+                   ReceiverPairPhase(upper.energy.tx(), receiver_pair_, history_.middle_m), cell);
+               const ApexOverPlane homes[2] = {upper.energy.rx().over(), lower.energy.rx().over()};
+               integrator.add(part, upper.energy.tx().over(),
                               std::span(homes).first(receiver_pair_.baseline_m > 0 ? 2 : 1), integrand,
                               {working_ / 3,
                                [&](std::size_t v, std::size_t k) {
@@ -179,10 +179,10 @@ class ReceiverPairEncloser {
     const CertifiedTexture* texture = textures_[laws_[0]->material[facet]].get();
     const ReceiverPairPath upper = ends(0, facet, polygon), lower = ends(1, facet, polygon);
     ReceiverPairIntegrand integrand({upper.energy, upper.gains}, {lower.energy, lower.gains},
-                                    ReceiverPairPhase(upper.energy.out(), receiver_pair_, history_.middle_m),
+                                    ReceiverPairPhase(upper.energy.tx(), receiver_pair_, history_.middle_m),
                                     nullptr);
-    const ApexOverPlane home = upper.energy.home().over();
-    integrator.add(polygon, upper.energy.out().over(), {&home, 1}, integrand,
+    const ApexOverPlane rx = upper.energy.rx().over();
+    integrator.add(polygon, upper.energy.tx().over(), {&rx, 1}, integrand,
                    {0, [](std::size_t, std::size_t) { return least_allowed; }},
                    taker(texture == nullptr ? Ball(1) : texture->range(), bins), unsure);
   }

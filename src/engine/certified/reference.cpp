@@ -142,10 +142,10 @@ CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const H
       const Ball range = texture->range();
       const bool worth_it = range.hi() - range.lo() > working / 8 * range.lo();
       const std::size_t count =
-          worth_it ? cut_by_cells(polygon, *texture, law.path.out.map_of(piece.facet), most_cells, {}) : 0;
+          worth_it ? cut_by_cells(polygon, *texture, law.path.tx.map_of(piece.facet), most_cells, {}) : 0;
       if (count > 0) {
         cells = count;
-        cut_by_cells(polygon, *texture, law.path.out.map_of(piece.facet), most_cells,
+        cut_by_cells(polygon, *texture, law.path.tx.map_of(piece.facet), most_cells,
                      [&](const CertifiedPolygon& part, const CertifiedCell& cell) { add(part, &cell); });
       } else {
         if (worth_it) any_coarse = true;
@@ -229,7 +229,7 @@ CertifiedEcho certify_echo(const FacetMesh& mesh, const SceneTree& tree, const H
                            double tolerance) {
   if (options.arithmetic == Arithmetic::plain_double)
     throw std::invalid_argument("a reference needs an exact arithmetic: fixed, filtered or rational");
-  if (!law.path.out.facet_map.empty())
+  if (!law.path.tx.facet_map.empty())
     throw std::invalid_argument("textures of facets that lie elsewhere than they are seen are not enclosed");
   const std::vector<std::shared_ptr<const CertifiedTexture>> textures = certified_textures(law);
   return narrowed(tolerance, [&](double working, bool& coarse) {

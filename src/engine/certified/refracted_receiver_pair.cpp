@@ -67,11 +67,11 @@ RefractedReference certify_refracted_receiver_pair(const std::array<PairedBed, 2
                                                    const std::array<Echo, 2>& ordinary, double tolerance) {
   std::array<PairedBed, 2> both = beds;
   for (std::size_t e = 0; e < 2; ++e) {
-    both[e].beside = &beds[1 - e].home;
+    both[e].beside = &beds[1 - e].rx;
     both[e].ranges_within_m = tolerance / (16 * receiver_pair.wavenumber_rad_m);
   }
-  ReceiverPairFlattening receiver_pair_out(beds[0].mesh, {beds[0].out.ground, beds[0].out.water},
-                                           {&beds[0].home.water, &beds[1].home.water}, beds[0].grid);
+  ReceiverPairFlattening receiver_pair_out(beds[0].mesh, {beds[0].tx.ground, beds[0].tx.water},
+                                           {&beds[0].rx.water, &beds[1].rx.water}, beds[0].grid);
   std::array<Flattening, 2> flatten;
   for (const std::size_t e : {0, 1})
     flatten[e] = [&receiver_pair_out, e](const SharedFootprints& shared) {

@@ -28,7 +28,7 @@ void check(const BeamPatterns& patterns, const ReceiveBeams& beams, std::size_t 
 
 void check_one_apex(const CommonVisibility& visibility, const ReceiveBeams& beams,
                     const RangeSamples& samples, const EchoLaw& law, Binning binning) {
-  if (law.path.over_mirrors() || law.path.home || law.path.out.to_true != glm::dmat3(1))
+  if (law.path.over_mirrors() || law.path.rx || law.path.tx.to_true != glm::dmat3(1))
     refuse("footprints of one apex are there and back; two legs need what both apexes share");
   if (law.patterns == nullptr) return;
   check(*law.patterns, beams, beams.of_tube.size());
@@ -80,7 +80,7 @@ void between_two_apexes(const CommonVisibility& visibility, const ReceiveBeams& 
                         const RangeSamples& samples, const EchoLaw& law, const Quadrature& how,
                         const Sink<double>& sink) {
   const bool through_images =
-      law.path.out.to_true != glm::dmat3(1) || law.path.back().to_true != glm::dmat3(1);
+      law.path.tx.to_true != glm::dmat3(1) || law.path.back().to_true != glm::dmat3(1);
   if (law.patterns == nullptr || !through_images)
     return integrate_two_apexes(visibility, beams, samples, law, how, sink);
   const BeamPatterns patterns = as_images_have(*law.patterns, law.path);

@@ -27,7 +27,7 @@ std::string_view name_of(Binning binning);
 /// Which beams receive what.
 struct ReceiveBeams {
   int count = 0;
-  std::span<const std::uint32_t> of_tube;  ///< the beam that a tube of the way home belongs to
+  std::span<const std::uint32_t> of_tube;  ///< the beam that a tube of the receive leg belongs to
   /// Fans of the tubes of two apexes: a receiver receives the transmissions of its own fan only. Both empty:
   /// one fan.
   std::span<const std::uint32_t> fan_of_transmit_tube{}, fan_of_receive_tube{};
@@ -48,7 +48,7 @@ struct Quadrature {
 
   Binning binning;        ///< of footprints
   double path_tolerance;  ///< relative error between two apexes
-  bool by_owner = false;  ///< parts are told with whose they are (Part::seen, out_tube)
+  bool by_owner = false;  ///< parts are told with whose they are (Part::seen, tx_tube)
 };
 
 /// Energy [J] per beam and range sample of one ping, beam-major: energy[beam * samples + sample]. With
@@ -63,8 +63,8 @@ struct Echo {
 /// Integrates what a path returns of all that it sees into range samples of beams, and hands it to `sink`
 /// (rows of channels follow each other: beam = channel * beams.count + beam). Sample k covers half paths,
 /// (out + home) / 2, from first + k step on. density.hpp has what an area element returns; that is weighed by
-/// texture at its place, by the transmit pattern in the direction from the apex of the way out, by the
-/// receive pattern in that from the apex of the way home, and by what mirrors on either way take
+/// texture at its place, by the transmit pattern in the direction from the apex of the transmit leg, by the
+/// receive pattern in that from the apex of the receive leg, and by what mirrors on either way take
 /// (law.path).
 ///
 /// One apex: footprints are cut at the samples' borders, arcs on the facet, and integrated, range in closed
@@ -74,7 +74,7 @@ struct Echo {
 /// `law.patterns->beams_of_tube` says.
 ///
 /// Two apexes: cells between ellipses (path_cut.hpp), Lambert's law being mu sin(out) sin(home) and another
-/// sqrt(sigma(out) sigma(home)). `law.patterns` is about the tubes of the way home (its fans are used as
+/// sqrt(sigma(out) sigma(home)). `law.patterns` is about the tubes of the receive leg (its fans are used as
 /// theirs). The error of each energy is at most about how.path_tolerance times what it would be with
 /// patterns of 1; tabulated patterns, whose second derivative jumps, keep it only to about 1e-6, tabulated
 /// laws, whose first does, to about 1e-5. Other binnings take what a tube of the one and a tube of the other

@@ -61,12 +61,12 @@ FinerRelief finer_relief(const CommonVisibility& visibility, const FacetMesh& me
   };
   const auto add = [&](const SeenFacet& f, const ElevationField::LeftOut& left, glm::dvec3 at_m,
                        double area_m2) {
-    const double out = glm::length(at_m), home = glm::distance(at_m, visibility.home_m());
-    if (!(out > 0 && home > 0)) return;
-    const double sine_out = std::min(1.0, f.plane.distance_m / out),
-                 sine_home = std::min(1.0, f.home_distance_m / home),
-                 weight = area_m2 * sine_out * sine_home / (out * out * home * home);
-    all += change_at(left, sine_out, sine_home, sample_m, weight);
+    const double tx = glm::length(at_m), rx = glm::distance(at_m, visibility.rx_m());
+    if (!(tx > 0 && rx > 0)) return;
+    const double sine_tx = std::min(1.0, f.plane.distance_m / tx),
+                 sine_rx = std::min(1.0, f.rx_distance_m / rx),
+                 weight = area_m2 * sine_tx * sine_rx / (tx * tx * rx * rx);
+    all += change_at(left, sine_tx, sine_rx, sample_m, weight);
   };
   for (std::size_t number = visibility.first(); number < visibility.end(); ++number) {
     const SeenFacet f = visibility[number];

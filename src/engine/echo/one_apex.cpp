@@ -209,7 +209,7 @@ class OneApex {
           integrator.add(polygon_, facet.plane, frame, tube, lambert_or_one, energy_, bed.scattering);
           continue;
         }
-        const LyingPlane lies = law_.path.out.lying(facet.facet, facet.plane, frame);
+        const LyingPlane lies = law_.path.tx.lying(facet.facet, facet.plane, frame);
         cells.cut(polygon_, lies, bed.texture->cells(), [&](const PlanarPolygon& part) {
           stop_if_wanted();
           integrator.add(part, facet.plane, frame, tube, lambert_or_one, energy_, bed.scattering,
@@ -225,7 +225,7 @@ class OneApex {
 
   /// The micro-texture at a place relative to the apex.
   double texture_at(const FacetBed& bed, FacetId facet, glm::dvec3 place_m) const {
-    return bed.texture == nullptr ? 1 : bed.texture->factor(law_.path.out.true_place(facet, place_m));
+    return bed.texture == nullptr ? 1 : bed.texture->factor(law_.path.tx.true_place(facet, place_m));
   }
 
   void whole() {
@@ -305,7 +305,7 @@ class OneApex {
   /// By material: Lambert's parameter where nothing else is to be known of a hit; negative for others, and at
   /// the end for those that are none. Empty: there are no such materials.
   std::vector<double> mu_of_even_materials() const {
-    if (law_.patterns != nullptr || !law_.path.facet_factor.empty() || !law_.path.out.facet_map.empty())
+    if (law_.patterns != nullptr || !law_.path.facet_factor.empty() || !law_.path.tx.facet_map.empty())
       return {};
     std::vector<double> mu(law_.material_mu.begin(), law_.material_mu.end());
     for (std::size_t m = 0; m < mu.size(); ++m)

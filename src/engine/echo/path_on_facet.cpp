@@ -5,24 +5,24 @@
 
 namespace tubefoot {
 
-PathOnFacet::PathOnFacet(const FacetPlane& plane, const PlaneFrame& frame, glm::dvec3 home_m,
-                         double home_distance_m, FacetId facet, const EchoLaw& law) {
-  out.over = {plane.distance_m, glm::dvec2(0)};
-  home.over = {home_distance_m, frame.project(home_m)};
-  for (EndOverPlane* end : {&out, &home}) {
+PathOnFacet::PathOnFacet(const FacetPlane& plane, const PlaneFrame& frame, glm::dvec3 rx_m,
+                         double rx_distance_m, FacetId facet, const EchoLaw& law) {
+  tx.over = {plane.distance_m, glm::dvec2(0)};
+  rx.over = {rx_distance_m, frame.project(rx_m)};
+  for (EndOverPlane* end : {&tx, &rx}) {
     end->seen.foot_m =
         -end->over.distance * plane.normal - end->over.foot.x * frame.u - end->over.foot.y * frame.v;
     end->seen.u = frame.u;
     end->seen.v = frame.v;
   }
   bed = law.bed(facet);
-  if (bed.texture != nullptr) lies = law.path.out.lying(facet, plane, frame);
+  if (bed.texture != nullptr) lies = law.path.tx.lying(facet, plane, frame);
   finish(law);
 }
 
 PathOnFacet::PathOnFacet(const PairedFacet& paired, FacetId facet, const EchoLaw& law) {
-  out = {{paired.transmit_distance_m, glm::dvec2(0)}, paired.transmit_seen, true};
-  home = {{paired.receive_distance_m, paired.receive_foot_m}, paired.receive_seen, true};
+  tx = {{paired.transmit_distance_m, glm::dvec2(0)}, paired.transmit_seen, true};
+  rx = {{paired.receive_distance_m, paired.receive_foot_m}, paired.receive_seen, true};
   bed = law.bed(facet);
   const double own = paired_factor(paired, bed.scattering);
   bed.factor *= own;
@@ -41,16 +41,16 @@ void PathOnFacet::flatten(std::span<const glm::dvec3> corners_m, const PairedFac
 }
 
 void PathOnFacet::finish(const EchoLaw& law) {
-  lambert = bed.mu * out.over.distance * home.over.distance;
+  lambert = bed.mu * tx.over.distance * rx.over.distance;
   beta_per_m = absorption_per_m(law.absorption_db_per_m);
-  if (!law.path.out.loss.none()) out_loss = &law.path.out.loss;
-  if (!law.path.back().loss.none()) home_loss = &law.path.back().loss;
+  if (!law.path.tx.loss.none()) tx_loss = &law.path.tx.loss;
+  if (!law.path.back().loss.none()) rx_loss = &law.path.back().loss;
 }
 
 double smooth_angle_rad(const Path& path) {
   constexpr double least = 1e-3;
   double angle = 1;
-  for (const MirrorLoss* loss : {&path.out.loss, &path.back().loss})
+  for (const MirrorLoss* loss : {&path.tx.loss, &path.back().loss})
     if (!loss->rough_normals.empty())
       angle = std::min(angle, 1 / std::sqrt(loss->roughness * double(loss->rough_normals.size())));
   return std::max(angle, least);
@@ -60,7 +60,7 @@ PathOnFacet path_on(const CommonVisibility& visibility, std::size_t number, cons
                     const EchoLaw& law) {
   const SeenFacet facet = visibility[number];
   if (const PairedFacet* paired = visibility.paired(number)) return PathOnFacet(*paired, facet.facet, law);
-  return PathOnFacet(facet.plane, frame, visibility.home_m(), facet.home_distance_m, facet.facet, law);
+  return PathOnFacet(facet.plane, frame, visibility.rx_m(), facet.rx_distance_m, facet.facet, law);
 }
 
 void flatten(std::span<const glm::dvec3> corners_m, const PairedFacet& paired, PlanarPolygon& polygon) {

@@ -29,16 +29,17 @@ struct EndOverPlane {
 /// A path on the plane of one facet, in the coordinates of a PlaneFrame whose origin is the foot point of the
 /// way out's apex: what an element there returns (density.hpp), weighed by all but patterns.
 struct PathOnFacet {
-  EndOverPlane out, home;
+  EndOverPlane tx, rx;
   FacetBed bed;
   LyingPlane lies;     ///< for the texture
   double lambert = 0;  ///< mu and both distances
   double beta_per_m = 0;
-  const MirrorLoss *out_loss = nullptr, *home_loss = nullptr;  ///< null: none
+  const MirrorLoss *tx_loss = nullptr, *rx_loss = nullptr;  ///< null: none
 
   PathOnFacet() = default;
-  /// A facet that lies where it is seen. `home_m`: the apex of the way home relative to that of the way out.
-  PathOnFacet(const FacetPlane& plane, const PlaneFrame& frame, glm::dvec3 home_m, double home_distance_m,
+  /// A facet that lies where it is seen. `rx_m`: the apex of the receive leg relative to that of the transmit
+  /// leg.
+  PathOnFacet(const FacetPlane& plane, const PlaneFrame& frame, glm::dvec3 rx_m, double rx_distance_m,
               FacetId facet, const EchoLaw& law);
   /// One that both ends see elsewhere.
   PathOnFacet(const PairedFacet& paired, FacetId facet, const EchoLaw& law);
@@ -47,24 +48,24 @@ struct PathOnFacet {
                       PlanarPolygon& polygon);
 
   /// Of an even bed, without mirrors.
-  double density_at(double out_range_m, double home_range_m) const {
-    const auto way = Way<double>::of(out_range_m, home_range_m);
+  double density_at(double tx_range_m, double rx_range_m) const {
+    const auto way = Way<double>::of(tx_range_m, rx_range_m);
     if (bed.scattering == nullptr) return lambert * lambert_density(way, beta_per_m);
-    const double sigma = std::sqrt(cross_section(*bed.scattering, out.over.distance, out_range_m) *
-                                   cross_section(*bed.scattering, home.over.distance, home_range_m));
+    const double sigma = std::sqrt(cross_section(*bed.scattering, tx.over.distance, tx_range_m) *
+                                   cross_section(*bed.scattering, rx.over.distance, rx_range_m));
     return bed.factor * density(sigma, way, beta_per_m);
   }
   double texture_at(glm::dvec2 p) const {
     return bed.texture == nullptr ? 1 : bed.texture->factor(lies.at(p));
   }
   /// What mirrors leave of what goes and comes in these directions.
-  double passed(glm::dvec3 out_direction, glm::dvec3 home_direction) const {
+  double passed(glm::dvec3 tx_direction, glm::dvec3 rx_direction) const {
     double part = 1;
-    if (out_loss != nullptr) part *= out_loss->at(out_direction);
-    if (home_loss != nullptr) part *= home_loss->at(home_direction);
+    if (tx_loss != nullptr) part *= tx_loss->at(tx_direction);
+    if (rx_loss != nullptr) part *= rx_loss->at(rx_direction);
     return part;
   }
-  bool over_mirrors() const { return out_loss != nullptr || home_loss != nullptr; }
+  bool over_mirrors() const { return tx_loss != nullptr || rx_loss != nullptr; }
 
  private:
   void finish(const EchoLaw& law);
@@ -73,7 +74,7 @@ struct PathOnFacet {
 /// The path on facet `number` of a sight of two apexes; `frame`: of its plane.
 PathOnFacet path_on(const CommonVisibility& visibility, std::size_t number, const PlaneFrame& frame,
                     const EchoLaw& law);
-/// What the way out sees of a facet, where it is flattened.
+/// What the transmit leg sees of a facet, where it is flattened.
 void flatten(std::span<const glm::dvec3> corners_m, const PairedFacet& paired, PlanarPolygon& polygon);
 
 /// The largest angle, at most 1, over which something that grows so into the complex plane changes little:

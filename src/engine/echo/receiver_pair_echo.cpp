@@ -140,10 +140,10 @@ class ReceiverPairIntegral {
   }
 
   /// What a square metre sends by way of a receiver, but for texture.
-  double even(const PathOnFacet& path, glm::dvec2 p, double out, double home) const {
-    double density = path.density_at(out, home);
+  double even(const PathOnFacet& path, glm::dvec2 p, double tx, double rx) const {
+    double density = path.density_at(tx, rx);
     if (!weighed_ && !path.over_mirrors()) return density;
-    const glm::dvec3 there = path.out.direction(p, out), back = path.home.direction(p, home);
+    const glm::dvec3 there = path.tx.direction(p, tx), back = path.rx.direction(p, rx);
     if (path.over_mirrors()) density *= path.passed(there, back);
     const double gain = weighed_ ? sent_.gain(there) * received_.gain(back) : 1;
     return gain >= least_ ? density * gain : 0;
@@ -167,14 +167,14 @@ class ReceiverPairIntegral {
       work.from_second = !in_the_middle(history_);
     }
     std::array<PathCutter::Receiver, 2> receivers;
-    for (std::size_t k = 0; k < paths.size(); ++k) receivers[k] = paths[k].home.over;
+    for (std::size_t k = 0; k < paths.size(); ++k) receivers[k] = paths[k].rx.over;
     cutter_.add(
         part, std::span(receivers).first(paths.size()),
         [&](glm::dvec2 p, double rt, double rr, std::span<double> values) {
           values[0] = even(paths[0], p, rt, rr);
           double other = 0;
           if (paths.size() > 1) {
-            other = paths[1].home.range(p);
+            other = paths[1].rx.range(p);
             values[0] = std::sqrt(values[0] * even(paths[1], p, rt, other));
           }
           values[0] *= paths[0].texture_at(p);

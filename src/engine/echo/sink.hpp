@@ -11,8 +11,8 @@ template <class N>
 struct Part {
   std::uint32_t beam = 0, sample = 0;
   N value;
-  /// The facet's number in its Sight and the tube of the way out, from sinks that ask whose it is.
-  std::uint32_t seen = 0, out_tube = 0;
+  /// The facet's number in its Sight and the tube of the transmit leg, from sinks that ask whose it is.
+  std::uint32_t seen = 0, tx_tube = 0;
 };
 
 /// Where the parts go: energies, bounds, tables of footprints, views. Parts come in an order that does not

@@ -41,13 +41,13 @@ class FacetEcho {
     smooth_.take(path_.bed);
     for (std::uint32_t k = 0; k < facet.piece_count; ++k) {
       const SeenPart seen = visibility_.part(number, facet.first_piece + k);
-      if (!beams_.in_one_fan(seen.out_tube, seen.home_tube)) continue;
+      if (!beams_.in_one_fan(seen.tx_tube, seen.rx_tube)) continue;
       if (paired == nullptr)
         polygon_.assign(seen.corners_m, facet.plane, frame);
       else
         flatten(seen.corners_m, *paired, polygon_);
       const auto add_part = [&](const PlanarPolygon& part) {
-        const Part<double> owned{0, 0, 0, std::uint32_t(number), seen.out_tube};
+        const Part<double> owned{0, 0, 0, std::uint32_t(number), seen.tx_tube};
         law_.patterns == nullptr ? add_plain(part, seen, owned, parts)
                                  : add_weighed(part, seen, owned, parts);
       };
@@ -62,10 +62,10 @@ class FacetEcho {
   void integrate(const PlanarPolygon& polygon, const PathCutter::Integrand& integrand,
                  const PathCutter::Work& work, std::uint32_t first_beam, Part<double> part,
                  std::vector<Part<double>>& parts) {
-    const auto [first, end] = cutter_.samples_of(polygon, path_.home.over);
+    const auto [first, end] = cutter_.samples_of(polygon, path_.rx.over);
     if (first == end) return;
     sum_.resize(work.values * (borders_.size() - 1), 0);
-    cutter_.add(polygon, path_.home.over, integrand, work, sum_);
+    cutter_.add(polygon, path_.rx.over, integrand, work, sum_);
     const std::size_t skipped = work.values > 1 ? 1 : 0;  // the integral without patterns
     for (std::size_t k = first; k < end; ++k)
       for (std::size_t v = 0; v < work.values; ++v) {
@@ -81,20 +81,20 @@ class FacetEcho {
                  std::vector<Part<double>>& parts) {
     integrate(
         polygon,
-        [&](glm::dvec2 p, double out, double home, std::span<double> values) {
-          values[0] = path_.density_at(out, home) * path_.texture_at(p);
+        [&](glm::dvec2 p, double tx, double rx, std::span<double> values) {
+          values[0] = path_.density_at(tx, rx) * path_.texture_at(p);
           if (path_.over_mirrors())
-            values[0] *= path_.passed(path_.out.direction(p, out), path_.home.direction(p, home));
+            values[0] *= path_.passed(path_.tx.direction(p, tx), path_.rx.direction(p, rx));
         },
-        smooth_.work(tolerance_), beams_.of_tube[seen.home_tube], owned, parts);
+        smooth_.work(tolerance_), beams_.of_tube[seen.rx_tube], owned, parts);
   }
 
   void add_weighed(const PlanarPolygon& polygon, const SeenPart& seen, const Part<double>& owned,
                    std::vector<Part<double>>& parts) {
     const BeamPatterns& patterns = *law_.patterns;
-    const auto [first, end] = patterns.beams_of_tube[seen.home_tube];
+    const auto [first, end] = patterns.beams_of_tube[seen.rx_tube];
     if (first == end) return;
-    const TransmitPattern& transmit = patterns.transmit[patterns.fan_of_tube[seen.home_tube]];
+    const TransmitPattern& transmit = patterns.transmit[patterns.fan_of_tube[seen.rx_tube]];
     Smoothness smooth = smooth_;
     for (const Directivity& sent : transmit.beams)
       for (std::uint32_t beam = first; beam < end; ++beam) smooth.take(sent, patterns.receive[beam]);
@@ -103,9 +103,9 @@ class FacetEcho {
     work.values = 1 + end - first;
     integrate(
         polygon,
-        [&, first = first, end = end](glm::dvec2 p, double out, double home, std::span<double> values) {
-          const glm::dvec3 there = path_.out.direction(p, out), back = path_.home.direction(p, home);
-          values[0] = path_.density_at(out, home) * path_.texture_at(p);
+        [&, first = first, end = end](glm::dvec2 p, double tx, double rx, std::span<double> values) {
+          const glm::dvec3 there = path_.tx.direction(p, tx), back = path_.rx.direction(p, rx);
+          values[0] = path_.density_at(tx, rx) * path_.texture_at(p);
           if (path_.over_mirrors()) values[0] *= path_.passed(there, back);
           const double sent = transmit.gain(there), energy_sent = values[0] * sent;
           for (std::uint32_t beam = first; beam < end; ++beam) {

@@ -28,15 +28,15 @@ class PlacedEcho {
         Measured sum;
         for (; k < facet_.piece_count; ++k) {
           const SeenPart part = visibility_.part(number, facet_.first_piece + k);
-          if (part.out_tube != first.out_tube || part.home_tube != first.home_tube) break;
+          if (part.tx_tube != first.tx_tube || part.rx_tube != first.rx_tube) break;
           assign(part);
-          sum.add(polygon_, path_.home.over);
+          sum.add(polygon_, path_.rx.over);
         }
         if (!(sum.area > 0)) continue;
         const glm::dvec2 centroid = sum.first + sum.weighed_offset / sum.area;
-        const double half = (path_.out.range(centroid) + path_.home.range(centroid)) / 2;
+        const double half = (path_.tx.range(centroid) + path_.rx.range(centroid)) / 2;
         const bool at_once = binning == Binning::centroid || !(sum.far > sum.near);
-        add(centroid, sum.area, first.out_tube, first.home_tube, at_once ? half : sum.near,
+        add(centroid, sum.area, first.tx_tube, first.rx_tube, at_once ? half : sum.near,
             at_once ? half : sum.far);
       }
     }
@@ -49,7 +49,7 @@ class PlacedEcho {
       const double range = glm::length(hit.at_m);
       const glm::dvec2 at =
           paired_ == nullptr ? frame_.project(hit.at_m) : glm::dvec2(paired_->to_plane.at(hit.at_m));
-      const double half = (path_.out.range(at) + path_.home.range(at)) / 2;
+      const double half = (path_.tx.range(at) + path_.rx.range(at)) / 2;
       if (!finder_.holds(half)) continue;
       const double area = hit.solid_angle_sr * (range * range) * range / facet_.plane.distance_m;
       add(at, area * flattened_, hit.transmit_tube, hit.receive_tube, half, half);
@@ -95,31 +95,31 @@ class PlacedEcho {
   }
 
   /// What an area at a place returns, evenly from half paths near to far.
-  void add(glm::dvec2 at, double area_m2, std::uint32_t out_tube, std::uint32_t home_tube, double near_m,
+  void add(glm::dvec2 at, double area_m2, std::uint32_t tx_tube, std::uint32_t rx_tube, double near_m,
            double far_m) {
-    if (!beams_.in_one_fan(out_tube, home_tube)) return;
-    const double out = path_.out.range(at), home = path_.home.range(at);
-    double energy = path_.density_at(out, home) * path_.texture_at(at) * area_m2;
+    if (!beams_.in_one_fan(tx_tube, rx_tube)) return;
+    const double tx = path_.tx.range(at), rx = path_.rx.range(at);
+    double energy = path_.density_at(tx, rx) * path_.texture_at(at) * area_m2;
     glm::dvec3 there{0}, back{0};
     if (path_.over_mirrors() || law_.patterns != nullptr) {
-      there = path_.out.direction(at, out);
-      back = path_.home.direction(at, home);
+      there = path_.tx.direction(at, tx);
+      back = path_.rx.direction(at, rx);
       energy *= path_.passed(there, back);
     }
-    if (law_.patterns == nullptr) return spread(beams_.of_tube[home_tube], energy, out_tube, near_m, far_m);
+    if (law_.patterns == nullptr) return spread(beams_.of_tube[rx_tube], energy, tx_tube, near_m, far_m);
     const BeamPatterns& patterns = *law_.patterns;
-    const double sent = patterns.transmit[patterns.fan_of_tube[home_tube]].gain(there);
+    const double sent = patterns.transmit[patterns.fan_of_tube[rx_tube]].gain(there);
     energy *= sent;
-    const auto [first, end] = patterns.beams_of_tube[home_tube];
+    const auto [first, end] = patterns.beams_of_tube[rx_tube];
     for (std::uint32_t beam = first; beam < end; ++beam) {
       const double received = patterns.receive[beam].gain(back);
-      if (patterns.receives(beam, sent * received)) spread(beam, energy * received, out_tube, near_m, far_m);
+      if (patterns.receives(beam, sent * received)) spread(beam, energy * received, tx_tube, near_m, far_m);
     }
   }
 
-  void spread(std::uint32_t beam, double energy, std::uint32_t out_tube, double near_m, double far_m) {
+  void spread(std::uint32_t beam, double energy, std::uint32_t tx_tube, double near_m, double far_m) {
     finder_.share(near_m, far_m, 0, 0, [&](std::size_t sample, double part) {
-      sink_({beam, std::uint32_t(sample), part * energy, std::uint32_t(number_), out_tube});
+      sink_({beam, std::uint32_t(sample), part * energy, std::uint32_t(number_), tx_tube});
     });
   }
 
@@ -134,7 +134,7 @@ class PlacedEcho {
   const PairedFacet* paired_ = nullptr;
   PlaneFrame frame_{FacetPlane{}};
   PathOnFacet path_;
-  double flattened_ = 1;  // area on the plane of the path over that which the way out sees
+  double flattened_ = 1;  // area on the plane of the path over that which the transmit leg sees
   PlanarPolygon polygon_;
 };
 

@@ -168,12 +168,12 @@ std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const Fac
     const FlattenedFacet flattened = flatten_between(from_t, from_r, lies);
     PairedFacet& facet = paired.emplace_back(flattened.facet);
     for (std::size_t k = 0; k < 3; ++k) {
-      const Eigenray &out = sent.to(vertex[k], lies[k]), &home = received.to(vertex[k], lies[k]);
+      const Eigenray &tx = sent.to(vertex[k], lies[k]), &rx = received.to(vertex[k], lies[k]);
       PairedFacet::Corner& corner = facet.corners[k];
-      corner.transmit_lies = grazing_sine(flattened.normal, transmit.arrival_direction(lies[k], out));
-      corner.receive_lies = grazing_sine(flattened.normal, receive.arrival_direction(lies[k], home));
-      corner.gain *= spreading(receive, out, home, lies[k], flattened.there_m[k], flattened.back_m[k],
-                               absorption_db_per_m);
+      corner.transmit_lies = grazing_sine(flattened.normal, transmit.arrival_direction(lies[k], tx));
+      corner.receive_lies = grazing_sine(flattened.normal, receive.arrival_direction(lies[k], rx));
+      corner.gain *=
+          spreading(receive, tx, rx, lies[k], flattened.there_m[k], flattened.back_m[k], absorption_db_per_m);
     }
   }
   return paired;

@@ -48,7 +48,7 @@ struct PairedFacet {
   std::array<Corner, 3> corners;
   double misfit_m = 0;  ///< of half paths at the corners
 
-  /// To the end of a receiver pair whose middle the way home leads to: the apparent bed stays where it is.
+  /// To the end of a receiver pair whose middle the receive leg leads to: the apparent bed stays where it is.
   /// False: the plane is not in front of it.
   bool move_receiver(glm::dvec3 by_m);
 };

@@ -9,10 +9,10 @@
 // What an element of the bed returns along a path, per square metre: the integrand of every quadrature, in
 // doubles and in balls.
 //
-//     sigma e^(-beta (r_out + r_home)) / (r_out^2 r_home^2)  [J/m^2 for 1 J/sr at 1 m]
+//     sigma e^(-beta (r_out + r_rx)) / (r_out^2 r_rx^2)  [J/m^2 for 1 J/sr at 1 m]
 //
 // times what depends on direction or place alone: texture, patterns, losses at mirrors (PathOnFacet).
-// beta = alpha ln(10) / 10, alpha in dB/m one way. sigma(out, home) = sqrt(sigma(out) sigma(home)) of a
+// beta = alpha ln(10) / 10, alpha in dB/m one way. sigma(tx, rx) = sqrt(sigma(out) sigma(home)) of a
 // scattering law; Lambert's is mu sin(out) sin(home), the sines of the grazing angles being the distances of
 // the apexes from the facet's plane over the ranges.
 namespace tubefoot {
@@ -26,7 +26,7 @@ struct Way {
 
   /// From one apex and back to it.
   static Way of(const N& range) { return {squared(range), range + range}; }
-  static Way of(const N& out, const N& home) { return {out * home, out + home}; }
+  static Way of(const N& tx, const N& rx) { return {tx * rx, tx + rx}; }
 };
 
 template <class N>
@@ -58,7 +58,7 @@ inline double cross_section(const ScatteringLaw& law, double distance_m, double 
       sine, std::sqrt(std::max((range_m - distance_m) * (range_m + distance_m), 0.0)) / range_m);
 }
 
-/// The part of sigma(out, home) that belongs to one of the two grazing angles: sqrt(sigma); for Lambert's law
+/// The part of sigma(tx, rx) that belongs to one of the two grazing angles: sqrt(sigma); for Lambert's law
 /// (no `law`) the sine, whose mu stands elsewhere.
 inline double scattering_lobe(const ScatteringLaw* law, double sine) {
   sine = std::min(sine, 1.0);

@@ -14,7 +14,7 @@ FacetBed EchoLaw::bed(FacetId facet) const {
     throw std::invalid_argument(fmt::format("facet {} has no material with a Lambert parameter", facet));
   if (!path.facet_factor.empty() && facet >= path.facet_factor.size())
     throw std::invalid_argument(fmt::format("facet {} has no factor, others have", facet));
-  if (!path.out.facet_map.empty() && facet >= path.out.facet_map.size())
+  if (!path.tx.facet_map.empty() && facet >= path.tx.facet_map.size())
     throw std::invalid_argument(fmt::format("facet {} has no true place, others have", facet));
   const double factor = path.facet_factor.empty() ? 1 : path.facet_factor[facet];
   return {factor, material_mu[material[facet]] * factor, law_of(facet), texture(facet)};
@@ -41,7 +41,7 @@ BeamPatterns as_images_have(const BeamPatterns& patterns, const Path& path) {
   BeamPatterns seen = patterns;
   // A direction d of an image is M d at the true apex, and M d . axis = d . M^T axis.
   for (TransmitPattern& transmit : seen.transmit)
-    for (Directivity& one : transmit.beams) one.axis = glm::transpose(path.out.to_true) * one.axis;
+    for (Directivity& one : transmit.beams) one.axis = glm::transpose(path.tx.to_true) * one.axis;
   for (Directivity& one : seen.receive) one.axis = glm::transpose(path.back().to_true) * one.axis;
   return seen;
 }

@@ -42,8 +42,8 @@ struct MirrorLoss {
 };
 
 /// One way of sound between a sonar and the bed: a straight line from an apex, or from its image in mirrors,
-/// to where a facet is seen from there. Places are told by the way out: of a way home, apex_m and facet_map
-/// are not read (Sight::home_m).
+/// to where a facet is seen from there. Places are told by the transmit leg: of a receive leg, apex_m and
+/// facet_map are not read (Sight::rx_m).
 struct Leg {
   glm::dvec3 apex_m{0};   ///< of the apex or the image, local frame
   MirrorLoss loss{};      ///< of its mirrors
@@ -67,14 +67,14 @@ struct Leg {
 
 /// From the sonar to the bed and back: two legs, or one that is gone both ways.
 struct Path {
-  Leg out{};
-  std::optional<Leg> home{};  ///< none: with the mirrors of the way out
+  Leg tx{};
+  std::optional<Leg> rx{};  ///< none: with the mirrors of the transmit leg
   /// By facet: what it returns over what the straight law makes of it (apparent facets in refracting water,
   /// engine/water/apparent map.hpp); empty: 1.
   std::span<const double> facet_factor{};
 
-  const Leg& back() const { return home ? *home : out; }
-  bool over_mirrors() const { return !out.loss.none() || !back().loss.none(); }
+  const Leg& back() const { return rx ? *rx : tx; }
+  bool over_mirrors() const { return !tx.loss.none() || !back().loss.none(); }
 };
 
 }  // namespace tubefoot

@@ -21,7 +21,7 @@ class ImageFrame {
  public:
   ImageFrame(const PathImages& images, const EchoLaw& law)
       : apex_(images.sent().front().windows.apex),
-        apex_m_(law.path.out.apex_m),
+        apex_m_(law.path.tx.apex_m),
         unit_m_(images.grid_unit_m()) {}
 
   glm::dvec3 place_m(const Image& image) const {

@@ -70,7 +70,7 @@ double distance_rad(const glm::dvec3& direction, const glm::dvec3& from, const g
 
 /// What is proven of what the images of a way see.
 struct EnclosedImages::Bed {
-  Bed(const PairedBed& seen, const EchoLaw& law) : end(seen.out) {
+  Bed(const PairedBed& seen, const EchoLaw& law) : end(seen.tx) {
     const PairedEnd nothing{end.ground, end.tree, {}, end.water, end.rays};
     all = std::move(
         enclose({seen.mesh, seen.parent, seen.base, seen.grid, end, nothing}, {}, {}, law).ends.front());

@@ -49,11 +49,11 @@ PairLaw::PairLaw(const Image& sent, const Image& received, GridPoint true_apex, 
       to(of_windows(received, all.fan_of_receive_tube)),
       beams{all.count, beam, from, to} {
   if (bed != nullptr) law.material = bed->material;
-  law.path.home = received.leg;
-  law.path.out = sent.leg;
+  law.path.rx = received.leg;
+  law.path.tx = sent.leg;
   const GridPoint apex = sent.windows.apex;
-  law.path.out.apex_m =
-      of_apexes.path.out.apex_m +
+  law.path.tx.apex_m =
+      of_apexes.path.tx.apex_m +
       glm::dvec3(double(apex.x) - true_apex.x, double(apex.y) - true_apex.y, double(apex.z) - true_apex.z) *
           grid_unit_m;
   if (of_apexes.patterns == nullptr) return;

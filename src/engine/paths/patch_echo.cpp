@@ -73,14 +73,14 @@ PatchEcho::PatchEcho(const EchoLaw& law, const ReceiveBeams& beams, double longe
 
 std::size_t PatchEcho::add(const SeenBed& bed, const Point& point, const ImageReceiver& received,
                            glm::dvec3 local_m, const RangeSamples& samples, double borders_m,
-                           SparseEnergy& out) {
+                           SparseEnergy& tx) {
   const SharedFootprints& seen = bed.shared;
   point_ = &point;
   received_ = &received;
   local_m_ = local_m;
   samples_ = samples;
   borders_m_ = borders_m;
-  out_ = &out;
+  tx_ = &tx;
   const std::vector<ReceiverViews::End>& ends = received.receives.ends();
   const glm::dvec3 received_at = ends.front().apex_m, from_received = point.at_m - received_at;
   std::size_t met = 0;
@@ -115,8 +115,8 @@ std::size_t PatchEcho::add(const SeenBed& bed, const Point& point, const ImageRe
         for (const Polygon& by : other.seen) clip(by, levels_[0]);
         if (levels_[0].size() < 3) continue;
         for (std::size_t end = 0; end < ends.size(); ++end)
-          home_[end] = OverFacet(*facet, ends[end].apex_m - received_at, facet->height_m[end],
-                                 received.receives.refracted_of(other, end));
+          rx_[end] = OverFacet(*facet, ends[end].apex_m - received_at, facet->height_m[end],
+                               received.receives.refracted_of(other, end));
         ++met;
         halve(0);
       }
@@ -136,8 +136,8 @@ void PatchEcho::clip(const std::vector<glm::dvec2>& by, Polygon& polygon) {
 }
 
 double PatchEcho::phase_rad_per_m(glm::dvec2 centre) const {
-  return received_->wavenumber_rad_m * glm::length(home_[0].slope(centre, home_[0].range(centre)) -
-                                                   home_[1].slope(centre, home_[1].range(centre)));
+  return received_->wavenumber_rad_m *
+         glm::length(rx_[0].slope(centre, rx_[0].range(centre)) - rx_[1].slope(centre, rx_[1].range(centre)));
 }
 
 void PatchEcho::halve(std::size_t level) {
@@ -145,10 +145,10 @@ void PatchEcho::halve(std::size_t level) {
   const auto [low, high] = box_of(levels_[level]);
   const glm::dvec2 size = high - low, centre = (low + high) * 0.5;
   const double diameter = glm::length(size);
-  const double rt = lit_.range(centre), rr = home_[0].range(centre), half = (rt + rr) / 2;
+  const double rt = lit_.range(centre), rr = rx_[0].range(centre), half = (rt + rr) / 2;
   // A half path changes by no more than the way (as it is seen), and that of the other end of a receiver pair
   // is no further off.
-  const double steepest = (lit_.steepest() + home_[0].steepest()) / 2,
+  const double steepest = (lit_.steepest() + rx_[0].steepest()) / 2,
                off = steepest * diameter / 2 + glm::length(received_->arm_m) / 2;
   if (half + off < samples_.first_m || half - off >= samples_.first_m + samples_.step_m * samples_.count)
     return;
@@ -169,14 +169,14 @@ void PatchEcho::halve(std::size_t level) {
 
 void PatchEcho::cut_into_samples(const Polygon& polygon, glm::dvec2 centre) {
   const bool product = received_->is_product();
-  const double rt = lit_.range(centre), rr = home_[0].range(centre);
+  const double rt = lit_.range(centre), rr = rx_[0].range(centre);
   const double per_step = 1 / samples_.step_m;
   double middle = ((rt + rr) / 2 - samples_.first_m) * per_step;
-  glm::dvec2 gradient = (lit_.slope(centre, rt) + home_[0].slope(centre, rr)) * (0.5 * per_step);
-  const double other = product ? home_[1].range(centre) : rr;
+  glm::dvec2 gradient = (lit_.slope(centre, rt) + rx_[0].slope(centre, rr)) * (0.5 * per_step);
+  const double other = product ? rx_[1].range(centre) : rr;
   const double lower_middle = middle + (other - rr) / 2 * per_step;
   const glm::dvec2 lower_gradient =
-      product ? (lit_.slope(centre, rt) + home_[1].slope(centre, other)) * (0.5 * per_step) : gradient;
+      product ? (lit_.slope(centre, rt) + rx_[1].slope(centre, other)) * (0.5 * per_step) : gradient;
   if (product && borders_m_ > 0) {
     middle = (middle + lower_middle) / 2;
     gradient = (gradient + lower_gradient) * 0.5;
@@ -248,25 +248,24 @@ void PatchEcho::take(const Polygon& polygon, double sample) {
   if (lobe == 0) return;
   glm::dvec3 true_back{0};
   const auto energy_by = [&](std::size_t end) {
-    const OverFacet::Met home = home_[end].meet(p);
+    const OverFacet::Met rx = rx_[end].meet(p);
     const ReceiverViews::End& receiver = received_->receives.ends()[end];
     const double sigma =
-        mu_ * scattering_lobe(scattering_, sent.sine) * scattering_lobe(scattering_, home.sine);
-    double energy = density(sigma, Way<double>::of(sent.range, home.range), beta_) * (std::abs(area) / 2) *
-                    lobe * point_->loss.at(sent.direction) * receiver.image->leg.loss.at(home.direction) *
-                    sent.out * home.home;
-    if (texture_ != nullptr) energy *= texture_->factor(local_m_ + receiver.apex_m + home.lies_m);
-    true_back = receiver.image->leg.to_true * home.direction;
+        mu_ * scattering_lobe(scattering_, sent.sine) * scattering_lobe(scattering_, rx.sine);
+    double energy = density(sigma, Way<double>::of(sent.range, rx.range), beta_) * (std::abs(area) / 2) *
+                    lobe * point_->loss.at(sent.direction) * receiver.image->leg.loss.at(rx.direction) *
+                    sent.tx * rx.rx;
+    if (texture_ != nullptr) energy *= texture_->factor(local_m_ + receiver.apex_m + rx.lies_m);
+    true_back = receiver.image->leg.to_true * rx.direction;
     return received_->row ? energy * gain_of(0, true_back) : energy;
   };
   const double energy = energy_by(0);
   if (received_->is_product()) return take_product(sample, p, energy, energy_by(1));
   const auto bin = [&](std::size_t beam) { return beam * std::size_t(samples_.count) + std::size_t(sample); };
-  if (received_->row) return out_->add(bin(*received_->row), energy);
-  if (law_.patterns == nullptr) return out_->add(bin(beams_.of_tube[own_tube_]), energy);
+  if (received_->row) return tx_->add(bin(*received_->row), energy);
+  if (law_.patterns == nullptr) return tx_->add(bin(beams_.of_tube[own_tube_]), energy);
   const auto [begin, end] = law_.patterns->beams_of_tube[own_tube_];
-  for (std::uint32_t beam = begin; beam < end; ++beam)
-    out_->add(bin(beam), energy * gain_of(beam, true_back));
+  for (std::uint32_t beam = begin; beam < end; ++beam) tx_->add(bin(beam), energy * gain_of(beam, true_back));
 }
 
 double PatchEcho::gain_of(std::size_t beam, glm::dvec3 true_back) const {
@@ -275,16 +274,16 @@ double PatchEcho::gain_of(std::size_t beam, glm::dvec3 true_back) const {
 }
 
 void PatchEcho::take_product(double sample, glm::dvec2 p, double upper, double lower) {
-  LyingPlane seen = home_[0].seen();
+  LyingPlane seen = rx_[0].seen();
   seen.foot_m += received_->receives.ends().front().apex_m;
   // (upper^2 - lower^2) / (upper + lower) of the ranges: no cancellation where the receiver pair is short.
-  const double further = -2 * glm::dot(seen.at(p) - received_->middle_m, received_->arm_m) /
-                         (home_[0].range(p) + home_[1].range(p));
+  const double further =
+      -2 * glm::dot(seen.at(p) - received_->middle_m, received_->arm_m) / (rx_[0].range(p) + rx_[1].range(p));
   double size = std::sqrt(upper * lower);
   if (borders_m_ > 0) size *= std::max(1 - std::abs(further) / 2 / borders_m_, 0.0);
   const std::size_t bin = std::size_t(*received_->row) * std::size_t(samples_.count) + std::size_t(sample);
-  out_->add(bin, size * std::cos(received_->wavenumber_rad_m * further));
-  out_->add(bin + std::size_t(samples_.count), size * std::sin(received_->wavenumber_rad_m * further));
+  tx_->add(bin, size * std::cos(received_->wavenumber_rad_m * further));
+  tx_->add(bin + std::size_t(samples_.count), size * std::sin(received_->wavenumber_rad_m * further));
 }
 
 }  // namespace tubefoot

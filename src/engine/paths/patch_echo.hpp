@@ -78,7 +78,7 @@ class PatchEcho {
   /// receive in sample k; with `borders_m` above 0, where samples are that far apart but do not begin where
   /// these do, it is in that of the mean of both half paths, as much of it as both have in one on average.
   std::size_t add(const SeenBed& bed, const Point& point, const ImageReceiver& received, glm::dvec3 local_m,
-                  const RangeSamples& samples, double borders_m, SparseEnergy& out);
+                  const RangeSamples& samples, double borders_m, SparseEnergy& tx);
 
  private:
   using Polygon = std::vector<glm::dvec2>;
@@ -101,12 +101,12 @@ class PatchEcho {
   // Of the facet and the piece at hand.
   const Point* point_ = nullptr;
   const ImageReceiver* received_ = nullptr;
-  OverFacet lit_;                  // the point
-  std::array<OverFacet, 2> home_;  // the upper or only receiver, and of a product the lower one
+  OverFacet lit_;                // the point
+  std::array<OverFacet, 2> rx_;  // the upper or only receiver, and of a product the lower one
   glm::dvec3 local_m_{0};
   double borders_m_ = 0;
   RangeSamples samples_;
-  SparseEnergy* out_ = nullptr;
+  SparseEnergy* tx_ = nullptr;
   std::uint32_t own_tube_ = 0;
   const ScatteringLaw* scattering_ = nullptr;
   const ReflectivityField* texture_ = nullptr;

@@ -239,7 +239,7 @@ class PatchPaths {
     double gain = scattering == nullptr ? before_.material_mu[before_.material[patch.facet]] : 1;
     gain *= scattering_lobe(scattering, sine) / sine * std::exp(-beta_ * range) * patch.absorbed;
     if (const ReflectivityField* texture = before_.texture(patch.facet))
-      gain *= texture->factor(scene_.law.path.out.apex_m + from_apex(from) + patch.lies_m);
+      gain *= texture->factor(scene_.law.path.tx.apex_m + from_apex(from) + patch.lies_m);
     return gain;
   }
 
@@ -345,7 +345,7 @@ class PatchPaths {
       const Delayed& only = source.signal.front();
       last_legs.first_m -= only.way_m / 2;
       sent.pieces +=
-          worker.gather.add(seen, point, received, scene_.law.path.out.apex_m, last_legs, 0, worker.direct);
+          worker.gather.add(seen, point, received, scene_.law.path.tx.apex_m, last_legs, 0, worker.direct);
       worker.direct.drain([&](std::size_t bin, double energy) {
         sent.bins.push_back({order, bin, energy * only.strength});
       });
@@ -358,7 +358,7 @@ class PatchPaths {
     last_legs.count = int(std::ceil(
         (samples.first_m + samples.step_m * samples.count - soonest - last_legs.first_m) / last_legs.step_m));
     if (last_legs.count <= 0) return;
-    sent.pieces += worker.gather.add(seen, point, received, scene_.law.path.out.apex_m, last_legs,
+    sent.pieces += worker.gather.add(seen, point, received, scene_.law.path.tx.apex_m, last_legs,
                                      samples.step_m, worker.direct);
     const double step = samples.step_m;
     worker.direct.drain([&](std::size_t bin, double energy) {

@@ -57,7 +57,7 @@ class PathImages {
   /// scattering, and with `settings.direct` the transmitter that a receiver apart receives; of two at one
   /// place the first. None without `settings.arrivals`. In even water.
   std::vector<Image> arriving() const;
-  /// What both see, over the way out to the one and home from the other.
+  /// What both see, over the transmit leg to the one and home from the other.
   BistaticHistory history(const Image& sent, const Image& received) const;
 
  private:

@@ -198,11 +198,11 @@ class ReceiverPairTracer {
     if (history.by_lower.pieces.empty()) return {};
     EchoLaw by_upper = law_;
     if (refracted_) by_upper.material = refracted_->bed().material;
-    by_upper.path.out = sent.leg;
-    by_upper.path.out.apex_m = law_.path.out.apex_m + way_m(apex_, sent.windows.apex, unit_m_);
+    by_upper.path.tx = sent.leg;
+    by_upper.path.tx.apex_m = law_.path.tx.apex_m + way_m(apex_, sent.windows.apex, unit_m_);
     EchoLaw by_lower = by_upper;
-    by_upper.path.home = upper.leg;
-    by_lower.path.home = lower.leg;
+    by_upper.path.rx = upper.leg;
+    by_lower.path.rx = lower.leg;
     const BeamPatterns patterns = as_images_have(*law_.patterns, by_upper.path);
     by_upper.patterns = by_lower.patterns = &patterns;
     const ReceiverBaseline receiver_pair{axis_of(upper), receiver_pair_.baseline_m,

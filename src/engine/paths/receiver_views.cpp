@@ -141,8 +141,8 @@ OverFacet::Met OverFacet::meet_refracted(glm::dvec2 p) const {
   met.direction = seen / met.range;
   const RefractedFacet::Ray ray = refracted_->ray_to(met.lies_m);
   met.sine = refracted_->sine(seen, ray);
-  met.out = ray.out;
-  met.home = ray.home;
+  met.tx = ray.tx;
+  met.rx = ray.rx;
   return met;
 }
 

@@ -94,9 +94,9 @@ class OverFacet {
   /// A place as it is met from here.
   struct Met {
     double range = 0, sine = 0;
-    glm::dvec3 direction{0};   ///< in which it is seen, unit vector
-    glm::dvec3 lies_m{0};      ///< from here
-    double out = 1, home = 1;  ///< spreading and absorption over those of the straight way
+    glm::dvec3 direction{0};  ///< in which it is seen, unit vector
+    glm::dvec3 lies_m{0};     ///< from here
+    double tx = 1, rx = 1;    ///< spreading and absorption over those of the straight way
   };
   Met meet(glm::dvec2 p) const {
     if (refracted_ != nullptr) return meet_refracted(p);

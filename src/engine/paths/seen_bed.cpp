@@ -13,7 +13,7 @@ RefractedFacet::Ray RefractedFacet::ray_to(glm::dvec3 lies_m) const {
     return corners[0].*what + part.x * (corners[1].*what - corners[0].*what) +
            part.y * (corners[2].*what - corners[0].*what);
   };
-  return {between(&Ray::bend), between(&Ray::out), between(&Ray::home), between(&Ray::absorbed)};
+  return {between(&Ray::bend), between(&Ray::tx), between(&Ray::rx), between(&Ray::absorbed)};
 }
 
 double RefractedFacet::sine(glm::dvec3 seen_m, const Ray& ray) const {
@@ -45,8 +45,8 @@ RefractedFacet refracted_facet(glm::dvec3 apex_m, const glm::dvec3 (&seen_m)[3],
     ray.bend = glm::dot(facet.normal, water.launch_direction(lies_m[k], rays[k]) - arrival[k]);
     ray.absorbed = std::exp(-(rays[k].absorption_db - reference_absorption_db_per_m * range_m) *
                             std::numbers::ln10 / 10);
-    ray.out = range_m * range_m / rays[k].tube_area_m2_per_sr * ray.absorbed;
-    ray.home = range_m * range_m / water.return_area_m2_per_sr(lies_m[k], rays[k]) * ray.absorbed;
+    ray.tx = range_m * range_m / rays[k].tube_area_m2_per_sr * ray.absorbed;
+    ray.rx = range_m * range_m / water.return_area_m2_per_sr(lies_m[k], rays[k]) * ray.absorbed;
   }
   return facet;
 }

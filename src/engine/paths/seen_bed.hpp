@@ -24,8 +24,8 @@ struct RefractedFacet {
   /// What the straight law does not know of the ray to a place: that law is right in direction and time.
   struct Ray {
     double bend = 0;      ///< sine of the grazing angle, less that of the direction of launch
-    double out = 1;       ///< energy a square metre, per steradian at the apex
-    double home = 1;      ///< the same from the place back to the apex
+    double tx = 1;        ///< energy a square metre, per steradian at the apex
+    double rx = 1;        ///< the same from the place back to the apex
     double absorbed = 1;  ///< absorption alone; also part of the two above
   };
   std::array<Ray, 3> corners;

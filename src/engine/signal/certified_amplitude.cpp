@@ -28,13 +28,13 @@ Ball nearest_part(const Point& a, const Point& step) {
 
 }  // namespace
 
-Ball certified_mean_sine(std::span<const Point> points, const Ball& height, const ApexOverPlane& home) {
-  const Ball share = height / (height + home.height), c_x = home.x * share, c_y = home.y * share;
+Ball certified_mean_sine(std::span<const Point> points, const Ball& height, const ApexOverPlane& rx) {
+  const Ball share = height / (height + rx.height), c_x = rx.x * share, c_y = rx.y * share;
   const auto sine_at = [&](const Point& about) {  // from the place of shortest path
     const auto sine = [&](const Ball& h, const Ball& x, const Ball& y) {
       return h / root(squared(h) + squared(about.x + x) + squared(about.y + y));
     };
-    return (sine(height, c_x, c_y) + sine(home.height, c_x - home.x, c_y - home.y)) / Ball(2.0);
+    return (sine(height, c_x, c_y) + sine(rx.height, c_x - rx.x, c_y - rx.y)) / Ball(2.0);
   };
   // The polygon's nearest place is that place itself, or on one of the edges: all that may be it count.
   struct Candidate {
@@ -76,12 +76,12 @@ Ball certified_mean_sine(std::span<const Point> points, const Ball& height, cons
 }
 
 std::optional<ComplexBall> certified_amplitude(std::span<const Point> points, const Ball& height,
-                                               const ApexOverPlane& home, const SmoothSurface& surface,
+                                               const ApexOverPlane& rx, const SmoothSurface& surface,
                                                const Ball& wave_number, double tolerance) {
-  std::optional<ComplexBall> edges = certified_edge_form(points, height, home, wave_number, tolerance);
+  std::optional<ComplexBall> edges = certified_edge_form(points, height, rx, wave_number, tolerance);
   if (!edges) return edges;
   const bool same = !surface.fluid && surface.roughness_m == 0;
-  const Ball sine = same ? Ball(1.0) : certified_mean_sine(points, height, home);
+  const Ball sine = same ? Ball(1.0) : certified_mean_sine(points, height, rx);
   return certified_factor(surface, sine, wave_number) * *edges;
 }
 

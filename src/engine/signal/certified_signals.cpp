@@ -118,29 +118,28 @@ std::optional<ReceivedPolygon> received_polygon(const CertifiedSmoothSignals::Se
   FacetCone::make(seen.mesh, patch.facet, seen.apex, cone);
   const CertifiedPolygon polygon =
       certified_polygon(cone, patches.corners(patch), seen.other_apex_m, seen.grid_unit_m);
-  const ApexOverPlane out = apex_over(polygon, between(patches.origin_m, channel.transmit_m)),
+  const ApexOverPlane tx = apex_over(polygon, between(patches.origin_m, channel.transmit_m)),
                       back = apex_over(polygon, between(patches.origin_m, channel.receive_m));
-  if (!(out.height.hi() > 0 && back.height.hi() > 0)) return std::nullopt;
+  if (!(tx.height.hi() > 0 && back.height.hi() > 0)) return std::nullopt;
   std::vector<CertifiedPolygon::Point> points;
-  for (const CertifiedPolygon::Point& p : polygon.points) points.push_back({p.x - out.x, p.y - out.y});
-  return ReceivedPolygon{
-      CertifiedPathEdges(points, out.height, {back.height, back.x - out.x, back.y - out.y}),
-      out.height.surely_positive() && back.height.surely_positive()};
+  for (const CertifiedPolygon::Point& p : polygon.points) points.push_back({p.x - tx.x, p.y - tx.y});
+  return ReceivedPolygon{CertifiedPathEdges(points, tx.height, {back.height, back.x - tx.x, back.y - tx.y}),
+                         tx.height.surely_positive() && back.height.surely_positive()};
 }
 
 /// Bounds of a patch's paths, in doubles but for their rounding.
 std::pair<double, double> paths_of(const SeenPatches& patches, const SeenPatch& patch,
                                    const SignalChannel& channel) {
   const auto corners = patches.corners(patch);
-  const glm::dvec3 out = channel.transmit_m - patches.origin_m, home = channel.receive_m - patches.origin_m;
+  const glm::dvec3 tx = channel.transmit_m - patches.origin_m, rx = channel.receive_m - patches.origin_m;
   double longest = 0, reach = 0;
   for (const glm::dvec3& corner : corners) {
-    longest = std::max(longest, glm::distance(corner, out) + glm::distance(corner, home));
+    longest = std::max(longest, glm::distance(corner, tx) + glm::distance(corner, rx));
     reach = std::max(reach, glm::distance(corner, corners[0]));
   }
   // A path changes by at most twice the way along the plane, and none is shorter than by the plane's mirror.
-  const double heights = 2 * patch.distance_m + glm::dot(patch.normal, out + home);
-  const glm::dvec3 apart = home - out;
+  const double heights = 2 * patch.distance_m + glm::dot(patch.normal, tx + rx);
+  const glm::dvec3 apart = rx - tx;
   const double across2 = std::max(glm::dot(apart, apart) - std::pow(glm::dot(apart, patch.normal), 2), 0.0);
   return {std::max(longest - 4 * reach, heights > 0 ? std::hypot(heights, std::sqrt(across2)) : 0), longest};
 }

@@ -34,7 +34,7 @@ class CertifiedSmoothSignals {
   struct Seen {
     const FacetMesh& mesh;
     GridPoint apex;              ///< of the tubes, at the patches' origin
-    glm::dvec3 other_apex_m{0};  ///< that of the way home, from there
+    glm::dvec3 other_apex_m{0};  ///< that of the receive leg, from there
     double grid_unit_m = 0;
   };
 

@@ -39,7 +39,7 @@ void ChebyshevMoments::Axis::set(int nodes) {
   }
 }
 
-bool ChebyshevMoments::begin(const SmoothPieces::Chunk& chunk, glm::dvec3 out_m, glm::dvec3 home_m,
+bool ChebyshevMoments::begin(const SmoothPieces::Chunk& chunk, glm::dvec3 tx_m, glm::dvec3 rx_m,
                              const SignalExtent& extent, double shortest_m, double longest_m) {
   const glm::dvec3 half_u = chunk.count_u * chunk.size_m.x / 2 * chunk.u,
                    half_v = chunk.count_v * chunk.size_m.y / 2 * chunk.v,
@@ -50,7 +50,7 @@ bool ChebyshevMoments::begin(const SmoothPieces::Chunk& chunk, glm::dvec3 out_m,
     for (const glm::dvec3& end : *ends) most = std::max(most, glm::distance(end, (*ends)[0]));
     apart += most;
   }
-  const double way = glm::distance(middle, out_m) + glm::distance(middle, home_m),
+  const double way = glm::distance(middle, tx_m) + glm::distance(middle, rx_m),
                spare = 2 * glm::length(half_u + half_v) + apart + 2 * extent.moved_m;
   if (way + spare < shortest_m || way - spare > longest_m) return false;
   chunk_ = &chunk;

@@ -32,8 +32,8 @@ class ChebyshevMoments {
   explicit ChebyshevMoments(const ChebyshevNodes& nodes) : nodes_(nodes) {}
 
   /// False where no way by the chunk, to any of the extent's ends, is between those lengths.
-  bool begin(const SmoothPieces::Chunk& chunk, glm::dvec3 out_m, glm::dvec3 home_m,
-             const SignalExtent& extent, double shortest_m, double longest_m);
+  bool begin(const SmoothPieces::Chunk& chunk, glm::dvec3 tx_m, glm::dvec3 rx_m, const SignalExtent& extent,
+             double shortest_m, double longest_m);
   /// How many nodes the chunk at hand has.
   double nodes() const {
     return double(chunk_->count_u) * double(chunk_->count_v) * double(u_.count * v_.count);

@@ -61,7 +61,7 @@ SignalExtent extent_of(const CoherentReceiver& receiver, const Path& path, bool 
     sent = std::max(sent, amplitude_wavenumber(channel.transmit));
     received = std::max(received, amplitude_wavenumber(channel.receive));
   }
-  sent += amplitude_wavenumber(path.out.loss);
+  sent += amplitude_wavenumber(path.tx.loss);
   received += amplitude_wavenumber(path.back().loss);
   extent.pattern_rad = (sent + received) * (products ? 2 : 1);
   return extent;
@@ -148,13 +148,13 @@ class ScatterersOnPatch {
   template <class Hear>
   void tell(const SeenPatch& patch, const FacetBed& bed, const SignalExtent& extent,
             const SmoothPieces& pieces, const Hear& hear) {
-    const glm::dvec3 out = extent.transmit_m[0] - patches_.origin_m,
-                     home = extent.receive_m[0] - patches_.origin_m;
+    const glm::dvec3 tx = extent.transmit_m[0] - patches_.origin_m,
+                     rx = extent.receive_m[0] - patches_.origin_m;
     const double scatterer_m2 = field_.area_m2(patch.normal);
     chunks_.clear();
     pieces.cut(patches_, patch, chunks_);
     for (const SmoothPieces::Chunk& chunk : chunks_) {
-      if (!moments_.begin(chunk, out, home, extent, first_m_, last_m_)) continue;
+      if (!moments_.begin(chunk, tx, rx, extent, first_m_, last_m_)) continue;
       corners_.clear();
       for (const glm::dvec2 p : chunk.polygon) corners_.push_back(patches_.origin_m + chunk.at(p));
       // Few scatterers cost less each by itself than as nodes.
@@ -167,11 +167,11 @@ class ScatterersOnPatch {
           hear(at, z, 0);
         else
           moments_.add(at,
-                       z * std::polar(1.0, wavenumber_ * (glm::distance(at, out) + glm::distance(at, home))));
+                       z * std::polar(1.0, wavenumber_ * (glm::distance(at, tx) + glm::distance(at, rx))));
       });
       if (few) continue;
       moments_.tell([&](glm::dvec3 at, std::complex<double> strength) {
-        hear(at, strength, glm::distance(at, out) + glm::distance(at, home));
+        hear(at, strength, glm::distance(at, tx) + glm::distance(at, rx));
       });
     }
   }

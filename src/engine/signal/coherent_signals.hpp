@@ -16,8 +16,8 @@ namespace tubefoot {
 
 /// What channels receive of one bed: the signal of channel a at time t is
 ///     y_a(t) = integral over the patches of sqrt(sigma) S A_a e^{ikL_a} g(t - L_a / c) dA,
-/// S the bed's white field, A_a what density.hpp and patterns make, L_a the way out and home, k the carrier's
-/// wavenumber. All channels see the same patches.
+/// S the bed's white field, A_a what density.hpp and patterns make, L_a the transmit and receive legs, k the
+/// carrier's wavenumber. All channels see the same patches.
 struct CoherentReceiver {
   std::vector<SignalChannel> channels;
   BasebandPulse pulse;

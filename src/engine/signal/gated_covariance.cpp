@@ -89,15 +89,15 @@ class GatedIntegral {
     const auto pattern = [](const ChannelOnPatch& on, glm::dvec3 there, glm::dvec3 back) {
       return amplitude_pattern(on.channel().transmit, there) * amplitude_pattern(on.channel().receive, back);
     };
-    const PathCutter::Receiver& home = a.path().home.over;
+    const PathCutter::Receiver& rx = a.path().rx.over;
     if (one_)
       return cutter_.add(
-          polygon, home,
-          [&](glm::dvec2 p, double out, double back, std::span<double> values) {
-            values[0] = a.path().density_at(out, back) * texture(a, p);
+          polygon, rx,
+          [&](glm::dvec2 p, double tx, double back, std::span<double> values) {
+            values[0] = a.path().density_at(tx, back) * texture(a, p);
             if (!a.weighed()) return;
-            values[0] *= a_.transmit.gain(a.path().out.direction(p, out)) *
-                         a_.receive.gain(a.path().home.direction(p, back));
+            values[0] *= a_.transmit.gain(a.path().tx.direction(p, tx)) *
+                         a_.receive.gain(a.path().rx.direction(p, back));
           },
           work, sums_[std::size_t(reach_)]);
     // Both of b's ends over the plane, in a's coordinates.
@@ -108,30 +108,30 @@ class GatedIntegral {
     };
     PathCutter::SecondWay second{over(b.transmit_m()), over(b.receive_m())};
     const bool weighed = a.weighed() || b.weighed();
-    const PathCutter::Integrand integrand = [&](glm::dvec2 p, double out, double back,
+    const PathCutter::Integrand integrand = [&](glm::dvec2 p, double tx, double back,
                                                 std::span<double> values) {
       const auto range = [p](const PathCutter::Receiver& end) {
         return std::hypot(end.distance, p.x - end.foot.x, p.y - end.foot.y);
       };
       const double b_out = range(second.transmit), b_back = range(second.receive);
       double size =
-          std::sqrt(a.path().density_at(out, back) * b.path().density_at(b_out, b_back)) * texture(a, p);
+          std::sqrt(a.path().density_at(tx, back) * b.path().density_at(b_out, b_back)) * texture(a, p);
       if (weighed) {
         const glm::dvec3 place = foot + p.x * a.frame().u + p.y * a.frame().v + a.transmit_m();
         const glm::dvec3 b_there = (place - b.transmit_m()) / b_out,
                          b_from = (place - b.receive_m()) / b_back;
-        size *= pattern(a, a.path().out.direction(p, out), a.path().home.direction(p, back)) *
+        size *= pattern(a, a.path().tx.direction(p, tx), a.path().rx.direction(p, back)) *
                 pattern(b, b_there, b_from);
       }
       values[0] = std::abs(size);
       const std::complex<double> product =
-          std::polar(1.0, wavenumber_ * ((out - b_out) + (back - b_back))) * size;
+          std::polar(1.0, wavenumber_ * ((tx - b_out) + (back - b_back))) * size;
       values[1] = product.real();
       values[2] = product.imag();
     };
     for (int band = -reach_; band <= reach_; ++band) {
       second.later_m = band * step_m_;
-      cutter_.add(polygon, home, second, integrand, work, sums_[std::size_t(band + reach_)]);
+      cutter_.add(polygon, rx, second, integrand, work, sums_[std::size_t(band + reach_)]);
     }
   }
 

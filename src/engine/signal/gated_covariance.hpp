@@ -26,8 +26,9 @@ struct SampleCovariances {
 /// channel a and y_b in sample j of channel b,
 ///     E[y_a y_b*] = integral over the patches, what of them lies in sample k of a and in sample j of b, of
 ///                   sigma A_a A_b e^{ik(L_a - L_b)} dA,
-/// A the amplitudes that density.hpp and patterns make, L the ways out and home; sample k holds half ways
-/// from first + k step on, of each channel its own. One channel with itself: the energies of integrate().
+/// A the amplitudes that density.hpp and patterns make, L the transmit and receive legs; sample k holds half
+/// ways from first + k step on, of each channel its own. One channel with itself: the energies of
+/// integrate().
 ///
 /// `patches`: what both channels see (seen_patches(), common_patches()). `tolerance`: of an integral over a
 /// patch, relative to what it would be without interference; 1e-6 at best with laws that have corners.

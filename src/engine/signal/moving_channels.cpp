@@ -88,8 +88,8 @@ MovingChannels::MovingChannels(const MovingEnds& ends, const SeenPatches& seen, 
 bool MovingChannels::look_at(const SeenPatch& patch) {
   const MovingPulse& pulse = ends_.pulse_;
   const SignalTimes& times = ends_.held_.times;
-  const double c = ends_.held_.sound_speed_m_s, v_out = ends_.transmit_bounds_.speed_m_s,
-               v_home = ends_.receive_bounds_.speed_m_s, beta = std::max(v_out, v_home) / c,
+  const double c = ends_.held_.sound_speed_m_s, v_tx = ends_.transmit_bounds_.speed_m_s,
+               v_rx = ends_.receive_bounds_.speed_m_s, beta = std::max(v_tx, v_rx) / c,
                stretch = (1 + beta) / (1 - beta);
   glm::dvec3 centre(0);
   const auto corners = seen_.corners(patch);
@@ -120,7 +120,7 @@ bool MovingChannels::look_at(const SeenPatch& patch) {
   if (!in_time) return false;
   list_ends(senders, seen_.origin_m, extent_.transmit_m);
   list_ends(receivers, seen_.origin_m, extent_.receive_m);
-  extent_.moved_m = std::max(v_out * pulse.half_s(), v_home * half_s);
+  extent_.moved_m = std::max(v_tx * pulse.half_s(), v_rx * half_s);
 
   on_.clear();
   bool any = false;
@@ -145,23 +145,23 @@ bool MovingChannels::look_at(const SeenPatch& patch) {
   newton_s_ = steps.newton_s;
   passing_.clear();
   for (const TabulatedWay& way : ends_.transmit_) passing_.push_back(pulse.send(way, steps.parts));
-  even_ = (amplitude_rad + extent_.pattern_rad) * std::max(v_out, v_home) * pulse.half_s() * stretch <=
+  even_ = (amplitude_rad + extent_.pattern_rad) * std::max(v_tx, v_rx) * pulse.half_s() * stretch <=
           tolerance_ / 4 * nearest;
   return true;
 }
 
 void MovingChannels::hear(glm::dvec3 place_m, std::complex<double> strength, double less_m,
-                          std::complex<double>* out) {
+                          std::complex<double>* tx) {
   for (MovingPulse::Passing& passing : passing_) ends_.pulse_.pass(place_m, passing);
   for (std::size_t k = 0; k < on_.size(); ++k) {
     if (!faces_[k]) continue;
     const std::size_t w = ends_.receive_of_[k];
     ends_.pulse_.add(
         passing_[ends_.transmit_of_[k]], ends_.receive_[w], near_m_[w], newton_s_, strength, less_m, even_,
-        [&](glm::dvec3 from_m, glm::dvec3 to_m, double out_m, double home_m) {
-          return on_[k].amplitude_from(place_m, from_m, to_m, out_m, home_m);
+        [&](glm::dvec3 from_m, glm::dvec3 to_m, double tx_m, double rx_m) {
+          return on_[k].amplitude_from(place_m, from_m, to_m, tx_m, rx_m);
         },
-        echoes_, out + k * ends_.held_.times.count);
+        echoes_, tx + k * ends_.held_.times.count);
   }
 }
 

@@ -92,9 +92,9 @@ MovingPulse::Steps MovingPulse::steps_for(const MotionBounds& transmit, const Mo
            way.jerk_m_s3;
   };
   const double beta = std::max(transmit.speed_m_s, receive.speed_m_s) / c, stretch = (1 + beta) / (1 - beta),
-               out = second(transmit), home = second(receive);
+               tx = second(transmit), rx = second(receive);
   const double of_path = (third(transmit) * stretch * stretch * stretch + third(receive) +
-                          3 * out * stretch * (out * stretch * stretch + home) / (c * (1 - beta))) /
+                          3 * tx * stretch * (tx * stretch * stretch + rx) / (c * (1 - beta))) /
                          (1 - beta);
   Steps steps;
   // A parabola through both ends and the middle leaves |u (u^2 - h^2)| / 6 <= 0.0642 h^3 of it.
@@ -103,7 +103,7 @@ MovingPulse::Steps MovingPulse::steps_for(const MotionBounds& transmit, const Mo
     const double parts = std::ceil(half_s() * stretch / longest);
     steps.parts = std::size_t(std::clamp(parts, 1.0, double(most_parts)));
   }
-  steps.newton_s = home > 0 ? std::sqrt(2 * 0.1 * off_wavelengths * wavelength / home) : HUGE_VAL;
+  steps.newton_s = rx > 0 ? std::sqrt(2 * 0.1 * off_wavelengths * wavelength / rx) : HUGE_VAL;
   return steps;
 }
 
@@ -117,7 +117,7 @@ MovingPulse::Passing MovingPulse::send(const TabulatedWay& transmit, std::size_t
   }
   for (std::size_t part = 0; part < parts; ++part)
     passing.smooth.push_back(transmit.is_smooth(passing.sent_s[2 * part], passing.sent_s[2 * part + 2]));
-  passing.out_m.resize(passing.sent_s.size());
+  passing.tx_m.resize(passing.sent_s.size());
   passing.there_s.resize(passing.sent_s.size());
   return passing;
 }
@@ -125,8 +125,8 @@ MovingPulse::Passing MovingPulse::send(const TabulatedWay& transmit, std::size_t
 void MovingPulse::pass(glm::dvec3 place_m, Passing& passing) const {
   passing.place_m = place_m;
   for (std::size_t n = 0; n < passing.sent_s.size(); ++n) {
-    passing.out_m[n] = glm::distance(passing.from_m[n], place_m);
-    passing.there_s[n] = passing.sent_s[n] + passing.out_m[n] / sound_speed_m_s_;
+    passing.tx_m[n] = glm::distance(passing.from_m[n], place_m);
+    passing.there_s[n] = passing.sent_s[n] + passing.tx_m[n] / sound_speed_m_s_;
   }
 }
 
@@ -179,21 +179,21 @@ void MovingPulse::add(const Passing& passing, const TabulatedWay& receive, std::
     for (std::size_t n = from; n < to; ++n) {
       const double time_s = times_.time_s(n);
       const glm::dvec3 to_m = receive.at(time_s).place_m;
-      const double home = glm::distance(to_m, passing.place_m), there_s = time_s - home * per_c_;
-      double sent_s = time_s - path.at(time_s) * per_c_, out_m = 0;
+      const double rx = glm::distance(to_m, passing.place_m), there_s = time_s - rx * per_c_;
+      double sent_s = time_s - path.at(time_s) * per_c_, tx_m = 0;
       glm::dvec3 from_m;
       for (int step = 0; step < most_steps; ++step) {
         const TabulatedWay::Moment end = passing.transmit->at(sent_s);
         from_m = end.place_m;
         const glm::dvec3 way = from_m - passing.place_m;
-        out_m = glm::length(way);
+        tx_m = glm::length(way);
         const double off =
-            (sent_s + out_m * per_c_ - there_s) / (1 + glm::dot(way, end.velocity_m_s) * per_c_ / out_m);
+            (sent_s + tx_m * per_c_ - there_s) / (1 + glm::dot(way, end.velocity_m_s) * per_c_ / tx_m);
         sent_s -= off;
         if (std::abs(off) <= exact_s) break;
       }
-      const double size = !even ? exact.at(exact.of, from_m, to_m, out_m, home) : even_size;
-      out[n] += product(strength, std::polar(size, k * (out_m + home - less_m))) *
+      const double size = !even ? exact.at(exact.of, from_m, to_m, tx_m, rx) : even_size;
+      out[n] += product(strength, std::polar(size, k * (tx_m + rx - less_m))) *
                 envelope((sent_s - begin_s_) * per_s_);
     }
   }

@@ -38,7 +38,7 @@ class MovingPulse {
     std::vector<glm::dvec3> from_m;  ///< where the transmitter is then
     std::vector<char> smooth;        ///< by part
     glm::dvec3 place_m{0};
-    std::vector<double> out_m, there_s;
+    std::vector<double> tx_m, there_s;
   };
   Passing send(const TabulatedWay& transmit, std::size_t parts) const;
   void pass(glm::dvec3 place_m, Passing& passing) const;
@@ -48,7 +48,7 @@ class MovingPulse {
     double time_s = 0, path_m = 0, amplitude = 0;
   };
   /// Adds strength A g e^{ik(L - less)} to out[sample]. `near_m`: where the receiver is about then.
-  /// `amplitude(from_m, to_m, out_m, home_m)`: A, the ends being there; `even`: one for all of the pulse will
+  /// `amplitude(from_m, to_m, tx_m, rx_m)`: A, the ends being there; `even`: one for all of the pulse will
   /// do. `echoes` is room to work in.
   template <class Amplitude>
   void add(const Passing& passing, const TabulatedWay& receive, glm::dvec3 near_m, double newton_s,
@@ -62,14 +62,14 @@ class MovingPulse {
       const Reception received = received_at(passing, n, receive, time_s, newton_s);
       time_s = received.time_s;
       slope = received.slope;
-      echoes[n] = {time_s, passing.out_m[n] + received.home_m, 0};
+      echoes[n] = {time_s, passing.tx_m[n] + received.rx_m, 0};
       if (!even || n == count / 2)
-        echoes[n].amplitude = amplitude(passing.from_m[n], received.to_m, passing.out_m[n], received.home_m);
+        echoes[n].amplitude = amplitude(passing.from_m[n], received.to_m, passing.tx_m[n], received.rx_m);
     }
-    const AmplitudeOf its{
-        &amplitude, [](const void* of, glm::dvec3 from_m, glm::dvec3 to_m, double out_m, double home_m) {
-          return (*static_cast<const Amplitude*>(of))(from_m, to_m, out_m, home_m);
-        }};
+    const AmplitudeOf its{&amplitude,
+                          [](const void* of, glm::dvec3 from_m, glm::dvec3 to_m, double tx_m, double rx_m) {
+                            return (*static_cast<const Amplitude*>(of))(from_m, to_m, tx_m, rx_m);
+                          }};
     add(passing, receive, echoes, strength, less_m, even ? AmplitudeOf{} : its, out);
   }
 
@@ -80,7 +80,7 @@ class MovingPulse {
   /// A time that is known as well as clocks tell.
   static constexpr double exact_s = 1e-14;
   struct Reception {
-    double time_s, home_m, slope;  ///< slope: of times of hearing by times at the place
+    double time_s, rx_m, slope;  ///< slope: of times of hearing by times at the place
     glm::dvec3 to_m;
   };
   Reception received_at(const Passing& passing, std::size_t n, const TabulatedWay& receive, double time_s,
@@ -89,22 +89,22 @@ class MovingPulse {
     for (int step = 0;; ++step) {
       const TabulatedWay::Moment end = receive.at(time_s);
       const glm::dvec3 way = end.place_m - passing.place_m;
-      const double home = glm::length(way), rate = glm::dot(way, end.velocity_m_s) / home,
-                   slope = 1 / (1 - rate * per_c_),
-                   off = (time_s - passing.there_s[n] - home * per_c_) * slope, before_s = time_s;
+      const double rx = glm::length(way), rate = glm::dot(way, end.velocity_m_s) / rx,
+                   slope = 1 / (1 - rate * per_c_), off = (time_s - passing.there_s[n] - rx * per_c_) * slope,
+                   before_s = time_s;
       time_s -= off;
       // A step that comes over a bend is none of Newton's.
       const bool done =
           std::abs(off) <= newton_s &&
           (step > hopeful_steps || receive.is_smooth(std::min(before_s, time_s), std::max(before_s, time_s)));
       if (done || std::abs(off) <= exact_s || step == most_steps)
-        return {time_s, home - rate * off, slope, end.place_m - off * end.velocity_m_s};
+        return {time_s, rx - rate * off, slope, end.place_m - off * end.velocity_m_s};
     }
   }
   /// Who can tell the amplitude, ends being where they are; none: it is even.
   struct AmplitudeOf {
     const void* of = nullptr;
-    double (*at)(const void* of, glm::dvec3 from_m, glm::dvec3 to_m, double out_m, double home_m) = nullptr;
+    double (*at)(const void* of, glm::dvec3 from_m, glm::dvec3 to_m, double tx_m, double rx_m) = nullptr;
   };
   void add(const Passing& passing, const TabulatedWay& receive, std::span<const Echo> echoes,
            std::complex<double> strength, double less_m, const AmplitudeOf& amplitude,

@@ -45,7 +45,7 @@ SeenPatches patches_of(const CommonVisibility& visibility, glm::dvec3 origin_m) 
       if (part.corners_m.size() < 3) continue;
       seen.patches.push_back({facet.facet, facet.plane.normal, facet.plane.distance_m,
                               std::uint32_t(seen.corners_m.size()), std::uint32_t(part.corners_m.size()),
-                              part.out_tube, part.home_tube});
+                              part.tx_tube, part.rx_tube});
       seen.corners_m.insert(seen.corners_m.end(), part.corners_m.begin(), part.corners_m.end());
     }
   }
@@ -67,17 +67,17 @@ double SeenPatches::area_m2() const {
 
 SeenPatches seen_patches(const CommonVisibility& visibility, const EchoLaw& law) {
   const Path& path = law.path;
-  if (!path.out.facet_map.empty() || !path.facet_factor.empty())
+  if (!path.tx.facet_map.empty() || !path.facet_factor.empty())
     throw std::invalid_argument(
         "signals need a bed that is seen where it lies: in refracting water ways to other places are others");
-  if (path.over_mirrors() || path.home || path.out.to_true != glm::dmat3(1))
+  if (path.over_mirrors() || path.rx || path.tx.to_true != glm::dmat3(1))
     throw std::invalid_argument(
         "patches of straight ways are none of ways over mirrors: see for_coherent_paths()");
-  return patches_of(visibility, path.out.apex_m);
+  return patches_of(visibility, path.tx.apex_m);
 }
 
-SeenPatches patches_between(const BistaticHistory& images, glm::dvec3 out_m) {
-  return patches_of(images, out_m);
+SeenPatches patches_between(const BistaticHistory& images, glm::dvec3 tx_m) {
+  return patches_of(images, tx_m);
 }
 
 SplitPatches split_patches(const SeenPatches& patches, const std::function<bool(FacetId)>& is_smooth) {

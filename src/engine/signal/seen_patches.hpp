@@ -18,7 +18,7 @@ struct SeenPatch {
   glm::dvec3 normal{0, 0, 1};  ///< unit, towards the side that is seen
   double distance_m = 0;       ///< of the origin from the plane, positive on that side
   std::uint32_t first_corner = 0, corner_count = 0;
-  std::uint32_t out_tube = 0, home_tube = 0;
+  std::uint32_t tx_tube = 0, rx_tube = 0;
 };
 
 /// What one or several signals come from: polygons with disjoint interiors.
@@ -47,8 +47,8 @@ struct SplitPatches {
 SplitPatches split_patches(const SeenPatches& patches, const std::function<bool(FacetId)>& is_smooth);
 
 /// The same of what an apex or its image sees together with another's, both in even water: what channels make
-/// of it has to be told by their images over the same mirrors. `out_m`: of the way out.
-SeenPatches patches_between(const BistaticHistory& images, glm::dvec3 out_m);
+/// of it has to be told by their images over the same mirrors. `tx_m`: of the transmit leg.
+SeenPatches patches_between(const BistaticHistory& images, glm::dvec3 tx_m);
 
 /// What two sights share: the intersections of their polygons on each facet, in doubles. Origin and tubes are
 /// those of the first one. Facets have the same numbers in both.

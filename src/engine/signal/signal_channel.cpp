@@ -41,19 +41,19 @@ ChannelOnPatch::ChannelOnPatch(const SignalChannel& channel, const SeenPatches& 
                channel.receive.kind != Directivity::Kind::uniform) {}
 
 double ChannelOnPatch::amplitude_from(glm::dvec3 place_m, glm::dvec3 transmit_m, glm::dvec3 receive_m,
-                                      double out_m, double home_m) const {
-  const double above_out = transmit_.distance_m + glm::dot(transmit_.normal, transmit_m - transmit_m_),
-               above_home = receive_distance_m_ + glm::dot(transmit_.normal, receive_m - receive_m_);
-  if (!(above_out > 0 && above_home > 0)) return 0;
+                                      double tx_m, double rx_m) const {
+  const double above_tx = transmit_.distance_m + glm::dot(transmit_.normal, transmit_m - transmit_m_),
+               above_rx = receive_distance_m_ + glm::dot(transmit_.normal, receive_m - receive_m_);
+  if (!(above_tx > 0 && above_rx > 0)) return 0;
   const FacetBed& bed = path_.bed;
-  const auto way = Way<double>::of(out_m, home_m);
+  const auto way = Way<double>::of(tx_m, rx_m);
   double amplitude =
       bed.scattering == nullptr
-          ? std::sqrt(bed.mu * above_out * above_home * lambert_density(way, path_.beta_per_m))
-          : std::sqrt(bed.factor * density(std::sqrt(cross_section(*bed.scattering, above_out, out_m) *
-                                                     cross_section(*bed.scattering, above_home, home_m)),
+          ? std::sqrt(bed.mu * above_tx * above_rx * lambert_density(way, path_.beta_per_m))
+          : std::sqrt(bed.factor * density(std::sqrt(cross_section(*bed.scattering, above_tx, tx_m) *
+                                                     cross_section(*bed.scattering, above_rx, rx_m)),
                                            way, path_.beta_per_m));
-  const glm::dvec3 there = (place_m - transmit_m) / out_m, back = (place_m - receive_m) / home_m;
+  const glm::dvec3 there = (place_m - transmit_m) / tx_m, back = (place_m - receive_m) / rx_m;
   if (weighed_)
     amplitude *= amplitude_pattern(channel_->transmit, there) * amplitude_pattern(channel_->receive, back);
   if (path_.over_mirrors()) amplitude *= std::sqrt(path_.passed(there, back));

@@ -40,23 +40,23 @@ class ChannelOnPatch {
   bool faces() const { return transmit_.distance_m > 0 && receive_distance_m_ > 0; }
 
   struct Reception {
-    double path_m = 0;     ///< out and home
+    double path_m = 0;     ///< transmit and receive
     double amplitude = 0;  ///< its square is the energy of a square metre of even bed, J for 1 J/sr at 1 m
   };
   /// `place_m`: on the patch's plane, relative to the patches' origin.
   Reception at(glm::dvec3 place_m) const {
     const glm::dvec3 there = place_m - transmit_m_, back = place_m - receive_m_;
-    const double out = glm::length(there), home = glm::length(back);
-    double amplitude = std::sqrt(path_.density_at(out, home));
+    const double tx = glm::length(there), rx = glm::length(back);
+    double amplitude = std::sqrt(path_.density_at(tx, rx));
     if (weighed_)
-      amplitude *= amplitude_pattern(channel_->transmit, there / out) *
-                   amplitude_pattern(channel_->receive, back / home);
-    if (path_.over_mirrors()) amplitude *= std::sqrt(path_.passed(there / out, back / home));
-    return {out + home, amplitude};
+      amplitude *=
+          amplitude_pattern(channel_->transmit, there / tx) * amplitude_pattern(channel_->receive, back / rx);
+    if (path_.over_mirrors()) amplitude *= std::sqrt(path_.passed(there / tx, back / rx));
+    return {tx + rx, amplitude};
   }
   /// The amplitude with the ends elsewhere, in these ranges of the place. 0 behind the plane.
-  double amplitude_from(glm::dvec3 place_m, glm::dvec3 transmit_m, glm::dvec3 receive_m, double out_m,
-                        double home_m) const;
+  double amplitude_from(glm::dvec3 place_m, glm::dvec3 transmit_m, glm::dvec3 receive_m, double tx_m,
+                        double rx_m) const;
 
   const PathOnFacet& path() const { return path_; }
   /// As the transmitter sees it.

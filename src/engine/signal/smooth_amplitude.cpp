@@ -34,15 +34,15 @@ double range(double height, glm::dvec2 from_foot) {
 
 }  // namespace
 
-FarAmplitude far_amplitude(const PlanarPolygon& polygon, const PathCutter::Receiver& home, double k) {
-  const double h = polygon.distance, g = home.distance;
+FarAmplitude far_amplitude(const PlanarPolygon& polygon, const PathCutter::Receiver& rx, double k) {
+  const double h = polygon.distance, g = rx.distance;
   if (!(h > 0) || !(g > 0) || polygon.offsets.size() < 3) return {};
   const glm::dvec2 middle = centroid_offset(polygon), place = polygon.first + middle;
-  const double r = range(h, place), s = range(g, place - home.foot);
+  const double r = range(h, place), s = range(g, place - rx.foot);
   const std::complex<double> ik(0, k);
   // The density of the integral: heights are the same all over the plane.
   const std::complex<double> density = -(h * (ik - 1 / r) / (r * r * s) + g * (ik - 1 / s) / (s * s * r));
-  const glm::dvec2 gradient = k * (place / r + (place - home.foot) / s);
+  const glm::dvec2 gradient = k * (place / r + (place - rx.foot) / s);
   const double part = std::abs(area(polygon));
   FarAmplitude result;
   result.pressure = density / four_pi * phasor(k * (r + s) - glm::dot(gradient, middle)) *
@@ -57,7 +57,7 @@ FarAmplitude far_amplitude(const PlanarPolygon& polygon, const PathCutter::Recei
   const double bend = k / 2 * (1 / least_r + 1 / least_s) * moment;
   // How fast a range may change with place.
   const double turn_r = std::min(1.0, (glm::length(place) + reach) / least_r),
-               turn_s = std::min(1.0, (glm::length(place - home.foot) + reach) / least_s);
+               turn_s = std::min(1.0, (glm::length(place - rx.foot) + reach) / least_s);
   const auto slope = [k](double height, double near, double turn, double other, double other_turn) {
     return height / (near * near * other) *
            (k * (2 * turn / near + other_turn / other) + (3 * turn / near + other_turn / other) / near);
@@ -68,18 +68,18 @@ FarAmplitude far_amplitude(const PlanarPolygon& polygon, const PathCutter::Recei
   return result;
 }
 
-glm::dvec2 place_of_shortest_path(const PlanarPolygon& polygon, const PathCutter::Receiver& home) {
-  const glm::dvec2 shortest = home.foot * (polygon.distance / (polygon.distance + home.distance));
+glm::dvec2 place_of_shortest_path(const PlanarPolygon& polygon, const PathCutter::Receiver& rx) {
+  const glm::dvec2 shortest = rx.foot * (polygon.distance / (polygon.distance + rx.distance));
   PlanarPolygon about = polygon;
   about.first -= shortest;
   return polygon.first + nearest_point(about).offset;
 }
 
-double mean_sine(const PlanarPolygon& polygon, const PathCutter::Receiver& home) {
-  const double h = polygon.distance, g = home.distance;
+double mean_sine(const PlanarPolygon& polygon, const PathCutter::Receiver& rx) {
+  const double h = polygon.distance, g = rx.distance;
   if (!(h + g > 0)) return 0;
-  const glm::dvec2 place = place_of_shortest_path(polygon, home);
-  return (h / range(h, place) + g / range(g, place - home.foot)) / 2;
+  const glm::dvec2 place = place_of_shortest_path(polygon, rx);
+  return (h / range(h, place) + g / range(g, place - rx.foot)) / 2;
 }
 
 SmoothAmplitude::SmoothAmplitude(std::span<const double> wave_numbers_per_m, double tolerance)
@@ -93,15 +93,15 @@ SmoothAmplitude::SmoothAmplitude(std::span<const double> wave_numbers_per_m, dou
   if (!(tolerance >= 0)) throw std::invalid_argument("the tolerance of plane waves must not be negative");
 }
 
-void SmoothAmplitude::add(const PlanarPolygon& polygon, const PathCutter::Receiver& home,
+void SmoothAmplitude::add(const PlanarPolygon& polygon, const PathCutter::Receiver& rx,
                           const SmoothSurface& surface, std::span<std::complex<double>> out) {
-  if (!(polygon.distance > 0) || !(home.distance > 0) || polygon.offsets.size() < 3) return;
-  const double sine = mean_sine(polygon, home);
+  if (!(polygon.distance > 0) || !(rx.distance > 0) || polygon.offsets.size() < 3) return;
+  const double sine = mean_sine(polygon, rx);
   // Plane waves get worse with each wave number.
   std::size_t first = 0;
   for (; tolerance_ > 0 && first < wave_numbers_.size(); ++first) {
     const double k = wave_numbers_[first];
-    const FarAmplitude far = far_amplitude(polygon, home, k);
+    const FarAmplitude far = far_amplitude(polygon, rx, k);
     if (!(far.error <= tolerance_ * far.most)) break;
     out[first] += surface.factor(sine, k) * far.pressure;
   }
@@ -115,7 +115,7 @@ void SmoothAmplitude::add(const PlanarPolygon& polygon, const PathCutter::Receiv
         for (std::size_t i = 0; i < values.size(); ++i) values[i] = phasor(wave_numbers[i] * path_m);
       },
       wave_numbers.size(), wave_numbers.back());
-  form.add(polygon, home, edges_);
+  form.add(polygon, rx, edges_);
   for (std::size_t i = 0; i < wave_numbers.size(); ++i)
     out[first + i] += surface.factor(sine, wave_numbers[i]) * edges_[i];
 }
@@ -129,15 +129,15 @@ void SmoothAmplitude::add(const CommonVisibility& visibility,
     const SmoothSurface* surface = surface_of(facet.facet);
     if (surface == nullptr) continue;
     const PlaneFrame frame(facet.plane);
-    const PathCutter::Receiver home{facet.home_distance_m, frame.project(visibility.home_m())};
+    const PathCutter::Receiver rx{facet.rx_distance_m, frame.project(visibility.rx_m())};
     for (std::uint32_t piece = 0; piece < facet.piece_count; ++piece) {
       polygon.assign(visibility.part(number, facet.first_piece + piece).corners_m, facet.plane, frame);
-      add(polygon, home, *surface, out);
+      add(polygon, rx, *surface, out);
     }
   }
 }
 
-void add_pulse_echo(const PlanarPolygon& polygon, const PathCutter::Receiver& home,
+void add_pulse_echo(const PlanarPolygon& polygon, const PathCutter::Receiver& rx,
                     const TransmittedPulse& pulse, double sound_speed, std::span<const double> times_s,
                     std::span<std::complex<double>> out) {
   EdgeForm form(
@@ -146,7 +146,7 @@ void add_pulse_echo(const PlanarPolygon& polygon, const PathCutter::Receiver& ho
           values[i] = pulse.pressure(times_s[i] - path_m / sound_speed);
       },
       times_s.size(), pulse.growth_per_s / sound_speed);
-  form.add(polygon, home, out);
+  form.add(polygon, rx, out);
 }
 
 }  // namespace tubefoot

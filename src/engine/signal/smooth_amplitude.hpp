@@ -23,8 +23,8 @@ struct FarAmplitude {
   double most = 0;                ///< of the modulus, whatever the phases: area times density
 };
 
-/// `polygon`: convex, seen by the apex of the way out; `k` in rad/m.
-FarAmplitude far_amplitude(const PlanarPolygon& polygon, const PathCutter::Receiver& home, double k);
+/// `polygon`: convex, seen by the apex of the transmit leg; `k` in rad/m.
+FarAmplitude far_amplitude(const PlanarPolygon& polygon, const PathCutter::Receiver& rx, double k);
 
 /// Amplitudes of smooth polygons at several wave numbers: by plane waves where these are proven to be good
 /// enough, by the edges, which need no such condition, elsewhere. Holds scratch memory: one per thread.
@@ -43,7 +43,7 @@ class SmoothAmplitude {
 
   /// Adds a convex polygon's pressure at each wave number to `out` (1/m). Reflection and roughness count as
   /// at the polygon's place of shortest path.
-  void add(const PlanarPolygon& polygon, const PathCutter::Receiver& home, const SmoothSurface& surface,
+  void add(const PlanarPolygon& polygon, const PathCutter::Receiver& rx, const SmoothSurface& surface,
            std::span<std::complex<double>> out);
 
   /// Adds all that both ends of a path see. `surface_of`: of a facet; null: it is rough, without an
@@ -61,10 +61,11 @@ class SmoothAmplitude {
   Count count_;
 };
 
-/// The polygon's point nearest to the plane's place of shortest path, about the foot point of the way out.
-glm::dvec2 place_of_shortest_path(const PlanarPolygon& polygon, const PathCutter::Receiver& home);
+/// The polygon's point nearest to the plane's place of shortest path, about the foot point of the transmit
+/// leg.
+glm::dvec2 place_of_shortest_path(const PlanarPolygon& polygon, const PathCutter::Receiver& rx);
 /// The sine that SmoothSurface::factor takes, there.
-double mean_sine(const PlanarPolygon& polygon, const PathCutter::Receiver& home);
+double mean_sine(const PlanarPolygon& polygon, const PathCutter::Receiver& rx);
 
 /// A transmitted pulse: pressure over time at 1 m, complex (analytic, or at baseband with its carrier).
 struct TransmittedPulse {
@@ -76,7 +77,7 @@ struct TransmittedPulse {
 
 /// Adds a polygon's echo of a pulse at the times given, R = 1: exact in the Kirchhoff approximation, by
 /// edges. `sound_speed` in m/s.
-void add_pulse_echo(const PlanarPolygon& polygon, const PathCutter::Receiver& home,
+void add_pulse_echo(const PlanarPolygon& polygon, const PathCutter::Receiver& rx,
                     const TransmittedPulse& pulse, double sound_speed, std::span<const double> times_s,
                     std::span<std::complex<double>> out);
 

@@ -110,7 +110,7 @@ class ChannelOfSmooth {
         path_(law.path),
         absorption_per_m_(absorption_per_m(law.absorption_db_per_m)),
         tolerance_(tolerance),
-        sent_(amplitude_wavenumber(channel.transmit) + amplitude_wavenumber(law.path.out.loss)),
+        sent_(amplitude_wavenumber(channel.transmit) + amplitude_wavenumber(law.path.tx.loss)),
         received_(amplitude_wavenumber(channel.receive) + amplitude_wavenumber(law.path.back().loss)) {
     const double reach = receiver.pulse.end_s - receiver.pulse.begin_s;
     first_m_ = (receiver.times.first_s - receiver.pulse.end_s - reach) * receiver.sound_speed_m_s;
@@ -123,11 +123,11 @@ class ChannelOfSmooth {
     const glm::dvec3 transmit = channel_.transmit_m - seen.origin_m,
                      receive = channel_.receive_m - seen.origin_m;
     plane_ = {patch.normal, patch.distance_m + glm::dot(patch.normal, transmit)};
-    home_.distance = patch.distance_m + glm::dot(patch.normal, receive);
-    if (!(plane_.distance_m > 0) || !(home_.distance > 0)) return;
+    rx_.distance = patch.distance_m + glm::dot(patch.normal, receive);
+    if (!(plane_.distance_m > 0) || !(rx_.distance > 0)) return;
     const PlaneFrame frame(plane_);
     frame_ = &frame;
-    home_.foot = frame.project(receive - transmit);
+    rx_.foot = frame.project(receive - transmit);
     back_m_ = receive - transmit;
     const auto corners = seen.corners(patch);
     corners_.assign(corners.begin(), corners.end());
@@ -149,19 +149,19 @@ class ChannelOfSmooth {
   void add(const PlanarPolygon& piece, const SmoothSurface& surface, int halvings,
            std::complex<double>* out) {
     if (piece.offsets.size() < 3) return;
-    const auto [half_shortest, half_longest] = PathCutter::half_paths_of(piece, home_);
+    const auto [half_shortest, half_longest] = PathCutter::half_paths_of(piece, rx_);
     if (2 * half_longest < first_m_ || 2 * half_shortest > last_m_) return;
     const double path = half_shortest + half_longest, half_spread = half_longest - half_shortest;
-    const glm::dvec2 place = place_of_shortest_path(piece, home_);
-    const double out_m = std::hypot(piece.distance, place.x, place.y),
-                 back_m = std::hypot(home_.distance, place.x - home_.foot.x, place.y - home_.foot.y);
-    const double sine = (piece.distance / out_m + home_.distance / back_m) / 2,
+    const glm::dvec2 place = place_of_shortest_path(piece, rx_);
+    const double tx_m = std::hypot(piece.distance, place.x, place.y),
+                 back_m = std::hypot(rx_.distance, place.x - rx_.foot.x, place.y - rx_.foot.y);
+    const double sine = (piece.distance / tx_m + rx_.distance / back_m) / 2,
                  rough_m = 2 * sine * surface.roughness_m,
                  lowest = std::max(received_pulse_.carrier_rad_m - received_pulse_.band_rad_m, 0.0);
     if (std::pow(lowest * rough_m, 2) > 80) return;  // 4e-18 is left of it
     const bool uneven = (surface.fluid || surface.roughness_m > 0) &&
                         received_pulse_.band_rad_m * half_spread > most_uneven_rad;
-    if (halvings < most_halvings && (uneven || pattern_changes(piece, out_m, back_m))) {
+    if (halvings < most_halvings && (uneven || pattern_changes(piece, tx_m, back_m))) {
       halve(piece, across(piece, uneven), pieces_);
       return;
     }
@@ -173,7 +173,7 @@ class ChannelOfSmooth {
     factor_ = received_part(piece) * mirror.factor(sine, k);
     take_shifts(rough_m);
     if (is_small(half_spread)) {
-      const FarAmplitude far = far_amplitude(piece, home_, k);
+      const FarAmplitude far = far_amplitude(piece, rx_, k);
       if (far.error <= each_error * tolerance_ * far.most) {
         const std::complex<double> amplitude =
             factor_ * std::exp(-absorption_per_m_ * path / 2) * far.pressure;
@@ -185,7 +185,7 @@ class ChannelOfSmooth {
     }
     // Wide enough that pulses are not added more often than their band asks for.
     const double most_spread = 2 * pi / received_pulse_.band_rad_m;
-    edges_.assign(piece, home_, k + absorption_per_m_ / 2, most_spread);
+    edges_.assign(piece, rx_, k + absorption_per_m_ / 2, most_spread);
     add_image(out);
     for (const EdgePanels::Panel& panel : edges_.panels()) add(panel, out);
   }
@@ -320,12 +320,12 @@ class ChannelOfSmooth {
     return factor_ * sum;
   }
 
-  bool pattern_changes(const PlanarPolygon& piece, double out_m, double back_m) const {
+  bool pattern_changes(const PlanarPolygon& piece, double tx_m, double back_m) const {
     if (sent_ == 0 && received_ == 0) return false;
     const glm::dvec2 middle = centroid_offset(piece);
     double reach = 0;
     for (const glm::dvec2& offset : piece.offsets) reach = std::max(reach, glm::length(offset - middle));
-    return reach * (sent_ / out_m + received_ / back_m) > most_pattern_rad;
+    return reach * (sent_ / tx_m + received_ / back_m) > most_pattern_rad;
   }
 
   /// The direction that a piece is cut across: that in which paths differ most, which grow along their slope
@@ -336,10 +336,10 @@ class ChannelOfSmooth {
     for (const glm::dvec2& corner : piece.offsets)
       if (glm::dot(corner - offset, corner - offset) > glm::dot(longest, longest)) longest = corner - offset;
     if (!for_paths) return glm::normalize(longest);
-    const glm::dvec2 from_foot = middle - home_.foot;
-    const double out_m = std::hypot(piece.distance, middle.x, middle.y),
-                 back_m = std::hypot(home_.distance, from_foot.x, from_foot.y);
-    const glm::dvec2 slope = middle / out_m + from_foot / back_m;
+    const glm::dvec2 from_foot = middle - rx_.foot;
+    const double tx_m = std::hypot(piece.distance, middle.x, middle.y),
+                 back_m = std::hypot(rx_.distance, from_foot.x, from_foot.y);
+    const glm::dvec2 slope = middle / tx_m + from_foot / back_m;
     const double steep = glm::length(slope);
     if (!(steep > 1e-3)) return glm::normalize(longest);
     const glm::dvec2 along = slope / steep, aside(-along.y, along.x);
@@ -351,7 +351,7 @@ class ChannelOfSmooth {
       }
       return high - low;
     };
-    const double bend = (1 / out_m + 1 / back_m) / 8, length = extent(along), width = extent(aside);
+    const double bend = (1 / tx_m + 1 / back_m) / 8, length = extent(along), width = extent(aside);
     return (steep + bend * length) * length >= bend * width * width ? along : aside;
   }
 
@@ -362,9 +362,9 @@ class ChannelOfSmooth {
       return 1;
     const glm::dvec2 place = piece.first + centroid_offset(piece);
     const glm::dvec3 there = -plane_.distance_m * plane_.normal + place.x * frame_->u + place.y * frame_->v;
-    const glm::dvec3 out = glm::normalize(there), home = glm::normalize(there - back_m_);
-    return std::sqrt(path_.out.loss.at(out) * path_.back().loss.at(home)) *
-           amplitude_pattern(channel_.transmit, out) * amplitude_pattern(channel_.receive, home);
+    const glm::dvec3 tx = glm::normalize(there), rx = glm::normalize(there - back_m_);
+    return std::sqrt(path_.tx.loss.at(out) * path_.back().loss.at(rx)) *
+           amplitude_pattern(channel_.transmit, tx) * amplitude_pattern(channel_.receive, rx);
   }
 
   const SignalChannel& channel_;
@@ -377,7 +377,7 @@ class ChannelOfSmooth {
   // Of the patch at hand; the transmitter is the origin.
   FacetPlane plane_;
   const PlaneFrame* frame_ = nullptr;
-  PathCutter::Receiver home_;
+  PathCutter::Receiver rx_;
   glm::dvec3 back_m_{0};
   std::vector<glm::dvec3> corners_;
   std::vector<PlanarPolygon> pieces_;

@@ -17,15 +17,15 @@ namespace tubefoot {
 /// tube of the only apex sees.
 struct SeenFacet {
   FacetId facet = 0;
-  FacetPlane plane;            ///< as the way out sees it
-  double home_distance_m = 0;  ///< of the plane from the apex of the way home
+  FacetPlane plane;          ///< as the transmit leg sees it
+  double rx_distance_m = 0;  ///< of the plane from the apex of the receive leg
   std::uint32_t first_piece = 0, piece_count = 0;
 };
 
 /// A convex part of it.
 struct SeenPart {
-  std::span<const glm::dvec3> corners_m;  ///< relative to the apex of the way out
-  std::uint32_t out_tube = 0, home_tube = 0;
+  std::span<const glm::dvec3> corners_m;  ///< relative to the apex of the transmit leg
+  std::uint32_t tx_tube = 0, rx_tube = 0;
 };
 
 /// What both ends of a path see of the bed; one apex is the case where both are the same. A view of a
@@ -38,8 +38,8 @@ class CommonVisibility {
   bool one_apex() const { return one_ != nullptr; }
   /// Null with one.
   const BistaticHistory* two_apexes() const { return two_; }
-  /// The apex of the way home relative to that of the way out.
-  glm::dvec3 home_m() const { return one_ ? glm::dvec3(0) : two_->shared.receiver_m; }
+  /// The apex of the receive leg relative to that of the transmit leg.
+  glm::dvec3 rx_m() const { return one_ ? glm::dvec3(0) : two_->shared.receiver_m; }
   double grid_unit_m() const { return one_ ? one_->grid_unit_m : two_->grid_unit_m; }
 
   /// Numbers of its facets: [first(), end()).

@@ -110,9 +110,9 @@ void trace_mixed_eigenrays(const ApparentSurface& ground, const SceneTree& tree,
       }
     return sheet;
   };
-  const auto add_paired = [&](BistaticHistory& history, const Sheet& out, const Sheet& home) {
+  const auto add_paired = [&](BistaticHistory& history, const Sheet& tx, const Sheet& rx) {
     for (const SharedFacet& shared : history.shared.facets) {
-      const RayOfPart &sent = *out.rays[shared.facet], &received = *home.rays[shared.facet];
+      const RayOfPart &sent = *tx.rays[shared.facet], &received = *rx.rays[shared.facet];
       std::array<std::size_t, 3> corner{0, 1, 2};
       glm::dvec3 from_t[3], from_r[3], lies[3];
       const auto place = [&] {
@@ -149,16 +149,16 @@ void trace_mixed_eigenrays(const ApparentSurface& ground, const SceneTree& tree,
   };
   std::vector<std::pair<Family, Sheet>> sheets;
   for (const Family& family : families) sheets.emplace_back(family, sheet_of(family));
-  for (const auto& [out, sent] : sheets) {
-    const std::vector<TubeVisibility> seen_out = straight.part(sent.is_own);
-    for (const auto& [home, received] : sheets) {
+  for (const auto& [tx, sent] : sheets) {
+    const std::vector<TubeVisibility> seen_tx = straight.part(sent.is_own);
+    for (const auto& [rx, received] : sheets) {
       stop_if_wanted();
-      if (out.first == home.first || !share_a_part(sent, received)) continue;
-      const View& view = out.second == home.second ? straight : in_mirror();
-      const std::vector<TubeVisibility> seen_home = view.part(received.is_own);
+      if (tx.first == rx.first || !share_a_part(sent, received)) continue;
+      const View& view = tx.second == rx.second ? straight : in_mirror();
+      const std::vector<TubeVisibility> seen_rx = view.part(received.is_own);
       BistaticHistory history{tubes, tubes, grid.unit_m(), {}};
-      history.shared = FootprintSharer({straight.tubes, seen_out, &straight.mesh, part_of},
-                                       {view.tubes, seen_home, &view.mesh, part_of}, grid.unit_m())
+      history.shared = FootprintSharer({straight.tubes, seen_tx, &straight.mesh, part_of},
+                                       {view.tubes, seen_rx, &view.mesh, part_of}, grid.unit_m())
                            .all();
       history.shared.receiver_m = glm::dvec3(0);
       if (history.shared.pieces.empty()) continue;

@@ -13,18 +13,18 @@
 namespace tubefoot {
 namespace {
 
-/// Half paths to the points of a plane, in its frame about the foot of the apex of the way out.
+/// Half paths to the points of a plane, in its frame about the foot of the apex of the transmit leg.
 struct HalfPaths {
-  double out_m, home_m;
-  glm::dvec2 home_foot;
+  double tx_m, rx_m;
+  glm::dvec2 rx_foot;
 
   double at(glm::dvec2 p) const {
-    return (std::hypot(p.x, p.y, out_m) + std::hypot(p.x - home_foot.x, p.y - home_foot.y, home_m)) / 2;
+    return (std::hypot(p.x, p.y, tx_m) + std::hypot(p.x - rx_foot.x, p.y - rx_foot.y, rx_m)) / 2;
   }
   /// Over the whole plane it is least where the line to the mirrored apex meets it.
   glm::dvec2 lowest() const {
-    const double both = out_m + home_m;
-    return both > 0 ? home_foot * (out_m / both) : glm::dvec2(0);
+    const double both = tx_m + rx_m;
+    return both > 0 ? rx_foot * (tx_m / both) : glm::dvec2(0);
   }
   /// Along an edge it is convex.
   double lowest_between(glm::dvec2 a, glm::dvec2 b) const {
@@ -62,7 +62,7 @@ class Splitter {
     const SharedFootprints& shared = from_.shared;
     to.receiver_m = shared.receiver_m;
     struct One {
-      std::uint32_t out, home, number, first, end;
+      std::uint32_t tx, rx, number, first, end;
     };
     std::vector<One> all;
     for (std::uint32_t f = 0; f < shared.facets.size(); ++f) {
@@ -71,15 +71,15 @@ class Splitter {
       for (std::uint32_t k = facet.first_piece; k < last;) {
         const SharedPiece& first = shared.pieces[k];
         One one{first.transmit_tube, first.receive_tube, f, k, k};
-        for (; k < last && shared.pieces[k].transmit_tube == one.out &&
-               shared.pieces[k].receive_tube == one.home;
+        for (;
+             k < last && shared.pieces[k].transmit_tube == one.tx && shared.pieces[k].receive_tube == one.rx;
              ++k)
           ++one.end;
         all.push_back(one);
       }
     }
     std::stable_sort(all.begin(), all.end(), [](const One& a, const One& b) {
-      return std::tuple(a.out, a.home, a.number) < std::tuple(b.out, b.home, b.number);
+      return std::tuple(a.tx, a.rx, a.number) < std::tuple(b.tx, b.rx, b.number);
     });
     FootprintSet& set = result.footprints;
     for (const One& one : all) {
@@ -89,7 +89,7 @@ class Splitter {
       facet.piece_count = one.end - one.first;
       Footprint footprint;
       footprint.facet = facet.facet;
-      footprint.tube = one.out;
+      footprint.tube = one.tx;
       footprint.first_piece = facet.first_piece;
       footprint.piece_count = facet.piece_count;
       footprint.plane_normal = facet.plane_normal;
@@ -105,7 +105,7 @@ class Splitter {
       to.facets.push_back(facet);
       if (!from_.paired.empty()) result.history.paired.push_back(from_.paired[one.number]);
       set.footprints.push_back(footprint);
-      result.receive_tube.push_back(one.home);
+      result.receive_tube.push_back(one.rx);
       result.receive_distance_m.push_back(facet.receive_distance_m);
     }
     set.corners_m = to.corners_m;

@@ -8,18 +8,19 @@
 
 namespace tubefoot {
 
-/// What two apexes see together, told as footprints: one for each tube of the way out, tube of the way home
-/// and facet, in that order. The history's shared facets are these, number by number, so that Sight numbers
-/// them so.
+/// What two apexes see together, told as footprints: one for each tube of the transmit leg, tube of the
+/// receive leg and facet, in that order. The history's shared facets are these, number by number, so that
+/// Sight numbers them so.
 struct PathFootprints {
   BistaticHistory history;
-  /// As the way out sees them, where it sees them. But slant ranges are half paths, of the nearest and the
-  /// farthest path; in refracting water those of the facet flattened (PairedFacet). No occluders.
+  /// As the transmit leg sees them, where it sees them. But slant ranges are half paths, of the nearest and
+  /// the farthest path; in refracting water those of the facet flattened (PairedFacet). No occluders.
   FootprintSet footprints;
   std::vector<std::uint32_t> receive_tube;  ///< by footprint
-  std::vector<double> receive_distance_m;   ///< of the apex of the way home from the facet's plane
+  std::vector<double> receive_distance_m;   ///< of the apex of the receive leg from the facet's plane
 
-  /// Where a point of a footprint lies that is seen there, relative to the apex of the way out; local frame.
+  /// Where a point of a footprint lies that is seen there, relative to the apex of the transmit leg; local
+  /// frame.
   glm::dvec3 place(std::size_t footprint, glm::dvec3 seen_m, glm::dvec3 apex_m) const;
   /// Area where it lies.
   double area_m2(std::size_t footprint) const;

@@ -34,26 +34,26 @@ struct Paired {
                                double tolerance) const {
     std::vector<FacetId> all(site.base.facets.size());
     std::iota(all.begin(), all.end(), 0u);
-    const ApparentMap out = end(sent), home = end(received);
-    const ViewBounds from_out(sent, site.grid.unit_m(), out), from_home(received, site.grid.unit_m(), home);
+    const ApparentMap tx = end(sent), rx = end(received);
+    const ViewBounds from_tx(sent, site.grid.unit_m(), tx), from_rx(received, site.grid.unit_m(), rx);
     const CommonApparentSurfaces alike =
-        map_apparent_together(site.base, all, site.grid, std::array{&out, &home}, absorption, settings, {},
-                              std::array{&from_out, &from_home});
+        map_apparent_together(site.base, all, site.grid, std::array{&tx, &rx}, absorption, settings, {},
+                              std::array{&from_tx, &from_rx});
     const ApparentPair pair{alike.bed.mesh, alike.seen[0], alike.seen[1], alike.origin[0], alike.origin[1]};
     EchoLaw law = site.law(pair.mesh, absorption);
     law.patterns = patterns;
     const std::vector<std::uint32_t> beams(received.tubes.size(), 0);
     const Echo ordinary = integrate_echo(
-        trace_bistatic(pair, site.grid, {}, sent, received, out, home, absorption), {1, beams}, samples, law);
-    const RayEnclosure out_rays(out, options), home_rays(home, options);
-    const SceneTree out_tree(alike.seen[0].refined.mesh, SceneTree::Sheets::ignored),
-        home_tree(alike.seen[1].refined.mesh, SceneTree::Sheets::ignored);
+        trace_bistatic(pair, site.grid, {}, sent, received, tx, rx, absorption), {1, beams}, samples, law);
+    const RayEnclosure tx_rays(tx, options), rx_rays(rx, options);
+    const SceneTree tx_tree(alike.seen[0].refined.mesh, SceneTree::Sheets::ignored),
+        rx_tree(alike.seen[1].refined.mesh, SceneTree::Sheets::ignored);
     const PairedBed bed{alike.bed.mesh,
                         alike.bed.parent,
                         site.base,
                         site.grid,
-                        {alike.seen[0], out_tree, alike.origin[0], out, out_rays},
-                        {alike.seen[1], home_tree, alike.origin[1], home, home_rays}};
+                        {alike.seen[0], tx_tree, alike.origin[0], tx, tx_rays},
+                        {alike.seen[1], rx_tree, alike.origin[1], rx, rx_rays}};
     return certify_refracted_echo(bed, {sent, received}, {}, {1, beams}, samples, law, ordinary, tolerance);
   }
   CertifiedEcho straight(const RangeSamples& samples, double tolerance) const {
@@ -182,7 +182,7 @@ TEST(PairedReference, EnclosuresHoldWhatRaysToPlacesSay) {
   for (int trial = 0; trial < 60; ++trial) {
     SCOPED_TRACE(fmt::format("seed {} trial {}", seed, trial));
     const glm::dvec3 place(4 + 30 * unit(random), 10 * unit(random) - 5, -6 - 12 * unit(random)),
-        home_m(6 * unit(random) - 3, 6 * unit(random) - 3, 4 * unit(random) - 2);
+        rx_m(6 * unit(random) - 3, 6 * unit(random) - 3, 4 * unit(random) - 2);
     const double size = trial % 3 ? 2 : 0.4, absorption = 0.1;
     Triangle t;
     for (glm::dvec3& p : t)
@@ -194,13 +194,13 @@ TEST(PairedReference, EnclosuresHoldWhatRaysToPlacesSay) {
                              {0.1, 0.12, 0.09, 0.08, 0.1}};
     const WaterColumn& water = trial % 8 < 4 ? one : layers;
     const EigenrayOptions options{.deepest_turn_m = 30};
-    const glm::dvec3 apexes[2]{glm::dvec3(0), site.grid.to_metres(site.grid.snap(home_m))};
-    const ApparentMap out(water, apexes[0], GradientBed::apex_depth_m, options, 1500),
-        home(water, apexes[1], GradientBed::apex_depth_m, options, 1500);
+    const glm::dvec3 apexes[2]{glm::dvec3(0), site.grid.to_metres(site.grid.snap(rx_m))};
+    const ApparentMap tx(water, apexes[0], GradientBed::apex_depth_m, options, 1500),
+        rx(water, apexes[1], GradientBed::apex_depth_m, options, 1500);
     const std::vector<FacetId> facets{FacetId(site.base.facets.size() - 1)};
     const CommonApparentSurfaces alike =
-        map_apparent_together(site.base, facets, site.grid, std::array{&out, &home}, absorption,
-                              {.gap_m = 1e9}, {}, std::array<const ViewBounds*, 2>{});
+        map_apparent_together(site.base, facets, site.grid, std::array{&tx, &rx}, absorption, {.gap_m = 1e9},
+                              {}, std::array<const ViewBounds*, 2>{});
     const FacetMesh& mesh = alike.bed.mesh;
     if (alike.origin[0].size() != 1 || alike.origin[1].size() != 1) continue;
     SharedFootprints shared;
@@ -215,16 +215,16 @@ TEST(PairedReference, EnclosuresHoldWhatRaysToPlacesSay) {
     if (glm::dot(normal, corner(0, 0)) > 0) normal = -normal;
     shared.facets.push_back({0, 0, 0, normal, 1, 1});
     const auto paired =
-        paired_facets(shared, mesh, {alike.seen[0], out}, {alike.seen[1], home}, site.grid, absorption);
-    const RayEnclosure out_rays(out, options), home_rays(home, options);
-    const SceneTree out_tree(alike.seen[0].refined.mesh), home_tree(alike.seen[1].refined.mesh);
+        paired_facets(shared, mesh, {alike.seen[0], tx}, {alike.seen[1], rx}, site.grid, absorption);
+    const RayEnclosure tx_rays(tx, options), rx_rays(rx, options);
+    const SceneTree tx_tree(alike.seen[0].refined.mesh), rx_tree(alike.seen[1].refined.mesh);
     const EchoLaw echo_law = site.law(mesh, absorption);
     const PairedEnclosures all = enclose({mesh,
                                           alike.bed.parent,
                                           site.base,
                                           site.grid,
-                                          {alike.seen[0], out_tree, alike.origin[0], out, out_rays},
-                                          {alike.seen[1], home_tree, alike.origin[1], home, home_rays}},
+                                          {alike.seen[0], tx_tree, alike.origin[0], tx, tx_rays},
+                                          {alike.seen[1], rx_tree, alike.origin[1], rx, rx_rays}},
                                          shared.facets, paired, echo_law);
     const PairedEnclosure& facet = all.facets[0];
     if (!facet.proven) continue;
@@ -251,7 +251,7 @@ TEST(PairedReference, EnclosuresHoldWhatRaysToPlacesSay) {
       const double beta = std::numbers::ln10 / 10;
       double half = 0, truth = glm::length(across), model = flattened_area;
       for (const int e : {0, 1}) {
-        const ApparentMap& water_from = e == 0 ? out : home;
+        const ApparentMap& water_from = e == 0 ? tx : rx;
         const auto image = water_from.apparent(there);
         ASSERT_TRUE(image);
         const double ray_m = 1500 * image->ray.time_s;

@@ -49,18 +49,18 @@ struct Bed {
                         std::make_shared<PatternTable>(std::vector<double>{0, 0.2, 0.5, 1.2},
                                                        std::vector<double>{0, -3, -14, -22})});
     transmit.beams = {patterns[1], patterns[5]};
-    echo.path.out.loss = {0.5, {axis(0.1, 0, 1)}, 1.5, 0};
-    echo.path.home.emplace();
-    echo.path.home->loss = {0.8, {axis(0, 0.1, 1), axis(0, 0, 1)}, 0.5, 0.05};
+    echo.path.tx.loss = {0.5, {axis(0.1, 0, 1)}, 1.5, 0};
+    echo.path.rx.emplace();
+    echo.path.rx->loss = {0.8, {axis(0, 0.1, 1), axis(0, 0, 1)}, 0.5, 0.05};
   }
   CertifiedPathIntegrand integrand(const ScatteringLaw* law) const {
     const FacetBed bed{1, 0.01, law};
-    const CertifiedPathEnergy energy(polygon, home_m, echo, bed, Ball(0.01));
-    return {energy, {energy.out(), energy.home(), transmit, patterns}, nullptr};
+    const CertifiedPathEnergy energy(polygon, rx_m, echo, bed, Ball(0.01));
+    return {energy, {energy.tx(), energy.rx(), transmit, patterns}, nullptr};
   }
 
   CertifiedPolygon plane, polygon;
-  std::array<Ball, 3> home_m{Ball(1.25), Ball(-0.5), Ball(0.75)};
+  std::array<Ball, 3> rx_m{Ball(1.25), Ball(-0.5), Ball(0.75)};
   std::vector<Directivity> patterns;
   TransmitPattern transmit;
   std::vector<double> mu{0.01};
@@ -113,11 +113,11 @@ TEST(PathIntegral, DoublesMeetBallsAndKeepWhatIsAsked) {
       if (law != nullptr && tolerance < 1e-3) continue;
       CertifiedPathIntegrand integrand = bed.integrand(law);
       InBalls in_balls(integrand);
-      const ApexOverPlane out{Ball(5), Ball(0), Ball(0)}, home = apex_over(bed.polygon, bed.home_m);
+      const ApexOverPlane tx{Ball(5), Ball(0), Ball(0)}, rx = apex_over(bed.polygon, bed.rx_m);
       const auto integrate = [&](CertifiedIntegrand& what) {
         CertifiedPathIntegrator integrator(borders);
         std::vector<std::vector<Interval>> found(borders.size() - 1);
-        integrator.add(bed.polygon, out, {&home, 1}, what,
+        integrator.add(bed.polygon, tx, {&rx, 1}, what,
                        {tolerance, [](std::size_t, std::size_t) { return 1e-18; }},
                        [&](std::size_t sample, std::span<const Interval> values) {
                          found[sample].assign(values.begin(), values.end());

@@ -21,8 +21,8 @@ using Facets = std::vector<std::array<glm::dvec3, 3>>;
 
 /// What two apexes of a scene on a grid of 2^-20 m share; each looks through one tube.
 struct Pair {
-  Pair(const Facets& facets_m, glm::dvec3 out_m, glm::dvec3 home_m, const std::array<glm::dvec3, 4>& out_tube,
-       const std::array<glm::dvec3, 4>& home_tube, double reach_m = 100)
+  Pair(const Facets& facets_m, glm::dvec3 tx_m, glm::dvec3 rx_m, const std::array<glm::dvec3, 4>& tx_tube,
+       const std::array<glm::dvec3, 4>& rx_tube, double reach_m = 100)
       : grid(20, glm::dvec3(0)), mesh(test::mesh_of(facets_m, grid)), tree(mesh) {
     const auto tubes = [&](glm::dvec3 apex, const std::array<glm::dvec3, 4>& corners) {
       TubeSet set;
@@ -31,13 +31,13 @@ struct Pair {
       test::add_pyramid(set, corners);
       return set;
     };
-    history = trace_bistatic(mesh, tree, grid.unit_m(), {}, tubes(out_m, out_tube), tubes(home_m, home_tube));
-    apex_m = out_m;
+    history = trace_bistatic(mesh, tree, grid.unit_m(), {}, tubes(tx_m, tx_tube), tubes(rx_m, rx_tube));
+    apex_m = tx_m;
   }
 
   EchoLaw law(double absorption = 0, const BeamPatterns* patterns = nullptr) const {
     EchoLaw law{material_mu, mesh.material, absorption, patterns};
-    law.path.out.apex_m = apex_m;
+    law.path.tx.apex_m = apex_m;
     return law;
   }
   struct Result {
@@ -168,8 +168,8 @@ TEST(PathReference, OrdinaryEnergiesLieWithinAndBothWaysAreTheSame) {
     SCOPED_TRACE(testing::Message() << "seed " << seed << ", trial " << trial);
     const Facets facets = hills(random);
     const double tolerance = trial == 1 ? 1e-3 : 1e-5;
-    const glm::dvec3 out = place(random), home = place(random);
-    const Pair there(facets, out, home, down, down), back(facets, home, out, down, down);
+    const glm::dvec3 tx = place(random), rx = place(random);
+    const Pair there(facets, tx, rx, down, down), back(facets, rx, tx, down, down);
     EchoLaw law = there.law(0.1), other = back.law(0.1);
     if (trial == 1) law.scattering = other.scattering = laws;
     if (trial == 2) law.reflectivity = other.reflectivity = texture;

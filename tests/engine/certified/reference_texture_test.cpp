@@ -179,7 +179,7 @@ struct Bench {
     EchoLaw law{material_mu, mesh.material, absorption, patterns};
     const std::vector fields{texture};
     law.reflectivity = fields;
-    law.path.out.apex_m = apex_m;
+    law.path.tx.apex_m = apex_m;
     const VisibilityOptions options;
     const std::vector<std::uint32_t> beam{0};
     const History history = TubeEngine(mesh, *tree, grid.unit_m(), options).trace(set);
@@ -394,7 +394,7 @@ TEST(ReferenceTexture, MoreCellsThanAllowedAreEnclosedByTheTexturesRange) {
   const std::vector<double> material_mu{mu};
   EchoLaw law{material_mu, bed.mesh.material, 0};
   law.reflectivity = fields;
-  law.path.out.apex_m = bed.apex_m;
+  law.path.tx.apex_m = bed.apex_m;
   const std::vector<std::uint32_t> beam{0};
   const History history = TubeEngine(bed.mesh, *bed.tree, bed.grid.unit_m(), {}).trace(set);
   const CertifiedEcho certified =

@@ -54,17 +54,17 @@ struct Staffed {
     const TubeSet sent = tubes_from(sent_m), middle = tubes_from(middle_m);
     const std::array<TubeSet, 2> received{moved_along(middle, receiver_pair, 1, unit),
                                           moved_along(middle, receiver_pair, -1, unit)};
-    const ApparentMap out = seen_from(site.grid.to_metres(sent.apex)), upper = seen_from(end_m(1)),
+    const ApparentMap tx = seen_from(site.grid.to_metres(sent.apex)), upper = seen_from(end_m(1)),
                       lower = seen_from(end_m(-1));
-    const ViewBounds from_out(sent, unit, out), from_upper(received[0], unit, upper),
+    const ViewBounds from_tx(sent, unit, tx), from_upper(received[0], unit, upper),
         from_lower(received[1], unit, lower);
     const CommonApparentSurfaces alike =
-        map_apparent_together(site.base, all, site.grid, std::array{&out, &upper, &lower}, absorption,
-                              settings, {}, std::array{&from_out, &from_upper, &from_lower});
+        map_apparent_together(site.base, all, site.grid, std::array{&tx, &upper, &lower}, absorption,
+                              settings, {}, std::array{&from_tx, &from_upper, &from_lower});
     EchoLaw law = site.law(alike.bed.mesh, absorption);
     const BeamPatterns own = for_tubes(sent);
     law.patterns = &own;
-    const RayEnclosure out_rays(out, options), upper_rays(upper, options), lower_rays(lower, options);
+    const RayEnclosure tx_rays(tx, options), upper_rays(upper, options), lower_rays(lower, options);
     std::vector<SceneTree> trees;
     for (const ApparentSurface& ground : alike.seen)
       trees.emplace_back(ground.refined.mesh, SceneTree::Sheets::ignored);
@@ -76,7 +76,7 @@ struct Staffed {
       const ApparentPair pair{alike.bed.mesh, alike.seen[0], alike.seen[1 + e], alike.origin[0],
                               alike.origin[1 + e]};
       ordinary[e] =
-          integrate_echo(trace_bistatic(pair, site.grid, {}, sent, received[e], out, *waters[e], absorption),
+          integrate_echo(trace_bistatic(pair, site.grid, {}, sent, received[e], tx, *waters[e], absorption),
                          {1, beams}, samples, law);
     }
     const auto bed = [&](std::size_t e) {
@@ -84,7 +84,7 @@ struct Staffed {
                        alike.bed.parent,
                        site.base,
                        site.grid,
-                       {alike.seen[0], trees[0], alike.origin[0], out, out_rays},
+                       {alike.seen[0], trees[0], alike.origin[0], tx, tx_rays},
                        {alike.seen[1 + e], trees[1 + e], alike.origin[1 + e], *waters[e], *rays[e]}};
     };
     return certify_refracted_receiver_pair({bed(0), bed(1)},
@@ -97,13 +97,13 @@ struct Staffed {
     std::vector<FacetId> all(site.base.facets.size());
     std::iota(all.begin(), all.end(), 0u);
     const TubeSet sent = tubes_from(sent_m), middle = tubes_from(middle_m);
-    const ApparentMap out = seen_from(sent_m), home = seen_from(middle_m);
-    const ApparentPair pair = map_apparent_pair(site.base, all, site.grid, out, home, absorption, settings);
+    const ApparentMap tx = seen_from(sent_m), rx = seen_from(middle_m);
+    const ApparentPair pair = map_apparent_pair(site.base, all, site.grid, tx, rx, absorption, settings);
     ReceiverBaseline stretched = receiver_pair;
     stretched.baseline_m *=
         1500 / water.profile.at(GradientBed::apex_depth_m - site.grid.to_metres(middle.apex).z);
     const ReceiverPairHistory history =
-        trace_receiver_pair(pair, site.grid, {}, sent, middle, stretched, out, home, absorption);
+        trace_receiver_pair(pair, site.grid, {}, sent, middle, stretched, tx, rx, absorption);
     EchoLaw law = site.law(pair.mesh, absorption);
     const BeamPatterns own = for_tubes(sent);
     law.patterns = &own;
@@ -141,7 +141,7 @@ std::vector<double> rectangle_rows(const Staffed& scene, double g, glm::dvec2 fr
                 const glm::dvec3 place = GradientPath::place(x, y);
                 const double phase =
                     scene.receiver_pair.wavenumber_rad_m * 1500 *
-                    (RefractedPath(g, upper.home, place).time_s - RefractedPath(g, lower.home, place).time_s);
+                    (RefractedPath(g, upper.rx, place).time_s - RefractedPath(g, lower.rx, place).time_s);
                 return std::polar(std::sqrt(upper.density(x, y) * lower.density(x, y)), phase);
               };
               rows[2 * row + sample] +=

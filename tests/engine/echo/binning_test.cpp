@@ -154,14 +154,14 @@ TEST(FastBinningApart, InOnePlaceItIsThatOfOneApex) {
 
 TEST(FastBinningApart, TheLawAtTheCentroidOfBothWays) {
   const glm::dvec3 receiver(7, -3, -2), at = on_plane(flat_bed(height_m), {{20.01, 0}})[0];
-  const double out = glm::length(at), home = glm::distance(at, receiver), half = (out + home) / 2,
+  const double tx = glm::length(at), rx = glm::distance(at, receiver), half = (tx + rx) / 2,
                beta = 0.05 * std::log(10.0) / 10;
-  const double expected = mu * height_m / out * (height_m - 2) / home * 0.02 * 0.02 /
-                          std::pow(out * home, 2) * std::exp(-beta * (out + home));
+  const double expected = mu * height_m / tx * (height_m - 2) / rx * 0.02 * 0.02 / std::pow(tx * rx, 2) *
+                          std::exp(-beta * (tx + rx));
   const Directivity sent{Directivity::Kind::line, glm::normalize(glm::dvec3(1, 2, 0.5)), false, 0.1, 6},
       received{Directivity::Kind::gaussian, glm::normalize(glm::dvec3(0.3, 1, -1)), true, 0, 2.5};
   const BeamPatterns patterns{{sent}, {received}, {0}, {{0, 1}}};
-  const double gain = sent.gain(at / out) * received.gain((at - receiver) / home);
+  const double gain = sent.gain(at / tx) * received.gain((at - receiver) / rx);
   const BistaticHistory history = received_from(bed(20, 20.02, 0.01, 1), receiver);
   const RangeSamples samples{15, 0.5, 20};
   const auto sample = std::size_t((half - 15) / 0.5);

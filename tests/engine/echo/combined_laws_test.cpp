@@ -303,7 +303,7 @@ TEST(CombinedLaws, FacetsOfAllKindsBesideEachOtherAddUp) {
     EchoLaw law{mu, material, 0.2, patterns ? &*patterns : nullptr};
     law.reflectivity = reflectivity;
     law.scattering = scattering;
-    law.path.out.apex_m = {123.456, -78.9, 4.2};
+    law.path.tx.apex_m = {123.456, -78.9, 4.2};
     const int beams = patterns ? int(patterns->receive.size()) : 1;
     const Echo together = integrate_echo(history_of(parts), {beams, beam_of_tube}, samples, law);
     std::vector<double> sum(together.energy.size(), 0);
@@ -369,7 +369,7 @@ double apart_density(const Given& g, const Path* path, glm::dvec3 t, double ht, 
   if (g.texture) value *= g.texture->factor(g.apex_m + t);
   if (g.patterns)
     value *= g.patterns->transmit[0].gain(mirrored * t / rt) * g.patterns->receive[beam].gain(r / rr);
-  if (path) value *= path->out.loss.at(t / rt) * path->back().loss.at(r / rr);
+  if (path) value *= path->tx.loss.at(t / rt) * path->back().loss.at(r / rr);
   return value;
 }
 
@@ -378,16 +378,16 @@ TEST(CombinedLaws, BistaticEchoAndLossAgreeWithBruteForce) {
   const glm::dvec3 receiver{0.7, -1.1, 0.8};
   const BistaticHistory history = test::piece_on(bed, rectangle(lo, hi), receiver);
   Path over_mirrors;
-  over_mirrors.out.loss = {0.7, {{0, 0, 1}}, 3};
-  over_mirrors.home = Leg{};
-  over_mirrors.home->loss = {1, {{0, 0, 1}, glm::normalize(glm::dvec3(1, 0, 1))}, 0.6};
+  over_mirrors.tx.loss = {0.7, {{0, 0, 1}}, 3};
+  over_mirrors.rx = Leg{};
+  over_mirrors.rx->loss = {1, {{0, 0, 1}, glm::normalize(glm::dvec3(1, 0, 1))}, 0.6};
   for_all(1, [&](const Given& given) {
     Laws l(given);
     for (const Path* mirrors : {static_cast<const Path*>(nullptr), static_cast<const Path*>(&over_mirrors)}) {
-      const Leg at_place = l.law.path.out;
+      const Leg at_place = l.law.path.tx;
       if (mirrors != nullptr) {
         l.law.path = *mirrors;
-        l.law.path.out.apex_m = at_place.apex_m;
+        l.law.path.tx.apex_m = at_place.apex_m;
       }
       const auto expected = panels<4>(lo, hi, {25, 25}, given.beams(), [&](glm::dvec2 p, std::size_t b) {
         const glm::dvec3 t = on_bed(p);

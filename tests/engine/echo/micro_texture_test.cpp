@@ -258,7 +258,7 @@ TEST(MicroTexture, AnEvenMaterialBesideATexturedOneKeepsEveryBit) {
     EchoLaw law{material_mu, material, 0.2, p};
     const Echo even = integrate_echo(history, {2, beam_of_tube}, samples, law);
     law.reflectivity = one;
-    law.path.out.apex_m = apex;
+    law.path.tx.apex_m = apex;
     const Echo echo = integrate_echo(history, {2, beam_of_tube}, samples, law);
     double differ = 0;
     for (int k = 0; k < samples.count; ++k) {
@@ -359,7 +359,7 @@ TEST(MicroTexture, TwoReceiversOfAPairAgreeWithBruteForce) {
     const std::vector<std::uint16_t> one_facet{0};
     EchoLaw law{material_mu, one_facet, 0.2, &patterns};
     law.reflectivity = fields;
-    law.path.out.apex_m = apex;
+    law.path.tx.apex_m = apex;
     const ReceiverPairEcho echo =
         integrate_receiver_pair_echo(history, receiver_pair, 0, 0, {0.1, 100, 1}, law);
     // quadrature() has the law of one apex: what is more by way of a receiver.

@@ -101,7 +101,7 @@ struct Scenery {
     const std::vector<std::shared_ptr<const ReflectivityField>> textures{texture};
     EchoLaw law{material_mu, material, absorption, nullptr};
     if (texture) law.reflectivity = textures;
-    law.path.out.apex_m = grid.to_metres(of.transmit.apex);
+    law.path.tx.apex_m = grid.to_metres(of.transmit.apex);
     return integrate_echo(of, {1, beam}, samples, law);
   }
   mutable std::vector<std::uint16_t> material{};
@@ -153,11 +153,11 @@ std::pair<double, double> closed_form(double g, glm::dvec3 t, glm::dvec3 r) {
           return Rule::integrate(
               [&](double y) {
                 const glm::dvec3 at(x, y, -below_m);
-                const Ray out(g, t, at), home(g, r, at);
+                const Ray tx(g, t, at), rx(g, r, at);
                 const double speeds = (1500 - g * r.z) / (1500 + g * below_m);
-                return mu * out.sine_at_bed * home.sine_at_bed /
-                       (out.tube_area_m2 * home.tube_area_m2 * speeds * speeds) *
-                       (with_path ? 750 * (out.time_s + home.time_s) : 1);
+                return mu * tx.sine_at_bed * rx.sine_at_bed /
+                       (tx.tube_area_m2 * rx.tube_area_m2 * speeds * speeds) *
+                       (with_path ? 750 * (tx.time_s + rx.time_s) : 1);
               },
               -15.0, 15.0, 5, 1e-11);
         },

@@ -28,18 +28,18 @@ TEST(Density, InBallsItHoldsWhatItIsInDoubles) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> range(0.1, 500), beta(0, 0.1), part(1e-3, 1);
   for (int k = 0; k < 200; ++k) {
-    const double out = range(random), home = range(random), b = beta(random), sigma = part(random);
-    const double apart = density(sigma, Way<double>::of(out, home), b),
-                 lambert = lambert_density(Way<double>::of(out, home), b),
-                 together = lambert_density(Way<double>::of(out), b);
-    const auto way = Way<Ball>::of(Ball(out), Ball(home));
+    const double tx = range(random), rx = range(random), b = beta(random), sigma = part(random);
+    const double apart = density(sigma, Way<double>::of(tx, rx), b),
+                 lambert = lambert_density(Way<double>::of(tx, rx), b),
+                 together = lambert_density(Way<double>::of(tx), b);
+    const auto way = Way<Ball>::of(Ball(tx), Ball(rx));
     EXPECT_NEAR(density(Ball(sigma), way, Ball(b)).middle() / apart, 1, 1e-14);
     EXPECT_NEAR(lambert_density(way, Ball(b)).middle() / lambert, 1, 1e-14);
-    EXPECT_NEAR(lambert_density(Way<Ball>::of(Ball(out)), Ball(b)).middle() / together, 1, 1e-14);
+    EXPECT_NEAR(lambert_density(Way<Ball>::of(Ball(tx)), Ball(b)).middle() / together, 1, 1e-14);
     // Lambert's sigma by heights, and the definition.
-    const double heights = 0.03, sines = heights / (out * home);
-    EXPECT_NEAR(heights * lambert / density(sines, Way<double>::of(out, home), b), 1, 1e-14);
-    EXPECT_NEAR(apart / (sigma * std::exp(-b * (out + home)) / std::pow(out * home, 2)), 1, 1e-13);
+    const double heights = 0.03, sines = heights / (tx * rx);
+    EXPECT_NEAR(heights * lambert / density(sines, Way<double>::of(tx, rx), b), 1, 1e-14);
+    EXPECT_NEAR(apart / (sigma * std::exp(-b * (tx + rx)) / std::pow(tx * rx, 2)), 1, 1e-13);
   }
 }
 
@@ -161,7 +161,7 @@ TEST_F(Sinks, PartsOfAVisibilityAddUp) {
 
 TEST_F(Sinks, LegsThatDoNotFitAreRefused) {
   EchoLaw law{material_mu, bed.mesh.material, 0.1};
-  law.path.out.loss.factor = 0.5;
+  law.path.tx.loss.factor = 0.5;
   EXPECT_THROW(integrate_echo(alone, {6, beams}, samples, law), std::invalid_argument);
   EXPECT_NO_THROW(integrate_echo(apart, {6, beams}, samples, law));
 }
@@ -170,9 +170,9 @@ TEST_F(Sinks, MirrorsOnEitherLegTakeTheirPart) {
   for (const Binning binning : {Binning::exact, Binning::spread, Binning::centroid}) {
     EchoLaw law{material_mu, bed.mesh.material, 0.1};
     const Echo whole = integrate_echo(apart, {6, beams}, samples, law, binning);
-    law.path.out.loss.factor = 0.5;
-    law.path.home = Leg{};
-    law.path.home->loss.factor = 0.25;
+    law.path.tx.loss.factor = 0.5;
+    law.path.rx = Leg{};
+    law.path.rx->loss.factor = 0.25;
     const Echo lost = integrate_echo(apart, {6, beams}, samples, law, binning);
     for (std::size_t bin = 0; bin < whole.energy.size(); ++bin)
       ASSERT_NEAR(lost.energy[bin], whole.energy[bin] / 8, 1e-12 * whole.energy[bin]) << bin;

@@ -189,12 +189,12 @@ TEST(EigenrayBranches, MixedEigenraysAreThoseBetweenAllRaysToAPlace) {
   for (int i = 0; i < places; ++i) {
     const double step = 240.0 / places, x = 200 + (i + 0.5) * step;
     const std::vector<double> launch = launches_to(x);
-    for (const double out : launch)
-      for (const double home : launch) {
-        if (out == home) continue;
-        const TurningWater::Landing sent = TurningWater::landing(out), received = TurningWater::landing(home);
+    for (const double tx : launch)
+      for (const double rx : launch) {
+        if (tx == rx) continue;
+        const TurningWater::Landing sent = TurningWater::landing(tx), received = TurningWater::landing(rx);
         std::size_t beam = 0;
-        while (beam + 2 < elevations.size() && -home / degree > elevations[beam + 1]) ++beam;
+        while (beam + 2 < elevations.size() && -rx / degree > elevations[beam + 1]) ++beam;
         const double sample = 1500 * (sent.time_s + received.time_s) / 2 / samples.step_m;
         wanted[beam * count + std::size_t(sample)] += mu * std::sin(sent.arrival_rad) *
                                                       std::sin(received.arrival_rad) * x * 2 * half_fan *

@@ -62,7 +62,7 @@ std::vector<double> hear(const FacetMesh& mesh, const ApparentSurface* ground, c
   if (ground != nullptr) {
     law.path.facet_factor = ground->facet_factor;
     maps = ground->facet_maps(glm::dvec3(0), grid);
-    law.path.out.facet_map = maps;
+    law.path.tx.facet_map = maps;
   }
   const TubeSet tubes = fan();
   std::vector<std::uint32_t> beams(tubes.tubes.size(), 0);
@@ -184,7 +184,7 @@ TEST(RefractedTexture, HitsAndCentroidsLieThereToo) {
   for (int k = 0; k < 3; ++k) EXPECT_LT(glm::distance(maps[0].at(seen[k]), lies[k]), 1e-12);
   EchoLaw law{material_mu, material, 0, nullptr};
   law.reflectivity = textures;
-  law.path.out.facet_map = maps;
+  law.path.tx.facet_map = maps;
   const glm::dvec3 at(24, 3, -10), place = lies[0] + 0.4 * (lies[1] - lies[0]) + 0.3 * (lies[2] - lies[0]);
   History hit;
   hit.hits.push_back({.facet = 0,
@@ -209,7 +209,7 @@ TEST(RefractedTexture, HitsAndCentroidsLieThereToo) {
   f.slant_range_min_m = f.slant_range_max_m = glm::length(at);
   const double even = mu * 0.25 * 100 / std::pow(glm::length(at), 6);
   EXPECT_NEAR(sum(footprint, Binning::centroid) / even, texture->factor(place), 1e-12);
-  law.path.out.facet_map = std::span(maps).first(0);
+  law.path.tx.facet_map = std::span(maps).first(0);
   EXPECT_NEAR(sum(footprint, Binning::centroid) / even, texture->factor(at), 1e-12);
 }
 

@@ -256,10 +256,10 @@ TEST(CoherentPaths, AreReciprocal) {
     std::swap(channel.transmit_m, channel.receive_m);
     std::swap(channel.transmit, channel.receive);
   }
-  const ChannelSignals home = all_signals(back, receiver, corner.one.field);
+  const ChannelSignals rx = all_signals(back, receiver, corner.one.field);
   for (std::size_t n = 0; n < receiver.channels.size(); ++n) {
-    const auto begin = home.value.begin() + std::ptrdiff_t(n * home.samples);
-    expect_near(sent, n, {begin, begin + std::ptrdiff_t(home.samples)}, 1e-9);
+    const auto begin = rx.value.begin() + std::ptrdiff_t(n * rx.samples);
+    expect_near(sent, n, {begin, begin + std::ptrdiff_t(rx.samples)}, 1e-9);
   }
 }
 
@@ -400,7 +400,7 @@ TEST(CoherentPaths, ASmoothPlateOverAWallIsThatOfTheImage) {
   Complex p = 0;
   int told = 0;
   EchoLaw law{s.mu, s.mesh.material};
-  law.path.out.apex_m = {-0.2, 0.05, 1};
+  law.path.tx.apex_m = {-0.2, 0.05, 1};
   const std::array<SignalChannel, 1> channel{{{{-0.2, 0.05, 1}, {0.1, -0.1, 0.8}}}};
   for_coherent_paths(images, law, channel, [&](const CoherentPath& path) {
     if (path.received->mirrors == 0) return;

@@ -94,8 +94,8 @@ TEST(PathBounds, AMirrorIsTheImageScene) {
   const PathEcho over = s.run();
   const SceneTree tree(s.mesh);
   std::vector<double> energy(std::size_t(s.samples.count)), bound = energy;
-  const auto add = [&](glm::dvec3 out, glm::dvec3 home) {
-    const TubeSet there = around(out, -89, -1, 2, 60, 4), back = around(home, -89, -1, 2, 60, 4);
+  const auto add = [&](glm::dvec3 tx, glm::dvec3 rx) {
+    const TubeSet there = around(tx, -89, -1, 2, 60, 4), back = around(rx, -89, -1, 2, 60, 4);
     const BistaticHistory history = trace_bistatic(s.mesh, tree, unit, {}, there, back);
     const std::vector<std::uint32_t> beam(back.tubes.size(), 0);
     const EchoLaw law = s.law(there);

@@ -140,7 +140,7 @@ TEST(PathEcho, ARoughSurfaceTakesMoreAtSteeperAngles) {
 }
 
 TEST(PathEcho, PatternsAreTakenAtTheTrueDirections) {
-  // A pattern about the vertical, different up and down, on the way out only or on the way back only.
+  // A pattern about the vertical, different up and down, on the transmit leg only or on the way back only.
   const Directivity tilted{Directivity::Kind::gaussian, {0, 0, 1}, true, 0, 1.5};
   Setting s = under_surface(3);
   BeamPatterns out{{tilted}, {Directivity()}, {}, {}}, back{{TransmitPattern()}, {tilted}, {}, {}};
@@ -243,7 +243,8 @@ struct Rays {
 };
 
 // Two perpendicular plates, a bed that runs under both and past them, and loose facets that cut through
-// everything: mirrors' planes cut facets, facets hide each other on the way out, between and on the way back.
+// everything: mirrors' planes cut facets, facets hide each other on the transmit leg, between and on the way
+// back.
 TEST(PathEcho, OnceMirroredOnceScatteredAgreesWithBruteForceRays) {
   const unsigned seed = 4;  // one by which no loose facet hides the corner
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -314,12 +315,12 @@ TEST(PathEcho, OnceMirroredOnceScatteredAgreesWithBruteForceRays) {
                          onward = along - 2 * glm::dot(along, mirror.normal) * mirror.normal;
         const Rays::Hit second = rays.first(turned, onward, mirror.facet);
         if (second.facet < 0) continue;
-        const glm::dvec3 point = turned + second.range * onward, home = from - point;
-        const double range = glm::length(home), sine = glm::dot(home, second.normal) / range;
-        if (sine <= 0 || rays.first(point, home / range, second.facet).range < range) continue;
+        const glm::dvec3 point = turned + second.range * onward, rx = from - point;
+        const double range = glm::length(rx), sine = glm::dot(rx, second.normal) / range;
+        if (sine <= 0 || rays.first(point, rx / range, second.facet).range < range) continue;
         // The receiver's tubes are the transmitter's.
         bool received = false;
-        const glm::dvec3 there = -home * double(metre);
+        const glm::dvec3 there = -rx * double(metre);
         for (const Tube& other : set.tubes) {
           bool inside = true;
           for (int k = 0; k < 4; ++k) {
@@ -531,9 +532,9 @@ TEST(PathEcho, TwoScatteringsOverASurfaceAreThoseOfItsImage) {
   for (int i = 0; i < n * n; ++i)
     for (int j = 0; j < n * n; ++j) {
       const glm::dvec3 p(4 * (i % n + 0.5) / n - 2, 4 * (i / n + 0.5) / n - 2, 0),
-          q(4 * (j % n + 0.5) / n - 2, 4 * (j / n + 0.5) / n - 2, 8), home(0, 0, 2);
-      const double r1 = glm::length(home - p), r2 = glm::length(q - p),
-                   r3 = glm::length(home - glm::dvec3(q.x, q.y, 0));
+          q(4 * (j % n + 0.5) / n - 2, 4 * (j / n + 0.5) / n - 2, 8), rx(0, 0, 2);
+      const double r1 = glm::length(rx - p), r2 = glm::length(q - p),
+                   r3 = glm::length(rx - glm::dvec3(q.x, q.y, 0));
       expected += 0.7 * 0.04 * (2 / r1) * (8 / r2) * (8 / r2) * (2 / r3) / std::pow(r1 * r2 * r3, 2) *
                   std::pow(4.0 / n, 4);
     }

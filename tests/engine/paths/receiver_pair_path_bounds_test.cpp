@@ -119,8 +119,8 @@ TEST(ReceiverPairPathBounds, AMirrorIsTheImageScene) {
   const ReceiverPairPathEcho over = run(s, receiver_pair, patterns);
   const SceneTree tree(s.mesh);
   std::vector<double> energy(12), bound(12);
-  const auto add = [&](glm::dvec3 out, glm::dvec3 home, const ReceiverBaseline& of) {
-    const TubeSet there = around(out, -89, -1, 2, 40, 4), back = around(home, -89, -1, 2, 40, 4);
+  const auto add = [&](glm::dvec3 tx, glm::dvec3 rx, const ReceiverBaseline& of) {
+    const TubeSet there = around(tx, -89, -1, 2, 40, 4), back = around(rx, -89, -1, 2, 40, 4);
     const ReceiverPairHistory history = trace_receiver_pair(s.mesh, tree, unit, {}, there, back, of);
     const BeamPatterns own = even_patterns(back);
     const EchoLaw law = s.law(there, &own);

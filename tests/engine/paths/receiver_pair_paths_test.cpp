@@ -152,22 +152,21 @@ std::array<ReceiverPairSums, 3> over_points(const Setting& s, const ReceiverBase
           for (const auto& chain : chains)
             ways.push_back({rays.way(metres(s.transmit.apex), chain, p), rays.way(middle + half, chain, p),
                             rays.way(middle - half, chain, p)});
-          for (std::size_t out = 0; out < chains.size(); ++out)
-            for (std::size_t home = 0; home < chains.size(); ++home) {
-              const std::size_t mirrors = chains[out].size() + chains[home].size();
-              if (mirrors > 2 || !ways[out][0]) continue;
-              const Rays::Way& there = *ways[out][0];
+          for (std::size_t tx = 0; tx < chains.size(); ++tx)
+            for (std::size_t rx = 0; rx < chains.size(); ++rx) {
+              const std::size_t mirrors = chains[tx].size() + chains[rx].size();
+              if (mirrors > 2 || !ways[tx][0]) continue;
+              const Rays::Way& there = *ways[tx][0];
               std::array<double, 2> energy{0, 0}, way{0, 0};
               for (std::size_t end = 0; end < 2; ++end) {
-                const auto& back = ways[home][1 + end];
+                const auto& back = ways[rx][1 + end];
                 if (!back) continue;
                 const double sines = glm::dot(normal, there.arrives) * glm::dot(normal, back->arrives);
                 if (!(sines > 0)) continue;
                 way[end] = back->length;
                 energy[end] = strength * sines *
                               std::pow(10, -s.absorption_db_per_m * (there.length + back->length) / 10) /
-                              std::pow(there.length * back->length, 2) * loss(chains[out]) *
-                              loss(chains[home]);
+                              std::pow(there.length * back->length, 2) * loss(chains[tx]) * loss(chains[rx]);
               }
               sums[mirrors].add(energy, there.length, way, receiver_pair.wavenumber_rad_m);
             }

@@ -158,9 +158,9 @@ TEST(RefractedPatches, TransmitterAndReceiverExchangePlaces) {
   const double g = -60;
   const Arcs arcs{1500 - 3 * g, g, s.absorption_db_per_m};
   const WaterColumn column = column_of(arcs);
-  const PathEcho there = through(through_water(column), s), home = through(through_water(column), back);
+  const PathEcho there = through(through_water(column), s), rx = through(through_water(column), back);
   const double speeds = std::pow((arcs.c0 + 2 * g) / (arcs.c0 + 3.5 * g), 2);
-  std::vector<double> expected = home.by_order[2].energy;
+  std::vector<double> expected = rx.by_order[2].energy;
   for (double& energy : expected) energy *= speeds;
   EXPECT_GT(speeds, 1.1);
   expect_near(there.by_order[2], expected, 5e-3, 5e-3, "exchanged");

@@ -86,8 +86,8 @@ TEST(RefractedPaths, SurfaceMultiplesOfAFlatBedInOneGradient) {
   }
 }
 
-// A pattern about the vertical, different up and down, on the way out only or on the way back only: up to the
-// surface one way, down the other way.
+// A pattern about the vertical, different up and down, on the transmit leg only or on the way back only: up
+// to the surface one way, down the other way.
 TEST(RefractedPaths, PatternsAreTakenWhereRaysAreLaunched) {
   const Directivity tilted{Directivity::Kind::gaussian, {0, 0, 1}, true, 0, 1.5};
   Setting s = under_surface(3);
@@ -95,8 +95,8 @@ TEST(RefractedPaths, PatternsAreTakenWhereRaysAreLaunched) {
   const double g = -0.8;
   const WaterColumn column = gradient(g, 1510);
   const Circles circles{1510, g};
-  BeamPatterns out{{tilted}, {Directivity()}, {}, {}}, back{{TransmitPattern()}, {tilted}, {}, {}};
-  for (BeamPatterns* patterns : {&out, &back}) {
+  BeamPatterns tx{{tilted}, {Directivity()}, {}, {}}, back{{TransmitPattern()}, {tilted}, {}, {}};
+  for (BeamPatterns* patterns : {&tx, &back}) {
     patterns->fan_of_tube.assign(s.receive.tubes.size(), 0);
     patterns->beams_of_tube.assign(s.receive.tubes.size(), {0, 1});
     const PathEcho paths = through(water_of(column, 5e-4), s, patterns);
@@ -116,7 +116,7 @@ TEST(RefractedPaths, PatternsAreTakenWhereRaysAreLaunched) {
         if (k >= 0 && k < 30) into[std::size_t(k)] += energy;
       };
       put(once, (a.t + b.t) / 2 * c_ref,
-          patterns == &out ? sent_down * down + sent_up * up : sent_down * up + sent_up * down);
+          patterns == &tx ? sent_down * down + sent_up * up : sent_down * up + sent_up * down);
       put(twice, b.t * c_ref, 0.36 * ring * std::pow(std::sin(b.arrival), 2) / (b.area * b.area_back) * up);
     }
     const auto sum = [](const auto& of, int from, int to) {
@@ -211,13 +211,13 @@ TEST(RefractedPaths, TransmitterAndReceiverExchangePlaces) {
   std::swap(back.transmit, back.receive);
   const WaterColumn column = gradient(-0.7, 1510);
   const PathWater water = water_of(column, 1e-3);
-  const PathEcho there = through(water, s), home = through(water, back);
+  const PathEcho there = through(water, s), rx = through(water, back);
   const double speeds = std::pow((1510 - 0.7 * 5) / (1510 - 0.7 * 7), 2);
   for (std::size_t order = 0; order < there.by_order.size(); ++order) {
     const double all = total(there.by_order[order]);
     EXPECT_GT(all, 0) << order;
     for (int k = 0; k < s.samples.count; ++k)
-      EXPECT_NEAR(there.by_order[order].at(0, k), speeds * home.by_order[order].at(0, k), 1e-7 * all)
+      EXPECT_NEAR(there.by_order[order].at(0, k), speeds * rx.by_order[order].at(0, k), 1e-7 * all)
           << order << ' ' << k;
   }
 }
@@ -288,23 +288,23 @@ TEST(RefractedPaths, AgreeWithBruteForceRays) {
         if (chain.empty() ? lit.at.z < apex.z : chain.front() == 15) elevation = -elevation;
         if (std::abs(elevation) > 86 * pi / 180) continue;
         const double angle = std::atan2(lit.at.y, lit.at.x);
-        const auto home = rays.follow(apex,
-                                      {std::cos(elevation) * std::cos(angle),
-                                       std::cos(elevation) * std::sin(angle), std::sin(elevation)},
-                                      int(chain.size()));
-        if (home.size() != chain.size() + 1 || home.back().what != lit.what ||
-            glm::distance(home.back().at, lit.at) > 1e-3)
+        const auto rx = rays.follow(apex,
+                                    {std::cos(elevation) * std::cos(angle),
+                                     std::cos(elevation) * std::sin(angle), std::sin(elevation)},
+                                    int(chain.size()));
+        if (rx.size() != chain.size() + 1 || rx.back().what != lit.what ||
+            glm::distance(rx.back().at, lit.at) > 1e-3)
           continue;
         bool same = true;
         double passes = passed;
         for (std::size_t k = 0; k < chain.size(); ++k) {
-          same = same && (home[k].what == Stepped::surface) == (chain[k] == 0);
-          passes *= reflected(home[k].what);
+          same = same && (rx[k].what == Stepped::surface) == (chain[k] == 0);
+          passes *= reflected(rx[k].what);
         }
         const glm::dvec3 normal = rays.normal(lit.what);
-        const double in = glm::dot(normal, lit.along), out = glm::dot(normal, home.back().along);
+        const double in = glm::dot(normal, lit.along), out = glm::dot(normal, rx.back().along);
         if (!same || in * out <= 0) continue;
-        const double half = (lit.t + home.back().t) / 2 * c_ref;
+        const double half = (lit.t + rx.back().t) / 2 * c_ref;
         const auto group = std::ranges::upper_bound(borders, half) - borders.begin();
         if (group < 1 || group > groups) continue;
         own[order][std::size_t(group - 1)] +=

@@ -106,23 +106,22 @@ TEST(RefractedReceiverPairPaths, PointsOfAFlatBedWithRaysToBothEnds) {
           // Each azimuth has rings of its own, so that no ring falls into one sample as a whole.
           const double x = (n + (turn * 7 % around_it + 0.5) / around_it) * width,
                        area = pi * x * width / around_it, angle = pi * ((turn + 0.5) / around_it - 0.5);
-          const std::array<Circles::Ray, 2> out{circles.to(x, 5, chains[0], 20),
-                                                circles.to(x, 5, chains[1], 20)};
+          const std::array<Circles::Ray, 2> tx{circles.to(x, 5, chains[0], 20),
+                                               circles.to(x, 5, chains[1], 20)};
           const glm::dvec3 at_m(x * std::cos(angle), x * std::sin(angle), -20);
-          for (std::size_t home = 0; home < 2; ++home) {
+          for (std::size_t rx = 0; rx < 2; ++rx) {
             std::array<Circles::Ray, 2> back;
             for (std::size_t end = 0; end < 2; ++end) {
               const glm::dvec3 from = end == 0 ? middle + half : middle - half;
-              back[end] = circles.to(std::hypot(at_m.x - from.x, at_m.y - from.y), -from.z, chains[home], 20);
+              back[end] = circles.to(std::hypot(at_m.x - from.x, at_m.y - from.y), -from.z, chains[rx], 20);
             }
-            for (std::size_t there = home == 0 ? 1 : 0; there < 2; ++there) {
+            for (std::size_t there = rx == 0 ? 1 : 0; there < 2; ++there) {
               std::array<double, 2> energy;
               for (std::size_t end = 0; end < 2; ++end)
-                energy[end] = 0.01 * area * std::pow(0.6, double(there + home)) *
-                              std::sin(out[there].arrival) * std::sin(back[end].arrival) /
-                              (out[there].area * back[end].area_back);
-              sums[there + home + 1].add(energy, c_ref * out[there].t, {c_ref * back[0].t, c_ref * back[1].t},
-                                         receiver_pair.wavenumber_rad_m);
+                energy[end] = 0.01 * area * std::pow(0.6, double(there + rx)) * std::sin(tx[there].arrival) *
+                              std::sin(back[end].arrival) / (tx[there].area * back[end].area_back);
+              sums[there + rx + 1].add(energy, c_ref * tx[there].t, {c_ref * back[0].t, c_ref * back[1].t},
+                                       receiver_pair.wavenumber_rad_m);
             }
           }
         }
@@ -230,22 +229,22 @@ TEST(RefractedReceiverPairPaths, AgreeWithBruteForceRays) {
     if (chain.empty() ? way.z < 0 : chain.front() == 15) elevation = -elevation;
     const double angle = std::atan2(way.y, way.x);
     if (std::abs(elevation) > 86 * pi / 180) return Back{};
-    const auto home = rays.follow(
+    const auto rx = rays.follow(
         end,
         {std::cos(elevation) * std::cos(angle), std::cos(elevation) * std::sin(angle), std::sin(elevation)},
         int(chain.size()));
-    if (home.size() != chain.size() + 1 || home.back().what != lit.what ||
-        glm::distance(home.back().at, lit.at) > 1e-3)
+    if (rx.size() != chain.size() + 1 || rx.back().what != lit.what ||
+        glm::distance(rx.back().at, lit.at) > 1e-3)
       return Back{};
     double passes = 1;
     for (std::size_t k = 0; k < chain.size(); ++k) {
-      if ((home[k].what == Stepped::surface) != (chain[k] == 0)) return Back{};
-      passes *= reflected(home[k].what);
+      if ((rx[k].what == Stepped::surface) != (chain[k] == 0)) return Back{};
+      passes *= reflected(rx[k].what);
     }
     const glm::dvec3 normal = rays.normal(lit.what);
-    const double in = glm::dot(normal, lit.along), out = glm::dot(normal, home.back().along);
+    const double in = glm::dot(normal, lit.along), out = glm::dot(normal, rx.back().along);
     if (in * out <= 0) return Back{};
-    return Back{passes * std::abs(out) / back.area_back, c_ref * home.back().t};
+    return Back{passes * std::abs(out) / back.area_back, c_ref * rx.back().t};
   };
   // All samples together: sums, and of each ray's own the squares.
   std::array<Complex, 4> cross{};

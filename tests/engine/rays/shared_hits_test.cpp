@@ -87,7 +87,7 @@ struct Apart {
     EchoLaw law_of{mu, mesh.material, 0.1, weighed};
     law_of.reflectivity = texture;
     law_of.scattering = law;
-    law_of.path.out.apex_m = grid.to_metres(sent.apex);
+    law_of.path.tx.apex_m = grid.to_metres(sent.apex);
     return integrate_echo(history, {6, beam, fan_sent, fan_received}, samples, law_of);
   }
   Echo exact() const { return echo(trace_bistatic(mesh, tree, grid.unit_m(), {}, sent, received)); }

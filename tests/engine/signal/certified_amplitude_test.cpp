@@ -30,9 +30,9 @@ std::vector<CertifiedPolygon::Point> points(const Polygon2& polygon) {
 }
 
 /// The integral of the normal's derivative of e^{ikr}/r e^{iks}/s over 4 pi, R = 1.
-std::pair<Real, Real> surface_integral(const Polygon2& polygon, double height, double home_height,
+std::pair<Real, Real> surface_integral(const Polygon2& polygon, double height, double rx_height,
                                        glm::dvec2 foot, double k) {
-  const Real h(height), g(home_height), wave(k);
+  const Real h(height), g(rx_height), wave(k);
   Real re = 0, im = 0;
   const auto add = [&](const Real& x, const Real& y, const Real& weight) {
     const Real r = sqrt(x * x + y * y + h * h), dx = x - Real(foot.x), dy = y - Real(foot.y),
@@ -78,12 +78,12 @@ TEST(CertifiedAmplitude, HoldsTheSurfaceIntegral) {
         test::random_convex(random, {4 * unit(random) - 2, 4 * unit(random) - 2}, .2, n % 4 == 0 ? 1e-5 : .1);
     const double height = n % 3 == 0 ? 0.4 + 0.1 * unit(random) : 1 + unit(random), k = 40 * unit(random);
     const bool one = n % 2 == 0;
-    const double home_height = one ? height : 0.5 + unit(random);
+    const double rx_height = one ? height : 0.5 + unit(random);
     const glm::dvec2 foot = one ? glm::dvec2(0) : glm::dvec2(unit(random), -unit(random));
-    const auto ball = certified_amplitude(
-        points(polygon), Ball(height), {Ball(home_height), Ball(foot.x), Ball(foot.y)}, {}, Ball(k), 1e-15);
+    const auto ball = certified_amplitude(points(polygon), Ball(height),
+                                          {Ball(rx_height), Ball(foot.x), Ball(foot.y)}, {}, Ball(k), 1e-15);
     ASSERT_TRUE(ball);
-    EXPECT_TRUE(holds(*ball, surface_integral(polygon, height, home_height, foot, k))) << n;
+    EXPECT_TRUE(holds(*ball, surface_integral(polygon, height, rx_height, foot, k))) << n;
     EXPECT_LT(width(*ball), 1e-13);
   }
 }
@@ -102,18 +102,18 @@ TEST(CertifiedAmplitude, HoldsDoublesOfSurfaces) {
           random, n % 3 == 0 ? glm::dvec2(0) : glm::dvec2(8 * unit(random) - 4, 8 * unit(random) - 4), .3,
           .2);
       const double height = .3 + unit(random), k = 200 * unit(random) + 1;
-      const PathCutter::Receiver home{.3 + unit(random), {unit(random) - .5, unit(random) - .5}};
-      const ApexOverPlane end{Ball(home.distance), Ball(home.foot.x), Ball(home.foot.y)};
+      const PathCutter::Receiver rx{.3 + unit(random), {unit(random) - .5, unit(random) - .5}};
+      const ApexOverPlane end{Ball(rx.distance), Ball(rx.foot.x), Ball(rx.foot.y)};
       const auto ball = certified_amplitude(points(polygon), Ball(height), end, surface, Ball(k), 1e-14);
       ASSERT_TRUE(ball);
       const PlanarPolygon planar = test::planar(polygon, height);
       Complex sum = 0;
-      SmoothAmplitude(std::span(&k, 1), 0).add(planar, home, surface, std::span(&sum, 1));
+      SmoothAmplitude(std::span(&k, 1), 0).add(planar, rx, surface, std::span(&sum, 1));
       const Complex middle(ball->real().middle(), ball->imaginary().middle());
       EXPECT_LT(std::abs(sum - middle), 2e-12 + width(*ball)) << n;
       EXPECT_LT(width(*ball), 1e-12);
       const Ball sine = certified_mean_sine(points(polygon), Ball(height), end);
-      EXPECT_NEAR(sine.middle(), mean_sine(planar, home), 1e-12);
+      EXPECT_NEAR(sine.middle(), mean_sine(planar, rx), 1e-12);
       EXPECT_LT(sine.hi() - sine.lo(), 1e-12);
     }
 }

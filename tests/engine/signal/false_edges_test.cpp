@@ -33,10 +33,10 @@ struct Occluder {
   double to_border_m() const { return height_m / std::cos(angle_rad); }
   double edge_m() const { return (height_m - above_m) * std::tan(angle_rad); }
   /// From the edge by the plane to the sonar.
-  double home_m() const { return std::hypot(edge_m(), height_m + above_m); }
-  double home_angle_rad() const { return std::atan(edge_m() / (height_m + above_m)); }
+  double rx_m() const { return std::hypot(edge_m(), height_m + above_m); }
+  double rx_angle_rad() const { return std::atan(edge_m() / (height_m + above_m)); }
   /// What the way over the border is longer than the way by the edge and the plane.
-  double detour_m() const { return 2 * to_border_m() - to_edge_m() - home_m(); }
+  double detour_m() const { return 2 * to_border_m() - to_edge_m() - rx_m(); }
 };
 
 /// What a straight edge makes of a wave that it turns by an angle: times e^{ik(r + s)} / sqrt(r s (r + s)) of
@@ -133,10 +133,10 @@ TEST(FalseEdges, AreByTheEdgeAndThePlaneInSecondOrder) {
       }
       return std::abs(sum) / weights;
     };
-    const double out = scene.to_edge_m(), home = scene.home_m();
+    const double tx = scene.to_edge_m(), rx = scene.rx_m();
     const double law =
-        edge_factor(scene.angle_rad + scene.home_angle_rad(), k0) / std::sqrt(out * home * (out + home));
-    EXPECT_NEAR(db(at(out + home) / law), 0, 0.15);
+        edge_factor(scene.angle_rad + scene.rx_angle_rad(), k0) / std::sqrt(tx * rx * (tx + rx));
+    EXPECT_NEAR(db(at(tx + rx) / law), 0, 0.15);
     EXPECT_LT(db(at(2 * scene.to_border_m()) / law), -50);  // nothing at the false edge's time
     // It comes twice, and is louder than what stands for it.
     const double border = scene.to_border_m(),
@@ -205,20 +205,20 @@ PlaneEcho plane_echo(const Occluder& scene, double k, bool foot_is_lit) {
     }
   const double scale = h / (h - up);  // of the shadow
   Complex shadow = 0, once = 0, twice = 0;
-  std::vector<LineWave> out, home;
+  std::vector<LineWave> tx, rx;
   for (std::size_t n = 0; n < x.size(); ++n) {
     const LineWave lit(k, scale * x[n], -h);
     shadow += scale * w[n] * 2.0 * lit.value * lit.by_place;
-    out.emplace_back(k, x[n], up - h);   // from the sonar to the occluder
-    home.emplace_back(k, x[n], up + h);  // from its image to the occluder; to P', with its sign, below
-    once += w[n] * (home[n].value * out[n].by_place - out[n].value * home[n].by_place);
+    tx.emplace_back(k, x[n], up - h);  // from the sonar to the occluder
+    rx.emplace_back(k, x[n], up + h);  // from its image to the occluder; to P', with its sign, below
+    once += w[n] * (rx[n].value * tx[n].by_place - tx[n].value * rx[n].by_place);
   }
   for (std::size_t m = 0; m < x.size(); ++m) {
     Complex value = 0, by_height = 0;
     for (std::size_t n = 0; n < x.size(); ++n) {
       const LineWave between(k, x[n] - x[m], 2 * up);
-      value += w[n] * (between.value * out[n].by_place - between.by_place * out[n].value);
-      by_height += w[n] * (-between.by_place * out[n].by_place - between.by_both * out[n].value);
+      value += w[n] * (between.value * tx[n].by_place - between.by_place * tx[n].value);
+      by_height += w[n] * (-between.by_place * tx[n].by_place - between.by_both * tx[n].value);
     }
     const LineWave end(k, x[m], h - up);  // from the image to P'
     twice += w[m] * (end.value * by_height - value * end.by_place);
@@ -239,15 +239,14 @@ TEST(FalseEdges, NothingIsLeftBehindAWideOccluder) {
 TEST(FalseEdges, AreNothingOfTheSecondOrderWhereTheDetourIsLong) {
   for (const double k : {200.0, 600.0})
     for (const Occluder& scene : {Occluder{1, 0.3, pi / 6}, Occluder{1, 0.1, pi / 4}}) {
-      const double out = scene.to_edge_m(), home = scene.home_m(), border = scene.to_border_m();
+      const double tx = scene.to_edge_m(), rx = scene.rx_m(), border = scene.to_border_m();
       const Complex spread(0, 0.25), away = std::sqrt(2 / (pi * k)) * phasor(-pi / 4);
       EXPECT_GT(k * scene.detour_m(), 10);
       const double wave = std::abs(spread * away),
                    false_edge = wave * edge_factor(2 * scene.angle_rad, k) / border,
-                   once = wave * edge_factor(scene.angle_rad + scene.home_angle_rad(), k) /
-                          std::sqrt(out * home),
+                   once = wave * edge_factor(scene.angle_rad + scene.rx_angle_rad(), k) / std::sqrt(tx * rx),
                    twice = wave * std::pow(edge_factor(scene.angle_rad, k), 2) /
-                           std::sqrt(out * 2 * scene.above_m * out);
+                           std::sqrt(tx * 2 * scene.above_m * tx);
       const PlaneEcho lit = plane_echo(scene, k, true), hidden = plane_echo(scene, k, false);
       EXPECT_NEAR(db(std::abs(lit.sharp) / false_edge), 0, 0.2);
       EXPECT_NEAR(db(std::abs(hidden.sharp) / false_edge), 0, 0.2);

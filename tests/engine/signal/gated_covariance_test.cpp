@@ -293,10 +293,10 @@ TEST(GatedCovariance, DisplacedTransmittersAgreeWithSumsOverPoints) {
         if (!inside) continue;
         const glm::dvec3 at(p, -height);
         const auto received = [&](const SignalChannel& c) {
-          const double out = glm::distance(at, c.transmit_m), home = glm::distance(at, c.receive_m);
+          const double tx = glm::distance(at, c.transmit_m), rx = glm::distance(at, c.receive_m);
           const double energy =
-              0.1 * (height + c.transmit_m.z) * (height + c.receive_m.z) / std::pow(out * home, 3);
-          return std::pair(out + home, std::sqrt(energy));
+              0.1 * (height + c.transmit_m.z) * (height + c.receive_m.z) / std::pow(tx * rx, 3);
+          return std::pair(tx + rx, std::sqrt(energy));
         };
         const auto [la, aa] = received(a);
         const auto [lb, ab] = received(b);
@@ -351,7 +351,7 @@ TEST(GatedCovariance, PartsAddUp) {
   std::vector<Complex> by_tube(all.value.size()), halves(all.value.size());
   for (std::uint32_t tube = 0; tube < 6; ++tube) {
     SeenPatches part = seen;
-    std::erase_if(part.patches, [&](const SeenPatch& p) { return p.home_tube != tube; });
+    std::erase_if(part.patches, [&](const SeenPatch& p) { return p.rx_tube != tube; });
     const SampleCovariances own = gated_covariances(part, a, b, samples, k, view.law);
     for (std::size_t n = 0; n < own.value.size(); ++n) by_tube[n] += own.value[n];
   }
@@ -398,7 +398,7 @@ TEST(GatedCovariance, RefusesWhatIsNone) {
   const BistaticHistory apart = test::piece_on(test::flat_bed(5), rectangle(-1, 1, -1, 1), {0, 0, 1});
   EXPECT_EQ(seen_patches(apart, law).patches.size(), 1u);
   EchoLaw by_mirror = law;
-  by_mirror.path.out.loss.factor = 0.5;
+  by_mirror.path.tx.loss.factor = 0.5;
   EXPECT_THROW(seen_patches(apart, by_mirror), std::invalid_argument);
 }
 

@@ -62,12 +62,12 @@ double sent_at(double t, glm::dvec3 x, const EndWay& transmit, const EndWay& rec
 /// Lambert's law, spreading, absorption and patterns, the ends being there.
 double amplitude_of(glm::dvec3 x, glm::dvec3 normal, double mu, double db_per_m, glm::dvec3 from,
                     glm::dvec3 to, const SignalChannel& channel) {
-  const glm::dvec3 out = from - x, home = to - x;
-  const double r = glm::length(out), s = glm::length(home),
-               sines = glm::dot(out, normal) / r * glm::dot(home, normal) / s;
-  if (!(glm::dot(out, normal) > 0 && glm::dot(home, normal) > 0)) return 0;
+  const glm::dvec3 tx = from - x, rx = to - x;
+  const double r = glm::length(tx), s = glm::length(rx),
+               sines = glm::dot(tx, normal) / r * glm::dot(rx, normal) / s;
+  if (!(glm::dot(tx, normal) > 0 && glm::dot(rx, normal) > 0)) return 0;
   return std::sqrt(mu * sines * std::pow(10, -db_per_m * (r + s) / 10)) / (r * s) *
-         amplitude_pattern(channel.transmit, -out / r) * amplitude_pattern(channel.receive, -home / s);
+         amplitude_pattern(channel.transmit, -tx / r) * amplitude_pattern(channel.receive, -rx / s);
 }
 
 /// Every scatterer to every channel and sample.
@@ -370,9 +370,9 @@ TEST(MovingEnds, AreReciprocalBackwardsInTime) {
     back.channels[0].transmit_way = [=](double time) { return b(zero - time); };
     back.channels[0].receive_way = [=](double time) { return a(zero - time); };
     back.times.first_s = zero - s;
-    const Complex home = element_signals(place.seen, back, place.law(), place.field, 1e-12).value[0];
+    const Complex rx = element_signals(place.seen, back, place.law(), place.field, 1e-12).value[0];
     EXPECT_GT(std::abs(there), 0);
-    EXPECT_LT(std::abs(there - home), 2 * pi * 1e-9 * std::abs(there)) << t;
+    EXPECT_LT(std::abs(there - rx), 2 * pi * 1e-9 * std::abs(there)) << t;
   }
 }
 

@@ -27,9 +27,9 @@ struct Reception {
   double way_m = 0, amplitude = 0;
 };
 Reception received(const test::ScatteredPlaces::Place& place, const SignalChannel& channel) {
-  const glm::dvec3 out = channel.transmit_m - place.at_m, home = channel.receive_m - place.at_m;
-  const double r = glm::length(out), s = glm::length(home);
-  const double sines = glm::dot(out, place.normal) / r * glm::dot(home, place.normal) / s;
+  const glm::dvec3 tx = channel.transmit_m - place.at_m, rx = channel.receive_m - place.at_m;
+  const double r = glm::length(tx), s = glm::length(rx);
+  const double sines = glm::dot(tx, place.normal) / r * glm::dot(rx, place.normal) / s;
   if (!(sines > 0)) return {};
   const double energy = SignalView::mu[place.material] * sines / (r * r * s * s) *
                         std::pow(10, -absorption_db_per_m * (r + s) / 10);

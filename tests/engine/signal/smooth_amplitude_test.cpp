@@ -23,11 +23,11 @@ using test::Polygon2;
 using Complex = std::complex<double>;
 constexpr double pi = std::numbers::pi, k_100khz = 2 * pi * 100e3 / 1500;
 
-Complex amplitude(const PlanarPolygon& polygon, const PathCutter::Receiver& home, double k, double tolerance,
+Complex amplitude(const PlanarPolygon& polygon, const PathCutter::Receiver& rx, double k, double tolerance,
                   const SmoothSurface& surface = {}) {
   SmoothAmplitude amplitudes(std::span(&k, 1), tolerance);
   Complex sum = 0;
-  amplitudes.add(polygon, home, surface, std::span(&sum, 1));
+  amplitudes.add(polygon, rx, surface, std::span(&sum, 1));
   return sum;
 }
 
@@ -41,9 +41,9 @@ TEST(FarAmplitude, IsWithinItsBoundOfTheEdges) {
     const PlanarPolygon polygon = planar(
         test::random_convex(random, {4 * unit(random) - 2, 4 * unit(random) - 2}, size, size * unit(random)),
         0.5 + 3 * unit(random));
-    const PathCutter::Receiver home{0.5 + 3 * unit(random), {unit(random), 2 * unit(random)}};
-    const FarAmplitude far = far_amplitude(polygon, home, k);
-    const double off = std::abs(far.pressure - amplitude(polygon, home, k, 0));
+    const PathCutter::Receiver rx{0.5 + 3 * unit(random), {unit(random), 2 * unit(random)}};
+    const FarAmplitude far = far_amplitude(polygon, rx, k);
+    const double off = std::abs(far.pressure - amplitude(polygon, rx, k, 0));
     EXPECT_LE(off, far.error + 1e-13) << size << " " << k;
     EXPECT_LE(std::abs(far.pressure), far.most * (1 + 1e-12));
     if (far.error > 1e-10 && far.error < 0.1 * far.most) tightest = std::max(tightest, off / far.error);
@@ -136,20 +136,20 @@ TEST(SmoothAmplitude, TakesPlaneWavesOnlyWithinTheTolerance) {
 
 TEST(SmoothAmplitude, ReflectionAndRoughnessAreFactors) {
   const PlanarPolygon polygon = planar({{-.1, -.1}, {.1, -.1}, {.1, .1}, {-.1, .1}}, 3);
-  const PathCutter::Receiver home{2, {1, 0}};
-  const Complex rigid = amplitude(polygon, home, 300, 0);
-  EXPECT_LT(std::abs(amplitude(polygon, home, 300, 0, {.reflection = -1}) + rigid), 1e-15);
-  const double sine = mean_sine(polygon, home), change = 600 * sine * 1e-3;
-  EXPECT_LT(std::abs(amplitude(polygon, home, 300, 0, {.roughness_m = 1e-3}) -
+  const PathCutter::Receiver rx{2, {1, 0}};
+  const Complex rigid = amplitude(polygon, rx, 300, 0);
+  EXPECT_LT(std::abs(amplitude(polygon, rx, 300, 0, {.reflection = -1}) + rigid), 1e-15);
+  const double sine = mean_sine(polygon, rx), change = 600 * sine * 1e-3;
+  EXPECT_LT(std::abs(amplitude(polygon, rx, 300, 0, {.roughness_m = 1e-3}) -
                      std::exp(-change * change / 2) * rigid),
             1e-15);
   const FluidSediment sand = fluid_sediment(2, 1.15, 0.9);
-  EXPECT_LT(std::abs(amplitude(polygon, home, 300, 0, {.fluid = sand}) -
+  EXPECT_LT(std::abs(amplitude(polygon, rx, 300, 0, {.fluid = sand}) -
                      reflection_coefficient(sand, std::asin(sine)) * rigid),
             1e-15);
   // Where the wave is reflected as by a mirror, the mean sine is that of either way.
   const PlanarPolygon at_mirror = planar({{.5, -.1}, {.7, -.1}, {.7, .1}, {.5, .1}}, 3);
-  EXPECT_NEAR(mean_sine(at_mirror, home), 5 / std::sqrt(26.0), 1e-14);
+  EXPECT_NEAR(mean_sine(at_mirror, rx), 5 / std::sqrt(26.0), 1e-14);
 }
 
 TEST(SmoothAmplitude, RefusesWaveNumbersThatAreNone) {
@@ -213,12 +213,12 @@ TEST(SmoothAmplitude, TubesAndFacetsMakeNoEdges) {
 // A pulse of all times is its spectrum: one frequency of a long pulse.
 TEST(PulseEcho, OfALongPulseIsTheAmplitude) {
   const PlanarPolygon polygon = planar({{-.1, -.1}, {.3, -.1}, {.1, .2}}, 1);
-  const PathCutter::Receiver home{1.5, {.2, .1}};
+  const PathCutter::Receiver rx{1.5, {.2, .1}};
   const double c = 1500, omega = k_100khz * c, time = 0.002;
   const TransmittedPulse pulse{[&](double t) { return phasor(-omega * t); }, omega};
   Complex sum = 0;
-  add_pulse_echo(polygon, home, pulse, c, std::span(&time, 1), std::span(&sum, 1));
-  EXPECT_LT(std::abs(sum - phasor(-omega * time) * amplitude(polygon, home, k_100khz, 0)), 1e-11);
+  add_pulse_echo(polygon, rx, pulse, c, std::span(&time, 1), std::span(&sum, 1));
+  EXPECT_LT(std::abs(sum - phasor(-omega * time) * amplitude(polygon, rx, k_100khz, 0)), 1e-11);
 }
 
 }  // namespace

@@ -69,11 +69,11 @@ const SmoothSurface rigid;
 const SmoothSurface* all_rigid(FacetId) { return &rigid; }
 
 PlanarPolygon polygon_of(const SeenPatches& seen, const SeenPatch& patch, const SignalChannel& channel,
-                         PathCutter::Receiver& home) {
+                         PathCutter::Receiver& rx) {
   const glm::dvec3 transmit = channel.transmit_m - seen.origin_m, receive = channel.receive_m - seen.origin_m;
   const FacetPlane plane{patch.normal, patch.distance_m + glm::dot(patch.normal, transmit)};
   const PlaneFrame frame(plane);
-  home = {patch.distance_m + glm::dot(patch.normal, receive), frame.project(receive - transmit)};
+  rx = {patch.distance_m + glm::dot(patch.normal, receive), frame.project(receive - transmit)};
   std::vector<glm::dvec3> corners;
   for (const glm::dvec3& corner : seen.corners(patch)) corners.push_back(corner - transmit);
   PlanarPolygon polygon;
@@ -88,9 +88,9 @@ std::vector<Complex> by_edges(const SeenPatches& seen, const CoherentReceiver& r
   for (std::size_t k = 0; k < receiver.times.count; ++k) times.push_back(receiver.times.time_s(k));
   std::vector<Complex> sum(times.size());
   for (const SeenPatch& patch : seen.patches) {
-    PathCutter::Receiver home;
-    const PlanarPolygon polygon = polygon_of(seen, patch, receiver.channels[0], home);
-    add_pulse_echo(polygon, home, wave, receiver.sound_speed_m_s, times, sum);
+    PathCutter::Receiver rx;
+    const PlanarPolygon polygon = polygon_of(seen, patch, receiver.channels[0], rx);
+    add_pulse_echo(polygon, rx, wave, receiver.sound_speed_m_s, times, sum);
   }
   for (std::size_t k = 0; k < times.size(); ++k) sum[k] *= phasor(2 * pi * receiver.carrier_hz * times[k]);
   return sum;
@@ -109,9 +109,9 @@ TransmittedPulse gaussian_wave(double sigma_s, double carrier_hz, double sweep_h
 double most_of(const SeenPatches& seen, const CoherentReceiver& receiver) {
   double sum = 0;
   for (const SeenPatch& patch : seen.patches) {
-    PathCutter::Receiver home;
-    const PlanarPolygon polygon = polygon_of(seen, patch, receiver.channels[0], home);
-    sum += far_amplitude(polygon, home, 2 * pi * receiver.carrier_hz / receiver.sound_speed_m_s).most;
+    PathCutter::Receiver rx;
+    const PlanarPolygon polygon = polygon_of(seen, patch, receiver.channels[0], rx);
+    sum += far_amplitude(polygon, rx, 2 * pi * receiver.carrier_hz / receiver.sound_speed_m_s).most;
   }
   return sum;
 }
@@ -165,9 +165,9 @@ TEST(SmoothSignals, OfALargePlaneAreItsImage) {
   const double height = 1.5, sigma = 3e-5;
   const SeenPatches seen = patches_of(test::flat_bed(height), {{-2, -2}, {2, -2}, {2, 2}, {-2, 2}});
   SmoothSurface surface{.reflection = {-0.6, 0.2}};
-  for (const glm::dvec3 home : {glm::dvec3(0), glm::dvec3(0.4, 0.1, -0.5)}) {
-    CoherentReceiver receiver = receiver_of({{glm::dvec3(0), home}}, sigma);
-    const double image = std::hypot(2 * height + home.z, home.x, home.y);
+  for (const glm::dvec3 rx : {glm::dvec3(0), glm::dvec3(0.4, 0.1, -0.5)}) {
+    CoherentReceiver receiver = receiver_of({{glm::dvec3(0), rx}}, sigma);
+    const double image = std::hypot(2 * height + rx.z, rx.x, rx.y);
     receiver.times.first_s = 1.2e-3 + receiver.pulse.begin_s;
     receiver.times.count = std::size_t(1.8e-3 * receiver.times.rate_hz);
     const double k = 2 * pi * receiver.carrier_hz / sound_speed;
@@ -217,7 +217,7 @@ TEST(SmoothSignals, OfASphereOfManyFacetsAreItsTargetStrength) {
   append_tubes(tubes, angles);
   const History history = TubeEngine(ball, tree, grid.unit_m(), {}).trace(tubes);
   EchoLaw law;
-  law.path.out.apex_m = grid.to_metres(tubes.apex);
+  law.path.tx.apex_m = grid.to_metres(tubes.apex);
   const SeenPatches seen = seen_patches(history, law);
   const double k = 20 / radius;
   CoherentReceiver receiver = receiver_of({{glm::dvec3(0), glm::dvec3(0)}}, 4e-4, k * sound_speed / (2 * pi));
@@ -352,13 +352,13 @@ TEST(SmoothSignals, PatternsWeighTheImage) {
   const double height = 1.5;
   const SeenPatches seen = patches_of(test::flat_bed(height), {{-2, -2}, {2, -2}, {2, 2}, {-2, 2}});
   const Directivity line{Directivity::Kind::line, {1, 0, 0}, false, 0, 3};
-  const glm::dvec3 home(0.6, 0.3, 0);
-  CoherentReceiver receiver = receiver_of({{glm::dvec3(0), home, line, {}}}, 3e-5);
-  const double image = std::hypot(2 * height, home.x, home.y), k = 2 * pi * receiver.carrier_hz / sound_speed;
+  const glm::dvec3 rx(0.6, 0.3, 0);
+  CoherentReceiver receiver = receiver_of({{glm::dvec3(0), rx, line, {}}}, 3e-5);
+  const double image = std::hypot(2 * height, rx.x, rx.y), k = 2 * pi * receiver.carrier_hz / sound_speed;
   receiver.times.first_s = 1.2e-3 + receiver.pulse.begin_s;
   receiver.times.count = std::size_t(1.8e-3 * receiver.times.rate_hz);
   const ChannelSignals signals = smooth_signals(seen, receiver, {}, all_rigid, 1e-4);
-  const double pattern = amplitude_pattern(line, glm::dvec3(home.x / 2, home.y / 2, -height) / (image / 2));
+  const double pattern = amplitude_pattern(line, glm::dvec3(rx.x / 2, rx.y / 2, -height) / (image / 2));
   double worst = 0;
   for (std::size_t n = 0; n < signals.samples; ++n)
     worst = std::max(worst, std::abs(signals.at(0, n) -

@@ -33,9 +33,9 @@ std::vector<CoverageLook> looks_at(const FacetMesh& mesh, std::uint64_t seed, Ra
   const double tilt = seed % 3 == 0 ? 25 : 0;
   std::vector<CoverageLook> looks;
   for (std::uint32_t ping = 0; ping < 3; ++ping) {
-    const TubeSet out = forward_tubes(place_in(random), 2, 2, 70, 60, tilt),
-                  home = forward_tubes(place_in(random), 3, 1, 60, 50, tilt);
-    looks.push_back(all || ping % 2 == 0 ? look(mesh, out, home, ping) : look(mesh, out, ping));
+    const TubeSet tx = forward_tubes(place_in(random), 2, 2, 70, 60, tilt),
+                  rx = forward_tubes(place_in(random), 3, 1, 60, 50, tilt);
+    looks.push_back(all || ping % 2 == 0 ? look(mesh, tx, rx, ping) : look(mesh, tx, ping));
   }
   return looks;
 }
@@ -73,11 +73,11 @@ TEST(CoverageOfTwoEnds, ExchangedIsTheSameAndInOnePlaceIsThatOfOne) {
     std::vector<CoverageLook> looks = looks_at(mesh, seed, random, true), once, twice;
     const Shares expected = shares_of(cover(mesh, looks));
     for (const CoverageLook& its : looks) {
-      once.push_back({its.ping, its.out});
-      twice.push_back({its.ping, its.out});
-      twice.back().home = its.out;
+      once.push_back({its.ping, its.tx});
+      twice.push_back({its.ping, its.tx});
+      twice.back().rx = its.tx;
     }
-    for (CoverageLook& its : looks) std::swap(its.out, *its.home);
+    for (CoverageLook& its : looks) std::swap(its.tx, *its.rx);
     EXPECT_EQ(shares_of(cover(mesh, looks)), expected);
     EXPECT_EQ(shares_of(cover(mesh, twice)), shares_of(cover(mesh, once)));
   }
@@ -202,7 +202,7 @@ std::shared_ptr<const PartedBed> parted(const FacetMesh& mesh, double longest) {
 }
 
 CoverageEnd end_on(const std::shared_ptr<const PartedBed>& bed, const TubeSet& tubes) {
-  CoverageEnd end = look(bed->mesh, tubes, 0).out;
+  CoverageEnd end = look(bed->mesh, tubes, 0).tx;
   end.bed = bed;
   return end;
 }
@@ -218,17 +218,17 @@ TEST(CoverageOfParts, IsThatOfTheWhole) {
     std::vector<CoverageLook> whole, parts;
     for (std::uint32_t ping = 0; ping < 3; ++ping) {
       const double tilt = seed % 3 == 0 ? 25 : 0;
-      const TubeSet out = at(forward_tubes(place_in(random), 2, 2, 70, 60, tilt), by),
-                    home = at(forward_tubes(place_in(random), 2, 1, 60, 50, tilt), by);
+      const TubeSet tx = at(forward_tubes(place_in(random), 2, 2, 70, 60, tilt), by),
+                    rx = at(forward_tubes(place_in(random), 2, 1, 60, 50, tilt), by);
       const auto bed = parted(mesh, (900 + 300 * ping) * by);
       EXPECT_GT(bed->mesh.facets.size(), mesh.facets.size());
-      whole.push_back(look(mesh, out, ping));
-      parts.push_back({ping, end_on(bed, out)});
+      whole.push_back(look(mesh, tx, ping));
+      parts.push_back({ping, end_on(bed, tx)});
       if (ping == 1) {  // one look at the mesh itself among the others
         parts.back() = whole.back();
       } else if (ping == 2) {
-        whole.back().home = look(mesh, home, ping).out;
-        parts.back().home = end_on(bed, home);
+        whole.back().rx = look(mesh, rx, ping).tx;
+        parts.back().rx = end_on(bed, rx);
       }
     }
     const Shares expected = shares_of(cover(mesh, whole));

@@ -144,8 +144,8 @@ TEST(SharedFootprints, AuditsCloseAndNameWhatIsShared) {
     const FacetMesh mesh = seed % 2 == 0 ? test::rough_terrain(random, 5, 4000, -1500, 500)
                                          : test::random_soup(random, 10, 3000, 1500);
     const double tilt = seed % 2 == 0 ? 25 : 0;
-    const TubeSet out = test::forward_tubes({100, -50, 40}, 3, 2, 70, 60, tilt),
-                  home = test::forward_tubes({-300, 80, 200}, 2, 3, 70, 60, tilt);
+    const TubeSet tx = test::forward_tubes({100, -50, 40}, 3, 2, 70, 60, tilt),
+                  rx = test::forward_tubes({-300, 80, 200}, 2, 3, 70, 60, tilt);
     const auto audited = [&](const TubeSet& sent, const TubeSet& received, Arithmetic arithmetic) {
       const Look t = look(mesh, sent, arithmetic), r = look(mesh, received, arithmetic);
       const FootprintSharer sharer(mesh, t, r, 1);
@@ -163,10 +163,10 @@ TEST(SharedFootprints, AuditsCloseAndNameWhatIsShared) {
       pieces += shared;
       return hash;
     };
-    const TopologyHash hash = audited(out, home, Arithmetic::fixed);
-    EXPECT_EQ(audited(out, home, Arithmetic::filtered), hash);
-    EXPECT_EQ(audited(out, home, Arithmetic::rational), hash);
-    EXPECT_FALSE(audited(out, moved(home, {1, 0, 0}), Arithmetic::fixed) == hash);
+    const TopologyHash hash = audited(tx, rx, Arithmetic::fixed);
+    EXPECT_EQ(audited(tx, rx, Arithmetic::filtered), hash);
+    EXPECT_EQ(audited(tx, rx, Arithmetic::rational), hash);
+    EXPECT_FALSE(audited(tx, moved(rx, {1, 0, 0}), Arithmetic::fixed) == hash);
   }
   EXPECT_GT(facets, 50u / test::one_in);
   EXPECT_GT(pieces, 100u / test::one_in);
@@ -176,10 +176,10 @@ TEST(SharedFootprints, AuditsFindAPieceThatIsSeenTwice) {
   FacetMesh mesh;
   test::add_facet(mesh, test::add_vertex(mesh, {-3000, 2000, -1000}),
                   test::add_vertex(mesh, {3000, 2000, -1000}), test::add_vertex(mesh, {0, 5000, -1000}));
-  const TubeSet out = test::forward_tubes({0, 0, 0}, 1, 1, 30, 30, 20),
-                home = test::forward_tubes({200, 0, 0}, 1, 1, 30, 30, 20);
-  Look t = look(mesh, out);
-  const Look r = look(mesh, home);
+  const TubeSet tx = test::forward_tubes({0, 0, 0}, 1, 1, 30, 30, 20),
+                rx = test::forward_tubes({200, 0, 0}, 1, 1, 30, 30, 20);
+  Look t = look(mesh, tx);
+  const Look r = look(mesh, rx);
   ASSERT_FALSE(t.seen[0].pieces.empty());
   EXPECT_TRUE(FootprintSharer(mesh, t, r, 1).audit(0, 0).closes);
   t.seen[0].pieces.push_back(t.seen[0].pieces.front());

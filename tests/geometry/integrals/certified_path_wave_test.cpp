@@ -53,11 +53,11 @@ PathWave one_frequency(double k, const std::vector<double>& borders) {
 
 struct Ends {
   Ball height;
-  ApexOverPlane home;
+  ApexOverPlane rx;
   double h, x, y, s;  ///< the same in doubles
 };
-Ends ends(double height, double x, double y, double home_height) {
-  return {Ball(height), {Ball(home_height), Ball(x), Ball(y)}, height, x, y, home_height};
+Ends ends(double height, double x, double y, double rx_height) {
+  return {Ball(height), {Ball(rx_height), Ball(x), Ball(y)}, height, x, y, rx_height};
 }
 
 TEST(CertifiedPathWave, OneFrequencyIsThatOfTheEdgeForm) {
@@ -68,9 +68,9 @@ TEST(CertifiedPathWave, OneFrequencyIsThatOfTheEdgeForm) {
     const Ends e = n % 3 == 0 ? ends(1.7, 0, 0, 1.7)
                               : ends(height(random), place(random), place(random), height(random));
     const double k = 2 * pi * 30e3 / 1500;
-    const auto sure = certified_edge_form(points(polygon), e.height, e.home, Ball(k), 1e-15);
+    const auto sure = certified_edge_form(points(polygon), e.height, e.rx, Ball(k), 1e-15);
     ASSERT_TRUE(sure);
-    CertifiedPathEdges edges(points(polygon), e.height, e.home);
+    CertifiedPathEdges edges(points(polygon), e.height, e.rx);
     // Borders that edges meet, and that lie about the shortest path.
     const double least = edges.shortest_path(), most = edges.longest_path();
     for (const std::vector<double>& borders :
@@ -88,7 +88,7 @@ TEST(CertifiedPathWave, NoPathIsShorterOrLongerThanThoseTold) {
   std::mt19937_64 random(12);
   std::uniform_real_distribution<double> place(-3, 3), height(0.1, 2);
   const auto hold = [](const Polygon2& polygon, const Ends& e) {
-    const CertifiedPathEdges edges(points(polygon), e.height, e.home);
+    const CertifiedPathEdges edges(points(polygon), e.height, e.rx);
     const auto path = [&](glm::dvec2 p) {
       return std::hypot(p.x, p.y, e.h) + std::hypot(p.x - e.x, p.y - e.y, e.s);
     };
@@ -116,7 +116,7 @@ TEST(CertifiedPathWave, EdgesThroughTheShortestPathAreLikeOthers) {
   const double k = 2 * pi * 20e3 / 1500;
   for (const Ends& e : {ends(1.5, 0, 0, 1.5), ends(1.5, 0.25, 0, 1.5)}) {
     const double x = e.x / 2;
-    const auto sure = certified_edge_form(points(whole), e.height, e.home, Ball(k), 1e-15);
+    const auto sure = certified_edge_form(points(whole), e.height, e.rx, Ball(k), 1e-15);
     ASSERT_TRUE(sure);
     const double shortest = std::hypot(3.0, e.x);
     for (const std::vector<double>& borders :
@@ -125,7 +125,7 @@ TEST(CertifiedPathWave, EdgesThroughTheShortestPathAreLikeOthers) {
       for (const Polygon2& part : {Polygon2{{-0.5, -0.4}, {x, -0.4}, {x, 0}, {-0.5, 0}},
                                    Polygon2{{x, -0.4}, {0.5, -0.4}, {0.5, 0}, {x, 0}},
                                    Polygon2{{-0.5, 0}, {0.5, 0}, {0.5, 0.4}, {-0.5, 0.4}}}) {
-        CertifiedPathEdges edges(points(part), e.height, e.home);
+        CertifiedPathEdges edges(points(part), e.height, e.rx);
         sum += edges.integral(one_frequency(k, borders), 1e-14);
       }
       EXPECT_LT(outside(sum, middle(*sure)), 1e-16);
@@ -188,7 +188,7 @@ TEST(CertifiedPathWave, PulsesWithFlanksHoldSumsOverTheEdges) {
     const Polygon2 polygon = test::random_convex(random, {place(random), place(random)}, 0.5, 0.5 / 2);
     const Ends e = n % 2 == 0 ? ends(1.5, 0, 0, 1.5)
                               : ends(height(random), place(random), place(random), height(random));
-    CertifiedPathEdges edges(points(polygon), e.height, e.home);
+    CertifiedPathEdges edges(points(polygon), e.height, e.rx);
     const double extent = edges.longest_path() - edges.shortest_path();
     const Pulse pulse{edges.shortest_path() + share(random) * extent, 0.3, 2 * pi * 20e3 / 1500};
     const ComplexBall sum = edges.integral(pulse.wave(), 1e-13);

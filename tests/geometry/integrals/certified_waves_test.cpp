@@ -35,14 +35,14 @@ double radius(const ComplexBall& ball) {
   return std::max(ball.real().hi() - ball.real().lo(), ball.imaginary().hi() - ball.imaginary().lo()) / 2;
 }
 
-Complex in_doubles(const Polygon2& polygon, double height, const PathCutter::Receiver& home, double k) {
+Complex in_doubles(const Polygon2& polygon, double height, const PathCutter::Receiver& rx, double k) {
   PlanarPolygon planar;
   planar.distance = height;
   planar.first = polygon[0];
   for (const glm::dvec2& p : polygon) planar.offsets.push_back(p - polygon[0]);
   Complex sum = 0;
   EdgeForm form([k](double path, std::span<Complex> values) { values[0] = phasor(k * path); }, 1, k);
-  form.add(planar, home, std::span(&sum, 1));
+  form.add(planar, rx, std::span(&sum, 1));
   return sum;
 }
 
@@ -98,13 +98,12 @@ TEST(CertifiedEdgeForm, HoldsWhatDoublesHave) {
     const Polygon2 polygon =
         test::random_convex(random, {2 * unit(random) - 1, 2 * unit(random) - 1}, .3, .2);
     const double height = .3 + unit(random), k = 300 * unit(random);
-    const PathCutter::Receiver home{.3 + unit(random), {unit(random) - .5, unit(random) - .5}};
-    const auto ball =
-        certified_edge_form(points(polygon), Ball(height),
-                            {Ball(home.distance), Ball(home.foot.x), Ball(home.foot.y)}, Ball(k), 1e-15);
+    const PathCutter::Receiver rx{.3 + unit(random), {unit(random) - .5, unit(random) - .5}};
+    const auto ball = certified_edge_form(
+        points(polygon), Ball(height), {Ball(rx.distance), Ball(rx.foot.x), Ball(rx.foot.y)}, Ball(k), 1e-15);
     ASSERT_TRUE(ball);
     EXPECT_LT(radius(*ball), 2e-15);
-    EXPECT_LT(outside(*ball, in_doubles(polygon, height, home, k)), 2e-13);
+    EXPECT_LT(outside(*ball, in_doubles(polygon, height, rx, k)), 2e-13);
   }
   // An edge through the point of reflection.
   const Polygon2 through{{0, -.1}, {.2, -.1}, {.2, .1}, {0, .1}};

@@ -23,8 +23,8 @@ std::vector<double> even(double first, double step, int count) {
 }
 
 /// Lambert's law with absorption, and the same by a pattern with side lobes.
-void echo(glm::dvec2 p, double out, double home, std::span<double> values) {
-  values[0] = std::exp(-0.05 * (out + home)) / (out * out * out * home * home * home);
+void echo(glm::dvec2 p, double out, double rx, std::span<double> values) {
+  values[0] = std::exp(-0.05 * (out + rx)) / (out * out * out * rx * rx * rx);
   const double at = 20 * (p.x / out - 0.3), lobe = at == 0 ? 1 : std::sin(at) / at;
   values[1] = values[0] * lobe * lobe;
 }
@@ -43,9 +43,9 @@ std::vector<double> samples(const PlanarPolygon& polygon, const PathCutter::Rece
   PathCutter cutter(borders);
   cutter.add(
       polygon, receiver,
-      [&](glm::dvec2 p, double there, double home, std::span<double> at) {
+      [&](glm::dvec2 p, double there, double rx, std::span<double> at) {
         double both[2];
-        echo(p, there, home, both);
+        echo(p, there, rx, both);
         std::copy_n(both, values, at.begin());
       },
       work, out);

@@ -23,14 +23,14 @@ using Complex = std::complex<double>;
 constexpr double pi = std::numbers::pi, k_100khz = 2 * pi * 100e3 / 1500;
 
 struct Ends {
-  double out_height, home_height;
-  glm::dvec2 home_foot{0};
+  double tx_height, rx_height;
+  glm::dvec2 rx_foot{0};
 };
 
 Complex edges(const Polygon2& corners, const Ends& ends, double k) {
   Complex sum = 0;
   EdgeForm form([k](double path, std::span<Complex> values) { values[0] = phasor(k * path); }, 1, k);
-  form.add(planar(corners, ends.out_height), {ends.home_height, ends.home_foot}, std::span(&sum, 1));
+  form.add(planar(corners, ends.tx_height), {ends.rx_height, ends.rx_foot}, std::span(&sum, 1));
   return sum;
 }
 
@@ -48,8 +48,8 @@ Complex by_surface(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c, const Ends& ends, d
   for (std::size_t i = 0; i < 12; ++i)
     for (std::size_t j = 0; j < 12; ++j) {
       const double s = (1 + rule.node[i]) / 2, t = (1 + rule.node[j]) / 2;
-      const glm::dvec2 p = a + s * (b - a) + s * t * (c - b), q = p - ends.home_foot;
-      const double h = ends.out_height, g = ends.home_height, r = std::sqrt(h * h + glm::dot(p, p)),
+      const glm::dvec2 p = a + s * (b - a) + s * t * (c - b), q = p - ends.rx_foot;
+      const double h = ends.tx_height, g = ends.rx_height, r = std::sqrt(h * h + glm::dot(p, p)),
                    v = std::sqrt(g * g + glm::dot(q, q));
       const Complex ik(0, k), slope = -(h / r) * (ik - 1 / r) - (g / v) * (ik - 1 / v);
       sum += rule.weight[i] * rule.weight[j] / 4 * s * twice * slope * phasor(k * (r + v)) / (r * v);
@@ -122,14 +122,14 @@ TEST(EdgeForm, DiscHasItsClosedForm) {
 TEST(EdgeForm, InfinitePlaneIsItsImage) {
   const Ends ends{2, 0.7, {3, -1}};
   const double loss = 1, shortest = std::sqrt(2.7 * 2.7 + 10);
-  for (const glm::dvec2 moved : {glm::dvec2(0), glm::dvec2(9, 3), ends.home_foot * (2 / 2.7)}) {
+  for (const glm::dvec2 moved : {glm::dvec2(0), glm::dvec2(9, 3), ends.rx_foot * (2 / 2.7)}) {
     Complex sum = 0;
     EdgeForm form(
         [&](double path, std::span<Complex> values) {
           values[0] = phasor(20 * path) * std::exp(-loss * (path - shortest));
         },
         1, 22);
-    form.add(planar(test::shifted(square(100), moved), 2), {0.7, ends.home_foot}, std::span(&sum, 1));
+    form.add(planar(test::shifted(square(100), moved), 2), {0.7, ends.rx_foot}, std::span(&sum, 1));
     EXPECT_LT(std::abs(sum - phasor(20 * shortest) / shortest), 1e-14);
   }
 }
@@ -145,9 +145,8 @@ TEST(EdgeForm, EqualsTheSurfaceIntegral) {
     const Complex surface = by_surface(polygon, ends, k, 0.025);
     EXPECT_LT(std::abs(edges(polygon, ends, k) - surface), 1e-12) << n;
     // Law Q5: the same from the other end.
-    const Polygon2 other = test::shifted(polygon, -ends.home_foot);
-    EXPECT_LT(std::abs(edges(other, {ends.home_height, ends.out_height, -ends.home_foot}, k) - surface),
-              1e-12);
+    const Polygon2 other = test::shifted(polygon, -ends.rx_foot);
+    EXPECT_LT(std::abs(edges(other, {ends.rx_height, ends.tx_height, -ends.rx_foot}, k) - surface), 1e-12);
   }
 }
 

@@ -22,9 +22,9 @@ using Complex = std::complex<double>;
 struct EdgePanelsTest : testing::Test {
   EdgePanels edges;
 
-  void assign(const Polygon2& polygon, double height, const PathCutter::Receiver& home, double k,
+  void assign(const Polygon2& polygon, double height, const PathCutter::Receiver& rx, double k,
               double most_spread_m) {
-    edges.assign(planar(polygon, height), home, k, most_spread_m);
+    edges.assign(planar(polygon, height), rx, k, most_spread_m);
   }
   Complex sum(double k, double error) const {
     Complex all = edges.image() * phasor(k * edges.shortest_m());
@@ -34,11 +34,11 @@ struct EdgePanelsTest : testing::Test {
     for (const EdgePanels::Node& node : nodes) all += node.weight * phasor(k * node.path_m);
     return all;
   }
-  static Complex by_edge_form(const Polygon2& polygon, double height, const PathCutter::Receiver& home,
+  static Complex by_edge_form(const Polygon2& polygon, double height, const PathCutter::Receiver& rx,
                               double k) {
     Complex all = 0;
     EdgeForm form([k](double path, std::span<Complex> values) { values[0] = phasor(k * path); }, 1, k);
-    form.add(planar(polygon, height), home, std::span(&all, 1));
+    form.add(planar(polygon, height), rx, std::span(&all, 1));
     return all;
   }
 };
@@ -51,33 +51,33 @@ TEST_F(EdgePanelsTest, HaveTheEdgeFormOfOneFrequency) {
   for (int n = 0; n < 60; ++n) {
     const double height = 0.3 + 3 * unit(random), k = 20 + 400 * unit(random),
                  size = std::pow(10, -2 + 2 * unit(random));
-    const PathCutter::Receiver home =
+    const PathCutter::Receiver rx =
         n % 2 == 0 ? PathCutter::Receiver{height, {0, 0}}
                    : PathCutter::Receiver{0.3 + 3 * unit(random), {unit(random), unit(random) - 0.5}};
     const Polygon2 polygon =
         test::random_convex(random, {2 * unit(random) - 1, 2 * unit(random) - 1}, size, size / 2);
-    assign(polygon, height, home, k, n % 3 == 0 ? 10.0 : 0.05);
+    assign(polygon, height, rx, k, n % 3 == 0 ? 10.0 : 0.05);
     const double reached = 1 / edges.shortest_m();
-    EXPECT_LT(std::abs(sum(k, 1e-12) - by_edge_form(polygon, height, home, k)), 1e-11 * reached) << n;
-    EXPECT_LT(std::abs(sum(k, 1e-4) - by_edge_form(polygon, height, home, k)), 1e-4 * reached) << n;
+    EXPECT_LT(std::abs(sum(k, 1e-12) - by_edge_form(polygon, height, rx, k)), 1e-11 * reached) << n;
+    EXPECT_LT(std::abs(sum(k, 1e-4) - by_edge_form(polygon, height, rx, k)), 1e-4 * reached) << n;
   }
 }
 
 // An edge through the place of shortest path, beside it by less and less, and a corner on it.
 TEST_F(EdgePanelsTest, HaveItWhereAnEdgeMeetsTheShortestPath) {
   const double height = 1.3, k = 200;
-  for (const PathCutter::Receiver& home : {PathCutter::Receiver{height, {0, 0}}, {0.9, {0.4, -0.2}}}) {
-    const glm::dvec2 c = home.foot * (height / (height + home.distance));
+  for (const PathCutter::Receiver& rx : {PathCutter::Receiver{height, {0, 0}}, {0.9, {0.4, -0.2}}}) {
+    const glm::dvec2 c = rx.foot * (height / (height + rx.distance));
     for (const double beside : {0.0, 1e-17, 1e-15, -1e-13, 1e-9, -1e-6, 1e-3}) {
       const Polygon2 polygon{c + glm::dvec2(-0.4, beside), c + glm::dvec2(0.7, beside),
                              c + glm::dvec2(0.2, 0.5)};
-      assign(polygon, height, home, k, 0.05);
-      EXPECT_LT(std::abs(sum(k, 1e-12) - by_edge_form(polygon, height, home, k)), 1e-10 / edges.shortest_m())
+      assign(polygon, height, rx, k, 0.05);
+      EXPECT_LT(std::abs(sum(k, 1e-12) - by_edge_form(polygon, height, rx, k)), 1e-10 / edges.shortest_m())
           << beside;
     }
     const Polygon2 corner{c, c + glm::dvec2(0.5, 0.1), c + glm::dvec2(0.1, 0.6)};
-    assign(corner, height, home, k, 0.05);
-    EXPECT_LT(std::abs(sum(k, 1e-12) - by_edge_form(corner, height, home, k)), 1e-10 / edges.shortest_m());
+    assign(corner, height, rx, k, 0.05);
+    EXPECT_LT(std::abs(sum(k, 1e-12) - by_edge_form(corner, height, rx, k)), 1e-10 / edges.shortest_m());
   }
 }
 

@@ -29,7 +29,7 @@ struct KeptPings : LongRun {
         {"run", (folder / "scene.toml").string(), "-o", results.string(), "--quiet", "--resume"},
         surroundings);
   }
-  /// Refused, with the way out, and left as it was.
+  /// Refused, with the transmit leg, and left as it was.
   void expect_refused(const std::string& bytes, const std::string& why) const {
     folder.write("results.partial", bytes);
     const Outcome outcome = run();

@@ -65,9 +65,9 @@ TEST(MovingElements, HearAScattererOfTheGroundAsAPoint) {
       // Phases are the ways'; amplitudes have Lambert's law.
       EXPECT_LT(std::abs(std::arg(received.at(e, n) / point)), 2 * std::numbers::pi * 1e-9) << e << ' ' << n;
       const double t = sampling.time_s(n), above = elements[e].at(t).z + 9;
-      const double home = glm::distance(elements[e].at(t), points[0].position_m);
-      EXPECT_NEAR(std::abs(received.at(e, n) / point), std::sqrt(0.1) * above / home,
-                  2e-3 * std::sqrt(0.1) * above / home);
+      const double rx = glm::distance(elements[e].at(t), points[0].position_m);
+      EXPECT_NEAR(std::abs(received.at(e, n) / point), std::sqrt(0.1) * above / rx,
+                  2e-3 * std::sqrt(0.1) * above / rx);
     }
   EXPECT_GT(echoes, 90);
 }

@@ -53,8 +53,8 @@ TEST(PointSignals, HaveThePhaseOfTheExactDelayToABillionthOfAWavelength) {
     const LongVector x = wide(targets[0].position_m);
     int echoes = 0;
     for (std::size_t e = 0; e < 5; ++e) {
-      const Real out = length(difference(x, place(array.transmitter_m))),
-                 home = length(difference(x, place(array.receivers_m[e]))), tau = (out + home) / c;
+      const Real tx = length(difference(x, place(array.transmitter_m))),
+                 rx = length(difference(x, place(array.receivers_m[e]))), tau = (tx + rx) / c;
       for (std::size_t k = 0; k < sampling.samples; ++k) {
         const Complex value = signals.channel(0, e)[k];
         const Real after = Real(sampling.time_s(k)) - tau;
@@ -63,7 +63,7 @@ TEST(PointSignals, HaveThePhaseOfTheExactDelayToABillionthOfAWavelength) {
           continue;
         }
         ++echoes;
-        EXPECT_NEAR(std::abs(value) * double(out * home), std::sqrt(1000.0), 1e-9);
+        EXPECT_NEAR(std::abs(value) * double(tx * rx), std::sqrt(1000.0), 1e-9);
         EXPECT_LT(std::abs(phase_error(value / targets[0].strength, tau * frequency_hz)), phase_tolerance);
       }
     }
@@ -105,8 +105,8 @@ TEST(PointSignals, OfMovingPlatformsHaveTheExactDelayOfBothEnds) {
         const auto start = [&](glm::dvec3 body) {
           return moved(wide(begin + attitude * body), v, starts[p]);
         };
-        const Real home = length(difference(x, moved(start(array.receivers_m[e]), v, t))),
-                   sent = emission(start(array.transmitter_m), v, x, t - home / c);
+        const Real rx = length(difference(x, moved(start(array.receivers_m[e]), v, t))),
+                   sent = emission(start(array.transmitter_m), v, x, t - rx / c);
         const Complex value = signals.channel(p, e)[k];
         if (sent < 0 || sent > 2e-3L) {
           EXPECT_EQ(value, 0.0);
@@ -118,7 +118,7 @@ TEST(PointSignals, OfMovingPlatformsHaveTheExactDelayOfBothEnds) {
                           length(difference(x, start(array.receivers_m[e])))) /
                          c;
         hop_error = std::max(hop_error, std::abs(phase_error(value, hop * frequency_hz)));
-        EXPECT_NEAR(std::abs(value) * double(home * (Real(c) * (t - sent) - home)), std::sqrt(500.0), 1e-8);
+        EXPECT_NEAR(std::abs(value) * double(rx * (Real(c) * (t - sent) - rx)), std::sqrt(500.0), 1e-8);
       }
   EXPECT_GE(echoes, 9 * 99);
   EXPECT_LT(worst, phase_tolerance);
@@ -136,21 +136,21 @@ TEST(PointSignals, OfATurningVehicleSatisfyTheEquationOfTheDelay) {
                                               {1, {{1, 2, 0.1}, attitude_from_angles(1, 0, -0.1)}}};
   const VehicleMotion motion(track, {0.06, 0.3}, false);
   const Trajectory clock(track);
-  const glm::dvec3 x(20, 30, -10), out_body(0.5, 1, 0), home_body(-0.5, -1, 0.3);
+  const glm::dvec3 x(20, 30, -10), tx_body(0.5, 1, 0), rx_body(-0.5, -1, 0.3);
   const auto along = [&](double t, glm::dvec3 body) {
     const Pose pose = clock.at(t);
     return pose.position_m + pose.attitude * body;
   };
   for (const std::size_t ping : {0u, 1u}) {
     const double start = motion.ping_start_s()[ping];
-    const PlaceOnTheWay out(motion, ping, out_body, 0.2), home(motion, ping, home_body, 0.2);
-    const TwoWayPath path = path_emitted_at(0.004, out, x, home, c);
-    const double there = 0.004 + glm::distance(along(start + 0.004, out_body), x) / c;
-    EXPECT_NEAR(path.received_s, there + glm::distance(along(start + path.received_s, home_body), x) / c,
+    const PlaceOnTheWay tx(motion, ping, tx_body, 0.2), rx(motion, ping, rx_body, 0.2);
+    const TwoWayPath path = path_emitted_at(0.004, tx, x, rx, c);
+    const double there = 0.004 + glm::distance(along(start + 0.004, tx_body), x) / c;
+    EXPECT_NEAR(path.received_s, there + glm::distance(along(start + path.received_s, rx_body), x) / c,
                 1e-16);
-    const TwoWayPath back = path_received_at(path.received_s, out, x, home, c);
+    const TwoWayPath back = path_received_at(path.received_s, tx, x, rx, c);
     EXPECT_NEAR(back.emitted_s, 0.004, 1e-16);
-    EXPECT_NEAR(back.out_m + back.home_m, back.delay_s() * c, 1e-12);
+    EXPECT_NEAR(back.tx_m + back.rx_m, back.delay_s() * c, 1e-12);
   }
 }
 
