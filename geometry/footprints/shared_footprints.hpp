@@ -12,7 +12,7 @@
 #include "geometry/visibility/closure.hpp"
 #include "geometry/visibility/visibility.hpp"
 
-// Transmitter and receiver apart: what both see of a facet. docs/bistatic.md
+// Transmitter and separate receiver: what both see of a facet. docs/bistatic.md
 namespace tubefoot {
 
 /// The part of a facet that one tube of the transmitter and one of the receiver both see, or one convex piece

@@ -15,7 +15,7 @@ namespace tubefoot {
 
 class CompactPathCutter;
 
-/// Integrates over convex polygons cut by samples of path length, transmitter and receiver apart.
+/// Integrates over convex polygons cut by samples of path length, transmitter and separate receiver.
 ///
 /// Points of a plane with the same path transmitter - point - receiver lie on an ellipse (the plane cuts a
 /// spheroid whose foci are the apexes). All these ellipses hold the plane's point of shortest path, c, and

@@ -48,7 +48,7 @@ class NativeTransmission : public std::enable_shared_from_this<NativeTransmissio
   glm::dvec3 metres(GridPoint apex) const { return survey().scene.grid.to_metres(apex); }
 
   /// Visible footprints, measured, by the exact engine in the arithmetic that the scene names; with a
-  /// receiver apart, those of both ends.
+  /// separate receiver, those of both ends.
   std::shared_ptr<NativeHistory> trace() const;
 
  private:

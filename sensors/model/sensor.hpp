@@ -86,7 +86,7 @@ class Sensor {
   /// Turns the sensor's axes into its carrier's. One that is turned to look at something carries itself.
   glm::dquat mounting() const;
   /// Whether the receiver has a place of its own.
-  bool has_receiver_apart() const {
+  bool has_separate_receiver() const {
     return description_.receiver_arm_m && *description_.receiver_arm_m != description_.lever_arm_m;
   }
   /// Pose of the receiver for a pose of the carrier; that of the sensor, unless it is apart.

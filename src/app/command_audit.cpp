@@ -103,7 +103,7 @@ int audit_command(const AuditOptions& options) {
     stop_if_wanted();
     const Transmission transmission =
         around.at(*asked.group, asked.ping).of(*asked.group, asked.ping, asked.transmission);
-    if (transmission.has_receiver_apart()) {
+    if (transmission.has_separate_receiver()) {
       has_shared = true;
       const BistaticAudit audit = TransmissionEnds(transmission, transmission.first()).audit(asked.label);
       add_tubes(transmission, "transmitter's ", audit.transmit);

@@ -108,7 +108,7 @@ void note_sensors(const Survey& survey, const std::vector<std::size_t>& chosen,
           fmt::format("sensor '{}': its beam patterns: beams go out as sectors without side lobes", name));
     if (sensor.has_receiver_pair())
       out.push_back(fmt::format("sensor '{}': its second receiver, and so its phases", name));
-    if (sensor.has_receiver_apart())
+    if (sensor.has_separate_receiver())
       out.push_back(fmt::format("sensor '{}': that its receiver is apart: it hears where it sends", name));
     if (sensor.transmissions() > 1)
       out.push_back(

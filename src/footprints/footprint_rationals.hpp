@@ -18,7 +18,7 @@ class RationalsFile {
   /// arithmetic those where the planes meet that doubles chose.
   RationalsFile(const std::filesystem::path& file, const Transmissions& transmissions, std::size_t sensor);
   ~RationalsFile();
-  /// A transmission's tubes of `beams` (sorted; empty: all); of a receiver apart its own, and all of the
+  /// A transmission's tubes of `beams` (sorted; empty: all); of a separate receiver its own, and all of the
   /// transmitter. Returns the number of pieces seen.
   std::size_t add(const Transmission& transmission, std::span<const std::uint32_t> beams);
   void close();

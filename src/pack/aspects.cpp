@@ -29,7 +29,7 @@ std::span<const Aspect> aspects() {
       Aspect{"surface-multiple", "two and three bounces, over a sea surface that mirrors",
              surface_multiple_scene},
       Aspect{"two-scatterings", "two bounces, from one plate to another and back", two_scatterings_scene},
-      Aspect{"receivers-apart", "a receiver that is not where the transmitter is", receivers_apart_scene},
+      Aspect{"receivers-apart", "a receiver that is not where the transmitter is", separate_receivers_scene},
   };
   return all;
 }

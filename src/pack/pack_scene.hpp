@@ -59,6 +59,6 @@ PackScene moving_sonar_scene(Draw& draw);
 PackScene layered_water_scene(Draw& draw);
 PackScene surface_multiple_scene(Draw& draw);
 PackScene two_scatterings_scene(Draw& draw);
-PackScene receivers_apart_scene(Draw& draw);
+PackScene separate_receivers_scene(Draw& draw);
 
 }  // namespace tubefoot

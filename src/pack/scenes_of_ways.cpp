@@ -98,7 +98,7 @@ PackScene two_scatterings_scene(Draw& draw) {
   return scene;
 }
 
-PackScene receivers_apart_scene(Draw& draw) {
+PackScene separate_receivers_scene(Draw& draw) {
   PackScene scene;
   scene.title = "A receiver beside the transmitter";
   SceneText text = over_bed(draw, scene);

@@ -56,7 +56,8 @@ SectorMark sector_of(const Scene& scene, const SensorPings& pings, std::size_t s
       }
       add_cells(pose.position_m, rays, sector.cells);
     }
-    if (sensor.has_receiver_apart()) sector.receiver_m = pings.receiver_pose(ping, transmission).position_m;
+    if (sensor.has_separate_receiver())
+      sector.receiver_m = pings.receiver_pose(ping, transmission).position_m;
   }
   return sector;
 }

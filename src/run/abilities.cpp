@@ -163,7 +163,7 @@ std::vector<Found> found_in(const Survey& survey, std::optional<std::size_t> onl
     };
     if (path_settings(scene, sensor.frequency_khz()))
       add(mirrors, "has paths over mirrors or two scatterings");
-    if (sensor.has_receiver_apart()) add(receiver_apart, "has its receiver apart");
+    if (sensor.has_separate_receiver()) add(separate_receiver, "has its receiver apart");
     if (sensor.has_receiver_pair()) add(two_receivers, "has two receivers");
     if (sensor.signals() != nullptr) add(signals, "records signals");
   }

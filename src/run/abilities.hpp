@@ -22,7 +22,7 @@ enum class Feature : unsigned char {
   // of a scene
   refraction,                ///< water whose sound speed varies
   mirrors,                   ///< paths over mirrors, and of two scatterings
-  receiver_apart,            ///< from its transmitter
+  separate_receiver,         ///< from its transmitter
   two_receivers,             ///< one above the other, for phases
   signals,                   ///< of elements, with phase
   tiles,                     ///< terrain of which only parts are in memory
@@ -68,7 +68,7 @@ std::span<const Refusal> refusals();
 struct Refused {
   const Refusal* refusal;
   SourcePlace place;  ///< of the scene's feature
-  std::string what;   ///< the sentence: "sensor 'a' has its receiver apart, and ..."
+  std::string what;   ///< the sentence: "sensor 'a' has its separate receiver, and ..."
   bool asked;         ///< by the command, not by the scene
 };
 std::optional<Refused> refused(const Survey& survey, std::span<const Feature> asked,

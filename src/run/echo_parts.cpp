@@ -47,7 +47,7 @@ void add_refracted_pair_reference(const Transmission& transmission, PingSums& su
 
 /// Through refracting water a reference chooses its own apparent ground.
 void add_refracted_reference(const Transmission& transmission, PingSums& sums) {
-  if (transmission.has_receiver_apart()) return add_refracted_pair_reference(transmission, sums);
+  if (transmission.has_separate_receiver()) return add_refracted_pair_reference(transmission, sums);
   const RefractedTransmission found = certify_refracted_transmission(transmission);
   PingCounts& counts = sums.counts;
   counts.refraction.at_limit += found.at_limit;
@@ -122,7 +122,7 @@ void count_ground(const Transmission& transmission, PingSums& sums) {
   if (transmission.site().ground) sums.counts.refined_facets += ground.mesh().facets.size();
 }
 
-void add_receiver_apart(const Transmission& transmission, PingSums& sums) {
+void add_separate_receiver(const Transmission& transmission, PingSums& sums) {
   const auto add = [&](const BistaticHistory& history) {
     add_both(transmission, history, transmission.ground().mesh(), sums);
   };
@@ -158,7 +158,7 @@ void add_receiver_pair(const Transmission& transmission, std::size_t s, const Se
       add_truth_of_receiver_pair(transmission, s, fan, on_mesh, mesh, history, receiver_pair, sums);
       sums.add_finer_relief(
           transmission,
-          BistaticHistory{history.transmit, history.upper, unit_m, history.by_upper, history.paired_upper},
+          BistaticHistory{history.transmit, history.upper, unit_m, history.by_upper, history.bistatic_upper},
           mesh, transmission.sensor(s).samples().step_m);
       sums.counts.tubes += 3 * history.transmit.tubes.size();
       sums.counts.footprints += history.by_upper.facets.size() + history.by_lower.facets.size();
@@ -168,15 +168,15 @@ void add_receiver_pair(const Transmission& transmission, std::size_t s, const Se
   rows.add_to(sums, transmission, s, 1);
 }
 
-void add_refracted_receiver_apart(const Transmission& transmission, PingSums& sums) {
+void add_refracted_separate_receiver(const Transmission& transmission, PingSums& sums) {
   const RefractedPair pair = refracted_pair_of(transmission);
   const FacetMesh& mesh = pair.apparent.mesh;
   ApparentMapCounts& counts = sums.counts.refraction;
   for (const ApparentSurface* ground : {&pair.apparent.transmit, &pair.apparent.receive})
     add_counts(counts, *ground, transmission);
   if (transmission.site().ground) sums.counts.refined_facets += mesh.facets.size();
-  const auto keep_misfit = [&](const std::vector<PairedFacet>& facets) {
-    for (const PairedFacet& facet : facets)
+  const auto keep_misfit = [&](const std::vector<BistaticFacet>& facets) {
+    for (const BistaticFacet& facet : facets)
       counts.largest_gap_m = std::max(counts.largest_gap_m, facet.misfit_m);
   };
   const std::size_t s = transmission.first();
@@ -186,13 +186,13 @@ void add_refracted_receiver_apart(const Transmission& transmission, PingSums& su
     return add_receiver_pair(
         transmission, s, law, mesh, sums, [&](std::uint32_t fan, const ReceiverBaseline& receiver_pair) {
           ReceiverPairHistory history = trace_receiver_pair(transmission, pair, fan, receiver_pair);
-          keep_misfit(history.paired_upper);
-          keep_misfit(history.paired_lower);
+          keep_misfit(history.bistatic_upper);
+          keep_misfit(history.bistatic_lower);
           return history;
         });
   }
   const auto add = [&](const BistaticHistory& history) {
-    keep_misfit(history.paired);
+    keep_misfit(history.bistatic);
     add_both(transmission, history, mesh, sums);
   };
   if (transmission.request().engine == Engine::ray)
@@ -325,7 +325,7 @@ Asked asked_of(const Transmissions& transmissions, const SharedTransmissions& gr
   asked.direct = !asked.own_engine && is_order_wanted(survey.scene, 1);
   asked.certified = request.reference_tolerance.has_value();
   asked.refracted = survey.scene.water->refracts();
-  asked.apart = sensor(group.sensors.front()).has_receiver_apart();
+  asked.apart = sensor(group.sensors.front()).has_separate_receiver();
   asked.one_ground = asked.direct && !(asked.refracted && (asked.certified || asked.apart));
   // Only a transmitter in their middle can see for both receivers of a receiver pair.
   const bool apart = receiver_pairs_are_bistatic(request) || asked.apart;
@@ -350,11 +350,11 @@ constexpr auto table = std::to_array<Row>({
      [](A a) { return a.direct && a.refracted && a.certified && a.others; }},
     {{"each receiver of a staff, certified, through refracting water", add_refracted_receiver_pair_reference},
      [](A a) { return a.direct && a.refracted && a.certified && a.receiver_pairs; }},
-    {{"a receiver apart, through refracting water", add_refracted_receiver_apart},
+    {{"a receiver apart, through refracting water", add_refracted_separate_receiver},
      [](A a) { return a.direct && a.refracted && a.apart && !a.certified; }},
     {{"the ground", count_ground},
      [](A a) { return a.one_ground || (a.mirrors && !a.own_engine && !a.refracted); }},
-    {{"a receiver apart", add_receiver_apart},
+    {{"a receiver apart", add_separate_receiver},
      [](A a) { return a.one_ground && a.apart && !a.receiver_pairs; }},
     {{"each receiver of a staff", add_receiver_pairs}, [](A a) { return a.one_ground && a.receiver_pairs; }},
     {{"sampled", add_sampled}, [](A a) { return a.one_ground && !a.apart && a.others && a.rays; }},

@@ -41,7 +41,7 @@ Fleet Fleet::some_pings(std::size_t sensor, const std::vector<std::size_t>& ping
     some.altitudes_m.push_back(all.altitudes_m[ping]);
     for (std::size_t transmission = 0; transmission < all.sensor->transmissions(); ++transmission) {
       some.transmission_poses.push_back(all.transmission_pose(ping, transmission));
-      if (all.sensor->has_receiver_apart())
+      if (all.sensor->has_separate_receiver())
         some.receiver_poses.push_back(all.receiver_pose(ping, transmission));
     }
   }

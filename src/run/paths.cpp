@@ -63,7 +63,7 @@ void add_looks(const Transmission& transmission, std::size_t s, const PathSettin
   const Scene& scene = transmission.scene();
   const double unit_m = scene.grid.unit_m();
   std::vector<TubeSet> apexes{transmission.tubes()};
-  if (transmission.has_receiver_apart()) apexes.push_back(transmission.receive_tubes(s));
+  if (transmission.has_separate_receiver()) apexes.push_back(transmission.receive_tubes(s));
   const double beam_rad = Sector(apexes.front(), unit_m).narrowest_rad();
   for (const TubeSet& tubes : apexes) looks.push_back({tubes, beam_rad});
   // No point of a path is farther from its ends.

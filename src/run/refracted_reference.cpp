@@ -73,12 +73,12 @@ RefractedPairTransmission certify(const Transmission& transmission, const PairAp
       rx_tree(own.receive.refined.mesh, SceneTree::Sheets::ignored);
   const RayEnclosure tx_rays(found.pair.transmit_water, eigenray_options(transmission.site())),
       rx_rays(found.pair.receive_water, eigenray_options(transmission.site()));
-  const PairedBed bed{own.mesh,
-                      parent,
-                      seen.bed().mesh(),
-                      transmission.scene().grid,
-                      {own.transmit, tx_tree, own.transmit_origin, found.pair.transmit_water, tx_rays},
-                      {own.receive, rx_tree, own.receive_origin, found.pair.receive_water, rx_rays}};
+  const BistaticBed bed{own.mesh,
+                        parent,
+                        seen.bed().mesh(),
+                        transmission.scene().grid,
+                        {own.transmit, tx_tree, own.transmit_origin, found.pair.transmit_water, tx_rays},
+                        {own.receive, rx_tree, own.receive_origin, found.pair.receive_water, rx_rays}};
   SensorLaw law(transmission, TransmissionGround(transmission.site()), s);
   law.law.material = own.mesh.material;
   const std::vector<std::uint32_t> fans = transmission.sensor(s).fan_of_tube(transmission.number());
@@ -122,10 +122,10 @@ RefractedReceiverPairTransmission certify(const Transmission& transmission, cons
     rays.emplace_back(ends.water(end), eigenray_options(transmission.site()));
   }
   const auto end_of = [&](std::size_t end) {
-    return PairedEnd{own.seen[end], trees[end], own.origin[end], ends.water(end), rays[end]};
+    return BistaticEnd{own.seen[end], trees[end], own.origin[end], ends.water(end), rays[end]};
   };
   const auto bed_of = [&](std::size_t end) {
-    return PairedBed{mesh, own.bed.parent, seen.ends.bed().mesh(), grid, end_of(0), end_of(end)};
+    return BistaticBed{mesh, own.bed.parent, seen.ends.bed().mesh(), grid, end_of(0), end_of(end)};
   };
   std::array<Echo, 2> ordinary;
   for (const std::size_t e : {1, 0}) {
@@ -136,7 +136,7 @@ RefractedReceiverPairTransmission certify(const Transmission& transmission, cons
   }
   found.sensors.push_back(certify_refracted_receiver_pair(
       {bed_of(1), bed_of(2)},
-      {PairedTubes{ends.tubes(0), ends.tubes(1)}, PairedTubes{ends.tubes(0), ends.tubes(2)}}, options,
+      {BistaticTubes{ends.tubes(0), ends.tubes(1)}, BistaticTubes{ends.tubes(0), ends.tubes(2)}}, options,
       seen.receiver_pair, sensor.samples(), law.law, ordinary, *transmission.request().reference_tolerance));
   for (ApparentSurface& ground : found.apparent.seen) ends.bed().name_by_scene(ground);
   return found;
@@ -272,7 +272,7 @@ RefractedReceiverPairTransmission certify_refracted_receiver_pair_transmission(
           .baselines[fan];
   const std::vector<std::uint32_t> fans = pings.sensor->fan_of_tube(transmission.number());
   const TubeSet transmit = tubes_of_fan(transmission.tubes(), fans, fan),
-                receive = transmission.has_receiver_apart()
+                receive = transmission.has_separate_receiver()
                               ? tubes_of_fan(transmission.receive_tubes(sensor), fans, fan)
                               : transmit;
   std::vector<TubeSet> tubes{transmit};

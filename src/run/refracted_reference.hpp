@@ -21,7 +21,7 @@ struct RefractedTransmission {
   std::size_t facets() const { return ground.mesh().facets.size(); }
 };
 
-/// The same of a receiver apart, which has its transmissions for itself.
+/// The same of a separate receiver, which has its transmissions for itself.
 struct RefractedPairTransmission {
   RefractedPair pair;
   BistaticHistory history;

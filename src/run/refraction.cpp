@@ -43,7 +43,7 @@ auto made_for(const Transmission& transmission, const Make& make) {
 bool has_ways_of_first_rays(const Survey& survey) {
   return std::ranges::any_of(survey.sensors, [&](const SensorPings& pings) {
     const auto paths = path_settings(survey.scene, pings.sensor->frequency_khz());
-    return pings.sensor->has_receiver_apart() || (paths && (paths->order > 1 || paths->scatterings > 1));
+    return pings.sensor->has_separate_receiver() || (paths && (paths->order > 1 || paths->scatterings > 1));
   });
 }
 
@@ -75,7 +75,7 @@ double gap_of_phases_m(const Transmission& transmission) {
   constexpr double phase_error_rad = 0.01;
   // Half the path is longer than the way from the receiver by up to half of what lies between the two ends.
   const double between_m =
-      transmission.has_receiver_apart()
+      transmission.has_separate_receiver()
           ? glm::distance(transmission.pose().position_m, transmission.receiver_pose().position_m) / 2
           : 0;
   double gap_m = std::numeric_limits<double>::infinity();
@@ -383,9 +383,9 @@ void trace_rays_of_both(const Transmission& transmission, const RefractedPair& p
   const RayGuide guide = guide_of(transmission);
   const auto take_shared = [&] {
     BistaticHistory both = shared_hits(history, sent, received, seen.mesh, &there);
-    both.paired = made_for(transmission, [&] {
-      return paired_facets(both.shared, seen, grid, pair.transmit_water, pair.receive_water,
-                           pair.absorption_db_per_m);
+    both.bistatic = made_for(transmission, [&] {
+      return bistatic_facets(both.shared, seen, grid, pair.transmit_water, pair.receive_water,
+                             pair.absorption_db_per_m);
     });
     take(both);
   };

@@ -86,7 +86,7 @@ void add_signals(const Transmission& transmission, PingSums& sums) {
     const SignalModel* model = transmission.sensor(s).signals();
     if (model == nullptr || sums.chosen(s).pings == 0) continue;
     const bool sees_itself =
-        model->own_views || transmission.has_receiver_apart() || !is_order_wanted(transmission.scene(), 1);
+        model->own_views || transmission.has_separate_receiver() || !is_order_wanted(transmission.scene(), 1);
     const History nothing{};
     const History& history = sees_itself ? nothing : traced(transmission, sums);
     sums.as_echo([&] {

@@ -217,7 +217,7 @@ class TransmissionSignals {
     if (model_.own_views)
       for (const SignalChannel& channel : receiver_.channels)
         use(CommonVisibility(seen_with(channel.receive_m)), std::vector{channel});
-    else if (transmission_.has_receiver_apart())
+    else if (transmission_.has_separate_receiver())
       use(CommonVisibility(transmission_.trace_both()), receiver_.channels);
     else
       use(CommonVisibility(history), receiver_.channels);

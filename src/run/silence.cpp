@@ -37,12 +37,12 @@ Span window_of(const Sensor& sensor) {
   return {samples.first_m - aside_m, samples.first_m + samples.step_m * samples.count + aside_m};
 }
 
-/// Whether some of what was met may be received. A receiver apart receives other ranges than the
+/// Whether some of what was met may be received. A separate receiver receives other ranges than the
 /// transmitter's.
 bool receives(const Sensor& sensor, const History& history) {
   const Span window = window_of(sensor);
   return std::ranges::any_of(history.footprints.footprints, [&](const Footprint& footprint) {
-    return sensor.has_receiver_apart() ||
+    return sensor.has_separate_receiver() ||
            (footprint.slant_range_max_m >= window.lo_m && footprint.slant_range_min_m <= window.hi_m);
   });
 }

@@ -47,7 +47,7 @@ double farthest_surface(const Site& site, const TubeSet& tubes, std::size_t tube
 
 bool surfaces_are_known(const Survey& survey, std::size_t sensor) {
   return !survey.scene.water->refracts() && !survey.site->is_tiled() &&
-         !survey.sensors[sensor].sensor->has_receiver_apart();
+         !survey.sensors[sensor].sensor->has_separate_receiver();
 }
 
 std::vector<int> samples_with_surfaces(const Survey& survey, std::size_t sensor, std::size_t ping,

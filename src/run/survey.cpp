@@ -37,7 +37,7 @@ bool same_transmissions(const WorldGrid& grid, const SensorPings& a, const Senso
       (a.sensor->frequency_khz() != b.sensor->frequency_khz() || a.sound_speed_m_s != b.sound_speed_m_s))
     return false;
   if (a.times_s != b.times_s || a.sensor->transmissions() != b.sensor->transmissions()) return false;
-  if (a.sensor->has_receiver_apart() || b.sensor->has_receiver_apart()) return false;  // two apexes
+  if (a.sensor->has_separate_receiver() || b.sensor->has_separate_receiver()) return false;  // two apexes
   const auto same = [](const Pose& p, const Pose& q) {
     return p.position_m == q.position_m && p.attitude == q.attitude;
   };
@@ -72,7 +72,7 @@ void place_transmissions(SensorPings& pings, const Trajectory& trajectory) {
   const std::size_t transmissions = pings.times_s.size() * sensor.transmissions();
   pings.poses.reserve(pings.times_s.size());
   pings.transmission_poses.reserve(transmissions);
-  if (sensor.has_receiver_apart()) pings.receiver_poses.reserve(transmissions);
+  if (sensor.has_separate_receiver()) pings.receiver_poses.reserve(transmissions);
   Steps placed("pings placed", pings.times_s.size());
   for (const double time_s : pings.times_s) {
     placed.done();
@@ -88,7 +88,7 @@ void place_transmissions(SensorPings& pings, const Trajectory& trajectory) {
                         transmission, time_s, sensor.description().name, at_s, trajectory.end_s()));
       const Pose carrier = trajectory.at(at_s);
       pings.transmission_poses.push_back(sensor.pose_on(carrier));
-      if (sensor.has_receiver_apart()) pings.receiver_poses.push_back(sensor.receiver_pose_on(carrier));
+      if (sensor.has_separate_receiver()) pings.receiver_poses.push_back(sensor.receiver_pose_on(carrier));
     }
   }
 }
@@ -155,7 +155,7 @@ void check_places(Site& site, Fleet& fleet) {
     for (std::size_t ping = 0; ping < pings.poses.size(); ++ping) {
       seen.done();
       pings.altitudes_m.push_back(places.check(at(ping, pings.poses[ping].position_m, what), inside));
-      if (sensor.has_receiver_apart())
+      if (sensor.has_separate_receiver())
         places.check(at(ping, pings.receiver_pose(ping, 0).position_m, receiver), receiver_inside);
       if (sensor.has_receiver_pair())
         for (const ReceiverBaseline& receiver_pair :
@@ -174,7 +174,7 @@ void check_places(Site& site, Fleet& fleet) {
         };
         check(pings.transmission_pose(ping, transmission), pings.transmission_pose(ping, transmission - 1),
               what);
-        if (sensor.has_receiver_apart())
+        if (sensor.has_separate_receiver())
           check(pings.receiver_pose(ping, transmission), pings.receiver_pose(ping, transmission - 1),
                 receiver);
       }
@@ -260,7 +260,7 @@ SensorPings pings_of(Site& site, const SensorDescription& description, const Tra
   const PingTimes times(description, trajectory, description.trajectory);
   const auto count = static_cast<double>(times.count());
   const double transmissions = static_cast<double>(pings.sensor->transmissions()) * count;
-  require_memory(transmissions * sizeof(Pose) * (pings.sensor->has_receiver_apart() ? 2 : 1) +
+  require_memory(transmissions * sizeof(Pose) * (pings.sensor->has_separate_receiver() ? 2 : 1) +
                      count * (sizeof(Pose) + 2.0 * sizeof(double)),
                  description.place, fmt::format("the poses of {:.3g} shots", transmissions),
                  "ask for fewer pings, in several scenes");

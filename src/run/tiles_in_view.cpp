@@ -118,7 +118,8 @@ TileChoice TilesInView::looked_at(std::span<const Boxes> list, const Transmissio
     const Transmission transmission = transmissions.of(group, ping, number);
     const SensorPings& pings = transmission.pings();
     std::vector<TubeSet> sets{transmission.tubes()};
-    if (transmission.has_receiver_apart()) sets.push_back(transmission.receive_tubes(transmission.first()));
+    if (transmission.has_separate_receiver())
+      sets.push_back(transmission.receive_tubes(transmission.first()));
     const TubeSet middle = sets.back();  // of a receiver pair
     if (pings.sensor->has_receiver_pair())
       for (const ReceiverBaseline& receiver_pair :

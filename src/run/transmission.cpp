@@ -131,7 +131,7 @@ ReceiverPairHistory Transmission::trace_receiver_pair(std::size_t s, std::uint32
   return tubefoot::trace_receiver_pair(
       ground().mesh(), ground().tree(), scene().grid.unit_m(), request().visibility,
       tubes_of_fan(tubes(), fans, fan),
-      tubes_of_fan(has_receiver_apart() ? receive_tubes(s) : tubes(), fans, fan), receiver_pair);
+      tubes_of_fan(has_separate_receiver() ? receive_tubes(s) : tubes(), fans, fan), receiver_pair);
 }
 
 ReceiveBeams Transmission::beams_by_fans(std::size_t s, const std::vector<std::uint32_t>& fans) const {

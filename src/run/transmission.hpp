@@ -76,7 +76,7 @@ class Transmission {
   const Pose& pose() const { return pings().transmission_pose(ping_, number_); }
   const Pose& receiver_pose() const { return pings().receiver_pose(ping_, number_); }
   /// A receiver that is apart shares its transmissions with nobody.
-  bool has_receiver_apart() const { return pings().sensor->has_receiver_apart(); }
+  bool has_separate_receiver() const { return pings().sensor->has_separate_receiver(); }
   /// The shortest range sample of its sensors'.
   double sample_length_m() const;
 

@@ -8,7 +8,7 @@ namespace tubefoot {
 
 TransmissionEnds::TransmissionEnds(const Transmission& transmission, std::size_t sensor, bool weights)
     : transmission_(transmission) {
-  const bool apart = transmission.has_receiver_apart();
+  const bool apart = transmission.has_separate_receiver();
   if (apart && transmission.scene().water->refracts()) {
     pair_.emplace(refracted_pair_of(transmission, weights));
     const ApparentPair& pair = pair_->apparent;
@@ -75,8 +75,8 @@ TransmissionEnds::Seen TransmissionEnds::seen() const {
     seen.alone.push_back(history_of(*ends_[k].mesh, ends_[k].tubes, looks[k], grid.unit_m()));
   BistaticHistory both{tx().tubes, rx().tubes, grid.unit_m(), shared_by_all(sharer(looks))};
   if (pair_)
-    both.paired = paired_facets(both.shared, pair_->apparent, grid, pair_->transmit_water,
-                                pair_->receive_water, pair_->absorption_db_per_m);
+    both.bistatic = bistatic_facets(both.shared, pair_->apparent, grid, pair_->transmit_water,
+                                    pair_->receive_water, pair_->absorption_db_per_m);
   seen.together = path_footprints(both);
   return seen;
 }

@@ -240,7 +240,7 @@ TransmissionGround lying_ground_of(const Transmission& transmission, bool weight
   const Site& site = transmission.site();
   if (!site.ground) return TransmissionGround(site);
   std::vector<TubeSet> tubes{transmission.tubes()};
-  if (transmission.has_receiver_apart()) tubes.push_back(transmission.receive_tubes(transmission.first()));
+  if (transmission.has_separate_receiver()) tubes.push_back(transmission.receive_tubes(transmission.first()));
   std::vector<Look> looks = transmission.looks(tubes);
   const std::vector<PathLook> of_paths = looks_of_paths(transmission);
   for (const PathLook& look : of_paths)

@@ -41,7 +41,7 @@ RayGuide guide_of(const Transmission& transmission) {
     guide.material_strength.push_back(m < scene.scattering.size() && scene.scattering[m] != nullptr
                                           ? 2 * scene.scattering[m]->cross_section(slant, slant)
                                           : scene.material_mu[m]);
-  if (transmission.has_receiver_apart())
+  if (transmission.has_separate_receiver())
     guide.receiver_m = transmission.receiver_pose().position_m - transmission.pose().position_m;
   return guide;
 }

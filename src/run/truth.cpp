@@ -151,7 +151,7 @@ void TruthLaws::make_tables() {
   scale_m_ = 2 * (samples.first_m + samples.count * samples.step_m);
   lowest_m_ = tx_m.z - scale_m_;
   glm::dvec3 rx_m = tx_m;
-  if (transmission_.has_receiver_apart()) {
+  if (transmission_.has_separate_receiver()) {
     const WorldGrid& grid = transmission_.scene().grid;
     rx_m = grid.to_metres(grid.snap(transmission_.receiver_pose().position_m));
   }
@@ -199,7 +199,7 @@ void TruthLaws::add(PingSums& sums, const EchoBy& echo_by) const {
   if (is_limited) {
     near_peak = *law_.patterns;
     near_peak.least =
-        gains_below_peak(near_peak, *truth_.label_level_db(), transmission_.has_receiver_apart());
+        gains_below_peak(near_peak, *truth_.label_level_db(), transmission_.has_separate_receiver());
   }
   std::vector<double> mu = no_mu_, all;
   auto scattering = no_scattering_;

@@ -59,7 +59,7 @@ void add_truth_of_receiver_pair(const Transmission& transmission, std::size_t s,
                                   history.by_upper,
                                   {},
                                   history.middle_m,
-                                  history.paired_upper,
+                                  history.bistatic_upper,
                                   {}};
   TruthLaws(transmission, s, law, mesh).add(sums, [&](const EchoLaw& one) {
     return row_of_fan(

@@ -61,7 +61,7 @@ class PageWriter {
                                            : data_.layout == PictureLayout::waterfall ? "waterfall"
                                                                                       : "echogram"},
                                 {"acrossTrack", data_.across_track},
-                                {"receiverApart", data_.receiver_apart},
+                                {"receiverApart", data_.separate_receiver},
                                 {"beams", data_.beams},
                                 {"samples", data_.samples},
                                 {"firstRange", data_.first_m},
@@ -158,7 +158,7 @@ class PageWriter {
     whole("tube", [](F f) { return f.tube; });
     whole("facet", [](F f) { return f.facet; });
     whole("drawnTube", [](F f) { return f.drawn_tube; });
-    if (data_.receiver_apart) {
+    if (data_.separate_receiver) {
       whole("receiveTube", [](F f) { return f.receive_tube; });
       whole("drawnReceiveTube", [](F f) { return f.drawn_receive_tube; });
     }

@@ -71,7 +71,7 @@ struct ViewData {
   std::vector<std::string> components, materials;
 
   PictureLayout layout = PictureLayout::fan;
-  bool receiver_apart = false;
+  bool separate_receiver = false;
   bool across_track = false;  ///< the fan hangs down from the sonar, else it lies ahead
   std::vector<ViewPing> pings;
   std::uint32_t beams = 0, samples = 0;

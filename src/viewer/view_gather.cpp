@@ -60,8 +60,8 @@ class Gatherer {
     const auto place = static_cast<std::uint32_t>(view.pings.size());
     view.pings.push_back({static_cast<std::uint32_t>(ping), pings_.times_s[ping],
                           pings_.poses[ping].position_m,
-                          sensor_.has_receiver_apart() ? pings_.receiver_pose(ping, 0).position_m
-                                                       : pings_.poses[ping].position_m,
+                          sensor_.has_separate_receiver() ? pings_.receiver_pose(ping, 0).position_m
+                                                          : pings_.poses[ping].position_m,
                           0});
     view.energy_j.resize(view.energy_j.size() + cells_, 0.0);
     const Transmissions& around = around_.at(transmissions_.survey().fleet->transmissions_of(index_), ping);
@@ -103,7 +103,7 @@ class Gatherer {
       view.notes.push_back(
           "The water refracts: footprints are where they truly are, tubes are bent and not "
           "drawn; angles and ranges are apparent ones.");
-    if (sensor_.has_receiver_apart())
+    if (sensor_.has_separate_receiver())
       view.notes.push_back(
           "The receiver is apart: a footprint is what one of its tubes and one of the transmitter's both see "
           "of a "
@@ -335,7 +335,7 @@ ViewData gather_view(const Transmissions& transmissions, std::size_t sensor,
   view.scene_hash = scene.description.sha256;
   view.sensor = description.name;
   view.kind = kind_of(description).name();
-  view.receiver_apart = pings.sensor->has_receiver_apart();
+  view.separate_receiver = pings.sensor->has_separate_receiver();
   view.across_track = pings.sensor->is_across_track();
   for (const ComponentReport& component : scene.report.components) view.components.push_back(component.name);
   for (const MaterialDescription& material : scene.description.materials)

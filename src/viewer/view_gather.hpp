@@ -22,7 +22,7 @@ struct ViewLimits {
 
 /// Traces pings of a sensor and says which footprints made which samples. Unset `range`: from the first ping
 /// on, as many as the limits allow. Energies are those of the ordinary
-/// echo, one bounce. With a receiver apart footprints are those of both ends (path_footprints.hpp). Throws
+/// echo, one bounce. With a separate receiver footprints are those of both ends (path_footprints.hpp). Throws
 /// UsageError for more footprints than a page holds; Interrupted when somebody wants to stop.
 ViewData gather_view(const Transmissions& transmissions, std::size_t sensor,
                      const std::optional<PingRange>& range, bool quiet, const ViewLimits& limits = {});

@@ -172,9 +172,9 @@ TEST(Audit, SensorAndPingsChooseWhatIsAudited) {
   EXPECT_EQ(audited(scene, {"--sensor", "camera", "--pings", "0:"})["shots"], "1");
 }
 
-// A receiver apart: both ends' tubes, and the parts that they share. It went through the transmitter's tubes
-// alone once, and said that all was proved.
-TEST(AuditOfAReceiverApart, ClosesForBothEndsAndHashesAlikeInEveryExactArithmetic) {
+// A separate receiver: both ends' tubes, and the parts that they share. It went through the transmitter's
+// tubes alone once, and said that all was proved.
+TEST(AuditOfASeparateReceiver, ClosesForBothEndsAndHashesAlikeInEveryExactArithmetic) {
   const TestFolder folder;
   const auto scene_with = [&](const std::string& first, const std::string& more) {
     std::string text(looks);

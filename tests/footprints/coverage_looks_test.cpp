@@ -81,7 +81,7 @@ std::string arms(const std::string& transmitter, const std::string& receiver) {
 const std::string one = "[-0.6, 0, 0.2]", other = "[0.7, 0.3, -0.1]";
 
 // Pixels by transmitter and receiver are the same parts of the bed whichever sends.
-TEST_F(CoverageLooks, AReceiverApartAndATransmitterAreExchanged) {
+TEST_F(CoverageLooks, ASeparateReceiverAndATransmitterAreExchanged) {
   for (const std::string& where :
        {even + flat_sand, water(steep) + flat_sand, even + ripples(0.03, "online")}) {
     SCOPED_TRACE(where);

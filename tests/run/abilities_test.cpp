@@ -107,7 +107,7 @@ TEST_F(AbilitiesOf, CheckRefusesWhatRunWould) {
   }
 }
 
-// Rays and fast binnings over mirrors, and with the receiver apart, are weighed as others are.
+// Rays and fast binnings over mirrors, and with the separate receiver, are weighed as others are.
 TEST_F(AbilitiesOf, AdviceWeighsEverySetting) {
   for (const char* more : {"[sea_surface]\nheight_m = 20\n", "receiver_arm_m = [0, 1, 0]\n"}) {
     const Outcome advice = tried(bed + more, {"advise", "--tolerance", "10%"});

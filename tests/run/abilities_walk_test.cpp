@@ -195,15 +195,15 @@ TEST_F(AbilitiesWalk, EveryPairOfWhatARunAsks) {
 // The phases of two receivers are integrals of their own.
 TEST_F(AbilitiesWalk, TwoReceiversWithWhatTheirProductsMeet) {
   using enum Feature;
-  walk({two_receivers, receiver_apart, reference}, of_runs.front().words);
+  walk({two_receivers, separate_receiver, reference}, of_runs.front().words);
   walk({two_receivers, mirrors, reference}, of_runs.front().words);
-  walk({two_receivers, mirrors, receiver_apart, reference}, of_runs.front().words);
+  walk({two_receivers, mirrors, separate_receiver, reference}, of_runs.front().words);
   walk({two_receivers, refraction, reference}, of_runs.front().words);
-  walk({two_receivers, refraction, receiver_apart, reference}, of_runs.front().words);
+  walk({two_receivers, refraction, separate_receiver, reference}, of_runs.front().words);
   walk({two_receivers, mirrors, refraction}, {"run"});
-  walk({two_receivers, mirrors, refraction, receiver_apart}, {"run"});
+  walk({two_receivers, mirrors, refraction, separate_receiver}, {"run"});
   walk({two_receivers, scatterings, refraction}, {"run"});
-  walk({two_receivers, scatterings, refraction, receiver_apart}, {"run"});
+  walk({two_receivers, scatterings, refraction, separate_receiver}, {"run"});
 }
 
 // A ping of several transmissions, each of one beam.

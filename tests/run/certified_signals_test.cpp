@@ -242,8 +242,8 @@ TEST_F(CertifiedSignals, OfAChirpThatEachElementSeesForItself) {
   expect_held(signals, {bottom, plate}, [&](std::size_t e) { return signals.array.receivers_m[e]; });
 }
 
-// Law Q12: a plate that another one hides in part, over the floor, to a receiver apart.
-TEST_F(CertifiedSignals, OfPlatesThatHideEachOtherFromAReceiverApart) {
+// Law Q12: a plate that another one hides in part, over the floor, to a separate receiver.
+TEST_F(CertifiedSignals, OfPlatesThatHideEachOtherFromASeparateReceiver) {
   const Rectangle lower{-2.5, -0.125, 0, 0.375, 0.375, 0.75};
   folder.write(
       "plate.obj",

@@ -130,8 +130,8 @@ TEST(LaterArrivalsRun, AreNotMissedWhereNoPathGoesOverTheSurface) {
   EXPECT_THAT(footprints.err, HasSubstr("footprints are of the first to arrive"));
 }
 
-// A receiver apart follows the first ray alone, and is told.
-TEST(LaterArrivalsRun, ReceiversApartSayWhatTheyLack) {
+// A separate receiver follows the first ray alone, and is told.
+TEST(LaterArrivalsRun, SeparateReceiversSayWhatTheyLack) {
   const ProfileFolder folder;
   const auto file = folder.write("scene.toml", scene() + "receiver_arm_m = [0, 1, 0]\n");
   const Outcome outcome = run_program({"run", file.string(), "-o", (folder / "out").string()});

@@ -58,7 +58,7 @@ TEST(PathsOverRelief, CellsEverywhereAreTheReliefOfTheWholeBed) {
   }
 }
 
-TEST(PathsOverRelief, AReceiverApartHasImagesOfItsOwn) {
+TEST(PathsOverRelief, ASeparateReceiverHasImagesOfItsOwn) {
   const std::string paths = "order = 3\nonly_order = 3", apart = "receiver_arm_m = [1.5, 0.5, 0.4]\n";
   expect_equal(echoes_of(scene(online, paths, {}, apart)), echoes_of(scene(offline, paths, {}, apart)), 1e-9);
 }

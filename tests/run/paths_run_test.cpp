@@ -260,7 +260,7 @@ TEST(PathsRun, AnUpwardLookThroughRefractingWater) {
   }
 }
 
-// A law, a texture, a receiver apart, a rough surface and a level plate at once, to order 4: in water that
+// A law, a texture, a separate receiver, a rough surface and a level plate at once, to order 4: in water that
 // hardly refracts as in even water.
 TEST(PathsRun, EverythingAtOnceInAlmostEvenWater) {
   const TestFolder folder;

@@ -184,7 +184,7 @@ TEST(RefractedReferenceRun, HoldsFineOrdinaryRunsOfTextureAndRelief) {
 }
 
 // Receiver apart, of everything that a bed may have; held against ordinary runs as fine as above.
-TEST(RefractedReferenceRun, HoldsFineOrdinaryRunsOfReceiversApart) {
+TEST(RefractedReferenceRun, HoldsFineOrdinaryRunsOfSeparateReceivers) {
   const std::string apart = "receiver_arm_m = [0, 1, 0.2]\n",
                     cells = "[relief]\nmode = \"online\"\ncell_m = 0.8\ntolerance = 0.5\n",
                     patterns =

@@ -242,7 +242,7 @@ constexpr std::string_view apart = R"(
 lever_arm_m = [-0.03, 0, 0]
 receiver_arm_m = [0.03, 0, 0])";
 
-TEST(ReliefRun, AReceiverApartAndSensorsThatShareTransmissionsSeeTheTransmissionsGround) {
+TEST(ReliefRun, ASeparateReceiverAndSensorsThatShareTransmissionsSeeTheTransmissionsGround) {
   const TestFolder folder;
   const std::string head(scene.substr(0, scene.find("[relief]"))), tail(scene.substr(scene.find("[relief]")));
   const std::string camera = head.substr(head.find("[[sensors]]"));

@@ -196,7 +196,7 @@ TEST_F(SignalsRun, AreTheGroundsForEveryoneAndEveryThread) {
   EXPECT_GT(largest_difference(first, signals_of(two + "[run]\nseed = 2\n")), 0.3 * largest(first));
 }
 
-TEST_F(SignalsRun, OfAReceiverApartAreThoseOfTheGroundsScatterers) {
+TEST_F(SignalsRun, OfASeparateReceiverAreThoseOfTheGroundsScatterers) {
   const ElementSignals signals = signals_of(scene(
       "receiver_arm_m = [1, 0.5, 0.2]\nreceivers_m = [[0, 0, 0], [0.1, 0, 0]]\nsignal_tolerance = 1e-6\n",
       at_rest));
@@ -207,7 +207,7 @@ TEST_F(SignalsRun, OfAReceiverApartAreThoseOfTheGroundsScatterers) {
 
 // What each of far elements sees for itself is what a receiver sees that is apart, and another than what the
 // transmitter sees: a wall stands between them.
-TEST_F(SignalsRun, OfOwnViewsAreThoseOfReceiversApart) {
+TEST_F(SignalsRun, OfOwnViewsAreThoseOfSeparateReceivers) {
   const std::string wall =
       "[[objects]]\nname = \"wall\"\nshape = \"box\"\nsize_m = [0.1, 1, 1.2]\nposition_m = [0.3, 5.8, "
       "-5.5]\n";
@@ -265,7 +265,7 @@ TEST_F(SignalsRun, OfAVehicleOnTheWayLateOnItsClock) {
 }
 
 // The reach of what a receiver far away receives is that of its own way.
-TEST_F(SignalsRun, OfOwnViewsReachAsFarAsThoseOfReceiversApart) {
+TEST_F(SignalsRun, OfOwnViewsReachAsFarAsThoseOfSeparateReceivers) {
   const std::string far = replaced(scene("receiver_arm_m = [0, -4, 0]\nreceivers_m = [[0, 0, 0]]\n", at_rest),
                                    "range_max_m = 11", "range_max_m = 10.6");
   const ElementSignals apart = signals_of(far), own = signals_of(far + "own_sights = true\n");

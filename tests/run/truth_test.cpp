@@ -444,7 +444,7 @@ TEST_F(TruthOf, TheMainLobeOwnsTheLabelThoughASideLobeReturnsMore) {
 TEST_F(TruthOf, AllOfTheEnergyIsNearThePeakWhereTheLevelIsLow) {
   folder.write("bed.asc", bed_of_steps());
   std::vector<std::set<Feature>> scenes{{Feature::mirrors, Feature::refraction},
-                                        {Feature::mirrors, Feature::receiver_apart},
+                                        {Feature::mirrors, Feature::separate_receiver},
                                         {Feature::mirrors, Feature::two_receivers}};
   for (const InScene& one : of_scenes) {
     std::set<Feature> features{one.feature};

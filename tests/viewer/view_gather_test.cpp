@@ -108,7 +108,7 @@ TEST_P(Links, AddUpToTheEchoOfARun) {
     of_footprint.at(link.footprint) += link.energy_j;
   }
   // Between two apexes integrals are kept to 1e-10, of each part: here of each tube's, there of a facet's.
-  const double error = view.receiver_apart ? 1e-7 : 1e-12;
+  const double error = view.separate_receiver ? 1e-7 : 1e-12;
   double total = 0, left_out = 0;
   for (std::size_t cell = 0; cell < sum.size(); ++cell) {
     const double recorded = run.at(1, cell / run.samples, cell % run.samples);
@@ -165,7 +165,7 @@ TEST_P(Links, LeadFromEveryFootprintInReachToSamplesThatItMeets) {
 
 /// All terms, however small, with patterns too.
 TEST_P(Links, LoseNothingIfNothingIsLeftOut) {
-  if (survey->sensors[0].sensor->has_receiver_apart()) GTEST_SKIP() << "told by facets, not by footprints";
+  if (survey->sensors[0].sensor->has_separate_receiver()) GTEST_SKIP() << "told by facets, not by footprints";
   const Transmissions transmissions(*survey, request_of(survey->scene.description.run));
   const Transmission transmission = transmissions.received_by(0, 0, 0);
   const Sensor& sensor = transmission.sensor(0);
@@ -288,7 +288,7 @@ TEST(ViewedShadows, AreThoseOfBothEndsWhereTheReceiverIsApart) {
   const auto survey = open_survey(
       read_scene_file(folder.write("scene.toml", flat_scene(true) + "receiver_arm_m = [3, 0, 0]\n")));
   const ViewData view = view_of(*survey, 0, {});
-  EXPECT_TRUE(view.receiver_apart);
+  EXPECT_TRUE(view.separate_receiver);
   EXPECT_EQ(view.pings[0].receiver_m, glm::dvec3(3, 0, 2));
   EXPECT_EQ(view.tubes.size(), 2 * survey->sensors[0].sensor->beam_of_tube(0).size());
   std::set<double> apexes;

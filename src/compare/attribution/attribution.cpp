@@ -211,7 +211,7 @@ Attribution attribute(const SceneAtHand& scene, const SensorEchoes& reference, c
     attributor.notes().push_back(
         "paths over mirrors, and what scatters twice, have no footprints: their echoes count as what the "
         "straight path sees in their bins");
-  if (sensor.has_receiver_apart())
+  if (sensor.has_separate_receiver())
     attributor.notes().push_back("the receiver is apart: kinds of bins are as it sees the scene");
   return attributor.done();
 }

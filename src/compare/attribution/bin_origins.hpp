@@ -29,8 +29,8 @@ struct BinOrigins {
 
 /// Of a sensor's ping, by exact cuts of what its tubes see. With beam patterns, of which each beam receives
 /// everything, what adds less than a thousandth is left out, and kinds are those of each beam's own tubes.
-/// With a receiver apart, kinds are as it sees the scene. Paths over mirrors have no parts. Throws InputError
-/// as a run does.
+/// With a separate receiver, kinds are as it sees the scene. Paths over mirrors have no parts. Throws
+/// InputError as a run does.
 BinOrigins bin_origins(const Transmissions& transmissions, TransmissionsAround& around, std::size_t sensor,
                        std::size_t ping);
 

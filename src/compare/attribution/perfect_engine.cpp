@@ -36,7 +36,7 @@ RunRequest request_for(const BeamSampling& sampling) {
 /// Whether rays of its own tubes are all that a sensor receives.
 bool is_plain(const Survey& survey, std::size_t s) {
   const Sensor& sensor = *survey.sensors[s].sensor;
-  return !sensor.has_receiver_apart() && !sensor.has_receiver_pair() &&
+  return !sensor.has_separate_receiver() && !sensor.has_receiver_pair() &&
          !path_settings(survey.scene, sensor.frequency_khz());
 }
 

@@ -16,8 +16,8 @@ class CertifiedEnd {
  public:
   /// `place_m`: of its apex, relative to the polygon's.
   CertifiedEnd(const CertifiedPolygon& polygon, const std::array<Ball, 3>& place_m);
-  /// `seen`: where it sees the plane's points, which are at other ranges (PairedFacet): directions are those
-  /// places over the ranges.
+  /// `seen`: where it sees the plane's points, which are at other ranges (BistaticFacet): directions are
+  /// those places over the ranges.
   CertifiedEnd(const ApexOverPlane& over, const LyingPlane& seen);
 
   const ApexOverPlane& over() const { return over_; }

@@ -7,7 +7,7 @@
 
 namespace tubefoot {
 
-EndOfFacet::EndOfFacet(const PairedEnd& end, const FlatFacet& flat, const FacetCorners& lies, double pad_m,
+EndOfFacet::EndOfFacet(const BistaticEnd& end, const FlatFacet& flat, const FacetCorners& lies, double pad_m,
                        const FacetCorners& seen)
     : end_(end),
       sign_(end.water.unfolding().sign),

@@ -6,8 +6,8 @@
 #include <glm/vec3.hpp>
 #include <optional>
 
+#include "engine/certified/bistatic_enclosure.hpp"
 #include "engine/certified/flat_facet.hpp"
-#include "engine/certified/paired_enclosure.hpp"
 
 // A facet as one end of a path sees it, and as it is flattened between two.
 namespace tubefoot {
@@ -28,7 +28,7 @@ class EndOfFacet {
  public:
   /// `lies`: its corners, in the local frame, each known to within `pad_m`; `seen`: where the end sees them,
   /// relative to it.
-  EndOfFacet(const PairedEnd& end, const FlatFacet& flat, const FacetCorners& lies, double pad_m,
+  EndOfFacet(const BistaticEnd& end, const FlatFacet& flat, const FacetCorners& lies, double pad_m,
              const FacetCorners& seen);
 
   /// None where it is not proven that there is one ray.
@@ -63,7 +63,7 @@ class EndOfFacet {
   std::optional<EndPatch> over(const std::array<Interval, 3>& origin, const Interval& a,
                                const Interval& b) const;
 
-  const PairedEnd& end_;
+  const BistaticEnd& end_;
   double sign_;
   glm::dvec3 u_, v_, normal_, centre_{0}, seen_normal_{0};
   double source_depth_m_, pad_m_;

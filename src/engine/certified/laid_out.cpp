@@ -14,10 +14,10 @@ constexpr double slack = enclosure_slack;
 }  // namespace
 
 CertifiedPolygon flattened(std::span<const glm::dvec3> corners_m, glm::dvec3 receiver_m,
-                           const PairedFacet& paired) {
+                           const BistaticFacet& bistatic) {
   constexpr double units = 0x1p-49;  // that corners are rounded by (FootprintSharer)
   CertifiedPolygon plane;
-  plane.distance = Ball(paired.transmit_distance_m);
+  plane.distance = Ball(bistatic.transmit_distance_m);
   plane.u = {Ball(1), Ball(0), Ball(0)};
   plane.v = {Ball(0), Ball(1), Ball(0)};
   plane.away = {Ball(0), Ball(0), Ball(1)};
@@ -28,11 +28,11 @@ CertifiedPolygon flattened(std::span<const glm::dvec3> corners_m, glm::dvec3 rec
       Ball& own = way[std::size_t(k)] = Ball(corner[k]);
       own.add_error(Ball(
           units * (std::abs(corner[k]) + std::abs(corner[k] - receiver_m[k]) + std::abs(receiver_m[k]))));
-      own = own - Ball(paired.to_plane.seen_m[k]);
+      own = own - Ball(bistatic.to_plane.seen_m[k]);
     }
     const auto along = [&](int row) {
-      Ball sum(paired.to_plane.lies_m[row]);
-      for (int k = 0; k < 3; ++k) sum += Ball(paired.to_plane.linear[k][row]) * way[std::size_t(k)];
+      Ball sum(bistatic.to_plane.lies_m[row]);
+      for (int k = 0; k < 3; ++k) sum += Ball(bistatic.to_plane.linear[k][row]) * way[std::size_t(k)];
       return sum;
     };
     points.push_back({along(0), along(1)});
@@ -40,19 +40,19 @@ CertifiedPolygon flattened(std::span<const glm::dvec3> corners_m, glm::dvec3 rec
   return part_of(plane, std::move(points));
 }
 
-CertifiedPathEnergy energy_of(const PairedFacet& paired, const PairedEnclosure& proven, const EchoLaw& law,
-                              std::uint16_t material, const Ball& beta_per_m) {
-  const ApexOverPlane tx{Ball(paired.transmit_distance_m), Ball(0), Ball(0)},
-      rx{Ball(paired.receive_distance_m), Ball(paired.receive_foot_m.x), Ball(paired.receive_foot_m.y)};
+CertifiedPathEnergy energy_of(const BistaticFacet& bistatic, const BistaticEnclosure& proven,
+                              const EchoLaw& law, std::uint16_t material, const Ball& beta_per_m) {
+  const ApexOverPlane tx{Ball(bistatic.transmit_distance_m), Ball(0), Ball(0)},
+      rx{Ball(bistatic.receive_distance_m), Ball(bistatic.receive_foot_m.x), Ball(bistatic.receive_foot_m.y)};
   const auto law_of = [&](std::size_t e) { return proven.law[e] ? &*proven.law[e] : nullptr; };
-  return {{tx, paired.transmit_seen}, {rx, paired.receive_seen}, law.path,
-          {law_of(0), law_of(1)},     law.material_mu[material], beta_per_m};
+  return {{tx, bistatic.transmit_seen}, {rx, bistatic.receive_seen}, law.path,
+          {law_of(0), law_of(1)},       law.material_mu[material],   beta_per_m};
 }
 
-Towards seen_rx(const CertifiedPolygon& polygon, const PairedFacet& paired) {
+Towards seen_rx(const CertifiedPolygon& polygon, const BistaticFacet& bistatic) {
   std::vector<glm::dvec3> seen;
   for (const CertifiedPolygon::Point& p : polygon.points)
-    seen.push_back(paired.receive_seen.at({p.x.middle(), p.y.middle()}));
+    seen.push_back(bistatic.receive_seen.at({p.x.middle(), p.y.middle()}));
   return Towards::places(seen);
 }
 

@@ -160,7 +160,7 @@ class PathEncloser {
 CertifiedEcho certify_echo(const FacetMesh& mesh, const BistaticHistory& history, const ReceiveBeams& beams,
                            const RangeSamples& samples, const EchoLaw& law, const Echo& ordinary,
                            double tolerance) {
-  if (!history.paired.empty())
+  if (!history.bistatic.empty())
     throw std::invalid_argument("facets that two apexes see elsewhere are not enclosed");
   const auto textures = certified_textures(law);
   EchoLaw own = law;

@@ -75,13 +75,13 @@ double most_of(const MirrorLoss& loss, const Towards& towards) {
 }
 
 PatternDoubt::PatternDoubt(const TransmitPattern& transmit, const Towards& there,
-                           const PairedEnclosure& proven)
+                           const BistaticEnclosure& proven)
     : tx_beams(double(transmit.beams.size())), most_tx(tubefoot::most_of(transmit, there)) {
   for (const Directivity& beam : transmit.beams)
     tx_change = std::max(tx_change, root_change(beam, proven.turn_rad[0], proven.stretch[0], there));
 }
 
-void PatternDoubt::take_rx(const Directivity& receive, const Towards& back, const PairedEnclosure& proven) {
+void PatternDoubt::take_rx(const Directivity& receive, const Towards& back, const BistaticEnclosure& proven) {
   most_rx = std::max(taken_ ? most_rx : 0.0, tubefoot::most_of(receive, back));
   rx_change = std::max(rx_change, root_change(receive, proven.turn_rad[1], proven.stretch[1], back));
   taken_ = true;

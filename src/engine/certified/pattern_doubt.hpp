@@ -4,7 +4,7 @@
 #include <glm/vec3.hpp>
 #include <span>
 
-#include "engine/certified/paired_enclosure.hpp"
+#include "engine/certified/bistatic_enclosure.hpp"
 #include "engine/law/beam_pattern.hpp"
 #include "engine/law/path.hpp"
 
@@ -34,8 +34,8 @@ struct PatternDoubt {
 
   /// of the transmit leg; the receive leg is taken after that, of one receiver or the worst of several.
   PatternDoubt() = default;
-  PatternDoubt(const TransmitPattern& transmit, const Towards& there, const PairedEnclosure& proven);
-  void take_rx(const Directivity& receive, const Towards& back, const PairedEnclosure& proven);
+  PatternDoubt(const TransmitPattern& transmit, const Towards& there, const BistaticEnclosure& proven);
+  void take_rx(const Directivity& receive, const Towards& back, const BistaticEnclosure& proven);
 
   double of(double energy, double plain) const;
 

@@ -61,15 +61,15 @@ ReceiverPairPieces::OnFacet ReceiverPairPieces::on(FacetId facet, const By& uppe
 }
 
 void ReceiverPairPieces::add(OnFacet& on, const Seen& upper, const Seen& lower, Products& found) const {
-  const CertifiedPolygon seen = flattened(upper.corners_m, upper.receiver_m, on.upper.paired),
-                         other = flattened(lower.corners_m, lower.receiver_m, on.lower.paired);
+  const CertifiedPolygon seen = flattened(upper.corners_m, upper.receiver_m, on.upper.bistatic),
+                         other = flattened(lower.corners_m, lower.receiver_m, on.lower.bistatic);
   if (seen.edges.size() < 3 || other.edges.size() < 3) return;
   const auto [part, uncertain] = common_part(seen, other);
   const bool is_any = part.edges.size() >= 3;
   if (!is_any && !(uncertain.hi() > 0)) return;
   const bool weighed = law_.patterns != nullptr;
-  ReceiverPairPath by_upper{energy_of(on.upper.paired, on.upper.proven, law_, on.material, beta_), {}},
-      by_lower{energy_of(on.lower.paired, on.lower.proven, law_, on.material, beta_), {}};
+  ReceiverPairPath by_upper{energy_of(on.upper.bistatic, on.upper.proven, law_, on.material, beta_), {}},
+      by_lower{energy_of(on.lower.bistatic, on.lower.proven, law_, on.material, beta_), {}};
   const ApexOverPlane tx = by_upper.energy.tx().over(),
                       homes[2]{by_upper.energy.rx().over(), by_lower.energy.rx().over()};
   const ReceiverPairPhase phase(homes[0], homes[1], wavenumber_);
@@ -84,7 +84,7 @@ void ReceiverPairPieces::add(OnFacet& on, const Seen& upper, const Seen& lower, 
     for (const auto& [way, by, polygon] :
          {std::tuple(&by_upper, &on.upper, &seen), {&by_lower, &on.lower, &other}}) {
       way->gains = {way->energy.tx(), way->energy.rx(), transmit, receive};
-      doubt.take_rx(receive.front(), seen_rx(*polygon, by->paired), by->proven);
+      doubt.take_rx(receive.front(), seen_rx(*polygon, by->bistatic), by->proven);
     }
   }
   const CertifiedTexture* texture = textures_[on.material].get();
@@ -119,7 +119,7 @@ void ReceiverPairPieces::add(OnFacet& on, const Seen& upper, const Seen& lower, 
                          });
   if (wide) return;
 
-  const FacetMap lies = map_of(on.upper.paired.lies);
+  const FacetMap lies = map_of(on.upper.bistatic.lies);
   const bool cut = range.hi - range.lo > tolerance_ / 8 * range.lo;
   const std::size_t cells = cut ? cut_by_cells(part, *texture, lies, most_cells, {}) : 0;
   const Between even = cells > 0 ? Between{1, 1} : range;

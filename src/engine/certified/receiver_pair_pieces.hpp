@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
+#include "engine/certified/bistatic_enclosure.hpp"
 #include "engine/certified/certified_path_integral.hpp"
 #include "engine/certified/certified_texture.hpp"
-#include "engine/certified/paired_enclosure.hpp"
 #include "engine/certified/refracted_bins.hpp"
 
 // The mean product of what two receivers receive of facets that they see elsewhere than the transmitter,
@@ -30,8 +30,8 @@ class ReceiverPairPieces {
     BinsBetween sure, unsure;
   };
   struct By {
-    const PairedFacet& paired;
-    const PairedEnclosure& proven;
+    const BistaticFacet& bistatic;
+    const BistaticEnclosure& proven;
   };
   /// A facet that was proven for both, for one thread.
   struct OnFacet {

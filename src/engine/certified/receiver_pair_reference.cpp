@@ -212,7 +212,7 @@ CertifiedEcho enclosed(const FacetMesh& mesh, const ReceiverPairHistory& history
                        const ReceiverBaseline& receiver_pair, const RangeSamples& samples,
                        std::array<const EchoLaw*, 2> laws, const ReceiverPairEcho& ordinary, double tolerance,
                        bool energies) {
-  if (!history.paired_upper.empty() || !history.paired_lower.empty())
+  if (!history.bistatic_upper.empty() || !history.bistatic_lower.empty())
     throw std::invalid_argument("facets that two apexes see elsewhere are not enclosed");
   const auto textures = certified_textures(*laws[0]);
   return narrowed(tolerance, [&](double working, bool& coarse) {

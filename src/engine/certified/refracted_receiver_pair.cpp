@@ -18,7 +18,7 @@ constexpr double slack = 1e-9;  // far above the rounding of the doubles that it
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 /// Facets that both receivers share with the transmitter, by their numbers in either's list.
-std::vector<std::array<std::size_t, 2>> common_facets(const std::array<PairedParts, 2>& parts) {
+std::vector<std::array<std::size_t, 2>> common_facets(const std::array<BistaticParts, 2>& parts) {
   std::vector<std::array<std::size_t, 2>> both;
   const auto &up = parts[0].shared.facets, &down = parts[1].shared.facets;
   for (std::size_t u = 0, d = 0; u < up.size() && d < down.size();) {
@@ -35,7 +35,7 @@ ReceiverPairPieces::Seen piece_of(const SharedFootprints& shared, const SharedPi
   return {std::span(shared.corners_m).subspan(piece.first, piece.count), shared.receiver_m};
 }
 
-std::vector<ReceiverPairPieces::Products> products_of(const std::array<PairedParts, 2>& parts,
+std::vector<ReceiverPairPieces::Products> products_of(const std::array<BistaticParts, 2>& parts,
                                                       const ReceiverPairPieces& pieces) {
   const auto facets = common_facets(parts);
   std::vector<ReceiverPairPieces::Products> found(facets.size());
@@ -43,8 +43,8 @@ std::vector<ReceiverPairPieces::Products> products_of(const std::array<PairedPar
   tbb::parallel_for(std::size_t{0}, facets.size(), [&](std::size_t number) {
     const auto [u, d] = facets[number];
     const SharedFacet &upper = by_upper.facets[u], &lower = by_lower.facets[d];
-    ReceiverPairPieces::OnFacet on = pieces.on(upper.facet, {parts[0].paired[u], parts[0].facets[u]},
-                                               {parts[1].paired[d], parts[1].facets[d]});
+    ReceiverPairPieces::OnFacet on = pieces.on(upper.facet, {parts[0].bistatic[u], parts[0].facets[u]},
+                                               {parts[1].bistatic[d], parts[1].facets[d]});
     for (std::uint32_t k = 0; k < upper.piece_count; ++k)
       for (std::uint32_t m = 0; m < lower.piece_count; ++m) {
         const SharedPiece &one = by_upper.pieces[upper.first_piece + k],
@@ -59,13 +59,13 @@ std::vector<ReceiverPairPieces::Products> products_of(const std::array<PairedPar
 
 }  // namespace
 
-RefractedReference certify_refracted_receiver_pair(const std::array<PairedBed, 2>& beds,
-                                                   const std::array<PairedTubes, 2>& tubes,
+RefractedReference certify_refracted_receiver_pair(const std::array<BistaticBed, 2>& beds,
+                                                   const std::array<BistaticTubes, 2>& tubes,
                                                    const VisibilityOptions& options,
                                                    const ReceiverBaseline& receiver_pair,
                                                    const RangeSamples& samples, const EchoLaw& law,
                                                    const std::array<Echo, 2>& ordinary, double tolerance) {
-  std::array<PairedBed, 2> both = beds;
+  std::array<BistaticBed, 2> both = beds;
   for (std::size_t e = 0; e < 2; ++e) {
     both[e].beside = &beds[1 - e].rx;
     both[e].ranges_within_m = tolerance / (16 * receiver_pair.wavenumber_rad_m);
@@ -77,8 +77,8 @@ RefractedReference certify_refracted_receiver_pair(const std::array<PairedBed, 2
     flatten[e] = [&receiver_pair_out, e](const SharedFootprints& shared) {
       return receiver_pair_out.of(shared, e);
     };
-  const std::array<PairedParts, 2> parts =
-      paired_parts(both, tubes, options, samples, law, ordinary, tolerance, flatten);
+  const std::array<BistaticParts, 2> parts =
+      bistatic_parts(both, tubes, options, samples, law, ordinary, tolerance, flatten);
 
   const auto row = std::size_t(samples.count);
   const std::vector<double> targets =

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "engine/certified/paired_reference.hpp"
+#include "engine/certified/bistatic_reference.hpp"
 
 namespace tubefoot {
 
@@ -13,8 +13,8 @@ namespace tubefoot {
 /// `beds`, `tubes`: of one fan, with the upper and the lower receiver as their homes; `receiver_pair`: its
 /// wavenumber. `law.patterns`: those of the fan alone. `ordinary`: energies of either path, to guide the
 /// work. Throws as certify_refracted_echo().
-RefractedReference certify_refracted_receiver_pair(const std::array<PairedBed, 2>& beds,
-                                                   const std::array<PairedTubes, 2>& tubes,
+RefractedReference certify_refracted_receiver_pair(const std::array<BistaticBed, 2>& beds,
+                                                   const std::array<BistaticTubes, 2>& tubes,
                                                    const VisibilityOptions& options,
                                                    const ReceiverBaseline& receiver_pair,
                                                    const RangeSamples& samples, const EchoLaw& law,

@@ -52,7 +52,7 @@ void check_two_apexes(const BistaticHistory& history, const ReceiveBeams& beams,
   if (fans && (beams.fan_of_transmit_tube.size() != sent || beams.fan_of_receive_tube.size() != received))
     refuse("fans must be given for all transmit and all receive tubes, or for none");
   if (!law.path.facet_factor.empty()) refuse("apparent facets belong to one apex, not to two");
-  if (!history.paired.empty() && history.paired.size() != history.shared.facets.size())
+  if (!history.bistatic.empty() && history.bistatic.size() != history.shared.facets.size())
     refuse("the history's paired facets belong to other facets");
   if (!(how.path_tolerance > 0))
     refuse(fmt::format("a tolerance must be above 0, not {}", how.path_tolerance));

@@ -80,7 +80,7 @@ struct Echo {
 /// laws, whose first does, to about 1e-5. Other binnings take what a tube of the one and a tube of the other
 /// share of a facet at its centroid; a hit falls into the sample that holds half of its path. With paired
 /// facets, ranges are travel times by the reference speed, patterns are taken in the directions in which rays
-/// leave and arrive, and each facet has paired_factor().
+/// leave and arrive, and each facet has bistatic_factor().
 ///
 /// Throws std::invalid_argument for what does not fit.
 void integrate(const CommonVisibility& visibility, const ReceiveBeams& beams, const RangeSamples& samples,

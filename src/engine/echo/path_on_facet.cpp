@@ -20,24 +20,24 @@ PathOnFacet::PathOnFacet(const FacetPlane& plane, const PlaneFrame& frame, glm::
   finish(law);
 }
 
-PathOnFacet::PathOnFacet(const PairedFacet& paired, FacetId facet, const EchoLaw& law) {
-  tx = {{paired.transmit_distance_m, glm::dvec2(0)}, paired.transmit_seen, true};
-  rx = {{paired.receive_distance_m, paired.receive_foot_m}, paired.receive_seen, true};
+PathOnFacet::PathOnFacet(const BistaticFacet& bistatic, FacetId facet, const EchoLaw& law) {
+  tx = {{bistatic.transmit_distance_m, glm::dvec2(0)}, bistatic.transmit_seen, true};
+  rx = {{bistatic.receive_distance_m, bistatic.receive_foot_m}, bistatic.receive_seen, true};
   bed = law.bed(facet);
-  const double own = paired_factor(paired, bed.scattering);
+  const double own = bistatic_factor(bistatic, bed.scattering);
   bed.factor *= own;
   bed.mu *= own;
-  lies = paired.lies;
+  lies = bistatic.lies;
   finish(law);
 }
 
-void PathOnFacet::flatten(std::span<const glm::dvec3> corners_m, const PairedFacet& paired,
+void PathOnFacet::flatten(std::span<const glm::dvec3> corners_m, const BistaticFacet& bistatic,
                           PlanarPolygon& polygon) {
-  polygon.distance = paired.transmit_distance_m;
-  polygon.first = glm::dvec2(paired.to_plane.at(corners_m[0]));
+  polygon.distance = bistatic.transmit_distance_m;
+  polygon.first = glm::dvec2(bistatic.to_plane.at(corners_m[0]));
   polygon.offsets.clear();
   for (const glm::dvec3& corner : corners_m)
-    polygon.offsets.emplace_back(glm::dvec2(paired.to_plane.linear * (corner - corners_m[0])));
+    polygon.offsets.emplace_back(glm::dvec2(bistatic.to_plane.linear * (corner - corners_m[0])));
 }
 
 void PathOnFacet::finish(const EchoLaw& law) {
@@ -59,16 +59,17 @@ double smooth_angle_rad(const Path& path) {
 PathOnFacet path_on(const CommonVisibility& visibility, std::size_t number, const PlaneFrame& frame,
                     const EchoLaw& law) {
   const SeenFacet facet = visibility[number];
-  if (const PairedFacet* paired = visibility.paired(number)) return PathOnFacet(*paired, facet.facet, law);
+  if (const BistaticFacet* bistatic = visibility.bistatic(number))
+    return PathOnFacet(*bistatic, facet.facet, law);
   return PathOnFacet(facet.plane, frame, visibility.rx_m(), facet.rx_distance_m, facet.facet, law);
 }
 
-void flatten(std::span<const glm::dvec3> corners_m, const PairedFacet& paired, PlanarPolygon& polygon) {
-  polygon.distance = paired.transmit_distance_m;
-  polygon.first = glm::dvec2(paired.to_plane.at(corners_m[0]));
+void flatten(std::span<const glm::dvec3> corners_m, const BistaticFacet& bistatic, PlanarPolygon& polygon) {
+  polygon.distance = bistatic.transmit_distance_m;
+  polygon.first = glm::dvec2(bistatic.to_plane.at(corners_m[0]));
   polygon.offsets.clear();
   for (const glm::dvec3& corner : corners_m)
-    polygon.offsets.emplace_back(glm::dvec2(paired.to_plane.linear * (corner - corners_m[0])));
+    polygon.offsets.emplace_back(glm::dvec2(bistatic.to_plane.linear * (corner - corners_m[0])));
 }
 
 void Smoothness::take(const FacetBed& bed) {

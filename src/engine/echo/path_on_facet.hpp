@@ -17,7 +17,7 @@ namespace tubefoot {
 struct EndOverPlane {
   PathCutter::Receiver over;  ///< distance from the plane, and foot point
   LyingPlane seen;            ///< the plane as the apex sees it, relative to itself
-  bool flattened = false;     ///< ranges are not the lengths of what is seen (PairedFacet)
+  bool flattened = false;     ///< ranges are not the lengths of what is seen (BistaticFacet)
 
   double range(glm::dvec2 p) const { return std::hypot(over.distance, p.x - over.foot.x, p.y - over.foot.y); }
   /// Unit; `range_m`: to p.
@@ -42,9 +42,9 @@ struct PathOnFacet {
   PathOnFacet(const FacetPlane& plane, const PlaneFrame& frame, glm::dvec3 rx_m, double rx_distance_m,
               FacetId facet, const EchoLaw& law);
   /// One that both ends see elsewhere.
-  PathOnFacet(const PairedFacet& paired, FacetId facet, const EchoLaw& law);
+  PathOnFacet(const BistaticFacet& bistatic, FacetId facet, const EchoLaw& law);
   /// A part of it, in the coordinates of that facet's plane.
-  static void flatten(std::span<const glm::dvec3> corners_m, const PairedFacet& paired,
+  static void flatten(std::span<const glm::dvec3> corners_m, const BistaticFacet& bistatic,
                       PlanarPolygon& polygon);
 
   /// Of an even bed, without mirrors.
@@ -75,7 +75,7 @@ struct PathOnFacet {
 PathOnFacet path_on(const CommonVisibility& visibility, std::size_t number, const PlaneFrame& frame,
                     const EchoLaw& law);
 /// What the transmit leg sees of a facet, where it is flattened.
-void flatten(std::span<const glm::dvec3> corners_m, const PairedFacet& paired, PlanarPolygon& polygon);
+void flatten(std::span<const glm::dvec3> corners_m, const BistaticFacet& bistatic, PlanarPolygon& polygon);
 
 /// The largest angle, at most 1, over which something that grows so into the complex plane changes little:
 /// there, rules of few nodes resolve it.

@@ -24,7 +24,8 @@ constexpr std::size_t facets_per_task = 64;
 
 /// Where the bed is seen elsewhere over one chain of mirrors than over another, so are its ends.
 bool in_the_middle(const ReceiverPairHistory& history) {
-  return history.middle_m == glm::dvec3(0) && history.paired_upper.empty() && history.paired_lower.empty();
+  return history.middle_m == glm::dvec3(0) && history.bistatic_upper.empty() &&
+         history.bistatic_lower.empty();
 }
 
 /// Sums one fan's echo; one per task.
@@ -95,19 +96,19 @@ class ReceiverPairIntegral {
 
   void assign(PlanarPolygon& polygon, const SharedFootprints& shared, const SharedPiece& piece) const {
     const auto corners = std::span(shared.corners_m).subspan(piece.first, piece.count);
-    if (paired_ == nullptr)
+    if (bistatic_ == nullptr)
       polygon.assign(corners, plane_, frame_);
     else
-      PathOnFacet::flatten(corners, *paired_, polygon);
+      PathOnFacet::flatten(corners, *bistatic_, polygon);
   }
 
   /// A facet, of those that a receiver shares, for receivers [first, last). False where one of them looks
   /// along the plane or at its back, which only the grid's half units can do.
   bool place(std::size_t of, const SharedFacet& facet, std::size_t first, std::size_t last) {
-    const std::vector<PairedFacet>& paired = of == 0 ? history_.paired_upper : history_.paired_lower;
-    paired_ = paired.empty() ? nullptr : &paired[std::size_t(&facet - seen_by(of).facets.data())];
+    const std::vector<BistaticFacet>& bistatic = of == 0 ? history_.bistatic_upper : history_.bistatic_lower;
+    bistatic_ = bistatic.empty() ? nullptr : &bistatic[std::size_t(&facet - seen_by(of).facets.data())];
     const bool placed =
-        paired_ == nullptr ? place_seen(facet, first, last) : place_paired(facet, first, last);
+        bistatic_ == nullptr ? place_seen(facet, first, last) : place_bistatic(facet, first, last);
     smooth_ = patterns_;
     smooth_.take(paths_[first].bed);
     return placed;
@@ -127,10 +128,10 @@ class ReceiverPairIntegral {
     return true;
   }
 
-  bool place_paired(const SharedFacet& facet, std::size_t first, std::size_t last) {
-    const LyingPlane& seen = paired_->receive_seen;
+  bool place_bistatic(const SharedFacet& facet, std::size_t first, std::size_t last) {
+    const LyingPlane& seen = bistatic_->receive_seen;
     for (std::size_t end = first; end < last; ++end) {
-      PairedFacet moved = *paired_;
+      BistaticFacet moved = *bistatic_;
       if (!moved.move_receiver(at_m_[end] - history_.middle_m)) return false;
       paths_[end] = PathOnFacet(moved, facet.facet, *laws_[end]);
     }
@@ -202,7 +203,7 @@ class ReceiverPairIntegral {
   bool weighed_ = false;
   std::array<glm::dvec3, 2> at_m_;  // the receivers, relative to the transmitter
   // Of the facet at hand.
-  const PairedFacet* paired_ = nullptr;
+  const BistaticFacet* bistatic_ = nullptr;
   FacetPlane plane_;
   PlaneFrame frame_{FacetPlane{}};
   glm::dvec3 along_{
@@ -266,15 +267,15 @@ ReceiverPairHistory trace_receiver_pair(const ApparentPair& pair, const WorldGri
   history.middle_m = way_m(transmit.apex, receive.apex, grid.unit_m());
   history.transmit = std::move(transmit);
   const auto end = [&](double which, TubeSet& tubes, SharedFootprints& shared,
-                       std::vector<PairedFacet>& paired) {
+                       std::vector<BistaticFacet>& bistatic) {
     tubes = moved_along(receive, receiver_pair, which, grid.unit_m());
     BistaticHistory both = trace_bistatic(pair, grid, options, history.transmit, tubes, transmit_water,
                                           receive_water, reference_absorption_db_per_m);
     shared = std::move(both.shared);
-    paired = std::move(both.paired);
+    bistatic = std::move(both.bistatic);
   };
-  end(1, history.upper, history.by_upper, history.paired_upper);
-  end(-1, history.lower, history.by_lower, history.paired_lower);
+  end(1, history.upper, history.by_upper, history.bistatic_upper);
+  end(-1, history.lower, history.by_lower, history.bistatic_lower);
   return history;
 }
 

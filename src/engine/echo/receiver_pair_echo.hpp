@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engine/echo/echo.hpp"
-#include "engine/ground/paired_facet.hpp"
+#include "engine/ground/bistatic_facet.hpp"
 #include "geometry/footprints/shared_footprints.hpp"
 #include "geometry/search/scene_tree.hpp"
 #include "geometry/visibility/visibility.hpp"
@@ -18,7 +18,7 @@ struct ReceiverPairHistory {
   glm::dvec3 middle_m{0};               ///< of the receiver pair, relative to the transmit apex
   /// In refracting water with the transmitter elsewhere: by shared facet of either receiver, where else the
   /// receiver pair's middle sees it. Empty: facets are where the transmitter sees them.
-  std::vector<PairedFacet> paired_upper{}, paired_lower{};
+  std::vector<BistaticFacet> bistatic_upper{}, bistatic_lower{};
   std::size_t pieces() const { return by_upper.pieces.size() + by_lower.pieces.size(); }
 };
 

@@ -33,7 +33,7 @@ class FacetEcho {
   /// `number`: the facet's in the common visibility.
   void add(std::size_t number, std::vector<Part<double>>& parts) {
     const SeenFacet facet = visibility_[number];
-    const PairedFacet* paired = visibility_.paired(number);
+    const BistaticFacet* bistatic = visibility_.bistatic(number);
     const PlaneFrame frame(facet.plane);
     path_ = path_on(visibility_, number, frame, law_);
     if (is_silent(path_.bed)) return;
@@ -42,10 +42,10 @@ class FacetEcho {
     for (std::uint32_t k = 0; k < facet.piece_count; ++k) {
       const SeenPart seen = visibility_.part(number, facet.first_piece + k);
       if (!beams_.in_one_fan(seen.tx_tube, seen.rx_tube)) continue;
-      if (paired == nullptr)
+      if (bistatic == nullptr)
         polygon_.assign(seen.corners_m, facet.plane, frame);
       else
-        flatten(seen.corners_m, *paired, polygon_);
+        flatten(seen.corners_m, *bistatic, polygon_);
       const auto add_part = [&](const PlanarPolygon& part) {
         const Part<double> owned{0, 0, 0, std::uint32_t(number), seen.tx_tube};
         law_.patterns == nullptr ? add_plain(part, seen, owned, parts)

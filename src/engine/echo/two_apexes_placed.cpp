@@ -48,7 +48,7 @@ class PlacedEcho {
       if (hit.seen != number_) begin(hit.seen);
       const double range = glm::length(hit.at_m);
       const glm::dvec2 at =
-          paired_ == nullptr ? frame_.project(hit.at_m) : glm::dvec2(paired_->to_plane.at(hit.at_m));
+          bistatic_ == nullptr ? frame_.project(hit.at_m) : glm::dvec2(bistatic_->to_plane.at(hit.at_m));
       const double half = (path_.tx.range(at) + path_.rx.range(at)) / 2;
       if (!finder_.holds(half)) continue;
       const double area = hit.solid_angle_sr * (range * range) * range / facet_.plane.distance_m;
@@ -77,21 +77,21 @@ class PlacedEcho {
   void begin(std::size_t number) {
     number_ = number;
     facet_ = visibility_[number];
-    paired_ = visibility_.paired(number);
+    bistatic_ = visibility_.bistatic(number);
     frame_ = PlaneFrame(facet_.plane);
     path_ = path_on(visibility_, number, frame_, law_);
     flattened_ = 1;
-    if (paired_ != nullptr) {
-      const glm::dvec2 u(paired_->to_plane.linear * frame_.u), v(paired_->to_plane.linear * frame_.v);
+    if (bistatic_ != nullptr) {
+      const glm::dvec2 u(bistatic_->to_plane.linear * frame_.u), v(bistatic_->to_plane.linear * frame_.v);
       flattened_ = std::abs(u.x * v.y - u.y * v.x);
     }
   }
 
   void assign(const SeenPart& part) {
-    if (paired_ == nullptr)
+    if (bistatic_ == nullptr)
       polygon_.assign(part.corners_m, facet_.plane, frame_);
     else
-      flatten(part.corners_m, *paired_, polygon_);
+      flatten(part.corners_m, *bistatic_, polygon_);
   }
 
   /// What an area at a place returns, evenly from half paths near to far.
@@ -131,7 +131,7 @@ class PlacedEcho {
   // Of the facet at hand.
   std::size_t number_ = std::numeric_limits<std::size_t>::max();
   SeenFacet facet_;
-  const PairedFacet* paired_ = nullptr;
+  const BistaticFacet* bistatic_ = nullptr;
   PlaneFrame frame_{FacetPlane{}};
   PathOnFacet path_;
   double flattened_ = 1;  // area on the plane of the path over that which the transmit leg sees

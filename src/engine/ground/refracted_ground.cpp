@@ -17,8 +17,8 @@
 #include <unordered_map>
 
 #include "engine/ground/apparent_images.hpp"
+#include "engine/ground/bistatic_facet.hpp"
 #include "engine/ground/eigenray_branches.hpp"
-#include "engine/ground/paired_facet.hpp"
 #include "geometry/mesh/weld_table.hpp"
 #include "geometry/steps/stop.hpp"
 

@@ -15,8 +15,8 @@ namespace tubefoot {
 ///     level e^(slope (phi - from) - curvature phi^2) cos(phi)^power,
 /// analytic in phi: what an integrator needs to know to be exact, or certain, about it.
 ///
-/// Transmitter and receiver apart: sigma(i, s) = sqrt(sigma(i) sigma(s)), which is reciprocal because it is
-/// symmetric, is the law itself where both are in the same place, and is Lambert's for Lambert's.
+/// Transmitter and separate receiver: sigma(i, s) = sqrt(sigma(i) sigma(s)), which is reciprocal because it
+/// is symmetric, is the law itself where both are in the same place, and is Lambert's for Lambert's.
 class ScatteringLaw {
  public:
   struct Term {

@@ -70,8 +70,8 @@ double distance_rad(const glm::dvec3& direction, const glm::dvec3& from, const g
 
 /// What is proven of what the images of a way see.
 struct EnclosedImages::Bed {
-  Bed(const PairedBed& seen, const EchoLaw& law) : end(seen.tx) {
-    const PairedEnd nothing{end.ground, end.tree, {}, end.water, end.rays};
+  Bed(const BistaticBed& seen, const EchoLaw& law) : end(seen.tx) {
+    const BistaticEnd nothing{end.ground, end.tree, {}, end.water, end.rays};
     all = std::move(
         enclose({seen.mesh, seen.parent, seen.base, seen.grid, end, nothing}, {}, {}, law).ends.front());
     for (const FacetEnclosure& facet : all.facets) spread.push_back(spread_of(facet));
@@ -114,7 +114,7 @@ struct EnclosedImages::Bed {
     return sure ? std::optional(true) : std::nullopt;
   }
 
-  PairedEnd end;
+  BistaticEnd end;
   ApparentEnclosures all;
   std::vector<Spread> spread;
 };

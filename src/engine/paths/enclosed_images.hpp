@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "engine/certified/bistatic_enclosure.hpp"
 #include "engine/certified/certified_arrival.hpp"
-#include "engine/certified/paired_enclosure.hpp"
 #include "engine/law/echo_law.hpp"
 #include "engine/paths/refracted_images.hpp"
 
@@ -25,7 +25,7 @@ class EnclosedImages {
                  std::initializer_list<std::span<const Image>> lists);
   ~EnclosedImages();
 
-  PairedBed bed_between(const Image& sent, const Image& received) const {
+  BistaticBed bed_between(const Image& sent, const Image& received) const {
     return images_.bed_between(sent, received);
   }
   /// No wall of its windows is farther from where it should be; 0 of an end's own tubes.

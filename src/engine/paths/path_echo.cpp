@@ -13,8 +13,8 @@
 #include <tuple>
 #include <utility>
 
+#include "engine/certified/bistatic_reference.hpp"
 #include "engine/certified/certified_arrival.hpp"
-#include "engine/certified/paired_reference.hpp"
 #include "engine/certified/reference.hpp"
 #include "engine/paths/enclosed_images.hpp"
 #include "engine/paths/image_pairs.hpp"
@@ -215,13 +215,13 @@ class PathTracer {
   }
 
   void pair_facets(Part& part, const Image& sent, const Image& received, BistaticHistory& history) const {
-    history.paired =
-        paired_facets(history.shared, refracted_->bed(), refracted_->end_of(sent),
-                      refracted_->end_of(received), refracted_->grid(), law_.absorption_db_per_m);
+    history.bistatic =
+        bistatic_facets(history.shared, refracted_->bed(), refracted_->end_of(sent),
+                        refracted_->end_of(received), refracted_->grid(), law_.absorption_db_per_m);
     const glm::dvec3 beside_m = refracted_->beside_m(received);
-    for (std::size_t k = 0; k < history.paired.size(); ++k) {
-      part.misfit_m = std::max(part.misfit_m, history.paired[k].misfit_m);
-      if (beside_m != glm::dvec3(0) && !history.paired[k].move_receiver(beside_m))
+    for (std::size_t k = 0; k < history.bistatic.size(); ++k) {
+      part.misfit_m = std::max(part.misfit_m, history.bistatic[k].misfit_m);
+      if (beside_m != glm::dvec3(0) && !history.bistatic[k].move_receiver(beside_m))
         history.shared.facets[k].piece_count = 0;
     }
   }

@@ -33,7 +33,7 @@ struct PathSettings {
   int scatterings = 1;              ///< most of them on a path
   double patch_m = 1;               ///< longest edge of the patches that scatter on to others
   std::size_t most_images = 10000;  ///< of one apex; and a hundred times as many pairs of images
-  bool direct = false;              ///< also the way straight from a transmitter to a receiver apart
+  bool direct = false;              ///< also the way straight from a transmitter to a separate receiver
   /// Energies with bounds, each path's as narrow as that asks (engine/certified/reference.hpp); one
   /// scattering.
   std::optional<double> reference_tolerance{};
@@ -71,7 +71,7 @@ struct PathEcho {
   std::size_t images = 0, shared_pieces = 0, hits = 0, arrivals = 0, patches = 0;
   std::vector<ArrivedEnergy> arrived;  ///< by image and beam; part of the energies
   /// In refracting water: what each chain of mirrors made of the bed, and the largest misfit of its facets
-  /// (PairedFacet).
+  /// (BistaticFacet).
   std::vector<ApparentSurface> grounds;
   double largest_misfit_m = 0;
   GroundCounts seen_by_patches;  ///< what all patches made of it

@@ -96,8 +96,9 @@ BistaticHistory PathImages::history(const Image& sent, const Image& received) co
   history.shared = &sent == &received && !refracted_ ? shared_with_itself(mesh_, sent.look(), unit_m_)
                                                      : sharer(sent, received).all();
   if (refracted_)
-    history.paired = paired_facets(history.shared, refracted_->bed(), refracted_->end_of(sent),
-                                   refracted_->end_of(received), refracted_->grid(), absorption_db_per_m_);
+    history.bistatic =
+        bistatic_facets(history.shared, refracted_->bed(), refracted_->end_of(sent),
+                        refracted_->end_of(received), refracted_->grid(), absorption_db_per_m_);
   return history;
 }
 

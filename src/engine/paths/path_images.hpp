@@ -54,7 +54,7 @@ class PathImages {
   Parts parts_seen_by(const Image& image) const;
   FootprintSharer sharer(const Image& sent, const Image& received) const;
   /// Images in up to `settings.order` mirrors from which what is sent comes to the receiver without
-  /// scattering, and with `settings.direct` the transmitter that a receiver apart receives; of two at one
+  /// scattering, and with `settings.direct` the transmitter that a separate receiver receives; of two at one
   /// place the first. None without `settings.arrivals`. In even water.
   std::vector<Image> arriving() const;
   /// What both see, over the transmit leg to the one and home from the other.

@@ -192,9 +192,9 @@ class ReceiverPairTracer {
     ReceiverPairHistory history;
     history.transmit.apex = sent.windows.apex;
     history.middle_m = image_m(middle_, upper.chain, sent.windows.apex, unit_m_);
-    share(sent, upper, history.by_upper, history.paired_upper);
+    share(sent, upper, history.by_upper, history.bistatic_upper);
     if (history.by_upper.pieces.empty()) return {};
-    share(sent, lower, history.by_lower, history.paired_lower);
+    share(sent, lower, history.by_lower, history.bistatic_lower);
     if (history.by_lower.pieces.empty()) return {};
     EchoLaw by_upper = law_;
     if (refracted_) by_upper.material = refracted_->bed().material;
@@ -219,14 +219,14 @@ class ReceiverPairTracer {
 
   /// What both ends see of the bed, in refracting water from the receiver pair's middle.
   void share(const Image& sent, const Image& received, SharedFootprints& shared,
-             std::vector<PairedFacet>& paired) const {
+             std::vector<BistaticFacet>& bistatic) const {
     if (!refracted_) {
       shared = FootprintSharer(mesh_, sent.look(), received.look(), unit_m_).all();
       return;
     }
     shared = FootprintSharer(sent.look(), received.look(), unit_m_).all();
-    paired = paired_facets(shared, refracted_->bed(), refracted_->end_of(sent), refracted_->end_of(received),
-                           refracted_->grid(), law_.absorption_db_per_m);
+    bistatic = bistatic_facets(shared, refracted_->bed(), refracted_->end_of(sent),
+                               refracted_->end_of(received), refracted_->grid(), law_.absorption_db_per_m);
   }
 
   /// What comes to both receivers straight from the same image of the transmitter; where water refracts, by

@@ -14,7 +14,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "engine/certified/paired_enclosure.hpp"
+#include "engine/certified/bistatic_enclosure.hpp"
 #include "geometry/arithmetic/exact_corner.hpp"
 #include "geometry/mesh/weld_table.hpp"
 #include "geometry/search/line_of_sight.hpp"
@@ -399,7 +399,7 @@ ApparentEnd RefractedImages::end_of(const Image& image) const {
   return {alike_.seen[image.way], ways_[image.way].apparent_map};
 }
 
-PairedBed RefractedImages::bed_between(const Image& sent, const Image& received) {
+BistaticBed RefractedImages::bed_between(const Image& sent, const Image& received) {
   for (const Image* image : {&sent, &received}) {
     Way& way = ways_[image->way];
     if (way.tree != nullptr) continue;
@@ -412,8 +412,8 @@ PairedBed RefractedImages::bed_between(const Image& sent, const Image& received)
   const auto end = [&](const Image& image) {
     const Way& way = ways_[image.way];
     const bool alone = way.alone != nullptr;
-    return PairedEnd{alone ? way.alone->seen[0] : alike_.seen[image.way], *way.tree,
-                     alone ? way.alone->origin[0] : alike_.origin[image.way], way.apparent_map, way.rays};
+    return BistaticEnd{alone ? way.alone->seen[0] : alike_.seen[image.way], *way.tree,
+                       alone ? way.alone->origin[0] : alike_.origin[image.way], way.apparent_map, way.rays};
   };
   const RefinedMesh& cut = ways_[sent.way].alone ? ways_[sent.way].alone->bed : alike_.bed;
   return {cut.mesh, cut.parent, *mesh_, water_.grid, end(sent), end(received)};

@@ -9,14 +9,14 @@
 #include <span>
 #include <vector>
 
-#include "engine/ground/paired_facet.hpp"
+#include "engine/ground/bistatic_facet.hpp"
 #include "engine/paths/image_tree.hpp"
 #include "engine/paths/patch_water.hpp"
 
 // Apexes and their images in level mirrors, in refracting water. docs/paths.md, "In refracting water"
 namespace tubefoot {
 
-struct PairedBed;    // engine/certified/paired_enclosure.hpp
+struct BistaticBed;  // engine/certified/bistatic_enclosure.hpp
 class RayEnclosure;  // engine/water/ray_enclosure.hpp
 
 /// Water that refracts, and how finely the bed is seen through it.
@@ -91,7 +91,7 @@ class RefractedImages {
   ApparentEnd end_of(const Image& image) const;
   /// The bed between two images, for references; they may be the same. Those that have not looked, too,
   /// straighten it for that.
-  PairedBed bed_between(const Image& sent, const Image& received);
+  BistaticBed bed_between(const Image& sent, const Image& received);
   const VisibilityOptions& options() const { return options_; }
   const ApparentMap& water_of(const Image& image) const;
   const RayEnclosure& rays_of(const Image& image) const;

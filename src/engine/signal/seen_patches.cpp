@@ -37,7 +37,7 @@ SeenPatches patches_of(const CommonVisibility& visibility, glm::dvec3 origin_m) 
   SeenPatches seen;
   seen.origin_m = origin_m;
   for (std::size_t number = visibility.first(); number < visibility.end(); ++number) {
-    if (visibility.paired(number) != nullptr)
+    if (visibility.bistatic(number) != nullptr)
       throw std::invalid_argument("signals need a bed that both ends see where it lies, without refraction");
     const SeenFacet facet = visibility[number];
     for (std::uint32_t k = 0; k < facet.piece_count; ++k) {

@@ -57,8 +57,8 @@ BistaticHistory trace_bistatic(const ApparentPair& pair, const WorldGrid& grid,
   history.shared = shared_by_all(
       FootprintSharer({history.transmit, sent, &sent_to, pair.transmit_origin},
                       {history.receive, received, &received_from, pair.receive_origin}, grid.unit_m()));
-  history.paired =
-      paired_facets(history.shared, pair, grid, transmit_water, receive_water, reference_absorption_db_per_m);
+  history.bistatic = bistatic_facets(history.shared, pair, grid, transmit_water, receive_water,
+                                     reference_absorption_db_per_m);
   return history;
 }
 

@@ -3,12 +3,12 @@
 
 #include <vector>
 
-#include "engine/ground/paired_facet.hpp"
+#include "engine/ground/bistatic_facet.hpp"
 #include "geometry/footprints/shared_footprints.hpp"
 #include "geometry/search/scene_tree.hpp"
 #include "geometry/visibility/visibility.hpp"
 
-// Transmitter and receiver apart. docs/bistatic.md
+// Transmitter and separate receiver. docs/bistatic.md
 namespace tubefoot {
 
 /// A ray's hit that a receiver elsewhere sees, standing for the solid angle it was drawn from.
@@ -26,7 +26,7 @@ struct BistaticHistory {
   double grid_unit_m = 1;   ///< metres per grid unit of both
   SharedFootprints shared;  ///< of hits: their facets, without pieces
   /// In refracting water: by shared facet, where else it is seen and lies; empty: in even water.
-  std::vector<PairedFacet> paired{};
+  std::vector<BistaticFacet> bistatic{};
   std::vector<SharedHit> hits{};  ///< filled by the ray engine
 };
 

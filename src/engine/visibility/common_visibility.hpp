@@ -75,8 +75,8 @@ class CommonVisibility {
     return {std::span(two_->shared.corners_m).subspan(p.first, p.count), p.transmit_tube, p.receive_tube};
   }
   /// Where else both ends see the facet, in refracting water; null: where it lies.
-  const PairedFacet* paired(std::size_t number) const {
-    return two_ != nullptr && !two_->paired.empty() ? &two_->paired[number] : nullptr;
+  const BistaticFacet* bistatic(std::size_t number) const {
+    return two_ != nullptr && !two_->bistatic.empty() ? &two_->bistatic[number] : nullptr;
   }
   /// Measures of footprints, which binnings other than exact read; null with two apexes.
   const Footprint* footprint(std::size_t number) const {

@@ -110,7 +110,7 @@ void trace_mixed_eigenrays(const ApparentSurface& ground, const SceneTree& tree,
       }
     return sheet;
   };
-  const auto add_paired = [&](BistaticHistory& history, const Sheet& tx, const Sheet& rx) {
+  const auto add_bistatic = [&](BistaticHistory& history, const Sheet& tx, const Sheet& rx) {
     for (const SharedFacet& shared : history.shared.facets) {
       const RayOfPart &sent = *tx.rays[shared.facet], &received = *rx.rays[shared.facet];
       std::array<std::size_t, 3> corner{0, 1, 2};
@@ -133,13 +133,13 @@ void trace_mixed_eigenrays(const ApparentSurface& ground, const SceneTree& tree,
       const double gain = mean_gain(sent, received);
       for (std::size_t k = 0; k < 3; ++k) {
         const RayOfPart::Corner &there = sent.corners[corner[k]], &back = received.corners[corner[k]];
-        PairedFacet::Corner& at = flattened.facet.corners[k];
+        BistaticFacet::Corner& at = flattened.facet.corners[k];
         at.transmit_lies = there.sine;
         at.receive_lies = back.sine;
         const double ranges = flattened.there_m[k] * flattened.back_m[k] / (there.range_m * back.range_m);
         at.gain *= gain * ranges * ranges;
       }
-      history.paired.push_back(flattened.facet);
+      history.bistatic.push_back(flattened.facet);
     }
   };
   const auto share_a_part = [](const Sheet& a, const Sheet& b) {
@@ -162,7 +162,7 @@ void trace_mixed_eigenrays(const ApparentSurface& ground, const SceneTree& tree,
                            .all();
       history.shared.receiver_m = glm::dvec3(0);
       if (history.shared.pieces.empty()) continue;
-      add_paired(history, sent, received);
+      add_bistatic(history, sent, received);
       take(history);
     }
   }

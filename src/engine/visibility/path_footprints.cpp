@@ -103,7 +103,7 @@ class Splitter {
         set.pieces.push_back({piece.first, piece.count});
       }
       to.facets.push_back(facet);
-      if (!from_.paired.empty()) result.history.paired.push_back(from_.paired[one.number]);
+      if (!from_.bistatic.empty()) result.history.bistatic.push_back(from_.bistatic[one.number]);
       set.footprints.push_back(footprint);
       result.receive_tube.push_back(one.rx);
       result.receive_distance_m.push_back(facet.receive_distance_m);
@@ -119,11 +119,11 @@ class Splitter {
     Footprint& footprint = of.footprints.footprints[k];
     const FacetPlane plane{footprint.plane_normal, footprint.plane_distance_m};
     const PlaneFrame frame(plane);
-    const PairedFacet* paired = of.history.paired.empty() ? nullptr : &of.history.paired[k];
-    const HalfPaths half =
-        paired ? HalfPaths{paired->transmit_distance_m, paired->receive_distance_m, paired->receive_foot_m}
-               : HalfPaths{plane.distance_m, of.receive_distance_m[k],
-                           frame.project(of.history.shared.receiver_m)};
+    const BistaticFacet* bistatic = of.history.bistatic.empty() ? nullptr : &of.history.bistatic[k];
+    const HalfPaths half = bistatic ? HalfPaths{bistatic->transmit_distance_m, bistatic->receive_distance_m,
+                                                bistatic->receive_foot_m}
+                                    : HalfPaths{plane.distance_m, of.receive_distance_m[k],
+                                                frame.project(of.history.shared.receiver_m)};
     double least = std::numeric_limits<double>::infinity(), most = 0;
     std::vector<glm::dvec2> polygon;
     for (std::uint32_t p = 0; p < footprint.piece_count; ++p) {
@@ -131,7 +131,7 @@ class Splitter {
       polygon.clear();
       for (std::uint32_t c = 0; c < piece.count; ++c) {
         const glm::dvec3& corner = of.footprints.corners_m[piece.first + c];
-        polygon.push_back(paired ? glm::dvec2(paired->to_plane.at(corner)) : frame.project(corner));
+        polygon.push_back(bistatic ? glm::dvec2(bistatic->to_plane.at(corner)) : frame.project(corner));
         most = std::max(most, half.at(polygon.back()));
       }
       least = std::min(least, half.lowest_in(polygon));
@@ -146,14 +146,14 @@ class Splitter {
 }  // namespace
 
 glm::dvec3 PathFootprints::place(std::size_t footprint, glm::dvec3 seen_m, glm::dvec3 apex_m) const {
-  if (history.paired.empty()) return apex_m + seen_m;
-  const PairedFacet& paired = history.paired[footprint];
-  return paired.lies.at(glm::dvec2(paired.to_plane.at(seen_m)));
+  if (history.bistatic.empty()) return apex_m + seen_m;
+  const BistaticFacet& bistatic = history.bistatic[footprint];
+  return bistatic.lies.at(glm::dvec2(bistatic.to_plane.at(seen_m)));
 }
 
 double PathFootprints::area_m2(std::size_t footprint) const {
   const Footprint& of = footprints.footprints[footprint];
-  if (history.paired.empty()) return of.area_m2;
+  if (history.bistatic.empty()) return of.area_m2;
   const auto area_vector = [&](auto at) {
     glm::dvec3 sum(0);
     for (std::uint32_t p = 0; p < of.piece_count; ++p) {

@@ -14,7 +14,7 @@ namespace tubefoot {
 struct PathFootprints {
   BistaticHistory history;
   /// As the transmit leg sees them, where it sees them. But slant ranges are half paths, of the nearest and
-  /// the farthest path; in refracting water those of the facet flattened (PairedFacet). No occluders.
+  /// the farthest path; in refracting water those of the facet flattened (BistaticFacet). No occluders.
   FootprintSet footprints;
   std::vector<std::uint32_t> receive_tube;  ///< by footprint
   std::vector<double> receive_distance_m;   ///< of the apex of the receive leg from the facet's plane

@@ -25,7 +25,7 @@ struct PathsDescription {
   int scatterings = 1;            ///< most of them on a path
   double patch_m = 1;             ///< longest edge of patches, which all but the last scatter as
   int most_images = 10000;        ///< of one apex
-  bool direct = false;            ///< a receiver apart also receives its transmitter straight
+  bool direct = false;            ///< a separate receiver also receives its transmitter straight
 };
 
 }  // namespace tubefoot

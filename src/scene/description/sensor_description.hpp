@@ -94,7 +94,7 @@ struct SensorDescription {
   std::string trajectory;       ///< may be empty when the scene has just one
   SourcePlace trajectory_place;
   std::array<double, 3> lever_arm_m{0, 0, 0};  ///< starboard, forward, up from the carrier's reference point
-  std::optional<std::array<double, 3>> receiver_arm_m;  ///< of a receiver apart from the transmitter
+  std::optional<std::array<double, 3>> receiver_arm_m;  ///< of a separate receiver from the transmitter
   double yaw_deg = 0, tilt_deg = 0, roll_deg = 0;       ///< mounting: yaw to starboard, tilt downwards, roll
   std::optional<std::array<double, 3>>
       look_at_m;  ///< east, north, up of what it is turned to, whatever carries it

@@ -99,7 +99,7 @@ TEST(BinOrigins, PartsAreTheEchoAndLieWhereTheirObjectsDo) {
   for (std::size_t bin = 0; bin < sum.size(); ++bin) EXPECT_NEAR(sum[bin], echo.energy[bin], 1e-12 * peak);
 }
 
-TEST(BinOrigins, AReceiverApartHasItsOwnEdges) {
+TEST(BinOrigins, ASeparateReceiverHasItsOwnEdges) {
   // The same wall from half a metre higher up casts a shorter shadow.
   const Found found(scene_text("receiver_arm_m = [0, 0, 0.5]\n"));
   const double seen_from = rear_m * (height_m + 0.5) / (height_m + 0.5 - top_m),

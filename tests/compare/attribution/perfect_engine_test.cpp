@@ -169,7 +169,7 @@ TEST(PerfectEngine, SamplingIsReadOrAFile) {
     EXPECT_THROW(beam_sampling(wrong), UsageError) << wrong;
 }
 
-TEST(PerfectEngine, ReceiversApartHaveOneColumnAndNoForecast) {
+TEST(PerfectEngine, SeparateReceiversHaveOneColumnAndNoForecast) {
   const Ran run(scene_text(8, "receiver_arm_m = [0.3, 0, 0]\n"));
   const SceneAtHand scene = run.scene();
   EXPECT_FALSE(points_forecast(scene, run.reference.sensors.front(), {0, 100}));

@@ -168,7 +168,7 @@ TEST(ReceiverPairReference, TheReceiversMayBeElsewhere) {
 }
 
 // Without a baseline all four rows are those of two apexes, which another integral encloses.
-TEST(ReceiverPairReference, AReceiverPairWithoutLengthElsewhereIsOneReceiverApart) {
+TEST(ReceiverPairReference, AReceiverPairWithoutLengthElsewhereIsOneSeparateReceiver) {
   const ReceiverPairScene scene(15);
   const glm::dvec3 middle(-0.5, 0.2, 0.4);
   const auto receiver_pair = scene.run(receiver_pair_of(0, 0.02), 1e-6, {}, {}, middle);
@@ -222,7 +222,7 @@ TEST(ReceiverPairReference, FortyDigitsFromOutsideTheProgram) {
 
 TEST(ReceiverPairReference, RefusesFacetsThatAreSeenElsewhere) {
   ReceiverPairHistory history;
-  history.paired_upper.resize(1);
+  history.bistatic_upper.resize(1);
   const EchoLaw law{material_mu, {}, 0};
   EXPECT_THROW(certify_receiver_pair_echo({}, history, 1, {}, {1, 1, 1}, law, {}, 1e-3),
                std::invalid_argument);

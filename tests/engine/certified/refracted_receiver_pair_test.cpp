@@ -80,15 +80,15 @@ struct Staffed {
                          {1, beams}, samples, law);
     }
     const auto bed = [&](std::size_t e) {
-      return PairedBed{alike.bed.mesh,
-                       alike.bed.parent,
-                       site.base,
-                       site.grid,
-                       {alike.seen[0], trees[0], alike.origin[0], tx, tx_rays},
-                       {alike.seen[1 + e], trees[1 + e], alike.origin[1 + e], *waters[e], *rays[e]}};
+      return BistaticBed{alike.bed.mesh,
+                         alike.bed.parent,
+                         site.base,
+                         site.grid,
+                         {alike.seen[0], trees[0], alike.origin[0], tx, tx_rays},
+                         {alike.seen[1 + e], trees[1 + e], alike.origin[1 + e], *waters[e], *rays[e]}};
     };
     return certify_refracted_receiver_pair({bed(0), bed(1)},
-                                           {PairedTubes{sent, received[0]}, {sent, received[1]}}, {},
+                                           {BistaticTubes{sent, received[0]}, {sent, received[1]}}, {},
                                            receiver_pair, samples, law, ordinary, tolerance);
   }
 

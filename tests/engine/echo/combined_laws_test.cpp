@@ -358,7 +358,7 @@ TEST(CombinedLaws, FastBinningAndRaysTakeAllOfThemAtOnePlace) {
   });
 }
 
-// --- transmitter and receiver apart, and loss of mirrors
+// --- transmitter and separate receiver, and loss of mirrors
 
 /// By the two angles of one place: sqrt(sigma sigma), as the law's page says.
 double apart_density(const Given& g, const Path* path, glm::dvec3 t, double ht, glm::dvec3 r, double hr,

@@ -391,7 +391,7 @@ TEST(MicroTexture, TwoReceiversOfAPairAgreeWithBruteForce) {
   }
 }
 
-// --- transmitter and receiver apart
+// --- transmitter and separate receiver
 
 TEST(MicroTexture, BistaticEchoesAgreeWithBruteForce) {
   const FacetPlane bed = flat_bed(4);

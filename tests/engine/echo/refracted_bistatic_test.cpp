@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Transmitter and receiver apart in refracting water.
+// Transmitter and separate receiver in refracting water.
 #include <gtest/gtest.h>
 
 #include <boost/math/quadrature/gauss_kronrod.hpp>
@@ -119,8 +119,8 @@ TEST(RefractedBistatic, EvenWaterIsTheStraightEngine) {
     const RangeSamples samples{20, 0.5, 60};
     const Echo straight = scenery.echo(scenery.straight(sent, received), samples);
     const BistaticHistory history = scenery.history(sent, received);
-    ASSERT_EQ(history.paired.size(), history.shared.facets.size());
-    for (const PairedFacet& facet : history.paired) EXPECT_LT(facet.misfit_m, 1e-9);
+    ASSERT_EQ(history.bistatic.size(), history.shared.facets.size());
+    for (const BistaticFacet& facet : history.bistatic) EXPECT_LT(facet.misfit_m, 1e-9);
     const Echo refracted = scenery.echo(history, samples);
     const double peak = *std::max_element(straight.energy.begin(), straight.energy.end());
     int lit = 0;
@@ -177,7 +177,7 @@ TEST(RefractedBistatic, FlatBedUnderOneGradientConvergesToTheClosedForm) {
       const Scenery scenery{bed(15, flat), water, gap, nullptr};
       const RangeSamples samples{15, 0.02, 2000};
       const BistaticHistory history = scenery.history(tubes_at(transmitter), tubes_at(receiver));
-      for (const PairedFacet& facet : history.paired) EXPECT_LT(facet.misfit_m, 1e-9);
+      for (const BistaticFacet& facet : history.bistatic) EXPECT_LT(facet.misfit_m, 1e-9);
       const Echo echo = scenery.echo(history, samples);
       double mean = 0;
       for (int k = 0; k < samples.count; ++k)
@@ -256,7 +256,7 @@ TEST(RefractedBistatic, RefusesPairsOfOtherFacets) {
   const WaterColumn water = gradient(-1);
   const Scenery scenery{bed(15, flat), water, 0.1, nullptr};
   BistaticHistory history = scenery.history(tubes_at(transmitter), tubes_at(receiver));
-  history.paired.pop_back();
+  history.bistatic.pop_back();
   EXPECT_THROW(scenery.echo(history, {15, 1, 40}), std::invalid_argument);
 }
 

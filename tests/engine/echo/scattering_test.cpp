@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Scattering laws in every integrator: without and with patterns, binned whole, by rays, with transmitter and
-// receiver apart.
+// separate receiver.
 #include <gtest/gtest.h>
 
 #include <boost/math/quadrature/gauss_kronrod.hpp>
@@ -290,7 +290,7 @@ TEST(ScatteringEcho, RaysConvergeToTheTubes) {
   }
 }
 
-// --- transmitter and receiver apart
+// --- transmitter and separate receiver
 
 Echo bistatic_echo(const BistaticHistory& history, const RangeSamples& samples, const Law& law,
                    double absorption = 0, const BeamPatterns* patterns = nullptr) {

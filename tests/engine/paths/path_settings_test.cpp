@@ -56,8 +56,8 @@ TEST_P(PathRaysOf, SurfaceMultiplesOfAFlatBedInClosedForm) {
   }
 }
 
-/// A receiver apart in a channel with a rough surface and a bed that scatters and reflects, and a block that
-/// stands on it, or floats.
+/// A separate receiver in a channel with a rough surface and a bed that scatters and reflects, and a block
+/// that stands on it, or floats.
 Setting harbour(bool apart, double block_from_m = -10, double block_to_m = -4) {
   Setting s;
   s.mesh = square_bed(-10, 40);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A receiver apart by rays, against the engine of tubes and against what rays have of one apex.
+// A separate receiver by rays, against the engine of tubes and against what rays have of one apex.
 #include "engine/rays/shared_hits.hpp"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 #include <random>
 
 #include "engine/echo/echo.hpp"
-#include "engine/ground/paired_facet.hpp"
+#include "engine/ground/bistatic_facet.hpp"
 #include "engine/law/perlin_reflectivity.hpp"
 #include "fixtures/world/ray_scenes.hpp"
 
@@ -248,7 +248,7 @@ TEST(SharedHits, InRefractingWaterTheMeanIsWhatTubesShare) {
         shared_hits(trace_rays(there, apart.sent, grid.unit_m(), stratified(6000, seed)),
                     {there, apart.sent, sent_tubes, pair.transmit_origin},
                     {back, apart.received, received_tubes, pair.receive_origin}, pair.mesh, &facets);
-    both.paired = paired_facets(both.shared, pair, grid, transmit, receive, 0.1);
+    both.bistatic = bistatic_facets(both.shared, pair, grid, transmit, receive, 0.1);
     return apart.echo(both);
   });
 }

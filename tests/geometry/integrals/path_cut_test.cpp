@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Areas between ellipses of equal path, transmitter and receiver apart: closed forms (physics sheet 7.6).
+// Areas between ellipses of equal path, transmitter and separate receiver: closed forms (physics sheet 7.6).
 #include "geometry/integrals/path_cut.hpp"
 
 #include <gtest/gtest.h>

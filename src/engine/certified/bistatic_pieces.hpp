@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "engine/certified/bistatic_enclosure.hpp"
 #include "engine/certified/certified_path_integral.hpp"
 #include "engine/certified/certified_texture.hpp"
-#include "engine/certified/paired_enclosure.hpp"
 #include "engine/certified/pattern_doubt.hpp"
 #include "engine/certified/refracted_bins.hpp"
 
@@ -17,21 +17,21 @@
 namespace tubefoot {
 
 /// Of one path: its law, with patterns as its ends have them, samples and tolerance.
-class PairedPieces {
+class BistaticPieces {
  public:
   /// `law` and `borders_m` outlive it; `target`: by bin, how wide its enclosure may be.
-  PairedPieces(const EchoLaw& law, std::span<const double> borders_m, double step_m,
-               std::vector<double> target, double tolerance);
+  BistaticPieces(const EchoLaw& law, std::span<const double> borders_m, double step_m,
+                 std::vector<double> target, double tolerance);
 
   /// A facet that was proven, for one thread.
   struct OnFacet {
-    const PairedFacet& paired;
-    const PairedEnclosure& proven;
+    const BistaticFacet& bistatic;
+    const BistaticEnclosure& proven;
     std::uint16_t material;
     ShiftedSamples samples;
     std::unique_ptr<CertifiedPathIntegrator> integrator;
   };
-  OnFacet on(FacetId facet, const PairedFacet& paired, const PairedEnclosure& proven) const;
+  OnFacet on(FacetId facet, const BistaticFacet& bistatic, const BistaticEnclosure& proven) const;
   /// A piece by its corners as the transmitter sees them (SharedFootprints), received in beams [first,
   /// second).
   void add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm::dvec3 receiver_m,

@@ -5,14 +5,14 @@
 #include <functional>
 #include <vector>
 
-#include "engine/certified/paired_enclosure.hpp"
+#include "engine/certified/bistatic_enclosure.hpp"
 #include "engine/certified/refracted_bins.hpp"
 #include "engine/echo/echo.hpp"
 
 namespace tubefoot {
 
 /// Tubes of both ends of a path.
-struct PairedTubes {
+struct BistaticTubes {
   const TubeSet &tx, &rx;
   /// Of an image they are windows, made of what is seen of a mirror: no wall is farther than this from where
   /// curved rays have it.
@@ -33,20 +33,20 @@ struct PairedTubes {
 ///
 /// `beams`, `law` as integrate_echo() has them for that path, `ordinary` what it makes of it. Throws as
 /// certify_refracted_echo() of one apex.
-RefractedReference certify_refracted_echo(const PairedBed& bed, const PairedTubes& tubes,
+RefractedReference certify_refracted_echo(const BistaticBed& bed, const BistaticTubes& tubes,
                                           const VisibilityOptions& options, const ReceiveBeams& beams,
                                           const RangeSamples& samples, const EchoLaw& law,
                                           const Echo& ordinary, double tolerance);
 
 /// The facets that two ends share, flattened, in their order.
-using Flattening = std::function<std::vector<PairedFacet>(const SharedFootprints& shared)>;
+using Flattening = std::function<std::vector<BistaticFacet>(const SharedFootprints& shared)>;
 
 /// What is known of such an echo before it is added up.
-struct PairedParts {
+struct BistaticParts {
   SharedFootprints shared;
-  std::vector<PairedFacet> paired;      ///< as its facets
-  std::vector<PairedEnclosure> facets;  ///< as these
-  std::vector<char> is_proven;          ///< as these: the facet, and that both ends see it by one ray
+  std::vector<BistaticFacet> bistatic;    ///< as its facets
+  std::vector<BistaticEnclosure> facets;  ///< as these
+  std::vector<char> is_proven;            ///< as these: the facet, and that both ends see it by one ray
   /// By runs of such facets what they surely have, a list of what loose facets may have, and from
   /// first_doubt[end] on of what that end is not certain of.
   std::vector<BinsBetween> bins;
@@ -56,13 +56,13 @@ struct PairedParts {
 /// By bin, in the order of the list.
 BinsBetween added_up(std::span<const BinsBetween> parts);
 
-/// Of two receivers, each beside the other (PairedBed::beside), which receive one beam by all tubes: what is
-/// in doubt holds the energies that both receive of a place, and so the root of their product. `ordinary`,
+/// Of two receivers, each beside the other (BistaticBed::beside), which receive one beam by all tubes: what
+/// is in doubt holds the energies that both receive of a place, and so the root of their product. `ordinary`,
 /// `flatten`: by receiver.
-std::array<PairedParts, 2> paired_parts(const std::array<PairedBed, 2>& beds,
-                                        const std::array<PairedTubes, 2>& tubes,
-                                        const VisibilityOptions& options, const RangeSamples& samples,
-                                        const EchoLaw& law, const std::array<Echo, 2>& ordinary,
-                                        double tolerance, const std::array<Flattening, 2>& flatten);
+std::array<BistaticParts, 2> bistatic_parts(const std::array<BistaticBed, 2>& beds,
+                                            const std::array<BistaticTubes, 2>& tubes,
+                                            const VisibilityOptions& options, const RangeSamples& samples,
+                                            const EchoLaw& law, const std::array<Echo, 2>& ordinary,
+                                            double tolerance, const std::array<Flattening, 2>& flatten);
 
 }  // namespace tubefoot

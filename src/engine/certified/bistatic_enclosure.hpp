@@ -7,14 +7,14 @@
 #include <vector>
 
 #include "engine/certified/apparent_enclosure.hpp"
-#include "engine/ground/paired_facet.hpp"
+#include "engine/ground/bistatic_facet.hpp"
 
 // What is proven of facets that two ends of a path see elsewhere.
 namespace tubefoot {
 
 /// An end of a path, and what it sees of a bed: vertices of its ground have the numbers of the bed's. Its
 /// apex may lie beside the grid point that its tubes look from.
-struct PairedEnd {
+struct BistaticEnd {
   const ApparentSurface& ground;
   const SceneTree& tree;            ///< of its apparent facets
   std::span<const FacetId> origin;  ///< by apparent facet: that of the bed
@@ -23,17 +23,17 @@ struct PairedEnd {
 };
 
 /// A bed that is cut alike for both ends, and the flat facets that it is cut of.
-struct PairedBed {
+struct BistaticBed {
   const FacetMesh& mesh;
   std::span<const FacetId> parent;  ///< by facet of the mesh: that of the base
   const FacetMesh& base;            ///< where it lies
   const WorldGrid& grid;
-  PairedEnd tx, rx;
+  BistaticEnd tx, rx;
   /// Another receiver of the same transmission: most_per_sr and most are of what either receives of a place.
-  const PairedEnd* beside = nullptr;
+  const BistaticEnd* beside = nullptr;
   double ranges_within_m = 0;  ///< with that: how closely ReceiveRanges are to be told
 
-  const PairedEnd& end(int which) const { return which == 0 ? tx : rx; }
+  const BistaticEnd& end(int which) const { return which == 0 ? tx : rx; }
 };
 
 /// Ranges along rays home from a facet, less those laid out: on a lattice of a power of two of parts a side,
@@ -51,8 +51,8 @@ struct ReceiveRanges {
   static double largest_difference_m(const ReceiveRanges& one, const ReceiveRanges& other);
 };
 
-/// What is proven of a facet flattened (PairedFacet), by ends: transmit and receive.
-struct PairedEnclosure {
+/// What is proven of a facet flattened (BistaticFacet), by ends: transmit and receive.
+struct BistaticEnclosure {
   bool proven = false;
   double shift_m = 0;  ///< the half path of no place differs by more from the one laid out
   /// What a place returns along its two rays, over what the straight law makes of it laid out: of Lambert's
@@ -66,17 +66,17 @@ struct PairedEnclosure {
   double place_off_m = 0;  ///< no place lies farther from where the laid out plane has it
 };
 
-struct PairedEnclosures {
+struct BistaticEnclosures {
   /// As the ends' apparent facets. Their shifts are those of doubts about places: of ranges to a facet's
   /// plane in the direction of a place; energies are those of the whole path.
   std::array<ApparentEnclosures, 2> ends;
-  std::vector<PairedEnclosure> facets;  ///< as `shared`
+  std::vector<BistaticEnclosure> facets;  ///< as `shared`
 };
 
 /// Encloses the facets of a bed that either end sees, and more closely those that they share: `shared`, and
 /// how each is laid out. `law`: that of apparent ranges, with the path's mirrors; material by facet of the
 /// bed.
-PairedEnclosures enclose(const PairedBed& bed, std::span<const SharedFacet> shared,
-                         std::span<const PairedFacet> paired, const EchoLaw& law);
+BistaticEnclosures enclose(const BistaticBed& bed, std::span<const SharedFacet> shared,
+                           std::span<const BistaticFacet> bistatic, const EchoLaw& law);
 
 }  // namespace tubefoot

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/ground/paired_facet.hpp"
+#include "engine/ground/bistatic_facet.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -106,7 +106,7 @@ FlattenedFacet flatten_between(const glm::dvec3 (&from_t)[3], const glm::dvec3 (
   const glm::dvec2 at[3]{-t.foot, glm::dvec2(flat.along, 0) - t.foot,
                          glm::dvec2(flat.across_x, flat.across_y) - t.foot};
   FlattenedFacet flattened;
-  PairedFacet& facet = flattened.facet;
+  BistaticFacet& facet = flattened.facet;
   facet.transmit_distance_m = t.height;
   facet.receive_distance_m = r.height;
   facet.receive_foot_m = r.foot - t.foot;
@@ -121,7 +121,7 @@ FlattenedFacet flatten_between(const glm::dvec3 (&from_t)[3], const glm::dvec3 (
                  back = std::hypot(glm::length(at[k] - facet.receive_foot_m), r.height);
     flattened.there_m[k] = there;
     flattened.back_m[k] = back;
-    PairedFacet::Corner& corner = facet.corners[k];
+    BistaticFacet::Corner& corner = facet.corners[k];
     corner.transmit_seen = t.height / there;
     corner.receive_seen = r.height / back;
     corner.gain = area_ratio;
@@ -131,20 +131,20 @@ FlattenedFacet flatten_between(const glm::dvec3 (&from_t)[3], const glm::dvec3 (
   return flattened;
 }
 
-std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const ApparentPair& pair,
-                                       const WorldGrid& grid, const ApparentMap& transmit,
-                                       const ApparentMap& receive, double absorption_db_per_m) {
-  return paired_facets(shared, pair.mesh, {pair.transmit, transmit}, {pair.receive, receive}, grid,
-                       absorption_db_per_m);
+std::vector<BistaticFacet> bistatic_facets(const SharedFootprints& shared, const ApparentPair& pair,
+                                           const WorldGrid& grid, const ApparentMap& transmit,
+                                           const ApparentMap& receive, double absorption_db_per_m) {
+  return bistatic_facets(shared, pair.mesh, {pair.transmit, transmit}, {pair.receive, receive}, grid,
+                         absorption_db_per_m);
 }
 
-std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const FacetMesh& bed,
-                                       const ApparentEnd& transmit_end, const ApparentEnd& receive_end,
-                                       const WorldGrid& grid, double absorption_db_per_m) {
+std::vector<BistaticFacet> bistatic_facets(const SharedFootprints& shared, const FacetMesh& bed,
+                                           const ApparentEnd& transmit_end, const ApparentEnd& receive_end,
+                                           const WorldGrid& grid, double absorption_db_per_m) {
   const ApparentMap &transmit = transmit_end.water, &receive = receive_end.water;
   const ApparentSurface &sent_to = transmit_end.ground, &received_from = receive_end.ground;
-  std::vector<PairedFacet> paired;
-  paired.reserve(shared.facets.size());
+  std::vector<BistaticFacet> bistatic;
+  bistatic.reserve(shared.facets.size());
   Rays sent(transmit), received(receive);
   // Apexes are grid points.
   const glm::dvec3 transmit_apex = transmit.apex_m(), receive_apex = receive.apex_m();
@@ -166,17 +166,17 @@ std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const Fac
       take();
     }
     const FlattenedFacet flattened = flatten_between(from_t, from_r, lies);
-    PairedFacet& facet = paired.emplace_back(flattened.facet);
+    BistaticFacet& facet = bistatic.emplace_back(flattened.facet);
     for (std::size_t k = 0; k < 3; ++k) {
       const Eigenray &tx = sent.to(vertex[k], lies[k]), &rx = received.to(vertex[k], lies[k]);
-      PairedFacet::Corner& corner = facet.corners[k];
+      BistaticFacet::Corner& corner = facet.corners[k];
       corner.transmit_lies = grazing_sine(flattened.normal, transmit.arrival_direction(lies[k], tx));
       corner.receive_lies = grazing_sine(flattened.normal, receive.arrival_direction(lies[k], rx));
       corner.gain *=
           spreading(receive, tx, rx, lies[k], flattened.there_m[k], flattened.back_m[k], absorption_db_per_m);
     }
   }
-  return paired;
+  return bistatic;
 }
 
 ReceiverPairFlattening::ReceiverPairFlattening(const FacetMesh& bed, const ApparentEnd& transmit,
@@ -194,8 +194,8 @@ const ReceiverPairFlattening::Image& ReceiverPairFlattening::image(std::size_t r
       .first->second;
 }
 
-std::vector<PairedFacet> ReceiverPairFlattening::of(const SharedFootprints& shared, std::size_t receiver) {
-  std::vector<PairedFacet> all;
+std::vector<BistaticFacet> ReceiverPairFlattening::of(const SharedFootprints& shared, std::size_t receiver) {
+  std::vector<BistaticFacet> all;
   all.reserve(shared.facets.size());
   for (const SharedFacet& of : shared.facets) {
     stop_if_wanted();
@@ -229,7 +229,7 @@ std::vector<PairedFacet> ReceiverPairFlattening::of(const SharedFootprints& shar
       mean = {mean.first + own.first, mean.second + own.second, mean.product + own.product};
       ++seen_by;
     }
-    PairedFacet& facet = all.emplace_back();
+    BistaticFacet& facet = all.emplace_back();
     if (!sees[receiver]) continue;
     mean = {mean.first / seen_by, mean.second / seen_by, mean.product / seen_by};
     const Flat flat(mean);
@@ -249,7 +249,7 @@ std::vector<PairedFacet> ReceiverPairFlattening::of(const SharedFootprints& shar
 
 // Where the middle is sqrt(D^2 + |p - F|^2) from the plane's point p, which it sees at s(p), linear in p, the
 // end is as far from it as the root of D^2 + |p - F|^2 - 2 by . s(p) + by^2: a distance and a foot again.
-bool PairedFacet::move_receiver(glm::dvec3 by_m) {
+bool BistaticFacet::move_receiver(glm::dvec3 by_m) {
   const LyingPlane& seen = receive_seen;
   const glm::dvec2 from = receive_foot_m,
                    foot = from + glm::dvec2(glm::dot(by_m, seen.u), glm::dot(by_m, seen.v));
@@ -262,14 +262,14 @@ bool PairedFacet::move_receiver(glm::dvec3 by_m) {
   return true;
 }
 
-double paired_factor(const PairedFacet& facet, const ScatteringLaw* law) {
+double bistatic_factor(const BistaticFacet& facet, const ScatteringLaw* law) {
   const auto sigma = [law](double sine) {
     if (law == nullptr) return sine * sine;
     sine = std::min(sine, 1.0);
     return law->cross_section(sine, std::sqrt((1 - sine) * (1 + sine)));
   };
   double sum = 0;
-  for (const PairedFacet::Corner& c : facet.corners) {
+  for (const BistaticFacet::Corner& c : facet.corners) {
     const double seen = sigma(c.transmit_seen) * sigma(c.receive_seen);
     if (seen > 0 && std::isfinite(c.gain))
       sum += c.gain * std::sqrt(sigma(c.transmit_lies) * sigma(c.receive_lies) / seen);

@@ -10,7 +10,7 @@
 #include "engine/law/facet_map.hpp"
 #include "geometry/footprints/shared_footprints.hpp"
 
-// Transmitter and receiver apart in refracting water: facets that each sees elsewhere. docs/bistatic.md
+// Transmitter and separate receiver in refracting water: facets that each sees elsewhere. docs/bistatic.md
 namespace tubefoot {
 
 /// The true facets that either apex may see, cut alike for both, and where each apex sees them. Vertices of
@@ -34,7 +34,7 @@ ApparentPair map_apparent_pair(const FacetMesh& base, std::span<const FacetId> f
 /// water where it is. Sums of distances to the two are then right at the corners, and between them to second
 /// order of the edges. Where a corner would be farther from another than the difference of their distances
 /// allows, the apex is a thousandth of the distance above the plane. Coordinates: those of PathCutter.
-struct PairedFacet {
+struct BistaticFacet {
   double transmit_distance_m = 0, receive_distance_m = 0;  ///< from the plane
   glm::dvec2 receive_foot_m{0};
   FacetMap to_plane;  ///< from places where the transmitter sees them, relative to it, to (x, y, 0)
@@ -56,7 +56,7 @@ struct PairedFacet {
 /// A triangle flattened between two apexes, and how far its corners then are from them. Of the corners'
 /// returns only the seen sines and, as gain, the ratio of the areas.
 struct FlattenedFacet {
-  PairedFacet facet;
+  BistaticFacet facet;
   std::array<double, 3> there_m{}, back_m{};
   glm::dvec3 normal{0};  ///< where it lies
 };
@@ -71,13 +71,13 @@ struct ApparentEnd {
 };
 
 /// Facets that two ends share, in their order. `shared` is about `bed`, whose facets both see.
-std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const FacetMesh& bed,
-                                       const ApparentEnd& transmit, const ApparentEnd& receive,
-                                       const WorldGrid& grid, double absorption_db_per_m);
+std::vector<BistaticFacet> bistatic_facets(const SharedFootprints& shared, const FacetMesh& bed,
+                                           const ApparentEnd& transmit, const ApparentEnd& receive,
+                                           const WorldGrid& grid, double absorption_db_per_m);
 /// The same of a pair. `shared` is about pair.mesh.
-std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const ApparentPair& pair,
-                                       const WorldGrid& grid, const ApparentMap& transmit,
-                                       const ApparentMap& receive, double reference_absorption_db_per_m);
+std::vector<BistaticFacet> bistatic_facets(const SharedFootprints& shared, const ApparentPair& pair,
+                                           const WorldGrid& grid, const ApparentMap& transmit,
+                                           const ApparentMap& receive, double reference_absorption_db_per_m);
 
 /// Lays out facets for a receiver pair: on one plane for both of its receivers, with edges as these see them,
 /// so that their ranges, and what these differ by, are as right as they can be; the transmitter is put where
@@ -88,7 +88,7 @@ class ReceiverPairFlattening {
   ReceiverPairFlattening(const FacetMesh& bed, const ApparentEnd& transmit,
                          const std::array<const ApparentMap*, 2>& receivers, const WorldGrid& grid);
   /// Facets that one of them shares with the transmitter, in their order.
-  std::vector<PairedFacet> of(const SharedFootprints& shared, std::size_t receiver);
+  std::vector<BistaticFacet> of(const SharedFootprints& shared, std::size_t receiver);
 
  private:
   using Image = std::optional<glm::dvec3>;  // from the receiver's apex, to the last digit
@@ -103,6 +103,6 @@ class ReceiverPairFlattening {
 
 /// What a facet returns over what the straight law makes of it flattened: the mean over its corners of
 /// gain sqrt(sigma(lies) sigma(lies)) / sqrt(sigma(seen) sigma(seen)); null: Lambert's law.
-double paired_factor(const PairedFacet& facet, const ScatteringLaw* law);
+double bistatic_factor(const BistaticFacet& facet, const ScatteringLaw* law);
 
 }  // namespace tubefoot

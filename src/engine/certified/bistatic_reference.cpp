@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/certified/paired_reference.hpp"
+#include "engine/certified/bistatic_reference.hpp"
 
 #include <tbb/parallel_for.h>
 
@@ -11,8 +11,8 @@
 #include <map>
 #include <stdexcept>
 
+#include "engine/certified/bistatic_pieces.hpp"
 #include "engine/certified/certified_cells.hpp"
-#include "engine/certified/paired_pieces.hpp"
 #include "engine/certified/uncertain_edges.hpp"
 #include "engine/visibility/bistatic_history.hpp"
 #include "geometry/numbers/enclosure_slack.hpp"
@@ -61,11 +61,11 @@ struct About {
   }
 };
 
-class PairedReference {
+class BistaticReference {
  public:
-  PairedReference(const PairedBed& bed, const PairedTubes& tubes, const VisibilityOptions& options,
-                  const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
-                  const Echo& ordinary, double tolerance)
+  BistaticReference(const BistaticBed& bed, const BistaticTubes& tubes, const VisibilityOptions& options,
+                    const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
+                    const Echo& ordinary, double tolerance)
       : bed_(bed),
         beams_(beams),
         law_(law),
@@ -79,7 +79,7 @@ class PairedReference {
                  apart_m = glm::distance(bed.tx.water.apex_m(), bed.rx.water.apex_m());
     margin_m_ = 0.01 * reach_m + 0.1 * apart_m;
     for (std::size_t e = 0; e < 2; ++e) {
-      const PairedEnd& end = bed_.end(int(e));
+      const BistaticEnd& end = bed_.end(int(e));
       EndLook& look = looks_[e];
       look.tubes = e == 0 ? tubes.tx : tubes.rx;
       look.tubes.reach += margin_m_ / unit_m_;
@@ -100,15 +100,15 @@ class PairedReference {
         {looks_[0].tubes, looks_[0].seen, &bed_.tx.ground.refined.mesh, bed_.tx.origin},
         {looks_[1].tubes, looks_[1].seen, &bed_.rx.ground.refined.mesh, bed_.rx.origin}, unit_m_);
     shared_ = sharer.all();
-    paired_ = flatten(shared_);
-    enclosures_ = enclose(bed_, shared_.facets, paired_, law_);
+    bistatic_ = flatten(shared_);
+    enclosures_ = enclose(bed_, shared_.facets, bistatic_, law_);
     for (std::size_t e = 0; e < 2; ++e)
       for (FacetEnclosure& facet : enclosures_.ends[e].facets)
         if (facet.state == State::proven && 4 * facet.gap_m > margin_m_) facet.state = State::loose;
   }
 
   /// All of them after enclose_shared(). `beside`: a receiver whose energies doubts are told with, too.
-  PairedParts parts(const PairedReference* beside = nullptr) {
+  BistaticParts parts(const BistaticReference* beside = nullptr) {
     beside_ = beside;
     const SharedFootprints& shared = shared_;
     const auto is_proven = [&](std::size_t number) {
@@ -118,14 +118,14 @@ class PairedReference {
     };
 
     const std::size_t runs = (shared.facets.size() + facets_in_run - 1) / facets_in_run;
-    PairedParts found;
+    BistaticParts found;
     std::vector<BinsBetween>& bins = found.bins;
     bins.resize(runs);
     Steps steps("facets", shared.facets.size());
     const auto add_pieces = [&](std::size_t number, BinsBetween& own) {
       if (!is_proven(number)) return;
       const SharedFacet& facet = shared.facets[number];
-      PairedPieces::OnFacet on = pieces_.on(facet.facet, paired_[number], enclosures_.facets[number]);
+      BistaticPieces::OnFacet on = pieces_.on(facet.facet, bistatic_[number], enclosures_.facets[number]);
       for (std::uint32_t k = 0; k < facet.piece_count; ++k) {
         stop_if_wanted();
         const SharedPiece& piece = shared.pieces[facet.first_piece + k];
@@ -162,7 +162,7 @@ class PairedReference {
       add_doubts_of(e, bins);
     }
     found.shared = shared_;
-    found.paired = paired_;
+    found.bistatic = bistatic_;
     found.facets = enclosures_.facets;
     return found;
   }
@@ -212,7 +212,7 @@ class PairedReference {
   }
 
   void add_doubts_of(std::size_t e, std::vector<BinsBetween>& bins) const {
-    const PairedEnd& end = bed_.end(int(e));
+    const BistaticEnd& end = bed_.end(int(e));
     const EndLook& look = looks_[e];
     const FacetMesh& mesh = end.ground.refined.mesh;
     const ApparentEnclosures& own = enclosures_.ends[e];
@@ -349,18 +349,18 @@ class PairedReference {
     return moved;
   }
 
-  const PairedBed& bed_;
+  const BistaticBed& bed_;
   const ReceiveBeams& beams_;
   const EchoLaw& law_;
-  const PairedReference* beside_ = nullptr;
+  const BistaticReference* beside_ = nullptr;
   SharedFootprints shared_;
-  std::vector<PairedFacet> paired_;  // as its facets
-  std::array<double, 2> off_rad_;    // of windows
+  std::vector<BistaticFacet> bistatic_;  // as its facets
+  std::array<double, 2> off_rad_;        // of windows
   double unit_m_, margin_m_ = 0;
   std::vector<double> borders_;
-  PairedPieces pieces_;
+  BistaticPieces pieces_;
   std::array<EndLook, 2> looks_;
-  PairedEnclosures enclosures_;
+  BistaticEnclosures enclosures_;
 };
 
 void require_exact(const VisibilityOptions& options) {
@@ -393,31 +393,31 @@ BinsBetween added_up(std::span<const BinsBetween> parts) {
   return total;
 }
 
-RefractedReference certify_refracted_echo(const PairedBed& bed, const PairedTubes& tubes,
+RefractedReference certify_refracted_echo(const BistaticBed& bed, const BistaticTubes& tubes,
                                           const VisibilityOptions& options, const ReceiveBeams& beams,
                                           const RangeSamples& samples, const EchoLaw& law,
                                           const Echo& ordinary, double tolerance) {
   require_exact(options);
   const PatternsOfEnds own(law);
-  PairedReference reference(bed, tubes, options, beams, samples, own.law, ordinary, tolerance);
+  BistaticReference reference(bed, tubes, options, beams, samples, own.law, ordinary, tolerance);
   reference.enclose_shared([&](const SharedFootprints& shared) {
-    return paired_facets(shared, bed.mesh, {bed.tx.ground, bed.tx.water}, {bed.rx.ground, bed.rx.water},
-                         bed.grid, law.absorption_db_per_m);
+    return bistatic_facets(shared, bed.mesh, {bed.tx.ground, bed.tx.water}, {bed.rx.ground, bed.rx.water},
+                           bed.grid, law.absorption_db_per_m);
   });
   const BinsBetween total = added_up(reference.parts().bins);
   return reference_between({&total, 1}, ordinary, tolerance);
 }
 
-std::array<PairedParts, 2> paired_parts(const std::array<PairedBed, 2>& beds,
-                                        const std::array<PairedTubes, 2>& tubes,
-                                        const VisibilityOptions& options, const RangeSamples& samples,
-                                        const EchoLaw& law, const std::array<Echo, 2>& ordinary,
-                                        double tolerance, const std::array<Flattening, 2>& flatten) {
+std::array<BistaticParts, 2> bistatic_parts(const std::array<BistaticBed, 2>& beds,
+                                            const std::array<BistaticTubes, 2>& tubes,
+                                            const VisibilityOptions& options, const RangeSamples& samples,
+                                            const EchoLaw& law, const std::array<Echo, 2>& ordinary,
+                                            double tolerance, const std::array<Flattening, 2>& flatten) {
   require_exact(options);
   const PatternsOfEnds own(law);
   const std::vector<std::uint32_t> of_tube(tubes[0].rx.tubes.size(), 0);
   const ReceiveBeams beams{1, of_tube};
-  PairedReference upper(beds[0], tubes[0], options, beams, samples, own.law, ordinary[0], tolerance),
+  BistaticReference upper(beds[0], tubes[0], options, beams, samples, own.law, ordinary[0], tolerance),
       lower(beds[1], tubes[1], options, beams, samples, own.law, ordinary[1], tolerance);
   upper.enclose_shared(flatten[0]);
   lower.enclose_shared(flatten[1]);

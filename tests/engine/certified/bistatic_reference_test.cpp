@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // References of two ends through refracting water: against closed forms of one gradient integrated apart, the
 // reference of one apex, straight references, exchange, and every enclosure of a facet against single rays.
-#include "engine/certified/paired_reference.hpp"
+#include "engine/certified/bistatic_reference.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ namespace {
 using namespace test;
 
 /// Two ends over a flat bed, and what stands on it.
-struct Paired {
+struct Bistatic {
   const GradientBed& site;
   const WaterColumn& water;
   TubeSet sent, received;
@@ -48,12 +48,12 @@ struct Paired {
     const RayEnclosure tx_rays(tx, options), rx_rays(rx, options);
     const SceneTree tx_tree(alike.seen[0].refined.mesh, SceneTree::Sheets::ignored),
         rx_tree(alike.seen[1].refined.mesh, SceneTree::Sheets::ignored);
-    const PairedBed bed{alike.bed.mesh,
-                        alike.bed.parent,
-                        site.base,
-                        site.grid,
-                        {alike.seen[0], tx_tree, alike.origin[0], tx, tx_rays},
-                        {alike.seen[1], rx_tree, alike.origin[1], rx, rx_rays}};
+    const BistaticBed bed{alike.bed.mesh,
+                          alike.bed.parent,
+                          site.base,
+                          site.grid,
+                          {alike.seen[0], tx_tree, alike.origin[0], tx, tx_rays},
+                          {alike.seen[1], rx_tree, alike.origin[1], rx, rx_rays}};
     return certify_refracted_echo(bed, {sent, received}, {}, {1, beams}, samples, law, ordinary, tolerance);
   }
   CertifiedEcho straight(const RangeSamples& samples, double tolerance) const {
@@ -69,7 +69,7 @@ struct Paired {
 
 // Bounds shrink with the gap, have not too much to spare, and fail when energies are moved by twice the
 // bound.
-TEST(PairedReference, HoldsTheClosedFormOfOneGradient) {
+TEST(BistaticReference, HoldsTheClosedFormOfOneGradient) {
   const GradientBed bed = plate(from, to);
   const RangeSamples samples{22, 0.8, 16};
   for (const bool weighed : {false, true})
@@ -77,8 +77,8 @@ TEST(PairedReference, HoldsTheClosedFormOfOneGradient) {
       if (weighed && g > 0) continue;
       const double absorption = g < 0 ? 0.1 : 0;
       const WaterColumn water = bed_gradient(g, absorption);
-      Paired pair{bed, water, at(bed_fan(70), bed.grid, transmitter), at(bed_fan(70), bed.grid, receiver),
-                  absorption};
+      Bistatic pair{bed, water, at(bed_fan(70), bed.grid, transmitter), at(bed_fan(70), bed.grid, receiver),
+                    absorption};
       const BeamPatterns patterns = patterns_for(pair.received);
       if (weighed) pair.patterns = &patterns;
       const std::vector<double> truth =
@@ -118,7 +118,7 @@ void expect_agree(const CertifiedEcho& a, const CertifiedEcho& b, double scale =
   EXPECT_GT(lit, double(a.bound.size()) / 3);
 }
 
-TEST(PairedReference, EvenWaterIsTheStraightReference) {
+TEST(BistaticReference, EvenWaterIsTheStraightReference) {
   const WaterColumn even{SoundSpeedProfile({{0, 1500}, {50, 1500}}), {}};
   const RangeSamples samples{24, 2, 3};
   for (int kind = 0; kind < 4; ++kind) {
@@ -126,7 +126,7 @@ TEST(PairedReference, EvenWaterIsTheStraightReference) {
     GradientBed bed(board(), 24, 8);
     if (kind == 1) bed.laws = {lobed(), nullptr};
     if (kind == 2) bed.textures = {perlin(6, 1, 0.5), nullptr};
-    Paired pair{bed, even, at(bed_fan(40), bed.grid, transmitter), at(bed_fan(40), bed.grid, receiver)};
+    Bistatic pair{bed, even, at(bed_fan(40), bed.grid, transmitter), at(bed_fan(40), bed.grid, receiver)};
     const BeamPatterns patterns = patterns_for(pair.received);
     if (kind == 3) pair.patterns = &patterns;
     const RefractedReference found = pair.certified({.gap_m = 1}, samples, 1e-4);
@@ -139,7 +139,7 @@ TEST(PairedReference, EvenWaterIsTheStraightReference) {
   }
 }
 
-TEST(PairedReference, InOnePlaceItIsTheReferenceOfOneApex) {
+TEST(BistaticReference, InOnePlaceItIsTheReferenceOfOneApex) {
   const RangeSamples samples{24, 1.5, 8};
   for (int kind = 0; kind < 3; ++kind) {
     SCOPED_TRACE(kind);
@@ -148,7 +148,7 @@ TEST(PairedReference, InOnePlaceItIsTheReferenceOfOneApex) {
     if (kind == 2) bed.textures = {perlin(6, 1, 0.5), nullptr};
     const WaterColumn water = bed_gradient(-0.4, 0.05);
     const TubeSet tubes = bed_fan(40);
-    const Paired pair{bed, water, tubes, tubes, 0.05};
+    const Bistatic pair{bed, water, tubes, tubes, 0.05};
     expect_agree(pair.certified({.gap_m = 2e-3}, samples, 1e-2).certified,
                  bed.certified(water, tubes, {.gap_m = 2e-3}, samples, 0.05, 1e-2).certified);
   }
@@ -156,23 +156,23 @@ TEST(PairedReference, InOnePlaceItIsTheReferenceOfOneApex) {
 
 // Energies there and back differ by the squared ratio of the speeds at the ends (docs/bistatic.md); coarse
 // grounds hold what fine ones know, behind the board, too.
-TEST(PairedReference, ExchangeAndCoarserGroundsAgree) {
+TEST(BistaticReference, ExchangeAndCoarserGroundsAgree) {
   const RangeSamples samples{24, 1.5, 8};
   const double g = -0.4;
   GradientBed bed(board(), 32, 8);
   bed.laws = {lobed(), nullptr};
   const WaterColumn water = bed_gradient(g);
   const TubeSet a = at(bed_fan(40), bed.grid, transmitter), b = at(bed_fan(40), bed.grid, receiver);
-  const CertifiedEcho there = Paired{bed, water, a, b}.certified({.gap_m = 2e-3}, samples, 1e-2).certified,
-                      back = Paired{bed, water, b, a}.certified({.gap_m = 2e-3}, samples, 1e-2).certified;
+  const CertifiedEcho there = Bistatic{bed, water, a, b}.certified({.gap_m = 2e-3}, samples, 1e-2).certified,
+                      back = Bistatic{bed, water, b, a}.certified({.gap_m = 2e-3}, samples, 1e-2).certified;
   expect_agree(back, there, std::pow((1500 - g * receiver.z) / 1500, 2));
-  const CertifiedEcho coarse = Paired{bed, water, a, b}.certified({.gap_m = 2e-2}, samples, 1e-2).certified;
+  const CertifiedEcho coarse = Bistatic{bed, water, a, b}.certified({.gap_m = 2e-2}, samples, 1e-2).certified;
   for (std::size_t k = 0; k < coarse.bound.size(); ++k)
     EXPECT_LE(std::abs(coarse.echo.energy[k] - there.echo.energy[k]), coarse.bound[k] + there.bound[k]) << k;
 }
 
 // Every enclosure of a facet by itself, against single eigenrays to places on it, in one layer and several.
-TEST(PairedReference, EnclosuresHoldWhatRaysToPlacesSay) {
+TEST(BistaticReference, EnclosuresHoldWhatRaysToPlacesSay) {
   constexpr std::uint64_t seed = 5;
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(0, 1);
@@ -214,22 +214,22 @@ TEST(PairedReference, EnclosuresHoldWhatRaysToPlacesSay) {
     if (glm::dot(normal, corner(0, 0)) * glm::dot(other, corner(1, 0)) < 0) continue;  // another side
     if (glm::dot(normal, corner(0, 0)) > 0) normal = -normal;
     shared.facets.push_back({0, 0, 0, normal, 1, 1});
-    const auto paired =
-        paired_facets(shared, mesh, {alike.seen[0], tx}, {alike.seen[1], rx}, site.grid, absorption);
+    const auto bistatic =
+        bistatic_facets(shared, mesh, {alike.seen[0], tx}, {alike.seen[1], rx}, site.grid, absorption);
     const RayEnclosure tx_rays(tx, options), rx_rays(rx, options);
     const SceneTree tx_tree(alike.seen[0].refined.mesh), rx_tree(alike.seen[1].refined.mesh);
     const EchoLaw echo_law = site.law(mesh, absorption);
-    const PairedEnclosures all = enclose({mesh,
-                                          alike.bed.parent,
-                                          site.base,
-                                          site.grid,
-                                          {alike.seen[0], tx_tree, alike.origin[0], tx, tx_rays},
-                                          {alike.seen[1], rx_tree, alike.origin[1], rx, rx_rays}},
-                                         shared.facets, paired, echo_law);
-    const PairedEnclosure& facet = all.facets[0];
+    const BistaticEnclosures all = enclose({mesh,
+                                            alike.bed.parent,
+                                            site.base,
+                                            site.grid,
+                                            {alike.seen[0], tx_tree, alike.origin[0], tx, tx_rays},
+                                            {alike.seen[1], rx_tree, alike.origin[1], rx, rx_rays}},
+                                           shared.facets, bistatic, echo_law);
+    const BistaticEnclosure& facet = all.facets[0];
     if (!facet.proven) continue;
     ++proven;
-    const PairedFacet& flattened = paired[0];
+    const BistaticFacet& flattened = bistatic[0];
     Triangle lies;
     for (int k = 0; k < 3; ++k) lies[std::size_t(k)] = site.grid.to_metres(mesh.vertices[mesh.facets[0][k]]);
     const glm::dvec3 across = glm::cross(lies[1] - lies[0], lies[2] - lies[0]), up = glm::normalize(across);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/certified/paired_pieces.hpp"
+#include "engine/certified/bistatic_pieces.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -16,8 +16,8 @@ constexpr double slack = enclosure_slack;
 
 }  // namespace
 
-PairedPieces::PairedPieces(const EchoLaw& law, std::span<const double> borders_m, double step_m,
-                           std::vector<double> target, double tolerance)
+BistaticPieces::BistaticPieces(const EchoLaw& law, std::span<const double> borders_m, double step_m,
+                               std::vector<double> target, double tolerance)
     : law_(law),
       borders_(borders_m),
       step_m_(step_m),
@@ -26,29 +26,29 @@ PairedPieces::PairedPieces(const EchoLaw& law, std::span<const double> borders_m
       textures_(certified_textures(law)),
       beta_(Ball(law.absorption_db_per_m) * log(Ball(10)) / Ball(10)) {}
 
-PairedPieces::OnFacet PairedPieces::on(FacetId facet, const PairedFacet& paired,
-                                       const PairedEnclosure& proven) const {
-  OnFacet on{paired, proven, law_.material[facet],
+BistaticPieces::OnFacet BistaticPieces::on(FacetId facet, const BistaticFacet& bistatic,
+                                           const BistaticEnclosure& proven) const {
+  OnFacet on{bistatic, proven, law_.material[facet],
              ShiftedSamples(borders_, step_m_, proven.shift_m * (1 + slack)), nullptr};
   on.integrator = std::make_unique<CertifiedPathIntegrator>(on.samples.borders());
   return on;
 }
 
-void PairedPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm::dvec3 receiver_m,
-                       std::uint32_t receive_tube, std::pair<std::uint32_t, std::uint32_t> beams,
-                       BinsBetween& bins) const {
+void BistaticPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm::dvec3 receiver_m,
+                         std::uint32_t receive_tube, std::pair<std::uint32_t, std::uint32_t> beams,
+                         BinsBetween& bins) const {
   const std::uint32_t first = beams.first, end = beams.second;
   if (first == end) return;
-  const PairedFacet& paired = on.paired;
-  const CertifiedPolygon polygon = flattened(corners_m, receiver_m, paired);
+  const BistaticFacet& bistatic = on.bistatic;
+  const CertifiedPolygon polygon = flattened(corners_m, receiver_m, bistatic);
   if (polygon.edges.size() < 3) return;
 
-  const CertifiedPathEnergy energy = energy_of(paired, on.proven, law_, on.material, beta_);
+  const CertifiedPathEnergy energy = energy_of(bistatic, on.proven, law_, on.material, beta_);
   const ApexOverPlane tx = energy.tx().over(), rx = energy.rx().over();
   const CertifiedTexture* texture = textures_[on.material].get();
   Between range{1, 1};
   if (texture != nullptr) range = {std::max(texture->range().lo(), 0.0), texture->range().hi()};
-  const FacetMap lies = map_of(paired.lies);
+  const FacetMap lies = map_of(bistatic.lies);
   const bool cut = range.hi - range.lo > tolerance_ / 8 * range.lo;
   const std::size_t cells = cut ? cut_by_cells(polygon, *texture, lies, most_cells, {}) : 0;
   const Between even = cells > 0 ? Between{1, 1} : range;
@@ -89,7 +89,7 @@ void PairedPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm::
     const std::span receive = std::span(law_.patterns->receive).subspan(first, end - first);
     gains = {energy.tx(), energy.rx(), transmit, receive};
     const PatternDoubt tx_doubt(transmit, Towards::places(corners_m), on.proven);
-    const Towards back = seen_rx(polygon, paired);
+    const Towards back = seen_rx(polygon, bistatic);
     for (std::size_t b = 0; b < receive.size(); ++b) {
       doubts[b] = tx_doubt;
       doubts[b].take_rx(receive[b], back, on.proven);
@@ -131,8 +131,8 @@ void PairedPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm::
   }
 }
 
-double PairedPieces::most_of(std::uint32_t transmit, std::uint32_t beam, const Towards& tx,
-                             const Towards& rx) const {
+double BistaticPieces::most_of(std::uint32_t transmit, std::uint32_t beam, const Towards& tx,
+                               const Towards& rx) const {
   const double passes =
       tubefoot::most_of(law_.path.tx.loss, tx) * tubefoot::most_of(law_.path.back().loss, rx);
   if (law_.patterns == nullptr) return passes;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/certified/paired_enclosure.hpp"
+#include "engine/certified/bistatic_enclosure.hpp"
 
 #include <tbb/parallel_for.h>
 
@@ -45,9 +45,9 @@ struct Surface {
   double most = 1;  ///< of mu, or 1 with a law; times the texture
 };
 
-class PairedEncloser {
+class BistaticEncloser {
  public:
-  PairedEncloser(const PairedBed& bed, const EchoLaw& law)
+  BistaticEncloser(const BistaticBed& bed, const EchoLaw& law)
       : bed_(bed), law_(law), beta_(outwards(std::numbers::ln10 / 10, std::numbers::ln10 / 10, 4)) {
     const auto textures = certified_textures(law);
     for (std::size_t material = 0; material < law.material_mu.size(); ++material) {
@@ -61,10 +61,10 @@ class PairedEncloser {
 
   struct Found {
     std::array<FacetEnclosure, 2> end;
-    PairedEnclosure pair;
+    BistaticEnclosure pair;
   };
   /// `sees`: which ends do; the third: the receiver beside the second.
-  Found enclose(FacetId f, const std::array<bool, 3>& sees, const PairedFacet* paired) const {
+  Found enclose(FacetId f, const std::array<bool, 3>& sees, const BistaticFacet* bistatic) const {
     Found found;
     const std::array<VertexId, 3>& vertices = bed_.mesh.facets[f];
     FacetCorners lies, base;
@@ -79,7 +79,7 @@ class PairedEncloser {
     const double pad_m = refined ? 2 * bed_.grid.unit_m() : 0;
     std::array<FacetCorners, 2> seen;
     for (int e = 0; e < 2; ++e) {
-      const PairedEnd& end = bed_.end(e);
+      const BistaticEnd& end = bed_.end(e);
       FacetEnclosure& facet = found.end[std::size_t(e)];
       for (std::size_t k = 0; k < 3; ++k) {
         seen[std::size_t(e)][k] =
@@ -124,9 +124,9 @@ class PairedEncloser {
     for (std::size_t e = 0; e < 2; ++e)
       if (ends[e] && best.whole[e])
         finish_end(flat, *ends[e], best, e, seen[e], pad_m, surface, found.end[e]);
-    if (paired != nullptr && found.end[0].state == State::proven && found.end[1].state == State::proven)
-      finish_pair(flat, *paired, {&*ends[0], &*ends[1]}, best, seen, pad_m, edge_pad(flat, base, lies, pad_m),
-                  surface, found);
+    if (bistatic != nullptr && found.end[0].state == State::proven && found.end[1].state == State::proven)
+      finish_pair(flat, *bistatic, {&*ends[0], &*ends[1]}, best, seen, pad_m,
+                  edge_pad(flat, base, lies, pad_m), surface, found);
     return found;
   }
 
@@ -148,7 +148,7 @@ class PairedEncloser {
     }
   };
 
-  static glm::dvec3 unproven_place(const PairedEnd& end, const glm::dvec3& place_m) {
+  static glm::dvec3 unproven_place(const BistaticEnd& end, const glm::dvec3& place_m) {
     glm::dvec3 way = end.water.unfolded(place_m) - end.water.apex_m();
     way.z *= end.water.unfolding().sign;
     return way;
@@ -371,16 +371,16 @@ class PairedEncloser {
     return {sine.v, sine.a, sine.b, ratio(&Jet::a, misfit2_a), ratio(&Jet::b, misfit2_b)};
   }
 
-  void finish_pair(const FlatFacet& flat, const PairedFacet& paired,
+  void finish_pair(const FlatFacet& flat, const BistaticFacet& bistatic,
                    const std::array<const EndOfFacet*, 2>& ends, const Gathered& all,
                    const std::array<FacetCorners, 2>& seen, double pad_m, double edge_pad_part,
                    const Surface& surface, Found& found) const {
-    PairedEnclosure& pair = found.pair;
+    BistaticEnclosure& pair = found.pair;
     std::array<glm::dvec2, 3> corner;
-    for (std::size_t k = 0; k < 3; ++k) corner[k] = glm::dvec2(paired.to_plane.at(seen[0][k]));
+    for (std::size_t k = 0; k < 3; ++k) corner[k] = glm::dvec2(bistatic.to_plane.at(seen[0][k]));
     const std::array<Flattened, 2> flattened{
-        Flattened(flat, corner, glm::dvec2(0), paired.transmit_distance_m),
-        Flattened(flat, corner, paired.receive_foot_m, paired.receive_distance_m)};
+        Flattened(flat, corner, glm::dvec2(0), bistatic.transmit_distance_m),
+        Flattened(flat, corner, bistatic.receive_foot_m, bistatic.receive_distance_m)};
     const double flattened_area = std::abs(cross(corner[1] - corner[0], corner[2] - corner[0])) / 2;
     if (!(flattened_area > 0 && flattened[0].height > 0 && flattened[1].height > 0)) return;
     const std::array<Misfit, 2> misfit{misfit_of(flat, *ends[0], all.patches[0], all, flattened[0]),
@@ -479,7 +479,7 @@ class PairedEncloser {
   }
 
   static void take_directions(const FlatFacet& flat, const Flattened& flattened, const FacetCorners& seen,
-                              const FacetEnclosure& facet, std::size_t e, PairedEnclosure& pair) {
+                              const FacetEnclosure& facet, std::size_t e, BistaticEnclosure& pair) {
     pair.turn_rad[e] = 1.1 * facet.gap_m / facet.nearest_m + slack * slack;
     // The squares of distances where it is seen and of those laid out differ by a function of second degree.
     const glm::dvec2 p = flat.at[1] - flat.at[0], q = flat.at[2] - flat.at[0];
@@ -498,7 +498,7 @@ class PairedEncloser {
     pair.stretch[e] = most / (facet.nearest_m * facet.nearest_m) + slack * slack;
   }
 
-  const PairedBed& bed_;
+  const BistaticBed& bed_;
   const EchoLaw& law_;
   Interval beta_;
   std::vector<Surface> surfaces_;
@@ -524,14 +524,14 @@ double ReceiveRanges::largest_difference_m(const ReceiveRanges& one, const Recei
          (1 + slack);
 }
 
-PairedEnclosures enclose(const PairedBed& bed, std::span<const SharedFacet> shared,
-                         std::span<const PairedFacet> paired, const EchoLaw& law) {
-  const PairedEncloser encloser(bed, law);
-  PairedEnclosures all;
+BistaticEnclosures enclose(const BistaticBed& bed, std::span<const SharedFacet> shared,
+                           std::span<const BistaticFacet> bistatic, const EchoLaw& law) {
+  const BistaticEncloser encloser(bed, law);
+  BistaticEnclosures all;
   all.facets.resize(shared.size());
   std::array<std::vector<FacetId>, 2> seen_as;
   for (std::size_t e = 0; e < 2; ++e) {
-    const PairedEnd& end = bed.end(int(e));
+    const BistaticEnd& end = bed.end(int(e));
     seen_as[e].assign(bed.mesh.facets.size(), none);
     for (std::size_t k = 0; k < end.origin.size(); ++k) seen_as[e][end.origin[k]] = FacetId(k);
     all.ends[e].facets.resize(end.origin.size());
@@ -547,13 +547,13 @@ PairedEnclosures enclose(const PairedBed& bed, std::span<const SharedFacet> shar
     const std::array<bool, 3> sees{seen_as[0][f] != none, seen_as[1][f] != none, seen_beside[f] != 0};
     if (!sees[0] && !sees[1]) return;
     const bool is_shared = number[f] < shared.size();
-    const auto found = encloser.enclose(f, sees, is_shared ? &paired[number[f]] : nullptr);
+    const auto found = encloser.enclose(f, sees, is_shared ? &bistatic[number[f]] : nullptr);
     for (std::size_t e = 0; e < 2; ++e)
       if (sees[e]) all.ends[e].facets[seen_as[e][f]] = found.end[e];
     if (is_shared) all.facets[number[f]] = found.pair;
   });
   for (std::size_t e = 0; e < 2; ++e) {
-    const PairedEnd& end = bed.end(int(e));
+    const BistaticEnd& end = bed.end(int(e));
     ApparentEnclosures& own = all.ends[e];
     for (const FacetEnclosure& facet : own.facets)
       if (facet.state == State::unproven) own.unproven.push_back(facet);
