@@ -13,8 +13,9 @@ namespace tubefoot {
 using VertexId = std::uint32_t;
 using FacetId = std::uint32_t;
 
-/// Facets of the whole scene on the world grid: a soup with shared vertices. No manifoldness is assumed.
-/// Vertices at the same grid point have the same id (see MeshBuilder), so shared edges are recognised by id.
+/// Facets of the whole scene on the world grid: a random triangles with shared vertices. No manifoldness is
+/// assumed. Vertices at the same grid point have the same id (see MeshBuilder), so shared edges are
+/// recognised by id.
 struct FacetMesh {
   std::vector<GridPoint> vertices;
   std::vector<std::array<VertexId, 3>> facets;

@@ -46,7 +46,7 @@ GridPoint near(Random& random, GridPoint centre, std::int32_t spread) {
 }
 
 /// Facets of random points, some of them sharing vertices with earlier ones.
-void add_soup(Random& random, FacetMesh& mesh, int count, GridPoint centre, std::int32_t spread) {
+void add_random_triangles(Random& random, FacetMesh& mesh, int count, GridPoint centre, std::int32_t spread) {
   for (int k = 0; k < count; ++k) {
     std::array<VertexId, 3> v{};
     for (VertexId& id : v)
@@ -104,17 +104,17 @@ TubeSet centred_tubes(Random& random, std::int32_t distance, std::int32_t half, 
 
 // ---- Kinds
 
-SmallScene soup(Random& random) {
+SmallScene random_triangles(Random& random) {
   SmallScene scene;
   const std::int32_t distance = 1 << random.between(6, 28);
-  add_soup(random, scene.mesh, random.between(3, 8), {0, distance, 0}, distance / 2);
+  add_random_triangles(random, scene.mesh, random.between(3, 8), {0, distance, 0}, distance / 2);
   scene.tubes = centred_tubes(random, distance, distance / 3, distance / 8);
   return scene;
 }
 
 SmallScene tiny_lattice(Random& random) {
   SmallScene scene;
-  add_soup(random, scene.mesh, random.between(3, 8), {0, 4, 0}, 3);
+  add_random_triangles(random, scene.mesh, random.between(3, 8), {0, 4, 0}, 3);
   scene.tubes = centred_tubes(random, random.between(2, 4), 1);
   return scene;
 }
@@ -122,7 +122,7 @@ SmallScene tiny_lattice(Random& random) {
 SmallScene all_round(Random& random) {
   SmallScene scene;
   const std::int32_t size = random.one_in(3) ? 2 : 1 << random.between(4, 28);
-  add_soup(random, scene.mesh, random.between(3, 8), {0, 0, 0}, size);
+  add_random_triangles(random, scene.mesh, random.between(3, 8), {0, 0, 0}, size);
   scene.tubes = random.one_in(2) ? centred_tubes(random, 1, random.between(1, 6))
                                  : centred_tubes(random, 1000, random.between(1000, 9000), 500);
   return scene;
@@ -158,7 +158,7 @@ SmallScene on_walls(Random& random) {
 }
 
 SmallScene coincident(Random& random) {
-  SmallScene scene = soup(random);
+  SmallScene scene = random_triangles(random);
   FacetMesh& mesh = scene.mesh;
   const std::size_t count = mesh.facets.size();
   for (std::size_t f = 0; f < count; ++f)
@@ -223,7 +223,7 @@ SmallScene edge_on(Random& random) {
     if (random.one_in(2)) c = near(random, c, 1);
     add_facet(scene.mesh, a, b, c);
   }
-  add_soup(random, scene.mesh, random.between(1, 3), {0, distance * 2, 0}, distance);
+  add_random_triangles(random, scene.mesh, random.between(1, 3), {0, distance * 2, 0}, distance);
   scene.tubes = centred_tubes(random, distance, distance / 3, random.one_in(2) ? distance / 8 : 0);
   return scene;
 }
@@ -246,7 +246,7 @@ SmallScene apex_touched(Random& random) {
         add_facet(scene.mesh, a, b, sum(off, times(-1, sum(a, b))));
     }
   }
-  add_soup(random, scene.mesh, random.between(1, 4), {0, size, 0}, size);
+  add_random_triangles(random, scene.mesh, random.between(1, 4), {0, size, 0}, size);
   scene.tubes = centred_tubes(random, 2 * size, random.between(1, 4) * size);
   return scene;
 }
@@ -264,7 +264,7 @@ SmallScene slivers(Random& random) {
       add_facet(scene.mesh, from, to,
                 add_vertex(scene.mesh, near(random, sum(a, times(random.between(1, 7), step)), 1)));
   }
-  add_soup(random, scene.mesh, random.between(1, 3), {0, distance, 0}, distance / 2);
+  add_random_triangles(random, scene.mesh, random.between(1, 3), {0, distance, 0}, distance / 2);
   const std::int32_t half = std::max(1, distance / random.between(3, 64));
   scene.tubes = centred_tubes(random, distance, half, random.one_in(2) ? distance / 256 : 0);
   return scene;
@@ -418,8 +418,9 @@ SmallScene pencils(Random& random) {
 }
 
 constexpr std::array<SmallScene (*)(Random&), generator_names.size()> generators{
-    soup,         tiny_lattice, all_round,   on_walls,   coincident, coplanar,        layers,       edge_on,
-    apex_touched, slivers,      t_junctions, range_ends, solids,     grazing_terrain, needle_tubes, pencils};
+    random_triangles, tiny_lattice,    all_round,    on_walls, coincident,  coplanar,
+    layers,           edge_on,         apex_touched, slivers,  t_junctions, range_ends,
+    solids,           grazing_terrain, needle_tubes, pencils};
 
 /// Equal points, equal ids: as loading does.
 void weld(FacetMesh& mesh) {

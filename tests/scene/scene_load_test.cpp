@@ -234,17 +234,18 @@ TEST(Placement, HeightsOfManyPlacesAreThoseOfEach) {
   constexpr unsigned seed = 21;
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> at(-30, 30);
-  ComponentMesh soup;
+  ComponentMesh polygons;
   for (std::uint32_t k = 0; k < 200; ++k) {
     const glm::dvec3 corner(at(random), at(random), at(random));
-    for (int c = 0; c < 3; ++c) soup.points_m.push_back(corner + 0.3 * glm::dvec3(at(random), at(random), 1));
-    soup.triangles.push_back({3 * k, 3 * k + 1, 3 * k + 2});
+    for (int c = 0; c < 3; ++c)
+      polygons.points_m.push_back(corner + 0.3 * glm::dvec3(at(random), at(random), 1));
+    polygons.triangles.push_back({3 * k, 3 * k + 1, 3 * k + 2});
   }
   std::vector<glm::dvec2> places;
   for (int k = 0; k < 300; ++k) places.emplace_back(1.4 * at(random), 0.2 * at(random));
-  const auto together = terrain_heights_m({&soup, 1}, places);
+  const auto together = terrain_heights_m({&polygons, 1}, places);
   for (std::size_t k = 0; k < places.size(); ++k)
-    EXPECT_EQ(together[k], terrain_heights_m({&soup, 1}, {&places[k], 1}).front())
+    EXPECT_EQ(together[k], terrain_heights_m({&polygons, 1}, {&places[k], 1}).front())
         << "seed " << seed << ", " << k;
 }
 

@@ -79,13 +79,13 @@ TEST(StrengthWarnings, OpenCrowdedAndCoarse) {
   EXPECT_THAT(warnings_of(box_facets({{100, 10, 10}}, {}), 10e6, 1500),
               ElementsAre(HasSubstr("phases are off")));
   // Formats that repeat corners for each facet are no different.
-  ComponentMesh soup;
+  ComponentMesh random_triangles;
   for (const auto& t : box_facets({{1, 1, 1}}, {}).triangles) {
-    const auto n = static_cast<std::uint32_t>(soup.points_m.size());
-    for (const std::uint32_t corner : t) soup.points_m.push_back(box.points_m[corner]);
-    soup.triangles.push_back({n, n + 1, n + 2});
+    const auto n = static_cast<std::uint32_t>(random_triangles.points_m.size());
+    for (const std::uint32_t corner : t) random_triangles.points_m.push_back(box.points_m[corner]);
+    random_triangles.triangles.push_back({n, n + 1, n + 2});
   }
-  EXPECT_THAT(warnings_of(soup, 1e6, 1500), IsEmpty());
+  EXPECT_THAT(warnings_of(random_triangles, 1e6, 1500), IsEmpty());
 }
 
 // Each direction and frequency has its own number, in both files.

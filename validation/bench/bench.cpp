@@ -180,7 +180,8 @@ int main(int, char** argv) {
     figure("hidden_tenfold", t[1] / t[0]);
   }
   {
-    View half(benchmark_weave(400), weave_tube()), whole(benchmark_weave(800), weave_tube());
+    View half(benchmark_interlaced_strips(400), interlaced_strips_tube()),
+        whole(benchmark_interlaced_strips(800), interlaced_strips_tube());
     const auto t =
         interleaved(5, {[&] { half.look(Arithmetic::fixed); }, [&] { whole.look(Arithmetic::fixed); }});
     figure("weave_ms_n800", t[1]);

@@ -74,7 +74,7 @@ TubeSet benchmark_sector(int columns) {
   return set;
 }
 
-FacetMesh benchmark_weave(int count) {
+FacetMesh benchmark_interlaced_strips(int count) {
   FacetMesh mesh;
   const double unit = std::ldexp(1.0, terrain_grid_exponent);
   for (int k = 0; k < count; ++k) {
@@ -100,7 +100,7 @@ FacetMesh benchmark_weave(int count) {
   return mesh;
 }
 
-TubeSet weave_tube() {
+TubeSet interlaced_strips_tube() {
   TubeSet set;
   set.reach = 1e12;
   set.rays = {{-1, 10, 1}, {1, 10, 1}, {1, 10, -1}, {-1, 10, -1}};

@@ -19,9 +19,9 @@ TubeSet benchmark_sector(int columns);
 
 /// `count` slivers, 4 to 8 m long and 2 to 6 cm wide at one end, that lie across one another in all
 /// directions about 10 m ahead, from 9 to 11 m away at either end: they pass through each other.
-FacetMesh benchmark_weave(int count);
+FacetMesh benchmark_interlaced_strips(int count);
 
 /// The middle 2 m x 2 m of the weave, as one tube.
-TubeSet weave_tube();
+TubeSet interlaced_strips_tube();
 
 }  // namespace tubefoot

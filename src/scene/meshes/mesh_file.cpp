@@ -18,7 +18,7 @@
 namespace tubefoot {
 namespace {
 
-using Parser = PolygonSoup (*)(std::string_view, const std::string&);
+using Parser = UncheckedPolygons (*)(std::string_view, const std::string&);
 
 Parser parser_of(const std::string& extension) {
   return extension == ".obj"   ? parse_obj
@@ -96,7 +96,7 @@ NamedMesh mesh_of_model(const std::filesystem::path& file, FileFormat format, co
                     format == FileFormat::studio_3ds ? "no 3DS file does" : "others of its format do",
                     !up ? "'up' (\"x\", \"y\" or \"z\")" : "", !up && !unit_m ? " and " : "",
                     !unit_m ? "'unit_m' (its metres)" : ""));
-  NamedMesh mesh = triangulate(std::move(model.soup), name);
+  NamedMesh mesh = triangulate(std::move(model.polygons), name);
   to_metres_z_up(mesh, *up, *unit_m);
   warn_of_rounding(mesh, name);
   return mesh;

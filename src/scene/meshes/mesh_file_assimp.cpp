@@ -116,34 +116,35 @@ class Gathered {
       }
     }
     if (refracted_ > 0)
-      model_.soup.warnings.push_back(std::to_string(refracted_) +
-                                     " meshes hang on bones: they are taken as they were modelled, not as "
-                                     "the bones bend them");
+      model_.polygons.warnings.push_back(
+          std::to_string(refracted_) +
+          " meshes hang on bones: they are taken as they were modelled, not as "
+          "the bones bend them");
     return std::move(model_);
   }
 
  private:
   void add(const aiMesh& mesh, const aiNode& node, const glm::dmat4& to_model) {
-    PolygonSoup& soup = model_.soup;
-    const std::size_t first = soup.points.size();
+    UncheckedPolygons& polygons = model_.polygons;
+    const std::size_t first = polygons.points.size();
     if (first + mesh.mNumVertices >= std::numeric_limits<std::uint32_t>::max())
       throw std::runtime_error("it has more than 2^32 vertices");
     if (mesh.mNumBones > 0) ++refracted_;
     for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
       const aiVector3D& p = mesh.mVertices[v];
-      soup.points.emplace_back(to_model * glm::dvec4(p.x, p.y, p.z, 1));
+      polygons.points.emplace_back(to_model * glm::dvec4(p.x, p.y, p.z, 1));
     }
-    const auto names = static_cast<std::uint32_t>(soup.names.size());
-    soup.names.push_back(names_of(mesh, node));
+    const auto names = static_cast<std::uint32_t>(polygons.names.size());
+    polygons.names.push_back(names_of(mesh, node));
     for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
       const aiFace& face = mesh.mFaces[f];
       for (unsigned k = 0; k < face.mNumIndices; ++k) {
         if (face.mIndices[k] >= mesh.mNumVertices)
           throw std::runtime_error("a face has a vertex that there is not");
-        soup.corners.push_back(static_cast<std::uint32_t>(first + face.mIndices[k]));
+        polygons.corners.push_back(static_cast<std::uint32_t>(first + face.mIndices[k]));
       }
-      soup.end_polygon();
-      soup.names_of.push_back(names);
+      polygons.end_polygon();
+      polygons.names_of.push_back(names);
     }
   }
 
@@ -260,21 +261,21 @@ class Taken {
 };
 
 std::string as_bytes(const Model& model) {
-  const PolygonSoup& soup = model.soup;
+  const UncheckedPolygons& polygons = model.polygons;
   std::string bytes;
   put_text(bytes, model.declared.up.value_or(""));
   put(bytes, model.declared.unit_m.value_or(0));
-  put_all(bytes, soup.points);
-  put_all(bytes, soup.corners);
-  put_all(bytes, soup.end);
-  put_all(bytes, soup.names_of);
-  put(bytes, soup.names.size());
-  for (const std::vector<std::string>& names : soup.names) {
+  put_all(bytes, polygons.points);
+  put_all(bytes, polygons.corners);
+  put_all(bytes, polygons.end);
+  put_all(bytes, polygons.names_of);
+  put(bytes, polygons.names.size());
+  for (const std::vector<std::string>& names : polygons.names) {
     put(bytes, names.size());
     for (const std::string& name : names) put_text(bytes, name);
   }
-  put(bytes, soup.warnings.size());
-  for (const std::string& warning : soup.warnings) put_text(bytes, warning);
+  put(bytes, polygons.warnings.size());
+  for (const std::string& warning : polygons.warnings) put_text(bytes, warning);
   return bytes;
 }
 
@@ -283,26 +284,26 @@ std::string as_bytes(const Model& model) {
 Model model_from(const std::string& bytes) {
   Taken taken(bytes);
   Model model;
-  PolygonSoup& soup = model.soup;
+  UncheckedPolygons& polygons = model.polygons;
   if (const std::string up = taken.text(); up == "x" || up == "y" || up == "z") model.declared.up = up;
   if (const auto unit_m = taken.one<double>(); unit_m > 0) model.declared.unit_m = unit_m;
-  soup.points = taken.all<glm::dvec3>();
-  soup.corners = taken.all<std::uint32_t>();
-  soup.end = taken.all<std::size_t>();
-  soup.names_of = taken.all<std::uint32_t>();
+  polygons.points = taken.all<glm::dvec3>();
+  polygons.corners = taken.all<std::uint32_t>();
+  polygons.end = taken.all<std::size_t>();
+  polygons.names_of = taken.all<std::uint32_t>();
   taken.each([&] {
-    auto& names = soup.names.emplace_back();
+    auto& names = polygons.names.emplace_back();
     taken.each([&] { names.push_back(taken.text()); });
   });
-  taken.each([&] { soup.warnings.push_back(taken.text()); });
+  taken.each([&] { polygons.warnings.push_back(taken.text()); });
   // Who wrote the bytes may have gone wrong after reading.
   std::size_t before = 0;
-  for (const std::size_t end : soup.end) {
-    if (end < before || end > soup.corners.size()) throw std::runtime_error("polygons out of order");
+  for (const std::size_t end : polygons.end) {
+    if (end < before || end > polygons.corners.size()) throw std::runtime_error("polygons out of order");
     before = end;
   }
-  const auto has_names = [&](std::uint32_t names) { return names < soup.names.size(); };
-  if (soup.names_of.size() != soup.end.size() || !std::ranges::all_of(soup.names_of, has_names))
+  const auto has_names = [&](std::uint32_t names) { return names < polygons.names.size(); };
+  if (polygons.names_of.size() != polygons.end.size() || !std::ranges::all_of(polygons.names_of, has_names))
     throw std::runtime_error("names out of order");
   return model;
 }
@@ -330,7 +331,7 @@ std::string assimp_model(const ModelBytes& bytes, const std::string& name, FileF
   if (format == FileFormat::fbx) declare_fbx(*scene, bytes.at(name), model.declared);
   if (const aiNode* root = scene->mRootNode;
       format == FileFormat::studio_3ds && std::abs(root->mTransformation.a1) != 1)
-    model.soup.warnings.push_back(
+    model.polygons.warnings.push_back(
         "its master scale is not 1: it is left out, 'unit_m' is of its coordinates");
   return as_bytes(model);
 }

@@ -100,8 +100,9 @@ class ModelReader {
     if (format_ == FileFormat::collada && nests_deeper(bytes_.at(main_name_), limits::model_depth))
       fail(fmt::format("nests its elements deeper than {}", limits::model_depth));
     Model model = from_assimp();
-    for (std::string& warning : model.soup.warnings) warning = fmt::format("{}: {}", place_.file, warning);
-    for (const glm::dvec3& p : model.soup.points)
+    for (std::string& warning : model.polygons.warnings)
+      warning = fmt::format("{}: {}", place_.file, warning);
+    for (const glm::dvec3& p : model.polygons.points)
       if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
         fail("has a coordinate that is not finite");
     if (format_ == FileFormat::collada) model.declared = collada_axes(bytes_.at(main_name_));

@@ -19,7 +19,7 @@ struct DeclaredAxes {
 
 /// A model of another program: all its meshes, put where their nodes are, in its own axes and units.
 struct Model {
-  PolygonSoup soup;
+  UncheckedPolygons polygons;
   DeclaredAxes declared;
 };
 

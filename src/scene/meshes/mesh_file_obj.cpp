@@ -51,14 +51,14 @@ class FaceNames {
     }
     current_.reset();
   }
-  /// The index in `soup.names` of the names of a face that follows.
-  std::uint32_t index(PolygonSoup& soup) {
+  /// The index in `random triangles.names` of the names of a face that follows.
+  std::uint32_t index(UncheckedPolygons& polygons) {
     if (current_) return *current_;
     std::vector<std::string> names = material_;
     names.insert(names.end(), groups_.begin(), groups_.end());
     names.insert(names.end(), object_.begin(), object_.end());
-    const auto [known, is_new] = index_of_.emplace(names, static_cast<std::uint32_t>(soup.names.size()));
-    if (is_new) soup.names.push_back(std::move(names));
+    const auto [known, is_new] = index_of_.emplace(names, static_cast<std::uint32_t>(polygons.names.size()));
+    if (is_new) polygons.names.push_back(std::move(names));
     current_ = known->second;
     return *current_;
   }
@@ -71,9 +71,9 @@ class FaceNames {
 
 }  // namespace
 
-PolygonSoup parse_obj(std::string_view content, const std::string& file) {
-  PolygonSoup soup;
-  soup.first_index = 1;
+UncheckedPolygons parse_obj(std::string_view content, const std::string& file) {
+  UncheckedPolygons polygons;
+  polygons.first_index = 1;
   TextLines text(content, file, true);
   std::string_view last_keyword;
   FaceNames names;
@@ -83,23 +83,23 @@ PolygonSoup parse_obj(std::string_view content, const std::string& file) {
     last_keyword = keyword;
     if (keyword == "v") {
       const double x = text.number("the vertex's x"), y = text.number("the vertex's y");
-      soup.points.emplace_back(x, y, text.number("the vertex's z"));
+      polygons.points.emplace_back(x, y, text.number("the vertex's z"));
     } else if (keyword == "f" || keyword == "fo") {
-      const std::size_t begin = soup.corners.size();
+      const std::size_t begin = polygons.corners.size();
       for (std::string_view word = text.word(); !word.empty() && word[0] != '#'; word = text.word()) {
-        soup.corners.push_back(vertex_index(word, soup.points.size(), text));
+        polygons.corners.push_back(vertex_index(word, polygons.points.size(), text));
       }
       // Left out by triangulate, unless it is what is left of a file that is cut off.
-      if (soup.corners.size() - begin < 3 && text.rest().empty() && !content.ends_with('\n') &&
+      if (polygons.corners.size() - begin < 3 && text.rest().empty() && !content.ends_with('\n') &&
           !content.ends_with('\r'))
         throw InputError(
             {file, text.line(), 0},
             fmt::format(
                 "the last face has {} corners and no line end: the file is cut off, or add the line end",
-                soup.corners.size() - begin));
-      soup.end_polygon();
-      soup.line.push_back(text.line());
-      soup.names_of.push_back(names.index(soup));
+                polygons.corners.size() - begin));
+      polygons.end_polygon();
+      polygons.line.push_back(text.line());
+      polygons.names_of.push_back(names.index(polygons));
     } else if (FaceNames::is_keyword(keyword)) {
       names.read(keyword, text);
     } else if (std::find(kPassed.begin(), kPassed.end(), keyword) == kPassed.end()) {
@@ -110,12 +110,12 @@ PolygonSoup parse_obj(std::string_view content, const std::string& file) {
     }
   }
   if ((last_keyword == "v" || last_keyword == "f") && !content.ends_with('\n') && !content.ends_with('\r')) {
-    soup.warnings.push_back(
+    polygons.warnings.push_back(
         fmt::format("{}:{}: the last line has no line end; if the file is cut off, its last number "
                     "may be wrong",
                     file, text.line()));
   }
-  return soup;
+  return polygons;
 }
 
 }  // namespace tubefoot

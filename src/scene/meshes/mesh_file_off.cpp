@@ -33,8 +33,8 @@ bool is_number(std::string_view word) {
 
 }  // namespace
 
-PolygonSoup parse_off(std::string_view content, const std::string& file) {
-  PolygonSoup soup;
+UncheckedPolygons parse_off(std::string_view content, const std::string& file) {
+  UncheckedPolygons polygons;
   TextLines text(content, file);
   text.next_with_words("the word OFF");
   TextLines after_magic = text;  // the counts may follow on the same line
@@ -55,13 +55,13 @@ PolygonSoup parse_off(std::string_view content, const std::string& file) {
 
   // A wrong count must not ask for more memory than the file can fill: a line has at least 6 characters.
   const std::size_t most_lines = content.size() / 6;
-  soup.points.reserve(std::min<std::size_t>(vertices, most_lines));
-  soup.corners.reserve(3 * std::min<std::size_t>(faces, most_lines));
-  soup.end.reserve(std::min<std::size_t>(faces, most_lines));
+  polygons.points.reserve(std::min<std::size_t>(vertices, most_lines));
+  polygons.corners.reserve(3 * std::min<std::size_t>(faces, most_lines));
+  polygons.end.reserve(std::min<std::size_t>(faces, most_lines));
   for (std::int64_t i = 0; i < vertices; ++i) {
     text.next_with_words(fmt::format("vertex {} of {}", i + 1, vertices));
     const double x = text.number("the vertex's x"), y = text.number("the vertex's y");
-    soup.points.emplace_back(x, y, text.number("the vertex's z"));
+    polygons.points.emplace_back(x, y, text.number("the vertex's z"));
   }
   for (std::int64_t i = 0; i < faces; ++i) {
     text.next_with_words(fmt::format("face {} of {}", i + 1, faces));
@@ -74,12 +74,12 @@ PolygonSoup parse_off(std::string_view content, const std::string& file) {
                                      "counted from 0",
                                      index, vertices));
       }
-      soup.corners.push_back(static_cast<std::uint32_t>(index));
+      polygons.corners.push_back(static_cast<std::uint32_t>(index));
     }
-    soup.end_polygon();
-    soup.line.push_back(text.line());
+    polygons.end_polygon();
+    polygons.line.push_back(text.line());
   }
-  return soup;
+  return polygons;
 }
 
 }  // namespace tubefoot

@@ -63,7 +63,7 @@ class PlyReader {
     read_header();
   }
 
-  PolygonSoup read() {
+  UncheckedPolygons read() {
     for (const Element& element : elements_) {
       if (element.properties.empty()) {
         throw InputError({file_, 0, 0}, fmt::format("the element {} has no properties", element.name));
@@ -83,7 +83,7 @@ class PlyReader {
         }
       }
     }
-    return std::move(soup_);
+    return std::move(polygons_);
   }
 
  private:
@@ -215,7 +215,7 @@ class PlyReader {
         }
         point[static_cast<int>(axis)] = coordinate;
       }
-      soup_.points.push_back(point);
+      polygons_.points.push_back(point);
     }
   }
 
@@ -236,8 +236,8 @@ class PlyReader {
           skip(property);
         }
       }
-      soup_.end_polygon();
-      if (encoding_ == Encoding::kText) soup_.line.push_back(text_.line());
+      polygons_.end_polygon();
+      if (encoding_ == Encoding::kText) polygons_.line.push_back(text_.line());
     }
   }
 
@@ -249,7 +249,7 @@ class PlyReader {
         throw InputError(place(), fmt::format("vertex index {} of face {} (counted from 0) is out of range",
                                               index, index_));
       }
-      soup_.corners.push_back(static_cast<std::uint32_t>(index));
+      polygons_.corners.push_back(static_cast<std::uint32_t>(index));
     }
   }
 
@@ -264,12 +264,12 @@ class PlyReader {
   std::vector<Element> elements_;
   const Element* element_ = nullptr;  // what is being read, for errors
   std::int64_t index_ = 0;
-  PolygonSoup soup_;
+  UncheckedPolygons polygons_;
 };
 
 }  // namespace
 
-PolygonSoup parse_ply(std::string_view content, const std::string& file) {
+UncheckedPolygons parse_ply(std::string_view content, const std::string& file) {
   return PlyReader(content, file).read();
 }
 

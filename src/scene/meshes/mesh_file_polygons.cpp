@@ -17,20 +17,20 @@ using Corners = std::span<const std::uint32_t>;
 
 class Cutting {
  public:
-  Cutting(PolygonSoup soup, const std::string& file) : soup_(std::move(soup)), file_(file) {
-    mesh_.names = std::move(soup_.names);
-    mesh_.warnings = std::move(soup_.warnings);
+  Cutting(UncheckedPolygons polygons, const std::string& file) : polygons_(std::move(polygons)), file_(file) {
+    mesh_.names = std::move(polygons_.names);
+    mesh_.warnings = std::move(polygons_.warnings);
   }
 
   NamedMesh cut() {
     std::size_t begin = 0;
-    for (face_ = 0; face_ < soup_.end.size(); ++face_) {
+    for (face_ = 0; face_ < polygons_.end.size(); ++face_) {
       stop_if_wanted();
-      add(Corners(soup_.corners.data() + begin, soup_.end[face_] - begin));
-      begin = soup_.end[face_];
+      add(Corners(polygons_.corners.data() + begin, polygons_.end[face_] - begin));
+      begin = polygons_.end[face_];
     }
     if (mesh_.triangles.empty()) throw InputError({file_, 0, 0}, what_is_missing());
-    mesh_.points_m = std::move(soup_.points);
+    mesh_.points_m = std::move(polygons_.points);
     drop_unused_points(mesh_);
     if (too_few_ > 0)
       warn(fmt::format("{} faces of less than three corners are no facets: left out", too_few_));
@@ -45,33 +45,33 @@ class Cutting {
  private:
   void warn(const std::string& what) { mesh_.warnings.push_back(file_ + ": " + what); }
 
-  SourcePlace place() const { return {file_, soup_.line.empty() ? 0 : soup_.line[face_], 0}; }
+  SourcePlace place() const { return {file_, polygons_.line.empty() ? 0 : polygons_.line[face_], 0}; }
   std::string name_of(std::size_t face) const {
-    return soup_.line.empty() ? fmt::format("face {} (counted from 0)", face)
-                              : fmt::format("that of line {}", soup_.line[face]);
+    return polygons_.line.empty() ? fmt::format("face {} (counted from 0)", face)
+                                  : fmt::format("that of line {}", polygons_.line[face]);
   }
-  std::string name() const { return soup_.line.empty() ? name_of(face_) : "the face"; }
+  std::string name() const { return polygons_.line.empty() ? name_of(face_) : "the face"; }
 
   void add(Corners polygon) {
     for (const std::uint32_t index : polygon)
-      if (index >= soup_.points.size())
+      if (index >= polygons_.points.size())
         throw InputError(
             place(),
             fmt::format("{} names vertex {}, out of range: the file holds {} vertices, counted from {}",
-                        name(), std::uint64_t{index} + soup_.first_index, soup_.points.size(),
-                        soup_.first_index));
+                        name(), std::uint64_t{index} + polygons_.first_index, polygons_.points.size(),
+                        polygons_.first_index));
     if (polygon.size() < 3) {
       ++too_few_;
       return;
     }
-    if (cutter_.cut(soup_.points, polygon, mesh_.triangles) == PolygonCutter::Result::crossed)
+    if (cutter_.cut(polygons_.points, polygon, mesh_.triangles) == PolygonCutter::Result::crossed)
       throw InputError(
           place(),
           fmt::format("{} of {} corners crosses or covers itself, seen from its own side, so that it "
                       "bounds no surface: mend or triangulate it in the modelling program",
                       name(), polygon.size()));
-    if (!soup_.names_of.empty()) mesh_.names_of.resize(mesh_.triangles.size(), soup_.names_of[face_]);
-    const double off = unevenness(soup_.points, polygon);
+    if (!polygons_.names_of.empty()) mesh_.names_of.resize(mesh_.triangles.size(), polygons_.names_of[face_]);
+    const double off = unevenness(polygons_.points, polygon);
     if (off > 0) ++uneven_;
     if (off > farthest_) {
       farthest_ = off;
@@ -82,14 +82,14 @@ class Cutting {
   std::string what_is_missing() const {
     if (too_few_ > 0)
       return fmt::format("holds no facet, but {} points or lines: export the model as a surface", too_few_);
-    if (soup_.points.empty()) return "holds no facet, expected a surface mesh: export it with its faces";
+    if (polygons_.points.empty()) return "holds no facet, expected a surface mesh: export it with its faces";
     return fmt::format(
         "holds {} points and no facet: it is a point cloud, and sound needs surfaces. Make a surface of it "
         "(CloudCompare, MeshLab), or a grid of heights (gdal_grid) for a [[terrain]] of kind = \"raster\"",
-        soup_.points.size());
+        polygons_.points.size());
   }
 
-  PolygonSoup soup_;
+  UncheckedPolygons polygons_;
   const std::string& file_;
   NamedMesh mesh_;
   PolygonCutter cutter_;
@@ -99,8 +99,8 @@ class Cutting {
 
 }  // namespace
 
-NamedMesh triangulate(PolygonSoup soup, const std::string& file) {
-  return Cutting(std::move(soup), file).cut();
+NamedMesh triangulate(UncheckedPolygons polygons, const std::string& file) {
+  return Cutting(std::move(polygons), file).cut();
 }
 
 }  // namespace tubefoot

@@ -12,7 +12,7 @@
 namespace tubefoot {
 
 /// What a mesh file says, face by face, before it is checked and cut into triangles.
-struct PolygonSoup {
+struct UncheckedPolygons {
   std::vector<glm::dvec3> points;
   std::vector<std::uint32_t> corners;           ///< of all polygons, one after the other
   std::vector<std::size_t> end;                 ///< per polygon: where its corners end
@@ -28,14 +28,14 @@ struct PolygonSoup {
 
 /// The readers of the formats: `content` is the whole file, `file` names it in errors. They check numbers,
 /// syntax and completeness; indices are checked by triangulate.
-PolygonSoup parse_obj(std::string_view content, const std::string& file);
-PolygonSoup parse_off(std::string_view content, const std::string& file);
-PolygonSoup parse_ply(std::string_view content, const std::string& file);
-PolygonSoup parse_stl(std::string_view content, const std::string& file);
+UncheckedPolygons parse_obj(std::string_view content, const std::string& file);
+UncheckedPolygons parse_off(std::string_view content, const std::string& file);
+UncheckedPolygons parse_ply(std::string_view content, const std::string& file);
+UncheckedPolygons parse_stl(std::string_view content, const std::string& file);
 
 /// Cuts polygons into triangles, in order (polygon_cutter.hpp). Faces of less than three corners are counted
 /// in a warning, and so are polygons that are not flat. Drops points that no face uses. Throws InputError for
 /// an index out of range, a polygon that crosses itself, no face at all.
-NamedMesh triangulate(PolygonSoup soup, const std::string& file);
+NamedMesh triangulate(UncheckedPolygons polygons, const std::string& file);
 
 }  // namespace tubefoot

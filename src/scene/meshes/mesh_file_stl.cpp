@@ -43,13 +43,13 @@ bool is_binary(std::string_view content) {
   return small(content.substr(first, 5)) != "solid" || content.substr(0, 1024).find('\0') != content.npos;
 }
 
-void add_triangle(PolygonSoup& soup) {
-  const auto corners = static_cast<std::uint32_t>(soup.corners.size());
-  for (std::uint32_t k = 0; k < 3; ++k) soup.corners.push_back(corners + k);
-  soup.end_polygon();
+void add_triangle(UncheckedPolygons& polygons) {
+  const auto corners = static_cast<std::uint32_t>(polygons.corners.size());
+  for (std::uint32_t k = 0; k < 3; ++k) polygons.corners.push_back(corners + k);
+  polygons.end_polygon();
 }
 
-PolygonSoup parse_binary(std::string_view content, const std::string& file) {
+UncheckedPolygons parse_binary(std::string_view content, const std::string& file) {
   if (content.size() < kHeaderBytes) {
     throw InputError({file, 0, 0}, fmt::format("is no STL or cut off: {} bytes, a binary STL has at least {}",
                                                content.size(), kHeaderBytes));
@@ -65,12 +65,12 @@ PolygonSoup parse_binary(std::string_view content, const std::string& file) {
   if (3 * facets > std::numeric_limits<std::uint32_t>::max()) {
     throw InputError({file, 0, 0}, fmt::format("holds {} facets, more than 2^32 / 3", facets));
   }
-  PolygonSoup soup;
+  UncheckedPolygons polygons;
   if (content.size() > needed) {
-    soup.warnings.push_back(
+    polygons.warnings.push_back(
         fmt::format("{}: {} bytes after the last facet are ignored", file, content.size() - needed));
   }
-  soup.points.reserve(3 * facets);
+  polygons.points.reserve(3 * facets);
   for (std::uint64_t facet = 0; facet < facets; ++facet) {
     stop_if_wanted();
     float v[9];
@@ -83,10 +83,10 @@ PolygonSoup parse_binary(std::string_view content, const std::string& file) {
                                      facet, coordinate));
       }
     }
-    for (int k = 0; k < 9; k += 3) soup.points.emplace_back(v[k], v[k + 1], v[k + 2]);
-    add_triangle(soup);
+    for (int k = 0; k < 9; k += 3) polygons.points.emplace_back(v[k], v[k + 1], v[k + 2]);
+    add_triangle(polygons);
   }
-  return soup;
+  return polygons;
 }
 
 void expect(TextLines& text, std::string_view expected) {
@@ -100,14 +100,14 @@ std::string word_or_end(TextLines& text) {
   return word;
 }
 
-PolygonSoup parse_text(std::string_view content, const std::string& file) {
-  PolygonSoup soup;
+UncheckedPolygons parse_text(std::string_view content, const std::string& file) {
+  UncheckedPolygons polygons;
   TextLines text(content, file);
   bool in_solid = false;
   for (;;) {
     if (!in_solid) {
       // Several solids may follow each other.
-      if (text.rest().find_first_not_of(" \t\r\n") == std::string_view::npos) return soup;
+      if (text.rest().find_first_not_of(" \t\r\n") == std::string_view::npos) return polygons;
       text.next_with_words("'solid'");
       expect(text, "solid");
       in_solid = true;
@@ -127,20 +127,20 @@ PolygonSoup parse_text(std::string_view content, const std::string& file) {
       text.next_with_words("'vertex'");
       expect(text, "vertex");
       const double x = text.number("the vertex's x"), y = text.number("the vertex's y");
-      soup.points.emplace_back(x, y, text.number("the vertex's z"));
+      polygons.points.emplace_back(x, y, text.number("the vertex's z"));
     }
-    soup.line.push_back(text.line());
+    polygons.line.push_back(text.line());
     for (const char* end : {"endloop", "endfacet"}) {
       text.next_with_words(fmt::format("'{}'", end));
       if (word_or_end(text) != end) throw InputError(text.place(), fmt::format("expected '{}'", end));
     }
-    add_triangle(soup);
+    add_triangle(polygons);
   }
 }
 
 }  // namespace
 
-PolygonSoup parse_stl(std::string_view content, const std::string& file) {
+UncheckedPolygons parse_stl(std::string_view content, const std::string& file) {
   return is_binary(content) ? parse_binary(content, file) : parse_text(content, file);
 }
 

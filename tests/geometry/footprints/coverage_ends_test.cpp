@@ -18,8 +18,8 @@ using namespace test;
 
 FacetMesh scene_of(std::uint64_t seed, Random& random) {
   FacetMesh mesh = seed % 3 == 0   ? rough_terrain(random, 4, 4000, -1500, 500)
-                   : seed % 3 == 1 ? random_soup(random, 10, 3000, 1500)
-                                   : random_soup(random, 6, 3000, 2500);
+                   : seed % 3 == 1 ? make_random_triangles(random, 10, 3000, 1500)
+                                   : make_random_triangles(random, 6, 3000, 2500);
   if (seed % 4 == 0) duplicate_facets(random, mesh, seed % 8 == 0);
   return mesh;
 }

@@ -161,8 +161,8 @@ TEST(Coverage, IsThatOfInclusionAndExclusionInRationals) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     test::Random random(seed);
     FacetMesh mesh = seed % 3 == 0   ? test::rough_terrain(random, 4, 4000, -1500, 500)
-                     : seed % 3 == 1 ? test::random_soup(random, 10, 3000, 1500)
-                                     : test::random_soup(random, 6, 3000, 2500);
+                     : seed % 3 == 1 ? test::make_random_triangles(random, 10, 3000, 1500)
+                                     : test::make_random_triangles(random, 6, 3000, 2500);
     if (seed % 4 == 0) test::duplicate_facets(random, mesh, seed % 8 == 0);
     std::vector<CoverageLook> looks;
     for (std::uint32_t ping = 0; ping < 3; ++ping) {
@@ -191,7 +191,7 @@ TEST(Coverage, NeitherOrderOfPingsNorSplittingOfTubesChangesAnything) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     test::Random random(seed);
-    FacetMesh mesh = test::random_soup(random, 12, 0, 1500);
+    FacetMesh mesh = test::make_random_triangles(random, 12, 0, 1500);
     add_square(mesh, 3000, -2000);
     std::vector<CoverageLook> whole, split, backwards;
     for (std::uint32_t ping = 0; ping < 4; ++ping) {

@@ -142,7 +142,7 @@ TEST(SharedFootprints, AuditsCloseAndNameWhatIsShared) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     test::Random random(seed);
     const FacetMesh mesh = seed % 2 == 0 ? test::rough_terrain(random, 5, 4000, -1500, 500)
-                                         : test::random_soup(random, 10, 3000, 1500);
+                                         : test::make_random_triangles(random, 10, 3000, 1500);
     const double tilt = seed % 2 == 0 ? 25 : 0;
     const TubeSet tx = test::forward_tubes({100, -50, 40}, 3, 2, 70, 60, tilt),
                   rx = test::forward_tubes({-300, 80, 200}, 2, 3, 70, 60, tilt);
@@ -192,7 +192,7 @@ TEST(SharedFootprints, AuditsFindAPieceThatIsSeenTwice) {
 TEST(SharedFootprints, AreThoseOfRationalClipping) {
   std::size_t shared = 0;
   for (const std::uint64_t seed : {20261, 20262})
-    for (const test::Scene& scene : test::stumbling_blocks(seed)) {
+    for (const test::Scene& scene : test::adversarial_cases(seed)) {
       test::Random random(seed);
       std::int32_t reach = 1;
       for (const GridPoint& p : scene.mesh.vertices)
@@ -217,7 +217,7 @@ TEST(SharedFootprints, AreThoseOfRationalClipping) {
 
 // Law S3.
 TEST(SharedFootprints, OfOneApexAreItsFootprintsAndNeighboursShareNothing) {
-  for (const test::Scene& scene : test::stumbling_blocks(20263)) {
+  for (const test::Scene& scene : test::adversarial_cases(20263)) {
     SCOPED_TRACE(scene.name);
     const Look both = look(scene.mesh, scene.tubes);
     const SharedFootprints shared = share(scene.mesh, both, both, 0x1p-10);
@@ -382,7 +382,7 @@ TEST(SharedFootprints, ContactsWithoutAreaGiveNothingAndAGridUnitDoes) {
 
 TEST(SharedFootprints, DoNotDependOnTheArithmetic) {
   test::Random random(20265);
-  const FacetMesh mesh = test::random_soup(random, 25, 1000000, 500000);
+  const FacetMesh mesh = test::make_random_triangles(random, 25, 1000000, 500000);
   const TubeSet a = test::forward_tubes({0, 0, 0}, 2, 2, 60, 50),
                 b = test::forward_tubes({150000, -70000, 30000}, 3, 1, 70, 50);
   const Parts fixed = parts_of(share(mesh, look(mesh, a), look(mesh, b)));

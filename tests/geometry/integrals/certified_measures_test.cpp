@@ -66,7 +66,7 @@ Ball area(const std::vector<Vector>& d, const Vector& n, const Integer& offset) 
 TEST(CertifiedMeasures, AreasAndSolidAnglesOfFootprintsAreThoseOfTheirExactCorners) {
   constexpr double unit = 0x1p-10;
   std::size_t compared = 0;
-  for (const test::Scene& scene : test::stumbling_blocks(20267)) {
+  for (const test::Scene& scene : test::adversarial_cases(20267)) {
     SCOPED_TRACE(scene.name);
     const SceneTree tree(scene.mesh);
     VisibilityScratch scratch;

@@ -69,8 +69,8 @@ std::vector<FacetId> all_of(const FacetMesh& mesh) {
 /// Vertices at multiples of 2^8 units: eight halvings stay on the grid, and `stay` moves nothing.
 GridPoint coarse(GridPoint p) { return {p.x / 256 * 256, p.y / 256 * 256, p.z / 256 * 256}; }
 
-/// A soup in which many facets share edges, three and more of them at once.
-FacetMesh knotted_soup(std::uint64_t seed) {
+/// A random triangles in which many facets share edges, three and more of them at once.
+FacetMesh knotted_random_triangles(std::uint64_t seed) {
   Random random(seed);
   FacetMesh mesh;
   for (int v = 0; v < 9; ++v)
@@ -127,7 +127,7 @@ TEST(EdgeRefinement, FacetsThatShareAnEdgeShareItsParts) {
   std::size_t shared_by_three = 0;
   for (std::uint64_t seed = 1; seed <= 20 / one_in + 1; ++seed) {
     SCOPED_TRACE(seed);
-    const FacetMesh base = knotted_soup(seed);
+    const FacetMesh base = knotted_random_triangles(seed);
     const std::map<Edge, int> base_edges = facets_by_edge(base);
     for (FacetId f = 0; f < base.facets.size(); ++f) {
       // One facet with all that share an edge with it: facets that only cut through each other may share
@@ -172,7 +172,7 @@ TEST(EdgeRefinement, FacetsThatShareAnEdgeShareItsParts) {
 TEST(EdgeRefinement, PartsOfAFacetFillItExactly) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(seed);
-    const FacetMesh base = knotted_soup(seed);
+    const FacetMesh base = knotted_random_triangles(seed);
     const RefinedMesh refined = refine(base, all_of(base), grid, rough_rule(seed, 0.4), stay);
     std::vector<std::array<std::int64_t, 3>> area(base.facets.size());
     for (std::size_t s = 0; s < refined.mesh.facets.size(); ++s) {
@@ -223,7 +223,7 @@ TEST(EdgeRefinement, AClosedMeshStaysClosedWhereverItsPointsGo) {
 }
 
 TEST(EdgeRefinement, NoEdgeThatIsToBeCutIsLeft) {
-  const FacetMesh base = knotted_soup(5);
+  const FacetMesh base = knotted_random_triangles(5);
   const SizeRule rule = rough_rule(5, 0.4);
   const RefinedMesh refined = refine(base, all_of(base), grid, rule, stay);
   for (std::size_t s = 0; s < refined.mesh.facets.size(); ++s)
@@ -260,7 +260,7 @@ Corners corners_near(const RefinedMesh& refined, glm::dvec3 centre, double radiu
 TEST(EdgeRefinement, LocalRefinementEqualsUniformRefinementWhereItLooks) {
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     SCOPED_TRACE(seed);
-    const FacetMesh base = knotted_soup(seed);
+    const FacetMesh base = knotted_random_triangles(seed);
     Random random(seed);
     const GridPoint at = base.vertices[static_cast<std::size_t>(uniform(random, 0, 8))];
     const glm::dvec3 centre =
@@ -278,7 +278,7 @@ TEST(EdgeRefinement, LocalRefinementEqualsUniformRefinementWhereItLooks) {
 
 // Law D4.
 TEST(EdgeRefinement, DoesNotDependOnThreadsOrOnOtherFacets) {
-  const FacetMesh base = knotted_soup(11);
+  const FacetMesh base = knotted_random_triangles(11);
   const SizeRule rule = rough_rule(11, 0.2);
   const auto with_threads = [&](std::size_t threads, const std::vector<FacetId>& facets) {
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
@@ -303,7 +303,7 @@ TEST(EdgeRefinement, DoesNotDependOnThreadsOrOnOtherFacets) {
 
 TEST(EdgeRefinement, CountsWhatUniformRefinementWouldMake) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    const FacetMesh base = knotted_soup(seed);
+    const FacetMesh base = knotted_random_triangles(seed);
     for (FacetId f = 0; f < base.facets.size(); ++f)
       for (const double h : {0.3, 1.1, 100.0})
         EXPECT_EQ(uniform_count(base, f, grid, h),

@@ -65,7 +65,7 @@ double box_distance(const FacetMesh& mesh, FacetId f, GridPoint apex) {
 TEST(SceneTree, MissesNoFacetThatMeetsThePyramid) {
   std::size_t expected = 0, returned = 0, asked = 0;
   for (std::uint64_t seed = 1; seed <= 30; ++seed)
-    for (const Scene& scene : stumbling_blocks(seed)) {
+    for (const Scene& scene : adversarial_cases(seed)) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << scene.name);
       const SceneTree tree(scene.mesh);
       for (std::uint32_t t = 0; t < scene.tubes.tubes.size(); ++t) {
@@ -110,7 +110,7 @@ TEST(SceneTree, RespectsTheReach) {
   for (std::uint64_t seed = 41; seed <= 50; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
-    const FacetMesh mesh = random_soup(random, 200, 1000000, 900000);
+    const FacetMesh mesh = make_random_triangles(random, 200, 1000000, 900000);
     const SceneTree tree(mesh);
     const GridPoint apex{uniform(random, -1000, 1000), 0, 0};
     for (const double reach : {0.0, 200000.0, 700000.0, 1200000.0, 3000000.0}) {
@@ -126,7 +126,7 @@ TEST(SceneTree, RespectsTheReach) {
 }
 
 TEST(SceneTree, FindsAllInBoxesThatAreNotRefused) {
-  for (const Scene& scene : stumbling_blocks(5)) {
+  for (const Scene& scene : adversarial_cases(5)) {
     SCOPED_TRACE(scene.name);
     if (scene.mesh.facets.empty()) continue;
     const SceneTree tree(scene.mesh);

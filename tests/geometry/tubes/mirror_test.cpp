@@ -33,7 +33,7 @@ TEST(Mirror, ImagesAreNearestGridPointsAndBackAgain) {
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   test::Random random(seed);
   for (int i = 0; i < 2000; ++i) {
-    const FacetMesh mesh = test::random_soup(random, 1, 1 << 20, 1 << 22);
+    const FacetMesh mesh = test::make_random_triangles(random, 1, 1 << 20, 1 << 22);
     if (is_degenerate(mesh.vertices[0], mesh.vertices[1], mesh.vertices[2])) continue;
     const GridPoint p{test::uniform(random, -(1 << 24), 1 << 24), test::uniform(random, -(1 << 24), 1 << 24),
                       test::uniform(random, -(1 << 24), 1 << 24)};
@@ -132,7 +132,7 @@ TEST(WindowTubes, TubesOfThreeCornersCloseExactly) {
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   test::Random random(seed);
   for (int i = 0; i < 60; ++i) {
-    const FacetMesh mesh = test::random_soup(random, 12, 1 << 16, 1 << 15);
+    const FacetMesh mesh = test::make_random_triangles(random, 12, 1 << 16, 1 << 15);
     WindowTubes windows({0, 0, 0}, 1e9);
     windows.add(std::vector<glm::dvec3>{{0.1, 1, 0.5}, {0.6, 1, -0.3}, {-0.5, 1, -0.4}}, 0);
     windows.add(
@@ -169,7 +169,7 @@ TEST(LineOfSight, AgreesWithRationalsOnSmallNumbers) {
   };
   int hidden = 0, touching = 0;
   for (int i = 0; i < 3000; ++i) {
-    const FacetMesh mesh = test::random_soup(random, 1, 0, 4);
+    const FacetMesh mesh = test::make_random_triangles(random, 1, 0, 4);
     const SceneTree tree(mesh);
     const GridPoint from = small(), to = small();
     if (from == to) continue;

@@ -42,7 +42,7 @@ TEST(ArithmeticOracle, FixedAndFilteredSeeWhatRationalSees) {
   std::map<std::string, std::size_t> compared;
   for (std::uint64_t seed = 1; seed < 1 + (4 + one_in - 1) / one_in; ++seed) {
     std::vector<Scene> scenes = small_views(seed, 200);
-    for (Scene& scene : seed % 3 ? stumbling_blocks(seed) : all_scenes(seed))
+    for (Scene& scene : seed % 3 ? adversarial_cases(seed) : all_scenes(seed))
       scenes.push_back(std::move(scene));
     for (const Scene& scene : scenes) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << scene.name);

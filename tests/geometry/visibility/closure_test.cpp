@@ -33,9 +33,10 @@ Seen see_first_tube(FacetMesh mesh, TubeSet tubes) {
 }
 
 /// Some facets seen in several pieces each, and some open water.
-Seen soup(std::uint64_t seed) {
+Seen random_triangles(std::uint64_t seed) {
   Random random(seed);
-  return see_first_tube(random_soup(random, 9, 1000000, 500000), forward_tubes({0, 0, 0}, 1, 1, 40, 40));
+  return see_first_tube(make_random_triangles(random, 9, 1000000, 500000),
+                        forward_tubes({0, 0, 0}, 1, 1, 40, 40));
 }
 
 /// Up to six indices below `count`, spread evenly: an audit of tampered pieces is slow.
@@ -46,10 +47,10 @@ std::vector<std::size_t> some(std::size_t count) {
 }
 
 template <class Check>
-void on_soups(const Check& check) {
+void on_random_triangles(const Check& check) {
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    const Seen seen = soup(seed);
+    const Seen seen = random_triangles(seed);
     const TubeAudit right = seen.check(seen.visibility);
     ASSERT_TRUE(right.closes);
     ASSERT_EQ(right.defect, 0);
@@ -95,7 +96,7 @@ TEST(Closure, CoveredFractionIsThatOfTheGnomonicPlane) {
 
 // Laws C1 and C2.
 TEST(Closure, AMissingPieceShows) {
-  on_soups([](const Seen& seen, const TubeAudit& right) {
+  on_random_triangles([](const Seen& seen, const TubeAudit& right) {
     for (const std::size_t k : some(seen.visibility.pieces.size())) {
       TubeVisibility v = seen.visibility;
       v.pieces.erase(v.pieces.begin() + k);
@@ -114,7 +115,7 @@ TEST(Closure, AMissingPieceShows) {
 
 // Laws C1 and C2.
 TEST(Closure, ADoubledPieceShows) {
-  on_soups([](const Seen& seen, const TubeAudit& right) {
+  on_random_triangles([](const Seen& seen, const TubeAudit& right) {
     for (const std::size_t k : some(seen.visibility.pieces.size())) {
       TubeVisibility v = seen.visibility;
       v.pieces.insert(v.pieces.begin() + k, NamedPiece(v.pieces[k]));
@@ -131,7 +132,7 @@ TEST(Closure, ADoubledPieceShows) {
 
 // Law C2.
 TEST(Closure, APieceOfAnotherFacetShowsInTheHash) {
-  on_soups([](const Seen& seen, const TubeAudit& right) {
+  on_random_triangles([](const Seen& seen, const TubeAudit& right) {
     for (const std::size_t k : some(seen.visibility.pieces.size())) {
       TubeVisibility v = seen.visibility;
       v.pieces[k].facet = (v.pieces[k].facet + 1) % static_cast<FacetId>(seen.mesh.facets.size());
@@ -145,7 +146,7 @@ TEST(Closure, APieceOfAnotherFacetShowsInTheHash) {
 
 // Laws C1 and C2.
 TEST(Closure, AMovedCornerShows) {
-  on_soups([](const Seen& seen, const TubeAudit& right) {
+  on_random_triangles([](const Seen& seen, const TubeAudit& right) {
     const TubeVisibility& original = seen.visibility;
     for (const std::size_t k : some(original.pieces.size() - 1)) {
       const NamedPiece &piece = original.pieces[k], &other = original.pieces[k + 1];
@@ -169,7 +170,7 @@ TEST(Closure, AMovedCornerShows) {
 // Law C2.
 TEST(Closure, HowAPieceIsCutUpDoesNotShow) {
   std::size_t cut = 0;
-  on_soups([&](const Seen& seen, const TubeAudit& right) {
+  on_random_triangles([&](const Seen& seen, const TubeAudit& right) {
     for (const std::size_t k : some(seen.visibility.pieces.size())) {
       TubeVisibility v = seen.visibility;
       const NamedPiece piece = v.pieces[k];
@@ -191,7 +192,7 @@ TEST(Closure, HowAPieceIsCutUpDoesNotShow) {
 }
 
 TEST(Closure, HashTellsTubesFacetsAndDepthsApart) {
-  on_soups([](const Seen& seen, const TubeAudit& right) {
+  on_random_triangles([](const Seen& seen, const TubeAudit& right) {
     EXPECT_NE(audit(seen.mesh, seen.tubes, 0, seen.visibility, label + 1).hash, right.hash);
     EXPECT_EQ(audit(seen.mesh, seen.tubes, 0, seen.visibility, label).hash, right.hash);
     // Twice as far and twice as large: the same areas, of other facets.
@@ -209,7 +210,7 @@ TEST(Closure, HashesAddUpInAnyOrder) {
   std::vector<TopologyHash> hashes;
   std::set<std::string> distinct;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const Seen seen = soup(seed);
+    const Seen seen = random_triangles(seed);
     hashes.push_back(seen.check(seen.visibility).hash);
     distinct.insert(hashes.back().hex());
     EXPECT_EQ(hashes.back().hex().size(), 32u);
@@ -226,7 +227,7 @@ TEST(Closure, AnInexactResultIsReportedNotThrown) {
   // Rounding may leave corners where no point is, even beyond the gnomonic plane's horizon: that does not
   // close.
   for (std::uint64_t seed = 1; seed <= 16 / one_in; ++seed)
-    for (const Scene& scene : stumbling_blocks(seed)) {
+    for (const Scene& scene : adversarial_cases(seed)) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << scene.name);
       EXPECT_NO_THROW(look(scene.mesh, scene.tubes, with(Arithmetic::plain_double)));
     }

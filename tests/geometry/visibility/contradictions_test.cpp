@@ -17,7 +17,7 @@ namespace {
 TEST(Contradictions, OfDoublesAreLeftOutAndExactLooksHaveNone) {
   std::size_t left_out = 0, kept = 0;
   for (std::uint64_t seed = 1; seed <= 6; ++seed)
-    for (const test::Scene& scene : test::stumbling_blocks(seed)) {
+    for (const test::Scene& scene : test::adversarial_cases(seed)) {
       SCOPED_TRACE(testing::Message() << scene.name << ", seed " << seed);
       const SceneTree tree(scene.mesh);
       VisibilityScratch scratch;

@@ -122,7 +122,7 @@ std::size_t compare_with_envelope(const Scene& scene) {
 TEST(EnvelopeOracle, AreasEqualThoseOfTheLowerEnvelope) {
   std::size_t compared = 0, scenes = 0;
   for (std::uint64_t seed = 201; seed < 201 + (12 + one_in - 1) / one_in; ++seed)
-    for (const Scene& scene : stumbling_blocks(seed)) {
+    for (const Scene& scene : adversarial_cases(seed)) {
       if (!all_ahead(scene)) continue;
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << scene.name);
       ++scenes;

@@ -217,7 +217,7 @@ void check(const Scene& scene, Tally& tally) {
 TEST(LayerGrid, HidesOnlyTheHiddenAndMissesNoOccluder) {
   Tally tally;
   const std::uint64_t seed = 1;
-  for (const Scene& scene : one_in > 1 ? stumbling_blocks(seed) : all_scenes(seed)) {
+  for (const Scene& scene : one_in > 1 ? adversarial_cases(seed) : all_scenes(seed)) {
     SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << scene.name);
     check(scene, tally);
     if (testing::Test::HasFailure()) return;
@@ -237,10 +237,11 @@ TEST(LayerGrid, AClosedSheetHidesWhatIsBehindItAndNeedsFewPairs) {
       return GridPoint{(u - 4) * 1000 + number(200), 8000 + number(300), (v - 4) * 1000 + number(200)};
     });
     const std::size_t sheet = scene.mesh.facets.size();
-    const FacetMesh soup = random_soup(random, 60, 40000, 9000);
+    const FacetMesh random_triangles = make_random_triangles(random, 60, 40000, 9000);
     const auto shift = static_cast<VertexId>(scene.mesh.vertices.size());
-    for (const GridPoint& p : soup.vertices) scene.mesh.vertices.push_back(p);
-    for (const auto& v : soup.facets) add_facet(scene.mesh, v[0] + shift, v[1] + shift, v[2] + shift);
+    for (const GridPoint& p : random_triangles.vertices) scene.mesh.vertices.push_back(p);
+    for (const auto& v : random_triangles.facets)
+      add_facet(scene.mesh, v[0] + shift, v[1] + shift, v[2] + shift);
 
     InTube seen = in_tube(scene.mesh, scene.tubes, 0);
     std::size_t behind = 0, pairs = 0, met = 0;

@@ -116,7 +116,7 @@ TEST(PieceTree, LooksAtThePiecesAboutACutAndNotAtAll) {
 
 /// Long thin facets across the view in all directions, nearer at one end than at the other: each passes over,
 /// under or through all others.
-FacetMesh weave(Random& random, int count) {
+FacetMesh interlaced_strips(Random& random, int count) {
   FacetMesh mesh;
   for (int k = 0; k < count; ++k) {
     const double angle = std::numbers::pi * uniform(random, 0, 999) / 1000;
@@ -143,7 +143,7 @@ TEST(PieceTree, SliversThroughOneAnotherAreSeenAsInNarrowTubes) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     SCOPED_TRACE(seed);
     Random random(seed);
-    const FacetMesh mesh = weave(random, 40);
+    const FacetMesh mesh = interlaced_strips(random, 40);
     const SceneTree tree(mesh);
     VisibilityScratch scratch;
     Areas whole, parts;

@@ -123,7 +123,7 @@ Tiers tiers_of(const FacetMesh& mesh, const TubeSet& tubes) {
 /// Facets in general position: no vertex shared, no two in line.
 Scene generic(std::uint64_t seed) {
   Random random(seed);
-  return {"generic", random_soup(random, 40, 1 << 27, 1 << 26),
+  return {"generic", make_random_triangles(random, 40, 1 << 27, 1 << 26),
           forward_tubes({uniform(random, -99999, 99999), 0, 0}, 2, 2, 40, 30)};
 }
 
@@ -262,8 +262,8 @@ TYPED_TEST(TiersOf, DepthPlanesNeedWideIntegersOnlyForTheirZeros) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
-    const Tiers tiny =
-        tiers_of<TypeParam>(random_soup(random, 20, 6, 3), lattice_tubes({0, 0, 0}, -2, -2, 4, 4, 6));
+    const Tiers tiny = tiers_of<TypeParam>(make_random_triangles(random, 20, 6, 3),
+                                           lattice_tubes({0, 0, 0}, -2, -2, 4, 4, 6));
     EXPECT_GT(tiny.wide, 0u);
     EXPECT_EQ(tiny.exact, 0u);
     EXPECT_EQ(tiny.same_planes, 0u);

@@ -21,7 +21,7 @@ template <class Check>
 void on_all_scenes(std::uint64_t first_seed, std::uint64_t seeds, const Check& check) {
   for (std::uint64_t seed = first_seed; seed < first_seed + std::max<std::uint64_t>(4, seeds / one_in);
        ++seed)
-    for (const Scene& scene : seed % 4 == 0 ? all_scenes(seed) : stumbling_blocks(seed)) {
+    for (const Scene& scene : seed % 4 == 0 ? all_scenes(seed) : adversarial_cases(seed)) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << scene.name);
       Random random(seed);
       check(scene, random);
@@ -267,9 +267,10 @@ TEST(VisibilityLaws, NothingIsSeenThroughAWall) {
   for (std::uint64_t seed = 801; seed < 801 + 40 / one_in; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
-    FacetMesh mesh = random_soup(random, 40, 1000, 500);
+    FacetMesh mesh = make_random_triangles(random, 40, 1000, 500);
     const auto behind = static_cast<FacetId>(mesh.facets.size());
-    // A rough wall of small facets, edges shared or (T-junctions) not; its relief stays before the soup.
+    // A rough wall of small facets, edges shared or (T-junctions) not; its relief stays before the random
+    // triangles.
     FacetMesh wall;
     add_plate(wall, 100, 12, 15, seed % 2 == 0);
     if (seed % 2)
@@ -291,7 +292,8 @@ TEST(VisibilityLaws, OfCoincidentFacetsExactlyOneIsSeen) {
   for (std::uint64_t seed = 901; seed < 901 + 40 / one_in; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
-    FacetMesh mesh = seed % 2 ? random_soup(random, 12, 1000000, 600000) : random_soup(random, 12, 8, 3);
+    FacetMesh mesh = seed % 2 ? make_random_triangles(random, 12, 1000000, 600000)
+                              : make_random_triangles(random, 12, 8, 3);
     const TubeSet tubes = lattice_tubes({0, 0, 0}, -2, -2, 4, 4, 3);
     const auto count = static_cast<FacetId>(mesh.facets.size());
     const auto once = areas_of(mesh, tubes);

@@ -114,7 +114,7 @@ void expect_pieces_agree(const std::vector<SeenCone>& cones, const V3& d, const 
 }
 
 std::vector<Scene> scenes_for_rays(std::uint64_t seed) {
-  std::vector<Scene> scenes = seed % 4 == 0 ? all_scenes(seed) : stumbling_blocks(seed);
+  std::vector<Scene> scenes = seed % 4 == 0 ? all_scenes(seed) : adversarial_cases(seed);
   for (Scene& view : small_views(seed, 40)) scenes.push_back(std::move(view));
   return scenes;
 }
@@ -288,7 +288,7 @@ std::size_t compare_with_polygons(const Scene& scene) {
 TEST(VisibilityOracle, AreasEqualThoseOfPolygonBooleans) {
   std::size_t compared = 0;
   for (std::uint64_t seed = 101; seed < 101 + (3 + one_in - 1) / one_in; ++seed)
-    for (const Scene& scene : stumbling_blocks(seed)) {
+    for (const Scene& scene : adversarial_cases(seed)) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << scene.name);
       compared += compare_with_polygons(scene);
       if (testing::Test::HasFailure()) return;
