@@ -54,17 +54,17 @@ double PathCutter::Line::along_of(glm::dvec2 direction) const {
 void PathCutter::add(const PlanarPolygon& polygon, std::span<const Receiver> receivers,
                      const Integrand& integrand, const Work& work, std::span<double> out) {
   if (receivers.size() < 2) return add(polygon, receivers[0], integrand, work, out, nullptr);
-  add(polygon, receivers[0], SecondWay{{polygon.distance, glm::dvec2(0)}, receivers[1]}, integrand, work,
+  add(polygon, receivers[0], SecondRange{{polygon.distance, glm::dvec2(0)}, receivers[1]}, integrand, work,
       out);
 }
 
-void PathCutter::add(const PlanarPolygon& polygon, const Receiver& receiver, const SecondWay& second,
+void PathCutter::add(const PlanarPolygon& polygon, const Receiver& receiver, const SecondRange& second,
                      const Integrand& integrand, const Work& work, std::span<double> out) {
   add(polygon, receiver, integrand, work, out, &second);
 }
 
 void PathCutter::add(const PlanarPolygon& polygon, const Receiver& receiver, const Integrand& integrand,
-                     const Work& work, std::span<double> out, const SecondWay* second) {
+                     const Work& work, std::span<double> out, const SecondRange* second) {
   if (polygon.offsets.size() < 3 || borders_.size() < 2) return;
   integrand_ = &integrand;
   work_ = work;
@@ -77,7 +77,8 @@ void PathCutter::add(const PlanarPolygon& polygon, const Receiver& receiver, con
   for (const PlanarPolygon& part : not_compact_) add_polar(part, receiver, nullptr);
 }
 
-void PathCutter::add_polar(const PlanarPolygon& polygon, const Receiver& receiver, const SecondWay* second) {
+void PathCutter::add_polar(const PlanarPolygon& polygon, const Receiver& receiver,
+                           const SecondRange* second) {
   const double heights = polygon.distance + receiver.distance;
   // The mirrored receiver's straight line to the transmitter meets the plane in c.
   c_ = receiver.foot * (polygon.distance / heights);

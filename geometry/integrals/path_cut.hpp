@@ -44,7 +44,7 @@ class PathCutter {
   };
   /// Another way whose samples are to be cut with those of the first: its sample k holds half paths from
   /// `later_m` beyond the borders of the first one's. Its transmitter need not be that of the first.
-  struct SecondWay {
+  struct SecondRange {
     Receiver transmit, receive;
     double later_m = 0;
   };
@@ -87,7 +87,7 @@ class PathCutter {
   void add(const PlanarPolygon& polygon, std::span<const Receiver> receivers, const Integrand& integrand,
            const Work& work, std::span<double> out);
   /// Sample k holds what lies in sample k of both ways.
-  void add(const PlanarPolygon& polygon, const Receiver& receiver, const SecondWay& second,
+  void add(const PlanarPolygon& polygon, const Receiver& receiver, const SecondRange& second,
            const Integrand& integrand, const Work& work, std::span<double> out);
 
   /// The shortest and the longest half path by way of a point of the polygon, both apexes off the plane and
@@ -155,8 +155,8 @@ class PathCutter {
   };
 
   void add(const PlanarPolygon& polygon, const Receiver& receiver, const Integrand& integrand,
-           const Work& work, std::span<double> out, const SecondWay* second);
-  void add_polar(const PlanarPolygon& polygon, const Receiver& receiver, const SecondWay* second);
+           const Work& work, std::span<double> out, const SecondRange* second);
+  void add_polar(const PlanarPolygon& polygon, const Receiver& receiver, const SecondRange* second);
   void find_sectors(const PlanarPolygon& polygon);
   void integrate(const Sector& sector);
   double path_of(const Line& line, double along) const;

@@ -27,9 +27,9 @@ std::vector<double> all_weights(const std::vector<double>& asked, std::size_t co
 }
 
 /// What all pixels need of a ping.
-struct PingWay {
-  PlaceOnTheWay transmitter;
-  std::vector<PlaceOnTheWay> receivers;
+struct PingPath {
+  PlaceMotion transmitter;
+  std::vector<PlaceMotion> receivers;
   glm::dvec3 centre_m, forward;
 };
 
@@ -46,10 +46,10 @@ class Projector {
     const double end_s = signals.sampling.end_s();
     for (std::size_t ping = 0; ping < signals.pings(); ++ping) {
       const Pose& pose = signals.motion.ping_pose(ping);
-      PingWay way{{signals.motion, ping, signals.array.transmitter_m, end_s},
-                  {},
-                  pose.position_m + pose.attitude * signals.array.centre_m(),
-                  pose.attitude * glm::dvec3(0, 1, 0)};
+      PingPath way{{signals.motion, ping, signals.array.transmitter_m, end_s},
+                   {},
+                   pose.position_m + pose.attitude * signals.array.centre_m(),
+                   pose.attitude * glm::dvec3(0, 1, 0)};
       for (const glm::dvec3& place : signals.array.receivers_m)
         way.receivers.emplace_back(signals.motion, ping, place, end_s);
       ways_.push_back(std::move(way));
@@ -114,7 +114,7 @@ class Projector {
   bool spreading_undone_, nearest_abeam_only_;
   std::vector<double> ping_weights_, receiver_weights_;
   std::optional<double> most_forward_;
-  std::vector<PingWay> ways_;
+  std::vector<PingPath> ways_;
 };
 
 }  // namespace

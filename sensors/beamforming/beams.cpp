@@ -61,10 +61,10 @@ void add_focused(const ElementSignals& signals, std::size_t ping, const BeamStee
   const Pose& pose = signals.motion.ping_pose(ping);
   const glm::dvec3 from = pose.position_m + pose.attitude * steering.reference_m,
                    direction = pose.attitude * steering.directions[beam];
-  const PlaceOnTheWay transmitter(signals.motion, ping, signals.array.transmitter_m, sampling.end_s());
+  const PlaceMotion transmitter(signals.motion, ping, signals.array.transmitter_m, sampling.end_s());
   const double sent_s = signals.waveform.duration_s / 2;
   for (std::size_t receiver = 0; receiver < signals.receivers(); ++receiver) {
-    const PlaceOnTheWay own(signals.motion, ping, signals.array.receivers_m[receiver], sampling.end_s());
+    const PlaceMotion own(signals.motion, ping, signals.array.receivers_m[receiver], sampling.end_s());
     for (std::size_t k = 0; k < out.size(); ++k) {
       const double time_s = sampling.time_s(k);
       if (time_s <= 0) continue;

@@ -137,7 +137,7 @@ class SignalsInput {
     if (shape[3] != 2)
       root_.fail("pressure",
                  fmt::format("has {} values along 'complex', expected 2: real and imaginary part", shape[3]));
-    require_memory_for_ways();
+    require_memory_for_paths();
     try {
       ElementSignals signals{waveform,         sampling(shape[2]),       speed, array(shape[1]),
                              motion(shape[0]), flag("matched_filtered"), {}};
@@ -211,7 +211,7 @@ class SignalsInput {
   std::string way() const { return root_.has("track_time") ? "track" : "ping"; }
 
   /// Of all but the pressures, which are asked for once their number is known to be right.
-  void require_memory_for_ways() const {
+  void require_memory_for_paths() const {
     double bytes = 0;
     for (const char* name : {"sample_time", "ping_start_time", "receiver_position"})
       if (root_.has(name)) bytes += root_.bytes_of(name);

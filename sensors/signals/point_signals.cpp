@@ -28,7 +28,7 @@ void add_echo(const PointScatterer& target, std::size_t number, const ElementSig
               std::size_t ping, std::size_t element, std::span<Complex> channel) {
   const SignalSampling& sampling = signals.sampling;
   const double speed_m_s = signals.sound_speed_m_s, last_s = sampling.end_s();
-  const PlaceOnTheWay transmitter(signals.motion, ping, signals.array.transmitter_m, last_s),
+  const PlaceMotion transmitter(signals.motion, ping, signals.array.transmitter_m, last_s),
       receiver(signals.motion, ping, signals.array.receivers_m[element], last_s);
   const TwoWayPath first = path_emitted_at(0, transmitter, target.position_m, receiver, speed_m_s);
   if (!(first.tx_m > 0 && first.rx_m > 0))

@@ -12,7 +12,7 @@ struct SignalModel {
   ElementArray array;
   TransmitWaveform waveform;
   SignalSampling sampling;
-  /// It stands still from a ping to the next one; else it moves while sound is under way.
+  /// It stands still from a ping to the next one; else it moves while sound is in progress.
   bool stop_and_hop = true;
   /// Each receiver receives what the transmitter and its own place both see; else all receive what is seen
   /// from the one place of the sensor, or the two of one whose receiver is apart.

@@ -84,8 +84,7 @@ void VehicleMotion::check_lasts(double after_start_s) const {
                   ping_start_s_.back() + after_start_s, track_.end_s()));
 }
 
-PlaceOnTheWay::PlaceOnTheWay(const VehicleMotion& motion, std::size_t ping, glm::dvec3 place_m,
-                             double until_s)
+PlaceMotion::PlaceMotion(const VehicleMotion& motion, std::size_t ping, glm::dvec3 place_m, double until_s)
     : motion_(&motion), ping_(ping), place_m_(place_m) {
   const Pose& start = motion.ping_pose(ping);
   start_m_ = start.position_m + start.attitude * place_m;
@@ -102,7 +101,7 @@ PlaceOnTheWay::PlaceOnTheWay(const VehicleMotion& motion, std::size_t ping, glm:
   if (even_) velocity_m_s_ = (b.pose.position_m - a.pose.position_m) / (b.time_s - a.time_s);
 }
 
-glm::dvec3 PlaceOnTheWay::turned(double after_start_s) const {
+glm::dvec3 PlaceMotion::turned(double after_start_s) const {
   // Guesses on the way to a time may lie off the track by what they are wrong.
   const double start_s = motion_->ping_start_s()[ping_];
   const Pose pose = motion_->at(ping_, std::clamp(after_start_s, motion_->track().front().time_s - start_s,
@@ -110,8 +109,8 @@ glm::dvec3 PlaceOnTheWay::turned(double after_start_s) const {
   return pose.position_m + pose.attitude * place_m_;
 }
 
-TwoWayPath path_emitted_at(double emitted_s, const PlaceOnTheWay& transmitter, glm::dvec3 point_m,
-                           const PlaceOnTheWay& receiver, double sound_speed_m_s) {
+TwoWayPath path_emitted_at(double emitted_s, const PlaceMotion& transmitter, glm::dvec3 point_m,
+                           const PlaceMotion& receiver, double sound_speed_m_s) {
   TwoWayPath path{emitted_s, 0, glm::distance(transmitter.at(emitted_s), point_m), 0};
   const double there_s = emitted_s + path.tx_m / sound_speed_m_s;
   path.received_s = time_at(there_s, 1, receiver, point_m, sound_speed_m_s);
@@ -119,8 +118,8 @@ TwoWayPath path_emitted_at(double emitted_s, const PlaceOnTheWay& transmitter, g
   return path;
 }
 
-TwoWayPath path_received_at(double received_s, const PlaceOnTheWay& transmitter, glm::dvec3 point_m,
-                            const PlaceOnTheWay& receiver, double sound_speed_m_s) {
+TwoWayPath path_received_at(double received_s, const PlaceMotion& transmitter, glm::dvec3 point_m,
+                            const PlaceMotion& receiver, double sound_speed_m_s) {
   TwoWayPath path{0, received_s, 0, glm::distance(receiver.at(received_s), point_m)};
   const double there_s = received_s - path.rx_m / sound_speed_m_s;
   path.emitted_s = time_at(there_s, -1, transmitter, point_m, sound_speed_m_s);

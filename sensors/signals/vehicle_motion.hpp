@@ -10,7 +10,7 @@
 namespace tubefoot {
 
 /// Where a vehicle is at any time of its pings. With stop-and-hop it stands still from a ping's start to the
-/// next one's; without, it moves while sound is under way.
+/// next one's; without, it moves while sound is in progress.
 class VehicleMotion {
  public:
   /// A track as Trajectory has it (one sample: at rest), on whose clock the pings start. Throws
@@ -38,10 +38,10 @@ class VehicleMotion {
 };
 
 /// Way of one place on the vehicle during a ping [m, the scene's frame], by the time after the ping's start.
-class PlaceOnTheWay {
+class PlaceMotion {
  public:
   /// `until_s`: the latest time that will be asked for; VehicleMotion::check_lasts() has looked at it.
-  PlaceOnTheWay(const VehicleMotion& motion, std::size_t ping, glm::dvec3 place_m, double until_s);
+  PlaceMotion(const VehicleMotion& motion, std::size_t ping, glm::dvec3 place_m, double until_s);
   glm::dvec3 at(double after_start_s) const {
     return even_ ? start_m_ + velocity_m_s_ * after_start_s : turned(after_start_s);
   }
@@ -66,9 +66,9 @@ struct TwoWayPath {
 /// Exact, to the rounding of doubles, for places that move: each end is where it is when sound leaves it or
 /// reaches it. The end that is asked for is found by fixed-point iteration, which gains a factor of speed
 /// over sound speed a step. Throws std::invalid_argument for a place as fast as sound.
-TwoWayPath path_emitted_at(double emitted_s, const PlaceOnTheWay& transmitter, glm::dvec3 point_m,
-                           const PlaceOnTheWay& receiver, double sound_speed_m_s);
-TwoWayPath path_received_at(double received_s, const PlaceOnTheWay& transmitter, glm::dvec3 point_m,
-                            const PlaceOnTheWay& receiver, double sound_speed_m_s);
+TwoWayPath path_emitted_at(double emitted_s, const PlaceMotion& transmitter, glm::dvec3 point_m,
+                           const PlaceMotion& receiver, double sound_speed_m_s);
+TwoWayPath path_received_at(double received_s, const PlaceMotion& transmitter, glm::dvec3 point_m,
+                            const PlaceMotion& receiver, double sound_speed_m_s);
 
 }  // namespace tubefoot

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.hpp"
-#include "app/run_under_way.hpp"
+#include "app/run_in_progress.hpp"
 #include "files/atomic_output.hpp"
 #include "geometry/steps/stop.hpp"
 #include "run/part_run.hpp"
@@ -18,7 +18,7 @@ namespace tubefoot {
 int join_command(const JoinOptions& join) {
   const RunParts parts(join.output);
   const RunOptions options = parts.options_of_run(join);
-  RunUnderWay run(options);
+  RunInProgress run(options);
   run.parts = parts.count();
   SceneDescription description = described(options);
   run.request = requested(options, description);

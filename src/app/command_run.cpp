@@ -5,7 +5,7 @@
 
 #include "advice/advice.hpp"
 #include "app/commands.hpp"
-#include "app/run_under_way.hpp"
+#include "app/run_in_progress.hpp"
 #include "files/atomic_output.hpp"
 #include "files/usage_error.hpp"
 #include "geometry/steps/stop.hpp"
@@ -49,7 +49,7 @@ nlohmann::ordered_json json_of(const Advice& advice, double seconds) {
 }
 
 /// Settings as the run that is gone on with had them, as the scene says, or as a tolerance picks them.
-void settle(RunUnderWay& run, const SceneDescription& description, const PartialRun& partial) {
+void settle(RunInProgress& run, const SceneDescription& description, const PartialRun& partial) {
   const nlohmann::ordered_json asked = asked_of(description, run.request);
   if (partial.kept()) {
     run.identity = *partial.kept();
@@ -65,7 +65,7 @@ void settle(RunUnderWay& run, const SceneDescription& description, const Partial
   run.identity["run"] = json_of(run.request);
 }
 
-std::vector<Recording> simulate_all(RunUnderWay& run, const Survey& survey, PartialRun& partial,
+std::vector<Recording> simulate_all(RunInProgress& run, const Survey& survey, PartialRun& partial,
                                     std::optional<LeadRank>& lead) {
   const Clock::time_point start = Clock::now();
   const bool quiet = run.options.quiet;
@@ -124,7 +124,7 @@ int run_part(const RunOptions& options) {
 
 int run_command(const RunOptions& options) {
   if (options.part) return run_part(options);
-  RunUnderWay run(options);
+  RunInProgress run(options);
   std::unique_ptr<RankLink> link = join_ranks();
   if (link && link->rank() > 0) return help_run(options, std::move(link));
   std::optional<LeadRank> lead;

@@ -186,7 +186,7 @@ class Drawing {
     return {{{at_m.x, at_m.y, 0}, right, {0, 0, 1}}, letter};
   }
 
-  std::string way_words(const Painter::Cut& cut) const {
+  std::string path_words(const Painter::Cut& cut) const {
     const glm::dvec3 right = cut.view.right;
     double bearing = std::fmod(glm::degrees(std::atan2(right.x, right.y)) + 360, 360.0);
     if (bearing > 359.5) bearing = 0;
@@ -199,7 +199,7 @@ class Drawing {
     const double stretch = stretch_of(window.hi_m - window.lo_m, box.width(), box.height());
     const Panel panel(box, cut.view, window, stretch);
     painter_.draw_section(panel, about);
-    panel.draw_axes(sheet_, stretched("Section " + way_words(cut), stretch), "from the sensor", "up");
+    panel.draw_axes(sheet_, stretched("Section " + path_words(cut), stretch), "from the sensor", "up");
   }
 
   /// The bed within the section's window, however deep it lies.

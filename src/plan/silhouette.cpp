@@ -113,7 +113,7 @@ void Silhouette::add(std::span<const glm::dvec2> points) {
 
 // Each side between a covered cell and one that is not is a step, with what is covered on its right.
 std::vector<std::vector<glm::dvec2>> Silhouette::loops() const {
-  enum Way { east, south, west, north };
+  enum TwoWayRange { east, south, west, north };
   constexpr std::array<int, 4> step_x{1, 0, -1, 0}, step_y{0, 1, 0, -1};
   const std::size_t width = columns_ + 1;
   std::vector<std::uint8_t> steps(width * (rows_ + 1));

@@ -14,12 +14,12 @@ namespace {
 std::vector<std::string> open_ways(const Survey& survey, std::size_t s) {
   const Sensor& sensor = *survey.sensors[s].sensor;
   const Scene& scene = survey.scene;
-  std::vector<std::string> ways;
-  if (path_settings(scene, sensor.frequency_khz())) ways.emplace_back("paths over mirrors");
-  if (sensor.has_patterns()) ways.emplace_back("beam patterns");
+  std::vector<std::string> motions;
+  if (path_settings(scene, sensor.frequency_khz())) motions.emplace_back("paths over mirrors");
+  if (sensor.has_patterns()) motions.emplace_back("beam patterns");
   if (!sensor.signals()->stop_and_hop && !scene.trajectories[scene.sensor_trajectory[s]].is_fixed())
-    ways.emplace_back("motion within a ping");
-  return ways;
+    motions.emplace_back("motion within a ping");
+  return motions;
 }
 
 /// Of some facets.
@@ -44,9 +44,9 @@ std::vector<std::string> open_signals(const Survey& survey) {
   for (std::size_t s = 0; s < survey.sensors.size(); ++s) {
     const Sensor& sensor = *survey.sensors[s].sensor;
     if (sensor.signals() == nullptr) continue;
-    const std::vector<std::string> ways = open_ways(survey, s), surfaces = open_surfaces(survey.scene);
+    const std::vector<std::string> motions = open_ways(survey, s), surfaces = open_surfaces(survey.scene);
     const std::string what =
-        !ways.empty() ? fmt::format("it has {}, which no bound encloses", fmt::join(ways, " and "))
+        !motions.empty() ? fmt::format("it has {}, which no bound encloses", fmt::join(motions, " and "))
         : !surfaces.empty()
             ? fmt::format("no bound encloses what samples may hold of {}", fmt::join(surfaces, ", or of "))
             : "";

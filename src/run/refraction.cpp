@@ -40,7 +40,7 @@ auto made_for(const Transmission& transmission, const Make& make) {
 }
 
 /// Whether a way is told by more than one apparent ground: of those each shows what its first rays do.
-bool has_ways_of_first_rays(const Survey& survey) {
+bool has_paths_of_first_rays(const Survey& survey) {
   return std::ranges::any_of(survey.sensors, [&](const SensorPings& pings) {
     const auto paths = path_settings(survey.scene, pings.sensor->frequency_khz());
     return pings.sensor->has_separate_receiver() || (paths && (paths->order > 1 || paths->scatterings > 1));
@@ -59,7 +59,7 @@ std::string turning_points(const Survey& survey) {
 
 /// Which of several rays to a place are followed; empty: every one, transmit and receive along any two.
 std::string rays_left_out(const Survey& survey, bool reference) {
-  if (reference || has_ways_of_first_rays(survey))
+  if (reference || has_paths_of_first_rays(survey))
     return "to receivers apart, over mirrors and in references only the first to arrive is followed";
   if (has_receiver_pair(survey))
     return "two receivers' phases have each of them out and home again, but not what goes out along one and "
@@ -470,7 +470,7 @@ std::vector<std::string> refraction_warnings(const Survey& survey, bool referenc
   if (counts.of_several > 0 && !left_out.empty())
     warnings.push_back(fmt::format("{}: several rays, with {}, lead to {} facets: {}; {}", where,
                                    turning_points(survey), counts.of_several, left_out, at(counts.several)));
-  if (counts.folded > 0 && has_ways_of_first_rays(survey))
+  if (counts.folded > 0 && has_paths_of_first_rays(survey))
     warnings.push_back(
         fmt::format("{}: {} apparent facets are turned over: rays cross before them (a "
                     "caustic), and energies there are not to be relied on",

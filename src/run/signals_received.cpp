@@ -140,18 +140,18 @@ std::vector<SignalChannel> signal_channels(const Transmission& transmission, std
     on_the_way = std::make_shared<const Trajectory>(
         track_from(track, pings.times_s[transmission.ping()], sensor.signals()->sampling.end_s()));
   /// Of a place on the sensor, by where that or its receiver is.
-  const auto way = [&](Pose (Sensor::*pose_on)(const Pose&) const, glm::dvec3 place) -> EndWay {
+  const auto motion = [&](Pose (Sensor::*pose_on)(const Pose&) const, glm::dvec3 place) -> PlatformMotion {
     if (!on_the_way) return {};
     return [&sensor, on_the_way, pose_on, place](double after_start_s) {
       const Pose pose = (sensor.*pose_on)(on_the_way->at(after_start_s));
       return pose.position_m + pose.attitude * place;
     };
   };
-  channel.transmit_way = way(&Sensor::pose_on, array.transmitter_m);
+  channel.transmit_motion = motion(&Sensor::pose_on, array.transmitter_m);
   std::vector<SignalChannel> channels;
   for (const glm::dvec3 place : array.receivers_m) {
     channel.receive_m = received.position_m + received.attitude * place;
-    channel.receive_way = way(&Sensor::receiver_pose_on, place);
+    channel.receive_motion = motion(&Sensor::receiver_pose_on, place);
     channels.push_back(channel);
   }
   return channels;

@@ -87,9 +87,9 @@ ElementSignals of_points_on_the_way(const ElementSignals& like, const GroundFiel
       middle_m + glm::dvec3(-half_m, -half_m, 0), middle_m + glm::dvec3(half_m, -half_m, 0),
       middle_m + glm::dvec3(half_m, half_m, 0), middle_m + glm::dvec3(-half_m, half_m, 0)};
   for (std::size_t ping = 0; ping < like.pings(); ++ping) {
-    const PlaceOnTheWay sent(like.motion, ping, like.array.transmitter_m, until_s);
+    const PlaceMotion sent(like.motion, ping, like.array.transmitter_m, until_s);
     for (std::size_t e = 0; e < like.receivers(); ++e) {
-      const PlaceOnTheWay received(like.motion, ping, like.array.receivers_m[e], until_s);
+      const PlaceMotion received(like.motion, ping, like.array.receivers_m[e], until_s);
       field.for_scatterers(corners, {0, 0, 1}, [&](glm::dvec3 place, Complex z) {
         for (std::size_t k = 0; k < like.samples(); ++k) {
           const double t = like.sampling.time_s(k);

@@ -62,26 +62,27 @@ std::vector<CommandCase> cases() {
 }
 
 /// How the terrain is read.
-struct Way {
+struct TwoWayRange {
   const char *name, *load;
   int cache_mb;
 };
-constexpr Way whole{"whole", "whole", 512}, in_one{"in_one", "tiles", 512}, in_parts{"in_parts", "tiles", 0};
+constexpr TwoWayRange whole{"whole", "whole", 512}, in_one{"in_one", "tiles", 512},
+    in_parts{"in_parts", "tiles", 0};
 
 class TiledCommands : public testing::TestWithParam<CommandCase> {
  protected:
   TiledCommands() { write_mosaic(folder, GetParam().holes, GetParam().island); }
 
-  std::string text(const Way& way) const {
+  std::string text(const TwoWayRange& way) const {
     return replaced(GetParam().text, "{}", terrain("mosaic.vrt", way.load, GetParam().more)) +
            (GetParam().text.find("[run]") == std::string::npos ? "[run]\n" : "") +
            fmt::format("terrain_cache_mb = {}\n", way.cache_mb);
   }
-  SceneDescription described(const Way& way) const {
+  SceneDescription described(const TwoWayRange& way) const {
     return read_scene_text(text(way), folder / "scene.toml");
   }
   /// What a command says, and writes into the folder or file that is its last word.
-  std::map<std::string, std::string> answers(const Way& way, std::vector<std::string> words) const {
+  std::map<std::string, std::string> answers(const TwoWayRange& way, std::vector<std::string> words) const {
     const fs::path output = folder / words.back();
     words.insert(words.begin() + 1, folder.write("scene.toml", text(way)).string());
     if (words[words.size() - 2] == "-o") words.back() = output.string();
@@ -101,7 +102,7 @@ class TiledCommands : public testing::TestWithParam<CommandCase> {
   }
   void expect_same(const std::vector<std::string>& words) const {
     const auto expected = answers(whole, words);
-    for (const Way& way : {in_one, in_parts}) {
+    for (const TwoWayRange& way : {in_one, in_parts}) {
       const auto found = answers(way, words);
       EXPECT_EQ(found.size(), expected.size());
       for (const auto& [name, bytes] : expected)
@@ -127,7 +128,7 @@ TEST_P(TiledCommands, ExactCornersNameTheFacetsOfTheWhole) {
 }
 
 TEST_P(TiledCommands, APageShowsWhatItShowsOfTheWhole) {
-  const auto page = [&](const Way& way) {
+  const auto page = [&](const TwoWayRange& way) {
     const auto survey = open_survey(described(way));
     ViewData view = gather_view(Transmissions(*survey, request_of(survey->scene.description.run)), 0,
                                 PingRange{1, 2}, true);
@@ -141,7 +142,7 @@ TEST_P(TiledCommands, APageShowsWhatItShowsOfTheWhole) {
 
 // The facets of a history as an engine of one's own sees them, and their corners: no number of theirs.
 TEST_P(TiledCommands, AnEngineOfOnesOwnMeetsTheFacetsOfTheWhole) {
-  const auto energies = [&](const Way& way) {
+  const auto energies = [&](const TwoWayRange& way) {
     const SceneDescription description = described(way);
     const auto survey = open_survey(description);
     RunRequest request = request_of(description.run);
@@ -167,7 +168,7 @@ TEST_P(TiledCommands, AnEngineOfOnesOwnMeetsTheFacetsOfTheWhole) {
 }
 
 TEST_P(TiledCommands, TrialsHaveTheErrorsOfTheWhole) {
-  const auto trial = [&](const Way& way) {
+  const auto trial = [&](const TwoWayRange& way) {
     const TrialScene trials(described(way), first_pings(2), std::nullopt);
     const Trial found = trials.run(tube_setting(Binning::centroid), 1);
     return std::vector<double>{found.l1_error, found.rms_db_error};

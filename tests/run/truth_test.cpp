@@ -484,7 +484,7 @@ TEST_F(TruthOf, AllOfTheEnergyIsNearThePeakWhereTheLevelIsLow) {
 }
 
 /// A camera 3 m above a flat bed and 1 m below the surface. The bed returns what one reflection carries.
-std::string bed_by_way_of_the_surface(std::string_view paths) {
+std::string bed_via_the_surface(std::string_view paths) {
   return still_water() + lambert_material("rock", -20) +
          flat_terrain(60, 60, "name = \"bed\"\nmaterial = \"rock\"\n") + fixed_at(0, 0, 3) +
          fmt::format(
@@ -530,7 +530,7 @@ double received_over_the_surface(double least) {
 // Each leg has its own direction at the sonar. The reference knows neither images nor visibility.
 TEST_F(TruthOf, OverAMirrorWhatIsNearThePeakIsThatOfBothLegs) {
   constexpr double level_db = 6;
-  const Told t = told(bed_by_way_of_the_surface("order = 2\nonly_order = 2\n"),
+  const Told t = told(bed_via_the_surface("order = 2\nonly_order = 2\n"),
                       [&](RunRequest& r) { r.label_level_db = level_db; });
   ASSERT_EQ(t.truth.owners.size(), 1u);
   ASSERT_EQ(t.truth.cells, 1u);

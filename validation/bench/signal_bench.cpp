@@ -51,7 +51,7 @@ CoherentReceiver array_of(int elements, double bandwidth_hz, glm::dvec3 place_m,
 /// The same on a vehicle that goes along y and turns.
 CoherentReceiver on_the_way(CoherentReceiver receiver, double speed_m_s, double rad_s) {
   const glm::dvec3 middle = receiver.channels[0].transmit_m;
-  const auto way = [&](glm::dvec3 place_m) -> EndWay {
+  const auto way = [&](glm::dvec3 place_m) -> PlatformMotion {
     return [=, lever = place_m - middle](double t) {
       const double turn = rad_s * t;
       return middle + glm::dvec3(std::cos(turn) * lever.x - std::sin(turn) * lever.y,
@@ -60,8 +60,8 @@ CoherentReceiver on_the_way(CoherentReceiver receiver, double speed_m_s, double 
     };
   };
   for (SignalChannel& channel : receiver.channels) {
-    channel.transmit_way = way(channel.transmit_m);
-    channel.receive_way = way(channel.receive_m);
+    channel.transmit_motion = way(channel.transmit_m);
+    channel.receive_motion = way(channel.receive_m);
   }
   return receiver;
 }

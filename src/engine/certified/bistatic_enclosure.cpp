@@ -149,9 +149,9 @@ class BistaticEncloser {
   };
 
   static glm::dvec3 unproven_place(const BistaticEnd& end, const glm::dvec3& place_m) {
-    glm::dvec3 way = end.water.unfolded(place_m) - end.water.apex_m();
-    way.z *= end.water.unfolding().sign;
-    return way;
+    glm::dvec3 two_way = end.water.unfolded(place_m) - end.water.apex_m();
+    two_way.z *= end.water.unfolding().sign;
+    return two_way;
   }
 
   struct Beside {
@@ -301,8 +301,8 @@ class BistaticEncloser {
     for (std::size_t k = 0; k < 3; ++k) {
       const glm::dvec3 &p = lies[k], &q = lies[(k + 1) % 3];
       for (std::size_t i = 0; i < 3; ++i) {
-        const glm::dvec3 &from = base[i], way = glm::normalize(base[(i + 1) % 3] - from);
-        const auto off = [&](const glm::dvec3& x) { return glm::length(glm::cross(way, x - from)); };
+        const glm::dvec3 &from = base[i], two_way = glm::normalize(base[(i + 1) % 3] - from);
+        const auto off = [&](const glm::dvec3& x) { return glm::length(glm::cross(two_way, x - from)); };
         if (off(p) < 4 * pad_m && off(q) < 4 * pad_m) length += glm::distance(p, q);
       }
     }

@@ -40,19 +40,20 @@ Bounded bounded(const Ball& x) {
 }  // namespace
 
 void certify_arrival(const Arrival& arrival, const RangeSamples& samples, const TakeArrival& take) {
-  const BallVector way{Ball(double(arrival.way.x)), Ball(double(arrival.way.y)), Ball(double(arrival.way.z))};
-  const Ball units = root(squared(way[0]) + squared(way[1]) + squared(way[2])),
+  const BallVector two_way{Ball(double(arrival.two_way.x)), Ball(double(arrival.two_way.y)),
+                           Ball(double(arrival.two_way.z))};
+  const Ball units = root(squared(two_way[0]) + squared(two_way[1]) + squared(two_way[2])),
              length = units * Ball(arrival.unit_m),
              beta = Ball(arrival.absorption_db_per_m) * log(Ball(10)) / Ball(10);
-  const BallVector direction{way[0] / units, way[1] / units, way[2] / units};
+  const BallVector direction{two_way[0] / units, two_way[1] / units, two_way[2] / units};
   certify_arrival({length / Ball(2), exp(-(beta * length)) / squared(length), direction, direction}, arrival,
                   true, samples, take);
 }
 
 std::optional<EnclosedRay> enclose_ray(const ApparentMap& water, const RayEnclosure& rays,
                                        const glm::dvec3& place_m) {
-  const glm::dvec3 way = water.unfolded(place_m) - water.apex_m(), u(1, 0, 0), v(0, 1, 0);
-  const std::array<Interval, 3> at{way.x, way.y, way.z};
+  const glm::dvec3 two_way = water.unfolded(place_m) - water.apex_m(), u(1, 0, 0), v(0, 1, 0);
+  const std::array<Interval, 3> at{two_way.x, two_way.y, two_way.z};
   const auto found = rays.over(at, u, v, 0.0, 0.0);
   if (!found) return std::nullopt;
   const auto ball = [](const Interval& x) { return Ball::between(x.lo, x.hi); };
@@ -115,10 +116,10 @@ void certify_arrival(const EnclosedRay& ray, const Arrival& arrival, bool sure, 
   }
 }
 
-std::array<Bounded, 2> certify_arrivals_product(const GridPoint& way, double unit_m,
+std::array<Bounded, 2> certify_arrivals_product(const GridPoint& two_way, double unit_m,
                                                 const ReceiverBaseline& receiver_pair, const Bounded& upper,
                                                 const Bounded& lower) {
-  const std::array<double, 3> units{double(way.x), double(way.y), double(way.z)};
+  const std::array<double, 3> units{double(two_way.x), double(two_way.y), double(two_way.z)};
   Ball along, to_upper, to_lower;
   for (std::size_t k = 0; k < 3; ++k) {
     const Ball middle = Ball(units[k]) * Ball(unit_m),

@@ -30,14 +30,14 @@ class Cutter {
       return std::array<Ball, 3>{Ball(p.x), Ball(p.y), Ball(p.z)};
     };
     // Ways where the polygon lies, of ways where it is seen.
-    const auto way = [&](const std::array<Ball, 3>& e) {
+    const auto two_way = [&](const std::array<Ball, 3>& e) {
       std::array<Ball, 3> on;
       for (int row = 0; row < 3; ++row)
         for (int column = 0; column < 3; ++column) on[row] += Ball(lies.linear[column][row]) * e[column];
       return on;
     };
-    const std::array<Ball, 3> at = balls(lies.lies_m), from = way(balls(lies.seen_m)),
-                              away = way(polygon.away), u = way(polygon.u), v = way(polygon.v);
+    const std::array<Ball, 3> at = balls(lies.lies_m), from = two_way(balls(lies.seen_m)),
+                              away = two_way(polygon.away), u = two_way(polygon.u), v = two_way(polygon.v);
     for (const CertifiedTexture::Axis& axis : texture.axes()) {
       const auto along = [&](const std::array<Ball, 3>& e) {
         return axis.per_m[0] * e[0] + axis.per_m[1] * e[1] + axis.per_m[2] * e[2];

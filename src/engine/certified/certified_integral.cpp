@@ -124,9 +124,9 @@ Ball CertifiedIntegrator::scattered_over(const Ball& r) const {
 
 /// No less than the density anywhere from `nearest` on, up to the ranges' far end.
 Ball CertifiedIntegrator::most_density(const Ball& nearest, const Ball& over) const {
-  const auto way = Way<Ball>::of(nearest);
-  if (law_ == nullptr) return lambert_density(way, beta_);
-  return density(Ball(scattered_over(over).hi()), way, beta_);
+  const auto two_way = TwoWayRange<Ball>::of(nearest);
+  if (law_ == nullptr) return lambert_density(two_way, beta_);
+  return density(Ball(scattered_over(over).hi()), two_way, beta_);
 }
 
 /// Chooses q and pairs the arcs; false if that is not certain.
@@ -207,12 +207,12 @@ double CertifiedIntegrator::nearest_singularity() const {
 /// t times the density, so that its integral over t is that of the density times r over r.
 template <class N>
 N CertifiedIntegrator::radial(const N& t, const N& r) const {
-  const auto way = Way<N>::of(r);
+  const auto two_way = TwoWayRange<N>::of(r);
   const N beta(beta_);
-  if (law_piece_ == nullptr) return t * lambert_density(way, beta);
+  if (law_piece_ == nullptr) return t * lambert_density(two_way, beta);
   const N rho = full_circle_ ? t : root(N(q2_ - distance2_) + squared(t));
   const N incidence = N(Ball::pi() / Ball(2)) - turn_at(polygon_->distance, rho, size_of(rho));
-  return t * density(cross_section_in(*law_piece_, incidence, N(N(polygon_->distance) / r)), way, beta);
+  return t * density(cross_section_in(*law_piece_, incidence, N(N(polygon_->distance) / r)), two_way, beta);
 }
 
 template <class N>

@@ -279,8 +279,8 @@ Ball CertifiedPathEnergy::scattered(const PlanePlace<Ball>& p, const Ball& tx_ra
 }
 
 Ball CertifiedPathEnergy::spread(const Ball& tx_range, const Ball& rx_range) const {
-  const auto way = Way<Ball>::of(tx_range, rx_range);
-  return tx_law_ == nullptr ? lambert_density(way, beta_) : density(Ball(1), way, beta_);
+  const auto two_way = TwoWayRange<Ball>::of(tx_range, rx_range);
+  return tx_law_ == nullptr ? lambert_density(two_way, beta_) : density(Ball(1), two_way, beta_);
 }
 
 Ball CertifiedPathEnergy::density_at(const PlanePlace<Ball>& p, const Ball& tx_range,
@@ -296,12 +296,12 @@ Ball CertifiedPathEnergy::density_at(const PlanePlace<Ball>& p, const Ball& tx_r
 Interval CertifiedPathEnergy::density_at(const PlanePlace<Interval>& p, const Interval& tx_range,
                                          const Interval& rx_range) const {
   // All of it is positive, and falls with both ranges: as narrow as intervals can be.
-  const auto way = Way<Interval>::of(tx_range, rx_range);
+  const auto two_way = TwoWayRange<Interval>::of(tx_range, rx_range);
   const Interval sent = factor_in_doubles_ * tx_.passed(p, tx_range) * rx_.passed(p, rx_range);
-  if (tx_law_ == nullptr) return sent * lambert_density(way, beta_in_doubles_);
+  if (tx_law_ == nullptr) return sent * lambert_density(two_way, beta_in_doubles_);
   const Interval lobes =
       root(tx_.cross_section(*tx_law_, p, tx_range) * rx_.cross_section(*rx_law_, p, rx_range));
-  return density(sent * lobes, way, beta_in_doubles_);
+  return density(sent * lobes, two_way, beta_in_doubles_);
 }
 
 double CertifiedPathEnergy::log_bound(const PlanePlace<ComplexBall>& p, CertifiedEnd::Bound& tx,

@@ -111,7 +111,7 @@ double IntervalIntegrator::most_turn(long double range) const {
 
 /// No less than the density at any range of an interval.
 double IntervalIntegrator::most_density(const Interval& range) const {
-  const auto nearest = Way<Interval>::of(Interval(range.lo));
+  const auto nearest = TwoWayRange<Interval>::of(Interval(range.lo));
   if (law_ == nullptr) return lambert_density(nearest, beta_).hi;
   const Interval rho = root(squared(range) - squared(distance_));
   const Interval sigma = cross_section_over(*law_, angle_of(distance_, rho), distance_ / range);
@@ -208,10 +208,10 @@ Interval IntervalIntegrator::rho_at(const Interval& t, const Interval& t2) const
 /// t times the density, so that its integral over t is that of the density times r over r.
 Interval IntervalIntegrator::radial(const Interval& t, const Interval& t2) const {
   const Interval r2 = range_q2_ + t2, r = root(r2);
-  const Way<Interval> way{r2, r + r};
-  if (law_piece_ == nullptr) return t * lambert_density(way, beta_);
+  const TwoWayRange<Interval> two_way{r2, r + r};
+  if (law_piece_ == nullptr) return t * lambert_density(two_way, beta_);
   const Interval incidence = angle_of(distance_, rho_at(t, t2));
-  return t * density(cross_section_in(*law_piece_, incidence, distance_ / r), way, beta_);
+  return t * density(cross_section_in(*law_piece_, incidence, distance_ / r), two_way, beta_);
 }
 
 bool IntervalIntegrator::integrate(double from, double to, const Allowed& allowed) {

@@ -23,16 +23,16 @@ CertifiedPolygon flattened(std::span<const glm::dvec3> corners_m, glm::dvec3 rec
   plane.away = {Ball(0), Ball(0), Ball(1)};
   std::vector<CertifiedPolygon::Point> points;
   for (const glm::dvec3& corner : corners_m) {
-    std::array<Ball, 3> way;
+    std::array<Ball, 3> two_way;
     for (int k = 0; k < 3; ++k) {
-      Ball& own = way[std::size_t(k)] = Ball(corner[k]);
+      Ball& own = two_way[std::size_t(k)] = Ball(corner[k]);
       own.add_error(Ball(
           units * (std::abs(corner[k]) + std::abs(corner[k] - receiver_m[k]) + std::abs(receiver_m[k]))));
       own = own - Ball(bistatic.to_plane.seen_m[k]);
     }
     const auto along = [&](int row) {
       Ball sum(bistatic.to_plane.lies_m[row]);
-      for (int k = 0; k < 3; ++k) sum += Ball(bistatic.to_plane.linear[k][row]) * way[std::size_t(k)];
+      for (int k = 0; k < 3; ++k) sum += Ball(bistatic.to_plane.linear[k][row]) * two_way[std::size_t(k)];
       return sum;
     };
     points.push_back({along(0), along(1)});

@@ -87,9 +87,9 @@ bool ReceiverPairIntegrand::take(const PlanePlace<Ball>& box, std::vector<double
 }
 
 void ReceiverPairIntegrand::take_whole() {
-  for (ReceiverPairPath* way : {&upper_, &lower_}) {
-    way->gains.take_tables();
-    way->energy.take_all_pieces();
+  for (ReceiverPairPath* two_way : {&upper_, &lower_}) {
+    two_way->gains.take_tables();
+    two_way->energy.take_all_pieces();
   }
 }
 

@@ -81,9 +81,9 @@ void ReceiverPairPieces::add(OnFacet& on, const Seen& upper, const Seen& lower, 
     const std::span receive = std::span(law_.patterns->receive).first(1);
     const TransmitPattern& transmit = law_.patterns->transmit.front();
     doubt = PatternDoubt(transmit, Towards::places(upper.corners_m), on.upper.proven);
-    for (const auto& [way, by, polygon] :
+    for (const auto& [two_way, by, polygon] :
          {std::tuple(&by_upper, &on.upper, &seen), {&by_lower, &on.lower, &other}}) {
-      way->gains = {way->energy.tx(), way->energy.rx(), transmit, receive};
+      two_way->gains = {two_way->energy.tx(), two_way->energy.rx(), transmit, receive};
       doubt.take_rx(receive.front(), seen_rx(*polygon, by->bistatic), by->proven);
     }
   }

@@ -69,11 +69,11 @@ double Unknown::begins_m(const Sector& tube) const {
 }
 
 void Unknown::look_at(Around& ball) const {
-  const glm::dvec3& way = ball.centre_m;
-  const double range = glm::length(way), across = std::hypot(way.x, way.y);
+  const glm::dvec3& two_way = ball.centre_m;
+  const double range = glm::length(two_way), across = std::hypot(two_way.x, two_way.y);
   ball.anywhere = !(range > ball.radius_m);
   if (ball.anywhere) return;
-  const double level = std::atan2(way.z, across),
+  const double level = std::atan2(two_way.z, across),
                apart = std::asin(ball.radius_m / range) + rays_.most_turn_rad() + slack,
                low = std::max(level - apart, -upright), high = std::min(level + apart, upright);
   DirectionBox& box = ball.launch;
@@ -84,7 +84,7 @@ void Unknown::look_at(Around& ball) const {
   box.all_round = !(ball.radius_m < across) || level + apart > upright || level - apart < -upright;
   if (box.all_round) return;
   const double sine = ball.radius_m / across, cosine = std::sqrt((1 - sine) * (1 + sine));
-  const glm::dvec2 towards = glm::dvec2(way) / across, left(-towards.y, towards.x);
+  const glm::dvec2 towards = glm::dvec2(two_way) / across, left(-towards.y, towards.x);
   box.from = cosine * towards - sine * left;
   box.to = cosine * towards + sine * left;
 }

@@ -238,7 +238,7 @@ class OneApex {
       const FacetBed bed = law_.bed(footprint.facet);
       const double energy = density(bed.cross_section(std::sin(footprint.grazing_angle_rad),
                                                       std::cos(footprint.grazing_angle_rad)),
-                                    Way<double>::of(range), beta_) *
+                                    TwoWayRange<double>::of(range), beta_) *
                             texture_at(bed, footprint.facet, footprint.centroid_m) * footprint.area_m2;
       const double near = footprint.slant_range_min_m, far = footprint.slant_range_max_m;
       const bool at_once = how_.binning == Binning::centroid || !(far > near);
@@ -298,8 +298,8 @@ class OneApex {
     const double cosine = std::sqrt(std::max((1 - sine) * (1 + sine), 0.0));
     const auto direction = [&] { return glm::normalize(glm::dvec3(hit.direction)); };
     const double texture = bed.texture == nullptr ? 1 : texture_at(bed, hit.facet, r * direction());
-    const double energy = density(bed.cross_section(sine, cosine), Way<double>::of(r), beta_) * texture *
-                          (hit.solid_angle_sr * (r * r) / sine);
+    const double energy = density(bed.cross_section(sine, cosine), TwoWayRange<double>::of(r), beta_) *
+                          texture * (hit.solid_angle_sr * (r * r) / sine);
     share(hit.tube, energy, r, r, r, direction);
   }
   /// By material: Lambert's parameter where nothing else is to be known of a hit; negative for others, and at

@@ -49,11 +49,11 @@ struct PathOnFacet {
 
   /// Of an even bed, without mirrors.
   double density_at(double tx_range_m, double rx_range_m) const {
-    const auto way = Way<double>::of(tx_range_m, rx_range_m);
-    if (bed.scattering == nullptr) return lambert * lambert_density(way, beta_per_m);
+    const auto two_way = TwoWayRange<double>::of(tx_range_m, rx_range_m);
+    if (bed.scattering == nullptr) return lambert * lambert_density(two_way, beta_per_m);
     const double sigma = std::sqrt(cross_section(*bed.scattering, tx.over.distance, tx_range_m) *
                                    cross_section(*bed.scattering, rx.over.distance, rx_range_m));
-    return bed.factor * density(sigma, way, beta_per_m);
+    return bed.factor * density(sigma, two_way, beta_per_m);
   }
   double texture_at(glm::dvec2 p) const {
     return bed.texture == nullptr ? 1 : bed.texture->factor(lies.at(p));

@@ -40,7 +40,7 @@ int PatternIntegrator::sample_of(double range2) const {
 /// Of the polygon at hand, of which arcs_may_be_spans() is true: false, and nothing added, where the angle is
 /// no smooth function of the cosine over all of it.
 bool PatternIntegrator::add_edges() {
-  if (!little_absorption_ || edges_.size() < 3 || !find_edge_way()) return false;
+  if (!little_absorption_ || edges_.size() < 3 || !find_edge_path()) return false;
   if (way_.outside) return true;
   if (!find_panels()) return false;
   for (std::size_t e = 0; e < edges_.size(); ++e) {
@@ -50,7 +50,7 @@ bool PatternIntegrator::add_edges() {
   return true;
 }
 
-bool PatternIntegrator::find_edge_way() {
+bool PatternIntegrator::find_edge_path() {
   const Axis& axis = receiver_->axes[receiver_->moments_axis];
   constexpr double far_away = std::numeric_limits<double>::infinity();
   double near2 = far_away, far2 = 0, lowest = far_away, highest = -far_away, least_side = far_away,
@@ -189,7 +189,7 @@ void PatternIntegrator::cut_edge(const Edge& edge, const Edge& next) {
 
 double* PatternIntegrator::row_of(std::uint32_t sample, std::size_t panel) {
   constexpr std::uint32_t together = DirectionMoments::samples_of_block;
-  EdgeWay::Rows& rows = way_.rows[panel];
+  EdgePath::Rows& rows = way_.rows[panel];
   if (const std::uint32_t block = sample / together; rows.block != block)
     rows = {block, receiver_->moments->row(block * together, way_.panels[panel])};
   return rows.first + sample % together * DirectionMoments::row_size;

@@ -133,7 +133,7 @@ class PatternIntegrator {
   };
 
   /// Where a polygon's edges are summed up along themselves (pattern_edges.cpp).
-  struct EdgeWay {
+  struct EdgePath {
     EdgeLanes lanes;
     double nearest2 = 0;   // squared range of the polygon
     double reach = 0;      // of its cosines, from the middle
@@ -191,7 +191,7 @@ class PatternIntegrator {
   bool arcs_may_be_spans() const;
   bool add_spans(double t0, double t1, const GaussRule& rule);
   bool add_edges();
-  bool find_edge_way();
+  bool find_edge_path();
   bool find_panels();
   int sample_of(double range2) const;
   double* row_of(std::uint32_t sample, std::size_t panel);
@@ -220,7 +220,7 @@ class PatternIntegrator {
   Piece piece_{};
   bool spans_ = false;  // the slab's only arc may be added by its ends
   Sweep sweep_;
-  EdgeWay way_;
+  EdgePath way_;
   std::vector<double> borders2_, absorbed_;  // squared borders; by sample: absorption in its middle
   bool little_absorption_ = false;           // within a sample
   Factor texture_;

@@ -30,7 +30,7 @@ void ScatteringCutter::prepare(const ScatteringLaw& law, double distance_m, std:
   std::vector<double> corners = corner_ranges_m(law, distance_m);
   corners.insert(corners.begin(), distance_m);  // what is nearer is not asked for
   const auto g = [&](double r) {
-    return density(cross_section(law, distance_m, r), Way<double>::of(r), beta_);
+    return density(cross_section(law, distance_m, r), TwoWayRange<double>::of(r), beta_);
   };
   cutter_.reset();
   radial_ = std::make_unique<RadialIntegral>(std::span(borders_).subspan(first_, end_ - first_ + 1), g,

@@ -21,29 +21,29 @@ inline double squared(double x) { return x * x; }
 
 /// The ranges of a point from both ends of its path.
 template <class N>
-struct Way {
+struct TwoWayRange {
   N product, sum;
 
   /// From one apex and back to it.
-  static Way of(const N& range) { return {squared(range), range + range}; }
-  static Way of(const N& tx, const N& rx) { return {tx * rx, tx + rx}; }
+  static TwoWayRange of(const N& range) { return {squared(range), range + range}; }
+  static TwoWayRange of(const N& tx, const N& rx) { return {tx * rx, tx + rx}; }
 };
 
 template <class N>
-N absorbed(const Way<N>& way, const N& beta) {
+N absorbed(const TwoWayRange<N>& two_way, const N& beta) {
   using std::exp;
-  return exp(-(beta * way.sum));
+  return exp(-(beta * two_way.sum));
 }
 
 template <class N>
-N density(const N& sigma, const Way<N>& way, const N& beta) {
-  return sigma * absorbed(way, beta) / squared(way.product);
+N density(const N& sigma, const TwoWayRange<N>& two_way, const N& beta) {
+  return sigma * absorbed(two_way, beta) / squared(two_way.product);
 }
 
 /// Of Lambert's law, over mu and the distances of both apexes from the plane: all that depends on ranges.
 template <class N>
-N lambert_density(const Way<N>& way, const N& beta) {
-  return absorbed(way, beta) / (squared(way.product) * way.product);
+N lambert_density(const TwoWayRange<N>& two_way, const N& beta) {
+  return absorbed(two_way, beta) / (squared(two_way.product) * two_way.product);
 }
 
 /// The same where a root has given the reciprocal of the product already: a division less at every node.

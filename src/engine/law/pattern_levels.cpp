@@ -83,8 +83,8 @@ class Summit {
     for (double step = first_rad; step > last_rad && left > 0; step /= 2, --left) {
       const double before = best_;
       const auto [u, v] = across(at_);
-      for (const glm::dvec3 way : {u, -u, v, -v, u + v, u - v, v - u, -u - v})
-        visit(glm::normalize(at_ + step * way));
+      for (const glm::dvec3 two_way : {u, -u, v, -v, u + v, u - v, v - u, -u - v})
+        visit(glm::normalize(at_ + step * two_way));
       if (best_ > before * (1 + 1e-6)) step *= 2;  // on, as far as before
     }
     return best_;

@@ -53,7 +53,7 @@ void check_coherent(const PathImages& images, std::span<const SignalChannel> cha
         "signals over mirrors need straight ways: in refracting water leave mirrors or signals out, or give "
         "the "
         "water one sound speed");
-  if (std::ranges::any_of(channels, [](const SignalChannel& channel) { return channel.has_way(); }))
+  if (std::ranges::any_of(channels, [](const SignalChannel& channel) { return channel.has_path(); }))
     throw std::invalid_argument(
         "signals over mirrors are of ends at rest: leave the channels' ways out, or the mirrors");
   if (channels.empty()) throw std::invalid_argument("signals need a channel or more");

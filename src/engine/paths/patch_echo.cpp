@@ -252,9 +252,9 @@ void PatchEcho::take(const Polygon& polygon, double sample) {
     const ReceiverViews::End& receiver = received_->receives.ends()[end];
     const double sigma =
         mu_ * scattering_lobe(scattering_, sent.sine) * scattering_lobe(scattering_, rx.sine);
-    double energy = density(sigma, Way<double>::of(sent.range, rx.range), beta_) * (std::abs(area) / 2) *
-                    lobe * point_->loss.at(sent.direction) * receiver.image->leg.loss.at(rx.direction) *
-                    sent.tx * rx.rx;
+    double energy = density(sigma, TwoWayRange<double>::of(sent.range, rx.range), beta_) *
+                    (std::abs(area) / 2) * lobe * point_->loss.at(sent.direction) *
+                    receiver.image->leg.loss.at(rx.direction) * sent.tx * rx.rx;
     if (texture_ != nullptr) energy *= texture_->factor(local_m_ + receiver.apex_m + rx.lies_m);
     true_back = receiver.image->leg.to_true * rx.direction;
     return received_->row ? energy * gain_of(0, true_back) : energy;

@@ -94,8 +94,8 @@ double most_of(const MirrorLoss& loss, const std::vector<glm::dvec3>& corners) {
 }  // namespace
 
 /// From an end over a chain of mirrors.
-struct RefractedImages::Way {
-  Way(std::size_t of, Heights chain, const PathWater& water, const TubeSet& tubes, const OnBed& on_bed)
+struct RefractedImages::MirrorPath {
+  MirrorPath(std::size_t of, Heights chain, const PathWater& water, const TubeSet& tubes, const OnBed& on_bed)
       : end(of),
         heights(std::move(chain)),
         up_first(!heights.empty() && heights.front() > tubes.apex.z),
@@ -106,8 +106,8 @@ struct RefractedImages::Way {
                      {on_bed.front, heights.empty() ? on_bed.straight_within_m : 0}),
         rays(apparent_map, unfolded.rays),
         view_bounds(tubes, water.grid.unit_m(), apparent_map) {}
-  Way(const Way&) = delete;
-  Way& operator=(const Way&) = delete;
+  MirrorPath(const MirrorPath&) = delete;
+  MirrorPath& operator=(const MirrorPath&) = delete;
 
   static std::vector<double> in_metres(const Heights& heights, const WorldGrid& grid) {
     std::vector<double> metres;
@@ -182,19 +182,20 @@ void RefractedImages::map_apparent_paths() {
   for (std::size_t end = 0; end < ends_.size(); ++end) find_ways(end, {}, false, 1, 0, order_ - 1);
   std::vector<const ApparentMap*> straightenings;
   std::vector<const ViewBounds*> all_view_bounds;
-  for (const Way& way : ways_) {
+  for (const MirrorPath& mirror_path : mirror_paths_) {
     stop_if_wanted();
-    straightenings.push_back(&way.apparent_map);
-    all_view_bounds.push_back(&way.view_bounds);
-    const std::vector<FacetId> some = way.view_bounds.facets(*mesh_, *tree_, water_.grid);
+    straightenings.push_back(&mirror_path.apparent_map);
+    all_view_bounds.push_back(&mirror_path.view_bounds);
+    const std::vector<FacetId> some = mirror_path.view_bounds.facets(*mesh_, *tree_, water_.grid);
     facets.insert(facets.end(), some.begin(), some.end());
   }
   std::ranges::sort(facets);
   facets.erase(std::unique(facets.begin(), facets.end()), facets.end());
   alike_ = map_apparent_together(*mesh_, facets, water_.grid, straightenings, absorption_db_per_m_,
                                  water_.apparent_map, water_.limits, all_view_bounds);
-  for (std::size_t k = 0; k < ways_.size(); ++k)
-    ways_[k].tree = std::make_unique<SceneTree>(alike_.seen[k].refined.mesh, SceneTree::Sheets::ignored);
+  for (std::size_t k = 0; k < mirror_paths_.size(); ++k)
+    mirror_paths_[k].tree =
+        std::make_unique<SceneTree>(alike_.seen[k].refined.mesh, SceneTree::Sheets::ignored);
 }
 
 void RefractedImages::find_levels(const FacetMesh& mesh) {
@@ -220,19 +221,19 @@ bool RefractedImages::is_next(const Heights& heights, bool up_first, std::int32_
   return up ? next > from : next < from;
 }
 
-RefractedImages::Way& RefractedImages::add_way(std::size_t end, const Heights& heights) {
-  if (ways_.size() > most_images_)
+RefractedImages::MirrorPath& RefractedImages::add_mirror_path(std::size_t end, const Heights& heights) {
+  if (mirror_paths_.size() > most_images_)
     throw std::length_error(
         fmt::format("more than {} chains of level mirrors: follow fewer orders or cut "
                     "off sooner",
                     most_images_));
-  way_of_[{end, heights}] = ways_.size();
-  return ways_.emplace_back(end, heights, water_, ends_[end], on_bed_);
+  mirror_path_of_[{end, heights}] = mirror_paths_.size();
+  return mirror_paths_.emplace_back(end, heights, water_, ends_[end], on_bed_);
 }
 
 void RefractedImages::find_ways(std::size_t end, const Heights& heights, bool up_first, double passes,
                                 double way_m, int most) {
-  add_way(end, heights);
+  add_mirror_path(end, heights);
   if (int(heights.size()) >= most) return;
   const std::int32_t apex = ends_[end].apex.z, from = heights.empty() ? apex : heights.back();
   double fastest = 0;
@@ -266,15 +267,15 @@ std::vector<Image> RefractedImages::images_of(std::size_t end, std::span<const G
   Image& root = images.front();
   root.windows = beside != nullptr ? *beside : ends_[end];
   for (std::uint32_t t = 0; t < root.windows.tubes.size(); ++t) root.own_tube.push_back(t);
-  root.way = way_of_.at({end, {}});
+  root.mirror_path = mirror_path_of_.at({end, {}});
   for (std::size_t first = 0, last = 1; first < last; first = last, last = images.size()) {
     const int mirrors = int(images[first].mirrors);
     if (mirrors >= order_) break;
     for (std::size_t i = first; i < last; ++i) {
       Image& image = images[i];
-      image.mesh = &alike_.seen[image.way].refined.mesh;
-      image.tree = ways_[image.way].tree.get();
-      image.origin = alike_.origin[image.way];
+      image.mesh = &alike_.seen[image.mirror_path].refined.mesh;
+      image.tree = mirror_paths_[image.mirror_path].tree.get();
+      image.origin = alike_.origin[image.mirror_path];
       look(image);
     }
     const bool is_last = mirrors + 1 == order_;
@@ -287,14 +288,15 @@ std::vector<Image> RefractedImages::images_of(std::size_t end, std::span<const G
 }
 
 glm::dvec3 RefractedImages::beside_m(const Image& image) const {
-  return water_.grid.to_metres(image.windows.apex) - water_.grid.to_metres(ends_[ways_[image.way].end].apex);
+  return water_.grid.to_metres(image.windows.apex) -
+         water_.grid.to_metres(ends_[mirror_paths_[image.mirror_path].end].apex);
 }
 
 std::vector<Image> RefractedImages::children_of(const Image& image, std::span<const GridPoint> received_at) {
   stop_if_wanted();
-  const Way& way = ways_[image.way];
+  const MirrorPath& mirror_path = mirror_paths_[image.mirror_path];
   const GridPoint apex = image.windows.apex;
-  const std::int32_t level = ends_[way.end].apex.z;  // what the world is turned about
+  const std::int32_t level = ends_[mirror_path.end].apex.z;  // what the world is turned about
   // By height, whether it is met from below, and reflection; the surface's are of no facet.
   std::map<std::tuple<std::int32_t, bool, double, bool>, std::vector<Cone>> mirrors;
   for (std::uint32_t tube = 0; tube < image.seen.size(); ++tube) {
@@ -332,19 +334,19 @@ std::vector<Image> RefractedImages::children_of(const Image& image, std::span<co
   std::vector<Image> children;
   for (const auto& [mirror, cones] : mirrors) {
     const auto [height, up, reflection, is_surface] = mirror;
-    if (!is_next(way.heights, way.up_first, level, height, up)) continue;
-    Heights chain = way.heights;
+    if (!is_next(mirror_path.heights, mirror_path.up_first, level, height, up)) continue;
+    Heights chain = mirror_path.heights;
     chain.push_back(height);
-    auto known = way_of_.find({way.end, chain});
-    if (known == way_of_.end()) {
+    auto known = mirror_path_of_.find({mirror_path.end, chain});
+    if (known == mirror_path_of_.end()) {
       if (received_at.empty()) continue;  // nothing passes, or nothing in time
-      add_way(way.end, chain);
-      known = way_of_.find({way.end, chain});
+      add_mirror_path(mirror_path.end, chain);
+      known = mirror_path_of_.find({mirror_path.end, chain});
     }
     Image child;
     child.mirrors = image.mirrors + 1;
-    child.way = known->second;
-    const ApparentMap& water = ways_[child.way].apparent_map;
+    child.mirror_path = known->second;
+    const ApparentMap& water = mirror_paths_[child.mirror_path].apparent_map;
     child.leg.to_true[2][2] = water.unfolding().sign;
     child.leg.loss = image.leg.loss;
     child.leg.loss.factor *= reflection;
@@ -387,7 +389,7 @@ std::vector<Image> RefractedImages::children_of(const Image& image, std::span<co
 }
 
 std::vector<PartWeights> RefractedImages::weights(const Image& image) const {
-  const RefinedMesh& seen = alike_.seen[image.way].refined;
+  const RefinedMesh& seen = alike_.seen[image.mirror_path].refined;
   std::vector<PartWeights> all = seen.weights;
   if (!cut_weights_.empty())
     for (FacetId f = 0; f < all.size(); ++f)
@@ -396,44 +398,50 @@ std::vector<PartWeights> RefractedImages::weights(const Image& image) const {
 }
 
 ApparentEnd RefractedImages::end_of(const Image& image) const {
-  return {alike_.seen[image.way], ways_[image.way].apparent_map};
+  return {alike_.seen[image.mirror_path], mirror_paths_[image.mirror_path].apparent_map};
 }
 
 BistaticBed RefractedImages::bed_between(const Image& sent, const Image& received) {
   for (const Image* image : {&sent, &received}) {
-    Way& way = ways_[image->way];
-    if (way.tree != nullptr) continue;
-    way.alone = std::make_unique<CommonApparentSurfaces>(
-        map_apparent_together(*mesh_, way.view_bounds.facets(*mesh_, *tree_, water_.grid), water_.grid,
-                              std::array{&way.apparent_map}, absorption_db_per_m_, water_.apparent_map,
-                              water_.limits, std::array{&way.view_bounds}));
-    way.tree = std::make_unique<SceneTree>(way.alone->seen[0].refined.mesh, SceneTree::Sheets::ignored);
+    MirrorPath& mirror_path = mirror_paths_[image->mirror_path];
+    if (mirror_path.tree != nullptr) continue;
+    mirror_path.alone = std::make_unique<CommonApparentSurfaces>(
+        map_apparent_together(*mesh_, mirror_path.view_bounds.facets(*mesh_, *tree_, water_.grid),
+                              water_.grid, std::array{&mirror_path.apparent_map}, absorption_db_per_m_,
+                              water_.apparent_map, water_.limits, std::array{&mirror_path.view_bounds}));
+    mirror_path.tree =
+        std::make_unique<SceneTree>(mirror_path.alone->seen[0].refined.mesh, SceneTree::Sheets::ignored);
   }
   const auto end = [&](const Image& image) {
-    const Way& way = ways_[image.way];
-    const bool alone = way.alone != nullptr;
-    return BistaticEnd{alone ? way.alone->seen[0] : alike_.seen[image.way], *way.tree,
-                       alone ? way.alone->origin[0] : alike_.origin[image.way], way.apparent_map, way.rays};
+    const MirrorPath& mirror_path = mirror_paths_[image.mirror_path];
+    const bool alone = mirror_path.alone != nullptr;
+    return BistaticEnd{alone ? mirror_path.alone->seen[0] : alike_.seen[image.mirror_path], *mirror_path.tree,
+                       alone ? mirror_path.alone->origin[0] : alike_.origin[image.mirror_path],
+                       mirror_path.apparent_map, mirror_path.rays};
   };
-  const RefinedMesh& cut = ways_[sent.way].alone ? ways_[sent.way].alone->bed : alike_.bed;
+  const RefinedMesh& cut =
+      mirror_paths_[sent.mirror_path].alone ? mirror_paths_[sent.mirror_path].alone->bed : alike_.bed;
   return {cut.mesh, cut.parent, *mesh_, water_.grid, end(sent), end(received)};
 }
 
 const ApparentMap& RefractedImages::water_of(const Image& image) const {
-  return ways_[image.way].apparent_map;
+  return mirror_paths_[image.mirror_path].apparent_map;
 }
 
-const RayEnclosure& RefractedImages::rays_of(const Image& image) const { return ways_[image.way].rays; }
+const RayEnclosure& RefractedImages::rays_of(const Image& image) const {
+  return mirror_paths_[image.mirror_path].rays;
+}
 
 std::optional<std::size_t> RefractedImages::way_before(const Image& image) const {
-  const Way& way = ways_[image.way];
-  if (way.heights.empty()) return std::nullopt;
-  return way_of_.at({way.end, Heights(way.heights.begin(), way.heights.end() - 1)});
+  const MirrorPath& mirror_path = mirror_paths_[image.mirror_path];
+  if (mirror_path.heights.empty()) return std::nullopt;
+  return mirror_path_of_.at(
+      {mirror_path.end, Heights(mirror_path.heights.begin(), mirror_path.heights.end() - 1)});
 }
 
 SeenBed RefractedImages::seen_by(const Image& image) const {
-  const Way& way = ways_[image.way];
-  const ApparentSurface& ground = alike_.seen[image.way];
+  const MirrorPath& mirror_path = mirror_paths_[image.mirror_path];
+  const ApparentSurface& ground = alike_.seen[image.mirror_path];
   const FacetMesh& mesh = *image.mesh;
   const glm::dvec3 apex_m = water_.grid.to_metres(image.windows.apex);
   SeenBed bed{shared_with_itself(mesh, {image.windows, image.seen}, water_.grid.unit_m())};
@@ -447,10 +455,11 @@ SeenBed RefractedImages::seen_by(const Image& image) const {
       seen[k] = water_.grid.to_metres(mesh.vertices[v]);
       lies[k] = ground.truth[v];
       const auto [known, is_new] = rays.try_emplace(v);
-      if (is_new) known->second = way.apparent_map.apparent(lies[k])->ray;  // or it would not be seen
+      if (is_new) known->second = mirror_path.apparent_map.apparent(lies[k])->ray;  // or it would not be seen
       ray[k] = known->second;
     }
-    bed.refracted.push_back(refracted_facet(apex_m, seen, lies, ray, way.apparent_map, absorption_db_per_m_));
+    bed.refracted.push_back(
+        refracted_facet(apex_m, seen, lies, ray, mirror_path.apparent_map, absorption_db_per_m_));
     facet.facet = alike_.bed.parent[image.origin[facet.facet]];
   }
   return bed;
@@ -458,9 +467,10 @@ SeenBed RefractedImages::seen_by(const Image& image) const {
 
 GroundCounts RefractedImages::counts(std::span<const SeenBed> seen) const {
   GroundCounts all;
-  for (std::size_t k = 0; k < ways_.size(); ++k)
-    all.add(counts_from(alike_.seen[k], ways_[k].apparent_map,
-                        ways_[k].heights.empty() ? on_bed_.front : glm::dvec3(0), 4 * water_.grid.unit_m()));
+  for (std::size_t k = 0; k < mirror_paths_.size(); ++k)
+    all.add(counts_from(alike_.seen[k], mirror_paths_[k].apparent_map,
+                        mirror_paths_[k].heights.empty() ? on_bed_.front : glm::dvec3(0),
+                        4 * water_.grid.unit_m()));
   for (const SeenBed& bed : seen) all.folded += folded_facets(bed);
   return all;
 }
@@ -468,9 +478,9 @@ GroundCounts RefractedImages::counts(std::span<const SeenBed> seen) const {
 std::vector<ApparentSurface> RefractedImages::take_grounds() {
   std::vector<ApparentSurface> grounds;
   for (std::size_t k = 0; k < alike_.seen.size(); ++k) {
-    if (ways_[k].heights.empty()) continue;
+    if (mirror_paths_[k].heights.empty()) continue;
     for (UnclearPlace& place : alike_.seen[k].unclear)
-      if (place.eigenrays > 0) place.direction.z *= ways_[k].apparent_map.unfolding().sign;
+      if (place.eigenrays > 0) place.direction.z *= mirror_paths_[k].apparent_map.unfolding().sign;
     grounds.push_back(std::move(alike_.seen[k]));
   }
   return grounds;
@@ -479,10 +489,11 @@ std::vector<ApparentSurface> RefractedImages::take_grounds() {
 bool RefractedImages::is_hidden(const Image& image, const GridPoint& from, const GridPoint& to) {
   if (image.mesh != nullptr) return !in_view(*image.mesh, *image.tree, from, to);
   // Of the last mirror nothing is scattered: what lies behind it has not been mapped.
-  Way& way = ways_[image.way];
+  MirrorPath& mirror_path = mirror_paths_[image.mirror_path];
   const ApparentSurface ground =
-      map_apparent(*mesh_, way.view_bounds.facets(*mesh_, *tree_, water_.grid), water_.grid, way.apparent_map,
-                   absorption_db_per_m_, water_.apparent_map, water_.limits, {}, &way.view_bounds);
+      map_apparent(*mesh_, mirror_path.view_bounds.facets(*mesh_, *tree_, water_.grid), water_.grid,
+                   mirror_path.apparent_map, absorption_db_per_m_, water_.apparent_map, water_.limits, {},
+                   &mirror_path.view_bounds);
   const SceneTree tree(ground.refined.mesh, SceneTree::Sheets::ignored);
   return !in_view(ground.refined.mesh, tree, from, to);
 }
@@ -500,12 +511,12 @@ std::vector<MirroredRay> RefractedImages::rays_to(const Image& image, GridPoint 
 }
 
 std::vector<MirroredRay> RefractedImages::all_rays_to(const Image& image, GridPoint place) const {
-  const ApparentMap& water = ways_[image.way].apparent_map;
-  const glm::dvec3 at_m = water_.grid.to_metres(place), way = at_m - water.apex_m();
+  const ApparentMap& water = mirror_paths_[image.mirror_path].apparent_map;
+  const glm::dvec3 at_m = water_.grid.to_metres(place), mirror_path = at_m - water.apex_m();
   std::vector<MirroredRay> rays;
   if (!water.unfolding().may_reach(at_m.z, at_m.z)) return rays;
-  const double range = std::hypot(way.x, way.y);
-  const glm::dvec2 across = range > 0 ? glm::dvec2(way) / range : glm::dvec2(0);
+  const double range = std::hypot(mirror_path.x, mirror_path.y);
+  const glm::dvec2 across = range > 0 ? glm::dvec2(mirror_path) / range : glm::dvec2(0);
   for (const Eigenray& ray : water.finder().all(water.depth_m(at_m), range)) {
     if (!(ray.tube_area_m2_per_sr > 0)) continue;  // on a caustic, where rays say nothing
     const double distance = water.reference_speed_m_s() * ray.time_s;

@@ -107,14 +107,14 @@ class RefractedImages {
   std::vector<MirroredRay> all_rays_to(const Image& image, GridPoint place) const;
 
  private:
-  struct Way;
+  struct MirrorPath;
   using Heights = std::vector<std::int32_t>;
   struct Children;
 
   void map_apparent_paths();
   void find_levels(const FacetMesh& mesh);
   void find_ways(std::size_t end, const Heights& heights, bool up, double passes, double way_m, int most);
-  Way& add_way(std::size_t end, const Heights& heights);
+  MirrorPath& add_mirror_path(std::size_t end, const Heights& heights);
   bool is_next(const Heights& heights, bool up_first, std::int32_t apex, std::int32_t next, bool up) const;
   void look(Image& image);
   std::vector<Image> children_of(const Image& image, std::span<const GridPoint> received_at);
@@ -136,8 +136,8 @@ class RefractedImages {
   std::unique_ptr<SceneTree> cut_tree_;
   const FacetMesh* mesh_;
   const SceneTree* tree_;
-  std::deque<Way> ways_;
-  std::map<std::pair<std::size_t, Heights>, std::size_t> way_of_;
+  std::deque<MirrorPath> mirror_paths_;
+  std::map<std::pair<std::size_t, Heights>, std::size_t> mirror_path_of_;
   CommonApparentSurfaces alike_;
 };
 

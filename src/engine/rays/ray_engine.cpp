@@ -59,13 +59,13 @@ constexpr std::int64_t adaptive_task = 1 << 11, adaptive_portion = std::int64_t{
 std::int64_t portions(std::int64_t rays, std::int64_t portion) { return (rays + portion - 1) / portion; }
 
 /// Where the rays of a transmission, or of an image of it, come from and end.
-struct Way {
+struct RayRoute {
   const RayScene::State& scene;
   GridPoint apex;
   double reach_m;
   const RaysOnwards* onwards;
 
-  Way(const RayScene& rays, const History& history, const RaysOnwards* over)
+  RayRoute(const RayScene& rays, const History& history, const RaysOnwards* over)
       : scene(rays.state()),
         apex(over != nullptr ? over->apex : history.tubes.apex),
         reach_m(history.tubes.reach * history.grid_unit_m),
@@ -80,7 +80,7 @@ struct Way {
 /// The hits of rays [first, end), as `source(first, end)` makes them, in their order. `chunk`: rays of a
 /// task.
 template <class Source>
-void trace_all(const Way& way, std::int64_t first, std::int64_t end, std::int64_t chunk, RayHits& hits,
+void trace_all(const RayRoute& route, std::int64_t first, std::int64_t end, std::int64_t chunk, RayHits& hits,
                const Source& source) {
   const std::int64_t rays = end - first, chunks = (rays + chunk - 1) / chunk;
   const std::size_t stride = HitWriter::most_blocks(std::size_t(chunk));
@@ -89,7 +89,7 @@ void trace_all(const Way& way, std::int64_t first, std::int64_t end, std::int64_
     stop_if_wanted();
     const std::int64_t begin = first + c * chunk;
     HitWriter writer(in_order.begin(c));
-    way.trace(source(begin, std::min(begin + chunk, end)), writer);
+    route.trace(source(begin, std::min(begin + chunk, end)), writer);
     in_order.end(c, writer.end());
   });
   hits.resize(in_order.blocks());
@@ -98,7 +98,7 @@ void trace_all(const Way& way, std::int64_t first, std::int64_t end, std::int64_
 /// Pilots of adaptive rays, and what they met, in tasks.
 class Pilots {
  public:
-  Pilots(const Way& way, const AdaptiveRays& rays, const RayGuide* guide)
+  Pilots(const RayRoute& route, const AdaptiveRays& rays, const RayGuide* guide)
       : met_(std::size_t(rays.pilots())), tasks_(std::size_t((rays.pilots() + task_rays - 1) / task_rays)) {
     tbb::parallel_for(std::size_t{0}, tasks_.size(), [&](std::size_t t) {
       stop_if_wanted();
@@ -108,11 +108,11 @@ class Pilots {
       task.number.resize(std::size_t(end - task.first));
       HitBlock* const blocks = task.hits.room_for(HitWriter::most_blocks(task.number.size()));
       HitWriter writer(blocks, task.number.data());
-      way.trace(AdaptiveRays::Source(rays, true, task.first, end), writer);
+      route.trace(AdaptiveRays::Source(rays, true, task.first, end), writer);
       task.hits.resize(std::size_t(writer.end() - blocks));
       std::size_t k = 0;
       for (const RayHit hit : task.hits)
-        met_[std::size_t(task.first + task.number[k++])] = echo_of(hit, way.scene.mesh, guide);
+        met_[std::size_t(task.first + task.number[k++])] = echo_of(hit, route.scene.mesh, guide);
     });
   }
   const std::vector<PilotEcho>& met() const { return met_; }
@@ -165,11 +165,11 @@ void trace_adaptive(const RayScene& scene, History& history, const RaySettings& 
                     const RaysOnwards* onwards, const RayGuide* guide) {
   constexpr std::int64_t portion = adaptive_portion;
   AdaptiveRays rays(history.tubes, settings, beam_of_tube, guide);
-  const Way way(scene, history, onwards);
+  const RayRoute route(scene, history, onwards);
   Steps steps("portions of rays",
               std::size_t(portions(rays.pilots(), portion) + portions(rays.others(), portion)));
   {
-    Pilots pilots(way, rays, guide);
+    Pilots pilots(route, rays, guide);
     rays.deal(pilots.met());
     pilots.hand_over(rays, history.hits, [&] {
       take();
@@ -178,7 +178,7 @@ void trace_adaptive(const RayScene& scene, History& history, const RaySettings& 
   }
   for (std::int64_t first = 0; first < rays.others(); first += portion) {
     trace_all(
-        way, first, std::min(first + portion, rays.others()), adaptive_task, history.hits,
+        route, first, std::min(first + portion, rays.others()), adaptive_task, history.hits,
         [&](std::int64_t begin, std::int64_t end) { return AdaptiveRays::Source(rays, false, begin, end); });
     take();
     steps.done();
@@ -189,7 +189,7 @@ void trace_adaptive(const RayScene& scene, History& history, const RaySettings& 
 
 void trace_rays(const RayScene& scene, const RayPlan& plan, std::int64_t first, std::int64_t end,
                 History& history, const RaysOnwards* onwards) {
-  trace_all(Way(scene, history, onwards), first, end, plan.rays_at_a_time(), history.hits,
+  trace_all(RayRoute(scene, history, onwards), first, end, plan.rays_at_a_time(), history.hits,
             [&](std::int64_t begin, std::int64_t until) { return RaySource(plan, begin, until); });
 }
 

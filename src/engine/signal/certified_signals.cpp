@@ -152,7 +152,7 @@ double radius_about(const Ball& ball, double middle) {
 
 bool CertifiedSmoothSignals::can_bound(const SmoothSurface& surface, const SignalChannel& channel,
                                        const Path& path) {
-  return !surface.fluid && surface.roughness_m == 0 && !channel.has_way() && !path.over_mirrors() &&
+  return !surface.fluid && surface.roughness_m == 0 && !channel.has_path() && !path.over_mirrors() &&
          channel.transmit.kind == Directivity::Kind::uniform &&
          channel.receive.kind == Directivity::Kind::uniform;
 }
@@ -236,7 +236,7 @@ void CertifiedSmoothSignals::leave_open(const SeenPatches& patches,
   for (std::size_t c = 0; c < channels.size(); ++c)
     for (const SeenPatch& patch : patches.patches) {
       const auto [shortest, longest] = paths_of(patches, patch, channels[c]);
-      const auto [first, end] = channels[c].has_way()
+      const auto [first, end] = channels[c].has_path()
                                     ? std::pair(std::size_t(0), times_.count)
                                     : samples_of(shortest, longest, pulse_, times_, sound_speed_);
       for (std::size_t k = first; k < end; ++k) bound[c * times_.count + k] = open;

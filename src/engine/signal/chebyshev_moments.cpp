@@ -50,9 +50,9 @@ bool ChebyshevMoments::begin(const SmoothPieces::Chunk& chunk, glm::dvec3 tx_m, 
     for (const glm::dvec3& end : *ends) most = std::max(most, glm::distance(end, (*ends)[0]));
     apart += most;
   }
-  const double way = glm::distance(middle, tx_m) + glm::distance(middle, rx_m),
+  const double motion = glm::distance(middle, tx_m) + glm::distance(middle, rx_m),
                spare = 2 * glm::length(half_u + half_v) + apart + 2 * extent.moved_m;
-  if (way + spare < shortest_m || way - spare > longest_m) return false;
+  if (motion + spare < shortest_m || motion - spare > longest_m) return false;
   chunk_ = &chunk;
   u_.set(nodes_.nodes_for(chunk.change_u));
   v_.set(nodes_.nodes_for(chunk.change_v));
@@ -66,9 +66,9 @@ void ChebyshevMoments::clear() {
 }
 
 void ChebyshevMoments::add(glm::dvec3 place_m, std::complex<double> amplitude) {
-  const glm::dvec3 way = place_m - chunk_->corner_m;
-  const double s = glm::dot(way, chunk_->u) / chunk_->size_m.x,
-               t = glm::dot(way, chunk_->v) / chunk_->size_m.y;
+  const glm::dvec3 motion = place_m - chunk_->corner_m;
+  const double s = glm::dot(motion, chunk_->u) / chunk_->size_m.x,
+               t = glm::dot(motion, chunk_->v) / chunk_->size_m.y;
   const int i = std::clamp(int(s), 0, chunk_->count_u - 1), j = std::clamp(int(t), 0, chunk_->count_v - 1);
   const double u = 2 * (s - i) - 1, v = 2 * (t - j) - 1;
   std::array<double, ChebyshevNodes::most> by_u, by_v;

@@ -210,9 +210,9 @@ ChannelSignals moving_signals(const SeenPatches& patches, const MovingEnds& ends
   return signals;
 }
 
-bool has_ways(const CoherentReceiver& receiver) {
+bool has_paths(const CoherentReceiver& receiver) {
   return std::any_of(receiver.channels.begin(), receiver.channels.end(),
-                     [](const SignalChannel& channel) { return channel.has_way(); });
+                     [](const SignalChannel& channel) { return channel.has_path(); });
 }
 
 }  // namespace
@@ -231,7 +231,7 @@ ChannelSignals element_signals(const SeenPatches& patches, const CoherentReceive
                                const EchoLaw& law, const GroundField& field, double tolerance) {
   check(receiver, law);
   check(field);
-  if (has_ways(receiver)) {
+  if (has_paths(receiver)) {
     const MovingEnds ends(receiver, patches.origin_m);
     return ends.move() ? moving_signals(patches, ends, law, field, tolerance)
                        : element_signals(patches, ends.held(), law, field, tolerance);
@@ -265,7 +265,7 @@ ChannelSignals drawn_signals(const SeenPatches& patches, const CoherentReceiver&
                              std::uint64_t seed, std::uint32_t ping, double tolerance) {
   check(receiver, law);
   std::optional<MovingEnds> ends;
-  if (has_ways(receiver)) {
+  if (has_paths(receiver)) {
     ends.emplace(receiver, patches.origin_m);
     if (!ends->move()) return drawn_signals(patches, ends->held(), law, seed, ping, tolerance);
   }
@@ -310,7 +310,7 @@ CovarianceMatrix signal_covariances(const SeenPatches& patches, const CoherentRe
                                     std::span<const SignalSample> samples, const EchoLaw& law,
                                     double tolerance) {
   check(receiver, law);
-  if (has_ways(receiver))
+  if (has_paths(receiver))
     throw std::invalid_argument(
         "signal covariances are of ends at rest: leave the channels' ways out, or take element_signals() or "
         "drawn_signals(), which know ways");

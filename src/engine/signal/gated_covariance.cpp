@@ -106,7 +106,7 @@ class GatedIntegral {
       return PathCutter::Receiver{a.plane().distance_m + glm::dot(a.plane().normal, from_a),
                                   a.frame().project(from_a)};
     };
-    PathCutter::SecondWay second{over(b.transmit_m()), over(b.receive_m())};
+    PathCutter::SecondRange second{over(b.transmit_m()), over(b.receive_m())};
     const bool weighed = a.weighed() || b.weighed();
     const PathCutter::Integrand integrand = [&](glm::dvec2 p, double tx, double back,
                                                 std::span<double> values) {
@@ -163,7 +163,7 @@ SampleCovariances gated_covariances(const SeenPatches& patches, const SignalChan
                                     const SignalChannel& b, const RangeSamples& samples,
                                     double wavenumber_rad_m, const EchoLaw& law, double tolerance) {
   check(law);
-  if (a.has_way() || b.has_way())
+  if (a.has_path() || b.has_path())
     throw std::invalid_argument(
         "gated covariances are of ends at rest: leave the channels' ways out, or take signals of "
         "element_signals(), which knows ways");

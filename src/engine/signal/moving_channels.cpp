@@ -21,11 +21,11 @@ constexpr double nearest_of_all_m = 1e-3;
 /// Of amplitudes, per relative change of a range (smooth_pieces.cpp).
 constexpr double amplitude_rad = 8;
 
-std::size_t known(std::vector<TabulatedWay>& ways, TabulatedWay way) {
-  const auto same = std::find(ways.begin(), ways.end(), way);
-  if (same != ways.end()) return std::size_t(same - ways.begin());
-  ways.push_back(std::move(way));
-  return ways.size() - 1;
+std::size_t known(std::vector<TabulatedMotion>& motions, TabulatedMotion motion) {
+  const auto same = std::find(motions.begin(), motions.end(), motion);
+  if (same != motions.end()) return std::size_t(same - motions.begin());
+  motions.push_back(std::move(motion));
+  return motions.size() - 1;
 }
 
 /// The middle of the box that holds them first, then all.
@@ -50,20 +50,20 @@ MovingEnds::MovingEnds(const CoherentReceiver& receiver, glm::dvec3 origin_m)
                tolerance_m = way_tolerance * c / receiver.carrier_hz;
   for (std::size_t k = 0; k < held_.channels.size(); ++k) {
     SignalChannel& channel = held_.channels[k];
-    const auto take = [&](EndWay& way, glm::dvec3& place, double begin_s, double end_s, const char* end,
-                          std::vector<TabulatedWay>& ways, MotionBounds& bounds) {
-      if (way == nullptr) return known(ways, TabulatedWay(place - origin_m));
-      TabulatedWay table(way, begin_s, end_s, origin_m, tolerance_m, as_fast_as_sound * c,
-                         fmt::format("the {} of channel {}", end, k));
+    const auto take = [&](PlatformMotion& motion, glm::dvec3& place, double begin_s, double end_s,
+                          const char* end, std::vector<TabulatedMotion>& motions, MotionBounds& bounds) {
+      if (motion == nullptr) return known(motions, TabulatedMotion(place - origin_m));
+      TabulatedMotion table(motion, begin_s, end_s, origin_m, tolerance_m, as_fast_as_sound * c,
+                            fmt::format("the {} of channel {}", end, k));
       bounds.widen(table.bounds());
-      place = way((begin_s + end_s) / 2);
-      way = nullptr;
-      return known(ways, std::move(table));
+      place = motion((begin_s + end_s) / 2);
+      motion = nullptr;
+      return known(motions, std::move(table));
     };
-    transmit_of_.push_back(take(channel.transmit_way, channel.transmit_m, receiver.pulse.begin_s,
+    transmit_of_.push_back(take(channel.transmit_motion, channel.transmit_m, receiver.pulse.begin_s,
                                 receiver.pulse.end_s, "transmitter", transmit_, transmit_bounds_));
-    receive_of_.push_back(take(channel.receive_way, channel.receive_m, first_s, first_s + 2 * half_record_s_,
-                               "receiver", receive_, receive_bounds_));
+    receive_of_.push_back(take(channel.receive_motion, channel.receive_m, first_s,
+                               first_s + 2 * half_record_s_, "receiver", receive_, receive_bounds_));
   }
 }
 
@@ -103,8 +103,8 @@ bool MovingChannels::look_at(const SeenPatch& patch) {
   std::vector<glm::dvec3>& receivers = near_m_;
   receivers.clear();
   double spread = 0;
-  for (const TabulatedWay& way : ends_.transmit_) {
-    senders.push_back(way.at(pulse.middle_s()).place_m);
+  for (const TabulatedMotion& motion : ends_.transmit_) {
+    senders.push_back(motion.at(pulse.middle_s()).place_m);
     spread = std::max(spread, glm::distance(senders.back(), senders.front()));
   }
   const double there_s = pulse.middle_s() + glm::distance(senders[0], centre) / c,
@@ -144,7 +144,7 @@ bool MovingChannels::look_at(const SeenPatch& patch) {
   const MovingPulse::Steps steps = pulse.steps_for(ends_.transmit_bounds_, ends_.receive_bounds_, nearest);
   newton_s_ = steps.newton_s;
   passing_.clear();
-  for (const TabulatedWay& way : ends_.transmit_) passing_.push_back(pulse.send(way, steps.parts));
+  for (const TabulatedMotion& motion : ends_.transmit_) passing_.push_back(pulse.send(motion, steps.parts));
   even_ = (amplitude_rad + extent_.pattern_rad) * std::max(v_tx, v_rx) * pulse.half_s() * stretch <=
           tolerance_ / 4 * nearest;
   return true;

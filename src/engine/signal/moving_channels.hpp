@@ -30,7 +30,7 @@ class MovingEnds {
   glm::dvec3 origin_m_;
   CoherentReceiver held_;
   MovingPulse pulse_;
-  std::vector<TabulatedWay> transmit_, receive_;
+  std::vector<TabulatedMotion> transmit_, receive_;
   std::vector<std::size_t> transmit_of_, receive_of_;  // by channel
   MotionBounds transmit_bounds_, receive_bounds_;
   double half_record_s_;

@@ -83,13 +83,13 @@ MovingPulse::Steps MovingPulse::steps_for(const MotionBounds& transmit, const Mo
                                           double nearest_m) const {
   const double c = sound_speed_m_s_, wavelength = 2 * std::numbers::pi / wavenumber_rad_m_;
   // Of a range its second and third derivatives by time.
-  const auto second = [&](const MotionBounds& way) {
-    return way.speed_m_s * way.speed_m_s / nearest_m + way.acceleration_m_s2;
+  const auto second = [&](const MotionBounds& motion) {
+    return motion.speed_m_s * motion.speed_m_s / nearest_m + motion.acceleration_m_s2;
   };
-  const auto third = [&](const MotionBounds& way) {
-    const double v = way.speed_m_s;
-    return 1.2 * v * v * v / (nearest_m * nearest_m) + 3 * v * way.acceleration_m_s2 / nearest_m +
-           way.jerk_m_s3;
+  const auto third = [&](const MotionBounds& motion) {
+    const double v = motion.speed_m_s;
+    return 1.2 * v * v * v / (nearest_m * nearest_m) + 3 * v * motion.acceleration_m_s2 / nearest_m +
+           motion.jerk_m_s3;
   };
   const double beta = std::max(transmit.speed_m_s, receive.speed_m_s) / c, stretch = (1 + beta) / (1 - beta),
                tx = second(transmit), rx = second(receive);
@@ -107,7 +107,7 @@ MovingPulse::Steps MovingPulse::steps_for(const MotionBounds& transmit, const Mo
   return steps;
 }
 
-MovingPulse::Passing MovingPulse::send(const TabulatedWay& transmit, std::size_t parts) const {
+MovingPulse::Passing MovingPulse::send(const TabulatedMotion& transmit, std::size_t parts) const {
   Passing passing;
   passing.transmit = &transmit;
   for (std::size_t n = 0; n <= 2 * parts; ++n) {
@@ -130,7 +130,7 @@ void MovingPulse::pass(glm::dvec3 place_m, Passing& passing) const {
   }
 }
 
-void MovingPulse::add(const Passing& passing, const TabulatedWay& receive, std::span<const Echo> echoes,
+void MovingPulse::add(const Passing& passing, const TabulatedMotion& receive, std::span<const Echo> echoes,
                       std::complex<double> strength, double less_m, const AmplitudeOf& exact,
                       std::complex<double>* out) const {
   const auto samples = double(times_.count);
@@ -183,12 +183,12 @@ void MovingPulse::add(const Passing& passing, const TabulatedWay& receive, std::
       double sent_s = time_s - path.at(time_s) * per_c_, tx_m = 0;
       glm::dvec3 from_m;
       for (int step = 0; step < most_steps; ++step) {
-        const TabulatedWay::Moment end = passing.transmit->at(sent_s);
+        const TabulatedMotion::Moment end = passing.transmit->at(sent_s);
         from_m = end.place_m;
-        const glm::dvec3 way = from_m - passing.place_m;
-        tx_m = glm::length(way);
+        const glm::dvec3 motion = from_m - passing.place_m;
+        tx_m = glm::length(motion);
         const double off =
-            (sent_s + tx_m * per_c_ - there_s) / (1 + glm::dot(way, end.velocity_m_s) * per_c_ / tx_m);
+            (sent_s + tx_m * per_c_ - there_s) / (1 + glm::dot(motion, end.velocity_m_s) * per_c_ / tx_m);
         sent_s -= off;
         if (std::abs(off) <= exact_s) break;
       }

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "engine/signal/baseband_pulse.hpp"
-#include "engine/signal/end_way.hpp"
+#include "engine/signal/platform_motion.hpp"
 
 namespace tubefoot {
 
@@ -33,14 +33,14 @@ class MovingPulse {
 
   /// A transmitter's pulse as it passes a place.
   struct Passing {
-    const TabulatedWay* transmit = nullptr;
+    const TabulatedMotion* transmit = nullptr;
     std::vector<double> sent_s;      ///< two for a part, and the end
     std::vector<glm::dvec3> from_m;  ///< where the transmitter is then
     std::vector<char> smooth;        ///< by part
     glm::dvec3 place_m{0};
     std::vector<double> tx_m, there_s;
   };
-  Passing send(const TabulatedWay& transmit, std::size_t parts) const;
+  Passing send(const TabulatedMotion& transmit, std::size_t parts) const;
   void pass(glm::dvec3 place_m, Passing& passing) const;
 
   /// What comes back of a passing pulse.
@@ -51,7 +51,7 @@ class MovingPulse {
   /// `amplitude(from_m, to_m, tx_m, rx_m)`: A, the ends being there; `even`: one for all of the pulse will
   /// do. `echoes` is room to work in.
   template <class Amplitude>
-  void add(const Passing& passing, const TabulatedWay& receive, glm::dvec3 near_m, double newton_s,
+  void add(const Passing& passing, const TabulatedMotion& receive, glm::dvec3 near_m, double newton_s,
            std::complex<double> strength, double less_m, bool even, const Amplitude& amplitude,
            std::vector<Echo>& echoes, std::complex<double>* out) const {
     const std::size_t count = passing.sent_s.size();
@@ -83,13 +83,13 @@ class MovingPulse {
     double time_s, rx_m, slope;  ///< slope: of times of hearing by times at the place
     glm::dvec3 to_m;
   };
-  Reception received_at(const Passing& passing, std::size_t n, const TabulatedWay& receive, double time_s,
+  Reception received_at(const Passing& passing, std::size_t n, const TabulatedMotion& receive, double time_s,
                         double newton_s) const {
     constexpr int hopeful_steps = 8, most_steps = 100;
     for (int step = 0;; ++step) {
-      const TabulatedWay::Moment end = receive.at(time_s);
-      const glm::dvec3 way = end.place_m - passing.place_m;
-      const double rx = glm::length(way), rate = glm::dot(way, end.velocity_m_s) / rx,
+      const TabulatedMotion::Moment end = receive.at(time_s);
+      const glm::dvec3 motion = end.place_m - passing.place_m;
+      const double rx = glm::length(motion), rate = glm::dot(motion, end.velocity_m_s) / rx,
                    slope = 1 / (1 - rate * per_c_), off = (time_s - passing.there_s[n] - rx * per_c_) * slope,
                    before_s = time_s;
       time_s -= off;
@@ -106,7 +106,7 @@ class MovingPulse {
     const void* of = nullptr;
     double (*at)(const void* of, glm::dvec3 from_m, glm::dvec3 to_m, double tx_m, double rx_m) = nullptr;
   };
-  void add(const Passing& passing, const TabulatedWay& receive, std::span<const Echo> echoes,
+  void add(const Passing& passing, const TabulatedMotion& receive, std::span<const Echo> echoes,
            std::complex<double> strength, double less_m, const AmplitudeOf& amplitude,
            std::complex<double>* out) const;
   /// By the time when it was sent, from the pulse's begin on, in cubics.

@@ -8,7 +8,7 @@
 
 #include "engine/echo/path_on_facet.hpp"
 #include "engine/law/beam_pattern.hpp"
-#include "engine/signal/end_way.hpp"
+#include "engine/signal/platform_motion.hpp"
 #include "engine/signal/seen_patches.hpp"
 
 // Signals are analytic with the time factor e^{-i omega t}; a way of length L has the phase e^{+ikL}.
@@ -19,11 +19,12 @@ namespace tubefoot {
 struct SignalChannel {
   glm::dvec3 transmit_m{0}, receive_m{0};  ///< local frame
   Directivity transmit{}, receive{};       ///< power patterns; amplitudes have the signs of side lobes
-  /// Of ends that move while sound is under way, in place of the places; patterns keep their axes. Asked for
-  /// from the pulse's begin to its end (transmit) and from the first sample to one after the last (receive).
-  EndWay transmit_way{}, receive_way{};
+  /// Of ends that move while sound is in progress, in place of the places; patterns keep their axes. Asked
+  /// for from the pulse's begin to its end (transmit) and from the first sample to one after the last
+  /// (receive).
+  PlatformMotion transmit_motion{}, receive_motion{};
 
-  bool has_way() const { return transmit_way != nullptr || receive_way != nullptr; }
+  bool has_path() const { return transmit_motion != nullptr || receive_motion != nullptr; }
 };
 
 /// The amplitude pattern whose square is the power pattern: real, 1 on the axis, alternating in sign from

@@ -143,7 +143,7 @@ SmoothPieces::Chunk SmoothPieces::chunk_of(const OnPlane& on, std::vector<glm::d
   chunk.v = glm::cross(-on.normal, chunk.u);
 
   double nearest = std::numeric_limits<double>::infinity();
-  glm::dvec2 phase(0), way(0);
+  glm::dvec2 phase(0), motion(0);
   double apart = 0;
   for (const auto* ends : {&on.transmit, &on.receive}) {
     glm::dvec2 least(2), most(-2), largest(0), off(0);
@@ -160,7 +160,7 @@ SmoothPieces::Chunk SmoothPieces::chunk_of(const OnPlane& on, std::vector<glm::d
       apart = std::max(apart, glm::distance(end, (*ends)[0]) * (extent_.products ? 2 : 1));
     }
     phase += extent_.products ? most - least : off;
-    way += largest;
+    motion += largest;
   }
   // A direction turns by at most way / range; of two directions' difference the change is at most
   // 3 way apart / range^2, the third derivative of a range being at most 3 / range^2.
@@ -168,7 +168,8 @@ SmoothPieces::Chunk SmoothPieces::chunk_of(const OnPlane& on, std::vector<glm::d
   const double even = extent_.wavenumber_rad_m * 2 * 3 * apart / (range * range) * radius +
                       extent_.band_rad_m * 2 * radius / range + (extent_.pattern_rad + amplitude_rad) / range;
   const glm::dvec2 rate = extent_.wavenumber_rad_m * phase +
-                          extent_.band_rad_m * (1 + extent_.speed_share) * way + (even + moving_rate(range));
+                          extent_.band_rad_m * (1 + extent_.speed_share) * motion +
+                          (even + moving_rate(range));
 
   const glm::dvec2 turn(glm::dot(chunk.u, on.u), glm::dot(chunk.u, on.v));
   glm::dvec2 low(std::numeric_limits<double>::infinity()), high = -low;

@@ -19,25 +19,25 @@ ApparentMap::ApparentMap(const WaterColumn& water, glm::dvec3 apex_m, double sur
       on_bed_(on_bed) {}
 
 ApparentPoint ApparentMap::straight_to(glm::dvec3 point_m) const {
-  const glm::dvec3 way = point_m - apex_m_;
+  const glm::dvec3 path = point_m - apex_m_;
   const double c = finder_.source_speed_m_s(), depth_m = finder_.source_depth_m(),
-               length_m = std::max(glm::length(way), 1e-9);  // less than a grid unit
+               length_m = std::max(glm::length(path), 1e-9);  // less than a grid unit
   Eigenray ray;
-  ray.launch_sine = ray.arrival_sine = -way.z / length_m;
-  ray.launch_cosine = ray.arrival_cosine = std::hypot(way.x, way.y) / length_m;
+  ray.launch_sine = ray.arrival_sine = -path.z / length_m;
+  ray.launch_cosine = ray.arrival_cosine = std::hypot(path.x, path.y) / length_m;
   ray.time_s = length_m / c;
   ray.length_m = length_m;
   ray.absorption_db = water().absorption_in(water().profile.layer_at(depth_m)) * length_m;
   ray.tube_area_m2_per_sr = length_m * length_m;
-  return {apex_m_ + reference_speed_m_s_ / c * way, ray, 1};
+  return {apex_m_ + reference_speed_m_s_ / c * path, ray, 1};
 }
 
 std::optional<ApparentPoint> ApparentMap::apparent(glm::dvec3 point_m,
                                                    std::vector<ApparentPoint>* each) const {
-  const glm::dvec3 way = point_m - apex_m_;
-  if (on_bed_.straight_within_m > 0 && glm::length(way) <= on_bed_.straight_within_m)
+  const glm::dvec3 path = point_m - apex_m_;
+  if (on_bed_.straight_within_m > 0 && glm::length(path) <= on_bed_.straight_within_m)
     return straight_to(point_m);
-  const double range = std::hypot(way.x, way.y);
+  const double range = std::hypot(path.x, path.y);
   const double depth = depth_m(point_m);
   Eigenray first;
   std::size_t count = 1;
@@ -51,7 +51,7 @@ std::optional<ApparentPoint> ApparentMap::apparent(glm::dvec3 point_m,
       // Sent into the bed there is nothing that could be told apart.
       std::erase_if(rays, [&](const Eigenray& ray) {
         const double across = range > 0 ? ray.launch_cosine / range : 0;
-        return !(glm::dot(on_bed_.front, glm::dvec3(across * way.x, across * way.y, -ray.launch_sine)) > 0);
+        return !(glm::dot(on_bed_.front, glm::dvec3(across * path.x, across * path.y, -ray.launch_sine)) > 0);
       });
       if (!rays.empty()) first = rays.front();
       count = std::max<std::size_t>(rays.size(), 1);
@@ -65,12 +65,13 @@ std::optional<ApparentPoint> ApparentMap::apparent(glm::dvec3 point_m,
 }
 
 ApparentPoint ApparentMap::seen_by(const Eigenray& ray, glm::dvec3 point_m, std::size_t rays) const {
-  const glm::dvec3 way = point_m - apex_m_;
-  const double range = std::hypot(way.x, way.y), distance = reference_speed_m_s_ * ray.time_s;
+  const glm::dvec3 path = point_m - apex_m_;
+  const double range = std::hypot(path.x, path.y), distance = reference_speed_m_s_ * ray.time_s;
   // A vertical ray has no azimuth and needs none.
   const double across = range > 0 ? distance * ray.launch_cosine / range : 0;
-  return {apex_m_ + glm::dvec3(across * way.x, across * way.y, -unfolding_.sign * distance * ray.launch_sine),
-          ray, static_cast<int>(rays)};
+  return {
+      apex_m_ + glm::dvec3(across * path.x, across * path.y, -unfolding_.sign * distance * ray.launch_sine),
+      ray, static_cast<int>(rays)};
 }
 
 std::vector<ApparentPoint> ApparentMap::seen_by(std::vector<Eigenray> rays, glm::dvec3 point_m) const {
@@ -81,22 +82,22 @@ std::vector<ApparentPoint> ApparentMap::seen_by(std::vector<Eigenray> rays, glm:
 }
 
 std::vector<ApparentPoint> ApparentMap::all_apparent(glm::dvec3 point_m) const {
-  const glm::dvec3 way = point_m - apex_m_;
-  return seen_by(finder_.all(depth_m(point_m), std::hypot(way.x, way.y)), point_m);
+  const glm::dvec3 path = point_m - apex_m_;
+  return seen_by(finder_.all(depth_m(point_m), std::hypot(path.x, path.y)), point_m);
 }
 
 glm::dvec3 ApparentMap::launch_direction(glm::dvec3 point_m, const Eigenray& ray) const {
-  const glm::dvec3 way = point_m - apex_m_;
-  const double range = std::hypot(way.x, way.y);
+  const glm::dvec3 path = point_m - apex_m_;
+  const double range = std::hypot(path.x, path.y);
   const double across = range > 0 ? ray.launch_cosine / range : 0;
-  return {across * way.x, across * way.y, -unfolding_.sign * ray.launch_sine};
+  return {across * path.x, across * path.y, -unfolding_.sign * ray.launch_sine};
 }
 
 glm::dvec3 ApparentMap::arrival_direction(glm::dvec3 point_m, const Eigenray& ray) const {
-  const glm::dvec3 way = point_m - apex_m_;
-  const double range = std::hypot(way.x, way.y);
+  const glm::dvec3 path = point_m - apex_m_;
+  const double range = std::hypot(path.x, path.y);
   const double across = range > 0 ? ray.arrival_cosine / range : 0;
-  return {across * way.x, across * way.y, -unfolding_.sign * ray.arrival_sine};
+  return {across * path.x, across * path.y, -unfolding_.sign * ray.arrival_sine};
 }
 
 double ApparentMap::return_area_m2_per_sr(glm::dvec3 point_m, const Eigenray& ray) const {

@@ -43,7 +43,7 @@ struct EigenrayFinder::Order {
 };
 
 /// Whole layers from the source on, and part of the one where the point lies.
-struct EigenrayFinder::Way {
+struct EigenrayFinder::RayPath {
   std::span<const Piece> whole;
   Piece part;
   double fastest, mean_speed;
@@ -64,10 +64,10 @@ EigenrayFinder::EigenrayFinder(const WaterColumn& water, double source_depth_m,
   const std::vector<ProfilePoint>& points = water.profile.points();
   up_ = pieces_up(source_m_, points.front().depth_m);
   down_ = pieces(source_m_, points.back().depth_m);
-  for (auto [way, fastest, crossed] :
+  for (auto [path, fastest, crossed] :
        {std::tuple(&up_, &fastest_up_, &crossed_up_), std::tuple(&down_, &fastest_down_, &crossed_down_)}) {
     double c = source_speed_, sum = 0;
-    for (const Piece& piece : *way) {
+    for (const Piece& piece : *path) {
       fastest->push_back(c = std::max(c, piece.c2));
       crossed->push_back(sum += piece.dz_m * (piece.c1 + piece.c2) / 2);
     }
@@ -152,7 +152,7 @@ bool EigenrayFinder::may_turn_towards(double depth_m, double range_m) const {
          beyond.fastest > std::max(source_speed_, water_.profile.at(depth_m));
 }
 
-EigenrayFinder::Way EigenrayFinder::way_to(double depth_m) const {
+EigenrayFinder::RayPath EigenrayFinder::path_to(double depth_m) const {
   const SoundSpeedProfile& profile = water_.profile;
   const bool up = depth_m < source_m_;
   const std::vector<Piece>& pieces = up ? up_ : down_;
@@ -161,13 +161,14 @@ EigenrayFinder::Way EigenrayFinder::way_to(double depth_m) const {
   const std::size_t first = pieces.front().layer, whole = up ? first - layer : layer - first;
   const double from_m = up ? profile.bottom_m(layer) : profile.top_m(layer);
   const double g = profile.gradient_per_s(layer), c = profile.speed_in(layer, depth_m);
-  Way way;
-  way.whole = std::span(pieces).first(whole);
-  way.part = {std::abs(depth_m - from_m), way.whole.back().c2, c, up ? -g : g, layer};
-  way.fastest = std::max((up ? fastest_up_ : fastest_down_)[whole - 1], c);
-  way.mean_speed = ((up ? crossed_up_ : crossed_down_)[whole - 1] + way.part.dz_m * (way.part.c1 + c) / 2) /
-                   std::abs(depth_m - source_m_);
-  return way;
+  RayPath path;
+  path.whole = std::span(pieces).first(whole);
+  path.part = {std::abs(depth_m - from_m), path.whole.back().c2, c, up ? -g : g, layer};
+  path.fastest = std::max((up ? fastest_up_ : fastest_down_)[whole - 1], c);
+  path.mean_speed =
+      ((up ? crossed_up_ : crossed_down_)[whole - 1] + path.part.dz_m * (path.part.c1 + c) / 2) /
+      std::abs(depth_m - source_m_);
+  return path;
 }
 
 std::vector<EigenrayFinder::Piece> EigenrayFinder::pieces(double top_m, double bottom_m) const {
@@ -254,13 +255,13 @@ std::optional<Eigenray> EigenrayFinder::within_layer(std::size_t layer, double d
 }
 
 template <class Pieces>
-RaySums EigenrayFinder::along(const SnellRay& ray, const Pieces& way, bool times_too) const {
+RaySums EigenrayFinder::along(const SnellRay& ray, const Pieces& path, bool times_too) const {
   RaySums sums;
-  if (way.size() == 0) return sums;
+  if (path.size() == 0) return sums;
   const double p = ray.p();
-  double s1 = ray.sine_at(way[0].c1);
-  for (std::size_t i = 0; i < way.size(); ++i) {
-    const Piece& piece = way[i];
+  double s1 = ray.sine_at(path[0].c1);
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const Piece& piece = path[i];
     const double s2 = ray.sine_at(piece.c2);
     const double reach = arc_reach(piece.dz_m, piece.c1, piece.c2, s1, s2);
     sums.reach += reach;
@@ -279,22 +280,22 @@ RaySums EigenrayFinder::along(const SnellRay& ray, const Pieces& way, bool times
 // Newton's method in q = cosine / sine at the fastest place: range is concave in q, layer by layer, so steps
 // from the left never pass the root, and each doubles the digits.
 std::optional<Eigenray> EigenrayFinder::through_layers(double depth_m, double range_m) const {
-  const Way way = way_to(depth_m);
-  const double fastest = way.fastest, first = way[0].c1;
+  const RayPath path = path_to(depth_m);
+  const double fastest = path.fastest, first = path[0].c1;
   const auto at = [fastest](double q) {
     const double w = 1 / std::sqrt(1 + q * q);
     return SnellRay{fastest, w, q * w};
   };
   // Any start will do: one step from the right of the root leads to its left. Here the ray whose angle where
   // the speed is the mean one is that of the straight line.
-  const double flat = fastest / way.mean_speed * range_m / std::hypot(range_m, depth_m - source_m_);
+  const double flat = fastest / path.mean_speed * range_m / std::hypot(range_m, depth_m - source_m_);
   double q = flat < 1 ? flat / std::sqrt((1 - flat) * (1 + flat)) : 0;
   bool range_checked = false;
   for (int step = 0; range_m > 0 && step < 200; ++step) {
     const SnellRay ray = at(q);
     double reach = 0, dx_dp = 0, s1 = ray.sine_at(first);
-    for (std::size_t i = 0; i < way.size(); ++i) {
-      const Piece& piece = way[i];
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      const Piece& piece = path[i];
       const double s2 = ray.sine_at(piece.c2);
       const double r = arc_reach(piece.dz_m, piece.c1, piece.c2, s1, s2);
       reach += r;
@@ -311,15 +312,15 @@ std::optional<Eigenray> EigenrayFinder::through_layers(double depth_m, double ra
       range_checked = true;
       const SnellRay grazing{fastest, 0, 1};
       double longest = 0;
-      for (std::size_t i = 0; i < way.size(); ++i) {
-        const double sines = grazing.sine_at(way[i].c1) + grazing.sine_at(way[i].c2);
-        longest += way[i].dz_m * (way[i].c1 + way[i].c2) / sines / fastest;  // infinite in an even layer
+      for (std::size_t i = 0; i < path.size(); ++i) {
+        const double sines = grazing.sine_at(path[i].c1) + grazing.sine_at(path[i].c2);
+        longest += path[i].dz_m * (path[i].c1 + path[i].c2) / sines / fastest;  // infinite in an even layer
       }
       if (!(range_m < longest)) return std::nullopt;
     }
   }
   const SnellRay ray = at(q);
-  return eigenray(ray, along(ray, way, true), depth_m, depth_m < source_m_, 0);
+  return eigenray(ray, along(ray, path, true), depth_m, depth_m < source_m_, 0);
 }
 
 std::optional<Eigenray> EigenrayFinder::direct(double depth_m, double range_m) const {
@@ -329,11 +330,11 @@ std::optional<Eigenray> EigenrayFinder::direct(double depth_m, double range_m) c
 }
 
 // The way to a turning point and back, `times` times.
-void EigenrayFinder::add_turn(const SnellRay& ray, const std::vector<Piece>& way, double times,
+void EigenrayFinder::add_turn(const SnellRay& ray, const std::vector<Piece>& path, double times,
                               bool times_too, RaySums& sums) const {
   const double p = ray.p();
-  double s1 = way.empty() ? 0 : ray.sine_at(way.front().c1);
-  for (const Piece& piece : way) {
+  double s1 = path.empty() ? 0 : ray.sine_at(path.front().c1);
+  for (const Piece& piece : path) {
     const double sine2 = ray.sine2_at(piece.c2);
     if (sine2 <= 0 && piece.gradient_per_s > 0) {
       if (times_too) {
@@ -367,10 +368,10 @@ std::pair<double, double> EigenrayFinder::range_bounds(const Section& section, c
                                                        double b) {
   const SnellRay flat{a, 0, 1}, steep{b, 0, 1};
   double longest = 0, shortest = 0;
-  const auto add = [&](const std::vector<Piece>& way, int times, bool turning) {
-    if (times == 0 || way.empty()) return;
-    double flat1 = flat.sine_at(way.front().c1), steep1 = steep.sine_at(way.front().c1);
-    for (const Piece& piece : way) {
+  const auto add = [&](const std::vector<Piece>& path, int times, bool turning) {
+    if (times == 0 || path.empty()) return;
+    double flat1 = flat.sine_at(path.front().c1), steep1 = steep.sine_at(path.front().c1);
+    for (const Piece& piece : path) {
       if (turning && piece.c2 >= b) {
         longest += times * turning_arc(steep1, steep1, steep.p(), piece.gradient_per_s).reach * steep.p();
         return;
@@ -485,9 +486,9 @@ std::vector<Eigenray> EigenrayFinder::all(double depth_m, double range_m) const 
   double fastest = std::max(source_speed_, profile.at(depth_m));
   for (const Piece& piece : section.between) fastest = std::max({fastest, piece.c1, piece.c2});
 
-  const auto speeds = [fastest](const std::vector<Piece>& way) {  // where the layer of turning changes
+  const auto speeds = [fastest](const std::vector<Piece>& path) {  // where the layer of turning changes
     std::vector<double> result = {fastest};
-    for (const Piece& piece : way) {
+    for (const Piece& piece : path) {
       if (piece.c2 > result.back()) result.push_back(piece.c2);
     }
     return result;
@@ -524,9 +525,9 @@ std::vector<Eigenray> EigenrayFinder::all(double depth_m, double range_m) const 
       for (std::size_t i = 1; i < borders.size() && borders[i] <= least; ++i) {
         if (!(borders[i - 1] < borders[i])) continue;
         // A single turning point within the common layer is the closed form's.
-        const std::vector<Piece>& way = order.above > 0 ? section.above : section.below;
+        const std::vector<Piece>& path = order.above > 0 ? section.above : section.below;
         const bool closed_form =
-            order.turns == 1 && way.front().layer == section.common_layer && borders[i] <= way.front().c2;
+            order.turns == 1 && path.front().layer == section.common_layer && borders[i] <= path.front().c2;
         if (!closed_form) search(section, order, borders[i - 1], borders[i], depth_m, range_m, found);
       }
     }

@@ -89,8 +89,8 @@ class EigenrayFinder {
   };
   ComingBack coming_back(const std::vector<Piece>& away, const std::vector<Piece>& on) const;
 
-  struct Way;
-  Way way_to(double depth_m) const;
+  struct RayPath;
+  RayPath path_to(double depth_m) const;
 
   std::vector<Piece> pieces(double top_m, double bottom_m) const;
   std::vector<Piece> pieces_up(double from_m, double to_m) const;
@@ -98,8 +98,8 @@ class EigenrayFinder {
   std::optional<Eigenray> within_layer(std::size_t layer, double depth_m, double range_m) const;
   std::optional<Eigenray> through_layers(double depth_m, double range_m) const;
   template <class Pieces>
-  RaySums along(const SnellRay& ray, const Pieces& way, bool times_too) const;
-  void add_turn(const SnellRay& ray, const std::vector<Piece>& way, double times, bool times_too,
+  RaySums along(const SnellRay& ray, const Pieces& path, bool times_too) const;
+  void add_turn(const SnellRay& ray, const std::vector<Piece>& path, double times, bool times_too,
                 RaySums& sums) const;
   static std::pair<double, double> range_bounds(const Section& section, const Order& order, double a,
                                                 double b);

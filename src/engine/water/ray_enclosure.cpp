@@ -363,40 +363,40 @@ std::optional<RayJets> RayEnclosure::through_layers(const Jet& x, const Jet& y, 
   by.xx = -(G_kk * squared(by.x)) / G_k;
   by.xy = -(G_kk * by.x * by.y + G_kz * by.x) / G_k;
   by.yy = -(G_kk * squared(by.y) + 2.0 * (G_kz * by.y) + G_zz) / G_k;
-  const Jet way = down ? depth - Jet(source_m_) : Jet(source_m_) - depth;
-  const Jet kj = compose(m, way, by);
-  const Jet time = compose(kj, way,
+  const Jet path = down ? depth - Jet(source_m_) : Jet(source_m_) - depth;
+  const Jet kj = compose(m, path, by);
+  const Jet time = compose(kj, path,
                            {sums.time, 0.5 * sums.dx_dp, 1.0 / (c * s), 0.5 * sums.dx_dp_k, 0.5 * dx_dp_z,
                             g * (k / s3 - 1.0 / (squared(c) * s))});
-  const Jet reach = compose(kj, way, {sums.reach, sums.reach_k, reach_z, sums.reach_kk, reach_kz, reach_zz});
-  const Jet dx_dp = compose(kj, way, {sums.dx_dp, sums.dx_dp_k, dx_dp_z, 0.0, 0.0, 0.0});
-  const Jet speed = compose(way, c, g, 0.0);
+  const Jet reach = compose(kj, path, {sums.reach, sums.reach_k, reach_z, sums.reach_kk, reach_kz, reach_zz});
+  const Jet dx_dp = compose(kj, path, {sums.dx_dp, sums.dx_dp_k, dx_dp_z, 0.0, 0.0, 0.0});
+  const Jet speed = compose(path, c, g, 0.0);
   const Interval cs = outwards(source_speed_, source_speed_, 4);
   const Jet launch = root(Jet(1.0) - kj * Jet(squared(cs))), arrival = root(Jet(1.0) - kj * squared(speed));
   if (!launch.v.surely_positive()) return std::nullopt;
   RayJets rays;
-  const Jet d2 = m + squared(way), d = root(d2);
+  const Jet d2 = m + squared(path), d = root(d2);
   std::vector<RayDifferences::Part> parts;
   for (const Leg& leg : legs_between(apparent_map_.water().profile, source_m_, near))
     parts.push_back({leg.dz_m, hull(leg.c1, leg.c2)});
   parts.push_back({Interval(0, std::abs(far - near) * (1 + slack)), c});
   const RayDifferences differences(parts, {k, sums.reach, sums.reach_k, sums.time, sums.dx_dp, sums.dx_dp_k,
-                                           c, s, g, cs, launch.v, way.v, d2.v});
-  const Jet ref(reference_speed_), across = ref * compose(kj, way, differences.across()),
-                                   below = ref * compose(kj, way, differences.below());
+                                           c, s, g, cs, launch.v, path.v, d2.v});
+  const Jet ref(reference_speed_), across = ref * compose(kj, path, differences.across()),
+                                   below = ref * compose(kj, path, differences.below());
   rays.image = {across * x, across * y, down ? -below : below};
   rays.time_s = time;
   // At one place, in the middle of what k is and at the nearer end; from there on slopes say more than ranges
   // of values.
   const Interval k0(k.middle()), h0 = root(squared(Interval(near) - source_m_)), k_off = k - k0,
-                                 h_off = way.v - h0;
+                                 h_off = path.v - h0;
   const Sums there = sums_to(near, k0);
   const double end_speed = apparent_map_.water().profile.at(near);
   const Interval c0 = outwards(end_speed, end_speed, 8), d0 = root(k0 * squared(there.reach) + squared(h0));
-  rays.slowness_s_per_m = compose(kj, way, differences.slowness(there.time / d0, k_off, h_off));
+  rays.slowness_s_per_m = compose(kj, path, differences.slowness(there.time / d0, k_off, h_off));
   const auto with_slopes = [&](Jet value, const Interval& at_one_place, const RayDifferences::Slopes& slope) {
-    value.a = slope.k * kj.a + slope.z * way.a;
-    value.b = slope.k * kj.b + slope.z * way.b;
+    value.a = slope.k * kj.a + slope.z * path.a;
+    value.b = slope.k * kj.b + slope.z * path.b;
     value.v = common(value.v, at_one_place + slope.k * k_off + slope.z * h_off);
     return value;
   };
@@ -413,7 +413,7 @@ std::optional<RayJets> RayEnclosure::through_layers(const Jet& x, const Jet& y, 
                 there.reach * root(1.0 - k0 * squared(cs)) * s_there * there.dx_dp / squared(c0 * d0),
                 differences.log_area());
   rays.absorption_db =
-      compose(kj, way, {sums.absorption, sums.absorption_k, sums.absorption_per_m / s, 0.0, 0.0, 0.0});
+      compose(kj, path, {sums.absorption, sums.absorption_k, sums.absorption_per_m / s, 0.0, 0.0, 0.0});
   return rays;
 }
 

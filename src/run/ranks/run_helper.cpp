@@ -117,7 +117,7 @@ class HelpingRank {
         crew.add(units);
         asked = false;
       }
-      if (stopped_) stop_asked = true;  // also the pings under way: nobody waits for them
+      if (stopped_) stop_asked = true;  // also the pings in progress: nobody waits for them
       if (over()) {
         crew.stop();
         outbox.open();

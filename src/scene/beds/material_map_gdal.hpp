@@ -10,8 +10,8 @@
 namespace tubefoot {
 
 /// Carries points of a CRS (empty: local metres) into the frame; where only one of the two is georeferenced,
-/// throws InputError that says `way_out`.
+/// throws InputError that says `remedy`.
 void carry_map_points(std::span<glm::dvec3> points, const std::string& crs, const LocalFrame& frame,
-                      const SourcePlace& place, const char* way_out);
+                      const SourcePlace& place, const char* remedy);
 
 }  // namespace tubefoot

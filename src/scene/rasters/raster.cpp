@@ -15,10 +15,10 @@ namespace tubefoot {
 namespace {
 
 void require_cells(const RasterReader& reader, double cells, const std::string& what,
-                   const std::string& way_out) {
+                   const std::string& remedy) {
   if (cells > limits::cells)
-    reader.file().fail(fmt::format("{} are more than {:.3g}: {}", what, limits::cells, way_out));
-  require_memory(2 * bytes_a_facet * cells, reader.file().place(), "facets between " + what, way_out);
+    reader.file().fail(fmt::format("{} are more than {:.3g}: {}", what, limits::cells, remedy));
+  require_memory(2 * bytes_a_facet * cells, reader.file().place(), "facets between " + what, remedy);
 }
 
 /// Between the centres of the cells of one grid.
@@ -69,9 +69,9 @@ ComponentMesh facets_of_supergrids(const RasterReader& reader, double resolution
       const auto& supergrid = refinements.at(grid.row + row, grid.column + column);
       nodes += static_cast<double>(supergrid.columns) * supergrid.rows;
     }
-  const std::string way_out = fmt::format("give a window, or write one resolution with {}",
-                                          advised_resampling(file.place().file, grid.cell_x, grid.cell_y));
-  require_cells(reader, nodes, fmt::format("{} nodes", nodes), way_out);
+  const std::string remedy = fmt::format("give a window, or write one resolution with {}",
+                                         advised_resampling(file.place().file, grid.cell_x, grid.cell_y));
+  require_cells(reader, nodes, fmt::format("{} nodes", nodes), remedy);
   ComponentMesh mesh = join_supergrids(grid, file.place());
   if (resolution_m > 0) {
     const double step = resolution_m / reader.metres_per_unit();

@@ -29,16 +29,16 @@ TEST(Density, InBallsItHoldsWhatItIsInDoubles) {
   std::uniform_real_distribution<double> range(0.1, 500), beta(0, 0.1), part(1e-3, 1);
   for (int k = 0; k < 200; ++k) {
     const double tx = range(random), rx = range(random), b = beta(random), sigma = part(random);
-    const double apart = density(sigma, Way<double>::of(tx, rx), b),
-                 lambert = lambert_density(Way<double>::of(tx, rx), b),
-                 together = lambert_density(Way<double>::of(tx), b);
-    const auto way = Way<Ball>::of(Ball(tx), Ball(rx));
+    const double apart = density(sigma, TwoWayRange<double>::of(tx, rx), b),
+                 lambert = lambert_density(TwoWayRange<double>::of(tx, rx), b),
+                 together = lambert_density(TwoWayRange<double>::of(tx), b);
+    const auto way = TwoWayRange<Ball>::of(Ball(tx), Ball(rx));
     EXPECT_NEAR(density(Ball(sigma), way, Ball(b)).middle() / apart, 1, 1e-14);
     EXPECT_NEAR(lambert_density(way, Ball(b)).middle() / lambert, 1, 1e-14);
-    EXPECT_NEAR(lambert_density(Way<Ball>::of(Ball(tx)), Ball(b)).middle() / together, 1, 1e-14);
+    EXPECT_NEAR(lambert_density(TwoWayRange<Ball>::of(Ball(tx)), Ball(b)).middle() / together, 1, 1e-14);
     // Lambert's sigma by heights, and the definition.
     const double heights = 0.03, sines = heights / (tx * rx);
-    EXPECT_NEAR(heights * lambert / density(sines, Way<double>::of(tx, rx), b), 1, 1e-14);
+    EXPECT_NEAR(heights * lambert / density(sines, TwoWayRange<double>::of(tx, rx), b), 1, 1e-14);
     EXPECT_NEAR(apart / (sigma * std::exp(-b * (tx + rx)) / std::pow(tx * rx, 2)), 1, 1e-13);
   }
 }

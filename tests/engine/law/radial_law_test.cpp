@@ -20,7 +20,7 @@ namespace {
 RadialIntegral made_anew(const RangeSamples& samples, double absorption_db_per_m) {
   const double beta = absorption_per_m(absorption_db_per_m);
   return RadialIntegral(sample_borders_m(samples),
-                        [beta](double r) { return lambert_density(Way<double>::of(r), beta); });
+                        [beta](double r) { return lambert_density(TwoWayRange<double>::of(r), beta); });
 }
 
 void expect_same(const RadialIntegral& a, const RadialIntegral& b) {

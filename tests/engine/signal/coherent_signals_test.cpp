@@ -105,17 +105,18 @@ TEST(SmoothPieces, PhasesChangeByLessThanTheirBounds) {
       const glm::dvec3 middle = chunk.middle_m(i, j), at = middle +
                                                            share(random) * chunk.size_m.x / 2 * chunk.u +
                                                            share(random) * chunk.size_m.y / 2 * chunk.v;
-      const auto way = [&](glm::dvec3 p, std::size_t a) {
+      const auto motion = [&](glm::dvec3 p, std::size_t a) {
         return glm::distance(p, extent.transmit_m[a]) + glm::distance(p, extent.receive_m[3 - a]);
       };
       const double most = chunk.change_u + chunk.change_v;
       for (std::size_t a = 0; a < 4; ++a) {
         for (std::size_t b = 0; b < a; ++b) {
-          const double phase = 300 * std::abs((way(at, a) - way(at, b)) - (way(middle, a) - way(middle, b)));
+          const double phase =
+              300 * std::abs((motion(at, a) - motion(at, b)) - (motion(middle, a) - motion(middle, b)));
           ASSERT_LE(phase, most);
           tightest = std::max(tightest, phase / most);
         }
-        ASSERT_LE(20 * std::abs(way(at, a) - way(middle, a)), most);
+        ASSERT_LE(20 * std::abs(motion(at, a) - motion(middle, a)), most);
       }
     }
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Channels whose ends move while sound is under way, against sums over every scatterer whose times of sending
-// are found by bisection.
+// Channels whose ends move while sound is in progress, against sums over every scatterer whose times of
+// sending are found by bisection.
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -21,11 +21,11 @@ using test::SignalView;
 
 constexpr double pi = std::numbers::pi, c = 1500;
 
-EndWay straight(glm::dvec3 start_m, glm::dvec3 velocity_m_s) {
+PlatformMotion straight(glm::dvec3 start_m, glm::dvec3 velocity_m_s) {
   return [=](double t) { return start_m + velocity_m_s * t; };
 }
 /// A vehicle that goes on, turns and heaves; an end that sits some way from its middle.
-EndWay turning(glm::dvec3 start_m, glm::dvec3 velocity_m_s, double rad_s, glm::dvec3 lever_m) {
+PlatformMotion turning(glm::dvec3 start_m, glm::dvec3 velocity_m_s, double rad_s, glm::dvec3 lever_m) {
   return [=](double t) {
     const double w = rad_s * t;
     return start_m + velocity_m_s * t +
@@ -34,7 +34,7 @@ EndWay turning(glm::dvec3 start_m, glm::dvec3 velocity_m_s, double rad_s, glm::d
   };
 }
 /// From pose to pose, with a bend at each.
-EndWay refracted(glm::dvec3 start_m, glm::dvec3 velocity_m_s, double interval_s) {
+PlatformMotion refracted(glm::dvec3 start_m, glm::dvec3 velocity_m_s, double interval_s) {
   return [=](double t) {
     const double n = std::floor(t / interval_s), share = t / interval_s - n;
     const auto pose = [&](double k) {
@@ -44,12 +44,12 @@ EndWay refracted(glm::dvec3 start_m, glm::dvec3 velocity_m_s, double interval_s)
   };
 }
 
-EndWay way_of(const EndWay& way, glm::dvec3 place_m) {
-  return way ? way : [=](double) { return place_m; };
+PlatformMotion way_of(const PlatformMotion& motion, glm::dvec3 place_m) {
+  return motion ? motion : [=](double) { return place_m; };
 }
 
 /// When what arrives at t was sent, by bisection.
-double sent_at(double t, glm::dvec3 x, const EndWay& transmit, const EndWay& receive) {
+double sent_at(double t, glm::dvec3 x, const PlatformMotion& transmit, const PlatformMotion& receive) {
   const double there = t - glm::distance(x, receive(t)) / c;
   double low = there - 0.2, high = there;
   for (int k = 0; k < 60; ++k) {
@@ -83,8 +83,8 @@ ChannelSignals by_every_scatterer(const SeenPatches& seen, const CoherentReceive
     field.for_scatterers(corners, patch.normal, [&](glm::dvec3 x, Complex z) {
       for (std::size_t n = 0; n < all.channels; ++n) {
         const SignalChannel& channel = receiver.channels[n];
-        const EndWay transmit = way_of(channel.transmit_way, channel.transmit_m),
-                     receive = way_of(channel.receive_way, channel.receive_m);
+        const PlatformMotion transmit = way_of(channel.transmit_motion, channel.transmit_m),
+                             receive = way_of(channel.receive_motion, channel.receive_m);
         for (std::size_t m = 0; m < all.samples; ++m) {
           const double t = receiver.times.time_s(m);
           // Far from any echo of the place.
@@ -118,15 +118,15 @@ double worst_of(const ChannelSignals& a, const ChannelSignals& b) {
 }
 
 /// Three elements and a transmitter on one vehicle.
-CoherentReceiver receiver_on(glm::dvec3 place_m, const std::function<EndWay(glm::dvec3)>& way) {
+CoherentReceiver receiver_on(glm::dvec3 place_m, const std::function<PlatformMotion(glm::dvec3)>& motion) {
   CoherentReceiver receiver;
   for (const double x : {-0.06, 0.0, 0.05})
     receiver.channels.push_back({place_m, place_m + glm::dvec3(x, 0.01, 0)});
   receiver.channels[1].receive = {Directivity::Kind::line, {1, 0, 0}, false, 0, 3};
-  if (way)
+  if (motion)
     for (SignalChannel& channel : receiver.channels) {
-      channel.transmit_way = way(channel.transmit_m);
-      channel.receive_way = way(channel.receive_m);
+      channel.transmit_motion = motion(channel.transmit_m);
+      channel.receive_motion = motion(channel.receive_m);
     }
   receiver.pulse = gaussian_pulse(1e-4);
   receiver.times = {5.2e-3, 25e3, 36};
@@ -136,18 +136,19 @@ CoherentReceiver receiver_on(glm::dvec3 place_m, const std::function<EndWay(glm:
 }
 
 TEST(MovingEnds, HearTheSumOverAllScatterersOfTheField) {
-  const std::function<EndWay(glm::dvec3)> ways[] = {[](glm::dvec3 p) {
-                                                      return straight(p, {1.5, 1, -0.2});
-                                                    },
-                                                    [](glm::dvec3 p) {
-                                                      return straight(p, {-12, 15, 5});
-                                                    },
-                                                    [](glm::dvec3 p) {
-                                                      return turning(p, {2, -1, 0.3}, 3, {0.4, -0.3, 0.1});
-                                                    },
-                                                    [](glm::dvec3 p) {
-                                                      return refracted(p, {1, 2, 0}, 7e-4);
-                                                    }};
+  const std::function<PlatformMotion(glm::dvec3)> motions[] = {
+      [](glm::dvec3 p) {
+        return straight(p, {1.5, 1, -0.2});
+      },
+      [](glm::dvec3 p) {
+        return straight(p, {-12, 15, 5});
+      },
+      [](glm::dvec3 p) {
+        return turning(p, {2, -1, 0.3}, 3, {0.4, -0.3, 0.1});
+      },
+      [](glm::dvec3 p) {
+        return refracted(p, {1, 2, 0}, 7e-4);
+      }};
   for (const std::size_t number : {0u, 1u, 4u}) {
     const test::SignalScene scene = test::signal_scenes()[number];
     const SignalView view(scene, {0.0, 0.0, 0.0});
@@ -156,7 +157,7 @@ TEST(MovingEnds, HearTheSumOverAllScatterersOfTheField) {
     law.absorption_db_per_m = 0.1;
     const GroundField field{7, number == 0 ? 0.035 : 0.06};
     for (std::size_t k = 0; k < 4; ++k) {
-      const CoherentReceiver receiver = receiver_on(view.apex_m, ways[k]);
+      const CoherentReceiver receiver = receiver_on(view.apex_m, motions[k]);
       const ChannelSignals direct = by_every_scatterer(seen, receiver, law, field);
       const double loudest = loudest_of(direct);
       ASSERT_GT(loudest, 0);
@@ -181,8 +182,8 @@ TEST(MovingEnds, OneEndMayMoveAndTheOtherRest) {
   const SeenPatches seen = view.patches();
   const GroundField field{3, 0.06};
   CoherentReceiver receiver = receiver_on(view.apex_m, {});
-  receiver.channels[0].transmit_way = straight(view.apex_m, {0, 9, -3});
-  receiver.channels[1].receive_way = turning(view.apex_m, {3, 0, 0}, 2, {0, 0.5, 0});
+  receiver.channels[0].transmit_motion = straight(view.apex_m, {0, 9, -3});
+  receiver.channels[1].receive_motion = turning(view.apex_m, {3, 0, 0}, 2, {0, 0.5, 0});
   const ChannelSignals direct = by_every_scatterer(seen, receiver, view.law, field);
   const ChannelSignals moving = element_signals(seen, receiver, view.law, field, 1e-6);
   EXPECT_LT(worst_of(moving, direct), 3e-6 * loudest_of(direct));
@@ -270,7 +271,7 @@ TEST(MovingEnds, KeepPhasesToABillionthOfAWavelength) {
   const glm::dvec3 start(0.1, 0.2, -0.3);
   struct Case {
     const char* name;
-    EndWay transmit, receive;
+    PlatformMotion transmit, receive;
   };
   const Case cases[] = {
       {"slow", straight(start, {0, 2, 0}), straight(start + glm::dvec3(0.3, 0, 0), {0, 2, 0})},
@@ -352,8 +353,8 @@ TEST(MovingEnds, ShiftFrequenciesAsDopplerSays) {
 // What A sends at s and B receives at t, B sends at -t and A receives at -s, on ways that are gone backwards.
 TEST(MovingEnds, AreReciprocalBackwardsInTime) {
   const OnePlace place({1, 9, -4});
-  const EndWay a = turning({0.1, 0.2, -0.3}, {6, 9, 0}, 1.5, {1, 0.5, 0}),
-               b = straight({-0.4, 0.6, 0.2}, {-3, 8, 1});
+  const PlatformMotion a = turning({0.1, 0.2, -0.3}, {6, 9, 0}, 1.5, {1, 0.5, 0}),
+                       b = straight({-0.4, 0.6, 0.2}, {-3, 8, 1});
   CoherentReceiver receiver;
   receiver.channels = {{{}, {}, {}, {}, a, b}};
   receiver.pulse = even_pulse(2e-3);
@@ -367,8 +368,8 @@ TEST(MovingEnds, AreReciprocalBackwardsInTime) {
     // The clock goes backwards from a time within the second pulse.
     const double zero = t + 1e-3;
     CoherentReceiver back = receiver;
-    back.channels[0].transmit_way = [=](double time) { return b(zero - time); };
-    back.channels[0].receive_way = [=](double time) { return a(zero - time); };
+    back.channels[0].transmit_motion = [=](double time) { return b(zero - time); };
+    back.channels[0].receive_motion = [=](double time) { return a(zero - time); };
     back.times.first_s = zero - s;
     const Complex rx = element_signals(place.seen, back, place.law(), place.field, 1e-12).value[0];
     EXPECT_GT(std::abs(there), 0);
@@ -411,9 +412,10 @@ TEST(MovingEnds, PhasesChangeOverPiecesByLessThanTheirBounds) {
               (glm::distance(at, channel.transmit_m) + glm::distance(at, channel.receive_m)) / c;
           const double t = arrives + 3e-4 * share(random);
           const auto path = [&](glm::dvec3 x) {
-            const double s = sent_at(t, x, channel.transmit_way, channel.receive_way);
-            return glm::distance(x, channel.transmit_way(s)) + glm::distance(x, channel.receive_way(t)) -
-                   glm::distance(x, its.transmit_m[0]) - glm::distance(x, its.receive_m[0]);
+            const double s = sent_at(t, x, channel.transmit_motion, channel.receive_motion);
+            return glm::distance(x, channel.transmit_motion(s)) +
+                   glm::distance(x, channel.receive_motion(t)) - glm::distance(x, its.transmit_m[0]) -
+                   glm::distance(x, its.receive_m[0]);
           };
           const double phase = 3000 * std::abs(path(at) - path(middle)),
                        most = chunk.change_u + chunk.change_v;
@@ -430,13 +432,13 @@ TEST(MovingEnds, RefuseWaysThatAreNone) {
   const test::SignalScene scene = test::signal_scenes()[0];
   const SignalView view(scene, {0.0, 0.0, 0.0});
   const SeenPatches seen = view.patches();
-  const auto refuses = [&](const EndWay& way, const std::string& what) {
+  const auto refuses = [&](const PlatformMotion& motion, const std::string& what) {
     CoherentReceiver receiver = receiver_on(view.apex_m, {});
-    receiver.channels[1].receive_way = way;
+    receiver.channels[1].receive_motion = motion;
     expect_refused([&] { element_signals(seen, receiver, view.law, {1, 0.05}); }, what);
     expect_refused([&] { drawn_signals(seen, receiver, view.law, 1, 0); }, what);
-    receiver.channels[1].receive_way = nullptr;
-    receiver.channels[2].transmit_way = way;
+    receiver.channels[1].receive_motion = nullptr;
+    receiver.channels[2].transmit_motion = motion;
     EXPECT_THROW(element_signals(seen, receiver, view.law, {1, 0.05}), std::invalid_argument);
   };
   refuses(straight({}, {c, 0, 0}), "the receiver of channel 1 moves at");

@@ -97,8 +97,8 @@ TEST(RayEnclosure, HoldsEveryEigenrayAndItsDerivatives) {
         return (value_at(step, of) - value_at(-step, of)) / (2 * step);
       };
       const auto area_of = [&](const glm::dvec3& p, const Eigenray& r) {
-        const glm::dvec3 way = p - apparent_map.apex_m();
-        return apparent_map.return_area_m2_per_sr(p, r) / glm::dot(way, way);
+        const glm::dvec3 path = p - apparent_map.apex_m();
+        return apparent_map.return_area_m2_per_sr(p, r) / glm::dot(path, path);
       };
       expect_holds(rays->area_ratio_per_sr.a, slope(area_of), 1e-12 * area / step, "area by a");
       const auto db_of = [](const glm::dvec3&, const Eigenray& r) { return r.absorption_db; };

@@ -42,13 +42,13 @@ TEST(MovingElements, HearAScattererOfTheGroundAsAPoint) {
   const ElementSignals expected = point_signals(points, array, waveform, sampling, motion, c);
 
   CoherentReceiver receiver;
-  const PlaceOnTheWay transmitter(motion, 0, array.transmitter_m, sampling.end_s());
-  std::vector<PlaceOnTheWay> elements;
+  const PlaceMotion transmitter(motion, 0, array.transmitter_m, sampling.end_s());
+  std::vector<PlaceMotion> elements;
   for (const glm::dvec3& place : array.receivers_m) elements.emplace_back(motion, 0, place, sampling.end_s());
-  for (const PlaceOnTheWay& element : elements) {
+  for (const PlaceMotion& element : elements) {
     SignalChannel channel;
-    channel.transmit_way = [&](double t) { return transmitter.at(t); };
-    channel.receive_way = [&](double t) { return element.at(t); };
+    channel.transmit_motion = [&](double t) { return transmitter.at(t); };
+    channel.receive_motion = [&](double t) { return element.at(t); };
     receiver.channels.push_back(channel);
   }
   receiver.pulse = {[&](double t) { return baseband_at(waveform, carrier_hz, t); }, 0, duration_s, 5e3};

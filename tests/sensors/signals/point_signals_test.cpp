@@ -143,7 +143,7 @@ TEST(PointSignals, OfATurningVehicleSatisfyTheEquationOfTheDelay) {
   };
   for (const std::size_t ping : {0u, 1u}) {
     const double start = motion.ping_start_s()[ping];
-    const PlaceOnTheWay tx(motion, ping, tx_body, 0.2), rx(motion, ping, rx_body, 0.2);
+    const PlaceMotion tx(motion, ping, tx_body, 0.2), rx(motion, ping, rx_body, 0.2);
     const TwoWayPath path = path_emitted_at(0.004, tx, x, rx, c);
     const double there = 0.004 + glm::distance(along(start + 0.004, tx_body), x) / c;
     EXPECT_NEAR(path.received_s, there + glm::distance(along(start + path.received_s, rx_body), x) / c,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/run_under_way.hpp"
+#include "app/run_in_progress.hpp"
 
 #include <fmt/format.h>
 #include <tbb/parallel_invoke.h>
@@ -78,7 +78,8 @@ void print_coarsening(const SiteCoarsening& coarse) {
 }
 
 /// For stats.json.
-nlohmann::ordered_json whole_statistics(const RunUnderWay& run, const Survey& survey, double write_seconds) {
+nlohmann::ordered_json whole_statistics(const RunInProgress& run, const Survey& survey,
+                                        double write_seconds) {
   nlohmann::ordered_json json = statistics_json(survey, run.request, run.stats);
   if (run.identity.contains("advice")) json["tolerance"] = run.identity.at("advice");
   json["threads"] = run.threads;
@@ -98,7 +99,7 @@ nlohmann::ordered_json whole_statistics(const RunUnderWay& run, const Survey& su
 }
 
 /// Pings a second, where this run made all of them.
-std::string pace(const RunUnderWay& run) {
+std::string pace(const RunInProgress& run) {
   return run.kept_pings == 0 && run.simulation_seconds > 0
              ? fmt::format(" ({:.3g} pings a second)",
                            static_cast<double>(run.stats.pings) / run.simulation_seconds)
@@ -111,7 +112,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-void foresee_writing(RunUnderWay& run, const Survey& survey) {
+void foresee_writing(RunInProgress& run, const Survey& survey) {
   const PictureSettings& pictures = run.options.pictures;
   if (pictures.animated && pictures.which == PictureSettings::Which::none)
     throw UsageError("--animate asks for pictures, and --pictures none for none: leave out one of them");
@@ -137,7 +138,7 @@ void foresee_writing(RunUnderWay& run, const Survey& survey) {
                    size_text(cost.bytes + kept))});
 }
 
-std::vector<Recording> looked_back(RunUnderWay& run, const Survey& survey,
+std::vector<Recording> looked_back(RunInProgress& run, const Survey& survey,
                                    const std::shared_ptr<PingStore>& store) {
   run.stats = totals(survey, *store, run.request.selection);
   std::vector<Recording> recordings = recordings_of(survey, store, run.request.selection);
@@ -146,7 +147,7 @@ std::vector<Recording> looked_back(RunUnderWay& run, const Survey& survey,
   return recordings;
 }
 
-std::vector<std::filesystem::path> write_all(RunUnderWay& run, const Survey& survey,
+std::vector<std::filesystem::path> write_all(RunInProgress& run, const Survey& survey,
                                              const std::vector<Recording>& recordings,
                                              const std::vector<std::string>& foreseen, OutputFolder& output) {
   const Clock::time_point start = Clock::now();
@@ -184,7 +185,7 @@ std::vector<std::filesystem::path> write_all(RunUnderWay& run, const Survey& sur
   return files;
 }
 
-void tell_all(const RunUnderWay& run, const Site& site, const std::vector<std::filesystem::path>& files) {
+void tell_all(const RunInProgress& run, const Site& site, const std::vector<std::filesystem::path>& files) {
   const SimulationStats& stats = run.stats;
   const bool exact = run.request.engine == Engine::tube;
   if (!run.options.quiet)

@@ -12,7 +12,7 @@
 namespace tubefoot {
 
 /// Where an end of a channel is some time after the ping's start [m, local frame]. None: it is at rest.
-using EndWay = std::function<glm::dvec3(double after_start_s)>;
+using PlatformMotion = std::function<glm::dvec3(double after_start_s)>;
 
 /// What an end's motion stays below.
 struct MotionBounds {
@@ -24,14 +24,14 @@ struct MotionBounds {
 
 /// A way as polynomials, piece by piece, which are cheap to follow and whose derivatives are at hand. Where a
 /// way bends (a track from pose to pose), pieces become as short as the tolerance asks for.
-class TabulatedWay {
+class TabulatedMotion {
  public:
   /// At rest, for all times.
-  explicit TabulatedWay(glm::dvec3 place_m);
-  /// `way` from begin to end, less `origin_m`; beyond it goes straight on. `what` names it in messages.
+  explicit TabulatedMotion(glm::dvec3 place_m);
+  /// `motion` from begin to end, less `origin_m`; beyond it goes straight on. `what` names it in messages.
   /// Throws std::invalid_argument for places that are not finite, and for speeds that reach `limit_m_s`.
-  TabulatedWay(const EndWay& way, double begin_s, double end_s, glm::dvec3 origin_m, double tolerance_m,
-               double limit_m_s, const std::string& what);
+  TabulatedMotion(const PlatformMotion& motion, double begin_s, double end_s, glm::dvec3 origin_m,
+                  double tolerance_m, double limit_m_s, const std::string& what);
 
   struct Moment {
     glm::dvec3 place_m, velocity_m_s;
@@ -48,14 +48,14 @@ class TabulatedWay {
   bool moves() const { return bounds_.speed_m_s > 0; }
   const MotionBounds& bounds() const { return bounds_; }
 
-  bool operator==(const TabulatedWay& other) const = default;
+  bool operator==(const TabulatedMotion& other) const = default;
 
  private:
   static constexpr int degree = 7;
   struct Piece {
     double begin_s = 0, middle_s = 0, per_s = 1;
     int degree = 0;
-    std::array<glm::dvec3, TabulatedWay::degree + 1> power{};  ///< of (time - middle) * per_s
+    std::array<glm::dvec3, TabulatedMotion::degree + 1> power{};  ///< of (time - middle) * per_s
     /// `share`: from -1 to 1.
     Moment at(double share) const {
       const double within = std::clamp(share, -1.0, 1.0);

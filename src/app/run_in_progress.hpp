@@ -24,8 +24,8 @@
 namespace tubefoot {
 
 /// What the steps of a run hand on to each other.
-struct RunUnderWay {
-  explicit RunUnderWay(const RunOptions& asked) : options(asked) {}
+struct RunInProgress {
+  explicit RunInProgress(const RunOptions& asked) : options(asked) {}
 
   const RunOptions& options;
   RunRequest request;
@@ -44,19 +44,19 @@ struct RunUnderWay {
 
 /// Says what writing will take where that is much, and that the disk is too small. Throws UsageError for
 /// pictures that contradict each other.
-void foresee_writing(RunUnderWay& run, const Survey& survey);
+void foresee_writing(RunInProgress& run, const Survey& survey);
 
 /// Sums and recordings of a store that has all pings, and what is to be said of them.
-std::vector<Recording> looked_back(RunUnderWay& run, const Survey& survey,
+std::vector<Recording> looked_back(RunInProgress& run, const Survey& survey,
                                    const std::shared_ptr<PingStore>& store);
 
 /// Names of all files written. `foreseen`: warnings that were given before.
-std::vector<std::filesystem::path> write_all(RunUnderWay& run, const Survey& survey,
+std::vector<std::filesystem::path> write_all(RunInProgress& run, const Survey& survey,
                                              const std::vector<Recording>& recordings,
                                              const std::vector<std::string>& foreseen, OutputFolder& output);
 
 /// What a run says at its end.
-void tell_all(const RunUnderWay& run, const Site& site, const std::vector<std::filesystem::path>& files);
+void tell_all(const RunInProgress& run, const Site& site, const std::vector<std::filesystem::path>& files);
 
 double seconds_since(std::chrono::steady_clock::time_point start);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/signal/end_way.hpp"
+#include "engine/signal/platform_motion.hpp"
 
 #include <fmt/format.h>
 
@@ -28,14 +28,14 @@ void MotionBounds::widen(const MotionBounds& other) {
   jerk_m_s3 = std::max(jerk_m_s3, other.jerk_m_s3);
 }
 
-struct TabulatedWay::Source {
-  const EndWay& way;
+struct TabulatedMotion::Source {
+  const PlatformMotion& motion;
   glm::dvec3 origin_m;
   double tolerance_m, limit_m_s;
   const std::string& what;
 
   glm::dvec3 at(double time_s) const {
-    const glm::dvec3 place = way(time_s);
+    const glm::dvec3 place = motion(time_s);
     if (!std::isfinite(place.x + place.y + place.z))
       throw std::invalid_argument(fmt::format(
           "the way of {} is not finite {} s after the ping's start: ways must hold from the pulse's begin to "
@@ -51,24 +51,25 @@ struct TabulatedWay::Source {
   }
 };
 
-const TabulatedWay::Piece& TabulatedWay::piece_at(double time_s) const {
+const TabulatedMotion::Piece& TabulatedMotion::piece_at(double time_s) const {
   return *(std::upper_bound(piece_.begin() + 1, piece_.end(), time_s,
                             [](double time, const Piece& piece) { return time < piece.begin_s; }) -
            1);
 }
 
-TabulatedWay::TabulatedWay(glm::dvec3 place_m)
+TabulatedMotion::TabulatedMotion(glm::dvec3 place_m)
     : begin_s_(-std::numeric_limits<double>::infinity()), end_s_(-begin_s_), piece_(1) {
   piece_.front().power[0] = place_m;
 }
 
-TabulatedWay::TabulatedWay(const EndWay& way, double begin_s, double end_s, glm::dvec3 origin_m,
-                           double tolerance_m, double limit_m_s, const std::string& what)
+TabulatedMotion::TabulatedMotion(const PlatformMotion& motion, double begin_s, double end_s,
+                                 glm::dvec3 origin_m, double tolerance_m, double limit_m_s,
+                                 const std::string& what)
     : begin_s_(begin_s), end_s_(end_s) {
-  fit({way, origin_m, tolerance_m, limit_m_s, what}, begin_s, end_s, 0);
+  fit({motion, origin_m, tolerance_m, limit_m_s, what}, begin_s, end_s, 0);
 }
 
-void TabulatedWay::fit(const Source& source, double begin_s, double end_s, int depth) {
+void TabulatedMotion::fit(const Source& source, double begin_s, double end_s, int depth) {
   const double half_s = (end_s - begin_s) / 2;
   Piece piece{begin_s, (begin_s + end_s) / 2, 1 / half_s, 0, {}};
   constexpr int nodes = degree + 1;
@@ -125,7 +126,7 @@ void TabulatedWay::fit(const Source& source, double begin_s, double end_s, int d
   fit(source, piece.middle_s, end_s, depth + 1);
 }
 
-void TabulatedWay::take(const Piece& piece) {
+void TabulatedMotion::take(const Piece& piece) {
   piece_.push_back(piece);
   const double half = 1 / piece.per_s;
   double acceleration = 0, jerk = 0;
