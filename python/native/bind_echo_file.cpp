@@ -85,7 +85,7 @@ py::dict read_attributes(const NativeResult& self, std::size_t sensor) {
   return attributes;
 }
 
-py::object read_truth(const py::object& self, std::size_t sensor) {
+py::object read_labels(const py::object& self, std::size_t sensor) {
   const WholeEchoFile::More& more = self.cast<const NativeResult&>().read->more.at(sensor);
   py::dict arrays;
   for (const char* of : {"object", "material"}) {

@@ -16,12 +16,12 @@
 #include "own_echo.hpp"
 #include "plan/scene_drawing.hpp"
 #include "result.hpp"
+#include "run/labels.hpp"
 #include "run/run_statistics.hpp"
 #include "run/run_steps.hpp"
 #include "run/run_warnings.hpp"
 #include "run/settings.hpp"
 #include "run/simulation.hpp"
-#include "run/truth.hpp"
 #include "run_apart.hpp"
 #include "scene.hpp"
 #include "sensors/model/angles.hpp"
@@ -90,7 +90,7 @@ std::shared_ptr<NativeResult> compute(SceneDescription description, const RunOpt
   stop_if_wanted();
   const SimulationStats stats = totals(survey, *result->store, request.selection);
   result->recordings = recordings_of(survey, result->store, request.selection);
-  result->truths = truths_of(survey, request, result->store);
+  result->label_recordings = label_recordings_of(survey, request, result->store);
   warnings.look_back(survey, request, stats, result->recordings);
 
   result->provenance = provenance_of(survey.scene, request);
@@ -103,7 +103,8 @@ std::shared_ptr<NativeResult> compute(SceneDescription description, const RunOpt
                      {"echo_of_all_pings", stats.echo_seconds}};
   if (output) {
     std::vector<std::string> left_out;
-    write_result_files(output->staging(), survey, request, result->recordings, left_out, {}, result->truths);
+    write_result_files(output->staging(), survey, request, result->recordings, left_out, {},
+                       result->label_recordings);
     write_scene_picture(output->staging() / scene_picture_name, survey);
     warnings.add(left_out);
   }
@@ -143,7 +144,7 @@ std::shared_ptr<NativeResult> run(const NativeScene& scene, const py::dict& opti
   asked.rays_per_beam = option<std::int64_t>(options, "rays_per_beam");
   asked.seed = option<std::uint64_t>(options, "seed");
   asked.reference = option<bool>(options, "reference").value_or(false);
-  asked.truth = option<bool>(options, "labels").value_or(false);
+  asked.labels = option<bool>(options, "labels").value_or(false);
   asked.label_level_db = option<double>(options, "label_level");
   asked.tolerance = option<std::string>(options, "tolerance");
   asked.coarsen = option<std::string>(options, "coarsen");
@@ -204,18 +205,19 @@ py::dict arrays_of(const py::object& self, std::size_t sensor) {
 }
 
 /// Whose the energies of a sensor are, by the names of echoes.nc, ping first; None where nobody asked.
-py::object truth_of(const py::object& result, std::size_t sensor) {
+py::object label_recording_of(const py::object& result, std::size_t sensor) {
   const auto& self = result.cast<const NativeResult&>();
-  if (self.read) return read_truth(result, sensor);
-  if (self.truths.empty()) return py::none();
+  if (self.read) return read_labels(result, sensor);
+  if (self.label_recordings.empty()) return py::none();
   const Recording& r = self.recordings.at(sensor);
-  const TruthRecording& truth = self.truths.at(sensor);
-  const auto samples = py::ssize_t(r.sensor->samples().count), beams = py::ssize_t(truth.cells) / samples;
+  const LabelRecording& label_recording = self.label_recordings.at(sensor);
+  const auto samples = py::ssize_t(r.sensor->samples().count),
+             beams = py::ssize_t(label_recording.cells) / samples;
   std::vector<double> objects, materials, unscattered, height, range;
   std::vector<std::int16_t> object, material;
   const auto append = [](auto& all, const auto& more) { all.insert(all.end(), more.begin(), more.end()); };
   for (std::size_t p = 0; p < r.pings(); ++p) {
-    const TruthPing ping = truth.of(p);
+    const LabelPing ping = label_recording.of(p);
     append(objects, ping.object_share);
     append(materials, ping.material_share);
     append(unscattered, ping.unscattered_share);
@@ -230,11 +232,11 @@ py::object truth_of(const py::object& result, std::size_t sensor) {
   };
   const auto cells = [&](const auto& values) { return array_of(values).reshape({pings, beams, samples}); };
   py::dict arrays;
-  arrays["objects"] = truth.objects;
-  arrays["materials"] = truth.materials;
-  arrays["object_share"] = shares(objects, truth.objects.size());
-  arrays["material_share"] = shares(materials, truth.materials.size());
-  if (truth.has_unscattered) arrays["unscattered_share"] = cells(unscattered);
+  arrays["objects"] = label_recording.objects;
+  arrays["materials"] = label_recording.materials;
+  arrays["object_share"] = shares(objects, label_recording.objects.size());
+  arrays["material_share"] = shares(materials, label_recording.materials.size());
+  if (label_recording.has_unscattered) arrays["unscattered_share"] = cells(unscattered);
   arrays["mean_height"] = cells(height);
   arrays["mean_range"] = cells(range);
   arrays["object_label"] = cells(object);
@@ -321,7 +323,7 @@ void bind_run(py::module_& module) {
       .def_readonly("warnings", &NativeResult::warnings)
       .def("arrays", &arrays_of)
       .def("axes", &axes_of)
-      .def("labels", &truth_of)
+      .def("labels", &label_recording_of)
       .def("signals", &signals_of)
       .def("attributes", &attributes_of)
       .def("file_attributes", &file_attributes)

@@ -10,9 +10,9 @@
 
 #include "run/kept/ping_store.hpp"
 #include "run/survey.hpp"
+#include "sensors/recordings/label_recording.hpp"
 #include "sensors/recordings/read_recording.hpp"
 #include "sensors/recordings/recording.hpp"
-#include "sensors/recordings/truth_recording.hpp"
 
 namespace tubefoot::python {
 
@@ -22,7 +22,7 @@ struct NativeResult {
   std::shared_ptr<const Survey> survey;
   std::shared_ptr<PingStore> store;
   std::vector<Recording> recordings;
-  std::vector<TruthRecording> truths;  ///< none unless asked for
+  std::vector<LabelRecording> label_recordings;  ///< none unless asked for
   Provenance provenance;
   // Of an echo file:
   std::shared_ptr<const WholeEchoFile> read;  ///< null: of a run
@@ -39,7 +39,7 @@ std::shared_ptr<const EchoContents> contents_of(const NativeResult& result, cons
 pybind11::dict read_arrays(const pybind11::object& result, std::size_t sensor);
 pybind11::dict read_attributes(const NativeResult& result, std::size_t sensor);
 /// Whose each energy is, of a file that says so; names as `flag_meanings` has them. Else None.
-pybind11::object read_truth(const pybind11::object& result, std::size_t sensor);
+pybind11::object read_labels(const pybind11::object& result, std::size_t sensor);
 pybind11::dict dimensions_of(const NativeResult& result, std::size_t sensor);
 
 }  // namespace tubefoot::python

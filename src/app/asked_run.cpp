@@ -66,7 +66,7 @@ void add_run(CLI::App& app, Asked& asked) {
                       "let facets become fewer and larger where no point of them moves by more than this "
                       "part of what the scene's sonars tell apart there, 0 to 1 (default: 0, not at all; "
                       "docs/coarse.md)");
-  command->add_flag("--labels", run.truth,
+  command->add_flag("--labels", run.labels,
                     "write the shares of objects and materials in each range bin, its label, mean height and "
                     "mean range (docs/truth.md)");
   command->add_option(

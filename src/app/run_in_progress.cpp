@@ -16,9 +16,9 @@
 #include "run/console/amounts.hpp"
 #include "run/console/say.hpp"
 #include "run/console/written.hpp"
+#include "run/labels.hpp"
 #include "run/run_statistics.hpp"
 #include "run/run_steps.hpp"
-#include "run/truth.hpp"
 
 namespace tubefoot {
 namespace {
@@ -142,7 +142,7 @@ std::vector<Recording> looked_back(RunInProgress& run, const Survey& survey,
                                    const std::shared_ptr<PingStore>& store) {
   run.stats = totals(survey, *store, run.request.selection);
   std::vector<Recording> recordings = recordings_of(survey, store, run.request.selection);
-  run.truths = truths_of(survey, run.request, store);
+  run.label_recordings = label_recordings_of(survey, run.request, store);
   run.warnings.look_back(survey, run.request, run.stats, recordings);
   return recordings;
 }
@@ -156,7 +156,7 @@ std::vector<std::filesystem::path> write_all(RunInProgress& run, const Survey& s
   const bool draws_scene = run.options.pictures.which != PictureSettings::Which::none;
   const auto write_results = [&] {
     files = write_result_files(output.staging(), survey, run.request, recordings, warnings,
-                               {run.options.pictures, run.options.quiet}, run.truths);
+                               {run.options.pictures, run.options.quiet}, run.label_recordings);
   };
   const auto draw_scene = [&] { write_scene_picture(output.staging() / scene_picture_name, survey); };
   // librsvg ends the program where memory ends: beside others it is let only where there is plenty.

@@ -18,7 +18,7 @@
 #include "run/settings.hpp"
 #include "run/simulation.hpp"
 #include "run/survey.hpp"
-#include "sensors/recordings/truth_recording.hpp"
+#include "sensors/recordings/label_recording.hpp"
 
 // The steps that commands share which end in a result folder: run, and join of what was run in parts.
 namespace tubefoot {
@@ -36,8 +36,8 @@ struct RunInProgress {
   int threads = 0;
   std::optional<int> ranks, parts;  ///< several processes that computed it, if so
   double simulation_seconds = 0, write_seconds = 0;
-  double expected_write_seconds = 0;   ///< foresee_writing()
-  std::vector<TruthRecording> truths;  ///< if asked for
+  double expected_write_seconds = 0;             ///< foresee_writing()
+  std::vector<LabelRecording> label_recordings;  ///< if asked for
   RunWarnings warnings{
       [this](const std::string& warning, bool) { print_warnings({warning}, options.quiet); }};
 };

@@ -94,7 +94,7 @@ constexpr auto table = std::to_array<Refusal>({
      {},
      "phases tell apart far less than a sample of range or a beam, which facets are coarsened by: leave out "
      "--coarsen"},
-    {truth,
+    {labels,
      own_engine,
      {},
      "a sum of energies does not tell its parts, and such an engine gives no more than the sum: ask a "
@@ -247,7 +247,7 @@ std::vector<Feature> asked_by(const RunRequest& request) {
     if (request.binning != Binning::exact) asked.push_back(fast_binning);
   }
   if (request.reference_tolerance) asked.push_back(reference);
-  if (request.truth) asked.push_back(truth);
+  if (request.labels) asked.push_back(labels);
   if (request.coarseness > 0) asked.push_back(coarsening);
   return asked;
 }

@@ -39,7 +39,7 @@ enum class Feature : unsigned char {
   fast_binning,
   rays,
   own_engine,
-  truth,
+  labels,
   coarsening,
   // commands
   audit,

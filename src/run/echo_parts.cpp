@@ -8,6 +8,7 @@
 #include "engine/certified/receiver_pair_reference.hpp"
 #include "engine/rays/ray_engine.hpp"
 #include "engine/visibility/mixed_eigenrays.hpp"
+#include "run/label_parts.hpp"
 #include "run/own_engine_part.hpp"
 #include "run/path_parts.hpp"
 #include "run/paths.hpp"
@@ -17,7 +18,6 @@
 #include "run/signals.hpp"
 #include "run/transmission_images.hpp"
 #include "run/transmission_rays.hpp"
-#include "run/truth_parts.hpp"
 
 namespace tubefoot {
 namespace {
@@ -41,8 +41,8 @@ void add_refracted_pair_reference(const Transmission& transmission, PingSums& su
   counts.footprints += found.history.shared.facets.size();
   counts.pieces += found.history.shared.pieces.size();
   sums.add(transmission, transmission.first(), found.sensors.front().certified);
-  add_truth(transmission, transmission.first(), TransmissionGround(transmission.site()),
-            found.pair.apparent.mesh, found.history, sums);
+  add_labels(transmission, transmission.first(), TransmissionGround(transmission.site()),
+             found.pair.apparent.mesh, found.history, sums);
 }
 
 /// Through refracting water a reference chooses its own apparent ground.
@@ -61,8 +61,8 @@ void add_refracted_reference(const Transmission& transmission, PingSums& sums) {
   for (std::size_t k = 0; k < transmission.group().sensors.size(); ++k) {
     if (transmission.sensor(transmission.group().sensors[k]).has_receiver_pair()) continue;
     sums.add(transmission, transmission.group().sensors[k], found.sensors[k].certified);
-    add_truth(transmission, transmission.group().sensors[k], found.ground, found.ground.mesh(), found.history,
-              sums);
+    add_labels(transmission, transmission.group().sensors[k], found.ground, found.ground.mesh(),
+               found.history, sums);
   }
 }
 
@@ -84,7 +84,7 @@ void add_refracted_receiver_pair_reference(const Transmission& transmission, Pin
       counts.footprints += 2 * found.history.shared.facets.size();
       counts.pieces += 2 * found.history.shared.pieces.size();
       rows.set(fan, found.sensors.front().certified);
-      add_truth_of_receiver_pair(transmission, s, fan, found.apparent.bed.mesh, found.history, sums);
+      add_labels_of_receiver_pair(transmission, s, fan, found.apparent.bed.mesh, found.history, sums);
     }
     rows.add_to(sums, transmission, s, 1);
   }
@@ -107,7 +107,7 @@ void add_both(const Transmission& transmission, const BistaticHistory& history, 
     } else {
       sums.add(transmission, s, 1, echo.energy);
     }
-    add_truth(transmission, s, law.law, mesh, history, sums);
+    add_labels(transmission, s, law.law, mesh, history, sums);
     sums.counts.tubes += history.transmit.tubes.size() + history.receive.tubes.size();
     sums.counts.footprints += history.shared.facets.size();
     sums.counts.pieces += history.shared.pieces.size();
@@ -155,7 +155,7 @@ void add_receiver_pair(const Transmission& transmission, std::size_t s, const Se
       } else {
         rows.set(fan, echo);
       }
-      add_truth_of_receiver_pair(transmission, s, fan, on_mesh, mesh, history, receiver_pair, sums);
+      add_labels_of_receiver_pair(transmission, s, fan, on_mesh, mesh, history, receiver_pair, sums);
       sums.add_finer_relief(
           transmission,
           BistaticHistory{history.transmit, history.upper, unit_m, history.by_upper, history.bistatic_upper},
@@ -220,7 +220,7 @@ void add_history(const Transmission& transmission, const History& history, PingS
         const SensorLaw law = transmission.law(s);
         sums.with_echo(transmission, history, s, law.law,
                        [&](const LitEcho& made) { add(s, law.law, made); });
-        add_truth(transmission, s, law.law, transmission.ground().mesh(), history, sums);
+        add_labels(transmission, s, law.law, transmission.ground().mesh(), history, sums);
       }
     sums.add_finer_relief(transmission, history, transmission.ground().mesh(),
                           transmission.sample_length_m());
@@ -280,7 +280,7 @@ void add_mixed_eigenrays(const Transmission& transmission, PingSums& sums) {
       SensorLaw law(transmission, TransmissionGround(transmission.site()), s);
       law.law.material = ground.part_material;
       sums.add(transmission, s, 1, transmission.echo(history, s, law.law).energy);
-      add_truth_of_mixed_eigenrays(transmission, s, law.law, ground, history, sums);
+      add_labels_of_mixed_eigenrays(transmission, s, law.law, ground, history, sums);
     }
     sums.counts.pieces += history.shared.pieces.size();
   };

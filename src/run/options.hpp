@@ -41,8 +41,8 @@ struct RunOptions : CommonOptions {
   std::optional<std::uint64_t> seed;
   std::optional<std::string> coarsen;  ///< RunRequest::coarseness
   bool reference = false;
-  bool truth = false;
-  std::optional<double> label_level_db;  ///< RunRequest's; with `truth` only
+  bool labels = false;
+  std::optional<double> label_level_db;  ///< RunRequest's; with `labels` only
   bool resume = false;
   std::optional<std::string> part;  ///< "2/8": only this part of the pings, into a file of its own
   /// Of a reference: its relative bound, 1e-9 if unset. Else as parse_tolerance() reads it: picks the

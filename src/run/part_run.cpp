@@ -84,7 +84,7 @@ void each_word(auto& options, const auto& each) {
   each("tolerance", options.tolerance);
   each("coarsen", options.coarsen);
   each("reference", options.reference);
-  each("truth", options.truth);
+  each("truth", options.labels);
   each("label_level_db", options.label_level_db);
 }
 

@@ -7,13 +7,13 @@
 
 #include "engine/paths/path_echo.hpp"
 #include "engine/paths/receiver_pair_paths.hpp"
+#include "run/label_parts.hpp"
 #include "run/paths.hpp"
 #include "run/receiver_pair_rows.hpp"
 #include "run/refracted_reference.hpp"
 #include "run/refraction.hpp"
 #include "run/transmission_images.hpp"
 #include "run/transmission_rays.hpp"
-#include "run/truth_parts.hpp"
 
 namespace tubefoot {
 namespace {
@@ -107,12 +107,12 @@ void add_paths_of(const Transmission& transmission, std::size_t s, const PathSet
   }
   sums.counts.hits += paths.hits;
   count_paths(transmission, paths, sums);
-  add_truth_of_paths(transmission, s, (*bed).mesh(), law.law, settings, sums,
-                     [&](const FacetMesh& mesh, const EchoLaw& by, const PathSettings& how) {
-                       return wanted_orders(transmission, as_seen_by(transmission, [&] {
-                                              return trace_by(mesh, by, how, bed.water());
-                                            }));
-                     });
+  add_labels_of_paths(transmission, s, (*bed).mesh(), law.law, settings, sums,
+                      [&](const FacetMesh& mesh, const EchoLaw& by, const PathSettings& how) {
+                        return wanted_orders(transmission, as_seen_by(transmission, [&] {
+                                               return trace_by(mesh, by, how, bed.water());
+                                             }));
+                      });
 }
 
 void add_receiver_pair_paths_of(const Transmission& transmission, std::size_t s, const PathSettings& settings,
@@ -147,11 +147,11 @@ void add_receiver_pair_paths_of(const Transmission& transmission, std::size_t s,
       by_order[order].set(fan, certified);
     }
     count_paths(transmission, paths, sums);
-    add_truth_of_paths(transmission, s, (*bed).mesh(), own, settings, sums,
-                       [&](const FacetMesh& mesh, const EchoLaw& by, const PathSettings& how) {
-                         return row_of_fan(transmission, s, fan,
-                                           wanted_orders(transmission, trace(mesh, by, how)));
-                       });
+    add_labels_of_paths(transmission, s, (*bed).mesh(), own, settings, sums,
+                        [&](const FacetMesh& mesh, const EchoLaw& by, const PathSettings& how) {
+                          return row_of_fan(transmission, s, fan,
+                                            wanted_orders(transmission, trace(mesh, by, how)));
+                        });
   }
   for (std::size_t order = 0; order < by_order.size(); ++order)
     if (is_order_wanted(transmission.scene(), order)) by_order[order].add_to(sums, transmission, s, order);

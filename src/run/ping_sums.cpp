@@ -9,8 +9,8 @@
 #include <optional>
 
 #include "engine/certified/receiver_pair_reference.hpp"
+#include "run/labels.hpp"
 #include "run/signals.hpp"
-#include "run/truth.hpp"
 
 namespace tubefoot {
 namespace {
@@ -81,15 +81,15 @@ void keep_worst(PingCounts& kept, const PingCounts& met) {
   kept.worst_sample = met.worst_sample;
 }
 
-void PingSums::add_truth(const Transmission& transmission, std::size_t s, std::size_t channel,
-                         std::span<const double> values) {
+void PingSums::add_labels(const Transmission& transmission, std::size_t s, std::size_t channel,
+                          std::span<const double> values) {
   if (chosen(s).pings == 0) return;
   const std::vector<std::uint32_t>& beams =
       transmission.sensor(s).beams_of_transmission(transmission.number());
   const auto samples = static_cast<std::size_t>(transmission.sensor(s).samples().count);
   const std::size_t all = chosen(s).beams.size() * samples;
   add_rows(values.first(beams.size() * samples), beams, 1, chosen(s),
-           values_.energy(place_of_truth(transmission.survey(), s)).subspan(channel * all, all));
+           values_.energy(place_of_labels(transmission.survey(), s)).subspan(channel * all, all));
 }
 
 void PingSums::add_signals(const Transmission& transmission, std::size_t s, std::span<const double> values,

@@ -38,8 +38,8 @@ class PingSums {
            std::size_t order = 1);
   /// To a channel of the truth of what a sensor receives (Truth::channels()): [beam of the
   /// transmission][sample], and more channels, which are not read.
-  void add_truth(const Transmission& transmission, std::size_t sensor, std::size_t channel,
-                 std::span<const double> values);
+  void add_labels(const Transmission& transmission, std::size_t sensor, std::size_t channel,
+                  std::span<const double> values);
   /// To the signals of what its elements record: [receiver][sample][real, imaginary]; with their bounds, or
   /// none.
   void add_signals(const Transmission& transmission, std::size_t sensor, std::span<const double> values,

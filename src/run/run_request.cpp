@@ -57,7 +57,7 @@ nlohmann::ordered_json json_of(const RunRequest& request) {
                               {"sampling", name_of(request.rays.sampling)},
                               {by_beam ? "rays_per_beam" : "rays_per_ping", request.rays.rays},
                               {"seed", request.rays.seed}};
-  if (request.truth) {
+  if (request.labels) {
     json["truth"] = true;
     json["label_level_db"] = request.label_level_db;
   }
@@ -77,7 +77,7 @@ RunRequest request_of(const nlohmann::ordered_json& settings, RunRequest otherwi
     request.rays = {ray_sampling_from_name(settings.at("sampling").get<std::string>()),
                     settings.at(by_beam ? "rays_per_beam" : "rays_per_ping"),
                     by_beam ? RaySettings::Per::beam : RaySettings::Per::ping, settings.at("seed")};
-    request.truth = settings.value("truth", false);
+    request.labels = settings.value("truth", false);
     request.label_level_db = settings.value("label_level_db", request.label_level_db);
     request.coarseness = settings.value("coarsen", 0.0);
     return request;

@@ -31,8 +31,8 @@ struct RunRequest {
   Selection selection{};                          ///< what is kept of the scene's echoes
   std::shared_ptr<const OwnEngine> own_engine{};  ///< in place of a built-in one
   double coarseness = 0;  ///< facets are coarsened to this tolerance (coarsening.hpp); 0: they are not
-  bool truth = false;     ///< also whose each energy is, and where it comes from (truth.hpp)
-  /// With `truth`: labels go by what is received within so many dB of a beam pattern's two-way peak.
+  bool labels = false;    ///< also whose each energy is, and where it comes from (labels.hpp)
+  /// With `labels`: labels go by what is received within so many dB of a beam pattern's two-way peak.
   double label_level_db = 20;
 };
 

@@ -109,10 +109,10 @@ RunRequest requested(const RunOptions& options, SceneDescription& description) {
   if (options.rays_per_beam) description.run.rays_per_beam = *options.rays_per_beam;
   if (options.seed) description.run.seed = *options.seed;
   RunRequest request = request_of(description.run);
-  request.truth = options.truth;
+  request.labels = options.labels;
   if (options.label_level_db) {
     constexpr double most_db = 1000;
-    if (!options.truth)
+    if (!options.labels)
       throw UsageError("--label-level needs --labels: add --labels, or leave out --label-level");
     if (!(*options.label_level_db > 0 && *options.label_level_db <= most_db))
       throw UsageError(fmt::format(
@@ -210,7 +210,7 @@ WritingCost expected_writing(const Survey& survey, const RunRequest& request,
   if (pictures.which != PictureSettings::Which::none) all += {scene_picture_s, 0, scene_picture_bytes};
   for (const Recording& recording : recordings_to_be(survey, request.selection)) {
     all += cost_of_echoes(recording, with_bounds);
-    if (request.truth)
+    if (request.labels)
       all += cost_of_labels(recording, survey.scene.report.components.size(),
                             survey.scene.description.materials.size());
     if (recording.beam_numbers.empty())
@@ -223,12 +223,12 @@ std::vector<std::filesystem::path> write_result_files(const std::filesystem::pat
                                                       const Survey& survey, const RunRequest& request,
                                                       const std::vector<Recording>& recordings,
                                                       std::vector<std::string>& warnings, const Writing& how,
-                                                      std::span<const TruthRecording> truths) {
+                                                      std::span<const LabelRecording> label_recordings) {
   const RunContext context = context_of(survey.scene, how.pictures, request.reference_tolerance.has_value());
   const Progress progress("writing", how.quiet);
   const std::filesystem::path echoes = folder / "echoes.nc";
   write_echoes(echoes, recordings, provenance_of(survey.scene, request));
-  if (!truths.empty()) add_truth(echoes, recordings, truths);
+  if (!label_recordings.empty()) add_labels(echoes, recordings, label_recordings);
   std::vector<std::filesystem::path> files{"echoes.nc"};
   for (const Recording& recording : recordings) {
     stop_if_wanted();
@@ -240,9 +240,10 @@ std::vector<std::filesystem::path> write_result_files(const std::filesystem::pat
         files.push_back(file);
     }
   }
-  for (std::size_t k = 0; k < truths.size(); ++k)
+  for (std::size_t k = 0; k < label_recordings.size(); ++k)
     if (recordings[k].beam_numbers.empty() && how.pictures.wants(PictureSettings::Which::sequence))
-      for (const auto& file : write_truth_pictures(folder, recordings[k], truths[k], how.pictures.bits))
+      for (const auto& file :
+           write_label_pictures(folder, recordings[k], label_recordings[k], how.pictures.bits))
         files.push_back(file);
   return files;
 }

@@ -10,9 +10,9 @@
 #include "run/options.hpp"
 #include "run/run_request.hpp"
 #include "run/survey.hpp"
+#include "sensors/recordings/label_recording.hpp"
 #include "sensors/recordings/recording.hpp"
 #include "sensors/recordings/run_context.hpp"
-#include "sensors/recordings/truth_recording.hpp"
 #include "sensors/recordings/writing_cost.hpp"
 #include "study/tolerance.hpp"
 
@@ -57,12 +57,12 @@ struct Writing {
 
 /// Writes everything that a result folder holds but stats.json, and returns the names. Of a sensor of which
 /// only some beams were asked for there are echoes only: other files and pictures are of whole pings.
-/// `truths`: of each recording, or none. Throws std::runtime_error naming the file and what failed.
+/// `label_recordings`: of each recording, or none. Throws std::runtime_error naming the file and what failed.
 std::vector<std::filesystem::path> write_result_files(const std::filesystem::path& folder,
                                                       const Survey& survey, const RunRequest& request,
                                                       const std::vector<Recording>& recordings,
                                                       std::vector<std::string>& warnings,
                                                       const Writing& how = {},
-                                                      std::span<const TruthRecording> truths = {});
+                                                      std::span<const LabelRecording> label_recordings = {});
 
 }  // namespace tubefoot

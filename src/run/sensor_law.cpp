@@ -17,7 +17,7 @@ SensorLaw::SensorLaw(const Transmission& transmission, const TransmissionGround&
       scene.grid.snap(pings.transmission_pose(transmission.ping(), transmission.number()).position_m));
   if (ground.apparent() != nullptr) {
     law.path.facet_factor = ground.apparent()->facet_factor;
-    if (transmission.truth() != nullptr ||
+    if (transmission.labels() != nullptr ||
         std::any_of(scene.reflectivity.begin(), scene.reflectivity.end(),
                     [](const auto& texture) { return texture != nullptr; })) {
       facet_maps = ground.apparent()->facet_maps(law.path.tx.apex_m, scene.grid);

@@ -11,12 +11,12 @@
 
 #include "geometry/steps/stop.hpp"
 #include "run/abilities.hpp"
+#include "run/labels.hpp"
 #include "run/refraction.hpp"
 #include "run/regional_simulation.hpp"
 #include "run/signals.hpp"
 #include "run/stored_pings.hpp"
 #include "run/surfaces.hpp"
-#include "run/truth.hpp"
 
 namespace tubefoot {
 
@@ -40,7 +40,7 @@ StoreLayout layout_of(const Survey& survey, const RunRequest& request) {
     }
   }
   add_signals(layout, survey, chosen);
-  if (request.truth) add_truth(layout, survey, request, chosen);
+  if (request.labels) add_labels(layout, survey, request, chosen);
   return layout;
 }
 

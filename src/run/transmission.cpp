@@ -7,8 +7,8 @@
 #include <glm/geometric.hpp>
 
 #include "engine/rays/shared_hits.hpp"
+#include "run/labels.hpp"
 #include "run/transmission_rays.hpp"
-#include "run/truth.hpp"
 
 namespace tubefoot {
 namespace {
@@ -29,7 +29,7 @@ Transmissions::Transmissions(Survey survey, RunRequest request)
       request_(std::move(request)),
       whole_(*survey_.site),
       engine_(whole_.mesh(), whole_.tree(), survey_.scene.grid.unit_m(), request_.visibility),
-      truth_(request_.truth ? std::make_unique<const Truth>(survey_, request_) : nullptr) {}
+      labels_(request_.labels ? std::make_unique<const LabelChannels>(survey_, request_) : nullptr) {}
 Transmissions::~Transmissions() = default;
 
 Transmission Transmissions::of(const SharedTransmissions& group, std::size_t ping, std::size_t number) const {

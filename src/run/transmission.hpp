@@ -21,7 +21,7 @@
 namespace tubefoot {
 
 class Transmission;
-class Truth;
+class LabelChannels;
 
 /// The transmissions of a survey, as one run asks for them, and what they share. Thread-safe.
 class Transmissions {
@@ -34,7 +34,7 @@ class Transmissions {
   const Survey& survey() const { return survey_; }
   const RunRequest& request() const { return request_; }
   /// Null where it is not asked for.
-  const Truth* truth() const { return truth_.get(); }
+  const LabelChannels* labels() const { return labels_.get(); }
   /// Transmission `number` of a ping of one of the survey's groups. This outlives it.
   Transmission of(const SharedTransmissions& group, std::size_t ping, std::size_t number) const;
   /// The one that a sensor takes part in.
@@ -46,7 +46,7 @@ class Transmissions {
   const RunRequest request_;
   const TransmissionGround whole_;  ///< the site's own facets
   const TubeEngine engine_;  ///< of these: keeps its threads' buffers from transmission to transmission
-  const std::unique_ptr<const Truth> truth_;
+  const std::unique_ptr<const LabelChannels> labels_;
 };
 
 /// One transmission of the sensors of a group. Its ground is made when it is first asked for, by one thread,
@@ -62,7 +62,7 @@ class Transmission {
   const Site& site() const { return *survey().site; }
   const Scene& scene() const { return survey().scene; }
   const RunRequest& request() const { return transmissions_.request_; }
-  const Truth* truth() const { return transmissions_.truth(); }
+  const LabelChannels* labels() const { return transmissions_.labels(); }
   const SharedTransmissions& group() const { return group_; }
   std::size_t ping() const { return ping_; }
   std::size_t number() const { return number_; }

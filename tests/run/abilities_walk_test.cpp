@@ -34,7 +34,7 @@ struct Asked {
 const std::vector<Asked> of_runs{{Feature::reference, {"run", "--reference", "--tolerance", "1e-2"}},
                                  {Feature::double_arithmetic, {"run", "--arithmetic", "double"}},
                                  {Feature::fast_binning, {"run", "--binning", "centroid"}},
-                                 {Feature::truth, {"run", "--labels"}},
+                                 {Feature::labels, {"run", "--labels"}},
                                  {Feature::coarsening, {"run", "--coarsen", "1e-2"}},
                                  {Feature::rays, {"run", "--engine", "ray", "--rays-per-beam", "30000"}}};
 const std::vector<Asked> of_commands{
@@ -113,7 +113,7 @@ struct AbilitiesWalk : testing::Test {
         const double lost = (features.contains(Feature::mirrors) ? 2e-5 : 1e-9) * largest;
         for (std::size_t k = 0; k < sure.size(); ++k) EXPECT_NEAR(here[k], sure[k], lost);
       }
-      if (features.contains(Feature::truth)) add_up(file, here);
+      if (features.contains(Feature::labels)) add_up(file, here);
       if (!features.contains(Feature::reference)) return;
       const std::vector<double> bound = file.values("/", "energy_bound");
       for (std::size_t k = 0; k < sure.size(); ++k) {

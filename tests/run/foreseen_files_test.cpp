@@ -116,12 +116,12 @@ TEST(ExpectedWriting, CountsLabelsPicturesAndSoundings) {
                     pictures = expected_writing(*survey, request, {});
   EXPECT_GT(pictures.seconds_on(1), plain.seconds_on(1));
   EXPECT_GT(pictures.bytes, plain.bytes);
-  request.truth = true;
-  const WritingCost labels = expected_writing(*survey, request, without_pictures);
+  request.labels = true;
+  const WritingCost with_labels = expected_writing(*survey, request, without_pictures);
   const double cells = 2.0 * 100 * 500, shares = 2, seconds_per_cell = 1e-7;  // one object, one material
-  EXPECT_GT(labels.seconds_on(1), plain.seconds_on(1) + seconds_per_cell * cells);
-  EXPECT_GT(labels.bytes - plain.bytes, 8 * shares * cells);
-  request.truth = false;
+  EXPECT_GT(with_labels.seconds_on(1), plain.seconds_on(1) + seconds_per_cell * cells);
+  EXPECT_GT(with_labels.bytes - plain.bytes, 8 * shares * cells);
+  request.labels = false;
   request.selection.sensor = "swath";
   const double seconds_per_sounding = 1e-5;
   EXPECT_GT(expected_writing(*survey, request, without_pictures).seconds_on(8),

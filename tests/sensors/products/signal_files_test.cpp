@@ -166,10 +166,10 @@ TEST(SignalProducts, SoundsALevelBed) {
       ++outer;
       outer_by_phase += best.method == DetectionMethod::split_beam;
       // In range: the beam's axis meets the bed there.
-      const double truth = depth_m / std::cos(multibeam.fan.angles_rad()[beam] - radians(5));
-      outer_amplitude += std::pow(found.amplitude[beam]->slant_range_m - truth, 2);
-      outer_phase += std::pow(found.phase[beam]->slant_range_m - truth, 2);
-      outer_best += std::pow(best.slant_range_m - truth, 2);
+      const double labels = depth_m / std::cos(multibeam.fan.angles_rad()[beam] - radians(5));
+      outer_amplitude += std::pow(found.amplitude[beam]->slant_range_m - labels, 2);
+      outer_phase += std::pow(found.phase[beam]->slant_range_m - labels, 2);
+      outer_best += std::pow(best.slant_range_m - labels, 2);
       said += std::pow(found.phase_sigma_m[beam], 2);
     }
   }

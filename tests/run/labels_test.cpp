@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Whose each energy is (docs/truth.md): shares that are the energies', whatever makes them, and means that
 // are closed forms.
-#include "run/truth.hpp"
+#include "run/labels.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -33,19 +33,19 @@ constexpr double quadrature = 1e-5;
 /// All of one sensor's run.
 struct Told {
   std::shared_ptr<PingStore> store;
-  TruthRecording truth;
+  LabelRecording labels;
   std::vector<double> energy;  ///< [ping][channel of the sensor][beam][sample]
   std::size_t samples = 0, pings = 0, sensor_channels = 1;
   RangeSamples window;
 
-  std::size_t object(const std::string& name) const { return number(truth.objects, name); }
-  std::size_t material(const std::string& name) const { return number(truth.materials, name); }
+  std::size_t object(const std::string& name) const { return number(labels.objects, name); }
+  std::size_t material(const std::string& name) const { return number(labels.materials, name); }
   /// Of the channels, whatever they share is taken of.
   double raw(std::size_t ping, std::size_t channel, std::size_t cell) const {
-    return truth.values[(ping * truth.channels() + channel) * truth.cells + cell];
+    return labels.values[(ping * labels.channels() + channel) * labels.cells + cell];
   }
   double received(std::size_t ping, std::size_t cell) const {
-    return energy[ping * sensor_channels * truth.cells + cell];
+    return energy[ping * sensor_channels * labels.cells + cell];
   }
 
  private:
@@ -54,14 +54,14 @@ struct Told {
   }
 };
 
-struct TruthOf : testing::Test {
+struct LabelsOf : testing::Test {
   TestFolder folder;
 
-  Told told(const std::string& scene, const std::function<void(RunRequest&)>& ask = {}, bool truth = true) {
+  Told told(const std::string& scene, const std::function<void(RunRequest&)>& ask = {}, bool labels = true) {
     const SceneDescription description = read_scene_file(folder.write("scene.toml", scene));
     const auto survey = open_survey(description);
     RunRequest request = request_of(description.run);
-    request.truth = truth;
+    request.labels = labels;
     if (ask) ask(request);
     Told told;
     told.store = std::make_shared<PingStore>(layout_of(*survey, request));
@@ -73,31 +73,31 @@ struct TruthOf : testing::Test {
     told.samples = std::size_t(told.window.count);
     told.pings = survey->sensors[0].times_s.size();
     told.sensor_channels = std::size_t(sensor.channels());
-    if (truth) told.truth = truths_of(*survey, request, told.store).at(0);
+    if (labels) told.labels = label_recordings_of(*survey, request, told.store).at(0);
     return told;
   }
 
   /// Owners' energies, and those without scattering, are the energies; shares add up to 1.
   static void expect_whole(const Told& told, double tolerance) {
-    const TruthRecording& truth = told.truth;
+    const LabelRecording& labels = told.labels;
     double largest = 0;
     for (std::size_t p = 0; p < told.pings; ++p)
-      for (std::size_t cell = 0; cell < truth.cells; ++cell)
+      for (std::size_t cell = 0; cell < labels.cells; ++cell)
         largest = std::max(largest, told.received(p, cell));
     ASSERT_GT(largest, 0);
     for (std::size_t p = 0; p < told.pings; ++p) {
-      const TruthPing ping = truth.of(p);
-      for (std::size_t cell = 0; cell < truth.cells; ++cell) {
+      const LabelPing ping = labels.of(p);
+      for (std::size_t cell = 0; cell < labels.cells; ++cell) {
         double sum = 0;
-        for (std::size_t k = 0; k < truth.owners.size(); ++k) sum += told.raw(p, k, cell);
-        if (truth.has_unscattered) sum += told.raw(p, truth.owners.size() + 2, cell);
+        for (std::size_t k = 0; k < labels.owners.size(); ++k) sum += told.raw(p, k, cell);
+        if (labels.has_unscattered) sum += told.raw(p, labels.owners.size() + 2, cell);
         const double energy = told.received(p, cell);
         EXPECT_NEAR(sum, energy, tolerance * std::max(energy, 1e-3 * largest))
             << "ping " << p << " beam " << cell / told.samples << " sample " << cell % told.samples;
         if (!(sum > 0)) continue;
         for (const auto* shares : {&ping.object_share, &ping.material_share}) {
-          double whole = truth.has_unscattered ? ping.unscattered_share[cell] : 0;
-          for (std::size_t k = cell; k < shares->size(); k += truth.cells) whole += (*shares)[k];
+          double whole = labels.has_unscattered ? ping.unscattered_share[cell] : 0;
+          for (std::size_t k = cell; k < shares->size(); k += labels.cells) whole += (*shares)[k];
           EXPECT_NEAR(whole, 1, 1e-14);
         }
       }
@@ -116,78 +116,78 @@ const std::string still_life =
     "horizontal_deg = 24\nvertical_deg = 20\ntilt_deg = 25\nrange_min_m = 3\n"
     "range_max_m = 7\nsamples = 40\n";
 
-TEST_F(TruthOf, AStillLifeNamesItsThings) {
+TEST_F(LabelsOf, AStillLifeNamesItsThings) {
   const Told t = told(still_life);
   expect_whole(t, quadrature);
-  const TruthPing ping = t.truth.of(0);
+  const LabelPing ping = t.labels.of(0);
   const std::size_t bed = t.object("bed"), ball = t.object("ball"), box = t.object("box");
-  std::set<int> labels;
-  for (std::size_t cell = 0; cell < t.truth.cells; ++cell) {
+  std::set<int> numbers;
+  for (std::size_t cell = 0; cell < t.labels.cells; ++cell) {
     const double energy = t.received(0, cell);
-    labels.insert(ping.object_label[cell]);
+    numbers.insert(ping.object_label[cell]);
     if (!(energy > 0)) {
-      EXPECT_EQ(ping.object_label[cell], TruthRecording::no_label);
+      EXPECT_EQ(ping.object_label[cell], LabelRecording::no_label);
       EXPECT_TRUE(std::isnan(ping.mean_height[cell]));
       continue;
     }
     // Each thing has a material of its own.
-    EXPECT_EQ(ping.object_share[ball * t.truth.cells + cell],
-              ping.material_share[t.material("rubber") * t.truth.cells + cell]);
+    EXPECT_EQ(ping.object_share[ball * t.labels.cells + cell],
+              ping.material_share[t.material("rubber") * t.labels.cells + cell]);
     // Straight there and back: the range is the sample's.
     const double near = t.window.first_m + double(cell % t.samples) * t.window.step_m;
     EXPECT_GE(ping.mean_range[cell], near - 1e-6);
     EXPECT_LE(ping.mean_range[cell], near + t.window.step_m + 1e-6);
     EXPECT_GE(ping.mean_height[cell], -1e-6);
     EXPECT_LE(ping.mean_height[cell], 0.9 + 1e-6);  // the ball's top
-    if (ping.object_share[bed * t.truth.cells + cell] > 1 - 1e-12) {
+    if (ping.object_share[bed * t.labels.cells + cell] > 1 - 1e-12) {
       EXPECT_NEAR(ping.mean_height[cell], 0, 2e-6);
     }
   }
-  EXPECT_EQ(labels, (std::set<int>{-1, int(bed), int(ball), int(box)}));
+  EXPECT_EQ(numbers, (std::set<int>{-1, int(bed), int(ball), int(box)}));
 }
 
-TEST_F(TruthOf, TheEnergiesAreTheSameToTheBit) {
+TEST_F(LabelsOf, TheEnergiesAreTheSameToTheBit) {
   EXPECT_EQ(told(still_life).energy, told(still_life, {}, false).energy);
 }
 
-TEST_F(TruthOf, NoResultDependsOnTheThreads) {
+TEST_F(LabelsOf, NoResultDependsOnTheThreads) {
   const auto with = [&](std::size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     const Told t = told(still_life);
-    return std::vector<double>(t.truth.values.begin(), t.truth.values.end());
+    return std::vector<double>(t.labels.values.begin(), t.labels.values.end());
   };
   EXPECT_EQ(with(1), with(3));
 }
 
 // Nothing of what nobody sees: a wall before the box, and the bed below it.
-TEST_F(TruthOf, WhatIsHiddenHasNoShare) {
+TEST_F(LabelsOf, WhatIsHiddenHasNoShare) {
   const Told t = told(still_life +
                       "[[objects]]\nname = \"wall\"\nshape = \"box\"\nsize_m = [6, 0.2, 6]\n"
                       "position_m = [0, 3.6, 1]\nmaterial = \"steel\"\n");
   expect_whole(t, quadrature);
-  const TruthPing ping = t.truth.of(0);
+  const LabelPing ping = t.labels.of(0);
   for (const char* hidden : {"box", "ball"})
-    for (std::size_t cell = 0; cell < t.truth.cells; ++cell)
-      EXPECT_EQ(ping.object_share[t.object(hidden) * t.truth.cells + cell], 0) << hidden;
+    for (std::size_t cell = 0; cell < t.labels.cells; ++cell)
+      EXPECT_EQ(ping.object_share[t.object(hidden) * t.labels.cells + cell], 0) << hidden;
 }
 
-TEST_F(TruthOf, RaysAgreeWithTubes) {
+TEST_F(LabelsOf, RaysAgreeWithTubes) {
   const Told exact = told(still_life),
              sampled = told(still_life, [](RunRequest&request) {
                request.engine = Engine::ray;
                request.rays = {RaySampling::stratified, 100000, RaySettings::Per::beam, 1};
              });
   expect_whole(sampled, 1e-12);
-  const TruthPing a = exact.truth.of(0), b = sampled.truth.of(0);
+  const LabelPing a = exact.labels.of(0), b = sampled.labels.of(0);
   double all = 0, apart = 0, lower = 0;
-  for (std::size_t cell = 0; cell < exact.truth.cells; ++cell) {
+  for (std::size_t cell = 0; cell < exact.labels.cells; ++cell) {
     const double energy = exact.received(0, cell);
     if (!(energy > 0) || std::isnan(b.mean_height[cell])) continue;
     all += energy;
     lower += energy * std::abs(a.mean_height[cell] - b.mean_height[cell]);
-    for (std::size_t k = 0; k < exact.truth.objects.size(); ++k)
-      apart += energy * std::abs(a.object_share[k * exact.truth.cells + cell] -
-                                 b.object_share[k * exact.truth.cells + cell]);
+    for (std::size_t k = 0; k < exact.labels.objects.size(); ++k)
+      apart += energy * std::abs(a.object_share[k * exact.labels.cells + cell] -
+                                 b.object_share[k * exact.labels.cells + cell]);
   }
   EXPECT_LT(apart, 0.02 * all);
   EXPECT_LT(lower, 0.02 * 0.9 * all);
@@ -206,20 +206,20 @@ std::string of_sheet(const char* name, const char* material) {
 
 // A beam of 4 degrees over the straight border below the sonar, one to port and three to starboard: on level
 // ground the azimuths are as the areas.
-TEST_F(TruthOf, ABeamOverTwoFacetsHasSharesAsTheirAzimuths) {
+TEST_F(LabelsOf, ABeamOverTwoFacetsHasSharesAsTheirAzimuths) {
   folder.write("west.obj", sheet(-50, 0, 0));
   folder.write("east.obj", sheet(0, 50, 0));
   const Told t = told(still_water() + lambert_material("dull", -30) + lambert_material("bright", -20) +
                       of_sheet("west", "dull") + of_sheet("east", "bright") +
                       fixed_at(0, 0, 10, "heading_deg = 1\n") + downward_fan(1, 4, 100));
   expect_whole(t, quadrature);
-  const TruthPing ping = t.truth.of(0);
+  const LabelPing ping = t.labels.of(0);
   const double east = 3 * 0.01 / (3 * 0.01 + 1 * 0.001);
   int compared = 0;
   for (std::size_t k = 0; k < t.samples; ++k) {
     if (t.window.first_m + double(k) * t.window.step_m < 10.05) continue;
-    EXPECT_NEAR(ping.object_share[t.object("east") * t.truth.cells + k], east, 1e-6);
-    EXPECT_NEAR(ping.material_share[t.material("dull") * t.truth.cells + k], 1 - east, 1e-6);
+    EXPECT_NEAR(ping.object_share[t.object("east") * t.labels.cells + k], east, 1e-6);
+    EXPECT_NEAR(ping.material_share[t.material("dull") * t.labels.cells + k], 1 - east, 1e-6);
     EXPECT_EQ(ping.object_label[k], int(t.object("east")));
     EXPECT_NEAR(ping.mean_height[k], 0, 5e-5);
     ++compared;
@@ -228,13 +228,13 @@ TEST_F(TruthOf, ABeamOverTwoFacetsHasSharesAsTheirAzimuths) {
 }
 
 // On a slope the density is known in polar coordinates about the sonar's foot: distance rho, azimuth psi.
-TEST_F(TruthOf, HeightsAndRangesOnASlopeAreThoseOfTheClosedForm) {
+TEST_F(LabelsOf, HeightsAndRangesOnASlopeAreThoseOfTheClosedForm) {
   constexpr double rise = 0.25, height = 10, half_rad = 2 * std::numbers::pi / 180;
   folder.write("slope.obj", sheet(-50, 50, rise));
   const Told t = told(still_water() + lambert_material("rock", -20) + of_sheet("slope", "rock") +
                       fixed_at(0, 0, height) + downward_fan(1, 4, 40));
   expect_whole(t, quadrature);
-  const TruthPing ping = t.truth.of(0);
+  const LabelPing ping = t.labels.of(0);
   int compared = 0;
   for (std::size_t k = 0; k < t.samples; ++k) {
     const double near = t.window.first_m + double(k) * t.window.step_m, far = near + t.window.step_m;
@@ -264,7 +264,7 @@ TEST_F(TruthOf, HeightsAndRangesOnASlopeAreThoseOfTheClosedForm) {
 }
 
 // Whatever a scene has, and any two things together: the owners' energies are the energies.
-TEST_F(TruthOf, EveryFeatureOfASceneKeepsTheWhole) {
+TEST_F(LabelsOf, EveryFeatureOfASceneKeepsTheWhole) {
   folder.write("bed.asc", bed_of_steps());
   for (std::size_t a = 0; a < of_scenes.size(); ++a)
     for (std::size_t b = 0; b <= a; ++b) {
@@ -277,8 +277,8 @@ TEST_F(TruthOf, EveryFeatureOfASceneKeepsTheWhole) {
                           "[[objects]]\nname = \"box\"\nshape = \"box\"\nmaterial = \"rock\"\n"
                           "size_m = [0.5, 0.5, 0.5]\nposition_m = [0.1, 5, 0.2]\n");
       expect_whole(t, quadrature);
-      const TruthPing ping = t.truth.of(0);
-      for (std::size_t cell = 0; cell < t.truth.cells; ++cell)
+      const LabelPing ping = t.labels.of(0);
+      for (std::size_t cell = 0; cell < t.labels.cells; ++cell)
         if (!std::isnan(ping.mean_height[cell])) {
           EXPECT_GE(ping.mean_height[cell], -0.35);
           EXPECT_LE(ping.mean_height[cell], 0.6);
@@ -286,13 +286,13 @@ TEST_F(TruthOf, EveryFeatureOfASceneKeepsTheWhole) {
     }
 }
 
-TEST_F(TruthOf, OtherEnginesKeepTheWholeToo) {
+TEST_F(LabelsOf, OtherEnginesKeepTheWholeToo) {
   for (const Binning binning : {Binning::spread, Binning::centroid})
     expect_whole(told(still_life, [&](RunRequest& request) { request.binning = binning; }), 1e-12);
   expect_whole(told(still_life, [](RunRequest& request) { request.reference_tolerance = 1e-6; }), quadrature);
 }
 
-TEST_F(TruthOf, TheFileHasItAndTheFolderPictures) {
+TEST_F(LabelsOf, TheFileHasItAndTheFolderPictures) {
   const auto scene = folder.write("scene.toml", still_life), out = folder / "out", plain = folder / "plain";
   const Outcome outcome = run_program({"run", scene.string(), "-o", out.string(), "--labels"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -305,8 +305,8 @@ TEST_F(TruthOf, TheFileHasItAndTheFolderPictures) {
   EXPECT_EQ(file.text("/", "flag_meanings", "object_label"), "bed ball box");
   EXPECT_EQ(file.text("/", "units", "mean_range"), "m");
   const Told t = told(still_life);
-  EXPECT_EQ(file.values("/", "object_share"), t.truth.of(0).object_share);
-  EXPECT_EQ(file.values("/", "material_share"), t.truth.of(0).material_share);
+  EXPECT_EQ(file.values("/", "object_share"), t.labels.of(0).object_share);
+  EXPECT_EQ(file.values("/", "material_share"), t.labels.of(0).material_share);
   EXPECT_EQ(file.values("/", "energy"), t.energy);
   // Without being asked a run writes what it wrote before.
   ASSERT_EQ(run_program({"run", scene.string(), "-o", plain.string()}).exit_code, 0);
@@ -316,7 +316,7 @@ TEST_F(TruthOf, TheFileHasItAndTheFolderPictures) {
 }
 
 // Several sensors, of few beams and many, each in its group.
-TEST_F(TruthOf, EverySensorHasItsOwn) {
+TEST_F(LabelsOf, EverySensorHasItsOwn) {
   const std::string two =
       still_life + "[[sensors]]\nname = \"side\"\nkind = \"sidescan\"\nrange_max_m = 10\nsamples = 30\n" +
       "[[sensors]]\nname = \"below\"\nkind = \"echosounder\"\nrange_max_m = 5\nsamples = 20\n";
@@ -366,37 +366,37 @@ double down_db(int beam) {
 }
 
 void expect_labels_within(const Told& t, double level_db) {
-  const TruthPing ping = t.truth.of(0);
+  const LabelPing ping = t.labels.of(0);
   const auto ball = std::int16_t(t.object("ball"));
   int labelled = 0, unlabelled = 0;
   for (int beam = 0; beam < line_beams; ++beam)
     for (std::size_t k = 0; k < t.samples; ++k) {
       const std::size_t cell = std::size_t(beam) * t.samples + k;
       if (!(t.received(0, cell) > 0)) continue;
-      EXPECT_NEAR(ping.object_share[std::size_t(ball) * t.truth.cells + cell], 1, 1e-12);
+      EXPECT_NEAR(ping.object_share[std::size_t(ball) * t.labels.cells + cell], 1, 1e-12);
       constexpr double edge_db = 1.5;  // the ball is half a degree wide
       if (std::abs(down_db(beam) - level_db) < edge_db) continue;
       const bool near_peak = down_db(beam) < level_db;
-      EXPECT_EQ(ping.object_label[cell], near_peak ? ball : TruthRecording::no_label) << "beam " << beam;
+      EXPECT_EQ(ping.object_label[cell], near_peak ? ball : LabelRecording::no_label) << "beam " << beam;
       ++(near_peak ? labelled : unlabelled);
     }
   EXPECT_GT(labelled, 4);
   EXPECT_GT(unlabelled, 4);
 }
 
-TEST_F(TruthOf, ASideLobeFarBelowThePeakOwnsNoLabel) {
+TEST_F(LabelsOf, ASideLobeFarBelowThePeakOwnsNoLabel) {
   const Told t = told(ball_in_side_lobes());
   expect_whole(t, quadrature);
   expect_labels_within(t, 20);
 }
 
-TEST_F(TruthOf, TheLevelOfLabelsIsAsked) {
+TEST_F(LabelsOf, TheLevelOfLabelsIsAsked) {
   for (const double level_db : {8., 15., 28.})
     expect_labels_within(told(ball_in_side_lobes(), [&](RunRequest& r) { r.label_level_db = level_db; }),
                          level_db);
 }
 
-TEST_F(TruthOf, RaysAndCentroidsHaveTheSameLabels) {
+TEST_F(LabelsOf, RaysAndCentroidsHaveTheSameLabels) {
   expect_labels_within(told(ball_in_side_lobes(),
                             [](RunRequest& r) {
                               r.engine = Engine::ray;
@@ -407,31 +407,31 @@ TEST_F(TruthOf, RaysAndCentroidsHaveTheSameLabels) {
     expect_labels_within(told(ball_in_side_lobes(), [&](RunRequest& r) { r.binning = binning; }), 20);
 }
 
-TEST_F(TruthOf, AReceiverThatIsApartHasTheSameLabels) {
+TEST_F(LabelsOf, AReceiverThatIsApartHasTheSameLabels) {
   expect_labels_within(told(ball_in_side_lobes(0, "receiver_arm_m = [0, 0, 0.01]\n")), 20);
 }
 
 // The two-way gain counts: 8 degrees below the axis a transmitter of 20 degrees has lost 1.9 dB.
-TEST_F(TruthOf, WhatIsSentCountsForLabelsToo) {
+TEST_F(LabelsOf, WhatIsSentCountsForLabelsToo) {
   const Told level = told(ball_in_side_lobes(), [](RunRequest&r) { r.label_level_db = 1; }),
              tilted = told(ball_in_side_lobes(8), [](RunRequest&r) { r.label_level_db = 1; });
   const auto labelled = [](const Told& t) {
-    return std::ranges::count(t.truth.of(0).object_label, std::int16_t(t.object("ball")));
+    return std::ranges::count(t.labels.of(0).object_label, std::int16_t(t.object("ball")));
   };
   EXPECT_GT(labelled(level), 0);
   EXPECT_EQ(labelled(tilted), 0);
 }
 
 // Mud that a beam looks at owns the label, though the ball in its side lobes returns more.
-TEST_F(TruthOf, TheMainLobeOwnsTheLabelThoughASideLobeReturnsMore) {
+TEST_F(LabelsOf, TheMainLobeOwnsTheLabelThoughASideLobeReturnsMore) {
   const Told t = told(ball_in_side_lobes() +
                       "[[objects]]\nname = \"wall\"\nshape = \"box\"\nsize_m = [8, 0.5, 0.02]\n"
                       "position_m = [0, 4.98, 2.9]\nmaterial = \"mud\"\n");
-  const TruthPing ping = t.truth.of(0);
+  const LabelPing ping = t.labels.of(0);
   const auto ball = t.object("ball"), wall = t.object("wall");
   int compared = 0;
-  for (std::size_t cell = 0; cell < t.truth.cells; ++cell) {
-    const double share = ping.object_share[ball * t.truth.cells + cell];
+  for (std::size_t cell = 0; cell < t.labels.cells; ++cell) {
+    const double share = ping.object_share[ball * t.labels.cells + cell];
     if (down_db(int(cell / t.samples)) < 24 || !(share > 0.6 && share < 0.99)) continue;
     EXPECT_EQ(ping.object_label[cell], std::int16_t(wall));
     EXPECT_EQ(ping.material_label[cell], std::int16_t(t.material("mud")));
@@ -441,7 +441,7 @@ TEST_F(TruthOf, TheMainLobeOwnsTheLabelThoughASideLobeReturnsMore) {
 }
 
 // 1000 dB below the peak is everything: whatever a scene has, the same integrals take part.
-TEST_F(TruthOf, AllOfTheEnergyIsNearThePeakWhereTheLevelIsLow) {
+TEST_F(LabelsOf, AllOfTheEnergyIsNearThePeakWhereTheLevelIsLow) {
   folder.write("bed.asc", bed_of_steps());
   std::vector<std::set<Feature>> scenes{{Feature::mirrors, Feature::refraction},
                                         {Feature::mirrors, Feature::separate_receiver},
@@ -467,10 +467,10 @@ TEST_F(TruthOf, AllOfTheEnergyIsNearThePeakWhereTheLevelIsLow) {
       return told(scene, [&](RunRequest& r) { r.label_level_db = level_db; });
     };
     const Told low = told_at(1000), high = told_at(3);
-    const std::size_t first = low.truth.first_near_peak();
+    const std::size_t first = low.labels.first_near_peak();
     double all = 0, near = 0;
-    for (std::size_t k = 0; k < low.truth.owners.size(); ++k)
-      for (std::size_t cell = 0; cell < low.truth.cells; ++cell) {
+    for (std::size_t k = 0; k < low.labels.owners.size(); ++k)
+      for (std::size_t cell = 0; cell < low.labels.cells; ++cell) {
         const double energy = low.raw(0, k, cell);
         EXPECT_NEAR(low.raw(0, first + k, cell), energy, 1e-4 * std::abs(energy) + 1e-15);
         EXPECT_LE(high.raw(0, first + k, cell), energy * (1 + 1e-4) + 1e-15);
@@ -479,7 +479,7 @@ TEST_F(TruthOf, AllOfTheEnergyIsNearThePeakWhereTheLevelIsLow) {
       }
     EXPECT_GT(near, 0);
     EXPECT_LT(near, 0.999 * all);
-    EXPECT_EQ(low.truth.of(0).object_label.size(), low.truth.cells);
+    EXPECT_EQ(low.labels.of(0).object_label.size(), low.labels.cells);
   }
 }
 
@@ -528,13 +528,13 @@ double received_over_the_surface(double least) {
 }
 
 // Each leg has its own direction at the sonar. The reference knows neither images nor visibility.
-TEST_F(TruthOf, OverAMirrorWhatIsNearThePeakIsThatOfBothLegs) {
+TEST_F(LabelsOf, OverAMirrorWhatIsNearThePeakIsThatOfBothLegs) {
   constexpr double level_db = 6;
   const Told t = told(bed_via_the_surface("order = 2\nonly_order = 2\n"),
                       [&](RunRequest& r) { r.label_level_db = level_db; });
-  ASSERT_EQ(t.truth.owners.size(), 1u);
-  ASSERT_EQ(t.truth.cells, 1u);
-  const double near = t.raw(0, t.truth.first_near_peak(), 0),
+  ASSERT_EQ(t.labels.owners.size(), 1u);
+  ASSERT_EQ(t.labels.cells, 1u);
+  const double near = t.raw(0, t.labels.first_near_peak(), 0),
                expected = received_over_the_surface(std::pow(10, -level_db / 10));
   EXPECT_GT(expected, 0);
   EXPECT_NEAR(near, expected, 0.02 * expected);
@@ -543,7 +543,7 @@ TEST_F(TruthOf, OverAMirrorWhatIsNearThePeakIsThatOfBothLegs) {
 
 // After two scatterings the receive pattern's own peak counts. Each beam is steered 20 degrees off the
 // transmit pattern, so that its two-way peak lies 24 dB below its receive peak.
-TEST_F(TruthOf, AfterTwoScatteringsTheLevelIsBelowThePeakOfTheReceivePattern) {
+TEST_F(LabelsOf, AfterTwoScatteringsTheLevelIsBelowThePeakOfTheReceivePattern) {
   const auto box_at = [](const char* name, double azimuth_deg) {
     const double azimuth = azimuth_deg * std::numbers::pi / 180;
     return fmt::format(
@@ -564,11 +564,11 @@ TEST_F(TruthOf, AfterTwoScatteringsTheLevelIsBelowThePeakOfTheReceivePattern) {
                       [](RunRequest& r) { r.label_level_db = 10; });
   const auto sums = [&](const char* name) {  // all of the energy, and that near the peak
     std::pair<double, double> sum;
-    for (std::size_t k = 0; k < t.truth.owners.size(); ++k)
-      for (std::size_t cell = 0; cell < t.truth.cells; ++cell) {
-        if (t.truth.owners[k].object != t.object(name)) continue;
+    for (std::size_t k = 0; k < t.labels.owners.size(); ++k)
+      for (std::size_t cell = 0; cell < t.labels.cells; ++cell) {
+        if (t.labels.owners[k].object != t.object(name)) continue;
         sum.first += t.raw(0, k, cell);
-        sum.second += t.raw(0, t.truth.first_near_peak() + k, cell);
+        sum.second += t.raw(0, t.labels.first_near_peak() + k, cell);
       }
     return sum;
   };
@@ -577,7 +577,7 @@ TEST_F(TruthOf, AfterTwoScatteringsTheLevelIsBelowThePeakOfTheReceivePattern) {
   EXPECT_EQ(sums("aside").second, 0);  // 14 degrees off the nearer beam: 23 dB
 }
 
-TEST_F(TruthOf, TheFileNamesTheLevelOfItsLabels) {
+TEST_F(LabelsOf, TheFileNamesTheLevelOfItsLabels) {
   const auto scene = folder.write("scene.toml", ball_in_side_lobes());
   const auto out = folder / "out";
   const Outcome outcome =

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "sensors/recordings/truth_recording.hpp"
+#include "sensors/recordings/label_recording.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -11,7 +11,7 @@ namespace {
 
 /// `energies`: [label][cell], or shares of them.
 std::vector<std::int16_t> labels_of(std::span<const double> energies, std::size_t cells) {
-  std::vector<std::int16_t> labels(cells, TruthRecording::no_label);
+  std::vector<std::int16_t> labels(cells, LabelRecording::no_label);
   for (std::size_t cell = 0; cell < cells; ++cell) {
     double largest = 0;
     for (std::size_t k = 0; k * cells < energies.size(); ++k)
@@ -25,7 +25,7 @@ std::vector<std::int16_t> labels_of(std::span<const double> energies, std::size_
 
 }  // namespace
 
-TruthPing TruthRecording::of(std::size_t ping) const {
+LabelPing LabelRecording::of(std::size_t ping) const {
   stop_if_wanted();
   const PingEnergies kept = packed
                                 ? packed->values(ping, 0)
@@ -33,12 +33,12 @@ TruthPing TruthRecording::of(std::size_t ping) const {
   const std::span<const double> all = kept;
   const auto channel = [&](std::size_t k) { return all.subspan(k * cells, cells); };
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
-  TruthPing truth;
-  truth.object_share.assign(objects.size() * cells, 0);
-  truth.material_share.assign(materials.size() * cells, 0);
-  if (has_unscattered) truth.unscattered_share.assign(cells, 0);
-  truth.mean_height.assign(cells, none);
-  truth.mean_range.assign(cells, none);
+  LabelPing ping_labels;
+  ping_labels.object_share.assign(objects.size() * cells, 0);
+  ping_labels.material_share.assign(materials.size() * cells, 0);
+  if (has_unscattered) ping_labels.unscattered_share.assign(cells, 0);
+  ping_labels.mean_height.assign(cells, none);
+  ping_labels.mean_range.assign(cells, none);
   for (std::size_t cell = 0; cell < cells; ++cell) {
     // Patterns are read from polynomials: next to their zeros an energy may come out below 0 by a rounding.
     const auto energy = [&](std::size_t k) { return std::max(channel(k)[cell], 0.0); };
@@ -47,18 +47,18 @@ TruthPing TruthRecording::of(std::size_t ping) const {
     const double straight = has_unscattered ? energy(owners.size() + 2) : 0, whole = scattered + straight;
     if (!(whole > 0)) continue;
     for (std::size_t k = 0; k < owners.size(); ++k) {
-      truth.object_share[owners[k].object * cells + cell] += energy(k) / whole;
-      truth.material_share[owners[k].material * cells + cell] += energy(k) / whole;
+      ping_labels.object_share[owners[k].object * cells + cell] += energy(k) / whole;
+      ping_labels.material_share[owners[k].material * cells + cell] += energy(k) / whole;
     }
-    if (has_unscattered) truth.unscattered_share[cell] = straight / whole;
+    if (has_unscattered) ping_labels.unscattered_share[cell] = straight / whole;
     if (!(scattered > 0)) continue;
-    truth.mean_height[cell] = channel(owners.size())[cell] / scattered;
-    truth.mean_range[cell] = channel(owners.size() + 1)[cell] / scattered;
+    ping_labels.mean_height[cell] = channel(owners.size())[cell] / scattered;
+    ping_labels.mean_range[cell] = channel(owners.size() + 1)[cell] / scattered;
   }
   if (!label_level_db) {
-    truth.object_label = labels_of(truth.object_share, cells);
-    truth.material_label = labels_of(truth.material_share, cells);
-    return truth;
+    ping_labels.object_label = labels_of(label_recording.object_share, cells);
+    ping_labels.material_label = labels_of(label_recording.material_share, cells);
+    return ping_labels;
   }
   std::vector<double> of_object(objects.size() * cells), of_material(materials.size() * cells);
   for (std::size_t k = 0; k < owners.size(); ++k) {
@@ -69,9 +69,9 @@ TruthPing TruthRecording::of(std::size_t ping) const {
       of_material[owners[k].material * cells + cell] += energy;
     }
   }
-  truth.object_label = labels_of(of_object, cells);
-  truth.material_label = labels_of(of_material, cells);
-  return truth;
+  ping_labels.object_label = labels_of(of_object, cells);
+  ping_labels.material_label = labels_of(of_material, cells);
+  return ping_labels;
 }
 
 }  // namespace tubefoot

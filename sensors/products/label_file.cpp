@@ -9,8 +9,8 @@
 #include <optional>
 
 #include "sensors/formats/netcdf_stream.hpp"
+#include "sensors/recordings/label_recording.hpp"
 #include "sensors/recordings/recording.hpp"
-#include "sensors/recordings/truth_recording.hpp"
 
 namespace tubefoot {
 namespace {
@@ -23,10 +23,10 @@ std::string word(std::string name) {
   return name;
 }
 
-class TruthGroup {
+class LabelGroup {
  public:
-  TruthGroup(const NetcdfStream& file, int id, const TruthRecording& truth)
-      : file_(file), id_(id), truth_(truth) {
+  LabelGroup(const NetcdfStream& file, int id, const LabelRecording& label_recording)
+      : file_(file), id_(id), label_recording_(label_recording) {
     for (const char* name : {"ping", "beam", "sample"}) {
       int dimension = 0;
       check(nc_inq_dimid(id_, name, &dimension), name);
@@ -34,31 +34,32 @@ class TruthGroup {
     }
     check(nc_inq_dimlen(id_, along_[1], &beams_), "beam");
     check(nc_inq_dimlen(id_, along_[2], &samples_), "sample");
-    const int object = names("object", truth.objects), material = names("material", truth.materials);
+    const int object = names("object", label_recording.objects),
+              material = names("material", label_recording.materials);
     object_share_ = shares("object_share", object, "part of the energy that facets of the object return");
     material_share_ =
         shares("material_share", material, "part of the energy that facets of the material return");
-    if (truth.has_unscattered)
+    if (label_recording.has_unscattered)
       unscattered_ =
           define("unscattered_share", NC_DOUBLE, "1", "part of the energy that comes without scattering");
     height_ = define("mean_height", NC_DOUBLE, "m",
                      "height in the local frame of what returns the energy, its mean weighed by energy");
     range_ = define("mean_range", NC_DOUBLE, "m",
                     "straight way from the sensor to what returns the energy, its mean weighed by energy");
-    object_label_ = labels("object_label", "object", truth.objects);
-    material_label_ = labels("material_label", "material", truth.materials);
+    object_label_ = labels("object_label", "object", label_recording.objects);
+    material_label_ = labels("material_label", "material", label_recording.materials);
   }
 
   void write() {
-    put_names("object_name", truth_.objects);
-    put_names("material_name", truth_.materials);
+    put_names("object_name", label_recording_.objects);
+    put_names("material_name", label_recording_.materials);
     std::size_t pings = 0;
     check(nc_inq_dimlen(id_, along_[0], &pings), "ping");
     for (std::size_t p = 0; p < pings; ++p) {
-      const TruthPing ping = truth_.of(p);
-      put(object_share_, p, truth_.objects.size(), ping.object_share);
-      put(material_share_, p, truth_.materials.size(), ping.material_share);
-      if (truth_.has_unscattered) put(unscattered_, p, 0, ping.unscattered_share);
+      const LabelPing ping = label_recording_.of(p);
+      put(object_share_, p, label_recording_.objects.size(), ping.object_share);
+      put(material_share_, p, label_recording_.materials.size(), ping.material_share);
+      if (label_recording_.has_unscattered) put(unscattered_, p, 0, ping.unscattered_share);
       put(height_, p, 0, ping.mean_height);
       put(range_, p, 0, ping.mean_range);
       put(object_label_, p, ping.object_label);
@@ -111,7 +112,7 @@ class TruthGroup {
     return define(name, NC_DOUBLE, "1", long_name, label);
   }
   int labels(const char* name, const char* what, const std::vector<std::string>& all) {
-    const std::optional<double>& level_db = truth_.label_level_db;
+    const std::optional<double>& level_db = label_recording_.label_level_db;
     const std::string long_name =
         level_db ? fmt::format(
                        "{} with the largest share of what the beam receives within {:g} dB of its "
@@ -127,7 +128,7 @@ class TruthGroup {
     for (const std::string& one : all) words.push_back(word(one));
     check(nc_put_att_short(id_, variable, "flag_values", NC_SHORT, values.size(), values.data()), name);
     attribute(variable, "flag_meanings", fmt::format("{}", fmt::join(words, " ")));
-    const short none = TruthRecording::no_label;
+    const short none = LabelRecording::no_label;
     check(nc_def_var_fill(id_, variable, NC_FILL, &none), name);
     return variable;
   }
@@ -148,7 +149,7 @@ class TruthGroup {
 
   const NetcdfStream& file_;
   int id_;
-  const TruthRecording& truth_;
+  const LabelRecording& label_recording_;
   std::vector<int> along_;
   std::size_t beams_ = 0, samples_ = 0;
   int object_share_ = 0, material_share_ = 0, unscattered_ = 0, height_ = 0, range_ = 0, object_label_ = 0,
@@ -157,22 +158,22 @@ class TruthGroup {
 
 }  // namespace
 
-void add_truth(const fs::path& path, std::span<const Recording> recordings,
-               std::span<const TruthRecording> truths) {
-  if (truths.empty()) return;
+void add_labels(const fs::path& path, std::span<const Recording> recordings,
+                std::span<const LabelRecording> label_recordings) {
+  if (label_recordings.empty()) return;
   std::size_t bytes = 0;
-  for (std::size_t k = 0; k < truths.size(); ++k) {
-    const TruthRecording& truth = truths[k];
-    bytes +=
-        recordings[k].pings() * truth.cells *
-        ((truth.objects.size() + truth.materials.size() + 3) * sizeof(double) + 2 * sizeof(std::int16_t));
+  for (std::size_t k = 0; k < label_recordings.size(); ++k) {
+    const LabelRecording& label_recording = label_recordings[k];
+    bytes += recordings[k].pings() * label_recording.cells *
+             ((label_recording.objects.size() + label_recording.materials.size() + 3) * sizeof(double) +
+              2 * sizeof(std::int16_t));
   }
   NetcdfStream file(path, NetcdfStream::Finished{});
   file.reserve(bytes + bytes / 64);  // what deflate cannot shrink stays as long as it is
-  for (std::size_t k = 0; k < truths.size(); ++k) {
+  for (std::size_t k = 0; k < label_recordings.size(); ++k) {
     const int group =
-        truths.size() > 1 ? file.group("/" + recordings[k].sensor->description().name) : file.id();
-    TruthGroup(file, group, truths[k]).write();
+        label_recordings.size() > 1 ? file.group("/" + recordings[k].sensor->description().name) : file.id();
+    LabelGroup(file, group, label_recordings[k]).write();
   }
   file.finish();
 }

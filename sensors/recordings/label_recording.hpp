@@ -16,7 +16,7 @@ namespace tubefoot {
 struct Recording;
 
 /// Of one ping, beside its energies: [beam][sample] each, [object or material][beam][sample] the shares.
-struct TruthPing {
+struct LabelPing {
   /// Parts of a sample's energy: with `unscattered_share` they add up to 1. 0 where nothing is received.
   std::vector<double> object_share, material_share;
   std::vector<double> unscattered_share;  ///< empty where all paths are scattered
@@ -24,12 +24,12 @@ struct TruthPing {
   /// way from the sonar (half of the way there and back, where its ends are apart). Not a number without it.
   std::vector<double> mean_height, mean_range;
   /// The one with the largest share of what beams receive near the peak of their patterns
-  /// (TruthRecording::label_level_db), of equals the first; `no_label` where that is nothing.
+  /// (LabelRecording::label_level_db), of equals the first; `no_label` where that is nothing.
   std::vector<std::int16_t> object_label, material_label;
 };
 
 /// Whose the energies of a recording are, and where they come from: what `run --labels` keeps.
-struct TruthRecording {
+struct LabelRecording {
   static constexpr std::int16_t no_label = -1;
   struct Owner {
     std::uint16_t object = 0, material = 0;
@@ -52,19 +52,19 @@ struct TruthRecording {
   std::size_t first_near_peak() const { return owners.size() + 2 + (has_unscattered ? 1 : 0); }
   std::size_t channels() const { return first_near_peak() + (label_level_db ? owners.size() : 0); }
   /// Throws Interrupted if somebody wants to stop.
-  TruthPing of(std::size_t ping) const;
+  LabelPing of(std::size_t ping) const;
 };
 
 /// Adds to an echoes.nc that write_echoes() wrote of these recordings whose the energies are; nothing without
 /// truths. Throws std::runtime_error naming the file and what failed; it is then to be thrown away.
-void add_truth(const std::filesystem::path& echoes, std::span<const Recording> recordings,
-               std::span<const TruthRecording> truths);
+void add_labels(const std::filesystem::path& echoes, std::span<const Recording> recordings,
+                std::span<const LabelRecording> label_recordings);
 
 /// PNG of `bits` a component of whose the energies are, and how high: <sensor>-truth-<ping>.png of five pings
 /// at most, evenly spread, or of one or two beams <sensor>-truth.png of all pings. Returns their names.
-/// Throws as add_truth().
-std::vector<std::filesystem::path> write_truth_pictures(const std::filesystem::path& folder,
+/// Throws as add_labels().
+std::vector<std::filesystem::path> write_label_pictures(const std::filesystem::path& folder,
                                                         const Recording& recording,
-                                                        const TruthRecording& truth, int bits = 8);
+                                                        const LabelRecording& label_recording, int bits = 8);
 
 }  // namespace tubefoot

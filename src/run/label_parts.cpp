@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "run/truth_parts.hpp"
+#include "run/label_parts.hpp"
 
 #include <algorithm>
 #include <functional>
@@ -12,10 +12,10 @@ namespace tubefoot {
 namespace {
 
 /// By part of a ground that several rays show.
-std::vector<std::uint16_t> owners_of_parts(const Truth& truth, const ApparentSurface& ground) {
+std::vector<std::uint16_t> owners_of_parts(const LabelChannels& labels, const ApparentSurface& ground) {
   std::vector<std::uint16_t> owners(ground.part_material.size());
   for (const RayOfPart& ray : ground.several)
-    owners[ray.part] = truth.owner(ground.refined.mesh.component[ray.seen], ground.part_material[ray.part]);
+    owners[ray.part] = labels.owner(ground.refined.mesh.component[ray.seen], ground.part_material[ray.part]);
   return owners;
 }
 
@@ -26,33 +26,34 @@ void add(const std::vector<double>& more, std::vector<double>& all) {
 
 }  // namespace
 
-void add_truth(const Transmission& transmission, std::size_t s, const EchoLaw& law, const FacetMesh& mesh,
-               const CommonVisibility& visibility, PingSums& sums) {
-  if (transmission.truth() == nullptr) return;
-  TruthLaws(transmission, s, law, mesh).add(sums, [&](const EchoLaw& one) {
+void add_labels(const Transmission& transmission, std::size_t s, const EchoLaw& law, const FacetMesh& mesh,
+                const CommonVisibility& visibility, PingSums& sums) {
+  if (transmission.labels() == nullptr) return;
+  LabelLaws(transmission, s, law, mesh).add(sums, [&](const EchoLaw& one) {
     return transmission.echo(visibility, s, one).energy;
   });
 }
 
-void add_truth(const Transmission& transmission, std::size_t s, const TransmissionGround& ground,
-               const FacetMesh& mesh, const CommonVisibility& visibility, PingSums& sums) {
-  if (transmission.truth() == nullptr) return;
+void add_labels(const Transmission& transmission, std::size_t s, const TransmissionGround& ground,
+                const FacetMesh& mesh, const CommonVisibility& visibility, PingSums& sums) {
+  if (transmission.labels() == nullptr) return;
   const SensorLaw law(transmission, ground, s);
-  add_truth(transmission, s, law.law, mesh, visibility, sums);
+  add_labels(transmission, s, law.law, mesh, visibility, sums);
 }
 
-void add_truth_of_mixed_eigenrays(const Transmission& transmission, std::size_t s, const EchoLaw& law,
-                                  const ApparentSurface& ground, const CommonVisibility& visibility,
-                                  PingSums& sums) {
-  if (transmission.truth() == nullptr) return;
-  TruthLaws(transmission, s, law, owners_of_parts(*transmission.truth(), ground))
+void add_labels_of_mixed_eigenrays(const Transmission& transmission, std::size_t s, const EchoLaw& law,
+                                   const ApparentSurface& ground, const CommonVisibility& visibility,
+                                   PingSums& sums) {
+  if (transmission.labels() == nullptr) return;
+  LabelLaws(transmission, s, law, owners_of_parts(*transmission.labels(), ground))
       .add(sums, [&](const EchoLaw& one) { return transmission.echo(visibility, s, one).energy; });
 }
 
-void add_truth_of_receiver_pair(const Transmission& transmission, std::size_t s, std::uint32_t fan,
-                                const EchoLaw& law, const FacetMesh& mesh, const ReceiverPairHistory& history,
-                                const ReceiverBaseline& receiver_pair, PingSums& sums) {
-  if (transmission.truth() == nullptr) return;
+void add_labels_of_receiver_pair(const Transmission& transmission, std::size_t s, std::uint32_t fan,
+                                 const EchoLaw& law, const FacetMesh& mesh,
+                                 const ReceiverPairHistory& history, const ReceiverBaseline& receiver_pair,
+                                 PingSums& sums) {
+  if (transmission.labels() == nullptr) return;
   const ReceiverPairHistory upper{history.transmit,
                                   history.upper,
                                   history.lower,
@@ -61,7 +62,7 @@ void add_truth_of_receiver_pair(const Transmission& transmission, std::size_t s,
                                   history.middle_m,
                                   history.bistatic_upper,
                                   {}};
-  TruthLaws(transmission, s, law, mesh).add(sums, [&](const EchoLaw& one) {
+  LabelLaws(transmission, s, law, mesh).add(sums, [&](const EchoLaw& one) {
     return row_of_fan(
         transmission, s, fan,
         integrate_receiver_pair_echo(upper, receiver_pair, fan, fan, transmission.sensor(s).samples(), one)
@@ -69,33 +70,33 @@ void add_truth_of_receiver_pair(const Transmission& transmission, std::size_t s,
   });
 }
 
-void add_truth_of_receiver_pair(const Transmission& transmission, std::size_t s, std::uint32_t fan,
-                                const FacetMesh& mesh, const BistaticHistory& history, PingSums& sums) {
-  if (transmission.truth() == nullptr) return;
+void add_labels_of_receiver_pair(const Transmission& transmission, std::size_t s, std::uint32_t fan,
+                                 const FacetMesh& mesh, const BistaticHistory& history, PingSums& sums) {
+  if (transmission.labels() == nullptr) return;
   const SensorLaw law(transmission, TransmissionGround(transmission.site()), s);
   const std::size_t tubes = history.receive.tubes.size();
   const BeamPatterns patterns = patterns_of_fan(law.patterns, fan, tubes);
   EchoLaw own = law.law;
   own.patterns = &patterns;
   const std::vector<std::uint32_t> only_beam(tubes, 0);
-  TruthLaws(transmission, s, own, mesh).add(sums, [&](const EchoLaw& one) {
+  LabelLaws(transmission, s, own, mesh).add(sums, [&](const EchoLaw& one) {
     return row_of_fan(transmission, s, fan,
                       integrate_echo(history, {1, only_beam}, transmission.sensor(s).samples(), one).energy);
   });
 }
 
-void add_truth_of_paths(const Transmission& transmission, std::size_t s, const FacetMesh& mesh,
-                        const EchoLaw& law, PathSettings settings, PingSums& sums, const PathRows& rows_of) {
-  if (transmission.truth() == nullptr) return;
+void add_labels_of_paths(const Transmission& transmission, std::size_t s, const FacetMesh& mesh,
+                         const EchoLaw& law, PathSettings settings, PingSums& sums, const PathRows& rows_of) {
+  if (transmission.labels() == nullptr) return;
   const OwnedBed bed(transmission, mesh);
-  const TruthLaws laws(transmission, s, law, mesh);
+  const LabelLaws laws(transmission, s, law, mesh);
   const EchoLaw whole = laws.whole();
   settings.reference_tolerance.reset();
   settings.mirrors.reflection = bed.reflection;
   settings.before = &whole;
   settings.arrivals = false;
   std::vector<double> least_received;
-  if (const auto level_db = transmission.truth()->label_level_db(); level_db && law.patterns != nullptr)
+  if (const auto level_db = transmission.labels()->label_level_db(); level_db && law.patterns != nullptr)
     least_received = receive_gains_below_peak(*law.patterns, *level_db);
   laws.add(sums, [&](const EchoLaw& one) {
     PathSettings of_one = settings;
@@ -104,8 +105,8 @@ void add_truth_of_paths(const Transmission& transmission, std::size_t s, const F
   });
   settings.arrivals = true;
   settings.scatterings = 1;
-  sums.add_truth(transmission, s, transmission.truth()->unscattered(),
-                 rows_of(bed.mesh(), laws.silent(), settings));
+  sums.add_labels(transmission, s, transmission.labels()->unscattered(),
+                  rows_of(bed.mesh(), laws.silent(), settings));
 }
 
 std::vector<double> wanted_orders(const Transmission& transmission, const PathEcho& paths) {

@@ -3,13 +3,13 @@
 
 #include <stdexcept>
 
-#include "sensors/pictures/truth_picture.hpp"
+#include "sensors/pictures/label_picture.hpp"
 
 namespace tubefoot {
 
-std::vector<std::filesystem::path> write_truth_pictures(const std::filesystem::path& folder,
+std::vector<std::filesystem::path> write_label_pictures(const std::filesystem::path& folder,
                                                         const Recording& recording,
-                                                        const TruthRecording& truth, int bits) {
+                                                        const LabelRecording& label_recording, int bits) {
   const std::string& name = recording.sensor->description().name;
   const std::string& font = label_font();
   std::vector<std::filesystem::path> files;
@@ -21,14 +21,15 @@ std::vector<std::filesystem::path> write_truth_pictures(const std::filesystem::p
   const std::size_t pings = recording.pings();
   if (pings == 0) return files;
   if (recording.sensor->beams().size() <= 2) {
-    write(draw_truth_of_track(recording, truth, font), "");
+    write(draw_labels_of_track(recording, label_recording, font), "");
     return files;
   }
   constexpr std::size_t most = 5;
   const std::size_t frames = std::min(pings, most);
   for (std::size_t k = 0; k < frames; ++k) {
     const std::size_t ping = frames == 1 ? 0 : k * (pings - 1) / (frames - 1);
-    write(draw_truth_of_ping(recording, truth, ping, font), fmt::format("-{:04}", recording.number_of(ping)));
+    write(draw_labels_of_ping(recording, label_recording, ping, font),
+          fmt::format("-{:04}", recording.number_of(ping)));
   }
   return files;
 }

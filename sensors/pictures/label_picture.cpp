@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "sensors/pictures/truth_picture.hpp"
+#include "sensors/pictures/label_picture.hpp"
 
 #include <fmt/format.h>
 
@@ -176,15 +176,15 @@ struct Frames {
   bool unscattered = false;
 };
 
-Frames frames_of(const TruthRecording& truth, std::span<const std::size_t> pings) {
+Frames frames_of(const LabelRecording& label_recording, std::span<const std::size_t> pings) {
   Frames frames;
   for (const std::size_t ping : pings) {
-    TruthPing own = truth.of(ping);
-    frames.objects.push_back(mixed(own.object_share, own.unscattered_share, truth.cells));
-    frames.materials.push_back(mixed(own.material_share, own.unscattered_share, truth.cells));
+    LabelPing own = label_recording.of(ping);
+    frames.objects.push_back(mixed(own.object_share, own.unscattered_share, label_recording.cells));
+    frames.materials.push_back(mixed(own.material_share, own.unscattered_share, label_recording.cells));
     frames.extremes.take(own.mean_height);
-    note_seen(own.object_share, truth.cells, frames.objects_seen);
-    note_seen(own.material_share, truth.cells, frames.materials_seen);
+    note_seen(own.object_share, label_recording.cells, frames.objects_seen);
+    note_seen(own.material_share, label_recording.cells, frames.materials_seen);
     frames.unscattered = frames.unscattered ||
                          std::ranges::any_of(own.unscattered_share, [](double share) { return share > 0; });
     frames.heights.push_back(std::move(own.mean_height));
@@ -255,12 +255,12 @@ void draw_heights(Canvas& canvas, int x, int y, int width, const Extremes& heigh
               palette.ink, Anchor::right);
 }
 
-Canvas draw(const TruthRecording& truth, const Layout& layout, const Frames& frames, const std::string& title,
-            const std::string& subtitle, const std::string& font) {
+Canvas draw(const LabelRecording& label_recording, const Layout& layout, const Frames& frames,
+            const std::string& title, const std::string& subtitle, const std::string& font) {
   std::vector<Colours> heights;
   for (const std::vector<double>& ping : frames.heights) {
-    Colours& own = heights.emplace_back(truth.cells);
-    for (std::size_t cell = 0; cell < truth.cells; ++cell)
+    Colours& own = heights.emplace_back(label_recording.cells);
+    for (std::size_t cell = 0; cell < label_recording.cells; ++cell)
       if (!std::isnan(ping[cell])) own[cell] = height_colour(frames.extremes.part(ping[cell]));
   }
   const auto entries = static_cast<int>(
@@ -277,9 +277,10 @@ Canvas draw(const TruthRecording& truth, const Layout& layout, const Frames& fra
   canvas.text(margin, margin + 30, subtitle, label_size, palette.faint_ink);
   const int below = header_height + layout.height + margin;
   draw_panel(canvas, margin, layout, frames.objects, "objects");
-  draw_names(canvas, margin, below, truth.objects, frames.objects_seen, frames.unscattered);
+  draw_names(canvas, margin, below, label_recording.objects, frames.objects_seen, frames.unscattered);
   draw_panel(canvas, margin + pitch, layout, frames.materials, "materials");
-  draw_names(canvas, margin + pitch, below, truth.materials, frames.materials_seen, frames.unscattered);
+  draw_names(canvas, margin + pitch, below, label_recording.materials, frames.materials_seen,
+             frames.unscattered);
   draw_panel(canvas, margin + 2 * pitch, layout, heights, "mean height");
   draw_heights(canvas, margin + 2 * pitch, below, std::max(layout.width, 260), frames.extremes);
   return canvas;
@@ -289,12 +290,13 @@ std::string name_of(const Recording& recording) { return recording.sensor->descr
 
 }  // namespace
 
-Canvas draw_truth_of_ping(const Recording& recording, const TruthRecording& truth, std::size_t ping,
-                          const std::string& font) {
+Canvas draw_labels_of_ping(const Recording& recording, const LabelRecording& label_recording,
+                           std::size_t ping, const std::string& font) {
   const Sensor& sensor = *recording.sensor;
   const bool fan = is_fan(sensor);
   return draw(
-      truth, fan ? fan_of(sensor) : columns_of(sensor), frames_of(truth, std::array{ping}),
+      label_recording, fan ? fan_of(sensor) : columns_of(sensor),
+      frames_of(label_recording, std::array{ping}),
       fmt::format("{}   ping {}   whose the energy is", name_of(recording), ping),
       fmt::format(
           "samples in the colours of what returns their energy, mixed by shares; {} to {} m{}",
@@ -304,13 +306,14 @@ Canvas draw_truth_of_ping(const Recording& recording, const TruthRecording& trut
       font);
 }
 
-Canvas draw_truth_of_track(const Recording& recording, const TruthRecording& truth, const std::string& font) {
+Canvas draw_labels_of_track(const Recording& recording, const LabelRecording& label_recording,
+                            const std::string& font) {
   const Sensor& sensor = *recording.sensor;
   const std::size_t all = recording.pings(),
                     rows = std::min<std::size_t>(all, sensor.beams().size() == 1 ? widest : highest);
   std::vector<std::size_t> pings;
   for (std::size_t row = 0; row < rows; ++row) pings.push_back(row * all / rows);
-  return draw(truth, track_of(sensor, rows), frames_of(truth, pings),
+  return draw(label_recording, track_of(sensor, rows), frames_of(label_recording, pings),
               fmt::format("{}   {} pings   whose the energy is", name_of(recording), all),
               fmt::format("samples in the colours of what returns their energy, mixed by shares; {}",
                           sensor.beams().size() == 1 ? "first ping left, nearest sample on top"

@@ -11,7 +11,7 @@
 
 #include "run/ping_sums.hpp"
 #include "run/transmission.hpp"
-#include "sensors/recordings/truth_recording.hpp"
+#include "sensors/recordings/label_recording.hpp"
 
 // Whose each energy is, and where it comes from (docs/truth.md). A share is the same integral over fewer
 // facets, and a mean height the same with the height as one more factor of the density, as micro-texture is:
@@ -19,14 +19,14 @@
 namespace tubefoot {
 
 /// What is told apart in a survey.
-class Truth {
+class LabelChannels {
  public:
-  Truth(const Survey& survey, const RunRequest& request);
+  LabelChannels(const Survey& survey, const RunRequest& request);
 
-  using Owner = TruthRecording::Owner;
+  using Owner = LabelRecording::Owner;
   /// The pairs of an object and a material that facets may have.
   const std::vector<Owner>& owners() const { return owners_; }
-  /// As in TruthRecording::values: channel k is owner k's; then these.
+  /// As in LabelRecording::values: channel k is owner k's; then these.
   std::size_t height() const { return owners_.size(); }
   std::size_t range() const { return owners_.size() + 1; }
   std::size_t unscattered() const { return owners_.size() + 2; }
@@ -60,15 +60,15 @@ class Truth {
 };
 
 /// The laws of a transmission's channels, as a sensor receives it.
-class TruthLaws {
+class LabelLaws {
  public:
   /// `law`: as for the energies, of `mesh`. All outlive this.
-  TruthLaws(const Transmission& transmission, std::size_t sensor, const EchoLaw& law, const FacetMesh& mesh);
+  LabelLaws(const Transmission& transmission, std::size_t sensor, const EchoLaw& law, const FacetMesh& mesh);
   /// `owners`: by what `law.material` is by.
-  TruthLaws(const Transmission& transmission, std::size_t sensor, const EchoLaw& law,
+  LabelLaws(const Transmission& transmission, std::size_t sensor, const EchoLaw& law,
             std::vector<std::uint16_t> owners);
-  TruthLaws(const TruthLaws&) = delete;
-  TruthLaws& operator=(const TruthLaws&) = delete;
+  LabelLaws(const LabelLaws&) = delete;
+  LabelLaws& operator=(const LabelLaws&) = delete;
 
   /// An echo by a law: [beam of the transmission][sample], and more channels, which are not read.
   using EchoBy = std::function<std::vector<double>(const EchoLaw&)>;
@@ -84,7 +84,7 @@ class TruthLaws {
   void make_tables();
 
   const Transmission& transmission_;
-  const Truth& truth_;
+  const LabelChannels& labels_;
   std::size_t sensor_;
   const EchoLaw& law_;
   std::vector<std::uint16_t> own_;
@@ -111,12 +111,12 @@ struct OwnedBed {
 };
 
 /// Where a ping store keeps the truth of a sensor: as one more sensor, that fires with it.
-std::size_t place_of_truth(const Survey& survey, std::size_t sensor);
-void add_truth(StoreLayout& layout, const Survey& survey, const RunRequest& request,
-               const std::vector<ChosenEchoes>& chosen);
+std::size_t place_of_labels(const Survey& survey, std::size_t sensor);
+void add_labels(StoreLayout& layout, const Survey& survey, const RunRequest& request,
+                const std::vector<ChosenEchoes>& chosen);
 
 /// Of each sensor that is kept, if the run was asked for it. They keep the store alive.
-std::vector<TruthRecording> truths_of(const Survey& survey, const RunRequest& request,
-                                      const std::shared_ptr<PingStore>& store);
+std::vector<LabelRecording> label_recordings_of(const Survey& survey, const RunRequest& request,
+                                                const std::shared_ptr<PingStore>& store);
 
 }  // namespace tubefoot

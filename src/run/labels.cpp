@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "run/truth.hpp"
+#include "run/labels.hpp"
 
 #include <fmt/format.h>
 
@@ -68,7 +68,8 @@ const Scene& whole_scene(const Survey& survey) {
 
 }  // namespace
 
-Truth::Truth(const Survey& survey, const RunRequest& request) : site_mesh_(&survey.scene.mesh) {
+LabelChannels::LabelChannels(const Survey& survey, const RunRequest& request)
+    : site_mesh_(&survey.scene.mesh) {
   const Scene& scene = whole_scene(survey);
   const std::size_t materials = scene.description.materials.size();
   number_.assign(scene.report.components.size(), std::vector<std::int32_t>(materials, -1));
@@ -93,7 +94,7 @@ Truth::Truth(const Survey& survey, const RunRequest& request) : site_mesh_(&surv
     label_level_db_ = request.label_level_db;
 }
 
-std::uint16_t Truth::owner(std::uint16_t object, std::uint16_t material) const {
+std::uint16_t LabelChannels::owner(std::uint16_t object, std::uint16_t material) const {
   const std::int32_t number = number_.at(object).at(material);
   if (number < 0)
     throw std::logic_error(
@@ -101,18 +102,18 @@ std::uint16_t Truth::owner(std::uint16_t object, std::uint16_t material) const {
   return static_cast<std::uint16_t>(number);
 }
 
-std::vector<std::uint16_t> Truth::owners_of(const FacetMesh& mesh) const {
+std::vector<std::uint16_t> LabelChannels::owners_of(const FacetMesh& mesh) const {
   std::vector<std::uint16_t> owners(mesh.facets.size());
   for (FacetId f = 0; f < mesh.facets.size(); ++f) owners[f] = owner(mesh.component[f], mesh.material[f]);
   return owners;
 }
 
-std::span<const std::uint16_t> Truth::owners_of_site() const {
+std::span<const std::uint16_t> LabelChannels::owners_of_site() const {
   std::call_once(site_owned_, [&] { owners_of_site_ = owners_of(*site_mesh_); });
   return owners_of_site_;
 }
 
-const FacetMesh& Truth::owned_site_mesh() const {
+const FacetMesh& LabelChannels::owned_site_mesh() const {
   std::call_once(mesh_owned_, [&] {
     owned_ = *site_mesh_;
     const std::span<const std::uint16_t> owners = owners_of_site();
@@ -121,22 +122,22 @@ const FacetMesh& Truth::owned_site_mesh() const {
   return owned_;
 }
 
-TruthLaws::TruthLaws(const Transmission& transmission, std::size_t sensor, const EchoLaw& law,
+LabelLaws::LabelLaws(const Transmission& transmission, std::size_t sensor, const EchoLaw& law,
                      const FacetMesh& mesh)
-    : transmission_(transmission), truth_(*transmission.truth()), sensor_(sensor), law_(law) {
-  if (&mesh == &truth_.site_mesh()) {
-    owners_ = truth_.owners_of_site();
+    : transmission_(transmission), labels_(*transmission.labels()), sensor_(sensor), law_(law) {
+  if (&mesh == &labels_.site_mesh()) {
+    owners_ = labels_.owners_of_site();
   } else {
-    own_ = truth_.owners_of(mesh);
+    own_ = labels_.owners_of(mesh);
     owners_ = own_;
   }
   make_tables();
 }
 
-TruthLaws::TruthLaws(const Transmission& transmission, std::size_t sensor, const EchoLaw& law,
+LabelLaws::LabelLaws(const Transmission& transmission, std::size_t sensor, const EchoLaw& law,
                      std::vector<std::uint16_t> owners)
     : transmission_(transmission),
-      truth_(*transmission.truth()),
+      labels_(*transmission.labels()),
       sensor_(sensor),
       law_(law),
       own_(std::move(owners)),
@@ -144,7 +145,7 @@ TruthLaws::TruthLaws(const Transmission& transmission, std::size_t sensor, const
   make_tables();
 }
 
-void TruthLaws::make_tables() {
+void LabelLaws::make_tables() {
   const RangeSamples& samples = transmission_.sensor(sensor_).samples();
   const glm::dvec3 tx_m = law_.path.tx.apex_m;
   // No place of a path is farther from either of its ends than the path is long.
@@ -155,7 +156,7 @@ void TruthLaws::make_tables() {
     const WorldGrid& grid = transmission_.scene().grid;
     rx_m = grid.to_metres(grid.snap(transmission_.receiver_pose().position_m));
   }
-  for (const Truth::Owner& owner : truth_.owners()) {
+  for (const LabelChannels::Owner& owner : labels_.owners()) {
     mu_.push_back(law_.material_mu[owner.material]);
     if (!law_.scattering.empty()) scattering_.push_back(law_.scattering[owner.material]);
     plain_.push_back(law_.reflectivity.empty() ? nullptr : law_.reflectivity[owner.material]);
@@ -167,7 +168,7 @@ void TruthLaws::make_tables() {
   range_ = weighed_by(std::make_shared<RangeWeight>(tx_m, rx_m, scale_m_));
 }
 
-TruthLaws::Textures TruthLaws::weighed_by(const std::shared_ptr<const ReflectivityField>& weight) const {
+LabelLaws::Textures LabelLaws::weighed_by(const std::shared_ptr<const ReflectivityField>& weight) const {
   Textures textures;
   for (const auto& texture : plain_)
     textures.push_back(
@@ -175,7 +176,7 @@ TruthLaws::Textures TruthLaws::weighed_by(const std::shared_ptr<const Reflectivi
   return textures;
 }
 
-EchoLaw TruthLaws::whole() const {
+EchoLaw LabelLaws::whole() const {
   EchoLaw law = law_;
   law.material = owners_;
   law.material_mu = mu_;
@@ -184,22 +185,22 @@ EchoLaw TruthLaws::whole() const {
   return law;
 }
 
-EchoLaw TruthLaws::silent() const {
+EchoLaw LabelLaws::silent() const {
   EchoLaw law = whole();
   law.material_mu = no_mu_;
   law.scattering = no_scattering_;
   return law;
 }
 
-void TruthLaws::add(PingSums& sums, const EchoBy& echo_by) const {
+void LabelLaws::add(PingSums& sums, const EchoBy& echo_by) const {
   EchoLaw law = silent();
   law.reflectivity = level_;
   BeamPatterns near_peak;
-  const bool is_limited = truth_.label_level_db() && law_.patterns != nullptr && !is_uniform(*law_.patterns);
+  const bool is_limited = labels_.label_level_db() && law_.patterns != nullptr && !is_uniform(*law_.patterns);
   if (is_limited) {
     near_peak = *law_.patterns;
     near_peak.least =
-        gains_below_peak(near_peak, *truth_.label_level_db(), transmission_.has_separate_receiver());
+        gains_below_peak(near_peak, *labels_.label_level_db(), transmission_.has_separate_receiver());
   }
   std::vector<double> mu = no_mu_, all;
   auto scattering = no_scattering_;
@@ -214,15 +215,15 @@ void TruthLaws::add(PingSums& sums, const EchoBy& echo_by) const {
     const std::vector<double> energy = echo_by(law);
     if (is_limited) {
       law.patterns = &near_peak;
-      sums.add_truth(transmission_, sensor_, truth_.near_peak(owner), echo_by(law));
+      sums.add_labels(transmission_, sensor_, labels_.near_peak(owner), echo_by(law));
       law.patterns = law_.patterns;
-    } else if (truth_.label_level_db()) {
-      sums.add_truth(transmission_, sensor_, truth_.near_peak(owner), energy);
+    } else if (labels_.label_level_db()) {
+      sums.add_labels(transmission_, sensor_, labels_.near_peak(owner), energy);
     }
     show(owner, false);
     all.resize(energy.size(), 0);
     std::ranges::transform(all, energy, all.begin(), std::plus<>());
-    sums.add_truth(transmission_, sensor_, owner, energy);
+    sums.add_labels(transmission_, sensor_, owner, energy);
   }
   law.material_mu = mu_;
   law.scattering = scattering_;
@@ -230,33 +231,33 @@ void TruthLaws::add(PingSums& sums, const EchoBy& echo_by) const {
   std::vector<double> heights = echo_by(law);
   for (std::size_t k = 0; k < heights.size(); ++k)
     heights[k] = 2 * scale_m_ * heights[k] + lowest_m_ * all[k];
-  sums.add_truth(transmission_, sensor_, truth_.height(), heights);
+  sums.add_labels(transmission_, sensor_, labels_.height(), heights);
   law.reflectivity = range_;
   std::vector<double> ranges = echo_by(law);
   for (double& range : ranges) range *= scale_m_;
-  sums.add_truth(transmission_, sensor_, truth_.range(), ranges);
+  sums.add_labels(transmission_, sensor_, labels_.range(), ranges);
 }
 
 OwnedBed::OwnedBed(const Transmission& transmission, const FacetMesh& mesh) {
-  const Truth& truth = *transmission.truth();
-  if (&mesh == &truth.site_mesh()) {
-    site = &truth.owned_site_mesh();
+  const LabelChannels& labels = *transmission.labels();
+  if (&mesh == &labels.site_mesh()) {
+    site = &labels.owned_site_mesh();
   } else {
     own.emplace(mesh);
-    own->material = truth.owners_of(mesh);
+    own->material = labels.owners_of(mesh);
   }
   const std::vector<double>& by_material = transmission.scene().material_reflection;
-  for (const Truth::Owner& owner : truth.owners())
+  for (const LabelChannels::Owner& owner : labels.owners())
     reflection.push_back(owner.material < by_material.size() ? by_material[owner.material] : 0);
 }
 
-std::size_t place_of_truth(const Survey& survey, std::size_t sensor) {
+std::size_t place_of_labels(const Survey& survey, std::size_t sensor) {
   return survey.sensors.size() + places_of_signals(survey) + sensor;
 }
 
-void add_truth(StoreLayout& layout, const Survey& survey, const RunRequest& request,
-               const std::vector<ChosenEchoes>& chosen) {
-  const std::size_t channels = Truth(survey, request).channels();
+void add_labels(StoreLayout& layout, const Survey& survey, const RunRequest& request,
+                const std::vector<ChosenEchoes>& chosen) {
+  const std::size_t channels = LabelChannels(survey, request).channels();
   for (std::size_t s = 0; s < survey.sensors.size(); ++s) {
     const Sensor& sensor = *survey.sensors[s].sensor;
     layout.sensors.push_back({chosen[s].pings, channels * chosen[s].beams.size() *
@@ -265,34 +266,34 @@ void add_truth(StoreLayout& layout, const Survey& survey, const RunRequest& requ
   for (StoreLayout::Group& group : layout.groups) {
     const std::vector<std::size_t> sensors = group.sensors;
     for (const std::size_t s : sensors)
-      if (s < survey.sensors.size()) group.sensors.push_back(place_of_truth(survey, s));
+      if (s < survey.sensors.size()) group.sensors.push_back(place_of_labels(survey, s));
   }
 }
 
-std::vector<TruthRecording> truths_of(const Survey& survey, const RunRequest& request,
-                                      const std::shared_ptr<PingStore>& store) {
-  std::vector<TruthRecording> truths;
-  if (!request.truth) return truths;
-  const Truth truth(survey, request);
+std::vector<LabelRecording> label_recordings_of(const Survey& survey, const RunRequest& request,
+                                                const std::shared_ptr<PingStore>& store) {
+  std::vector<LabelRecording> label_recordings;
+  if (!request.labels) return label_recordings;
+  const LabelChannels labels(survey, request);
   const std::vector<ChosenEchoes> chosen = chosen_of(survey, request.selection);
   for (std::size_t s = 0; s < survey.sensors.size(); ++s) {
     if (chosen[s].pings == 0) continue;
     const Sensor& sensor = *survey.sensors[s].sensor;
-    TruthRecording& one = truths.emplace_back();
+    LabelRecording& one = label_recordings.emplace_back();
     for (const ComponentReport& component : survey.scene.report.components)
       one.objects.push_back(component.name);
     for (const MaterialDescription& material : survey.scene.description.materials)
       one.materials.push_back(material.name);
-    one.owners = truth.owners();
-    one.has_unscattered = truth.has_unscattered();
-    one.label_level_db = truth.label_level_db();
+    one.owners = labels.owners();
+    one.has_unscattered = labels.has_unscattered();
+    one.label_level_db = labels.label_level_db();
     one.cells = chosen[s].beams.size() * static_cast<std::size_t>(sensor.samples().count);
-    const std::size_t place = place_of_truth(survey, s);
+    const std::size_t place = place_of_labels(survey, s);
     one.values = in_memory(store, place);
     one.packed = packed_pings(store, place);
     one.keeper = store;
   }
-  return truths;
+  return label_recordings;
 }
 
 }  // namespace tubefoot
