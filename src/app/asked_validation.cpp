@@ -42,7 +42,7 @@ void add_compare(CLI::App& app, Asked& asked) {
       "--html", compare.html,
       "write one page into this file: findings (--diagnose), with --scene whose the error is, pictures, "
       "figures, how to repeat it");
-  command->add_option("--output-model", compare.recipe,
+  command->add_option("--output-model", compare.output_model,
                       "put the reference into the candidate's own measure by the steps of this file "
                       "(docs/recipes.md)");
   command->add_option("--json", compare.json, "write all figures into this file; -: print them instead");
@@ -167,7 +167,7 @@ void add_import(CLI::App& app, Asked& asked) {
   command->add_option("--azimuth-variable", import.azimuth_variable, "and that of its azimuths, in radians");
   command->add_option("--topic", import.topic,
                       "of a recording of ROS 2, the topic of the pictures (default: the only one with any)");
-  command->add_option("--output-model", import.recipe,
+  command->add_option("--output-model", import.output_model,
                       "output model of the engine, to test against the reference in its units");
   command->add_flag("--strict", import.strict, "refuse what the truth refutes, instead of a warning");
   command->add_flag("--confined", import.confined,

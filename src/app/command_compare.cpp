@@ -13,7 +13,7 @@
 #include "compare/comparison_picture.hpp"
 #include "compare/diagnosis/diagnosis_words.hpp"
 #include "compare/echo_pairs.hpp"
-#include "compare/recipe_truth.hpp"
+#include "compare/output_model_reference.hpp"
 #include "compare/report_page.hpp"
 #include "files/atomic_output.hpp"
 #include "files/checked_file.hpp"
@@ -131,7 +131,7 @@ std::string command_of(const CompareOptions& options) {
   if (options.sensor) command += " --sensor " + *options.sensor;
   if (options.any_scene) command += " --any-scene";
   if (options.frames > 1) command += fmt::format(" --frames {}", options.frames);
-  if (options.recipe) command += " --output-model " + options.recipe->string();
+  if (options.output_model) command += " --output-model " + options.output_model->string();
   if (!options.fit.empty()) command += " --fit " + options.fit;
   if (options.geometry) command += " --geometry";
   if (options.threshold) command += fmt::format(" --threshold {}", *options.threshold);
@@ -143,7 +143,7 @@ std::string command_of(const CompareOptions& options) {
 std::string page_of(const CompareOptions& options, const nlohmann::ordered_json& figures,
                     const Canvas& picture, const std::vector<Diagnosis>& diagnoses) {
   std::vector<std::string> files{hash_line(options.reference), hash_line(options.candidate)};
-  for (const auto& file : {ideal_file(options), options.recipe, options.scene})
+  for (const auto& file : {ideal_file(options), options.output_model, options.scene})
     if (file) files.push_back(hash_line(*file));
   std::string caption =
       "Reference, candidate and their ratio in dB: red where the candidate is stronger, blue where it is "
@@ -161,7 +161,7 @@ struct Outputs {
 
   Outputs(const CompareOptions& options, Inputs inputs) {
     inputs.insert(inputs.end(), {options.reference, options.candidate});
-    for (const auto& file : {ideal_file(options), options.recipe})
+    for (const auto& file : {ideal_file(options), options.output_model})
       if (file) inputs.push_back(*file);
     const bool to_file = options.json && *options.json != "-";
     if (to_file) json.emplace(*options.json, inputs);
@@ -190,8 +190,8 @@ int compare_command(const CompareOptions& options) {
   if (options.scene) description = described({*options.scene, {}, {}, options.confined, options.quiet});
   Outputs outputs(options, description ? inputs_of(*description) : Inputs{});
   const FitTerms terms = options.fit.empty() ? FitTerms{} : fit_terms(options.fit);
-  const std::optional<Recipe> recipe =
-      options.recipe ? std::optional(read_recipe(*options.recipe)) : std::nullopt;
+  const std::optional<OutputModel> output_model =
+      options.output_model ? std::optional(read_output_model(*options.output_model)) : std::nullopt;
   const bool diagnosed = options.diagnose || options.html;
   EchoContents reference = read_echo_file(options.reference);
   EchoContents candidate = read_echo_file(options.candidate);
@@ -207,12 +207,12 @@ int compare_command(const CompareOptions& options) {
   if (sampling) {
     ideal = perfect_echoes(*scene, reference, *sampling, options.sensor, options.quiet);
     for (const EchoPairs::Sensor& pair : pairs.sensors)
-      forecasts.push_back(recipe ? std::nullopt : points_forecast(*scene, *pair.reference, *sampling));
+      forecasts.push_back(output_model ? std::nullopt : points_forecast(*scene, *pair.reference, *sampling));
   } else if (options.ideal) {
     ideal = read_echo_file(*options.ideal);
     forecasts.resize(pairs.sensors.size());
   }
-  if (recipe) apply_recipe(*recipe, reference, pairs);
+  if (output_model) apply_output_model(*output_model, reference, pairs);
   std::vector<GeometryErrors> geometries;  // of what the candidate said, before any fit
   for (const EchoPairs::Sensor& pair : pairs.sensors)
     if (options.geometry) geometries.push_back(geometry_errors(echo_pair(pair), options.threshold));
@@ -222,7 +222,8 @@ int compare_command(const CompareOptions& options) {
   std::vector<Diagnosis> diagnoses;
   std::vector<IdealShare> shares;
   if (ideal) {
-    if (recipe) apply_recipe(*recipe, *ideal, pair_echoes(*ideal, *ideal, options.sensor, true));
+    if (output_model)
+      apply_output_model(*output_model, *ideal, pair_echoes(*ideal, *ideal, options.sensor, true));
     const EchoPairs of_ideal = pair_echoes(reference, *ideal, options.sensor, options.any_scene);
     diagnoses = diagnose(pairs, as_given, &of_ideal);
     const std::vector<SensorErrors> errors = errors_of(of_ideal, 0);
@@ -249,7 +250,8 @@ int compare_command(const CompareOptions& options) {
   std::string json;
   if (options.json || options.html) {
     nlohmann::ordered_json all = comparison_json(reference, candidate, pairs, sensors);
-    if (recipe) all["recipe"] = {{"file", options.recipe->string()}, {"title", recipe->title}};
+    if (output_model)
+      all["recipe"] = {{"file", options.output_model->string()}, {"title", output_model->title}};
     for (std::size_t k = 0; k < sensors.size(); ++k) {
       auto& sensor = all["sensors"][k];
       if (!fits.empty()) {
@@ -286,9 +288,9 @@ int compare_command(const CompareOptions& options) {
 
   tell("reference  {} ({})\ncandidate  {} ({})\n", reference.file.string(), made_by(reference.provenance),
        candidate.file.string(), made_by(candidate.provenance));
-  if (recipe)
-    tell("recipe     {}{}\n", options.recipe->string(),
-         recipe->title.empty() ? "" : ": " + shown_line(recipe->title));
+  if (output_model)
+    tell("recipe     {}{}\n", options.output_model->string(),
+         output_model->title.empty() ? "" : ": " + shown_line(output_model->title));
   for (const std::string& note : pairs.notes) tell("note       {}\n", shown_line(note));
   for (std::size_t k = 0; k < diagnoses.size(); ++k) {
     tell("{}", diagnosis_text(shown_line(pairs.sensors[k].reference->name), diagnoses[k]));

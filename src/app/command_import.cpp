@@ -6,7 +6,7 @@
 
 #include "app/commands.hpp"
 #include "compare/echo_pairs.hpp"
-#include "compare/recipe_truth.hpp"
+#include "compare/output_model_reference.hpp"
 #include "files/absolute_path.hpp"
 #include "files/atomic_output.hpp"
 #include "files/staging.hpp"
@@ -52,11 +52,11 @@ int import_command(const ImportOptions& options) {
   } else {
     inputs.push_back(*options.like);
   }
-  std::optional<Recipe> recipe;
-  if (options.recipe) {
-    recipe = read_recipe(*options.recipe);
-    inputs.push_back(*options.recipe);
-    if (recipe->solid_angles) inputs.push_back(*recipe->solid_angles);
+  std::optional<OutputModel> output_model;
+  if (options.output_model) {
+    output_model = read_output_model(*options.output_model);
+    inputs.push_back(*options.output_model);
+    if (output_model->solid_angles) inputs.push_back(*output_model->solid_angles);
   }
   OutputFile output(options.output, inputs);
   OriginalsFolder originals(options.output, inputs);
@@ -69,9 +69,10 @@ int import_command(const ImportOptions& options) {
       reference.emplace(ImportReference{truth_of_scene(*scene, options.sensor, pings, staging.path()), 0});
     }
     reference->sensor = sensor_of(reference->file, options.sensor);
-    if (recipe) {
+    if (output_model) {
       EchoContents& truth = reference->file.contents;
-      apply_recipe(*recipe, truth, pair_echoes(truth, truth, truth.sensors.at(reference->sensor).name, true));
+      apply_output_model(*output_model, truth,
+                         pair_echoes(truth, truth, truth.sensors.at(reference->sensor).name, true));
     }
     return *reference;
   };
@@ -81,7 +82,7 @@ int import_command(const ImportOptions& options) {
   originals.commit();
   output.commit();
   for (const std::string& words : result.warnings) say("warning: {}\n", words);
-  if (options.recipe) tell("tested in the measure of {}\n", options.recipe->string());
+  if (options.output_model) tell("tested in the measure of {}\n", options.output_model->string());
   for (const std::string& words : result.told) tell("read      {}\n", words);
   for (const std::string& words : result.found) tell("found     {}\n", words);
   const CandidateEchoes& candidate = result.candidate;

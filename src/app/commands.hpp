@@ -95,12 +95,12 @@ struct CompareOptions {
   std::optional<double> threshold;  ///< above it, the candidate is lit; for geometry
   std::size_t frames = 1;           ///< pings of the candidate that are averaged
   bool diagnose = false;
-  std::optional<std::string> ideal;             ///< sampling of a perfect engine, or the file of one
-  std::optional<std::filesystem::path> scene;   ///< that the reference was computed of
-  bool attribute = false;                       ///< say whose the error is
-  bool confined = false, quiet = false;         ///< as CommonOptions, of the scene
-  std::optional<std::filesystem::path> recipe;  ///< puts the truth into the candidate's measure
-  std::optional<std::filesystem::path> html;    ///< page of it all, with a diagnosis
+  std::optional<std::string> ideal;                   ///< sampling of a perfect engine, or the file of one
+  std::optional<std::filesystem::path> scene;         ///< that the reference was computed of
+  bool attribute = false;                             ///< say whose the error is
+  bool confined = false, quiet = false;               ///< as CommonOptions, of the scene
+  std::optional<std::filesystem::path> output_model;  ///< puts the truth into the candidate's measure
+  std::optional<std::filesystem::path> html;          ///< page of it all, with a diagnosis
 };
 
 struct ChartOptions {

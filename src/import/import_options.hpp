@@ -14,8 +14,8 @@ namespace tubefoot {
 /// reference has it (docs/import.md).
 struct ImportOptions {
   std::vector<std::filesystem::path> results;
-  std::optional<std::filesystem::path> like, scene;  ///< one of them
-  std::optional<std::filesystem::path> recipe;       ///< of the measure in which the truth is looked at
+  std::optional<std::filesystem::path> like, scene;   ///< one of them
+  std::optional<std::filesystem::path> output_model;  ///< of the measure in which the truth is looked at
   std::optional<std::string> sensor;
   std::filesystem::path output;
   std::string profile;

@@ -82,11 +82,11 @@ TEST_F(CommandLine, EarlierNamesOfOptionsKeepTheirMeaningWithAWarning) {
   EXPECT_THAT(shard.err, HasSubstr("warning: --part is deprecated: use --shard"));
   EXPECT_THAT(names_below(folder.path()), testing::Contains("results3.part-1-of-1"));
   const std::string echoes = (folder / "results").string();
-  const Outcome recipe =
+  const Outcome output_model =
       run_program({"compare", echoes, echoes, "--recipe", (folder / "none.toml").string()});
-  EXPECT_EQ(recipe.exit_code, 2);
-  EXPECT_THAT(recipe.err, HasSubstr("warning: --recipe is deprecated: use --output-model"));
-  EXPECT_THAT(recipe.err, HasSubstr("none.toml"));
+  EXPECT_EQ(output_model.exit_code, 2);
+  EXPECT_THAT(output_model.err, HasSubstr("warning: --recipe is deprecated: use --output-model"));
+  EXPECT_THAT(output_model.err, HasSubstr("none.toml"));
 }
 
 TEST_F(CommandLine, TheFolderOfARunStandsForItsEchoes) {

@@ -391,13 +391,13 @@ TEST_F(Compare, FramesAreAveraged) {
   expect_mismatch("'energy' of sensor 'sensor' has 4 pings");
 }
 
-TEST_F(Compare, ARecipePutsTheReferenceIntoTheCandidatesMeasure) {
-  const std::string recipe = folder.write("recipe.toml", "[[steps]]\nstep = \"amplitude\"\n").string();
+TEST_F(Compare, AnOutputModelPutsTheReferenceIntoTheCandidatesMeasure) {
+  const std::string output_model = folder.write("recipe.toml", "[[steps]]\nstep = \"amplitude\"\n").string();
   for (double& energy : candidate.variables["energy"].values) energy = std::sqrt(energy);
-  EXPECT_EQ(figures({"--output-model", recipe})["sensors"][0]["l1_error"], 0);
-  EXPECT_EQ(figures({"--output-model", recipe})["recipe"]["file"], recipe);
+  EXPECT_EQ(figures({"--output-model", output_model})["sensors"][0]["l1_error"], 0);
+  EXPECT_EQ(figures({"--output-model", output_model})["recipe"]["file"], output_model);
   folder.write("recipe.toml", "[[steps]]\nstep = \"mean\"\n");
-  EXPECT_THAT(compare({"--output-model", recipe}).err, HasSubstr("needs the solid angle"));
+  EXPECT_THAT(compare({"--output-model", output_model}).err, HasSubstr("needs the solid angle"));
   EXPECT_EQ(compare({"--output-model", path("absent.toml")}).exit_code, 2);
 }
 

@@ -269,28 +269,29 @@ TEST_F(Import, AnotherScaleIsToldAndNeverRefuses) {
   EXPECT_THAT(refusal(Picture(roots).flip_beams().npy(), words), HasSubstr("use --flip-beams"));
 }
 
-TEST_F(Import, ARecipeBringsTheTruthToItsMeasure) {
-  // A picture in amplitudes, declared as it is: with its recipe nothing is doubted, and the same is written.
+TEST_F(Import, AnOutputModelBringsTheReferenceToItsMeasure) {
+  // A picture in amplitudes, declared as it is: with its output model nothing is doubted, and the same is
+  // written.
   const Picture roots = Picture(reference().echoes).each([](double e) { return std::sqrt(e); });
-  const std::string recipe = folder / "recipe.toml";
-  std::ofstream(recipe) << "[[steps]]\nstep = \"amplitude\"\n";
+  const std::string output_model = folder / "recipe.toml";
+  std::ofstream(output_model) << "[[steps]]\nstep = \"amplitude\"\n";
   const Outcome without = import_file("picture.npy", roots.npy(), {"--scale", "energy"});
   EXPECT_THAT(without.err, HasSubstr("as --scale amplitude has it"));
   const std::vector<double> written = read_echoes(out).energy;
   const Outcome with =
-      import_file("picture.npy", roots.npy(), {"--scale", "energy", "--output-model", recipe});
+      import_file("picture.npy", roots.npy(), {"--scale", "energy", "--output-model", output_model});
   EXPECT_EQ(with.exit_code, 0);
   EXPECT_THAT(with.err, Not(HasSubstr("warning"))) << with.out;
   EXPECT_THAT(with.out, AllOf(HasSubstr("in the measure of"), HasSubstr("corr 1.00")));
   EXPECT_EQ(read_echoes(out).energy, written);
-  // An order is refuted in it, too, and a recipe that is none is told.
+  // An order is refuted in it, too, and an output model that is none is told.
   EXPECT_THAT(import_file("picture.npy", Picture(roots).flip_beams().npy(),
-                          {"--scale", "energy", "--output-model", recipe})
+                          {"--scale", "energy", "--output-model", output_model})
                   .err,
               HasSubstr("use --flip-beams"));
-  std::ofstream(recipe) << "[[steps]]\nstep = \"amplify\"\n";
+  std::ofstream(output_model) << "[[steps]]\nstep = \"amplify\"\n";
   const Outcome wrong =
-      import_file("picture.npy", roots.npy(), {"--scale", "energy", "--output-model", recipe});
+      import_file("picture.npy", roots.npy(), {"--scale", "energy", "--output-model", output_model});
   EXPECT_EQ(wrong.exit_code, 2);
   EXPECT_THAT(wrong.err, HasSubstr("recipe.toml:2"));
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Steps of recipes against their formulas, and their bounds against every truth within them.
-#include "compare/recipes/recipe.hpp"
+// Steps of output models against their formulas, and their bounds against every truth within them.
+#include "compare/output_models/output_model.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <cmath>
 #include <random>
 
-#include "compare/recipes/recipe_file.hpp"
+#include "compare/output_models/output_model_file.hpp"
 #include "fixtures/test_folder.hpp"
 
 namespace tubefoot {
@@ -24,12 +24,12 @@ BoundedPicture two_by_three() {
   return {{1, 2, 3}, {1, 2, 3, 0, 4, 8}, {0.1, 0, 0.5, 0.2, 0, 1}, {1, 2, 2, 3, 3, 4}, {}, {}};
 }
 
-BoundedPicture after(const RecipeStep& step, BoundedPicture picture = two_by_three()) {
+BoundedPicture after(const OutputModelStep& step, BoundedPicture picture = two_by_three()) {
   apply(step, picture);
   return picture;
 }
 
-TEST(RecipeSteps, GainAmplitudeAndClampMapBothEnds) {
+TEST(OutputModelSteps, GainAmplitudeAndClampMapBothEnds) {
   EXPECT_THAT(after({{}, GainStep{10}}).value, ElementsAre(10, 20, 30, 0, 40, 80));
   EXPECT_THAT(after({{}, GainStep{10}}).bound, Pointwise(DoubleNear(1e-12), {1.0, 0.0, 5.0, 2.0, 0.0, 10.0}));
   const auto roots = after({{}, AmplitudeStep{}});
@@ -41,7 +41,7 @@ TEST(RecipeSteps, GainAmplitudeAndClampMapBothEnds) {
               Pointwise(DoubleNear(1e-12), {0.1, 0.0, 0.5, 0.0, 0.0, 0.0}));
 }
 
-TEST(RecipeSteps, RangeLawIsOfTheMiddleAndBoundHoldsTheEnds) {
+TEST(OutputModelSteps, RangeLawIsOfTheMiddleAndBoundHoldsTheEnds) {
   const auto law = after({{}, RangeLawStep{2, 0}});
   EXPECT_DOUBLE_EQ(law.value[1], 2 * 6.25);
   EXPECT_DOUBLE_EQ(law.bound[1], 2 * 9 - 2 * 6.25);
@@ -49,14 +49,14 @@ TEST(RecipeSteps, RangeLawIsOfTheMiddleAndBoundHoldsTheEnds) {
       << "2 x 2.5 m of 1 dB a metre";
 }
 
-TEST(RecipeSteps, QuantisationIsNearestAndItsBoundAWholeStepWhereTheTruthMayCross) {
+TEST(OutputModelSteps, QuantisationIsNearestAndItsBoundAWholeStepWhereTheTruthMayCross) {
   const auto steps = after({{}, QuantiseStep{2, 3}});
   EXPECT_THAT(steps.value, ElementsAre(1, 2, 3, 0, 3, 3));
   EXPECT_DOUBLE_EQ(steps.bound[0], 0);
   EXPECT_DOUBLE_EQ(steps.bound[2], 0) << "2.5 rounds to 3";
 }
 
-TEST(RecipeSteps, NormalisationBySumAndLargest) {
+TEST(OutputModelSteps, NormalisationBySumAndLargest) {
   EXPECT_THAT(after({{}, NormaliseStep{"largest", "image"}}).value,
               Pointwise(DoubleEq(), {0.125, 0.25, 0.375, 0.0, 0.5, 1.0}));
   EXPECT_THAT(after({{}, NormaliseStep{"sum", "row"}}).value,
@@ -65,7 +65,7 @@ TEST(RecipeSteps, NormalisationBySumAndLargest) {
               Pointwise(DoubleEq(), {1 / 3.0, 2 / 3.0, 1.0, 0.0, 0.5, 1.0}));
 }
 
-TEST(RecipeSteps, BlurIsSeparableAndLosesNothingInside) {
+TEST(OutputModelSteps, BlurIsSeparableAndLosesNothingInside) {
   BoundedPicture point{{1, 7, 9}, std::vector<double>(63), std::vector<double>(63), {}, {}, {}};
   point.value[3 * 9 + 4] = 1;
   point.bound[3 * 9 + 4] = 0.5;
@@ -81,7 +81,7 @@ TEST(RecipeSteps, BlurIsSeparableAndLosesNothingInside) {
   EXPECT_EQ(blurred.value[0 * 9 + 4], 0) << "5 x 5 and no more";
 }
 
-TEST(RecipeSteps, MeanAndCountAreOfSolidAngles) {
+TEST(OutputModelSteps, MeanAndCountAreOfSolidAngles) {
   BoundedPicture picture = two_by_three();
   EXPECT_THROW(apply({{}, MeanStep{}}, picture), InputError);
   picture.solid_angle_sr = {0.5, 1, 0, 1, 2, 4};
@@ -95,7 +95,7 @@ TEST(RecipeSteps, MeanAndCountAreOfSolidAngles) {
               Pointwise(DoubleNear(1e-12), {0.0, 5.0, 0.0, 0.0, 0.0, 0.0}));
 }
 
-TEST(RecipeSteps, AMeanLeavesSliversEmptyIfAsked) {
+TEST(OutputModelSteps, AMeanLeavesSliversEmptyIfAsked) {
   // Five beams, two samples; the rows' medians are 2 and (of four that see something) 2.
   BoundedPicture picture{{1, 5, 2}, {8, 1, 9, 2, 6, 3, 2, 0, 4, 5}, std::vector<double>(10), {}, {}, {}};
   picture.solid_angle_sr = {4, 0.5, 3, 2, 2, 1.25, 0.9, 0, 1, 4};
@@ -111,20 +111,20 @@ TEST(RecipeSteps, AMeanLeavesSliversEmptyIfAsked) {
 }
 
 /// Every truth within the bounds stays within them, through chains of all steps.
-TEST(RecipeBounds, HoldEveryTruthThroughAnyChain) {
+TEST(OutputModelBounds, HoldEveryTruthThroughAnyChain) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> part(0, 1);
-  const std::vector<RecipeStep> steps{{{}, RangeLawStep{1.5, 300}},
-                                      {{}, AmplitudeStep{}},
-                                      {{}, DecibelStep{-30, 10}},
-                                      {{}, BlurStep{0.8, 1.2, 5}},
-                                      {{}, NormaliseStep{"sum", "row"}},
-                                      {{}, NormaliseStep{"largest", "image"}},
-                                      {{}, ClampStep{0.1, 0.8}},
-                                      {{}, QuantiseStep{4, 1}},
-                                      {{}, GainStep{3}},
-                                      {{}, MeanStep{}},
-                                      {{}, MeanStep{0.6}}};
+  const std::vector<OutputModelStep> steps{{{}, RangeLawStep{1.5, 300}},
+                                           {{}, AmplitudeStep{}},
+                                           {{}, DecibelStep{-30, 10}},
+                                           {{}, BlurStep{0.8, 1.2, 5}},
+                                           {{}, NormaliseStep{"sum", "row"}},
+                                           {{}, NormaliseStep{"largest", "image"}},
+                                           {{}, ClampStep{0.1, 0.8}},
+                                           {{}, QuantiseStep{4, 1}},
+                                           {{}, GainStep{3}},
+                                           {{}, MeanStep{}},
+                                           {{}, MeanStep{0.6}}};
   for (int trial = 0; trial < 300; ++trial) {
     BoundedPicture middle{{1, 4, 6}, {}, {}, {}, {}, {}}, truth = middle;
     for (int s = 0; s < 6; ++s)
@@ -142,7 +142,7 @@ TEST(RecipeBounds, HoldEveryTruthThroughAnyChain) {
     }
     truth.slant_range_bounds_m = middle.slant_range_bounds_m;
     for (int length = 0; length < 4; ++length) {
-      const RecipeStep& step = steps[random() % steps.size()];
+      const OutputModelStep& step = steps[random() % steps.size()];
       apply(step, middle);
       apply(step, truth);
       for (std::size_t k = 0; k < 24; ++k)
@@ -152,11 +152,11 @@ TEST(RecipeBounds, HoldEveryTruthThroughAnyChain) {
   }
 }
 
-struct RecipeFile : testing::Test {
+struct OutputModelFile : testing::Test {
   TestFolder folder;
   std::string refusal(const std::string& text) {
     try {
-      read_recipe(folder.write("recipe.toml", text));
+      read_output_model(folder.write("recipe.toml", text));
     } catch (const InputError& error) {
       return error.what();
     }
@@ -164,8 +164,8 @@ struct RecipeFile : testing::Test {
   }
 };
 
-TEST_F(RecipeFile, IsAChainInItsOrder) {
-  const Recipe recipe = read_recipe(folder.write("r.toml", R"(title = "an engine"
+TEST_F(OutputModelFile, IsAChainInItsOrder) {
+  const OutputModel output_model = read_output_model(folder.write("r.toml", R"(title = "an engine"
 [[steps]]
 step = "range-law"
 exponent = 2
@@ -175,13 +175,13 @@ step = "blur"
 step = "quantise"
 bits = 8
 )"));
-  ASSERT_EQ(recipe.steps.size(), 3u);
-  EXPECT_EQ(std::get<RangeLawStep>(recipe.steps[0].kind).exponent, 2);
-  EXPECT_EQ(std::get<BlurStep>(recipe.steps[1].kind).size, 5);
-  EXPECT_EQ(std::get<QuantiseStep>(recipe.steps[2].kind).bits, 8);
+  ASSERT_EQ(output_model.steps.size(), 3u);
+  EXPECT_EQ(std::get<RangeLawStep>(output_model.steps[0].kind).exponent, 2);
+  EXPECT_EQ(std::get<BlurStep>(output_model.steps[1].kind).size, 5);
+  EXPECT_EQ(std::get<QuantiseStep>(output_model.steps[2].kind).bits, 8);
 }
 
-TEST_F(RecipeFile, WhatIsWrongIsSaidAtItsLine) {
+TEST_F(OutputModelFile, WhatIsWrongIsSaidAtItsLine) {
   EXPECT_THAT(refusal("[[steps]]\nstep = \"blurr\"\n"), HasSubstr("recipe.toml:2:"));
   EXPECT_THAT(refusal("[[steps]]\nstep = \"blur\"\nbits = 8\n"), HasSubstr("recipe.toml:3:"));
   EXPECT_THAT(refusal("[[steps]]\nstep = \"blur\"\nsize = 4\n"), HasSubstr("must be odd"));

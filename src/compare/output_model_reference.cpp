@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "compare/recipe_truth.hpp"
+#include "compare/output_model_reference.hpp"
 
 #include <fmt/format.h>
 
@@ -38,9 +38,9 @@ void put_solid_angles(BoundedPicture& picture, const SensorEchoes& energies, dou
 
 }  // namespace
 
-void apply_recipe(const Recipe& recipe, EchoContents& reference, const EchoPairs& pairs) {
+void apply_output_model(const OutputModel& output_model, EchoContents& reference, const EchoPairs& pairs) {
   std::optional<EchoContents> angles;
-  if (recipe.solid_angles) angles = read_echo_file(*recipe.solid_angles);
+  if (output_model.solid_angles) angles = read_echo_file(*output_model.solid_angles);
   for (const EchoPairs::Sensor& pair : pairs.sensors) {
     const auto sensor =
         std::ranges::find_if(reference.sensors, [&](const SensorEchoes& s) { return &s == pair.reference; });
@@ -52,9 +52,9 @@ void apply_recipe(const Recipe& recipe, EchoContents& reference, const EchoPairs
                            {}};
     if (angles) {
       const EchoPairs matched = pair_echoes(reference, *angles, sensor->name, true);
-      put_solid_angles(picture, *matched.sensors.front().candidate, recipe.solid_angle_strength_db);
+      put_solid_angles(picture, *matched.sensors.front().candidate, output_model.solid_angle_strength_db);
     }
-    for (const RecipeStep& step : recipe.steps) apply(step, picture);
+    for (const OutputModelStep& step : output_model.steps) apply(step, picture);
     sensor->energy = std::move(picture.value);
     sensor->energy_bound = std::move(picture.bound);
   }

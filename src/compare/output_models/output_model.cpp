@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "compare/recipes/recipe.hpp"
+#include "compare/output_models/output_model.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -214,7 +214,7 @@ void put(const GainStep& step, const SourcePlace&, BoundedPicture& picture) {
 
 }  // namespace
 
-void apply(const RecipeStep& step, BoundedPicture& picture) {
+void apply(const OutputModelStep& step, BoundedPicture& picture) {
   std::visit([&](const auto& kind) { put(kind, step.place, picture); }, step.kind);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "compare/recipes/recipe_file.hpp"
+#include "compare/output_models/output_model_file.hpp"
 
 #include <toml++/toml.h>
 
@@ -13,7 +13,7 @@ namespace {
 
 constexpr ValueRange positive{.lo = 0, .lo_excluded = true}, any_db{.lo = -400, .hi = 400};
 
-void check_step(const RecipeStep& step, const TomlTable& table) {
+void check_step(const OutputModelStep& step, const TomlTable& table) {
   if (const auto* clamp = std::get_if<ClampStep>(&step.kind); clamp && !(clamp->low < clamp->high))
     throw InputError(table.place_of("high"), "'high' must be above 'low'");
   if (const auto* level = std::get_if<DecibelStep>(&step.kind); level && !(level->low_db < level->high_db))
@@ -22,9 +22,9 @@ void check_step(const RecipeStep& step, const TomlTable& table) {
     throw InputError(table.place_of("size"), "'size' must be odd, so that the kernel has a middle");
 }
 
-const TomlSection<RecipeStep>& step_section() {
+const TomlSection<OutputModelStep>& step_section() {
   static const auto section =
-      TomlSection<RecipeStep>("[[steps]]")
+      TomlSection<OutputModelStep>("[[steps]]")
           .kind<MeanStep>("step", "mean",
                           {field("least_share", &MeanStep::least_share, {.ranges = {{.lo = 0, .hi = 1}}})})
           .kind<CountStep>("step", "count",
@@ -56,34 +56,34 @@ const TomlSection<RecipeStep>& step_section() {
   return section;
 }
 
-const TomlSection<Recipe>& recipe_section() {
+const TomlSection<OutputModel>& output_model_section() {
   static const auto section =
-      TomlSection<Recipe>("")
-          .keys({field("title", &Recipe::title), field("solid_angles", &Recipe::solid_angles),
-                 field("solid_angle_strength_db", &Recipe::solid_angle_strength_db,
+      TomlSection<OutputModel>("")
+          .keys({field("title", &OutputModel::title), field("solid_angles", &OutputModel::solid_angles),
+                 field("solid_angle_strength_db", &OutputModel::solid_angle_strength_db,
                        {.ranges = {{.lo = -120, .hi = 40}}})})
-          .tables("steps", &Recipe::steps, step_section());
+          .tables("steps", &OutputModel::steps, step_section());
   return section;
 }
 
 }  // namespace
 
-Recipe read_recipe(const std::filesystem::path& file) {
+OutputModel read_output_model(const std::filesystem::path& file) {
   const SourcePlace place{file.string()};
   std::error_code error;
   if (!std::filesystem::exists(file, error)) throw InputError(place, "there is no such recipe file");
   const std::string text = read_whole(file, place, limits::scene_file_bytes, "a recipe file (TOML text)");
   TomlSource source{file, {}};
   const toml::table root = parse_toml(text, source);
-  Recipe recipe = recipe_section().read({&root, place, &source}, source);
-  if (recipe.steps.empty())
+  OutputModel output_model = output_model_section().read({&root, place, &source}, source);
+  if (output_model.steps.empty())
     throw InputError(place, "the recipe has no [[steps]]: add one, or compare without it");
-  return recipe;
+  return output_model;
 }
 
-std::vector<SceneKey> recipe_keys() {
+std::vector<SceneKey> output_model_keys() {
   std::vector<SceneKey> keys;
-  for (const TomlKey& key : recipe_section().all_keys()) keys.push_back(key);
+  for (const TomlKey& key : output_model_section().all_keys()) keys.push_back(key);
   for (const TomlKey& key : step_section().all_keys()) keys.push_back(key);
   return keys;
 }

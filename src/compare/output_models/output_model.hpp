@@ -12,7 +12,7 @@
 
 namespace tubefoot {
 
-// The steps; docs/recipes.md has their formulas.
+// The steps; docs/output models.md has their formulas.
 /// Energy over the solid angle of what the bin sees; 0 where that is less than `least_share` of the median of
 /// its row (the bins of that ping and sample that see something).
 struct MeanStep {
@@ -52,7 +52,7 @@ struct GainStep {
   double factor = 1;
 };
 
-struct RecipeStep {
+struct OutputModelStep {
   SourcePlace place;
   std::variant<MeanStep, CountStep, RangeLawStep, AmplitudeStep, DecibelStep, BlurStep, NormaliseStep,
                ClampStep, QuantiseStep, GainStep>
@@ -72,6 +72,6 @@ struct BoundedPicture {
 /// values do; where it is monotone, both ends of the interval are mapped and the wider half is the bound.
 /// Rounding of doubles is beyond the bound, as in docs/reference.md's own sums (parts in 1e-15).
 /// Throws InputError at the step for a mean or a count without solid angles.
-void apply(const RecipeStep& step, BoundedPicture& picture);
+void apply(const OutputModelStep& step, BoundedPicture& picture);
 
 }  // namespace tubefoot
