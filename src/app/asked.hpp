@@ -27,7 +27,7 @@ struct Asked {
   ChartOptions chart;
   AdviseOptions advise;
   PresetsOptions presets;
-  PackOptions pack;
+  SuiteOptions suite;
   std::function<int()> command;
 };
 
@@ -69,6 +69,6 @@ void add_compare(CLI::App& app, Asked& asked);
 void add_import(CLI::App& app, Asked& asked);
 void add_chart(CLI::App& app, Asked& asked);
 void add_advise(CLI::App& app, Asked& asked);
-void add_pack(CLI::App& app, Asked& asked);
+void add_suite(CLI::App& app, Asked& asked);
 
 }  // namespace tubefoot

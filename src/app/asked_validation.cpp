@@ -220,23 +220,23 @@ void add_advise(CLI::App& app, Asked& asked) {
   command->callback([&asked] { asked.command = [&asked] { return advise_command(asked.advise); }; });
 }
 
-void add_pack(CLI::App& app, Asked& asked) {
-  PackOptions& pack = asked.pack;
+void add_suite(CLI::App& app, Asked& asked) {
+  SuiteOptions& suite = asked.suite;
   CLI::App* command = app.add_subcommand(
       "pack", "Write the reference pack: scenes that separate causes, and their answers with bounds");
-  command->add_option("-o,--output", pack.output, "folder to write; made whole or not at all")->required();
-  command->add_option("--seed", pack.seed,
+  command->add_option("-o,--output", suite.output, "folder to write; made whole or not at all")->required();
+  command->add_option("--seed", suite.seed,
                       "a validation set of the same classes, drawn by this word (default: the debug set)");
-  command->add_option("--scenes", pack.scenes,
+  command->add_option("--scenes", suite.scenes,
                       "only these, names between commas (default: all; docs/reference-pack.md)");
-  command->add_flag("--without-answers", pack.without_answers, "scenes only, to be handed out");
-  command->add_option("--threads", pack.threads, "threads to use (default: all cores)")
+  command->add_flag("--without-answers", suite.without_answers, "scenes only, to be handed out");
+  command->add_option("--threads", suite.threads, "threads to use (default: all cores)")
       ->check(CLI::Range(1, 4096));
-  command->add_flag("--quiet", pack.quiet, "print results and errors only");
+  command->add_flag("--quiet", suite.quiet, "print results and errors only");
   command->footer(
       "Example:\n  tubefoot pack -o out/pack\n"
       "  tubefoot pack --seed 'what we agreed on' --without-answers -o out/to-hand-out");
-  command->callback([&asked] { asked.command = [&asked] { return pack_command(asked.pack); }; });
+  command->callback([&asked] { asked.command = [&asked] { return suite_command(asked.suite); }; });
 }
 
 }  // namespace tubefoot

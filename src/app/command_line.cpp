@@ -172,7 +172,7 @@ int obeyed(int argc, char** argv) {
   Asked asked;
   for (const auto add : {add_run, add_join, add_check, add_audit, add_footprints, add_coverage, add_strength,
                          add_view, add_refine, add_export, add_import_scene, add_compare, add_import,
-                         add_chart, add_advise, add_presets, add_pack})
+                         add_chart, add_advise, add_presets, add_suite})
     add(app, asked);
   std::vector<std::string> words = present_words(argc, argv);
   if (!has_command(app, words)) return wrong_input;

@@ -126,8 +126,8 @@ struct PresetsOptions {
   std::optional<std::string> name;
 };
 
-/// The reference pack (docs/reference-pack.md).
-struct PackOptions {
+/// The benchmark suite (docs/reference-pack.md).
+struct SuiteOptions {
   std::filesystem::path output;
   std::optional<std::string> seed;  ///< of a validation set; none: the debug set
   std::string scenes;               ///< names between commas; empty: all
@@ -153,7 +153,7 @@ int import_scene_command(const ImportSceneOptions& options);
 int presets_command(const PresetsOptions& options);
 int chart_command(const ChartOptions& options);
 int advise_command(const AdviseOptions& options);
-int pack_command(const PackOptions& options);
+int suite_command(const SuiteOptions& options);
 /// Returns 3 where the candidate is not within the error that the options allow.
 int compare_command(const CompareOptions& options);
 int import_command(const ImportOptions& options);

@@ -5,12 +5,12 @@
 #include <array>
 #include <cmath>
 
-#include "pack/scene_text.hpp"
+#include "suite/scene_text.hpp"
 
 namespace tubefoot {
 
-PackScene near_plane_scene(Draw& draw) {
-  PackScene scene;
+SuiteScene near_plane_scene(Draw& draw) {
+  SuiteScene scene;
   scene.title = "A box nearer than the first sample, and its shadow on the bed";
   const SceneText text = over_bed(draw, scene);
   const double azimuth = draw.among(3, -8, 8, 0.5), side = draw.among(0.3125, 0.25, 0.375, 0.03125);
@@ -23,8 +23,8 @@ PackScene near_plane_scene(Draw& draw) {
   return scene;
 }
 
-PackScene thin_wall_scene(Draw& draw) {
-  PackScene scene;
+SuiteScene thin_wall_scene(Draw& draw) {
+  SuiteScene scene;
   scene.title = "A wall four millimetres thick";
   const SceneText text = over_bed(draw, scene);
   constexpr double thick_m = 4.0 / 1024, height_m = 0.75;
@@ -36,8 +36,8 @@ PackScene thin_wall_scene(Draw& draw) {
   return scene;
 }
 
-PackScene silhouettes_scene(Draw& draw) {
-  PackScene scene;
+SuiteScene silhouettes_scene(Draw& draw) {
+  SuiteScene scene;
   scene.title = "A sphere over the bed: round edges of what is seen and of what is in shadow";
   const SceneText text = over_bed(draw, scene);
   const double radius = draw.among(0.75, 0.5, 0.875, 0.0625);
@@ -50,8 +50,8 @@ PackScene silhouettes_scene(Draw& draw) {
   return scene;
 }
 
-PackScene occlusion_order_scene(Draw& draw) {
-  PackScene scene;
+SuiteScene occlusion_order_scene(Draw& draw) {
+  SuiteScene scene;
   scene.title = "Plates that hide one another, two of them crossing, named in any order";
   SceneText text;
   text.sonar_m = {0, 0, 2};
@@ -73,8 +73,8 @@ PackScene occlusion_order_scene(Draw& draw) {
   return scene;
 }
 
-PackScene many_small_scene(Draw& draw) {
-  PackScene scene;
+SuiteScene many_small_scene(Draw& draw) {
+  SuiteScene scene;
   scene.title = "Eight hundred stones smaller than a beam";
   const SceneText text = over_bed(draw, scene);
   Solid stones{"stones", "target", {}, {}};
@@ -89,8 +89,8 @@ PackScene many_small_scene(Draw& draw) {
   return scene;
 }
 
-PackScene terrain_scene(Draw& draw) {
-  PackScene scene;
+SuiteScene terrain_scene(Draw& draw) {
+  SuiteScene scene;
   scene.title = "Rough terrain at grazing angles";
   Solid bed{"terrain", "bed", {}, {}};
   constexpr std::uint32_t columns = 64, rows = 80;
@@ -121,8 +121,8 @@ PackScene terrain_scene(Draw& draw) {
   return scene;
 }
 
-PackScene moving_sonar_scene(Draw& draw) {
-  PackScene scene;
+SuiteScene moving_sonar_scene(Draw& draw) {
+  SuiteScene scene;
   scene.title = "Six pings on the way past a box";
   SceneText text = over_bed(draw, scene);
   scene.solids.push_back(box("box", "target",

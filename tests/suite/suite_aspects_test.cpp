@@ -12,9 +12,9 @@
 #include <regex>
 #include <sstream>
 
-#include "pack/npy.hpp"
-#include "pack/packed.hpp"
 #include "sensors/recordings/echo_reader.hpp"
+#include "suite/npy.hpp"
+#include "suite/packed.hpp"
 
 namespace tubefoot {
 namespace {
@@ -55,16 +55,16 @@ const std::vector<Plant>& plants() {
 
 /// A pack, and results that are its own answers until something is planted.
 struct Results {
-  explicit Results(const fs::path& of_pack) : pack(of_pack) {
+  explicit Results(const fs::path& of_suite) : suite(of_suite) {
     fs::create_directories(results);
-    for (const fs::directory_entry& answer : fs::directory_iterator(pack / "answers"))
+    for (const fs::directory_entry& answer : fs::directory_iterator(suite / "answers"))
       if (answer.is_directory())
         fs::copy(answer.path() / "energy.npy", results / (answer.path().filename().string() + ".npy"));
   }
   /// Changes energies by a factor of sample centre and ping.
   void change(const std::string& scene, const std::function<double(double range_m)>& factor) const {
-    Array array = array_in(pack / "answers" / scene / "energy.npy");
-    const Json samples = json_in(pack / "scenes" / scene / "scene.json")["samples"];
+    Array array = array_in(suite / "answers" / scene / "energy.npy");
+    const Json samples = json_in(suite / "scenes" / scene / "scene.json")["samples"];
     for (std::size_t k = 0; k < array.values.size(); ++k)
       array.values[k] *=
           factor(samples["first_m"].get<double>() +
@@ -73,7 +73,7 @@ struct Results {
   }
   void plant(const Plant& plant) const {
     const TestFolder edited;
-    for (const fs::directory_entry& file : fs::directory_iterator(pack / "scenes" / plant.scene))
+    for (const fs::directory_entry& file : fs::directory_iterator(suite / "scenes" / plant.scene))
       fs::copy(file.path(), edited.path() / file.path().filename());
     const std::string text = bytes_of(edited / "scene.toml"),
                       other = std::regex_replace(text, std::regex(plant.pattern), plant.instead);
@@ -86,12 +86,12 @@ struct Results {
     write_npy(results / (plant.scene + ".npy"), {echoes.pings, echoes.beams, echoes.samples}, echoes.energy);
   }
   void heal(const std::string& scene) const {
-    fs::copy(pack / "answers" / scene / "energy.npy", results / (scene + ".npy"),
+    fs::copy(suite / "answers" / scene / "energy.npy", results / (scene + ".npy"),
              fs::copy_options::overwrite_existing);
   }
   /// The checker that the pack came with.
   int check(const std::string& options = {}) const {
-    return shell(python + " '" + (pack / "compare.py").string() + "' '" + pack.string() + "' '" +
+    return shell(python + " '" + (suite / "compare.py").string() + "' '" + suite.string() + "' '" +
                      results.string() + "' --json " + options,
                  folder / "said");
   }
@@ -105,7 +105,7 @@ struct Results {
   }
 
   TestFolder folder;
-  fs::path pack, results = folder / "results";
+  fs::path suite, results = folder / "results";
   std::string python = python_with_netcdf4();
 };
 
@@ -113,8 +113,8 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-void expect_every_plant_named(const fs::path& pack) {
-  const Results results(pack);
+void expect_every_plant_named(const fs::path& suite) {
+  const Results results(suite);
   if (results.python.empty()) GTEST_SKIP() << "no Python with netCDF4 and NumPy (Debian: python3-netcdf4)";
   ASSERT_EQ(results.check(), 0) << results.said();
   EXPECT_THAT(results.wrong(), IsEmpty());
@@ -129,12 +129,12 @@ void expect_every_plant_named(const fs::path& pack) {
 
 /// The checksums in the source are those of what the program writes. Of the whole debug set, a minute of
 /// work, so all else that needs all of it is here, too.
-TEST(PackAspects, OfTheDebugSetAreWhatItsPublishedSumsSay) {
+TEST(SuiteAspects, OfTheDebugSetAreWhatItsPublishedSumsSay) {
   const TestFolder folder;
-  const fs::path pack = packed(folder, "debug", {});
+  const fs::path suite = packed(folder, "debug", {});
   std::map<std::string, std::string> made;
   for (const std::string list : {"SHA256SUMS", "answers/SHA256SUMS"}) {
-    std::istringstream sums(bytes_of(pack / list));
+    std::istringstream sums(bytes_of(suite / list));
     for (std::string digest, name; sums >> digest >> name;)
       made[(list.starts_with("a") ? "answers/" : "") + name] = digest;
   }
@@ -145,15 +145,15 @@ TEST(PackAspects, OfTheDebugSetAreWhatItsPublishedSumsSay) {
     published += name.ends_with("echoes.nc") || name == "pack.json" || name.find('/') == std::string::npos ||
                  name.find("/forms/") != std::string::npos;
   EXPECT_EQ(published, made.size());
-  expect_every_plant_named(pack);
+  expect_every_plant_named(suite);
 }
 
-TEST(PackAspects, OfAValidationSetAreNamedAsWell) {
+TEST(SuiteAspects, OfAValidationSetAreNamedAsWell) {
   const TestFolder folder;
   expect_every_plant_named(packed(folder, "drawn", {"--seed", "a word of the day"}));
 }
 
-TEST(PackAspects, ALawOfRangeIsNamedOnceAndTakenOffTheOthers) {
+TEST(SuiteAspects, ALawOfRangeIsNamedOnceAndTakenOffTheOthers) {
   const TestFolder folder;
   const Results results(
       packed(folder, "a", {"--scenes", "range-law,absorption,grazing,even-angles,near-plane,large-flat"}));
@@ -182,10 +182,10 @@ TEST(PackAspects, ALawOfRangeIsNamedOnceAndTakenOffTheOthers) {
   EXPECT_TRUE(Json::parse(results.said())["taken_off"].is_null());
 }
 
-TEST(PackAspects, ResultsThatCannotBeComparedAreNamed) {
+TEST(SuiteAspects, ResultsThatCannotBeComparedAreNamed) {
   const TestFolder folder;
-  const fs::path pack = packed(folder, "a", {"--scenes", "range-law,grazing"});
-  const Results results(pack);
+  const fs::path suite = packed(folder, "a", {"--scenes", "range-law,grazing"});
+  const Results results(suite);
   if (results.python.empty()) GTEST_SKIP() << "no Python with netCDF4 and NumPy (Debian: python3-netcdf4)";
   const std::string whole = bytes_of(results.results / "grazing.npy");
   for (const std::size_t length :
@@ -216,7 +216,7 @@ TEST(PackAspects, ResultsThatCannotBeComparedAreNamed) {
   // Pack v1: figures, no verdicts.
   const std::string v1 = (reference_folder() / "v1").string();
   EXPECT_EQ(
-      shell(results.python + " '" + (pack / "compare.py").string() + "' " + v1 + " " + v1, folder / "said"),
+      shell(results.python + " '" + (suite / "compare.py").string() + "' " + v1 + " " + v1, folder / "said"),
       0)
       << bytes_of(folder / "said");
   EXPECT_THAT(bytes_of(folder / "said"), HasSubstr("box-and-wall"));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <array>
 
-#include "pack/pack_scene.hpp"
+#include "suite/suite_scene.hpp"
 
 namespace tubefoot {
 

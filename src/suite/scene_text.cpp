@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pack/scene_text.hpp"
+#include "suite/scene_text.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -17,7 +17,7 @@ namespace {
 constexpr std::array<std::pair<std::string_view, int>, 4> materials{
     {{"bed", -20}, {"target", -10}, {"middling", -15}, {"hard", -6}}};
 
-std::string sensor_text(const PackFan& fan) {
+std::string sensor_text(const SuiteFan& fan) {
   std::string beams = fan.angles_deg.empty()
                           ? fmt::format("beams = {}\nhorizontal_deg = {}\n", fan.beams, fan.horizontal_deg)
                           : fmt::format("beam_angles_deg = [{}]\n", fmt::join(fan.angles_deg, ", "));
@@ -30,7 +30,7 @@ std::string sensor_text(const PackFan& fan) {
 
 }  // namespace
 
-void finish(PackScene& scene, const SceneText& text) {
+void finish(SuiteScene& scene, const SceneText& text) {
   std::string& out = scene.text;
   out = fmt::format(
       "# Reference pack v2: README.md says in plain words what this is, scene.json in numbers.\n"
@@ -60,7 +60,7 @@ glm::dvec3 place_at(glm::dvec3 sonar_m, double range_m, double azimuth_deg, doub
   return sonar_m + range_m * glm::dvec3{std::sin(a) * std::cos(e), std::cos(a) * std::cos(e), std::sin(e)};
 }
 
-SceneText over_bed(Draw& draw, PackScene& scene) {
+SceneText over_bed(Draw& draw, SuiteScene& scene) {
   scene.solids.push_back(level_plate("bed", "bed", {0, 0, 0}, 32, 32));
   SceneText text;
   text.sonar_m = {draw.among(0, -1, 1, 0.125), draw.among(-8, -8.5, -7.5, 0.125),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pack/solids.hpp"
+#include "suite/solids.hpp"
 
 #include <fmt/format.h>
 

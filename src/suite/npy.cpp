@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pack/npy.hpp"
+#include "suite/npy.hpp"
 
 #include <fmt/format.h>
 

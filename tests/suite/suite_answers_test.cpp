@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The answers of the reference pack against closed forms and integrals of the test's own, and against rays.
+// The answers of the benchmark suite against closed forms and integrals of the test's own, and against rays.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,8 +12,8 @@
 #include <numbers>
 #include <sstream>
 
-#include "pack/packed.hpp"
 #include "sensors/recordings/echo_reader.hpp"
+#include "suite/packed.hpp"
 
 namespace tubefoot {
 namespace {
@@ -23,12 +23,12 @@ constexpr double degree = std::numbers::pi / 180;
 
 /// A scene of a pack, with its answer.
 struct Scene {
-  Scene(const fs::path& pack, const std::string& name)
-      : folder(pack / "scenes" / name),
+  Scene(const fs::path& suite, const std::string& name)
+      : folder(suite / "scenes" / name),
         json(json_in(folder / "scene.json")),
-        energy(array_in(pack / "answers" / name / "energy.npy")) {
-    if (fs::exists(pack / "answers" / name / "bound.npy"))
-      bound = array_in(pack / "answers" / name / "bound.npy");
+        energy(array_in(suite / "answers" / name / "energy.npy")) {
+    if (fs::exists(suite / "answers" / name / "bound.npy"))
+      bound = array_in(suite / "answers" / name / "bound.npy");
   }
   fs::path folder;
   Json json;
@@ -82,14 +82,14 @@ double scattered(double mu, glm::dvec3 from, glm::dvec3 to, glm::dvec3 at, glm::
 }
 
 // README.md: E = mu H^2 w (r0^-4 - r1^-4) / 4; w between the rounded corner rays.
-TEST(PackAnswers, FlatBedsHoldTheirClosedForm) {
+TEST(SuiteAnswers, FlatBedsHoldTheirClosedForm) {
   const TestFolder folder;
   for (const std::vector<std::string>& set : {std::vector<std::string>{}, {"--seed", "flat"}}) {
     std::vector<std::string> options{"--scenes", "grazing,large-flat"};
     options.insert(options.end(), set.begin(), set.end());
-    const fs::path pack = packed(folder, set.empty() ? "debug" : "drawn", options);
+    const fs::path suite = packed(folder, set.empty() ? "debug" : "drawn", options);
     for (const std::string name : {"grazing", "large-flat"}) {
-      const Scene scene(pack, name);
+      const Scene scene(suite, name);
       const double mu = scene.json["surfaces"][0]["mu"], height = scene.sonar().z;
       const double across = std::cos(scene.json["beams"]["upper_deg"].get<double>() * degree),
                    scale = std::ldexp(1.0, 30) - 1;
@@ -112,11 +112,11 @@ TEST(PackAnswers, FlatBedsHoldTheirClosedForm) {
   }
 }
 
-TEST(PackAnswers, PlatesFallAsSolidAnglesAndAbsorptionDo) {
+TEST(SuiteAnswers, PlatesFallAsSolidAnglesAndAbsorptionDo) {
   const TestFolder folder;
-  const fs::path pack = packed(folder, "a", {"--scenes", "range-law,absorption"});
+  const fs::path suite = packed(folder, "a", {"--scenes", "range-law,absorption"});
   for (const std::string name : {"range-law", "absorption"}) {
-    const Scene scene(pack, name);
+    const Scene scene(suite, name);
     const double a = scene.json["water"]["absorption_db_per_km"];
     EXPECT_EQ(a, name == std::string("absorption") ? 400 : 0);
     double all = 0;
@@ -154,11 +154,11 @@ TEST(PackAnswers, PlatesFallAsSolidAnglesAndAbsorptionDo) {
   }
 }
 
-TEST(PackAnswers, BeamsAreAsSceneJsonSaysAndPostsInThem) {
+TEST(SuiteAnswers, BeamsAreAsSceneJsonSaysAndPostsInThem) {
   const TestFolder folder;
-  const fs::path pack = packed(folder, "a", {"--scenes", "even-angles,even-tangents,listed-angles"});
+  const fs::path suite = packed(folder, "a", {"--scenes", "even-angles,even-tangents,listed-angles"});
   for (const std::string name : {"even-angles", "even-tangents", "listed-angles"}) {
-    const Scene scene(pack, name);
+    const Scene scene(suite, name);
     const std::vector<double> axes = scene.json["beams"]["axes_deg"],
                               borders = scene.json["beams"]["borders_deg"];
     ASSERT_EQ(axes.size(), 64u);
@@ -202,7 +202,7 @@ TEST(PackAnswers, BeamsAreAsSceneJsonSaysAndPostsInThem) {
 }
 
 // README.md: images, and losses once and twice.
-TEST(PackAnswers, SurfaceMultiplesAreThoseOfImages) {
+TEST(SuiteAnswers, SurfaceMultiplesAreThoseOfImages) {
   const TestFolder folder;
   for (const std::string seed : {"", "s"}) {
     std::vector<std::string> options{"--scenes", "surface-multiple"};
@@ -224,10 +224,10 @@ TEST(PackAnswers, SurfaceMultiplesAreThoseOfImages) {
   }
 }
 
-TEST(PackAnswers, TwoScatteringsAreThoseOfTwoPlatesAndTheirToleranceHolds) {
+TEST(SuiteAnswers, TwoScatteringsAreThoseOfTwoPlatesAndTheirToleranceHolds) {
   const TestFolder folder;
-  const fs::path pack = packed(folder, "a", {"--scenes", "two-scatterings"});
-  const Scene scene(pack, "two-scatterings");
+  const fs::path suite = packed(folder, "a", {"--scenes", "two-scatterings"});
+  const Scene scene(suite, "two-scatterings");
   const auto port = triangles_of(scene, "port.obj"), starboard = triangles_of(scene, "starboard.obj");
   const glm::dvec3 sonar = scene.sonar();
   const double mu = std::pow(10, -0.6);
@@ -262,13 +262,13 @@ TEST(PackAnswers, TwoScatteringsAreThoseOfTwoPlatesAndTheirToleranceHolds) {
       off += difference;
       if (k >= begins) off_later += difference;
     }
-  const double told = json_in(pack / "answers/two-scatterings/answer.json")["tolerance_l1"];
+  const double told = json_in(suite / "answers/two-scatterings/answer.json")["tolerance_l1"];
   EXPECT_LT(off, told * scene.energy.sum());
   EXPECT_LT(off_later, 0.1 * later);
 }
 
 // sinc^2 of the README, at the middle of the target.
-TEST(PackAnswers, SideLobesAreThoseOfALine) {
+TEST(SuiteAnswers, SideLobesAreThoseOfALine) {
   const TestFolder folder;
   const Scene scene(packed(folder, "a", {"--scenes", "side-lobes"}), "side-lobes");
   const double wavelengths = scene.json["beams"]["receive"]["aperture_m"].get<double>() *
@@ -300,11 +300,11 @@ TEST(PackAnswers, SideLobesAreThoseOfALine) {
   EXPECT_GT(beside, 0.03 * found);
 }
 
-TEST(PackAnswers, AgreeWithRays) {
+TEST(SuiteAnswers, AgreeWithRays) {
   const TestFolder folder;
-  const fs::path pack = packed(folder, "a", {"--scenes", "occlusion-order,near-plane"});
+  const fs::path suite = packed(folder, "a", {"--scenes", "occlusion-order,near-plane"});
   for (const std::string name : {"occlusion-order", "near-plane"}) {
-    const Scene scene(pack, name);
+    const Scene scene(suite, name);
     const Outcome outcome =
         run_program({"run", (scene.folder / "scene.toml").string(), "-o", (folder / name).string(),
                      "--engine", "ray", "--rays-per-beam", "100000", "--quiet", "--pictures", "none"});

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-// Meshes of the reference pack. Every coordinate is a multiple of 2^-10 m below 8192 m: a decimal of the OBJ
+// Meshes of the benchmark suite. Every coordinate is a multiple of 2^-10 m below 8192 m: a decimal of the OBJ
 // and a float of the STL hold it in full, so whoever reads either has the scene itself.
 namespace tubefoot {
 

@@ -3,12 +3,12 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "pack/pack_scene.hpp"
 #include "run/survey.hpp"
+#include "suite/suite_scene.hpp"
 
 namespace tubefoot {
 
 /// All that an engine has to know of a scene, in numbers: scene.json of the pack (its README lists the keys).
-nlohmann::ordered_json scene_numbers(const Aspect& aspect, const PackScene& scene, const Survey& survey);
+nlohmann::ordered_json scene_numbers(const Aspect& aspect, const SuiteScene& scene, const Survey& survey);
 
 }  // namespace tubefoot

@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "pack/pack_scene.hpp"
 #include "run/survey.hpp"
+#include "suite/suite_scene.hpp"
 
-// The reference pack v2, from nothing: scenes, meshes, answers, checksums (docs/reference-pack.md).
+// The benchmark suite v2, from nothing: scenes, meshes, answers, checksums (docs/reference-pack.md).
 namespace tubefoot {
 
-struct PackRequest {
+struct SuiteRequest {
   std::optional<std::string> seed;  ///< the word of a validation set; none: the debug set
   std::vector<const Aspect*> scenes;
   bool answers = true;
@@ -25,7 +25,7 @@ struct PackRequest {
 std::vector<const Aspect*> aspects_named(const std::string& names);
 
 /// What became of a scene.
-struct PackedScene {
+struct WrittenScene {
   const Aspect* aspect = nullptr;
   std::size_t facets = 0;
   double energy_j = 0;        ///< sum of the answer
@@ -38,7 +38,7 @@ using OtherForms = std::function<void(const Survey& survey, const std::filesyste
 
 /// Writes a pack into a folder that is there and empty. Throws write_error(), and Interrupted when somebody
 /// wants to stop.
-std::vector<PackedScene> write_pack(const std::filesystem::path& folder, const PackRequest& request,
-                                    const OtherForms& other_forms = {});
+std::vector<WrittenScene> write_suite(const std::filesystem::path& folder, const SuiteRequest& request,
+                                      const OtherForms& other_forms = {});
 
 }  // namespace tubefoot

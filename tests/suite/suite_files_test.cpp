@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The files of the reference pack: same seed, same bytes; what is in them; what is refused.
+// The files of the benchmark suite: same seed, same bytes; what is in them; what is refused.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,9 +12,9 @@
 #include <sstream>
 
 #include "files/file_hash.hpp"
-#include "pack/draw.hpp"
-#include "pack/packed.hpp"
-#include "pack/solids.hpp"
+#include "suite/draw.hpp"
+#include "suite/packed.hpp"
+#include "suite/solids.hpp"
 
 namespace tubefoot {
 namespace {
@@ -93,7 +93,7 @@ TEST(Solids, AreClosedOutwardAndExactInBothForms) {
   }
 }
 
-TEST(Pack, OfOneSeedIsTheSameToTheByte) {
+TEST(Suite, OfOneSeedIsTheSameToTheByte) {
   const TestFolder folder;
   const std::string some = "range-law,near-plane,two-scatterings";
   const auto first = contents(packed(folder, "a", {"--seed", "today", "--scenes", some, "--threads", "1"}));
@@ -102,7 +102,7 @@ TEST(Pack, OfOneSeedIsTheSameToTheByte) {
   EXPECT_EQ(first, second);
 }
 
-TEST(Pack, OfAnotherSeedHasOtherScenes) {
+TEST(Suite, OfAnotherSeedHasOtherScenes) {
   const TestFolder folder;
   const fs::path one = packed(folder, "a", {"--seed", "today", "--without-answers"}),
                  other = packed(folder, "b", {"--seed", "tomorrow", "--without-answers"}),
@@ -119,7 +119,7 @@ TEST(Pack, OfAnotherSeedHasOtherScenes) {
   EXPECT_FALSE(fs::exists(one / "answers"));
 }
 
-TEST(Pack, HandsOutTheSameScenesWithoutAnswers) {
+TEST(Suite, HandsOutTheSameScenesWithoutAnswers) {
   const TestFolder folder;
   const fs::path whole = packed(folder, "a", {"--seed", "x", "--scenes", "thin-wall,grazing"}),
                  handed = packed(folder, "b",
@@ -138,25 +138,25 @@ TEST(Pack, HandsOutTheSameScenesWithoutAnswers) {
   }
 }
 
-TEST(Pack, HoldsAnswersInThreeFormsAndTheirBounds) {
+TEST(Suite, HoldsAnswersInThreeFormsAndTheirBounds) {
   const TestFolder folder;
-  const fs::path pack = packed(folder, "a", {"--scenes", "side-lobes"});
-  const Json scene = json_in(pack / "scenes/side-lobes/scene.json"),
-             answer = json_in(pack / "answers/side-lobes/answer.json");
-  const Array energy = array_in(pack / "answers/side-lobes/energy.npy"),
-              bound = array_in(pack / "answers/side-lobes/bound.npy");
+  const fs::path suite = packed(folder, "a", {"--scenes", "side-lobes"});
+  const Json scene = json_in(suite / "scenes/side-lobes/scene.json"),
+             answer = json_in(suite / "answers/side-lobes/answer.json");
+  const Array energy = array_in(suite / "answers/side-lobes/energy.npy"),
+              bound = array_in(suite / "answers/side-lobes/bound.npy");
   EXPECT_EQ(scene["shape"], (std::vector<std::size_t>{energy.pings, energy.beams, energy.samples}));
   EXPECT_EQ(bound.values.size(), energy.values.size());
   EXPECT_NEAR(energy.sum(), answer["energy_j"].get<double>(), 1e-12 * energy.sum());
   EXPECT_TRUE(answer["certified"].get<bool>());
   for (std::size_t k = 0; k < energy.values.size(); ++k)
     EXPECT_LE(bound.values[k], 1e-6 * std::max(energy.values[k], answer["strongest_j"].get<double>() * 1e-6));
-  const Outcome same = run_program({"compare", (pack / "answers/side-lobes/echoes.nc").string(),
-                                    (pack / "answers/side-lobes/echoes.nc").string(), "--within", "0"});
+  const Outcome same = run_program({"compare", (suite / "answers/side-lobes/echoes.nc").string(),
+                                    (suite / "answers/side-lobes/echoes.nc").string(), "--within", "0"});
   EXPECT_EQ(same.exit_code, 0) << same.err;
 }
 
-TEST(Pack, RefusesWhatItCannotBe) {
+TEST(Suite, RefusesWhatItCannotBe) {
   const TestFolder folder;
   const auto said = [&](std::vector<std::string> words) {
     words.insert(words.begin(), {"pack", "-o", (folder / "out").string()});
@@ -178,7 +178,7 @@ TEST(Pack, RefusesWhatItCannotBe) {
   EXPECT_EQ(bytes_of(folder / "there/file.txt"), "mine");
 }
 
-TEST(Pack, LeavesNothingWhereTheDiskIsFull) {
+TEST(Suite, LeavesNothingWhereTheDiskIsFull) {
   const TestFolder folder;
   Surroundings full;
   full.largest_file_bytes = 20000;  // less than an answer
@@ -189,22 +189,22 @@ TEST(Pack, LeavesNothingWhereTheDiskIsFull) {
 }
 
 // README.md of the pack: the readers in it, and what it says of scenes.
-TEST(PackReadme, ReadersRun) {
+TEST(SuiteReadme, ReadersRun) {
   const std::string python = python_with_netcdf4();
   if (python.empty()) GTEST_SKIP() << "no Python with netCDF4 and NumPy (Debian: python3-netcdf4)";
   const TestFolder folder;
-  const fs::path pack = packed(folder, "a", {"--scenes", "grazing"});
-  const std::string page = bytes_of(pack / "README.md");
+  const fs::path suite = packed(folder, "a", {"--scenes", "grazing"});
+  const std::string page = bytes_of(suite / "README.md");
   const auto block = [&](const std::string& language) {
     const std::size_t begin = page.find("```" + language + "\n") + language.size() + 4;
     return page.substr(begin, page.find("```", begin) - begin);
   };
-  const double energy_j = json_in(pack / "answers/grazing/answer.json")["energy_j"].get<double>();
+  const double energy_j = json_in(suite / "answers/grazing/answer.json")["energy_j"].get<double>();
   const fs::path script = folder.write("read.py", block("python")),
                  source = folder.write("read.c", block("c"));
   EXPECT_LE(std::ranges::count(block("python"), '\n'), 20);
   EXPECT_LE(std::ranges::count(block("c"), '\n'), 24);
-  ASSERT_EQ(shell(python + " '" + script.string() + "' '" + pack.string() + "' grazing", folder / "said"), 0)
+  ASSERT_EQ(shell(python + " '" + script.string() + "' '" + suite.string() + "' grazing", folder / "said"), 0)
       << bytes_of(folder / "said");
   EXPECT_NEAR(std::stod(bytes_of(folder / "said")), energy_j, 1e-8 * energy_j);
   const std::string program = (folder / "read").string();
@@ -213,7 +213,7 @@ TEST(PackReadme, ReadersRun) {
             folder / "said"),
       0)
       << bytes_of(folder / "said");
-  const std::string answer = (pack / "answers/grazing/energy.npy").string();
+  const std::string answer = (suite / "answers/grazing/energy.npy").string();
   ASSERT_EQ(shell("'" + program + "' '" + answer + "'", folder / "said"), 0);
   EXPECT_NEAR(std::stod(bytes_of(folder / "said")), energy_j, 1e-8 * energy_j);
   EXPECT_THAT(bytes_of(folder / "said"), testing::HasSubstr("in 1 pings, 32 beams, 128 samples"));
@@ -224,14 +224,14 @@ TEST(PackReadme, ReadersRun) {
   }
 }
 
-TEST(PackReadme, ListsEveryScene) {
+TEST(SuiteReadme, ListsEveryScene) {
   const std::string page = bytes_of(reference_folder() / "v2/README.md");
   const TestFolder folder;
-  const fs::path pack = packed(folder, "a", {"--without-answers"});
-  const Json about = json_in(pack / "pack.json");
+  const fs::path suite = packed(folder, "a", {"--without-answers"});
+  const Json about = json_in(suite / "pack.json");
   EXPECT_EQ(about["scenes"].size(), 19u);
   for (const Json& name : about["scenes"]) {
-    const Json scene = json_in(pack / "scenes" / name.get<std::string>() / "scene.json");
+    const Json scene = json_in(suite / "scenes" / name.get<std::string>() / "scene.json");
     const std::regex row("\\| `" + name.get<std::string>() + "` \\|[^|]*\\| ([^|]*) \\|");
     std::smatch found;
     ASSERT_TRUE(std::regex_search(page, found, row)) << name;

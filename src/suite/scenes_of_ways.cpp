@@ -4,12 +4,12 @@
 
 #include <cmath>
 
-#include "pack/scene_text.hpp"
+#include "suite/scene_text.hpp"
 
 namespace tubefoot {
 
-PackScene layered_water_scene(Draw& draw) {
-  PackScene scene;
+SuiteScene layered_water_scene(Draw& draw) {
+  SuiteScene scene;
   scene.title = "A flat bed seen along bent rays";
   scene.solids.push_back(level_plate("bed", "bed", {0, 40, 0}, 80, 80));
   SceneText text;
@@ -32,8 +32,8 @@ PackScene layered_water_scene(Draw& draw) {
   return scene;
 }
 
-PackScene surface_multiple_scene(Draw& draw) {
-  PackScene scene;
+SuiteScene surface_multiple_scene(Draw& draw) {
+  SuiteScene scene;
   scene.title = "A plate below a sea surface that mirrors: over it there, back, or both";
   SceneText text;
   const double depth = draw.among(2.5, 2.25, 2.75, 0.125), range = draw.among(6.5, 6, 7, 0.125);
@@ -69,8 +69,8 @@ PackScene surface_multiple_scene(Draw& draw) {
   return scene;
 }
 
-PackScene two_scatterings_scene(Draw& draw) {
-  PackScene scene;
+SuiteScene two_scatterings_scene(Draw& draw) {
+  SuiteScene scene;
   scene.title = "Two plates that light each other";
   SceneText text;
   text.sonar_m = {0, 0, 2};
@@ -98,8 +98,8 @@ PackScene two_scatterings_scene(Draw& draw) {
   return scene;
 }
 
-PackScene separate_receivers_scene(Draw& draw) {
-  PackScene scene;
+SuiteScene separate_receivers_scene(Draw& draw) {
+  SuiteScene scene;
   scene.title = "A receiver beside the transmitter";
   SceneText text = over_bed(draw, scene);
   text.fan.more = fmt::format("receiver_arm_m = [{}, 0, {}]\n", draw.among(2.5, 2, 3, 0.125),

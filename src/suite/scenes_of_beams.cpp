@@ -2,15 +2,15 @@
 // Where beams are: even in angle, even in tangent, anywhere; and what they receive beside themselves.
 #include <fmt/format.h>
 
-#include "pack/scene_text.hpp"
+#include "suite/scene_text.hpp"
 
 namespace tubefoot {
 namespace {
 
 /// Upright plates of about two beams' width, side by side over the fan, with dark beams between.
-PackScene posts(Draw& draw, const std::string& title, const PackFan& fan, double half_fan_deg) {
+SuiteScene posts(Draw& draw, const std::string& title, const SuiteFan& fan, double half_fan_deg) {
   constexpr int count = 13;
-  PackScene scene;
+  SuiteScene scene;
   scene.title = title;
   SceneText text;
   text.fan = fan;
@@ -28,7 +28,7 @@ PackScene posts(Draw& draw, const std::string& title, const PackFan& fan, double
   return scene;
 }
 
-PackFan wide_fan() {
+SuiteFan wide_fan() {
   return {.beams = 64,
           .horizontal_deg = 80,
           .vertical_deg = 8,
@@ -40,18 +40,18 @@ PackFan wide_fan() {
 
 }  // namespace
 
-PackScene even_angles_scene(Draw& draw) {
+SuiteScene even_angles_scene(Draw& draw) {
   return posts(draw, "Posts before beams that are even in angle", wide_fan(), 38);
 }
 
-PackScene even_tangents_scene(Draw& draw) {
-  PackFan fan = wide_fan();
+SuiteScene even_tangents_scene(Draw& draw) {
+  SuiteFan fan = wide_fan();
   fan.spacing = "distance";
   return posts(draw, "Posts before beams that are even in tangent", fan, 38);
 }
 
-PackScene listed_angles_scene(Draw& draw) {
-  PackFan fan = wide_fan();
+SuiteScene listed_angles_scene(Draw& draw) {
+  SuiteFan fan = wide_fan();
   constexpr int steps = 63,
                 alike = 9;  // so many neighbours are equally far apart: lists drift from what is even
   std::vector<double> step_deg;
@@ -64,8 +64,8 @@ PackScene listed_angles_scene(Draw& draw) {
   return posts(draw, "Posts before beams of a list of angles", fan, all / 2 - 1);
 }
 
-PackScene side_lobes_scene(Draw& draw) {
-  PackScene scene;
+SuiteScene side_lobes_scene(Draw& draw) {
+  SuiteScene scene;
   scene.title = "One small target, heard by the side lobes of all beams";
   SceneText text;
   text.sonar_m = {0, 0, 2};

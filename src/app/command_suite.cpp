@@ -7,9 +7,9 @@
 #include "files/limits.hpp"
 #include "files/staging.hpp"
 #include "files/usage_error.hpp"
-#include "pack/write_pack.hpp"
 #include "run/console/say.hpp"
 #include "run/settings.hpp"
+#include "suite/write_suite.hpp"
 
 namespace tubefoot {
 namespace {
@@ -28,8 +28,8 @@ void write_forms(const Survey& survey, const fs::path& folder) {
 
 }  // namespace
 
-int pack_command(const PackOptions& options) {
-  PackRequest request{options.seed, aspects_named(options.scenes), !options.without_answers, options.quiet};
+int suite_command(const SuiteOptions& options) {
+  SuiteRequest request{options.seed, aspects_named(options.scenes), !options.without_answers, options.quiet};
   if (options.seed && (options.seed->empty() || options.seed->size() > limits::name_bytes))
     throw UsageError(
         fmt::format("--seed is a word of 1 to {} characters, not of {}: any that nobody knew before",
@@ -41,9 +41,9 @@ int pack_command(const PackOptions& options) {
                     options.output.string()));
   OutputFolder output(options.output, {});
   const ThreadLimit limit(options.threads.value_or(0));
-  const std::vector<PackedScene> scenes = write_pack(output.staging(), request, write_forms);
+  const std::vector<WrittenScene> scenes = write_suite(output.staging(), request, write_forms);
   output.commit();
-  for (const PackedScene& scene : scenes) {
+  for (const WrittenScene& scene : scenes) {
     if (options.quiet) break;
     const std::string answer = options.without_answers
                                    ? std::string()

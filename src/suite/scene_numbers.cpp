@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pack/scene_numbers.hpp"
+#include "suite/scene_numbers.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -74,7 +74,7 @@ Json pings_of(const SensorPings& sensor) {
 
 }  // namespace
 
-Json scene_numbers(const Aspect& aspect, const PackScene& scene, const Survey& survey) {
+Json scene_numbers(const Aspect& aspect, const SuiteScene& scene, const Survey& survey) {
   const SceneDescription& description = survey.scene.description;
   const SensorPings& sensor = survey.sensors.front();
   const RangeSamples& samples = sensor.sensor->samples();

@@ -6,14 +6,14 @@
 #include <cmath>
 #include <numbers>
 
-#include "pack/scene_text.hpp"
+#include "suite/scene_text.hpp"
 
 namespace tubefoot {
 namespace {
 
 /// Upright plates square to the sonar, each before some of the beams and at a range of its own.
-PackScene plates(Draw& draw, const std::string& title, double absorption_db_per_km) {
-  PackScene scene;
+SuiteScene plates(Draw& draw, const std::string& title, double absorption_db_per_km) {
+  SuiteScene scene;
   scene.title = title;
   SceneText text;
   text.sonar_m = {draw.among(0, -2, 2, 0.125), draw.among(0, -2, 2, 0.125), draw.among(2, 1, 3, 0.125)};
@@ -42,20 +42,20 @@ PackScene plates(Draw& draw, const std::string& title, double absorption_db_per_
 
 }  // namespace
 
-PackScene range_law_scene(Draw& draw) {
-  PackScene scene = plates(draw, "Plates square to the sonar, at five ranges", 0);
+SuiteScene range_law_scene(Draw& draw) {
+  SuiteScene scene = plates(draw, "Plates square to the sonar, at five ranges", 0);
   scene.deciders = {{"gain_db", 0.25}, {"range_exponent", 0.05}};
   return scene;
 }
 
-PackScene absorption_scene(Draw& draw) {
-  PackScene scene = plates(draw, "The same in absorbing water", draw.among(400, 250, 600, 25));
+SuiteScene absorption_scene(Draw& draw) {
+  SuiteScene scene = plates(draw, "The same in absorbing water", draw.among(400, 250, 600, 25));
   scene.deciders = {{"db_per_km", 10}};
   return scene;
 }
 
-PackScene grazing_scene(Draw& draw) {
-  PackScene scene;
+SuiteScene grazing_scene(Draw& draw) {
+  SuiteScene scene;
   scene.title = "A flat bed at grazing angles";
   scene.solids.push_back(level_plate("bed", "bed", {0, 16, 0}, 40, 40));
   SceneText text;
@@ -67,8 +67,8 @@ PackScene grazing_scene(Draw& draw) {
   return scene;
 }
 
-PackScene large_flat_scene(Draw& draw) {
-  PackScene scene;
+SuiteScene large_flat_scene(Draw& draw) {
+  SuiteScene scene;
   scene.title = "A bed of two triangles and 16 square kilometres, far from the origin";
   scene.solids.push_back(level_plate("bed", "bed", {0, 0, 0}, 4000, 4000));
   SceneText text;

@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "pack/pack_scene.hpp"
+#include "suite/suite_scene.hpp"
 
 namespace tubefoot {
 
 /// The sonar of the pack: a fan of ideal beams that looks north.
-struct PackFan {
+struct SuiteFan {
   int beams = 32;
   double horizontal_deg = 32, vertical_deg = 20, tilt_deg = 20;
   std::string spacing = "angle";
@@ -26,17 +26,17 @@ struct SceneText {
   std::string water = "sound_speed_m_s = 1500\nabsorption_db_per_km = 0\n";
   glm::dvec3 sonar_m{0, -8, 3};
   std::string trajectory{};  ///< instead of one place
-  PackFan fan;
+  SuiteFan fan;
   std::string more{};  ///< further sections
 };
 
 /// Snaps the solids, and writes the scene file.
-void finish(PackScene& scene, const SceneText& text);
+void finish(SuiteScene& scene, const SceneText& text);
 
 /// A place at a range, azimuth and elevation from the sonar.
 glm::dvec3 place_at(glm::dvec3 sonar_m, double range_m, double azimuth_deg, double elevation_deg);
 
 /// A sonar over a level bed of 32 m at z = 0, as drawn.
-SceneText over_bed(Draw& draw, PackScene& scene);
+SceneText over_bed(Draw& draw, SuiteScene& scene);
 
 }  // namespace tubefoot

@@ -9,7 +9,7 @@
 
 namespace tubefoot {
 
-/// What a scene of the reference pack leaves open. In the debug set every value is the one that the pack
+/// What a scene of the benchmark suite leaves open. In the debug set every value is the one that the pack
 /// publishes; in a validation set it is drawn by a word that somebody chooses, for each scene apart, so that
 /// a scene is the same whichever others are asked for. Same word, same values, on every machine.
 class Draw {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pack/write_pack.hpp"
+#include "suite/write_suite.hpp"
 
 #include <fmt/format.h>
 
@@ -18,13 +18,13 @@
 #include "files/usage_error.hpp"
 #include "files/words.hpp"
 #include "geometry/steps/stop.hpp"
-#include "pack/npy.hpp"
-#include "pack/scene_numbers.hpp"
-#include "pack/texts.hpp"
 #include "run/console/progress.hpp"
 #include "run/run_steps.hpp"
 #include "run/simulation.hpp"
 #include "sensors/kinds/scene_file.hpp"
+#include "suite/npy.hpp"
+#include "suite/scene_numbers.hpp"
+#include "suite/texts.hpp"
 
 namespace tubefoot {
 namespace {
@@ -39,7 +39,7 @@ void write_json(const fs::path& file, const Json& json) { write_file(file, text_
 double sum(std::span<const double> values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
 /// Scene file and meshes, as far as they are there before the scene is loaded.
-void write_inputs(const fs::path& folder, const PackScene& scene) {
+void write_inputs(const fs::path& folder, const SuiteScene& scene) {
   make_folder(folder);
   for (const Solid& solid : scene.solids) {
     write_file(folder / (solid.name + ".obj"), obj_text(solid));
@@ -48,7 +48,8 @@ void write_inputs(const fs::path& folder, const PackScene& scene) {
   write_file(folder / "scene.toml", scene.text);
 }
 
-void write_answer(const fs::path& folder, const PackScene& scene, const Survey& survey, PackedScene& packed) {
+void write_answer(const fs::path& folder, const SuiteScene& scene, const Survey& survey,
+                  WrittenScene& packed) {
   RunRequest request = request_of(survey.scene.description.run);
   request.reference_tolerance = scene.certified;
   SimulationStats stats;
@@ -104,7 +105,7 @@ void sync_below(const fs::path& folder) {
     }
 }
 
-void write_frame(const fs::path& folder, const PackRequest& request) {
+void write_frame(const fs::path& folder, const SuiteRequest& request) {
   write_file(folder / "README.md", readme);
   write_file(folder / "ERRATA.md", errata);
   write_file(folder / "compare.py", checker);
@@ -142,23 +143,23 @@ std::vector<const Aspect*> aspects_named(const std::string& names) {
   return found;
 }
 
-std::vector<PackedScene> write_pack(const fs::path& folder, const PackRequest& request,
-                                    const OtherForms& other_forms) {
+std::vector<WrittenScene> write_suite(const fs::path& folder, const SuiteRequest& request,
+                                      const OtherForms& other_forms) {
   using Clock = std::chrono::steady_clock;
-  std::vector<PackedScene> all;
+  std::vector<WrittenScene> all;
   write_frame(folder, request);
   const fs::path answers = folder / answers_name;
   Progress progress("packing", request.scenes.size(), request.quiet);
   for (const Aspect* aspect : request.scenes) {
     const Clock::time_point start = Clock::now();
     Draw draw(request.seed, aspect->name);
-    const PackScene scene = aspect->scene(draw);
+    const SuiteScene scene = aspect->scene(draw);
     const fs::path place = folder / "scenes" / aspect->name;
     write_inputs(place, scene);
     const std::unique_ptr<const Survey> survey = open_survey(read_scene_file(place / "scene.toml"));
     write_json(place / "scene.json", scene_numbers(*aspect, scene, *survey));
     if (other_forms) other_forms(*survey, place);
-    PackedScene packed{aspect, survey->scene.mesh.facets.size()};
+    WrittenScene packed{aspect, survey->scene.mesh.facets.size()};
     if (request.answers) write_answer(answers / aspect->name, scene, *survey, packed);
     packed.seconds = std::chrono::duration<double>(Clock::now() - start).count();
     all.push_back(packed);

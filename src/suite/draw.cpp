@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pack/draw.hpp"
+#include "suite/draw.hpp"
 
 #include <fmt/format.h>
 

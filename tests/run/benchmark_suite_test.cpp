@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The shipped reference pack: whole, true where a closed form is known, reproduced by today's program, and
+// The shipped benchmark suite: whole, true where a closed form is known, reproduced by today's program, and
 // held against others by its own script as by `tubefoot compare`.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -26,20 +26,20 @@ using Json = nlohmann::json;
 
 constexpr double promised = 1e-9;
 
-fs::path pack() { return fs::path(TUBEFOOT_SOURCE_DIR) / "validation" / "reference" / "v1"; }
+fs::path suite() { return fs::path(TUBEFOOT_SOURCE_DIR) / "validation" / "reference" / "v1"; }
 
 SensorEchoes echoes_in_file(const fs::path& file) { return read_echo_file(file).sensors.at(0); }
 
 std::vector<std::string> scenes() {
   std::vector<std::string> names;
-  for (const fs::directory_entry& entry : fs::directory_iterator(pack()))
+  for (const fs::directory_entry& entry : fs::directory_iterator(suite()))
     if (fs::exists(entry.path() / "scene.toml")) names.push_back(entry.path().filename().string());
   return names;
 }
 
 /// A scene of the pack as the program computes it now.
 fs::path run(const TestFolder& folder, const std::string& scene, std::vector<std::string> options) {
-  std::vector<std::string> words{"run", (pack() / scene / "scene.toml").string(), "-o",
+  std::vector<std::string> words{"run", (suite() / scene / "scene.toml").string(), "-o",
                                  (folder / "now").string(), "--quiet"};
   words.insert(words.end(), options.begin(), options.end());
   const Outcome outcome = run_program(words);
@@ -47,25 +47,25 @@ fs::path run(const TestFolder& folder, const std::string& scene, std::vector<std
   return folder / "now" / "echoes.nc";
 }
 
-TEST(ReferencePack, HoldsWhatItsChecksumsSay) {
-  std::ifstream sums(pack() / "SHA256SUMS");
+TEST(BenchmarkSuite, HoldsWhatItsChecksumsSay) {
+  std::ifstream sums(suite() / "SHA256SUMS");
   std::set<std::string> listed;
   for (std::string digest, name; sums >> digest >> name;) {
     Sha256 hash;
-    hash.update(bytes_of(pack() / name));
+    hash.update(bytes_of(suite() / name));
     EXPECT_EQ(hash.hex_digest(), digest) << name;
     listed.insert(name);
   }
   std::set<std::string> shipped;
-  for (const std::string& name : names_below(pack()))
-    if (fs::is_regular_file(pack() / name) && fs::path(name).has_parent_path()) shipped.insert(name);
+  for (const std::string& name : names_below(suite()))
+    if (fs::is_regular_file(suite() / name) && fs::path(name).has_parent_path()) shipped.insert(name);
   EXPECT_EQ(listed, shipped);
   EXPECT_GE(scenes().size(), 6u);
 }
 
-TEST(ReferencePack, IsOfTheScenesBesideItAndAsNarrowAsPromised) {
+TEST(BenchmarkSuite, IsOfTheScenesBesideItAndAsNarrowAsPromised) {
   for (const std::string& scene : scenes()) {
-    const fs::path file = pack() / scene / "echoes.nc";
+    const fs::path file = suite() / scene / "echoes.nc";
     const SensorEchoes echoes = echoes_in_file(file);
     ASSERT_EQ(echoes.energy_bound.size(), echoes.energy.size()) << scene;
     const double strongest = *std::max_element(echoes.energy.begin(), echoes.energy.end());
@@ -79,14 +79,14 @@ TEST(ReferencePack, IsOfTheScenesBesideItAndAsNarrowAsPromised) {
             << scene << ", bin " << k;
     }
     EXPECT_EQ(read_echo_file(file).provenance.scene_hash,
-              read_scene_file(pack() / scene / "scene.toml").sha256)
+              read_scene_file(suite() / scene / "scene.toml").sha256)
         << scene;
   }
 }
 
 // README.md: E = mu h^2 w (r0^-4 - r1^-4) / 4 on the flat bed, with w between the rounded corner rays.
-TEST(ReferencePack, FlatBedHoldsItsClosedForm) {
-  const SensorEchoes echoes = echoes_in_file(pack() / "flat-bed" / "echoes.nc");
+TEST(BenchmarkSuite, FlatBedHoldsItsClosedForm) {
+  const SensorEchoes echoes = echoes_in_file(suite() / "flat-bed" / "echoes.nc");
   ASSERT_EQ(echoes.beams, 32u);
   ASSERT_EQ(echoes.samples, 256u);
   constexpr double degree = std::numbers::pi / 180, mu = 0.01, height_m = 2;
@@ -108,9 +108,9 @@ TEST(ReferencePack, FlatBedHoldsItsClosedForm) {
   EXPECT_NEAR(echoes.energy[16 * 256 + 100], 1.17521e-9, 1e-14);  // as README.md says
 }
 
-TEST(ReferencePack, ComesOutAgainWithinBothBounds) {
+TEST(BenchmarkSuite, ComesOutAgainWithinBothBounds) {
   const TestFolder folder;
-  const SensorEchoes shipped = echoes_in_file(pack() / "box-and-wall" / "echoes.nc"),
+  const SensorEchoes shipped = echoes_in_file(suite() / "box-and-wall" / "echoes.nc"),
                      now =
                          echoes_in_file(run(folder, "box-and-wall", {"--reference", "--tolerance", "1e-7"}));
   ASSERT_EQ(now.energy.size(), shipped.energy.size());
@@ -126,7 +126,7 @@ std::string python_with_netcdf4() {
   return {};
 }
 
-struct PackScript : testing::Test {
+struct SuiteScript : testing::Test {
   TestFolder folder;
   std::string python = python_with_netcdf4();
 
@@ -135,7 +135,7 @@ struct PackScript : testing::Test {
   }
   /// Its exit code; what it prints goes to output.txt.
   int compare(const fs::path& reference, const fs::path& candidate) const {
-    const std::string script = (pack().parent_path() / "compare.py").string(),
+    const std::string script = (suite().parent_path() / "compare.py").string(),
                       output = (folder / "output.txt").string();
     const int status = std::system((python + " '" + script + "' '" + reference.string() + "' '" +
                                     candidate.string() + "' --json >'" + output + "' 2>&1")
@@ -165,11 +165,11 @@ void expect_same(const Json& script, const Json& program, const std::string& whe
   }
 }
 
-TEST_F(PackScript, MeasuresAsTubefootCompareDoes) {
+TEST_F(SuiteScript, MeasuresAsTubefootCompareDoes) {
   // Few rays: bins that are missed, returns that come late.
   for (const char* rays : {"600", "40000"}) {
     const TestFolder run_folder;
-    const fs::path reference = pack() / "sphere" / "echoes.nc",
+    const fs::path reference = suite() / "sphere" / "echoes.nc",
                    candidate = run(run_folder, "sphere", {"--engine", "ray", "--rays", rays});
     ASSERT_EQ(compare(reference, candidate), 0) << output();
     const Outcome program = run_program({"compare", reference.string(), candidate.string(), "--json", "-"});
@@ -181,12 +181,12 @@ TEST_F(PackScript, MeasuresAsTubefootCompareDoes) {
   }
 }
 
-TEST_F(PackScript, RefusesWhatTubefootCompareRefuses) {
-  const fs::path reference = pack() / "sphere" / "echoes.nc";
+TEST_F(SuiteScript, RefusesWhatTubefootCompareRefuses) {
+  const fs::path reference = suite() / "sphere" / "echoes.nc";
   const auto rays = fs::path(run(folder, "bowl", {"--engine", "ray", "--rays", "1000"}));
   EXPECT_EQ(compare(reference, rays), 2);
   EXPECT_THAT(output(), testing::HasSubstr("compute the same scene"));
-  EXPECT_EQ(compare(reference, pack() / "README.md"), 2);
+  EXPECT_EQ(compare(reference, suite() / "README.md"), 2);
   EXPECT_THAT(output(), testing::HasSubstr("cannot be read"));
   EXPECT_EQ(compare(reference, reference), 0) << output();
   EXPECT_EQ(Json::parse(output())["sensors"][0]["l1_error"], 0);

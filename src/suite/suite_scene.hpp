@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "pack/draw.hpp"
-#include "pack/solids.hpp"
+#include "suite/draw.hpp"
+#include "suite/solids.hpp"
 
 namespace tubefoot {
 
@@ -18,8 +18,8 @@ struct Decider {
   double limit = 0;
 };
 
-/// A scene of the reference pack, before it is written.
-struct PackScene {
+/// A scene of the benchmark suite, before it is written.
+struct SuiteScene {
   std::string title;
   std::vector<Solid> solids;  ///< as the scene file names them
   std::string text;           ///< the scene file
@@ -34,31 +34,31 @@ struct PackScene {
 /// What one scene of the pack separates from all else.
 struct Aspect {
   std::string_view name, tests;
-  PackScene (*scene)(Draw& draw);
+  SuiteScene (*scene)(Draw& draw);
 };
 
 /// All, as the pack's README lists them.
 std::span<const Aspect> aspects();
 
 // By what they are of; each has one file.
-PackScene range_law_scene(Draw& draw);
-PackScene absorption_scene(Draw& draw);
-PackScene grazing_scene(Draw& draw);
-PackScene even_angles_scene(Draw& draw);
-PackScene even_tangents_scene(Draw& draw);
-PackScene listed_angles_scene(Draw& draw);
-PackScene side_lobes_scene(Draw& draw);
-PackScene near_plane_scene(Draw& draw);
-PackScene thin_wall_scene(Draw& draw);
-PackScene silhouettes_scene(Draw& draw);
-PackScene occlusion_order_scene(Draw& draw);
-PackScene large_flat_scene(Draw& draw);
-PackScene many_small_scene(Draw& draw);
-PackScene terrain_scene(Draw& draw);
-PackScene moving_sonar_scene(Draw& draw);
-PackScene layered_water_scene(Draw& draw);
-PackScene surface_multiple_scene(Draw& draw);
-PackScene two_scatterings_scene(Draw& draw);
-PackScene separate_receivers_scene(Draw& draw);
+SuiteScene range_law_scene(Draw& draw);
+SuiteScene absorption_scene(Draw& draw);
+SuiteScene grazing_scene(Draw& draw);
+SuiteScene even_angles_scene(Draw& draw);
+SuiteScene even_tangents_scene(Draw& draw);
+SuiteScene listed_angles_scene(Draw& draw);
+SuiteScene side_lobes_scene(Draw& draw);
+SuiteScene near_plane_scene(Draw& draw);
+SuiteScene thin_wall_scene(Draw& draw);
+SuiteScene silhouettes_scene(Draw& draw);
+SuiteScene occlusion_order_scene(Draw& draw);
+SuiteScene large_flat_scene(Draw& draw);
+SuiteScene many_small_scene(Draw& draw);
+SuiteScene terrain_scene(Draw& draw);
+SuiteScene moving_sonar_scene(Draw& draw);
+SuiteScene layered_water_scene(Draw& draw);
+SuiteScene surface_multiple_scene(Draw& draw);
+SuiteScene two_scatterings_scene(Draw& draw);
+SuiteScene separate_receivers_scene(Draw& draw);
 
 }  // namespace tubefoot
