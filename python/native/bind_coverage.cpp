@@ -65,7 +65,7 @@ std::shared_ptr<NativeCoverage> compute(NativeScene& scene, const Asked& asked) 
   const ThreadLimit limit(scene.description().run.threads);
   const RunRequest request = request_of(scene.description().run);
   require_able(survey, request, Feature::coverage,
-               asked.sensor ? std::optional(survey.fleet->sensor_named(*asked.sensor)) : std::nullopt);
+               asked.sensor ? std::optional(survey.sensor_set->sensor_named(*asked.sensor)) : std::nullopt);
   const std::vector<ReceivedPing> pings = counted_pings(survey, asked.sensor, asked.pings);
   coverage->pings = names_of(survey, pings);
   coverage->title = coverage_title(survey, asked.sensor, pings.size());
@@ -148,9 +148,9 @@ void bind_coverage(py::module_& module) {
                              })
       .def_property_readonly("facets_of_scene",
                              [](const NativeCoverage& self) {
-                               const Site& site = *self.survey->site;
-                               return site.is_tiled() ? site.numbering().facets()
-                                                      : site.scene.mesh.facets.size();
+                               const LoadedScene& loaded_scene = *self.survey->loaded_scene;
+                               return loaded_scene.is_tiled() ? loaded_scene.numbering().facets()
+                                                              : loaded_scene.scene.mesh.facets.size();
                              })
       .def_property_readonly("by_pings", [](const NativeCoverage& self) { return self.totals.by_pings; })
       .def_property_readonly("component_names", &components)

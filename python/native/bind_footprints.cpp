@@ -28,7 +28,7 @@ NativeFootprints compute(NativeScene& scene, const std::string& sensor, const st
   NativeFootprints footprints{scene.survey(), sensor, {}};
   const Survey& survey = *footprints.survey;
   const ThreadLimit limit(scene.description().run.threads);
-  const std::size_t s = survey.fleet->sensor_named(sensor);
+  const std::size_t s = survey.sensor_set->sensor_named(sensor);
   const Transmissions transmissions(survey, request_of(scene.description().run));
   require_able(survey, transmissions.request(), Feature::footprints, s);
   const SensorPings& all = survey.sensors[s];
@@ -39,7 +39,8 @@ NativeFootprints compute(NativeScene& scene, const std::string& sensor, const st
   for (auto ping = std::size_t(range.first); ping <= std::size_t(range.last); ++ping, ++watch.pings)
     for (std::size_t transmission = 0; transmission < all.sensor->transmissions(); ++transmission)
       footprints.table.append(footprint_table(
-          around.at(survey.fleet->transmissions_of(s), ping).received_by(s, ping, transmission), s, chosen));
+          around.at(survey.sensor_set->transmissions_of(s), ping).received_by(s, ping, transmission), s,
+          chosen));
   return footprints;
 }
 

@@ -96,8 +96,8 @@ std::shared_ptr<NativeResult> compute(SceneDescription description, const RunOpt
   result->provenance = provenance_of(survey.scene, request);
   nlohmann::ordered_json json = statistics_json(survey, request, stats);
   json["threads"] = limit.threads();
-  json["seconds"] = {{"load", survey.site->load_seconds},
-                     {"tree", survey.site->tree_seconds},
+  json["seconds"] = {{"load", survey.loaded_scene->load_seconds},
+                     {"tree", survey.loaded_scene->tree_seconds},
                      {"simulation", seconds_since(simulation_start)},
                      {"visibility_of_all_pings", stats.visibility_seconds},
                      {"echo_of_all_pings", stats.echo_seconds}};

@@ -127,20 +127,20 @@ void bind_scene(py::module_& module) {
            [](NativeScene& s, const std::string& sensor) {
              const py::gil_scoped_release released;
              const auto survey = s.survey();
-             return survey->sensors[survey->fleet->sensor_named(sensor)].times_s.size();
+             return survey->sensors[survey->sensor_set->sensor_named(sensor)].times_s.size();
            })
       .def("shots",
            [](NativeScene& s, const std::string& sensor) {
              const py::gil_scoped_release released;
              const auto survey = s.survey();
-             return survey->sensors[survey->fleet->sensor_named(sensor)].sensor->transmissions();
+             return survey->sensors[survey->sensor_set->sensor_named(sensor)].sensor->transmissions();
            })
       .def("shot", [](NativeScene& s, const std::string& sensor, std::size_t ping, std::size_t transmission) {
         const py::gil_scoped_release released;
         const auto survey = s.survey();
         return std::make_shared<NativeTransmission>(
             *survey, request_of(s.description().run),
-            ReceivedTransmission{survey->fleet->sensor_named(sensor), ping, transmission});
+            ReceivedTransmission{survey->sensor_set->sensor_named(sensor), ping, transmission});
       });
   module.def(
       "read_scene",

@@ -27,8 +27,8 @@ RunRequest checked(const Survey& survey, RunRequest request, const ReceivedTrans
 }
 
 Survey around(const Survey& survey, const RunRequest& request, const ReceivedTransmission& which) {
-  if (!survey.site->is_tiled()) return survey;
-  return survey_around(Transmissions(survey, request), survey.fleet->transmissions_of(which.sensor),
+  if (!survey.loaded_scene->is_tiled()) return survey;
+  return survey_around(Transmissions(survey, request), survey.sensor_set->transmissions_of(which.sensor),
                        which.ping);
 }
 
@@ -42,7 +42,7 @@ NativeTransmission::NativeTransmission(const Survey& survey, const RunRequest& r
       ends_(transmission_, which.sensor) {}
 
 const std::vector<glm::dvec3>& NativeTransmission::vertices_m() const {
-  if (ends_.tx().refined == nullptr) return survey().site->vertices_m();
+  if (ends_.tx().refined == nullptr) return survey().loaded_scene->vertices_m();
   std::call_once(vertices_made_, [this] {
     const auto& vertices = ends_.tx().mesh->vertices;
     vertices_m_.reserve(vertices.size());

@@ -298,7 +298,7 @@ class SwathFiles {
   std::vector<std::unique_ptr<SwathFormat>> formats_;
   std::optional<SoundingGrid> grid_, ideal_grid_;
   /// GDAL is told before each use to keep HDF5 silent, which others must not be in then. Held by who uses
-  /// either, and never while other work of this crew is waited for.
+  /// either, and never while other work of this workers is waited for.
   mutable std::mutex libraries_;
   std::vector<PlacedPing> waiting_;  ///< for the grids to begin
   std::optional<PlacedPing> last_;   ///< the ping before

@@ -118,16 +118,17 @@ TrialScene::TrialScene(const SceneDescription& scene, const Choice& choice,
                        std::optional<double> reference_tolerance)
     : name_(scene_name(scene.file)) {
   const std::unique_ptr<const Survey> survey = open_survey(scene, Facets::merged);
-  const std::shared_ptr<const Site> given =
-      survey->site->facets_given > 0 ? open_survey(scene)->site : nullptr;
+  const std::shared_ptr<const LoadedScene> given =
+      survey->loaded_scene->facets_given > 0 ? open_survey(scene)->loaded_scene : nullptr;
   RunRequest request;
   request.reference_tolerance = reference_tolerance;
   double all = 0;
   for (const TrialPings& chosen : choice(*survey)) {
     weight_.push_back(static_cast<double>(survey->sensors[chosen.sensor].times_s.size()));
     all += weight_.back();
-    const auto pings = std::make_shared<const Fleet>(survey->fleet->some_pings(chosen.sensor, chosen.pings));
-    surveys_.push_back({survey->site, pings});
+    const auto pings =
+        std::make_shared<const SensorSet>(survey->sensor_set->some_pings(chosen.sensor, chosen.pings));
+    surveys_.push_back({survey->loaded_scene, pings});
     if (given) as_given_.push_back({given, pings});
   }
   for (double& w : weight_) w /= all;

@@ -23,7 +23,7 @@ int audit_command(const AuditOptions& options) {
   const ThreadLimit limit(description.run.threads);
   const auto survey = open_survey(description);
   print_warnings(survey->scene.report.warnings, options.quiet);
-  const std::size_t only = options.sensor ? survey->fleet->sensor_named(*options.sensor) : 0;
+  const std::size_t only = options.sensor ? survey->sensor_set->sensor_named(*options.sensor) : 0;
   const Transmissions all(*survey, request_of(description.run));
   require_able(*survey, all.request(), Feature::audit, options.sensor ? std::optional(only) : std::nullopt);
 
@@ -37,9 +37,9 @@ int audit_command(const AuditOptions& options) {
   for (const SharedTransmissions& group : survey->transmissions) {
     if (options.sensor && std::find(group.sensors.begin(), group.sensors.end(), only) == group.sensors.end())
       continue;
-    const PingRange range = resolved(options.pings, survey->fleet->pings(group));
+    const PingRange range = resolved(options.pings, survey->sensor_set->pings(group));
     for (std::int64_t ping = range.first; ping <= range.last; ++ping)
-      for (std::size_t transmission = 0; transmission < survey->fleet->transmissions_per_ping(group);
+      for (std::size_t transmission = 0; transmission < survey->sensor_set->transmissions_per_ping(group);
            ++transmission)
         transmissions.push_back(
             {&group, static_cast<std::size_t>(ping), transmission,

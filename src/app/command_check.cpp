@@ -162,7 +162,7 @@ void probe(const Transmissions& transmissions, const SharedTransmissions& group,
            Probe& sum) {
   const Transmissions around(survey_around(transmissions, group, ping), transmissions.request());
   const auto start = std::chrono::steady_clock::now();
-  for (std::size_t number = 0; number < transmissions.survey().fleet->transmissions_per_ping(group);
+  for (std::size_t number = 0; number < transmissions.survey().sensor_set->transmissions_per_ping(group);
        ++number) {
     const Transmission transmission = around.of(group, ping, number);
     if (const ApparentSurface* apparent = transmission.ground().apparent())
@@ -191,7 +191,7 @@ void print_cost(const Survey& survey, RunRequest request, int threads, bool quie
   std::string told;  // once nothing is drawn any more
   auto measuring = std::make_optional<Progress>("measuring", quiet);
   for (const SharedTransmissions& group : survey.transmissions) {
-    const std::size_t pings = survey.fleet->pings(group), probes = std::min<std::size_t>(pings, 3);
+    const std::size_t pings = survey.sensor_set->pings(group), probes = std::min<std::size_t>(pings, 3);
     Probe sum;
     constexpr double enough_s = 5;  // one ping that takes as long tells enough
     for (std::size_t k = 0; k < probes && sum.seconds < enough_s; ++k)
@@ -269,33 +269,35 @@ int check_command(const CheckOptions& options) {
   print_mesh_names(scene);
   std::size_t refused = 0;
   for (const ComponentReport& c : scene.report.components) refused += c.kept_outside_halfedge;
-  if (survey->site->is_tiled())
+  if (survey->loaded_scene->is_tiled())
     print_tiles(scene);
   else
     tell(
         "\nfacets         {} ({} degenerate, {} duplicate, {} that no half-edge mesh takes; all take part)\n",
         scene.mesh.facets.size(), scene.report.mesh.degenerate_facets, scene.report.mesh.duplicate_facets,
         refused);
-  if (survey->site->relief.cell_m > 0)
+  if (survey->loaded_scene->relief.cell_m > 0)
     tell("relief         {}, cells of {}: {}{} unrefined facets\n", description.refinement.mode,
-         length_text(survey->site->relief.cell_m),
-         survey->site->is_tiled() ? "of tiles, some of "
-                                  : fmt::format("{} facets of ", survey->site->relief.uniform_facets),
-         survey->site->relief.base_facets);
-  if (!survey->site->is_tiled()) tell("vertices       {}\n", scene.mesh.vertices.size());
+         length_text(survey->loaded_scene->relief.cell_m),
+         survey->loaded_scene->is_tiled()
+             ? "of tiles, some of "
+             : fmt::format("{} facets of ", survey->loaded_scene->relief.uniform_facets),
+         survey->loaded_scene->relief.base_facets);
+  if (!survey->loaded_scene->is_tiled()) tell("vertices       {}\n", scene.mesh.vertices.size());
   tell("grid unit      2^-{} m = {}\n", scene.grid.exponent(), length_text(scene.grid.unit_m()));
-  if (!survey->site->is_tiled()) tell("largest snap   {}\n", length_text(scene.report.mesh.largest_snap_m));
+  if (!survey->loaded_scene->is_tiled())
+    tell("largest snap   {}\n", length_text(scene.report.mesh.largest_snap_m));
   if (scene.water->refracts())
     tell("water          refracts: profile \"{}\" of {} points\n", description.water.profile,
          scene.water->profile().points().size());
   else
     tell("water          {:.2f} m/s\n", scene.sound_speed_m_s);
-  if (survey->site->is_tiled())
-    tell("loading        {:.2f} s to look at all tiles once\n\n", survey->site->load_seconds);
+  if (survey->loaded_scene->is_tiled())
+    tell("loading        {:.2f} s to look at all tiles once\n\n", survey->loaded_scene->load_seconds);
   else
-    tell("loading        {:.2f} s, tree {:.2f} s, {:.0f} bytes a facet\n\n", survey->site->load_seconds,
-         survey->site->tree_seconds,
-         (static_cast<double>(survey->site->tree->bytes()) +
+    tell("loading        {:.2f} s, tree {:.2f} s, {:.0f} bytes a facet\n\n",
+         survey->loaded_scene->load_seconds, survey->loaded_scene->tree_seconds,
+         (static_cast<double>(survey->loaded_scene->tree->bytes()) +
           static_cast<double>(scene.mesh.vertices.size() * sizeof(GridPoint)) +
           static_cast<double>(scene.mesh.facets.size() * (sizeof(scene.mesh.facets[0]) + 4))) /
              static_cast<double>(scene.mesh.facets.size()));

@@ -51,8 +51,9 @@ int coverage_command(const CoverageOptions& options) {
   const Scene& scene = survey->scene;
   print_warnings(scene.report.warnings, options.quiet);
   const RunRequest request = request_of(description.run);
-  require_able(*survey, request, Feature::coverage,
-               options.sensor ? std::optional(survey->fleet->sensor_named(*options.sensor)) : std::nullopt);
+  require_able(
+      *survey, request, Feature::coverage,
+      options.sensor ? std::optional(survey->sensor_set->sensor_named(*options.sensor)) : std::nullopt);
 
   const std::vector<ReceivedPing> pings = counted_pings(*survey, options.sensor, options.pings);
   output.begin(*survey, names_of(*survey, pings));
@@ -62,7 +63,9 @@ int coverage_command(const CoverageOptions& options) {
     output.add(facet);
   });
   output.finish(coverage_title(*survey, options.sensor, pings.size()));
-  print(totals, survey->site->is_tiled() ? survey->site->numbering().facets() : scene.mesh.facets.size(),
+  print(totals,
+        survey->loaded_scene->is_tiled() ? survey->loaded_scene->numbering().facets()
+                                         : scene.mesh.facets.size(),
         pings.size());
   tell("wrote {}\n", options.output.string());
   return 0;

@@ -51,7 +51,8 @@ class Files {
 
   /// Footprints written; without columns, pieces.
   std::size_t add(std::size_t ping, std::size_t number, std::span<const std::uint32_t> beams) {
-    const Transmissions& around = around_.at(transmissions_.survey().fleet->transmissions_of(sensor_), ping);
+    const Transmissions& around =
+        around_.at(transmissions_.survey().sensor_set->transmissions_of(sensor_), ping);
     const Transmission transmission = around.received_by(sensor_, ping, number);
     const std::size_t pieces = exact_ ? exact_->add(transmission, beams) : 0;
     if (!columns_) return pieces;
@@ -89,7 +90,7 @@ int footprints_command(const FootprintOptions& options) {
   Places places(options, inputs_of(description));
   const ThreadLimit limit(description.run.threads);
   const auto survey = open_survey(description);
-  const std::size_t index = survey->fleet->sensor_named(options.sensor);
+  const std::size_t index = survey->sensor_set->sensor_named(options.sensor);
   const Transmissions transmissions(*survey, request_of(description.run));
   require_able(*survey, transmissions.request(), Feature::footprints, index);
   print_warnings(survey->scene.report.warnings, options.quiet);

@@ -47,7 +47,7 @@ int join_command(const JoinOptions& join) {
   const std::vector<Recording> recordings = looked_back(run, *survey, store);
   const std::vector<std::filesystem::path> files = write_all(run, *survey, recordings, left_out, output);
   if (!join.keep_parts) parts.remove();
-  tell_all(run, *survey->site, files);
+  tell_all(run, *survey->loaded_scene, files);
   return 0;
 }
 

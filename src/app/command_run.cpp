@@ -155,7 +155,7 @@ int run_command(const RunOptions& options) {
   std::vector<std::filesystem::path> files;
   partial.keep_through([&] { files = write_all(run, *survey, recordings, left_out, output); });
   partial.remove();
-  tell_all(run, *survey->site, files);
+  tell_all(run, *survey->loaded_scene, files);
   return 0;
 }
 

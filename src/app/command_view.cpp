@@ -215,7 +215,7 @@ int view_command(const ViewOptions& options) {
   const auto survey = open_survey(description);
   print_warnings(survey->scene.report.warnings, options.quiet);
   const std::optional<std::string> name = options.sensor || !record ? options.sensor : record->sensor;
-  const std::size_t sensor = name ? survey->fleet->sensor_named(*name) : 0;
+  const std::size_t sensor = name ? survey->sensor_set->sensor_named(*name) : 0;
   std::optional<PingRange> range;
   if (options.pings) {
     range = resolved(*options.pings, survey->sensors[sensor].times_s.size());

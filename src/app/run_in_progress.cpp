@@ -51,24 +51,25 @@ void print_tolerance(const nlohmann::ordered_json& advice) {
        advice.at("error_text").get<std::string>());
 }
 
-void print_relief(const Site& site, const SimulationStats& stats) {
-  if (site.refines_tiles())
-    tell("relief: tiles refined once for each region of pings, in cells of {:g} m\n", site.relief.cell_m);
-  else if (site.is_tiled())
+void print_relief(const LoadedScene& loaded_scene, const SimulationStats& stats) {
+  if (loaded_scene.refines_tiles())
+    tell("relief: tiles refined once for each region of pings, in cells of {:g} m\n",
+         loaded_scene.relief.cell_m);
+  else if (loaded_scene.is_tiled())
     tell("relief: {} facets made for {} pings\n", stats.refined_facets, stats.pings);
-  else if (site.ground)
+  else if (loaded_scene.ground)
     tell("relief: {} facets made for {} pings; {} in cells of {:g} m over all of it\n", stats.refined_facets,
-         stats.pings, site.relief.uniform_facets, site.relief.cell_m);
+         stats.pings, loaded_scene.relief.uniform_facets, loaded_scene.relief.cell_m);
   else
-    tell("relief: {} facets, made once, in cells of {:g} m\n", site.scene.mesh.facets.size(),
-         site.relief.cell_m);
+    tell("relief: {} facets, made once, in cells of {:g} m\n", loaded_scene.scene.mesh.facets.size(),
+         loaded_scene.relief.cell_m);
   tell(
       "finer relief would change a facet's energy by {:.2g} times itself (RMS), by {:.2g} times at most "
       "(first-order estimates for the worst ping, not certified)\n",
       stats.finer_relief_rms, stats.finer_relief_largest);
 }
 
-void print_coarsening(const SiteCoarsening& coarse) {
+void print_coarsening(const SceneCoarsening& coarse) {
   tell(
       "coarsened: {} facets for {}; no point moved by more than {:.3g} mm, {:.3g} of what the sonars tell "
       "apart "
@@ -86,8 +87,8 @@ nlohmann::ordered_json whole_statistics(const RunInProgress& run, const Survey& 
   if (run.ranks) json["ranks"] = *run.ranks;
   if (run.parts) json["parts"] = *run.parts;
   if (run.kept_pings > 0) json["pings_kept_from_before"] = run.kept_pings;
-  json["seconds"] = {{"load", survey.site->load_seconds},
-                     {"tree", survey.site->tree_seconds},
+  json["seconds"] = {{"load", survey.loaded_scene->load_seconds},
+                     {"tree", survey.loaded_scene->tree_seconds},
                      {"simulation", run.simulation_seconds},
                      {"visibility_of_all_pings", run.stats.visibility_seconds},
                      {"echo_of_all_pings", run.stats.echo_seconds},
@@ -185,17 +186,18 @@ std::vector<std::filesystem::path> write_all(RunInProgress& run, const Survey& s
   return files;
 }
 
-void tell_all(const RunInProgress& run, const Site& site, const std::vector<std::filesystem::path>& files) {
+void tell_all(const RunInProgress& run, const LoadedScene& loaded_scene,
+              const std::vector<std::filesystem::path>& files) {
   const SimulationStats& stats = run.stats;
   const bool exact = run.request.engine == Engine::tube;
   if (!run.options.quiet)
     tell("{} pings, {} tubes, {} {} in {:.1f} s\nsimulation {:.1f} s{}, writing {:.1f} s\n", stats.pings,
          stats.tubes, exact ? stats.footprints : stats.hits, exact ? "footprints" : "ray hits",
          seconds_since(run.start), run.simulation_seconds, pace(run), run.write_seconds);
-  if (!run.options.quiet && site.coarsening) print_coarsening(*site.coarsening);
-  if (!run.options.quiet && site.relief.cell_m > 0) print_relief(site, stats);
+  if (!run.options.quiet && loaded_scene.coarsening) print_coarsening(*loaded_scene.coarsening);
+  if (!run.options.quiet && loaded_scene.relief.cell_m > 0) print_relief(loaded_scene, stats);
   if (run.request.reference_tolerance)
-    print_reference(*run.request.reference_tolerance, stats.reference, site.ground != nullptr);
+    print_reference(*run.request.reference_tolerance, stats.reference, loaded_scene.ground != nullptr);
   if (run.identity.contains("advice")) print_tolerance(run.identity.at("advice"));
   for (const std::string& line : written_lines(run.options.output, files)) tell("{}\n", line);
 }

@@ -56,7 +56,8 @@ std::vector<std::filesystem::path> write_all(RunInProgress& run, const Survey& s
                                              const std::vector<std::string>& foreseen, OutputFolder& output);
 
 /// What a run says at its end.
-void tell_all(const RunInProgress& run, const Site& site, const std::vector<std::filesystem::path>& files);
+void tell_all(const RunInProgress& run, const LoadedScene& loaded_scene,
+              const std::vector<std::filesystem::path>& files);
 
 double seconds_since(std::chrono::steady_clock::time_point start);
 

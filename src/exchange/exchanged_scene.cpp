@@ -88,7 +88,7 @@ void note_materials(const Survey& survey, std::vector<std::string>& out) {
     const auto add = [&](const std::string& what) { words += (words.empty() ? "" : ", ") + what; };
     if (material.law != "lambert") add(fmt::format("its scattering law '{}'", material.law));
     if (!material.reflectivity.empty()) add("its texture of reflectivity");
-    if (!material.relief.empty() && survey.site->relief.parent.empty())
+    if (!material.relief.empty() && survey.loaded_scene->relief.parent.empty())
       add("its relief, which is no facets ('tubefoot refine' and mode = \"offline\" make facets of it)");
     if (material.specular_loss_db) add("that it mirrors");
     if (material.smooth) add("that it is smooth");
@@ -160,7 +160,7 @@ ExchangedScene exchanged_scene(const Survey& survey, const std::optional<std::st
                                std::size_t ping) {
   std::vector<std::size_t> chosen;
   if (sensor)
-    chosen.push_back(survey.fleet->sensor_named(*sensor));
+    chosen.push_back(survey.sensor_set->sensor_named(*sensor));
   else
     for (std::size_t k = 0; k < survey.sensors.size(); ++k) chosen.push_back(k);
   for (const std::size_t k : chosen)

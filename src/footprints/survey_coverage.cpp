@@ -69,10 +69,10 @@ CoveredFacet measured(const Survey& survey, const Coverage& overlay, std::span<c
   for (auto& [key, cells] : shadows) {
     const auto [ping, in_sector, occluder] = key;
     const bool clear = occluder != no_facet;
-    facet.shadows.push_back({in_sector, ping, clear ? survey.site->number_of(occluder) : no_facet,
+    facet.shadows.push_back({in_sector, ping, clear ? survey.loaded_scene->number_of(occluder) : no_facet,
                              clear ? scene.mesh.component[occluder] : std::uint16_t{0}, std::move(cells)});
   }
-  facet.coverage.facet = survey.site->number_of(id);  // by the mesh's until here
+  facet.coverage.facet = survey.loaded_scene->number_of(id);  // by the mesh's until here
   return facet;
 }
 
@@ -81,7 +81,7 @@ void cover_block(const Transmissions& transmissions, const FacetBlock& block,
                  const std::vector<CoverageLook>& looks, bool quiet,
                  const std::function<void(const CoveredFacet&)>& add) {
   const Survey& survey = transmissions.survey();
-  const Coverage coverage(survey.scene.mesh, *survey.site->tree, looks);
+  const Coverage coverage(survey.scene.mesh, *survey.loaded_scene->tree, looks);
   // A batch at a time: facets are independent of each other, files want them in their order.
   constexpr std::size_t batch = 2048;
   Progress progress("facets", coverage.facets(), quiet);
@@ -91,7 +91,7 @@ void cover_block(const Transmissions& transmissions, const FacetBlock& block,
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
       stop_if_wanted();
       progress.step();
-      const FacetId number = survey.site->number_of(coverage.facet_of(first + k));
+      const FacetId number = survey.loaded_scene->number_of(coverage.facet_of(first + k));
       if (number < block.first || number >= block.end) return;  // another block has all that see it
       FacetCoverage covered = coverage.facet(first + k);
       if (!covered.closes)
@@ -114,7 +114,7 @@ std::vector<ReceivedPing> counted_pings(const Survey& survey, const std::optiona
                                         const std::string& pings) {
   std::vector<ReceivedPing> counted;
   for (std::size_t s = 0; s < survey.sensors.size(); ++s) {
-    if (sensor && survey.fleet->sensor_named(*sensor) != s) continue;
+    if (sensor && survey.sensor_set->sensor_named(*sensor) != s) continue;
     const PingRange range = resolved(pings, survey.sensors[s].times_s.size());
     for (auto ping = static_cast<std::size_t>(range.first); ping <= static_cast<std::size_t>(range.last);
          ++ping)
@@ -134,8 +134,8 @@ void cover(const Survey& survey, const RunRequest& request, std::span<const Rece
            const std::function<void(const CoveredFacet&)>& add) {
   const Transmissions transmissions(survey, request);
   for (const FacetBlock& block : facet_blocks(transmissions, pings)) {
-    const Transmissions around(survey.site->is_tiled() ? survey_with_tiles(survey, block.tiles) : survey,
-                               request);
+    const Transmissions around(
+        survey.loaded_scene->is_tiled() ? survey_with_tiles(survey, block.tiles) : survey, request);
     cover_block(around, block, look(around, pings, block.pings, quiet), quiet, add);
   }
 }

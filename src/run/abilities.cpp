@@ -173,10 +173,11 @@ std::vector<Found> found_in(const Survey& survey, std::optional<std::size_t> onl
          fmt::format("material '{}' mirrors where it is not level", d.materials[*material].name)});
   if (d.paths.scatterings > 1)
     found.push_back({scatterings, d.paths.place, "[paths] asks for several scatterings"});
-  if (survey.site->is_tiled()) found.push_back({tiles, d.terrains.front().place, "terrain is read by tiles"});
-  if (survey.site->relief.cell_m > 0)
+  if (survey.loaded_scene->is_tiled())
+    found.push_back({tiles, d.terrains.front().place, "terrain is read by tiles"});
+  if (survey.loaded_scene->relief.cell_m > 0)
     found.push_back({relief, d.refinement.place, "[relief] refines facets"});
-  if (survey.site->ground)
+  if (survey.loaded_scene->ground)
     found.push_back({relief_each_transmission, d.refinement.place, "[relief] is refined anew for each shot"});
   const auto add_material = [&](Feature feature, const auto& list, const char* what) {
     const auto with = std::ranges::find_if(list, [](const auto& one) { return one != nullptr; });

@@ -118,8 +118,8 @@ bool share_a_corner(const std::array<VertexId, 3>& a, const std::array<VertexId,
 
 /// No farther than half the way to facets of another component or material that share no corner: nothing then
 /// comes through what it lay behind.
-void keep_apart(const Site& site, std::vector<double>& most_move) {
-  const FacetMesh& mesh = site.scene.mesh;
+void keep_apart(const LoadedScene& loaded_scene, std::vector<double>& most_move) {
+  const FacetMesh& mesh = loaded_scene.scene.mesh;
   const auto is_another = [&](FacetId a, FacetId b) {
     return mesh.component[a] != mesh.component[b] ||
            (mesh.material[a] != mesh.material[b] && !share_a_corner(mesh.facets[a], mesh.facets[b]));
@@ -137,7 +137,7 @@ void keep_apart(const Site& site, std::vector<double>& most_move) {
     if (wanted[f] == 0) return;
     const Box box = box_of(mesh, facet);
     std::vector<FacetId> near;
-    site.tree->query(
+    loaded_scene.tree->query(
         [&](const GridPoint& lo, const GridPoint& hi) {
           return gap(box, {lo, hi}) < 2 * wanted[f];
         },
@@ -149,10 +149,10 @@ void keep_apart(const Site& site, std::vector<double>& most_move) {
 
 }  // namespace
 
-std::vector<double> told_apart(const Site& site, const Fleet& fleet) {
-  const FacetMesh& mesh = site.scene.mesh;
+std::vector<double> told_apart(const LoadedScene& loaded_scene, const SensorSet& sensor_set) {
+  const FacetMesh& mesh = loaded_scene.scene.mesh;
   std::vector<Looks> all;
-  for (const SensorPings& pings : fleet.sensors) all.push_back(looks_of(pings, site.scene.grid));
+  for (const SensorPings& pings : sensor_set.sensors) all.push_back(looks_of(pings, loaded_scene.scene.grid));
   std::vector<double> least(mesh.facets.size());
   tbb::parallel_for(std::size_t{0}, mesh.facets.size(), [&](std::size_t f) {
     stop_if_wanted();
@@ -167,22 +167,23 @@ std::vector<double> told_apart(const Site& site, const Fleet& fleet) {
   return least;
 }
 
-void coarsen(Site& site, const Fleet& fleet, double tolerance) {
+void coarsen(LoadedScene& loaded_scene, const SensorSet& sensor_set, double tolerance) {
   const auto start = std::chrono::steady_clock::now();
   constexpr double taken_a_facet = 250;
-  require_memory(taken_a_facet * static_cast<double>(site.scene.mesh.facets.size()),
-                 site.scene.description.run.place,
-                 fmt::format("coarsening {} facets", site.scene.mesh.facets.size()), "leave out --coarsen");
-  std::vector<double> most_move = told_apart(site, fleet);
+  require_memory(taken_a_facet * static_cast<double>(loaded_scene.scene.mesh.facets.size()),
+                 loaded_scene.scene.description.run.place,
+                 fmt::format("coarsening {} facets", loaded_scene.scene.mesh.facets.size()),
+                 "leave out --coarsen");
+  std::vector<double> most_move = told_apart(loaded_scene, sensor_set);
   for (double& move : most_move) move *= tolerance;
-  keep_apart(site, most_move);
-  CoarseMesh coarse = coarsened(site.scene.mesh, most_move, std::sqrt(tolerance));
-  SiteCoarsening& told = site.coarsening.emplace();
+  keep_apart(loaded_scene, most_move);
+  CoarseMesh coarse = coarsened(loaded_scene.scene.mesh, most_move, std::sqrt(tolerance));
+  SceneCoarsening& told = loaded_scene.coarsening.emplace();
   told.tolerance = tolerance;
-  told.facets_before = site.scene.mesh.facets.size();
+  told.facets_before = loaded_scene.scene.mesh.facets.size();
   told.facets = coarse.mesh.facets.size();
   told.largest_move_m =
-      coarse.move.empty() ? 0 : *std::ranges::max_element(coarse.move) * site.scene.grid.unit_m();
+      coarse.move.empty() ? 0 : *std::ranges::max_element(coarse.move) * loaded_scene.scene.grid.unit_m();
   told.largest_share = tolerance * coarse.largest_share;
   double area = 0;
   for (std::size_t f = 0; f < coarse.mesh.facets.size(); ++f) {
@@ -196,8 +197,8 @@ void coarsen(Site& site, const Fleet& fleet, double tolerance) {
   }
   told.rms_turn_rad = area > 0 ? std::sqrt(told.rms_turn_rad / area) : 0;
   if (told.facets < told.facets_before) {
-    site.scene.mesh = std::move(coarse.mesh);
-    site.tree = std::make_unique<SceneTree>(site.scene.mesh);
+    loaded_scene.scene.mesh = std::move(coarse.mesh);
+    loaded_scene.tree = std::make_unique<SceneTree>(loaded_scene.scene.mesh);
   }
   told.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }

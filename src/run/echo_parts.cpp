@@ -34,14 +34,14 @@ void add_refracted_pair_reference(const Transmission& transmission, PingSums& su
   counts.refraction.at_limit += found.at_limit;
   for (const ApparentSurface* ground : {&found.pair.apparent.transmit, &found.pair.apparent.receive})
     add_counts(counts.refraction, *ground, transmission);
-  if (transmission.site().ground) counts.refined_facets += found.facets();
+  if (transmission.loaded_scene().ground) counts.refined_facets += found.facets();
   sums.add_finer_relief(transmission, found.history, found.pair.apparent.mesh,
                         transmission.sample_length_m());
   counts.tubes += found.history.transmit.tubes.size() + found.history.receive.tubes.size();
   counts.footprints += found.history.shared.facets.size();
   counts.pieces += found.history.shared.pieces.size();
   sums.add(transmission, transmission.first(), found.sensors.front().certified);
-  add_labels(transmission, transmission.first(), TransmissionGround(transmission.site()),
+  add_labels(transmission, transmission.first(), TransmissionGround(transmission.loaded_scene()),
              found.pair.apparent.mesh, found.history, sums);
 }
 
@@ -52,7 +52,7 @@ void add_refracted_reference(const Transmission& transmission, PingSums& sums) {
   PingCounts& counts = sums.counts;
   counts.refraction.at_limit += found.at_limit;
   add_counts(counts.refraction, *found.ground.apparent(), transmission);
-  if (transmission.site().ground) counts.refined_facets += found.ground.mesh().facets.size();
+  if (transmission.loaded_scene().ground) counts.refined_facets += found.ground.mesh().facets.size();
   sums.add_finer_relief(transmission, found.history, found.ground.mesh(), transmission.sample_length_m());
   counts.candidates += found.candidates;
   counts.tubes += found.history.tubes.tubes.size();
@@ -77,7 +77,7 @@ void add_refracted_receiver_pair_reference(const Transmission& transmission, Pin
       counts.refraction.at_limit += found.at_limit;
       for (const ApparentSurface& ground : found.apparent.seen)
         add_counts(counts.refraction, ground, transmission);
-      if (transmission.site().ground) counts.refined_facets += found.facets();
+      if (transmission.loaded_scene().ground) counts.refined_facets += found.facets();
       sums.add_finer_relief(transmission, found.history, found.apparent.bed.mesh,
                             transmission.sensor(s).samples().step_m);
       counts.tubes += 3 * found.history.transmit.tubes.size();
@@ -96,7 +96,7 @@ void add_both(const Transmission& transmission, const BistaticHistory& history, 
   sums.as_echo([&] {
     const std::size_t s = transmission.first();
     sums.add_finer_relief(transmission, history, mesh, transmission.sensor(s).samples().step_m);
-    SensorLaw law(transmission, TransmissionGround(transmission.site()), s);
+    SensorLaw law(transmission, TransmissionGround(transmission.loaded_scene()), s);
     law.law.material = mesh.material;
     const Echo echo = transmission.echo(history, s, law.law);
     if (const auto tolerance = transmission.request().reference_tolerance) {
@@ -119,7 +119,7 @@ void add_both(const Transmission& transmission, const BistaticHistory& history, 
 void count_ground(const Transmission& transmission, PingSums& sums) {
   const TransmissionGround& ground = transmission.ground();
   if (ground.apparent() != nullptr) add_counts(sums.counts.refraction, *ground.apparent(), transmission);
-  if (transmission.site().ground) sums.counts.refined_facets += ground.mesh().facets.size();
+  if (transmission.loaded_scene().ground) sums.counts.refined_facets += ground.mesh().facets.size();
 }
 
 void add_separate_receiver(const Transmission& transmission, PingSums& sums) {
@@ -174,14 +174,14 @@ void add_refracted_separate_receiver(const Transmission& transmission, PingSums&
   ApparentMapCounts& counts = sums.counts.refraction;
   for (const ApparentSurface* ground : {&pair.apparent.transmit, &pair.apparent.receive})
     add_counts(counts, *ground, transmission);
-  if (transmission.site().ground) sums.counts.refined_facets += mesh.facets.size();
+  if (transmission.loaded_scene().ground) sums.counts.refined_facets += mesh.facets.size();
   const auto keep_misfit = [&](const std::vector<BistaticFacet>& facets) {
     for (const BistaticFacet& facet : facets)
       counts.largest_gap_m = std::max(counts.largest_gap_m, facet.misfit_m);
   };
   const std::size_t s = transmission.first();
   if (transmission.sensor(s).has_receiver_pair()) {
-    SensorLaw law(transmission, TransmissionGround(transmission.site()), s);
+    SensorLaw law(transmission, TransmissionGround(transmission.loaded_scene()), s);
     law.patterns.baselines = refracted_receiver_baselines(transmission, pair);
     return add_receiver_pair(
         transmission, s, law, mesh, sums, [&](std::uint32_t fan, const ReceiverBaseline& receiver_pair) {
@@ -277,7 +277,7 @@ void add_mixed_eigenrays(const Transmission& transmission, PingSums& sums) {
   const auto take = [&](const BistaticHistory& history) {
     for (const std::size_t s : transmission.group().sensors) {
       if (transmission.sensor(s).has_receiver_pair()) continue;
-      SensorLaw law(transmission, TransmissionGround(transmission.site()), s);
+      SensorLaw law(transmission, TransmissionGround(transmission.loaded_scene()), s);
       law.law.material = ground.part_material;
       sums.add(transmission, s, 1, transmission.echo(history, s, law.law).energy);
       add_labels_of_mixed_eigenrays(transmission, s, law.law, ground, history, sums);
@@ -371,7 +371,7 @@ constexpr auto table = std::to_array<Row>({
 
 const History& traced(const Transmission& transmission, PingSums& sums) {
   std::vector<bool> wanted = wanted_tubes(transmission, sums);
-  const bool same = sums.seen && !transmission.site().has_ground_per_transmission() &&
+  const bool same = sums.seen && !transmission.loaded_scene().has_ground_per_transmission() &&
                     sums.seen->wanted == wanted && sums.seen->history.tubes == transmission.tubes();
   if (!same) {
     sums.seen.reset();

@@ -72,21 +72,21 @@ class Growing {
 std::vector<FacetBlock> facet_blocks(const Transmissions& transmissions,
                                      std::span<const ReceivedPing> pings) {
   const Survey& survey = transmissions.survey();
-  if (!survey.site->is_tiled()) {
+  if (!survey.loaded_scene->is_tiled()) {
     FacetBlock all;
     all.pings.resize(pings.size());
     std::iota(all.pings.begin(), all.pings.end(), std::size_t{0});
     return {all};
   }
   const Scene& scene = survey.scene;
-  const TilesInView view(*survey.site);
+  const TilesInView view(*survey.loaded_scene);
   std::vector<std::size_t> first_unit;
   std::vector<Unit> units = units_of(scene, first_unit);
   std::vector<TileChoice> choices(pings.size());
   std::vector<std::vector<std::size_t>> met(pings.size());
   tbb::parallel_for(std::size_t{0}, pings.size(), [&](std::size_t p) {
     stop_if_wanted();
-    const SharedTransmissions& group = survey.fleet->transmissions_of(pings[p].sensor);
+    const SharedTransmissions& group = survey.sensor_set->transmissions_of(pings[p].sensor);
     choices[p] = view.of(transmissions, group, pings[p].ping);
     for (std::size_t i = 0; i < choices[p].size(); ++i)
       for (const std::uint32_t tile : choices[p][i])
@@ -101,8 +101,8 @@ std::vector<FacetBlock> facet_blocks(const Transmissions& transmissions,
 
   const auto most_facets =
       static_cast<std::uint64_t>(scene.description.run.terrain_cache_mb * 1e6 / bytes_a_facet /
-                                 static_cast<double>(survey.site->relief.parts_a_facet));
-  const FacetNumbering& numbering = survey.site->numbering();
+                                 static_cast<double>(survey.loaded_scene->relief.parts_a_facet));
+  const FacetNumbering& numbering = survey.loaded_scene->numbering();
   std::vector<FacetBlock> blocks;
   std::optional<Growing> growing;
   for (const Unit& unit : units) {

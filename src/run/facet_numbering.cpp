@@ -9,7 +9,7 @@
 
 #include "geometry/steps/stop.hpp"
 #include "geometry/tubes/mirror.hpp"
-#include "run/site.hpp"
+#include "run/loaded_scene.hpp"
 #include "run/transmission_ground.hpp"
 #include "scene/beds/material_map.hpp"
 
@@ -31,8 +31,9 @@ PieceCount::Left PieceCount::of(std::uint64_t number) const {
   return {1, run.before + (run.end - run.first) * run.pieces + (number - run.end)};
 }
 
-FacetNumbering::FacetNumbering(const Site& site) : scene_(site.scene), left_(scene_.tiled.size()) {
-  const bool is_cut = site.is_cut && !site.refines_tiles();  // that comes after relief
+FacetNumbering::FacetNumbering(const LoadedScene& loaded_scene)
+    : scene_(loaded_scene.scene), left_(scene_.tiled.size()) {
+  const bool is_cut = loaded_scene.is_cut && !loaded_scene.refines_tiles();  // that comes after relief
   std::vector<std::uint64_t> in_mesh(scene_.tiled.size());
   for (const std::uint16_t component : scene_.mesh.component) ++in_mesh[component];
   std::uint64_t sum = 0;
@@ -54,8 +55,8 @@ void FacetNumbering::require_numbers(std::uint64_t facets) const {
                                  facets));
 }
 
-FacetNumbering::FacetNumbering(const Site& site, const FacetNumbering& base)
-    : scene_(site.scene), left_(base.left_), first_(base.first_), is_refined_(true) {
+FacetNumbering::FacetNumbering(const LoadedScene& loaded_scene, const FacetNumbering& base)
+    : scene_(loaded_scene.scene), left_(base.left_), first_(base.first_), is_refined_(true) {
   constexpr std::size_t tiles_at_once = 8;
   for (std::size_t i = 0; i < scene_.tiled.size(); ++i) {
     const TerrainTiles* tiles = scene_.tiled[i].tiles.get();
@@ -75,7 +76,7 @@ FacetNumbering::FacetNumbering(const Site& site, const FacetNumbering& base)
             around[i].push_back(tile);
             if (r == row && c >= column && c < column + tiles_at_once) chosen[i].push_back(tile);
           }
-        if (!tiles || !chosen[i].empty()) count_refined(site, i, chosen, around, first, pieces);
+        if (!tiles || !chosen[i].empty()) count_refined(loaded_scene, i, chosen, around, first, pieces);
       }
       for (std::size_t k = 0; k < pieces.size(); ++k) refined_.add(first + k, pieces[k]);
       require_numbers(refined_.of(first + pieces.size()).before);
@@ -83,8 +84,8 @@ FacetNumbering::FacetNumbering(const Site& site, const FacetNumbering& base)
   }
 }
 
-void FacetNumbering::count_refined(const Site& site, std::size_t component, const TileChoice& tiles,
-                                   const TileChoice& around, FacetId first,
+void FacetNumbering::count_refined(const LoadedScene& loaded_scene, std::size_t component,
+                                   const TileChoice& tiles, const TileChoice& around, FacetId first,
                                    std::span<std::uint64_t> pieces) const {
   const Scene part = with_tiles(scene_, around);
   const std::vector<FacetId> numbers = of(around), wanted = of(tiles);  // before relief, as yet
@@ -95,8 +96,8 @@ void FacetNumbering::count_refined(const Site& site, std::size_t component, cons
     names.push_back(numbers[f]);
   }
   if (facets.empty()) return;
-  RefinedMesh bed = refined_part(site, part, facets, names);
-  if (site.is_cut) cut_at_surface(part, bed.mesh, bed.parent);
+  RefinedMesh bed = refined_part(loaded_scene, part, facets, names);
+  if (loaded_scene.is_cut) cut_at_surface(part, bed.mesh, bed.parent);
   for (const FacetId name : names) pieces[name - first] = 0;
   for (const FacetId facet : bed.parent) ++pieces[numbers[facet] - first];
 }

@@ -10,7 +10,7 @@
 
 namespace tubefoot {
 
-struct Site;
+struct LoadedScene;
 
 /// Things in a row, each of which is left in some number of pieces.
 class PieceCount {
@@ -37,11 +37,12 @@ class FacetNumbering {
   /// Of a tiled site, which outlives this; where relief is refined with the tiles, of its facets before that.
   /// Tiles that a material map or the sea surface may cut are read, to count what they leave. Throws
   /// InputError where one cannot be read, and for more facets than have numbers.
-  explicit FacetNumbering(const Site& site);
+  explicit FacetNumbering(const LoadedScene& loaded_scene);
   /// Of what relief makes of those facets: all of them are refined once, some tiles at a time, and counted.
-  FacetNumbering(const Site& site, const FacetNumbering& base);
+  FacetNumbering(const LoadedScene& loaded_scene, const FacetNumbering& base);
 
-  /// By facet of a site that has these tiles; `parent`: with relief, of which facet before that each is part.
+  /// By facet of a loaded scene that has these tiles; `parent`: with relief, of which facet before that each
+  /// is part.
   std::vector<FacetId> of(const TileChoice& choice, std::span<const FacetId> parent = {}) const;
   /// Of the first facet of a row of tiles; of components that are not tiled, 0 is the first and only row. One
   /// row further on it is where the next component begins.
@@ -54,7 +55,7 @@ class FacetNumbering {
   std::vector<std::uint64_t> pieces_of(std::size_t component, std::span<const std::uint32_t> tiles,
                                        bool cut_by_surface) const;
   /// Of facets before relief, by their numbers from `first` on: those of a component in some tiles.
-  void count_refined(const Site& site, std::size_t component, const TileChoice& tiles,
+  void count_refined(const LoadedScene& loaded_scene, std::size_t component, const TileChoice& tiles,
                      const TileChoice& around, FacetId first, std::span<std::uint64_t> pieces) const;
   void require_numbers(std::uint64_t facets) const;
   FacetId first_before_relief(std::size_t component, std::size_t row) const;

@@ -73,7 +73,7 @@ void add_labels_of_receiver_pair(const Transmission& transmission, std::size_t s
 void add_labels_of_receiver_pair(const Transmission& transmission, std::size_t s, std::uint32_t fan,
                                  const FacetMesh& mesh, const BistaticHistory& history, PingSums& sums) {
   if (transmission.labels() == nullptr) return;
-  const SensorLaw law(transmission, TransmissionGround(transmission.site()), s);
+  const SensorLaw law(transmission, TransmissionGround(transmission.loaded_scene()), s);
   const std::size_t tubes = history.receive.tubes.size();
   const BeamPatterns patterns = patterns_of_fan(law.patterns, fan, tubes);
   EchoLaw own = law.law;

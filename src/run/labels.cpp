@@ -63,13 +63,13 @@ bool is_uniform(const BeamPatterns& patterns) {
 }
 
 const Scene& whole_scene(const Survey& survey) {
-  return survey.site->whole ? survey.site->whole->scene : survey.scene;
+  return survey.loaded_scene->whole ? survey.loaded_scene->whole->scene : survey.scene;
 }
 
 }  // namespace
 
 LabelChannels::LabelChannels(const Survey& survey, const RunRequest& request)
-    : site_mesh_(&survey.scene.mesh) {
+    : scene_mesh_(&survey.scene.mesh) {
   const Scene& scene = whole_scene(survey);
   const std::size_t materials = scene.description.materials.size();
   number_.assign(scene.report.components.size(), std::vector<std::int32_t>(materials, -1));
@@ -108,15 +108,15 @@ std::vector<std::uint16_t> LabelChannels::owners_of(const FacetMesh& mesh) const
   return owners;
 }
 
-std::span<const std::uint16_t> LabelChannels::owners_of_site() const {
-  std::call_once(site_owned_, [&] { owners_of_site_ = owners_of(*site_mesh_); });
-  return owners_of_site_;
+std::span<const std::uint16_t> LabelChannels::owners_of_loaded_scene() const {
+  std::call_once(loaded_scene_owned_, [&] { owners_of_loaded_scene_ = owners_of(*scene_mesh_); });
+  return owners_of_loaded_scene_;
 }
 
-const FacetMesh& LabelChannels::owned_site_mesh() const {
+const FacetMesh& LabelChannels::owned_scene_mesh() const {
   std::call_once(mesh_owned_, [&] {
-    owned_ = *site_mesh_;
-    const std::span<const std::uint16_t> owners = owners_of_site();
+    owned_ = *scene_mesh_;
+    const std::span<const std::uint16_t> owners = owners_of_loaded_scene();
     owned_.material.assign(owners.begin(), owners.end());
   });
   return owned_;
@@ -125,8 +125,8 @@ const FacetMesh& LabelChannels::owned_site_mesh() const {
 LabelLaws::LabelLaws(const Transmission& transmission, std::size_t sensor, const EchoLaw& law,
                      const FacetMesh& mesh)
     : transmission_(transmission), labels_(*transmission.labels()), sensor_(sensor), law_(law) {
-  if (&mesh == &labels_.site_mesh()) {
-    owners_ = labels_.owners_of_site();
+  if (&mesh == &labels_.scene_mesh()) {
+    owners_ = labels_.owners_of_loaded_scene();
   } else {
     own_ = labels_.owners_of(mesh);
     owners_ = own_;
@@ -240,8 +240,8 @@ void LabelLaws::add(PingSums& sums, const EchoBy& echo_by) const {
 
 OwnedBed::OwnedBed(const Transmission& transmission, const FacetMesh& mesh) {
   const LabelChannels& labels = *transmission.labels();
-  if (&mesh == &labels.site_mesh()) {
-    site = &labels.owned_site_mesh();
+  if (&mesh == &labels.scene_mesh()) {
+    loaded_scene = &labels.owned_scene_mesh();
   } else {
     own.emplace(mesh);
     own->material = labels.owners_of(mesh);

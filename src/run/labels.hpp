@@ -43,19 +43,19 @@ class LabelChannels {
   /// By facet.
   std::vector<std::uint16_t> owners_of(const FacetMesh& mesh) const;
   /// The same of the mesh of the survey's site, kept.
-  const FacetMesh& site_mesh() const { return *site_mesh_; }
+  const FacetMesh& scene_mesh() const { return *scene_mesh_; }
   /// The mesh of the survey's site with owners for materials, made when it is first asked for. Thread-safe.
-  const FacetMesh& owned_site_mesh() const;
-  std::span<const std::uint16_t> owners_of_site() const;
+  const FacetMesh& owned_scene_mesh() const;
+  std::span<const std::uint16_t> owners_of_loaded_scene() const;
 
  private:
-  const FacetMesh* site_mesh_;
+  const FacetMesh* scene_mesh_;
   std::vector<Owner> owners_;
   std::vector<std::vector<std::int32_t>> number_;  ///< by object and material; below 0: no facet is of these
   bool has_unscattered_ = false;
   std::optional<double> label_level_db_;
-  mutable std::once_flag site_owned_, mesh_owned_;
-  mutable std::vector<std::uint16_t> owners_of_site_;
+  mutable std::once_flag loaded_scene_owned_, mesh_owned_;
+  mutable std::vector<std::uint16_t> owners_of_loaded_scene_;
   mutable FacetMesh owned_;
 };
 
@@ -101,12 +101,12 @@ struct OwnedBed {
   OwnedBed(const Transmission& transmission, const FacetMesh& mesh);
   OwnedBed(const OwnedBed&) = delete;
   OwnedBed& operator=(const OwnedBed&) = delete;
-  const FacetMesh& mesh() const { return own ? *own : *site; }
+  const FacetMesh& mesh() const { return own ? *own : *loaded_scene; }
 
   std::vector<double> reflection;
 
  private:
-  const FacetMesh* site = nullptr;
+  const FacetMesh* loaded_scene = nullptr;
   std::optional<FacetMesh> own;
 };
 

@@ -128,8 +128,9 @@ PartDeal::PartDeal(const Survey& survey, StoreLayout layout, int parts)
 }
 
 int PartDeal::part_of(const PingUnit& unit) const {
-  const std::size_t part = survey_.site->is_tiled() ? unit.ping * parts_ / layout_.groups[unit.group].pings
-                                                    : (first_unit_[unit.group] + unit.ping) % parts_;
+  const std::size_t part = survey_.loaded_scene->is_tiled()
+                               ? unit.ping * parts_ / layout_.groups[unit.group].pings
+                               : (first_unit_[unit.group] + unit.ping) % parts_;
   return static_cast<int>(part) + 1;
 }
 
@@ -199,7 +200,7 @@ void RunPart::compute(const Survey& survey, const RunRequest& request) {
   if (done_ > 0 && !quiet_) say("going on after {} finished pings\n", done_.load());
   file_.begin(file_.identity());
   const PingSimulation simulation(survey, request);
-  SparePings spare;
+  PingBufferPool spare;
   for_each_ping(
       survey, layout,
       [&](std::size_t group, std::size_t ping) {

@@ -120,9 +120,9 @@ std::optional<std::size_t> material_of_inclined_mirrors(const Scene& scene) {
   return std::nullopt;
 }
 
-void check_paths(const Scene& scene, const Fleet& fleet) {
+void check_paths(const Scene& scene, const SensorSet& sensor_set) {
   const SceneDescription& d = scene.description;
-  for (const SensorPings& pings : fleet.sensors) {
+  for (const SensorPings& pings : sensor_set.sensors) {
     const SensorDescription& sensor = pings.sensor->description();
     if (!path_settings(scene, pings.sensor->frequency_khz())) {
       if (d.paths.order > 1 || d.paths.only_order)

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "engine/paths/path_echo.hpp"
-#include "run/fleet.hpp"
+#include "run/sensor_set.hpp"
 #include "scene/scene.hpp"
 
 // Paths of a run besides the straight one to a facet and back (docs/paths.md, docs/bistatic.md).
@@ -31,6 +31,6 @@ std::optional<std::size_t> material_of_inclined_mirrors(const Scene& scene);
 
 /// Throws InputError for paths that the scene cannot have: several orders without a mirror, sensors above the
 /// sea.
-void check_paths(const Scene& scene, const Fleet& fleet);
+void check_paths(const Scene& scene, const SensorSet& sensor_set);
 
 }  // namespace tubefoot

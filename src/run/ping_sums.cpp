@@ -160,7 +160,7 @@ void PingSums::add(const Transmission& transmission, std::size_t s, const Certif
 
 void PingSums::add_finer_relief(const Transmission& transmission, const CommonVisibility& visibility,
                                 const FacetMesh& mesh, double sample_m) {
-  if (const auto& omitted = transmission.site().relief.omitted)
+  if (const auto& omitted = transmission.loaded_scene().relief.omitted)
     finer_relief += tubefoot::finer_relief(visibility, mesh, *omitted, sample_m);
 }
 

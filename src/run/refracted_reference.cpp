@@ -31,7 +31,8 @@ RefractedTransmission certify(const Transmission& transmission, const Transmissi
   const VisibilityOptions& options = transmission.request().visibility;
   const std::vector<FacetId> parent = apparent.refined.parent;
   seen.bed().name_by_scene(apparent);
-  RefractedTransmission found{TransmissionGround(transmission.site(), std::move(apparent)), {}, 0, {}, false};
+  RefractedTransmission found{
+      TransmissionGround(transmission.loaded_scene(), std::move(apparent)), {}, 0, {}, false};
   const FacetMesh& mesh = found.ground.mesh();
   const MappedSeabed bed{*found.ground.apparent(), found.ground.tree(), seen.bed().mesh(), parent,
                          scene.grid};
@@ -44,8 +45,8 @@ RefractedTransmission certify(const Transmission& transmission, const Transmissi
       continue;
     }
     const ApparentMap apparent_map =
-        apparent_map_of(transmission.site(), transmission.survey().sensors[s], apex);
-    const RayEnclosure rays(apparent_map, eigenray_options(transmission.site()));
+        apparent_map_of(transmission.loaded_scene(), transmission.survey().sensors[s], apex);
+    const RayEnclosure rays(apparent_map, eigenray_options(transmission.loaded_scene()));
     const SensorLaw sensor_law(transmission, found.ground, s);
     const EchoLaw& law = sensor_law.law;
     const Sensor& sensor = transmission.sensor(s);
@@ -71,15 +72,15 @@ RefractedPairTransmission certify(const Transmission& transmission, const PairAp
   found.history = trace_both(transmission, found.pair);
   const SceneTree tx_tree(own.transmit.refined.mesh, SceneTree::Sheets::ignored),
       rx_tree(own.receive.refined.mesh, SceneTree::Sheets::ignored);
-  const RayEnclosure tx_rays(found.pair.transmit_water, eigenray_options(transmission.site())),
-      rx_rays(found.pair.receive_water, eigenray_options(transmission.site()));
+  const RayEnclosure tx_rays(found.pair.transmit_water, eigenray_options(transmission.loaded_scene())),
+      rx_rays(found.pair.receive_water, eigenray_options(transmission.loaded_scene()));
   const BistaticBed bed{own.mesh,
                         parent,
                         seen.bed().mesh(),
                         transmission.scene().grid,
                         {own.transmit, tx_tree, own.transmit_origin, found.pair.transmit_water, tx_rays},
                         {own.receive, rx_tree, own.receive_origin, found.pair.receive_water, rx_rays}};
-  SensorLaw law(transmission, TransmissionGround(transmission.site()), s);
+  SensorLaw law(transmission, TransmissionGround(transmission.loaded_scene()), s);
   law.law.material = own.mesh.material;
   const std::vector<std::uint32_t> fans = transmission.sensor(s).fan_of_tube(transmission.number());
   found.sensors.push_back(certify_refracted_echo(
@@ -109,7 +110,7 @@ RefractedReceiverPairTransmission certify(const Transmission& transmission, cons
   RefractedReceiverPairTransmission found{std::move(grounds), {}, {}, false};
   const CommonApparentSurfaces& own = found.apparent;
   const FacetMesh& mesh = own.bed.mesh;
-  SensorLaw law(transmission, TransmissionGround(transmission.site()), seen.sensor);
+  SensorLaw law(transmission, TransmissionGround(transmission.loaded_scene()), seen.sensor);
   const BeamPatterns patterns = patterns_of_fan(law.patterns, seen.fan, ends.tubes(1).tubes.size());
   law.law.material = mesh.material;
   law.law.patterns = &patterns;
@@ -119,7 +120,7 @@ RefractedReceiverPairTransmission certify(const Transmission& transmission, cons
   std::vector<RayEnclosure> rays;
   for (std::size_t end = 0; end < 3; ++end) {
     trees.emplace_back(own.seen[end].refined.mesh, SceneTree::Sheets::ignored);
-    rays.emplace_back(ends.water(end), eigenray_options(transmission.site()));
+    rays.emplace_back(ends.water(end), eigenray_options(transmission.loaded_scene()));
   }
   const auto end_of = [&](std::size_t end) {
     return BistaticEnd{own.seen[end], trees[end], own.origin[end], ends.water(end), rays[end]};
@@ -276,7 +277,8 @@ RefractedReceiverPairTransmission certify_refracted_receiver_pair_transmission(
                               ? tubes_of_fan(transmission.receive_tubes(sensor), fans, fan)
                               : transmit;
   std::vector<TubeSet> tubes{transmit};
-  std::vector<ApparentMap> water{apparent_map_of(transmission.site(), pings, grid.to_metres(transmit.apex))};
+  std::vector<ApparentMap> water{
+      apparent_map_of(transmission.loaded_scene(), pings, grid.to_metres(transmit.apex))};
   for (const double end : {1.0, -1.0}) {
     const glm::dvec3 at_m =
         grid.to_metres(receive.apex) + end * receiver_pair.baseline_m / 2 * receiver_pair.axis;
@@ -287,7 +289,7 @@ RefractedReceiverPairTransmission certify_refracted_receiver_pair_transmission(
                       "shorten 'baseline_m', or raise 'surface_height_m' of [water]",
                       transmission.name(), above));
     tubes.push_back(moved_along(receive, receiver_pair, end, grid.unit_m()));
-    water.push_back(apparent_map_of(transmission.site(), pings, at_m));
+    water.push_back(apparent_map_of(transmission.loaded_scene(), pings, at_m));
   }
   const EndsApparentMap ends(transmission, std::move(tubes), std::move(water));
   return certify_ever_finer(transmission, ends.reach_m(), ReceiverPairEnds{ends, sensor, fan, receiver_pair},

@@ -120,24 +120,24 @@ PathWater path_water(const Transmission& transmission, std::size_t sensor, doubl
   const SensorPings& pings = transmission.survey().sensors[sensor];
   return {*pings.water,
           transmission.scene().water->surface_height_m(),
-          eigenray_options(transmission.site()),
+          eigenray_options(transmission.loaded_scene()),
           pings.sound_speed_m_s,
           apparent_map_settings(transmission, reach_m),
           most_per_transmission,
           transmission.scene().grid};
 }
 
-EigenrayOptions eigenray_options(const Site& site) {
+EigenrayOptions eigenray_options(const LoadedScene& loaded_scene) {
   EigenrayOptions options;
-  options.deepest_turn_m = site.scene.water->surface_height_m() - site.lowest_m;
-  options.most_turns = site.scene.description.water.refraction_turns;
+  options.deepest_turn_m = loaded_scene.scene.water->surface_height_m() - loaded_scene.lowest_m;
+  options.most_turns = loaded_scene.scene.description.water.refraction_turns;
   return options;
 }
 
-ApparentMap apparent_map_of(const Site& site, const SensorPings& pings, glm::dvec3 apex_m) {
-  EigenrayOptions options = eigenray_options(site);
+ApparentMap apparent_map_of(const LoadedScene& loaded_scene, const SensorPings& pings, glm::dvec3 apex_m) {
+  EigenrayOptions options = eigenray_options(loaded_scene);
   options.frequency_hz = 1e3 * pings.sensor->frequency_khz();
-  return ApparentMap(*pings.water, apex_m, site.scene.water->surface_height_m(), options,
+  return ApparentMap(*pings.water, apex_m, loaded_scene.scene.water->surface_height_m(), options,
                      pings.sound_speed_m_s);
 }
 
@@ -150,22 +150,24 @@ double sound_speed_at(const Scene& scene, const SensorDescription& sensor, const
   return scene.water->profile().at(scene.water->surface_height_m() - at_m.z);
 }
 
-void put_into_water(Site& site, Fleet& fleet) {
-  const Scene& scene = site.scene;
+void put_into_water(LoadedScene& loaded_scene, SensorSet& sensor_set) {
+  const Scene& scene = loaded_scene.scene;
   if (!scene.water->refracts()) return;
-  site.lowest_m = std::numeric_limits<double>::infinity();
-  if (site.relief.parent.empty())
+  loaded_scene.lowest_m = std::numeric_limits<double>::infinity();
+  if (loaded_scene.relief.parent.empty())
     for (const GridPoint& v : scene.mesh.vertices)
-      site.lowest_m = std::min(site.lowest_m, scene.grid.to_metres(v).z);
+      loaded_scene.lowest_m = std::min(loaded_scene.lowest_m, scene.grid.to_metres(v).z);
   else  // before relief: what it may lower is the same however terrain is read
     for (const ComponentReport& component : scene.report.components)
-      site.lowest_m = std::min(site.lowest_m, scene.grid.to_metres(scene.grid.snap(component.lo_m)).z);
+      loaded_scene.lowest_m =
+          std::min(loaded_scene.lowest_m, scene.grid.to_metres(scene.grid.snap(component.lo_m)).z);
   for (const TiledTerrain& terrain : scene.tiled)
     if (terrain.tiles)
-      site.lowest_m = std::min(site.lowest_m, scene.grid.to_metres(scene.grid.snap(terrain.tiles->lo_m())).z);
-  if (site.relief.omitted) site.lowest_m -= site.relief.omitted->largest_height_m();
+      loaded_scene.lowest_m =
+          std::min(loaded_scene.lowest_m, scene.grid.to_metres(scene.grid.snap(terrain.tiles->lo_m())).z);
+  if (loaded_scene.relief.omitted) loaded_scene.lowest_m -= loaded_scene.relief.omitted->largest_height_m();
   const double surface = scene.water->surface_height_m();
-  for (SensorPings& pings : fleet.sensors) {
+  for (SensorPings& pings : sensor_set.sensors) {
     pings.water = std::make_shared<const WaterColumn>(scene.water->column(pings.sensor->frequency_khz()));
     for (const auto* poses : {&pings.poses, &pings.transmission_poses, &pings.receiver_poses})
       for (const Pose& pose : *poses)
@@ -199,21 +201,21 @@ ApparentMapSettings apparent_map_settings(const Transmission& transmission, doub
 
 LyingBed::LyingBed(const Transmission& transmission, std::span<const TubeSet> tubes,
                    std::span<const ViewBounds> all_view_bounds, bool weights)
-    : site_(transmission.site()) {
-  if (!site_.ground) return;
+    : loaded_scene_(transmission.loaded_scene()) {
+  if (!loaded_scene_.ground) return;
   std::vector<Look> looks = transmission.looks(tubes);
   for (std::size_t k = 0; k < looks.size(); ++k) looks[k].view_bounds = &all_view_bounds[k];
   relief_ = relief_seen_by(transmission, looks, weights);
   tree_ = std::make_unique<SceneTree>(relief_.mesh, SceneTree::Sheets::ignored);
 }
 
-const FacetMesh& LyingBed::mesh() const { return tree_ ? relief_.mesh : site_.scene.mesh; }
+const FacetMesh& LyingBed::mesh() const { return tree_ ? relief_.mesh : loaded_scene_.scene.mesh; }
 
 std::vector<FacetId> LyingBed::facets(std::span<const ViewBounds> all_view_bounds) const {
   std::vector<FacetId> all;
   for (const ViewBounds& view_bounds : all_view_bounds) {
     const std::vector<FacetId> some =
-        view_bounds.facets(mesh(), tree_ ? *tree_ : *site_.tree, site_.scene.grid);
+        view_bounds.facets(mesh(), tree_ ? *tree_ : *loaded_scene_.tree, loaded_scene_.scene.grid);
     all.insert(all.end(), some.begin(), some.end());
   }
   std::sort(all.begin(), all.end());
@@ -236,7 +238,7 @@ TransmissionApparentMap::TransmissionApparentMap(const Transmission& transmissio
     : transmission_(transmission),
       weights_(weights),
       tubes_(transmission.tubes()),
-      apparent_map_(apparent_map_of(transmission.site(), transmission.pings(),
+      apparent_map_(apparent_map_of(transmission.loaded_scene(), transmission.pings(),
                                     transmission.scene().grid.to_metres(tubes_.apex))),
       view_bounds_(tubes_, transmission.scene().grid.unit_m(), apparent_map_),
       bed_(transmission, {&tubes_, 1}, {&view_bounds_, 1}, weights),
@@ -258,7 +260,7 @@ TransmissionGround refracted_ground_of(const Transmission& transmission, bool we
   settings.later_arrivals = true;
   ApparentSurface ground = seen.ground(settings);
   seen.bed().name_by_scene(ground);
-  return TransmissionGround(transmission.site(), std::move(ground));
+  return TransmissionGround(transmission.loaded_scene(), std::move(ground));
 }
 
 EndsApparentMap::EndsApparentMap(const Transmission& transmission, std::vector<TubeSet> tubes,
@@ -297,10 +299,10 @@ namespace {
 
 std::vector<ApparentMap> water_of_both(const Transmission& transmission) {
   const WorldGrid& grid = transmission.scene().grid;
-  return {
-      apparent_map_of(transmission.site(), transmission.pings(), grid.to_metres(transmission.tubes().apex)),
-      apparent_map_of(transmission.site(), transmission.pings(),
-                      grid.to_metres(transmission.receive_tubes(transmission.first()).apex))};
+  return {apparent_map_of(transmission.loaded_scene(), transmission.pings(),
+                          grid.to_metres(transmission.tubes().apex)),
+          apparent_map_of(transmission.loaded_scene(), transmission.pings(),
+                          grid.to_metres(transmission.receive_tubes(transmission.first()).apex))};
 }
 
 }  // namespace

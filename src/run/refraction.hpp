@@ -19,10 +19,10 @@ struct SimulationStats;
 double sound_speed_at(const Scene& scene, const SensorDescription& sensor, const Trajectory& trajectory);
 
 /// Gives each sensor its water, where that refracts. Throws InputError for a sensor above the surface.
-void put_into_water(Site& site, Fleet& fleet);
+void put_into_water(LoadedScene& loaded_scene, SensorSet& sensor_set);
 
-EigenrayOptions eigenray_options(const Site& site);
-ApparentMap apparent_map_of(const Site& site, const SensorPings& pings, glm::dvec3 apex_m);
+EigenrayOptions eigenray_options(const LoadedScene& loaded_scene);
+ApparentMap apparent_map_of(const LoadedScene& loaded_scene, const SensorPings& pings, glm::dvec3 apex_m);
 /// As the scene asks for.
 ApparentMapSettings apparent_map_settings(const Transmission& transmission, double reach_m);
 
@@ -40,7 +40,7 @@ class LyingBed {
   void name_by_scene(ApparentSurface& ground) const;
 
  private:
-  const Site& site_;
+  const LoadedScene& loaded_scene_;
   RefinedMesh relief_;
   std::unique_ptr<SceneTree> tree_;  // of the relief
 };

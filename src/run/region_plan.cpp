@@ -31,10 +31,10 @@ bool meet(const TileChoice& a, const TileChoice& b) {
 
 RegionPlan::RegionPlan(const Transmissions& transmissions, std::uint64_t most_facets) {
   const Survey& survey = transmissions.survey();
-  const TilesInView view(*survey.site);
+  const TilesInView view(*survey.loaded_scene);
   constexpr std::size_t at_once = 256;  // so that no more choices than these are in memory
   for (std::size_t g = 0; g < survey.transmissions.size(); ++g) {
-    const std::size_t pings = survey.fleet->pings(survey.transmissions[g]), before = regions_.size();
+    const std::size_t pings = survey.sensor_set->pings(survey.transmissions[g]), before = regions_.size();
     for (std::size_t begin = 0; begin < pings; begin += at_once) {
       std::vector<TileChoice> choices(std::min(at_once, pings - begin));
       tbb::parallel_for(std::size_t{0}, choices.size(), [&](std::size_t k) {

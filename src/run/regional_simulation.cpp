@@ -25,7 +25,7 @@ RegionalSimulation::RegionalSimulation(const Survey& survey, const RunRequest& r
       plan_(Transmissions(survey, request),
             std::min(most_facets, cache_bytes(survey) / (4 * bytes_a_region_facet))),
       cache_(cache_bytes(survey), [this](std::size_t region) { return load(region); }) {
-  survey.site->terrain_use->regions = plan_.regions().size();
+  survey.loaded_scene->terrain_use->regions = plan_.regions().size();
 }
 
 PingCounts RegionalSimulation::run(const PingUnit& unit, PingValues& values) {
@@ -41,8 +41,8 @@ PingCounts RegionalSimulation::run(const PingUnit& unit, PingValues& values) {
       // Its own pings will tell.
     }
   }
-  survey_.site->terrain_use->loads = cache_.loads();
-  survey_.site->terrain_use->most_bytes = cache_.most_bytes_held();
+  survey_.loaded_scene->terrain_use->loads = cache_.loads();
+  survey_.loaded_scene->terrain_use->most_bytes = cache_.most_bytes_held();
   return region->run(unit, values);
 }
 
@@ -52,9 +52,9 @@ BoundedCache<PingSimulation>::Loaded RegionalSimulation::load(std::size_t number
     const Survey survey = survey_with_tiles(survey_, plan_.regions()[number].tiles);
     auto simulation = std::make_shared<const PingSimulation>(survey, request_);
     const FacetMesh& mesh = survey.scene.mesh;
-    std::size_t bytes =
-        mesh.vertices.size() * sizeof(GridPoint) + mesh.facets.size() * 16 + survey.site->tree->bytes();
-    if (survey.site->ground) bytes += survey.site->tree->bytes() + mesh.vertices.size() * 32;
+    std::size_t bytes = mesh.vertices.size() * sizeof(GridPoint) + mesh.facets.size() * 16 +
+                        survey.loaded_scene->tree->bytes();
+    if (survey.loaded_scene->ground) bytes += survey.loaded_scene->tree->bytes() + mesh.vertices.size() * 32;
     return BoundedCache<PingSimulation>::Loaded{std::move(simulation), bytes};
   });
 }

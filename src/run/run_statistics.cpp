@@ -22,7 +22,7 @@ namespace {
 /// cos^2 (45 deg - turn) is (1 + sin(2 turn)) cos^2 45 deg.
 double change_at_45_deg(double turn_rad) { return std::sin(2 * std::min(turn_rad, std::numbers::pi / 4)); }
 
-nlohmann::ordered_json coarsening_json(const SiteCoarsening& coarse) {
+nlohmann::ordered_json coarsening_json(const SceneCoarsening& coarse) {
   return {{"tolerance", coarse.tolerance},
           {"facets_before", coarse.facets_before},
           {"facets", coarse.facets},
@@ -51,8 +51,8 @@ nlohmann::ordered_json coarsening_json(const SiteCoarsening& coarse) {
 
 nlohmann::ordered_json statistics_json(const Survey& survey, const RunRequest& request,
                                        const SimulationStats& stats) {
-  const Site& site = *survey.site;
-  const Scene& scene = site.scene;
+  const LoadedScene& loaded_scene = *survey.loaded_scene;
+  const Scene& scene = loaded_scene.scene;
   nlohmann::ordered_json json;
   json["scene"] = scene.description.file.string();
   json["scene_hash"] = scene.description.sha256;
@@ -85,15 +85,15 @@ nlohmann::ordered_json statistics_json(const Survey& survey, const RunRequest& r
                          {"worst_sample", reference.worst_sample}};
   }
   json["grid_unit_m"] = scene.grid.unit_m();
-  if (site.relief.cell_m > 0) {
+  if (loaded_scene.relief.cell_m > 0) {
     const RefinementDescription& keys = scene.description.refinement;
     nlohmann::ordered_json& relief = json["relief"];
-    relief = {{"mode", keys.mode}, {"cell_m", site.relief.cell_m}, {"displace", keys.displace}};
-    if (site.ground) relief["tolerance"] = site.ground->settings().tolerance;
-    relief["base_facets"] = site.relief.base_facets;
-    if (!site.refines_tiles())
-      relief["facets_made"] = site.ground ? stats.refined_facets : scene.mesh.facets.size();
-    if (!site.is_tiled()) relief["uniform_facets"] = site.relief.uniform_facets;
+    relief = {{"mode", keys.mode}, {"cell_m", loaded_scene.relief.cell_m}, {"displace", keys.displace}};
+    if (loaded_scene.ground) relief["tolerance"] = loaded_scene.ground->settings().tolerance;
+    relief["base_facets"] = loaded_scene.relief.base_facets;
+    if (!loaded_scene.refines_tiles())
+      relief["facets_made"] = loaded_scene.ground ? stats.refined_facets : scene.mesh.facets.size();
+    if (!loaded_scene.is_tiled()) relief["uniform_facets"] = loaded_scene.relief.uniform_facets;
     relief["change_by_finer_relief"] = {
         {"of", "a facet's energy, relative; mean over the worst ping, weighed by energy"},
         {"is", "first-order estimates from what the relief's own statistics leave out: no proven bounds"},
@@ -102,19 +102,19 @@ nlohmann::ordered_json statistics_json(const Survey& survey, const RunRequest& r
   }
   if (scene.water->refracts())
     json["refraction"] = refraction_json(survey, request.reference_tolerance.has_value(), stats);
-  if (site.is_tiled()) {
+  if (loaded_scene.is_tiled()) {
     std::size_t facets = 0;
     for (const ComponentReport& component : scene.report.components) facets += component.facets;
     json["facets"] = facets;
-    const TerrainUse& use = *site.terrain_use;
+    const TerrainUse& use = *loaded_scene.terrain_use;
     json["terrain_by_tiles"] = {{"regions", use.regions.load()},
                                 {"loads", use.loads.load()},
                                 {"most_held_mb", static_cast<double>(use.most_bytes) / 1e6}};
   } else {
     json["facets"] = scene.mesh.facets.size();
-    if (site.facets_given > 0) json["facets_before_planes_were_merged"] = site.facets_given;
+    if (loaded_scene.facets_given > 0) json["facets_before_planes_were_merged"] = loaded_scene.facets_given;
   }
-  if (site.coarsening) json["coarsening"] = coarsening_json(*site.coarsening);
+  if (loaded_scene.coarsening) json["coarsening"] = coarsening_json(*loaded_scene.coarsening);
   json["pings"] = stats.pings;
   json["tubes"] = stats.tubes;
   json["candidates"] = stats.candidates;

@@ -10,21 +10,21 @@
 
 namespace tubefoot {
 
-SensorPlaces::SensorPlaces(Site& site) : site_(site), below_(site) {}
+SensorPlaces::SensorPlaces(LoadedScene& loaded_scene) : loaded_scene_(loaded_scene), below_(loaded_scene) {}
 
 SensorPlaces::Column SensorPlaces::column(const PingPlace& where) {
   Column column{ground_in_line_with(below_.in_line_with(where.at_m), where.at_m), {}};
-  facets_near_vertical(column.ground.tree(), site_.scene.grid.snap(where.at_m), column.near);
+  facets_near_vertical(column.ground.tree(), loaded_scene_.scene.grid.snap(where.at_m), column.near);
   return column;
 }
 
 bool SensorPlaces::is_terrain(std::uint16_t component) const {
-  return component < site_.scene.description.terrains.size();
+  return component < loaded_scene_.scene.description.terrains.size();
 }
 
 void SensorPlaces::refuse_on_facet(const Column& column, const PingPlace& where) const {
   const auto& [place, ping, time_s, at_m, what] = where;
-  const Scene& scene = site_.scene;
+  const Scene& scene = loaded_scene_.scene;
   const std::optional<FacetContact> contact =
       contact_at(column.ground.mesh(), column.near, scene.grid.snap(at_m));
   if (!contact) return;
@@ -45,15 +45,15 @@ void SensorPlaces::refuse_below(const VerticalCrossings& crossings, const PingPl
       place,
       fmt::format("{} is {:.3g} m below the seabed ('{}') at ping {} (t = {:.3f} s, east {:.2f}, north "
                   "{:.2f}, up {:.2f} m): raise its trajectory or lever arm",
-                  what, crossings.lowest_above * site_.scene.grid.unit_m(),
-                  site_.scene.report.components[crossings.component].name, ping, time_s, at_m.x, at_m.y,
-                  at_m.z));
+                  what, crossings.lowest_above * loaded_scene_.scene.grid.unit_m(),
+                  loaded_scene_.scene.report.components[crossings.component].name, ping, time_s, at_m.x,
+                  at_m.y, at_m.z));
 }
 
 void SensorPlaces::refuse_on_facet(const PingPlace& where) { refuse_on_facet(column(where), where); }
 
 double SensorPlaces::check(const PingPlace& where, std::set<std::uint16_t>& inside) {
-  Scene& scene = site_.scene;
+  Scene& scene = loaded_scene_.scene;
   double altitude_m = std::numeric_limits<double>::quiet_NaN();
   const Column lying = column(where);
   refuse_on_facet(lying, where);
@@ -76,10 +76,10 @@ double SensorPlaces::check(const PingPlace& where, std::set<std::uint16_t>& insi
 /// By the objects as they are loaded: relief leaves closed what is closed, and terrain by tiles is none of
 /// them.
 void SensorPlaces::refuse_enclosed(const PingPlace& where) {
-  const FacetMesh& mesh = site_.scene.mesh;
-  const GridPoint point = site_.scene.grid.snap(where.at_m);
+  const FacetMesh& mesh = loaded_scene_.scene.mesh;
+  const GridPoint point = loaded_scene_.scene.grid.snap(where.at_m);
   std::vector<FacetId> near;
-  facets_near_vertical(*site_.tree, point, near);
+  facets_near_vertical(*loaded_scene_.tree, point, near);
   for (const VerticalCrossings& c : vertical_crossings(mesh, near, point)) {
     // What is closed is crossed on both sides, or on none.
     if (is_terrain(c.component) || c.above == 0 || c.below == 0) continue;
@@ -90,8 +90,8 @@ void SensorPlaces::refuse_enclosed(const PingPlace& where) {
         fmt::format("{} is inside object '{}' at ping {} (t = {:.3f} s, east {:.3f}, north {:.3f}, up {:.3f} "
                     "m), a closed surface which lets no sound in: move it out ('receivers_m', "
                     "'lever_arm_m', or the trajectory), or leave the object open where it looks out",
-                    where.what, site_.scene.report.components[c.component].name, where.ping, where.time_s,
-                    where.at_m.x, where.at_m.y, where.at_m.z));
+                    where.what, loaded_scene_.scene.report.components[c.component].name, where.ping,
+                    where.time_s, where.at_m.x, where.at_m.y, where.at_m.z));
   }
 }
 
@@ -104,7 +104,7 @@ void SensorPlaces::refuse_hidden(const ElementPlaces& elements) {
       const Column lying = column(where);
       refuse_on_facet(lying, where);
       for (const VerticalCrossings& c :
-           vertical_crossings(lying.ground.mesh(), lying.near, site_.scene.grid.snap(where.at_m)))
+           vertical_crossings(lying.ground.mesh(), lying.near, loaded_scene_.scene.grid.snap(where.at_m)))
         if (is_terrain(c.component)) refuse_below(c, where);
       refuse_enclosed(where);
     }

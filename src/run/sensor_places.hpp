@@ -13,7 +13,7 @@
 #include "files/input_error.hpp"
 #include "geometry/mesh/closed_shells.hpp"
 #include "geometry/search/vertical_line.hpp"
-#include "run/site_below.hpp"
+#include "run/scene_below.hpp"
 #include "run/transmission_ground.hpp"
 
 namespace tubefoot {
@@ -36,12 +36,12 @@ struct ElementPlaces {
   std::span<const glm::dvec3> transmitters_m, receivers_m;
 };
 
-/// Holds places of sensors against the scene, straight up and down from each. While the site has its bodies
-/// whole, before the sea surface cuts them. Not for several threads at once.
+/// Holds places of sensors against the scene, straight up and down from each. While the loaded scene has its
+/// bodies whole, before the sea surface cuts them. Not for several threads at once.
 class SensorPlaces {
  public:
-  /// `site`: warnings go to its report.
-  explicit SensorPlaces(Site& site);
+  /// `loaded_scene`: warnings go to its report.
+  explicit SensorPlaces(LoadedScene& loaded_scene);
 
   /// A surface through the apex has no side that could be seen, hides nothing, and returns nothing: that is
   /// no limit of what a sensor beside it receives, so it is no place for one: throws InputError.
@@ -65,8 +65,8 @@ class SensorPlaces {
   void refuse_enclosed(const PingPlace& where);
   bool is_terrain(std::uint16_t component) const;
 
-  Site& site_;
-  SiteBelow below_;
+  LoadedScene& loaded_scene_;
+  SceneBelow below_;
   std::map<std::uint16_t, ClosedShells> shells_;  ///< of objects that elements were in line with
 };
 

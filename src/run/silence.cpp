@@ -94,9 +94,9 @@ class Reason {
     if (terrain_.empty()) terrain_ = all_;
     const glm::dvec3 far_m = glm::max(glm::abs(all_.lo_m - at_m_), glm::abs(all_.hi_m - at_m_));
     tubes_.reach = 1.01 * glm::length(far_m) / scene_.grid.unit_m() + 1;
-    if (!survey.site->is_tiled())
+    if (!survey.loaded_scene->is_tiled())
       for (const Footprint& footprint :
-           TubeEngine(scene_.mesh, *survey.site->tree, scene_.grid.unit_m(), request.visibility)
+           TubeEngine(scene_.mesh, *survey.loaded_scene->tree, scene_.grid.unit_m(), request.visibility)
                .trace(tubes_)
                .footprints.footprints) {
         met_.add(footprint.slant_range_min_m);
@@ -124,7 +124,7 @@ class Reason {
           beside_m, to_text(terrain_));
     if (const auto words = of_level_ground()) return *words;
     return fmt::format("it looks {}, where nothing is{}; the terrain covers {}: turn it or move it", look(),
-                       survey_.site->is_tiled() ? " within its range window" : "", to_text(terrain_));
+                       survey_.loaded_scene->is_tiled() ? " within its range window" : "", to_text(terrain_));
   }
 
   /// Where the sensor is.
@@ -161,7 +161,8 @@ class Reason {
   /// Of terrain that is read by tiles, which are not read to look farther than pings do: as if it were as far
   /// below everywhere as it is straight below.
   std::optional<std::string> of_level_ground() const {
-    if (!survey_.site->is_tiled() || std::isnan(altitude_m()) || elevation_.lo_m >= 0) return std::nullopt;
+    if (!survey_.loaded_scene->is_tiled() || std::isnan(altitude_m()) || elevation_.lo_m >= 0)
+      return std::nullopt;
     const auto range_m = [&](double elevation_deg) {
       return elevation_deg < 0 ? altitude_m() / std::sin(-glm::radians(elevation_deg))
                                : std::numeric_limits<double>::infinity();
@@ -265,8 +266,8 @@ std::vector<Silence> foreseen_silence(const Survey& survey, const RunRequest& re
       const std::size_t ping = first + place;
       if (silent.empty() || (looked > 0 && std::chrono::steady_clock::now() - start > enough)) break;
       ++looked;
-      for (std::size_t number = 0; number < survey.fleet->transmissions_per_ping(group) && !silent.empty();
-           ++number)
+      for (std::size_t number = 0;
+           number < survey.sensor_set->transmissions_per_ping(group) && !silent.empty(); ++number)
         listen(around.at(group, ping).of(group, ping, number), silent);
     }
     for (const std::size_t s : silent)
@@ -285,7 +286,7 @@ std::vector<Silence> met_silence(const Survey& survey, const RunRequest& request
   for (const Recording& recording : recordings) {
     if (!is_silent(recording)) continue;
     const SensorDescription& sensor = recording.sensor->description();
-    const std::size_t s = survey.fleet->sensor_named(sensor.name);
+    const std::size_t s = survey.sensor_set->sensor_named(sensor.name);
     const std::size_t first = recording.number_of(0);
     if (!recording.beam_numbers
              .empty())  // others may receive something: there is nothing wrong with the sensor

@@ -49,13 +49,14 @@ PingSimulation::PingSimulation(const Survey& survey, const RunRequest& request)
       layout_(layout_of(survey, request)),
       chosen_(chosen_of(survey, request.selection)) {
   require_able_to_run(survey, request);
-  if (survey.site->is_tiled()) {
+  if (survey.loaded_scene->is_tiled()) {
     by_regions_ = std::make_unique<RegionalSimulation>(survey, request);
     return;
   }
   for (const SharedTransmissions& group : survey.transmissions)
     parts_.push_back(echo_parts(transmissions_, group));
-  if (request.engine == Engine::ray && !survey.site->has_ground_per_transmission()) survey.site->rays();
+  if (request.engine == Engine::ray && !survey.loaded_scene->has_ground_per_transmission())
+    survey.loaded_scene->rays();
 }
 
 PingSimulation::~PingSimulation() = default;
@@ -67,7 +68,7 @@ PingCounts PingSimulation::run(const PingUnit& unit, PingValues& values) const {
   values.clear(layout_, unit.group);
   PingSums sums(chosen_, values);
   const std::size_t ping = unit.ping + first_ping(sensors, chosen_);
-  for (std::size_t number = 0; number < transmissions_.survey().fleet->transmissions_per_ping(sensors);
+  for (std::size_t number = 0; number < transmissions_.survey().sensor_set->transmissions_per_ping(sensors);
        ++number) {
     const Transmission transmission = transmissions_.of(sensors, ping, number);
     for (const EchoPart& part : parts_[unit.group]) part.add(transmission, sums);
@@ -98,7 +99,7 @@ void for_each_ping(const Survey& survey, const StoreLayout& layout, const IsLeft
     // A thread that waits for others must not begin a second ping: each holds the ground of its transmission,
     // or the signals of all its elements.
     try {
-      if (survey.site->ground || survey.site->is_tiled() || places_of_signals(survey) > 0)
+      if (survey.loaded_scene->ground || survey.loaded_scene->is_tiled() || places_of_signals(survey) > 0)
         tbb::this_task_arena::isolate([&] { keep(g, ping); });
       else
         keep(g, ping);
@@ -113,7 +114,7 @@ void for_each_ping(const Survey& survey, const StoreLayout& layout, const IsLeft
     const auto [group, ping] = order[place];
     take(group, ping);
   };
-  if (!survey.site->is_tiled()) {
+  if (!survey.loaded_scene->is_tiled()) {
     tbb::parallel_for(std::size_t{0}, order.size(), take_at);
     return;
   }
@@ -131,7 +132,7 @@ void for_each_ping(const Survey& survey, const StoreLayout& layout, const IsLeft
 
 void simulate(const Survey& survey, const RunRequest& request, PingStore& store, const Onlookers& onlookers) {
   const PingSimulation simulation(survey, request);
-  SparePings spare;
+  PingBufferPool spare;
   for_each_ping(
       survey, layout_of(survey, request),
       [&](std::size_t group, std::size_t ping) { return !store.done(group, ping); },

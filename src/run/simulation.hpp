@@ -60,7 +60,7 @@ class PingSimulation {
   /// store's finish().
   PingCounts run(const PingUnit& unit, PingValues& values) const;
   /// The same into a store, which is done with the ping then.
-  void run_into(PingStore& store, const PingUnit& unit, SparePings& spare) const {
+  void run_into(PingStore& store, const PingUnit& unit, PingBufferPool& spare) const {
     spare.with([&](PingValues& values) {
       const PingCounts counts = run(unit, values);
       store.finish(unit.group, unit.ping, counts, values);

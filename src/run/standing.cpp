@@ -11,7 +11,7 @@
 #include <optional>
 
 #include "geometry/search/vertical_line.hpp"
-#include "run/site_below.hpp"
+#include "run/scene_below.hpp"
 #include "run/transmission_ground.hpp"
 #include "scene/extent.hpp"
 
@@ -21,26 +21,27 @@ namespace {
 /// The bed over and under one place after the other.
 class Bed {
  public:
-  explicit Bed(const Site& site) : below_(site) {}
+  explicit Bed(const LoadedScene& loaded_scene) : below_(loaded_scene) {}
 
   /// How high a place is above the highest terrain there, less than 0 below it; nothing beside all terrain.
   std::optional<double> height_over_m(glm::dvec3 place_m) {
-    const Site& site = below_.in_line_with(place_m);
-    const TransmissionGround ground = ground_in_line_with(site, place_m);
-    const GridPoint point = site.scene.grid.snap(place_m);
+    const LoadedScene& loaded_scene = below_.in_line_with(place_m);
+    const TransmissionGround ground = ground_in_line_with(loaded_scene, place_m);
+    const GridPoint point = loaded_scene.scene.grid.snap(place_m);
     std::vector<FacetId> near;
     facets_near_vertical(ground.tree(), point, near);
     std::optional<double> height;
     for (const VerticalCrossings& c : vertical_crossings(ground.mesh(), near, point)) {
-      if (c.component >= site.scene.description.terrains.size() || c.above + c.below == 0) continue;
-      const double over = (c.above > 0 ? -c.lowest_above : c.highest_below) * site.scene.grid.unit_m();
+      if (c.component >= loaded_scene.scene.description.terrains.size() || c.above + c.below == 0) continue;
+      const double over =
+          (c.above > 0 ? -c.lowest_above : c.highest_below) * loaded_scene.scene.grid.unit_m();
       height = height ? std::min(*height, over) : over;
     }
     return height;
   }
 
  private:
-  SiteBelow below_;
+  SceneBelow below_;
 };
 
 /// Some of a component's vertices: the outermost, and others in between.
@@ -134,10 +135,10 @@ std::vector<Standing> standings(const Survey& survey) {
   if (terrain.empty()) return all;
   const std::size_t terrains = scene.description.terrains.size();
   // Each place of a tiled terrain, or of one with relief, is loaded or made.
-  const std::size_t most = survey.site->is_tiled()                      ? 4
-                           : survey.site->has_ground_per_transmission() ? 30
-                                                                        : 300;
-  Bed bed(*survey.site);
+  const std::size_t most = survey.loaded_scene->is_tiled()                      ? 4
+                           : survey.loaded_scene->has_ground_per_transmission() ? 30
+                                                                                : 300;
+  Bed bed(*survey.loaded_scene);
   for (std::size_t i = terrains; i < scene.report.components.size(); ++i) {
     const ComponentReport& object = scene.report.components[i];
     Heights heights;

@@ -20,10 +20,10 @@ double farthest2(const GridPoint& apex, const GridPoint& lo, const GridPoint& hi
 
 /// The farthest point of any facet in a tube, grid units; but no farther than `enough`, and `at_least` where
 /// nothing lies beyond that.
-double farthest_surface(const Site& site, const TubeSet& tubes, std::size_t tube, double at_least,
-                        double enough) {
+double farthest_surface(const LoadedScene& loaded_scene, const TubeSet& tubes, std::size_t tube,
+                        double at_least, double enough) {
   TubePyramid pyramid(tubes, tube);
-  const FacetMesh& mesh = site.scene.mesh;
+  const FacetMesh& mesh = loaded_scene.scene.mesh;
   double farthest = at_least;
   std::vector<FacetId> met;
   const auto look = [&] {
@@ -32,7 +32,7 @@ double farthest_surface(const Site& site, const TubeSet& tubes, std::size_t tube
         farthest = std::max(farthest, glm::length(corner));
     met.clear();
   };
-  site.tree->query(
+  loaded_scene.tree->query(
       [&](const GridPoint& lowest, const GridPoint& highest) {
         look();  // at what the box before had: boxes that lie nearer than this are not opened
         return farthest < enough && farthest2(tubes.apex, lowest, highest) > farthest * farthest &&
@@ -46,7 +46,7 @@ double farthest_surface(const Site& site, const TubeSet& tubes, std::size_t tube
 }  // namespace
 
 bool surfaces_are_known(const Survey& survey, std::size_t sensor) {
-  return !survey.scene.water->refracts() && !survey.site->is_tiled() &&
+  return !survey.scene.water->refracts() && !survey.loaded_scene->is_tiled() &&
          !survey.sensors[sensor].sensor->has_separate_receiver();
 }
 
@@ -75,7 +75,7 @@ std::vector<int> samples_with_surfaces(const Survey& survey, std::size_t sensor,
       const double known_m = samples.first_m + with_surface * samples.step_m,
                    end_m = samples.first_m + samples.count * samples.step_m;
       const double far_m =
-          farthest_surface(*survey.site, tubes, t, known_m / unit_m, end_m / unit_m) * unit_m;
+          farthest_surface(*survey.loaded_scene, tubes, t, known_m / unit_m, end_m / unit_m) * unit_m;
       with_surface =
           std::clamp(static_cast<int>(std::ceil((far_m - samples.first_m) / samples.step_m - 1e-9)),
                      with_surface, samples.count);

@@ -18,8 +18,8 @@
 #include "run/coarsening.hpp"
 #include "run/paths.hpp"
 #include "run/refraction.hpp"
+#include "run/scene_below.hpp"
 #include "run/sensor_places.hpp"
-#include "run/site_below.hpp"
 #include "run/transmission_ground.hpp"
 #include "scene/ping_times.hpp"
 #include "sensors/recordings/sensor_kind.hpp"
@@ -53,16 +53,16 @@ bool same_transmissions(const WorldGrid& grid, const SensorPings& a, const Senso
   return true;
 }
 
-void find_shared_transmissions(const WorldGrid& grid, Fleet& fleet) {
-  for (std::size_t s = 0; s < fleet.sensors.size(); ++s) {
+void find_shared_transmissions(const WorldGrid& grid, SensorSet& sensor_set) {
+  for (std::size_t s = 0; s < sensor_set.sensors.size(); ++s) {
     const auto group = std::find_if(
-        fleet.transmissions.begin(), fleet.transmissions.end(), [&](const SharedTransmissions& g) {
-          return same_transmissions(grid, fleet.sensors[g.sensors.front()], fleet.sensors[s]);
+        sensor_set.transmissions.begin(), sensor_set.transmissions.end(), [&](const SharedTransmissions& g) {
+          return same_transmissions(grid, sensor_set.sensors[g.sensors.front()], sensor_set.sensors[s]);
         });
-    if (group != fleet.transmissions.end())
+    if (group != sensor_set.transmissions.end())
       group->sensors.push_back(s);
     else
-      fleet.transmissions.push_back({{s}});
+      sensor_set.transmissions.push_back({{s}});
   }
 }
 
@@ -140,9 +140,9 @@ void refuse_hidden_elements(const Scene& scene, const SensorPings& pings, std::s
                       k, description.name, receivers_m[k].z - height_m, ping, pings.times_s[ping]));
 }
 
-void check_places(Site& site, Fleet& fleet) {
-  SensorPlaces places(site);
-  for (SensorPings& pings : fleet.sensors) {
+void check_places(LoadedScene& loaded_scene, SensorSet& sensor_set) {
+  SensorPlaces places(loaded_scene);
+  for (SensorPings& pings : sensor_set.sensors) {
     const Sensor& sensor = *pings.sensor;
     std::set<std::uint16_t> inside, receiver_inside;
     const std::string what = fmt::format("sensor '{}'", sensor.description().name),
@@ -166,7 +166,7 @@ void check_places(Site& site, Fleet& fleet) {
                                 end * receiver_pair.baseline_m / 2 * receiver_pair.axis,
                             fmt::format("the {} receiver of {}", end > 0 ? "upper" : "lower", what)),
                          receiver_inside);
-      if (sensor.signals() != nullptr) refuse_hidden_elements(site.scene, pings, ping, places);
+      if (sensor.signals() != nullptr) refuse_hidden_elements(loaded_scene.scene, pings, ping, places);
       // Of the later transmissions of a ping only what would spoil them.
       for (std::size_t transmission = 1; transmission < sensor.transmissions(); ++transmission) {
         const auto check = [&](const Pose& now, const Pose& before, const std::string& who) {
@@ -182,41 +182,44 @@ void check_places(Site& site, Fleet& fleet) {
   }
 }
 
-/// Whether the sea surface cuts the terrain or an object; of a part of a site, whether it cuts the whole.
-bool reaches_surface(const Site& site) {
-  if (site.whole) return site.whole->is_cut;
-  const Scene& scene = site.scene;
-  if (!scene.description.sea_surface || site.ground)
+/// Whether the sea surface cuts the terrain or an object; of a part of a loaded scene, whether it cuts the
+/// whole.
+bool reaches_surface(const LoadedScene& loaded_scene) {
+  if (loaded_scene.whole) return loaded_scene.whole->is_cut;
+  const Scene& scene = loaded_scene.scene;
+  if (!scene.description.sea_surface || loaded_scene.ground)
     return false;  // ground of its own each transmission cuts
   const std::int32_t height = scene.surface_height();
   return std::ranges::any_of(scene.mesh.vertices, [=](GridPoint v) { return v.z > height; }) ||
          std::ranges::any_of(scene.tiled, [&](const TiledTerrain& terrain) {
-           const double lift_m = site.relief.omitted ? site.relief.omitted->largest_height_m() : 0;
+           const double lift_m =
+               loaded_scene.relief.omitted ? loaded_scene.relief.omitted->largest_height_m() : 0;
            return terrain.tiles &&
                   scene.grid.snap(terrain.tiles->hi_m() + glm::dvec3(0, 0, lift_m)).z > height;
          });
 }
 
 /// Leaves what is in the water. After check_places(), which counts the crossings of whole objects.
-void cut_at_surface(Site& site) {
-  site.is_cut = reaches_surface(site);
-  if (site.is_cut && cut_at_surface(site.scene, site.scene.mesh, site.relief.parent))
-    site.tree = std::make_unique<SceneTree>(site.scene.mesh);
+void cut_at_surface(LoadedScene& loaded_scene) {
+  loaded_scene.is_cut = reaches_surface(loaded_scene);
+  if (loaded_scene.is_cut &&
+      cut_at_surface(loaded_scene.scene, loaded_scene.scene.mesh, loaded_scene.relief.parent))
+    loaded_scene.tree = std::make_unique<SceneTree>(loaded_scene.scene.mesh);
 }
 
 /// Whether facets are told apart later, or their size matters: relief has parents of them, tiles numbers,
 /// water bends within them, and sound that scatters again comes from them as from points.
-bool keeps_its_facets(const Site& site) {
-  return site.is_tiled() || site.relief.cell_m > 0 || site.scene.water->refracts() ||
-         site.scene.description.paths.scatterings > 1;
+bool keeps_its_facets(const LoadedScene& loaded_scene) {
+  return loaded_scene.is_tiled() || loaded_scene.relief.cell_m > 0 || loaded_scene.scene.water->refracts() ||
+         loaded_scene.scene.description.paths.scatterings > 1;
 }
 
-void merge_planes(Site& site) {
-  std::optional<FacetMesh> merged = with_planes_merged(site.scene.mesh);
+void merge_planes(LoadedScene& loaded_scene) {
+  std::optional<FacetMesh> merged = with_planes_merged(loaded_scene.scene.mesh);
   if (!merged) return;
-  site.facets_given = site.scene.mesh.facets.size();
-  site.scene.mesh = std::move(*merged);
-  site.tree = std::make_unique<SceneTree>(site.scene.mesh);
+  loaded_scene.facets_given = loaded_scene.scene.mesh.facets.size();
+  loaded_scene.scene.mesh = std::move(*merged);
+  loaded_scene.tree = std::make_unique<SceneTree>(loaded_scene.scene.mesh);
 }
 
 /// What signals ask of the scene.
@@ -253,10 +256,12 @@ void check_signals(const Scene& scene, const SensorPings& pings, const SignalMod
             description.name, end_s, trajectory.end_s()));
 }
 
-SensorPings pings_of(Site& site, const SensorDescription& description, const Trajectory& trajectory) {
+SensorPings pings_of(LoadedScene& loaded_scene, const SensorDescription& description,
+                     const Trajectory& trajectory) {
   SensorPings pings;
-  pings.sound_speed_m_s = sound_speed_at(site.scene, description, trajectory);
-  pings.sensor = make_sensor(in_water(description, pings.sound_speed_m_s, &site.scene.report.warnings));
+  pings.sound_speed_m_s = sound_speed_at(loaded_scene.scene, description, trajectory);
+  pings.sensor =
+      make_sensor(in_water(description, pings.sound_speed_m_s, &loaded_scene.scene.report.warnings));
   const PingTimes times(description, trajectory, description.trajectory);
   const auto count = static_cast<double>(times.count());
   const double transmissions = static_cast<double>(pings.sensor->transmissions()) * count;
@@ -268,9 +273,9 @@ SensorPings pings_of(Site& site, const SensorDescription& description, const Tra
   pings.line_starts = times.line_starts();
   place_transmissions(pings, trajectory);
   if (const SignalModel* model = pings.sensor->signals())
-    check_signals(site.scene, pings, *model, trajectory);
-  warn_of_rounding(*pings.sensor, site.scene.report.warnings);
-  warn_of_aperture(pings, site.scene.report.warnings);
+    check_signals(loaded_scene.scene, pings, *model, trajectory);
+  warn_of_rounding(*pings.sensor, loaded_scene.scene.report.warnings);
+  warn_of_aperture(pings, loaded_scene.scene.report.warnings);
   return pings;
 }
 
@@ -279,39 +284,40 @@ SensorPings pings_of(Site& site, const SensorDescription& description, const Tra
 std::unique_ptr<const Survey> open_survey(const SceneDescription& description, Facets facets,
                                           double coarseness) {
   const auto load_start = std::chrono::steady_clock::now();
-  const auto site = std::make_shared<Site>(load_scene(description));
-  if (site->is_tiled()) site->terrain_use = std::make_shared<TerrainUse>();
-  site->load_seconds = seconds_since(load_start);
-  lay_relief(*site);
+  const auto loaded_scene = std::make_shared<LoadedScene>(load_scene(description));
+  if (loaded_scene->is_tiled()) loaded_scene->terrain_use = std::make_shared<TerrainUse>();
+  loaded_scene->load_seconds = seconds_since(load_start);
+  lay_relief(*loaded_scene);
   const auto tree_start = std::chrono::steady_clock::now();
-  site->tree = std::make_unique<SceneTree>(site->scene.mesh);
-  site->tree_seconds = seconds_since(tree_start);
-  const auto fleet = std::make_shared<Fleet>();
+  loaded_scene->tree = std::make_unique<SceneTree>(loaded_scene->scene.mesh);
+  loaded_scene->tree_seconds = seconds_since(tree_start);
+  const auto sensor_set = std::make_shared<SensorSet>();
   for (std::size_t s = 0; s < description.sensors.size(); ++s)
-    fleet->sensors.push_back(
-        pings_of(*site, description.sensors[s], site->scene.trajectories[site->scene.sensor_trajectory[s]]));
-  check_places(*site, *fleet);
+    sensor_set->sensors.push_back(
+        pings_of(*loaded_scene, description.sensors[s],
+                 loaded_scene->scene.trajectories[loaded_scene->scene.sensor_trajectory[s]]));
+  check_places(*loaded_scene, *sensor_set);
   // After the look at places, which names what a sensor lies on.
-  if (facets == Facets::merged && !keeps_its_facets(*site)) {
-    merge_planes(*site);
-    if (coarseness > 0) coarsen(*site, *fleet, coarseness);
+  if (facets == Facets::merged && !keeps_its_facets(*loaded_scene)) {
+    merge_planes(*loaded_scene);
+    if (coarseness > 0) coarsen(*loaded_scene, *sensor_set, coarseness);
   }
-  cut_at_surface(*site);
-  put_into_water(*site, *fleet);
-  check_paths(site->scene, *fleet);
-  find_shared_transmissions(site->scene.grid, *fleet);
-  return std::unique_ptr<const Survey>(new Survey{site, fleet});
+  cut_at_surface(*loaded_scene);
+  put_into_water(*loaded_scene, *sensor_set);
+  check_paths(loaded_scene->scene, *sensor_set);
+  find_shared_transmissions(loaded_scene->scene.grid, *sensor_set);
+  return std::unique_ptr<const Survey>(new Survey{loaded_scene, sensor_set});
 }
 
 Survey survey_with_tiles(const Survey& survey, const TileChoice& choice) {
-  const std::shared_ptr<Site> part = loaded_with(*survey.site, choice);
-  if (survey.site->refines_tiles()) refine_part(*survey.site, choice, *part);
+  const std::shared_ptr<LoadedScene> part = loaded_with(*survey.loaded_scene, choice);
+  if (survey.loaded_scene->refines_tiles()) refine_part(*survey.loaded_scene, choice, *part);
   part->tree = std::make_unique<SceneTree>(part->scene.mesh);
-  part->lowest_m = survey.site->lowest_m;
-  part->whole = survey.site;
+  part->lowest_m = survey.loaded_scene->lowest_m;
+  part->whole = survey.loaded_scene;
   part->tiles = choice;
   cut_at_surface(*part);
-  return {part, survey.fleet};
+  return {part, survey.sensor_set};
 }
 
 double absorption_db_per_m(const Scene& scene, const Sensor& sensor) {

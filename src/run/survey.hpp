@@ -4,20 +4,20 @@
 #include <memory>
 #include <vector>
 
-#include "run/fleet.hpp"
-#include "run/site.hpp"
+#include "run/loaded_scene.hpp"
+#include "run/sensor_set.hpp"
 #include "scene/tiled_scene.hpp"
 
 namespace tubefoot {
 
 /// A site and who pings there. Both are const, and shared: a survey is cheap to copy.
 struct Survey {
-  std::shared_ptr<const Site> site;
-  std::shared_ptr<const Fleet> fleet;
+  std::shared_ptr<const LoadedScene> loaded_scene;
+  std::shared_ptr<const SensorSet> sensor_set;
   // What of them is asked for most:
-  const Scene& scene = site->scene;
-  const std::vector<SensorPings>& sensors = fleet->sensors;
-  const std::vector<SharedTransmissions>& transmissions = fleet->transmissions;
+  const Scene& scene = loaded_scene->scene;
+  const std::vector<SensorPings>& sensors = sensor_set->sensors;
+  const std::vector<SharedTransmissions>& transmissions = sensor_set->transmissions;
 };
 
 /// Which facets pings meet.
@@ -35,8 +35,8 @@ enum class Facets {
 std::unique_ptr<const Survey> open_survey(const SceneDescription& description,
                                           Facets facets = Facets::as_given, double coarseness = 0);
 
-/// The same pings on a site whose mesh has some tiles, too. Throws InputError for a raster that can no longer
-/// be read.
+/// The same pings on a loaded scene whose mesh has some tiles, too. Throws InputError for a raster that can
+/// no longer be read.
 Survey survey_with_tiles(const Survey& survey, const TileChoice& choice);
 
 /// dB per metre, one way, for a sensor's frequency in the scene's water.

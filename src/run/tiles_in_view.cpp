@@ -35,11 +35,11 @@ double fastest_m_s(const SoundSpeedProfile& profile) {
 
 }  // namespace
 
-TilesInView::TilesInView(const Site& site)
-    : site_(site),
-      lift_m_((site.relief.omitted ? site.relief.omitted->largest_height_m() : 0) +
-              2 * site.scene.grid.unit_m()) {
-  const Scene& scene = site.scene;
+TilesInView::TilesInView(const LoadedScene& loaded_scene)
+    : loaded_scene_(loaded_scene),
+      lift_m_((loaded_scene.relief.omitted ? loaded_scene.relief.omitted->largest_height_m() : 0) +
+              2 * loaded_scene.scene.grid.unit_m()) {
+  const Scene& scene = loaded_scene.scene;
   for (std::size_t i = 0; i < scene.tiled.size(); ++i) {
     const ComponentReport& whole = scene.report.components[i];
     Boxes& boxes = (scene.tiled[i].tiles ? boxes_ : rest_).emplace_back();
@@ -73,7 +73,7 @@ void TilesInView::finish(TileChoice& choice) const {
     list.erase(std::unique(list.begin(), list.end()), list.end());
   };
   for (const Boxes& boxes : boxes_) {
-    const TerrainTiles& terrain = *site_.scene.tiled[boxes.component].tiles;
+    const TerrainTiles& terrain = *loaded_scene_.scene.tiled[boxes.component].tiles;
     std::vector<std::uint32_t>& list = choice[boxes.component];
     in_order(list);
     // An island between holes is a height sheet or not by its size: none may be cut small.
@@ -110,10 +110,10 @@ std::vector<std::size_t> TilesInView::components_of(const Transmissions& transmi
 
 TileChoice TilesInView::looked_at(std::span<const Boxes> list, const Transmissions& transmissions,
                                   const SharedTransmissions& group, std::size_t ping) const {
-  const Scene& scene = site_.scene;
+  const Scene& scene = loaded_scene_.scene;
   const WorldGrid& grid = scene.grid;
   TileChoice choice(scene.tiled.size());
-  for (std::size_t number = 0; number < transmissions.survey().fleet->transmissions_per_ping(group);
+  for (std::size_t number = 0; number < transmissions.survey().sensor_set->transmissions_per_ping(group);
        ++number) {
     const Transmission transmission = transmissions.of(group, ping, number);
     const SensorPings& pings = transmission.pings();
@@ -130,7 +130,7 @@ TileChoice TilesInView::looked_at(std::span<const Boxes> list, const Transmissio
       // How much farther a ray may come than its range says.
       double stretch = 1;
       if (scene.water->refracts()) {
-        const ApparentMap apparent_map = apparent_map_of(site_, pings, grid.to_metres(tubes.apex));
+        const ApparentMap apparent_map = apparent_map_of(loaded_scene_, pings, grid.to_metres(tubes.apex));
         const ViewBounds view_bounds(tubes, grid.unit_m(), apparent_map);
         for (const Boxes& boxes : list)
           boxes.add_to(choice, view_bounds.facets(boxes.mesh, *boxes.tree, grid, lift_m_));
@@ -140,7 +140,8 @@ TileChoice TilesInView::looked_at(std::span<const Boxes> list, const Transmissio
         // and over its tubes may change: docs/big-terrain.md
         const Sector sector(tubes, grid.unit_m());
         for (const Boxes& boxes : list)
-          boxes.add_to(choice, sector.facets(site_.ground ? *boxes.tree : *boxes.column_tree, lift_m_));
+          boxes.add_to(choice,
+                       sector.facets(loaded_scene_.ground ? *boxes.tree : *boxes.column_tree, lift_m_));
       }
       for (const std::size_t s : group.sensors) {
         const Sensor& sensor = transmission.sensor(s);
@@ -166,9 +167,9 @@ TileChoice TilesInView::looked_at(std::span<const Boxes> list, const Transmissio
 }
 
 TileChoice TilesInView::within(glm::dvec3 lo_m, glm::dvec3 hi_m) const {
-  TileChoice choice(site_.scene.tiled.size());
+  TileChoice choice(loaded_scene_.scene.tiled.size());
   for (const Boxes& boxes : boxes_) {
-    const std::vector<TerrainTiles::Tile>& tiles = site_.scene.tiled[boxes.component].tiles->tiles();
+    const std::vector<TerrainTiles::Tile>& tiles = loaded_scene_.scene.tiled[boxes.component].tiles->tiles();
     for (const std::uint32_t k : boxes.tile)
       if (glm::all(glm::lessThanEqual(tiles[k].lo_m - lift_m_, hi_m)) &&
           glm::all(glm::greaterThanEqual(tiles[k].hi_m + lift_m_, lo_m)))
@@ -178,11 +179,11 @@ TileChoice TilesInView::within(glm::dvec3 lo_m, glm::dvec3 hi_m) const {
 }
 
 TileChoice TilesInView::below(glm::dvec3 place_m) const {
-  TileChoice choice(site_.scene.tiled.size());
+  TileChoice choice(loaded_scene_.scene.tiled.size());
   for (const Boxes& boxes : boxes_) {
     std::vector<FacetId> found;
-    facets_near_vertical(*boxes.tree, site_.scene.grid.snap(place_m), lift_m_ / site_.scene.grid.unit_m(),
-                         found);
+    facets_near_vertical(*boxes.tree, loaded_scene_.scene.grid.snap(place_m),
+                         lift_m_ / loaded_scene_.scene.grid.unit_m(), found);
     boxes.add_to(choice, found);
   }
   for (std::vector<std::uint32_t>& list : choice) std::sort(list.begin(), list.end());
@@ -193,20 +194,20 @@ std::uint64_t TilesInView::facets(const TileChoice& choice) const {
   std::uint64_t sum = 0;
   for (const Boxes& boxes : boxes_)
     for (const std::uint32_t tile : choice[boxes.component])
-      sum += site_.scene.tiled[boxes.component].tiles->tiles()[tile].facets;
-  return sum * site_.relief.parts_a_facet;
+      sum += loaded_scene_.scene.tiled[boxes.component].tiles->tiles()[tile].facets;
+  return sum * loaded_scene_.relief.parts_a_facet;
 }
 
 Survey survey_around(const Transmissions& transmissions, const SharedTransmissions& group, std::size_t ping) {
   const Survey& survey = transmissions.survey();
-  if (!survey.site->is_tiled()) return survey;
-  return survey_with_tiles(survey, TilesInView(*survey.site).of(transmissions, group, ping));
+  if (!survey.loaded_scene->is_tiled()) return survey;
+  return survey_with_tiles(survey, TilesInView(*survey.loaded_scene).of(transmissions, group, ping));
 }
 
 void for_tiles_within(const Survey& survey, glm::dvec3 lo_m, glm::dvec3 hi_m,
                       const std::function<void(const Scene&)>& look) {
-  if (!survey.site->is_tiled()) return;
-  const TileChoice all = TilesInView(*survey.site).within(lo_m, hi_m);
+  if (!survey.loaded_scene->is_tiled()) return;
+  const TileChoice all = TilesInView(*survey.loaded_scene).within(lo_m, hi_m);
   for (std::size_t i = 0; i < all.size(); ++i)
     for (std::size_t k = 0; k < all[i].size();) {
       const std::size_t columns = survey.scene.tiled[i].tiles->columns(), row = all[i][k] / columns;
@@ -217,7 +218,7 @@ void for_tiles_within(const Survey& survey, glm::dvec3 lo_m, glm::dvec3 hi_m,
 }
 
 TransmissionsAround::TransmissionsAround(const Transmissions& transmissions) : transmissions_(transmissions) {
-  if (transmissions.survey().site->is_tiled()) view_.emplace(*transmissions.survey().site);
+  if (transmissions.survey().loaded_scene->is_tiled()) view_.emplace(*transmissions.survey().loaded_scene);
 }
 
 const Transmissions& TransmissionsAround::at(const SharedTransmissions& group, std::size_t ping) {

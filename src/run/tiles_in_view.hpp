@@ -15,13 +15,13 @@
 
 namespace tubefoot {
 
-/// Which tiles of a site's terrain a ping may have to do with: all whose facets could be candidates of a
-/// tube, carry relief that a transmission refines, or be met by its paths. With only these in the mesh, a
-/// ping computes what it would with all of them, to the last bit (docs/big-terrain.md says why).
+/// Which tiles of a loaded scene's terrain a ping may have to do with: all whose facets could be candidates
+/// of a tube, carry relief that a transmission refines, or be met by its paths. With only these in the mesh,
+/// a ping computes what it would with all of them, to the last bit (docs/big-terrain.md says why).
 class TilesInView {
  public:
   /// The site outlives this.
-  explicit TilesInView(const Site& site);
+  explicit TilesInView(const LoadedScene& loaded_scene);
 
   /// Of a ping of a group of these transmissions, which are of this site.
   TileChoice of(const Transmissions& transmissions, const SharedTransmissions& group, std::size_t ping) const;
@@ -50,7 +50,7 @@ class TilesInView {
                        const SharedTransmissions& group, std::size_t ping) const;
   void finish(TileChoice& choice) const;
 
-  const Site& site_;
+  const LoadedScene& loaded_scene_;
   double lift_m_;  ///< of relief, and the grid's rounding
   std::vector<Boxes> boxes_;
   std::vector<Boxes> rest_;  ///< of the components that are not tiled, one each

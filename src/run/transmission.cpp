@@ -27,7 +27,7 @@ TubeSet reaching_beyond(const Transmission& transmission, const SensorPings& pin
 Transmissions::Transmissions(Survey survey, RunRequest request)
     : survey_(std::move(survey)),
       request_(std::move(request)),
-      whole_(*survey_.site),
+      whole_(*survey_.loaded_scene),
       engine_(whole_.mesh(), whole_.tree(), survey_.scene.grid.unit_m(), request_.visibility),
       labels_(request_.labels ? std::make_unique<const LabelChannels>(survey_, request_) : nullptr) {}
 Transmissions::~Transmissions() = default;
@@ -37,7 +37,7 @@ Transmission Transmissions::of(const SharedTransmissions& group, std::size_t pin
 }
 
 Transmission Transmissions::received_by(std::size_t sensor, std::size_t ping, std::size_t number) const {
-  return Transmission(*this, survey_.fleet->transmissions_of(sensor), ping, number);
+  return Transmission(*this, survey_.sensor_set->transmissions_of(sensor), ping, number);
 }
 
 Transmission::Transmission(const Transmissions& transmissions, const SharedTransmissions& group,
@@ -81,7 +81,7 @@ std::vector<Look> Transmission::looks(std::span<const TubeSet> tubes) const {
 }
 
 const TransmissionGround& Transmission::ground() const {
-  if (!site().has_ground_per_transmission()) return transmissions_.whole_;
+  if (!loaded_scene().has_ground_per_transmission()) return transmissions_.whole_;
   if (!ground_) {
     ground_.emplace(ground_of(*this));
     own_engine_.emplace(ground_->mesh(), ground_->tree(), scene().grid.unit_m(), request().visibility);

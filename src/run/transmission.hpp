@@ -44,7 +44,7 @@ class Transmissions {
   friend class Transmission;
   const Survey survey_;
   const RunRequest request_;
-  const TransmissionGround whole_;  ///< the site's own facets
+  const TransmissionGround whole_;  ///< the loaded scene's own facets
   const TubeEngine engine_;  ///< of these: keeps its threads' buffers from transmission to transmission
   const std::unique_ptr<const LabelChannels> labels_;
 };
@@ -59,7 +59,7 @@ class Transmission {
   Transmission& operator=(const Transmission&) = delete;
 
   const Survey& survey() const { return transmissions_.survey_; }
-  const Site& site() const { return *survey().site; }
+  const LoadedScene& loaded_scene() const { return *survey().loaded_scene; }
   const Scene& scene() const { return survey().scene; }
   const RunRequest& request() const { return transmissions_.request_; }
   const LabelChannels* labels() const { return transmissions_.labels(); }

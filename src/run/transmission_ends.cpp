@@ -23,7 +23,7 @@ TransmissionEnds::TransmissionEnds(const Transmission& transmission, std::size_t
     add(pair_->receive_tubes, pair.receive, pair.receive_origin);
     return;
   }
-  if (weights && transmission.site().has_ground_per_transmission())
+  if (weights && transmission.loaded_scene().has_ground_per_transmission())
     ground_.emplace(ground_of(transmission, true));
   const TransmissionGround& ground = ground_ ? *ground_ : transmission.ground();
   const auto add = [&](TubeSet tubes) {
@@ -33,7 +33,7 @@ TransmissionEnds::TransmissionEnds(const Transmission& transmission, std::size_t
                      ground.refined(),
                      ground.apparent(),
                      {},
-                     ground.is_own() ? nullptr : &transmission.site()});
+                     ground.is_own() ? nullptr : &transmission.loaded_scene()});
   };
   add(apart ? transmission.tubes() : transmission.tubes_of(sensor));
   if (apart) add(transmission.receive_tubes(sensor));
@@ -44,11 +44,12 @@ FacetId TransmissionEnds::base_facet(FacetId shared) const {
     shared = pair_parent_[shared];
   else if (tx().refined != nullptr)
     shared = tx().refined->parent[shared];
-  return transmission_.site().base_number_of(shared);
+  return transmission_.loaded_scene().base_number_of(shared);
 }
 
 std::unique_ptr<SensorLaw> TransmissionEnds::law(std::size_t sensor) const {
-  auto law = std::make_unique<SensorLaw>(transmission_, TransmissionGround(transmission_.site()), sensor);
+  auto law =
+      std::make_unique<SensorLaw>(transmission_, TransmissionGround(transmission_.loaded_scene()), sensor);
   law->law.material = shared_mesh().material;
   return law;
 }

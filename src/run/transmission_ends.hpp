@@ -22,11 +22,14 @@ struct TransmissionEnd {
   const ApparentSurface* apparent = nullptr;  ///< null where facets are where they seem to be
   /// By facet: the same one's name for the other end, where both ends have meshes of their own; else empty.
   std::span<const FacetId> name{};
-  const Site* site = nullptr;  ///< whose facets these are; null: they are the transmission's own
+  const LoadedScene* loaded_scene =
+      nullptr;  ///< whose facets these are; null: they are the transmission's own
 
   FacetId name_of(FacetId facet) const { return name.empty() ? facet : name[facet]; }
-  /// What a facet of that name is called: of the site's own, its number in all of the scene.
-  FacetId number_of_name(FacetId shared) const { return site == nullptr ? shared : site->number_of(shared); }
+  /// What a facet of that name is called: of the loaded scene's own, its number in all of the scene.
+  FacetId number_of_name(FacetId shared) const {
+    return loaded_scene == nullptr ? shared : loaded_scene->number_of(shared);
+  }
   FacetId number_of(FacetId facet) const { return number_of_name(name_of(facet)); }
 };
 

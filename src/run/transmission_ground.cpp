@@ -115,7 +115,7 @@ RefinedMesh refined_bed(const Scene& scene, const Ground& ground) {
   }
 }
 
-RefinedMesh refined_part(const Site& whole, const Scene& part, std::span<const FacetId> facets,
+RefinedMesh refined_part(const LoadedScene& whole, const Scene& part, std::span<const FacetId> facets,
                          std::span<const FacetId> names) {
   const SourcePlace& place = part.description.refinement.place;
   if (whole.relief.file) {
@@ -136,7 +136,7 @@ RefinedMesh refined_part(const Site& whole, const Scene& part, std::span<const F
   }
 }
 
-void refine_part(const Site& whole, const TileChoice& tiles, Site& part) {
+void refine_part(const LoadedScene& whole, const TileChoice& tiles, LoadedScene& part) {
   part.ground.reset();
   const std::vector<FacetId> facets = all_facets(part.scene.mesh);
   RefinedMesh bed =
@@ -145,35 +145,36 @@ void refine_part(const Site& whole, const TileChoice& tiles, Site& part) {
   part.relief.parent = std::move(bed.parent);
 }
 
-void lay_relief(Site& site) {
-  Scene& scene = site.scene;
+void lay_relief(LoadedScene& loaded_scene) {
+  Scene& scene = loaded_scene.scene;
   if (!has_relief(scene)) return;
   const RefinementDescription& keys = scene.description.refinement;
   std::unique_ptr<Ground> ground = relief_ground(scene);
-  site.relief.cell_m = ground->settings().cell_m;
-  site.relief.base_facets = facets_of(scene);
-  if (!site.is_tiled()) site.relief.uniform_facets = ground->uniform_count();
-  site.relief.omitted = std::make_shared<const OmittedRelief>(ground->omitted());
+  loaded_scene.relief.cell_m = ground->settings().cell_m;
+  loaded_scene.relief.base_facets = facets_of(scene);
+  if (!loaded_scene.is_tiled()) loaded_scene.relief.uniform_facets = ground->uniform_count();
+  loaded_scene.relief.omitted = std::make_shared<const OmittedRelief>(ground->omitted());
   if (keys.mode == "online") {
-    site.ground = std::move(ground);
+    loaded_scene.ground = std::move(ground);
     return;
   }
   std::shared_ptr<const RefinedBedFile> file;
   if (keys.file)
-    file = std::make_shared<const RefinedBedFile>(*keys.file, keys.file_place, scene, site.relief.cell_m);
-  if (site.is_tiled()) {
+    file = std::make_shared<const RefinedBedFile>(*keys.file, keys.file_place, scene,
+                                                  loaded_scene.relief.cell_m);
+  if (loaded_scene.is_tiled()) {
     double longest_m = 0;
     for (const TiledTerrain& terrain : scene.tiled)
       if (terrain.tiles) longest_m = std::max(longest_m, terrain.tiles->longest_edge_m());
     // The longest edge is halved until it is no cell's; shorter ones are no more often.
-    for (; longest_m > site.relief.cell_m; longest_m /= 2) site.relief.parts_a_facet *= 4;
-    site.relief.file = std::move(file);
+    for (; longest_m > loaded_scene.relief.cell_m; longest_m /= 2) loaded_scene.relief.parts_a_facet *= 4;
+    loaded_scene.relief.file = std::move(file);
     return;
   }
   RefinedMesh bed = file ? file->read(all_facets(scene.mesh)) : refined_bed(scene, *ground);
   ground.reset();
   scene.mesh = std::move(bed.mesh);
-  site.relief.parent = std::move(bed.parent);
+  loaded_scene.relief.parent = std::move(bed.parent);
 }
 
 namespace {
@@ -194,7 +195,7 @@ RefinedMesh refined_for(const Transmission& transmission, const Refine& refine) 
 
 RefinedMesh relief_seen_by(const Transmission& transmission, std::span<const Look> looks, bool weights) {
   RefinedMesh bed = refined_for(transmission, [&] {
-    return transmission.site().ground->seen_by(looks, {most_per_transmission.facets, weights});
+    return transmission.loaded_scene().ground->seen_by(looks, {most_per_transmission.facets, weights});
   });
   cut_at_surface(transmission.scene(), bed.mesh, bed.parent, weights ? &bed.weights : nullptr);
   return bed;
@@ -202,8 +203,8 @@ RefinedMesh relief_seen_by(const Transmission& transmission, std::span<const Loo
 
 RefinedMesh mirrors_about(const Transmission& transmission, double distance_m) {
   RefinedMesh mirrors = refined_for(transmission, [&] {
-    return transmission.site().ground->mirrors_within(transmission.pose().position_m, distance_m,
-                                                      most_per_transmission);
+    return transmission.loaded_scene().ground->mirrors_within(transmission.pose().position_m, distance_m,
+                                                              most_per_transmission);
   });
   cut_at_surface(transmission.scene(), mirrors.mesh, mirrors.parent);
   return mirrors;
@@ -237,20 +238,20 @@ TransmissionGround ground_of(const Transmission& transmission, bool weights) {
 }
 
 TransmissionGround lying_ground_of(const Transmission& transmission, bool weights) {
-  const Site& site = transmission.site();
-  if (!site.ground) return TransmissionGround(site);
+  const LoadedScene& loaded_scene = transmission.loaded_scene();
+  if (!loaded_scene.ground) return TransmissionGround(loaded_scene);
   std::vector<TubeSet> tubes{transmission.tubes()};
   if (transmission.has_separate_receiver()) tubes.push_back(transmission.receive_tubes(transmission.first()));
   std::vector<Look> looks = transmission.looks(tubes);
   const std::vector<PathLook> of_paths = looks_of_paths(transmission);
   for (const PathLook& look : of_paths)
     looks.push_back({&look.tubes, 0, transmission.sample_length_m(), nullptr, look.beam_rad});
-  return TransmissionGround(site, relief_seen_by(transmission, looks, weights));
+  return TransmissionGround(loaded_scene, relief_seen_by(transmission, looks, weights));
 }
 
-TransmissionGround ground_in_line_with(const Site& site, glm::dvec3 place_m) {
-  if (!site.ground) return TransmissionGround(site);
-  return TransmissionGround(site, site.ground->in_line_with(place_m));
+TransmissionGround ground_in_line_with(const LoadedScene& loaded_scene, glm::dvec3 place_m) {
+  if (!loaded_scene.ground) return TransmissionGround(loaded_scene);
+  return TransmissionGround(loaded_scene, loaded_scene.ground->in_line_with(place_m));
 }
 
 }  // namespace tubefoot

@@ -5,40 +5,40 @@
 
 #include "engine/ground/ground.hpp"
 #include "engine/ground/refracted_ground.hpp"
-#include "run/site.hpp"
+#include "run/loaded_scene.hpp"
 
 namespace tubefoot {
 
 class Transmission;
 
-/// The facets that a transmission meets: the site's own, or a refinement for this transmission, which lives
-/// as long as this.
+/// The facets that a transmission meets: the loaded scene's own, or a refinement for this transmission, which
+/// lives as long as this.
 class TransmissionGround {
  public:
   /// The site's own facets.
-  explicit TransmissionGround(const Site& site) : site_(&site) {}
-  TransmissionGround(const Site& site, RefinedMesh refined)
-      : site_(&site),
+  explicit TransmissionGround(const LoadedScene& loaded_scene) : loaded_scene_(&loaded_scene) {}
+  TransmissionGround(const LoadedScene& loaded_scene, RefinedMesh refined)
+      : loaded_scene_(&loaded_scene),
         refined_(std::make_unique<RefinedMesh>(std::move(refined))),
         tree_(std::make_unique<SceneTree>(refined_->mesh, SceneTree::Sheets::ignored)) {}
 
   /// As the sonar sees it through refracting water.
-  TransmissionGround(const Site& site, ApparentSurface apparent)
-      : site_(&site),
+  TransmissionGround(const LoadedScene& loaded_scene, ApparentSurface apparent)
+      : loaded_scene_(&loaded_scene),
         apparent_(std::make_unique<ApparentSurface>(std::move(apparent))),
         tree_(std::make_unique<SceneTree>(apparent_->refined.mesh, SceneTree::Sheets::ignored)) {}
 
-  const FacetMesh& mesh() const { return is_own() ? own().mesh : site_->scene.mesh; }
-  const SceneTree& tree() const { return is_own() ? *tree_ : *site_->tree; }
+  const FacetMesh& mesh() const { return is_own() ? own().mesh : loaded_scene_->scene.mesh; }
+  const SceneTree& tree() const { return is_own() ? *tree_ : *loaded_scene_->tree; }
   bool is_own() const { return tree_ != nullptr; }
-  /// What a facet is called: its number in this ground, or, of the site's own, in all of the scene.
-  FacetId number_of(FacetId facet) const { return is_own() ? facet : site_->number_of(facet); }
+  /// What a facet is called: its number in this ground, or, of the loaded scene's own, in all of the scene.
+  FacetId number_of(FacetId facet) const { return is_own() ? facet : loaded_scene_->number_of(facet); }
   /// The facet of the unrefined scene that a facet is part of, by its number in all of the scene.
   FacetId base_facet(FacetId facet) const {
     if (is_own()) facet = own().parent[facet];
-    return site_->base_number_of(facet);
+    return loaded_scene_->base_number_of(facet);
   }
-  /// Facets of the transmission's own, as parts of the scene's; null: the site's own.
+  /// Facets of the transmission's own, as parts of the scene's; null: the loaded scene's own.
   const RefinedMesh* refined() const { return is_own() ? &own() : nullptr; }
   /// Null where facets are where they seem to be.
   const ApparentSurface* apparent() const { return apparent_.get(); }
@@ -46,7 +46,7 @@ class TransmissionGround {
  private:
   const RefinedMesh& own() const { return apparent_ ? apparent_->refined : *refined_; }
 
-  const Site* site_;
+  const LoadedScene* loaded_scene_;
   std::unique_ptr<RefinedMesh> refined_;
   std::unique_ptr<ApparentSurface> apparent_;
   std::unique_ptr<SceneTree> tree_;
@@ -68,17 +68,17 @@ RefinedMesh mirrors_about(const Transmission& transmission, double distance_m);
 bool cut_at_surface(const Scene& scene, FacetMesh& mesh, std::vector<FacetId>& parent,
                     std::vector<PartWeights>* weights = nullptr);
 /// The ground above and below a place.
-TransmissionGround ground_in_line_with(const Site& site, glm::dvec3 place_m);
+TransmissionGround ground_in_line_with(const LoadedScene& loaded_scene, glm::dvec3 place_m);
 
 /// Settles how a scene's relief gets into its facets: nothing without relief; online, what ground_of() needs;
 /// offline, the scene's facets are refined (or loaded) here, and of a tiled site those of tiles by
 /// refine_part(). Throws InputError.
-void lay_relief(Site& site);
+void lay_relief(LoadedScene& loaded_scene);
 /// Refines a part of a tiled site, that has these tiles and its ground. Throws InputError.
-void refine_part(const Site& whole, const TileChoice& tiles, Site& part);
+void refine_part(const LoadedScene& whole, const TileChoice& tiles, LoadedScene& part);
 /// The parts of some facets of a scene with some of a tiled site's tiles, and what these facets are called
 /// before relief. `parent`: of the scene. Throws InputError.
-RefinedMesh refined_part(const Site& whole, const Scene& part, std::span<const FacetId> facets,
+RefinedMesh refined_part(const LoadedScene& whole, const Scene& part, std::span<const FacetId> facets,
                          std::span<const FacetId> names);
 
 /// The ground that lay_relief() refines, for a scene with relief. Throws InputError.

@@ -27,7 +27,7 @@ TransmissionImages::TransmissionImages(const Transmission& transmission, std::si
     water_.emplace(path_water(transmission, s, ends_.transmit.reach * grid.unit_m()));
   if (water_) water_->limits.weights = weights;
   // Images in refracting water make apparent grounds of their own.
-  if (water_ || (weights && transmission.site().has_ground_per_transmission()))
+  if (water_ || (weights && transmission.loaded_scene().has_ground_per_transmission()))
     lying_.emplace(lying_ground_of(transmission, weights));
   VisibilityOptions options = transmission.request().visibility;
   options.open_water = open_water;

@@ -14,7 +14,7 @@ std::uint64_t label_of(const Transmission& transmission) {
   std::uint64_t label = transmission.ping();
   for (const SharedTransmissions& group : transmission.survey().transmissions) {
     if (&group == &transmission.group()) break;
-    label += transmission.survey().fleet->pings(group);
+    label += transmission.survey().sensor_set->pings(group);
   }
   return label + (std::uint64_t(transmission.number()) << 40);
 }

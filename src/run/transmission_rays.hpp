@@ -18,13 +18,13 @@ RayGuide guide_of(const Transmission& transmission);
 /// A transmission's ground, made ready for rays.
 class RayGround {
  public:
-  explicit RayGround(const Transmission& transmission) : site_(transmission.site()) {
+  explicit RayGround(const Transmission& transmission) : loaded_scene_(transmission.loaded_scene()) {
     if (transmission.ground().is_own()) own_.emplace(transmission.ground().mesh(), transmission.scene().grid);
   }
-  const RayScene& operator*() const { return own_ ? *own_ : site_.rays(); }
+  const RayScene& operator*() const { return own_ ? *own_ : loaded_scene_.rays(); }
 
  private:
-  const Site& site_;
+  const LoadedScene& loaded_scene_;
   std::optional<RayScene> own_;
 };
 

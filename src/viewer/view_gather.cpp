@@ -64,7 +64,8 @@ class Gatherer {
                                                           : pings_.poses[ping].position_m,
                           0});
     view.energy_j.resize(view.energy_j.size() + cells_, 0.0);
-    const Transmissions& around = around_.at(transmissions_.survey().fleet->transmissions_of(index_), ping);
+    const Transmissions& around =
+        around_.at(transmissions_.survey().sensor_set->transmissions_of(index_), ping);
     const std::size_t shadows_before = view.shadows.corners_of.size();
     for (std::size_t number = 0; number < sensor_.transmissions(); ++number) {
       const Transmission transmission = around.received_by(index_, ping, number);
@@ -123,9 +124,9 @@ class Gatherer {
     const ViewSurroundings about = surroundings(view);
     if (!own_mesh_.facets.empty())
       return take_mesh(survey.scene, own_mesh_, about, limits_.mesh_facets, view);
-    if (!survey.site->is_tiled())
+    if (!survey.loaded_scene->is_tiled())
       return take_mesh(survey.scene, survey.scene.mesh, about, limits_.mesh_facets, view);
-    const TileChoice tiles = TilesInView(*survey.site).within(about.lo_m, about.hi_m);
+    const TileChoice tiles = TilesInView(*survey.loaded_scene).within(about.lo_m, about.hi_m);
     const Survey near = survey_with_tiles(survey, tiles);
     return take_mesh(near.scene, near.scene.mesh, about, limits_.mesh_facets, view);
   }

@@ -15,7 +15,7 @@ using testing::HasSubstr;
 class HiddenElements : public testing::Test {
  protected:
   HiddenElements()
-      : site_(load_scene(read_scene(folder_, R"([water]
+      : loaded_scene_(load_scene(read_scene(folder_, R"([water]
 sound_speed_m_s = 1500
 [[materials]]
 name = "sand"
@@ -53,11 +53,11 @@ kind = "fixed"
 name = "camera"
 kind = "didson"
 )"))) {
-    site_.tree = std::make_unique<SceneTree>(site_.scene.mesh);
+    loaded_scene_.tree = std::make_unique<SceneTree>(loaded_scene_.scene.mesh);
   }
   /// What is said of receivers; empty: they may be there.
   std::string said(const std::vector<glm::dvec3>& receivers_m, glm::dvec3 transmitter_m = {0, 0, 9}) {
-    SensorPlaces places(site_);
+    SensorPlaces places(loaded_scene_);
     const SourcePlace place{"scene.toml", 7, 1};
     const std::string name = "tail";
     try {
@@ -83,7 +83,7 @@ f 1 2 6 5
 f 3 4 8 7
 f 1 4 3 2
 )");
-  Site site_;
+  LoadedScene loaded_scene_;
 };
 
 TEST_F(HiddenElements, InTheWaterMayBeAnywhere) {

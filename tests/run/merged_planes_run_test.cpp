@@ -140,7 +140,7 @@ TEST_F(MergedPlanesRun, IsOfNothingWhoseFacetsMatter) {
     const auto survey =
         open_survey(read_scene_file(folder.write("scene.toml", fine_bed(camera, more))), Facets::merged);
     EXPECT_EQ(survey->scene.mesh.facets.size(), 28'800u + 12u);
-    EXPECT_EQ(survey->site->facets_given, 0u);
+    EXPECT_EQ(survey->loaded_scene->facets_given, 0u);
   }
 }
 

@@ -218,7 +218,7 @@ samples = 4240
 
   const auto survey = open_survey(read_scene_file(folder / "scene.toml"));
   const WorldGrid& grid = survey->scene.grid;
-  const TubeEngine engine(survey->scene.mesh, *survey->site->tree, grid.unit_m(), {});
+  const TubeEngine engine(survey->scene.mesh, *survey->loaded_scene->tree, grid.unit_m(), {});
   const Sensor& sensor = *survey->sensors[0].sensor;
   for (std::size_t ping = 0; ping < 7; ++ping) {
     const History history = engine.trace(sensor.tubes(survey->sensors[0].poses[ping], grid));

@@ -56,16 +56,16 @@ Result simulated(const SceneDescription& description, int threads = 2,
     result.altitude_m.push_back(std::move(altitude));
   }
   result.stats = totals(*survey, *store);
-  if (survey->site->terrain_use) {
-    result.regions = survey->site->terrain_use->regions;
-    result.loads = survey->site->terrain_use->loads;
-    result.most_bytes = survey->site->terrain_use->most_bytes;
+  if (survey->loaded_scene->terrain_use) {
+    result.regions = survey->loaded_scene->terrain_use->regions;
+    result.loads = survey->loaded_scene->terrain_use->loads;
+    result.most_bytes = survey->loaded_scene->terrain_use->most_bytes;
   }
   return result;
 }
 
 std::size_t bytes_of_mesh(const Survey& survey) {
-  return survey.site->tree->bytes() + survey.scene.mesh.facets.size() * 16 +
+  return survey.loaded_scene->tree->bytes() + survey.scene.mesh.facets.size() * 16 +
          survey.scene.mesh.vertices.size() * sizeof(GridPoint);
 }
 

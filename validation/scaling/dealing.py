@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Dealing pings to ranks, event by event, as src/run/ranks/run_lead.cpp, run_helper.cpp and ping_crew.cpp do it."""
+"""Dealing pings to ranks, event by event, as src/run/ranks/run_lead.cpp, run_helper.cpp and ping_workers.cpp do it."""
 import collections
 import dataclasses
 import heapq
@@ -7,7 +7,7 @@ import math
 
 import numpy
 
-AHEAD_S, MOST_AHEAD, REST_S = 0.1, 1000, 0.001  # ping_crew.cpp
+AHEAD_S, MOST_AHEAD, REST_S = 0.1, 1000, 0.001  # ping_workers.cpp
 
 
 @dataclasses.dataclass
@@ -39,7 +39,7 @@ def correlation(series, lag=1):
 
 
 class Rank:
-    """A PingCrew and the thread that sees to its messages."""
+    """A PingWorkers and the thread that sees to its messages."""
     def __init__(self, threads, begun):
         self.idle, self.begun, self.done = threads, begun, 0
         self.stock, self.results, self.answers = collections.deque(), 0, []

@@ -135,7 +135,7 @@ BinOrigins bin_origins(const Transmissions& transmissions, TransmissionsAround& 
                        std::size_t ping) {
   const Survey& survey = transmissions.survey();
   const Sensor& kind = *survey.sensors[sensor].sensor;
-  const Transmissions& near = around.at(survey.fleet->transmissions_of(sensor), ping);
+  const Transmissions& near = around.at(survey.sensor_set->transmissions_of(sensor), ping);
   Origins origins(sensor, kind);
   for (std::size_t number = 0; number < kind.transmissions(); ++number)
     origins.add(near.received_by(sensor, ping, number));

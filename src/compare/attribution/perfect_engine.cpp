@@ -79,7 +79,7 @@ class TransmissionRays {
   explicit TransmissionRays(const Transmission& transmission) : transmission_(transmission) {
     if (transmission.ground().is_own()) own_.emplace(transmission.ground().mesh(), transmission.scene().grid);
   }
-  const RayScene& operator*() const { return own_ ? *own_ : transmission_.site().rays(); }
+  const RayScene& operator*() const { return own_ ? *own_ : transmission_.loaded_scene().rays(); }
 
  private:
   const Transmission& transmission_;
@@ -95,7 +95,7 @@ void run_columns(const Survey& survey, const SensorPlace& place, const BeamSampl
   Copier copier(to, place);
   for (std::size_t p = 0; p < place.pings.size(); ++p) {
     stop_if_wanted();
-    const Transmissions& near = around.at(survey.fleet->transmissions_of(place.sensor), place.pings[p]);
+    const Transmissions& near = around.at(survey.sensor_set->transmissions_of(place.sensor), place.pings[p]);
     std::vector<double> energy(sensor.beams().size() * to.samples);
     for (std::size_t number = 0; number < sensor.transmissions(); ++number) {
       const Transmission transmission = near.received_by(place.sensor, place.pings[p], number);
@@ -321,8 +321,8 @@ std::optional<PointsForecast> points_forecast(const SceneAtHand& scene, const Se
   for (std::size_t p = 0; p < place.pings.size(); ++p) {
     stop_if_wanted();
     const SecondMoments moments =
-        second_moments(around.at(survey.fleet->transmissions_of(place.sensor), place.pings[p]), place.sensor,
-                       place.pings[p]);
+        second_moments(around.at(survey.sensor_set->transmissions_of(place.sensor), place.pings[p]),
+                       place.sensor, place.pings[p]);
     for (std::size_t b = 0; b < reference.beams; ++b)
       for (std::size_t k = 0; k < reference.samples; ++k) {
         const double energy = reference.at(p, b, k);

@@ -48,7 +48,7 @@ std::span<double> PingValues::energy(std::size_t sensor, std::size_t first, std:
   return part;
 }
 
-PingValues SparePings::take() {
+PingValues PingBufferPool::take() {
   const std::lock_guard lock(mutex_);
   if (spare_.empty()) return {};
   PingValues values = std::move(spare_.back());
@@ -56,7 +56,7 @@ PingValues SparePings::take() {
   return values;
 }
 
-void SparePings::give_back(PingValues& values) noexcept {
+void PingBufferPool::give_back(PingValues& values) noexcept {
   try {
     const std::lock_guard lock(mutex_);
     spare_.push_back(std::move(values));

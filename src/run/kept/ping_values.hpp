@@ -79,7 +79,7 @@ class PingValues {
 
 /// Values that threads take, make a ping in, and give back. Not one a thread: who waits within a ping for
 /// others may begin another.
-class SparePings {
+class PingBufferPool {
  public:
   template <class Use>
   auto with(const Use& use) {
@@ -89,7 +89,7 @@ class SparePings {
 
  private:
   struct Lent {
-    SparePings& of;
+    PingBufferPool& of;
     PingValues values;
     ~Lent() { of.give_back(values); }
   };

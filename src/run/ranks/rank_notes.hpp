@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "run/kept/ping_store.hpp"
-#include "run/ranks/ping_crew.hpp"
+#include "run/ranks/ping_workers.hpp"
 
 // What ranks tell each other (docs/cluster.md): a letter, then what belongs to it.
 namespace tubefoot {

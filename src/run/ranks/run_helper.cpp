@@ -9,10 +9,10 @@
 #include "geometry/steps/stop.hpp"
 #include "run/kept/build_identity.hpp"
 #include "run/kept/ping_store.hpp"
-#include "run/ranks/outbox.hpp"
-#include "run/ranks/ping_crew.hpp"
+#include "run/ranks/ping_workers.hpp"
 #include "run/ranks/rank_notes.hpp"
 #include "run/ranks/run_ranks.hpp"
+#include "run/ranks/send_queue.hpp"
 #include "run/run_steps.hpp"
 #include "run/settings.hpp"
 #include "run/simulation.hpp"
@@ -29,10 +29,10 @@ constexpr std::chrono::seconds patience_when_interrupted{2};
 // Of results that wait for rank 0.
 constexpr std::size_t most_unsent = std::size_t{8} << 20;
 
-/// However it ends, the crew's threads do not wait for room: the crew waits for them.
+/// However it ends, the workers's threads do not wait for room: the workers waits for them.
 struct OpenedAtExit {
-  Outbox& outbox;
-  ~OpenedAtExit() { outbox.open(); }
+  SendQueue& send_queue;
+  ~OpenedAtExit() { send_queue.open(); }
 };
 
 class HelpingRank {
@@ -99,37 +99,37 @@ class HelpingRank {
   void simulate(const Survey& survey, const RunRequest& request, int threads) {
     const StoreLayout layout = layout_of(survey, request);
     const PingSimulation simulation(survey, request);
-    SparePings spare;
-    Outbox outbox(most_unsent);
-    PingCrew crew(threads, [&](const PingUnit& unit) {
-      outbox.put(spare.with([&](PingValues& values) {
+    PingBufferPool spare;
+    SendQueue send_queue(most_unsent);
+    PingWorkers workers(threads, [&](const PingUnit& unit) {
+      send_queue.put(spare.with([&](PingValues& values) {
         const PingCounts counts = simulation.run(unit, values);
         return result_note(layout, unit, counts, values);
       }));
     });
-    const OpenedAtExit opened{outbox};
+    const OpenedAtExit opened{send_queue};
     bool asked = false;
     for (bool last = false; !last;) {
-      last = crew.finished();  // before the results are looked at
+      last = workers.finished();  // before the results are looked at
       while (const auto message = next()) {
         const std::vector<PingUnit> units = units_in(*message);
-        if (units.empty()) crew.close();
-        crew.add(units);
+        if (units.empty()) workers.close();
+        workers.add(units);
         asked = false;
       }
       if (stopped_) stop_asked = true;  // also the pings in progress: nobody waits for them
       if (over()) {
-        crew.stop();
-        outbox.open();
+        workers.stop();
+        send_queue.open();
       }
-      for (std::string& result : outbox.take(link_.unsent())) link_.send(0, std::move(result));
-      if (const std::size_t wanted = crew.wanted(); wanted > 0 && !asked) {
+      for (std::string& result : send_queue.take(link_.unsent())) link_.send(0, std::move(result));
+      if (const std::size_t wanted = workers.wanted(); wanted > 0 && !asked) {
         link_.send(0, wanted_note(wanted));
         asked = true;
       }
-      if (!last) crew.rest(link_.pause());
+      if (!last) workers.rest(link_.pause());
     }
-    crew.join();
+    workers.join();
   }
 
   RankLink& link_;

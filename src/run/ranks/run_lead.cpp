@@ -6,7 +6,7 @@
 #include "geometry/steps/stop.hpp"
 #include "run/console/progress.hpp"
 #include "run/kept/ping_store.hpp"
-#include "run/ranks/ping_crew.hpp"
+#include "run/ranks/ping_workers.hpp"
 #include "run/ranks/rank_notes.hpp"
 #include "run/ranks/run_ranks.hpp"
 #include "run/simulation.hpp"
@@ -94,12 +94,12 @@ void LeadRank::simulate(const Survey& survey, const RunRequest& request, PingSto
   const PingSimulation simulation(survey, request);
   Deal deal(layout, store);
   Progress progress("pings", layout.units() - store.done_units(), quiet, afterwards_s);
-  SparePings spare;
-  PingCrew crew(threads, [&](const PingUnit& unit) {
+  PingBufferPool spare;
+  PingWorkers workers(threads, [&](const PingUnit& unit) {
     simulation.run_into(store, unit, spare);
     progress.step();
   });
-  while (!crew.finished() || !all_over()) {
+  while (!workers.finished() || !all_over()) {
     // A few at a time: its own threads, and who wants to stop, have their turn however many ranks there are.
     int received = 0;
     for (; received < ranks(); ++received) {
@@ -112,19 +112,19 @@ void LeadRank::simulate(const Survey& survey, const RunRequest& request, PingSto
         progress.step();
       note_end(*message);
     }
-    if (!stopped_ && (stop_wanted() || failure_ || crew.failed())) {
-      crew.stop();
+    if (!stopped_ && (stop_wanted() || failure_ || workers.failed())) {
+      workers.stop();
       stop_all();
     }
-    if (const std::size_t wanted = crew.wanted(); wanted > 0) {
+    if (const std::size_t wanted = workers.wanted(); wanted > 0) {
       const std::vector<PingUnit> units = deal.next(wanted, ranks());
-      if (units.empty()) crew.close();
-      crew.add(units);
+      if (units.empty()) workers.close();
+      workers.add(units);
     }
     if (stopped_ && Clock::now() - *stopped_ > patience_when_interrupted) break;
-    if (received < ranks()) crew.rest(link_->pause());
+    if (received < ranks()) workers.rest(link_->pause());
   }
-  crew.join();
+  workers.join();
   if (failure_) rethrow(*failure_);
 }
 

@@ -29,8 +29,8 @@ double fraction(std::uint64_t seed, std::int64_t i, std::int64_t j, std::uint64_
 }  // namespace
 
 MaterialMap patch_material_map(const PatchMaterialMap& map, const MaterialMapSetting& setting) {
-  // Every square of the lattice holds a site, so that no place is further than a square's diagonal from its
-  // nearest site: that lies at most two squares away, and what bounds its cell five.
+  // Every square of the lattice holds a loaded scene, so that no place is further than a square's diagonal
+  // from its nearest site: that lies at most two squares away, and what bounds its cell five.
   constexpr std::int64_t covered = 2, margin = 5;
   const double size = map.patch_size_m;
   const glm::dvec2 lo = glm::floor(glm::dvec2(setting.lo_m) / size),
@@ -43,7 +43,7 @@ MaterialMap patch_material_map(const PatchMaterialMap& map, const MaterialMapSet
                     "larger 'patch_size_m'",
                     size, setting.hi_m.x - setting.lo_m.x, setting.hi_m.y - setting.lo_m.y,
                     squares.x * squares.y, most_material_patches));
-  constexpr double far_squares = 0x1p50;  // beyond, a site's place within its square is lost
+  constexpr double far_squares = 0x1p50;  // beyond, a loaded scene's place within its square is lost
   if (std::max({-lo.x, -lo.y, hi.x, hi.y}) > far_squares)
     throw InputError(setting.place,
                      fmt::format("patches of {} m are too small this far from the origin", size));
@@ -72,7 +72,7 @@ MaterialMap patch_material_map(const PatchMaterialMap& map, const MaterialMapSet
     }
   std::vector<MaterialBorder> borders;
   for (const VoronoiEdge& edge : voronoi_edges(sites)) {
-    const std::uint32_t r = region[edge.site], s = region[edge.other_site];
+    const std::uint32_t r = region[edge.loaded_scene], s = region[edge.other_loaded_scene];
     if (r != s) borders.push_back({edge.a, edge.b, std::min(r, s), std::max(r, s)});
   }
   check_border_count(borders.size(), setting.place);

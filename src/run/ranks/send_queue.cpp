@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "run/ranks/outbox.hpp"
+#include "run/ranks/send_queue.hpp"
 
 #include <utility>
 
 namespace tubefoot {
 
-void Outbox::put(std::string result) {
+void SendQueue::put(std::string result) {
   std::unique_lock lock(mutex_);
   room_.wait(lock, [this] { return open_ || held_bytes_ + unsent_bytes_ < most_bytes_; });
   held_bytes_ += result.size();
   results_.push_back(std::move(result));
 }
 
-std::vector<std::string> Outbox::take(std::size_t unsent) {
+std::vector<std::string> SendQueue::take(std::size_t unsent) {
   const std::lock_guard lock(mutex_);
   // The link takes over what was held.
   unsent_bytes_ = unsent + std::exchange(held_bytes_, 0);
@@ -20,7 +20,7 @@ std::vector<std::string> Outbox::take(std::size_t unsent) {
   return std::exchange(results_, {});
 }
 
-void Outbox::open() {
+void SendQueue::open() {
   const std::lock_guard lock(mutex_);
   open_ = true;
   room_.notify_all();

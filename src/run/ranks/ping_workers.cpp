@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "run/ranks/ping_crew.hpp"
+#include "run/ranks/ping_workers.hpp"
 
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
@@ -19,15 +19,15 @@ constexpr std::size_t most_ahead = 1000;
 
 }  // namespace
 
-PingCrew::PingCrew(int threads, std::function<void(const PingUnit&)> run)
+PingWorkers::PingWorkers(int threads, std::function<void(const PingUnit&)> run)
     : threads_(threads), run_(std::move(run)), thread_([this] { work(); }) {}
 
-PingCrew::~PingCrew() {
+PingWorkers::~PingWorkers() {
   stop();
   if (thread_.joinable()) thread_.join();
 }
 
-std::size_t PingCrew::wanted() const {
+std::size_t PingWorkers::wanted() const {
   const std::lock_guard lock(mutex_);
   if (closed_) return 0;
   std::size_t ahead = 0;
@@ -38,27 +38,27 @@ std::size_t PingCrew::wanted() const {
   return stock_.size() < idle_ + ahead ? idle_ + 2 * ahead - stock_.size() : 0;
 }
 
-void PingCrew::add(std::span<const PingUnit> units) {
+void PingWorkers::add(std::span<const PingUnit> units) {
   const std::lock_guard lock(mutex_);
   stock_.insert(stock_.end(), units.begin(), units.end());
   if (!begun_) begun_ = Clock::now();
   stocked_.notify_all();
 }
 
-void PingCrew::close() {
+void PingWorkers::close() {
   const std::lock_guard lock(mutex_);
   closed_ = true;
   stocked_.notify_all();
 }
 
-void PingCrew::stop() {
+void PingWorkers::stop() {
   const std::lock_guard lock(mutex_);
   stock_.clear();
   closed_ = true;
   stocked_.notify_all();
 }
 
-std::optional<PingUnit> PingCrew::take() {
+std::optional<PingUnit> PingWorkers::take() {
   std::unique_lock lock(mutex_);
   ++idle_;
   stocked_.wait(lock, [this] { return closed_ || !stock_.empty(); });
@@ -69,7 +69,7 @@ std::optional<PingUnit> PingCrew::take() {
   return unit;
 }
 
-void PingCrew::work() {
+void PingWorkers::work() {
   const auto take_turns = [this](int) {
     while (const std::optional<PingUnit> unit = take()) {
       try {
@@ -96,12 +96,12 @@ void PingCrew::work() {
   finished_ = true;
 }
 
-void PingCrew::join() {
+void PingWorkers::join() {
   if (thread_.joinable()) thread_.join();
   if (error_) std::rethrow_exception(error_);
 }
 
-void PingCrew::rest(std::chrono::microseconds longest) {
+void PingWorkers::rest(std::chrono::microseconds longest) {
   std::unique_lock lock(mutex_);
   done_.wait_for(lock, longest, [this] { return news_; });
   news_ = false;

@@ -21,7 +21,7 @@ class RayScene;
 class RefinedBedFile;
 
 /// How relief is in a scene's facets; nothing of it without relief.
-struct SiteRelief {
+struct SceneRelief {
   double cell_m = 0;                                ///< 0: no relief
   std::size_t base_facets = 0, uniform_facets = 0;  ///< unrefined; textured ones in cells
   std::vector<FacetId> parent;  ///< offline: by facet of the scene, the unrefined one; of a part, the part's
@@ -31,9 +31,9 @@ struct SiteRelief {
   std::shared_ptr<const RefinedBedFile> file;  ///< that they come from; null: they are made
 };
 
-/// What was made of a site's facets that no sonar tells apart (coarsening.hpp). Bounds of the map from the
-/// facets given onto those there are.
-struct SiteCoarsening {
+/// What was made of a loaded scene's facets that no sonar tells apart (coarsening.hpp). Bounds of the map
+/// from the facets given onto those there are.
+struct SceneCoarsening {
   double tolerance = 0;  ///< asked for, of what is told apart
   std::size_t facets_before = 0, facets = 0;
   double largest_move_m = 0;    ///< of a point
@@ -52,25 +52,25 @@ struct TerrainUse {
 /// A loaded scene, ready for pings: relief is in its facets or ready to be refined for each transmission, and
 /// the facets are in a tree. open_survey() and survey_with_tiles() build sites; to all others they are const.
 /// Where terrain is read by tiles (scene.tiled), the scene's mesh has all but that.
-struct Site {
-  explicit Site(Scene loaded);
-  ~Site();
-  Site(const Site&) = delete;  // tree and ground point into the scene
-  Site& operator=(const Site&) = delete;
+struct LoadedScene {
+  explicit LoadedScene(Scene loaded);
+  ~LoadedScene();
+  LoadedScene(const LoadedScene&) = delete;  // tree and ground point into the scene
+  LoadedScene& operator=(const LoadedScene&) = delete;
 
   Scene scene;
-  SiteRelief relief;
+  SceneRelief relief;
   std::unique_ptr<const Ground> ground;  ///< relief online: what transmissions refine, each for itself
   std::unique_ptr<const SceneTree> tree;
   bool is_cut = false;           ///< by the sea surface, above which no facet is
   std::size_t facets_given = 0;  ///< before planes were merged; 0: they were not
-  std::optional<SiteCoarsening> coarsening;
+  std::optional<SceneCoarsening> coarsening;
   double lowest_m = 0;  ///< of the scene, where water refracts: rays do not turn below
   double load_seconds = 0, tree_seconds = 0;
   std::shared_ptr<TerrainUse> terrain_use;  ///< null without tiles
   // Of what survey_with_tiles() makes:
-  std::shared_ptr<const Site> whole;  ///< the tiled site that this is a part of
-  TileChoice tiles;                   ///< its tiles that the mesh has
+  std::shared_ptr<const LoadedScene> whole;  ///< the tiled site that this is a part of
+  TileChoice tiles;                          ///< its tiles that the mesh has
 
   bool is_tiled() const { return !scene.tiled.empty(); }
   /// Whether relief gets into facets as tiles are loaded.

@@ -10,11 +10,11 @@
 namespace tubefoot {
 
 /// Results of a rank's threads on their way to its link. Where the link is slower than the threads these
-/// wait, so that what is not sent yet takes no more memory than the outbox was given, and one result a
+/// wait, so that what is not sent yet takes no more memory than the send queue was given, and one result a
 /// thread.
-class Outbox {
+class SendQueue {
  public:
-  explicit Outbox(std::size_t most_bytes) : most_bytes_(most_bytes) {}
+  explicit SendQueue(std::size_t most_bytes) : most_bytes_(most_bytes) {}
 
   /// Waits for room. Called by the threads.
   void put(std::string result);

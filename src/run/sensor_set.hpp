@@ -40,7 +40,7 @@ struct SharedTransmissions {
 };
 
 /// Who pings where.
-struct Fleet {
+struct SensorSet {
   std::vector<SensorPings> sensors;
   std::vector<SharedTransmissions> transmissions;
 
@@ -54,8 +54,8 @@ struct Fleet {
   const SharedTransmissions& transmissions_of(std::size_t sensor) const;
   /// Index of the sensor of that name; throws UsageError naming the nearest ones.
   std::size_t sensor_named(const std::string& name) const;
-  /// Some pings of one sensor, by their numbers, as a fleet of its own.
-  Fleet some_pings(std::size_t sensor, const std::vector<std::size_t>& pings) const;
+  /// Some pings of one sensor, by their numbers, as a sensor set of its own.
+  SensorSet some_pings(std::size_t sensor, const std::vector<std::size_t>& pings) const;
 };
 
 }  // namespace tubefoot

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Results that wait for a slow rank 0 take no more memory than they were given.
-#include "run/ranks/outbox.hpp"
+#include "run/ranks/send_queue.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 #include "fixtures/program.hpp"
 #include "fixtures/scene_texts.hpp"
 #include "run/partial_run.hpp"
-#include "run/ranks/ping_crew.hpp"
+#include "run/ranks/ping_workers.hpp"
 #include "run/ranks/rank_notes.hpp"
 #include "run/ranks/run_ranks.hpp"
 #include "run/run_steps.hpp"
@@ -22,33 +22,33 @@
 namespace tubefoot {
 namespace {
 
-TEST(AnOutbox, HasThreadsWaitForRoom) {
-  Outbox outbox(10);
-  outbox.put("0123456789");
+TEST(ASendQueue, HasThreadsWaitForRoom) {
+  SendQueue send_queue(10);
+  send_queue.put("0123456789");
   std::atomic<bool> put{false};
   std::thread thread([&] {
-    outbox.put("more");
+    send_queue.put("more");
     put = true;
   });
   // Taken, but with the link still.
-  EXPECT_EQ(outbox.take(0).size(), 1u);
+  EXPECT_EQ(send_queue.take(0).size(), 1u);
   std::this_thread::sleep_for(std::chrono::milliseconds(20));
   EXPECT_FALSE(put);
-  EXPECT_TRUE(outbox.take(10).empty());
+  EXPECT_TRUE(send_queue.take(10).empty());
   std::this_thread::sleep_for(std::chrono::milliseconds(20));
   EXPECT_FALSE(put);
-  outbox.take(9);
+  send_queue.take(9);
   thread.join();
-  EXPECT_EQ(outbox.take(9), std::vector<std::string>{"more"});
+  EXPECT_EQ(send_queue.take(9), std::vector<std::string>{"more"});
 }
 
-TEST(AnOutbox, LetsGoWhoWaitsOnceItIsOpen) {
-  Outbox outbox(1);
-  outbox.put("full");
-  std::thread thread([&] { outbox.put("more"); });
-  outbox.open();
+TEST(ASendQueue, LetsGoWhoWaitsOnceItIsOpen) {
+  SendQueue send_queue(1);
+  send_queue.put("full");
+  std::thread thread([&] { send_queue.put("more"); });
+  send_queue.open();
   thread.join();
-  EXPECT_EQ(outbox.take(0).size(), 2u);
+  EXPECT_EQ(send_queue.take(0).size(), 2u);
 }
 
 /// Rank 0, as a helper sees it, that takes nothing before the helper has stopped sending.

@@ -18,14 +18,14 @@
 namespace tubefoot {
 
 /// The threads of a rank that simulate pings from a small stock, while the caller's thread sees to messages.
-class PingCrew {
+class PingWorkers {
  public:
   /// `run` is called by `threads` threads at once, for one ping each.
-  PingCrew(int threads, std::function<void(const PingUnit&)> run);
+  PingWorkers(int threads, std::function<void(const PingUnit&)> run);
   /// Waits for the pings that were begun.
-  ~PingCrew();
-  PingCrew(const PingCrew&) = delete;
-  PingCrew& operator=(const PingCrew&) = delete;
+  ~PingWorkers();
+  PingWorkers(const PingWorkers&) = delete;
+  PingWorkers& operator=(const PingWorkers&) = delete;
 
   /// How many pings to add now: as many as keep all busy for about as long as it may take until more come, so
   /// one at a time where pings are slow; 0: enough are there.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "run/fleet.hpp"
+#include "run/sensor_set.hpp"
 
 #include <fmt/format.h>
 
@@ -10,13 +10,13 @@
 
 namespace tubefoot {
 
-const SharedTransmissions& Fleet::transmissions_of(std::size_t sensor) const {
+const SharedTransmissions& SensorSet::transmissions_of(std::size_t sensor) const {
   return *std::ranges::find_if(transmissions, [&](const SharedTransmissions& group) {
     return std::ranges::find(group.sensors, sensor) != group.sensors.end();
   });
 }
 
-std::size_t Fleet::sensor_named(const std::string& name) const {
+std::size_t SensorSet::sensor_named(const std::string& name) const {
   std::string names;
   std::vector<std::string> known;
   for (std::size_t s = 0; s < sensors.size(); ++s) {
@@ -29,7 +29,7 @@ std::size_t Fleet::sensor_named(const std::string& name) const {
                                meant.empty() ? "" : fmt::format(": did you mean '{}'?", meant)));
 }
 
-Fleet Fleet::some_pings(std::size_t sensor, const std::vector<std::size_t>& pings) const {
+SensorSet SensorSet::some_pings(std::size_t sensor, const std::vector<std::size_t>& pings) const {
   const SensorPings& all = sensors[sensor];
   SensorPings some;
   some.sensor = all.sensor;
