@@ -122,7 +122,7 @@ Overlay overlaid_in_halves(const LinePolygon& place, std::vector<const FacetRegi
     if (from <= static_cast<double>(middle)) below.push_back(region);
     if (to >= static_cast<double>(middle)) above.push_back(region);
   }
-  // Regions that lie on top of each other are not told apart by halving.
+  // Regions that lie on top of each other are not resolved by halving.
   const std::size_t most = regions.size() - regions.size() / 6;
   if (below.size() > most && above.size() > most) return overlaid(place, regions);
   const PlaneLine cut = PlaneLine::of(wide ? 1 : 0, wide ? 0 : 1, -HugeInt(middle));

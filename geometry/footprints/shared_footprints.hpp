@@ -90,8 +90,8 @@ class FootprintSharer {
   FootprintSharer(const FacetMesh& mesh, const ApexLook& transmit, const ApexLook& receive, double unit_m);
   /// Of looks at two images of the same facets: both have a mesh, and facets of the same origin have the same
   /// vertices, in the same order, wherever each apex sees them. A point of one lies on the other as it lies
-  /// between the vertices. What is shared is told where the transmitter sees it; `receive_distance_m` is that
-  /// from the receiver's image. As exact as for one mesh.
+  /// between the vertices. What is shared is reported where the transmitter sees it; `receive_distance_m` is
+  /// that from the receiver's image. As exact as for one mesh.
   FootprintSharer(const ApexLook& transmit_image, const ApexLook& receive_image, double unit_m);
 
   /// How many facets both look at the same side of; what they see of them may still be apart.

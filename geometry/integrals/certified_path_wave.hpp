@@ -13,8 +13,8 @@
 #include "geometry/integrals/certified_polygon.hpp"
 #include "geometry/numbers/ball.hpp"
 
-// EdgeForm's integral of any wave that is told by the length of its path, in balls: a pulse with its flanks,
-// not one frequency after the other. Heavy: include only in .cpp files and headers of integrators.
+// EdgeForm's integral of any wave that is reported by the length of its path, in balls: a pulse with its
+// flanks, not one frequency after the other. Heavy: include only in .cpp files and headers of integrators.
 namespace tubefoot {
 
 /// F(P): on each stretch of paths a sum of exponentials of quadratics, 0 before the first and beyond the

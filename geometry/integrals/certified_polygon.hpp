@@ -34,7 +34,7 @@ struct CertifiedPolygon {
   bool foot_inside = false;
 };
 
-/// The enclosure of a piece. `unit_m` is a power of two. An edge whose two corners cannot be told apart is
+/// The enclosure of a piece. `unit_m` is a power of two. An edge whose two corners cannot be resolved is
 /// left out.
 CertifiedPolygon certified_polygon(const NameContext& context, const std::vector<CornerName>& corners,
                                    const NamedPiece& piece, double unit_m);

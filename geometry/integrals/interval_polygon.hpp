@@ -31,7 +31,7 @@ struct IntervalPolygon {
   bool foot_inside = false;
 };
 
-/// Encloses a piece. False if two neighbouring corners cannot be told apart: that takes balls. `unit_m` is a
+/// Encloses a piece. False if two neighbouring corners cannot be resolved: that takes balls. `unit_m` is a
 /// power of two. `polygon` is written over, so that its lists are used again.
 bool enclose_in_intervals(const NameContext& context, const std::vector<CornerName>& corners,
                           const NamedPiece& piece, double unit_m, IntervalPolygon& polygon);

@@ -36,7 +36,7 @@ struct FacetContact {
 };
 /// Exact; of several facets, that of the lowest id. Facets without area are nothing to lie on. `near`: from
 /// facets_near_vertical().
-/// Law F3 (contact): a point in a facet, on an edge or at a vertex is told, one a grid unit off is not.
+/// Law F3 (contact): a point in a facet, on an edge or at a vertex is reported, one a grid unit off is not.
 std::optional<FacetContact> contact_at(const FacetMesh& mesh, std::span<const FacetId> near, GridPoint point);
 
 /// Crossings per component that the line meets, exactly: a line through an edge or a vertex is moved aside by

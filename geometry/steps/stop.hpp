@@ -11,15 +11,15 @@ namespace tubefoot {
 struct Interrupted {};
 
 /// Asked of all work of the process. Signal handlers set it.
-inline std::atomic<bool> stop_asked{false};
+inline std::atomic<bool> stop_requested{false};
 static_assert(std::atomic<bool>::is_always_lock_free);
 
 /// Asked of the work that a thread takes part in alone; null: of none.
-inline constinit thread_local const std::atomic<bool>* stop_asked_of_thread = nullptr;
+inline constinit thread_local const std::atomic<bool>* stop_requested_of_thread = nullptr;
 
 inline bool stop_wanted() {
-  return stop_asked.load(std::memory_order_relaxed) ||
-         (stop_asked_of_thread != nullptr && stop_asked_of_thread->load(std::memory_order_relaxed));
+  return stop_requested.load(std::memory_order_relaxed) ||
+         (stop_requested_of_thread != nullptr && stop_requested_of_thread->load(std::memory_order_relaxed));
 }
 
 inline void stop_if_wanted() {

@@ -103,7 +103,7 @@ struct FramedFacet : RangedFacet {
 };
 
 /// Whether p is inside (1), outside (-1) or too near the border of a finite facet's triangle to tell (0).
-/// Law K1 (place): what is told to be inside is, and what is told to be outside.
+/// Law K1 (place): what is reported to be inside is, and what is reported to be outside.
 int where(const FramedFacet& facet, glm::dvec2 p);
 
 /// Law K2 (apart): true only if the facets' cones have no interior direction in common: an edge of one has

@@ -282,7 +282,7 @@ void LayerGrid::occluder_candidates(std::uint32_t facet, std::vector<std::uint32
             break;
           }
       if (found_.size() < count + (cell.end - cell.begin)) found_.resize(count + (cell.end - cell.begin));
-      // Half of them are found: no branch would be foreseen.
+      // Half of them are found: no branch would be expected.
       const std::size_t before = count;
       for (const Entry* e = begin; e != end && e->nearest < farthest; ++e) {
         // A simple layer does not overlap itself here.

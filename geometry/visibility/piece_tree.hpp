@@ -28,29 +28,29 @@ class PieceTree {
 
   /// Cuts every piece; true if anything was taken of any. `cut(piece, asked, rest)` appends what is left of a
   /// piece to `rest`, or returns false if that is all of it. `meets(piece, asked)` may be false only if `cut`
-  /// would be for all that lies within the piece; it may take out of `asked` what need not be asked there
+  /// would be for all that lies within the piece; it may take out of `requested` what need not be asked there
   /// again.
   template <class Meets, class Cut>
-  bool take_away(unsigned asked, const Meets& meets, const Cut& cut) {
-    if (listed_) return take_away_from_few(asked, cut);
+  bool take_away(unsigned requested, const Meets& meets, const Cut& cut) {
+    if (listed_) return take_away_from_few(requested, cut);
     if (empty()) return false;
     bool taken = false;
-    visits_.assign(1, {0, asked});
+    visits_.assign(1, {0, requested});
     while (!visits_.empty()) {
-      auto [at, asked_here] = visits_.back();
+      auto [at, requested_here] = visits_.back();
       visits_.pop_back();
       if (nodes_[at].children > 0) shorten(at);
       if (nodes_[at].children == 0) {
         rest_.clear();
-        if (!cut(nodes_[at].piece, asked_here, rest_)) continue;
+        if (!cut(nodes_[at].piece, requested_here, rest_)) continue;
         taken = true;
         replace(at, rest_);
         continue;
       }
       const Node& node = nodes_[at];
-      if (node.pieces >= worth_a_look && !meets(node.piece, asked_here)) continue;
+      if (node.pieces >= worth_a_look && !meets(node.piece, requested_here)) continue;
       for (std::uint32_t child = node.first; child < node.first + node.children; ++child)
-        if (nodes_[child].pieces > 0) visits_.push_back({child, asked_here});
+        if (nodes_[child].pieces > 0) visits_.push_back({child, requested_here});
     }
     return taken;
   }
@@ -82,7 +82,7 @@ class PieceTree {
   };
   struct Visit {
     std::uint32_t node;
-    unsigned asked;
+    unsigned requested;
   };
 
   /// No more pieces than this are kept in a list: most receivers never have more.
@@ -91,12 +91,12 @@ class PieceTree {
   static constexpr std::uint32_t worth_a_look = 3;
 
   template <class Cut>
-  bool take_away_from_few(unsigned asked, const Cut& cut) {
+  bool take_away_from_few(unsigned requested, const Cut& cut) {
     bool taken = false;
     rest_.clear();
     for (const PieceRange& piece : few_) {
       const std::size_t mark = rest_.size();
-      if (cut(piece, asked, rest_)) {
+      if (cut(piece, requested, rest_)) {
         taken = true;
       } else {
         rest_.resize(mark);

@@ -51,24 +51,26 @@ struct NativeCoverage {
   }
 };
 
-struct Asked {
+struct Requested {
   std::optional<std::string> sensor;
   std::string pings, output;
 };
 
-std::shared_ptr<NativeCoverage> compute(NativeScene& scene, const Asked& asked) {
+std::shared_ptr<NativeCoverage> compute(NativeScene& scene, const Requested& requested) {
   auto coverage = std::make_shared<NativeCoverage>();
   std::optional<CoverageOutput> output;
-  if (!asked.output.empty()) output.emplace(asked.output, std::nullopt, inputs_of(scene.description()));
+  if (!requested.output.empty())
+    output.emplace(requested.output, std::nullopt, inputs_of(scene.description()));
   coverage->survey = scene.survey();
   const Survey& survey = *coverage->survey;
   const ThreadLimit limit(scene.description().run.threads);
   const RunRequest request = request_of(scene.description().run);
-  require_able(survey, request, Feature::coverage,
-               asked.sensor ? std::optional(survey.sensor_set->sensor_named(*asked.sensor)) : std::nullopt);
-  const std::vector<ReceivedPing> pings = counted_pings(survey, asked.sensor, asked.pings);
+  require_able(
+      survey, request, Feature::coverage,
+      requested.sensor ? std::optional(survey.sensor_set->sensor_named(*requested.sensor)) : std::nullopt);
+  const std::vector<ReceivedPing> pings = counted_pings(survey, requested.sensor, requested.pings);
   coverage->pings = names_of(survey, pings);
-  coverage->title = coverage_title(survey, asked.sensor, pings.size());
+  coverage->title = coverage_title(survey, requested.sensor, pings.size());
   coverage->picture.emplace(survey);
   if (output) output->begin(survey, coverage->pings);
   cover(survey, request, pings, true, [&](const CoveredFacet& facet) {

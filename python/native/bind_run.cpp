@@ -130,30 +130,30 @@ std::optional<T> option(const py::dict& options, const char* name) {
 std::shared_ptr<NativeResult> run(const NativeScene& scene, const py::dict& options,
                                   const std::optional<std::string>& own_name, const py::object& own,
                                   const py::object& progress, const py::object& warned) {
-  RunOptions asked;
-  asked.quiet = true;
-  asked.arithmetic = option<std::string>(options, "arithmetic");
-  asked.threads = option<int>(options, "threads");
-  asked.output = option<std::string>(options, "output").value_or("");
-  asked.selection = {option<std::string>(options, "sensor"), option<std::string>(options, "pings"),
-                     option<std::string>(options, "beams")};
-  asked.engine = option<std::string>(options, "engine");
-  asked.binning = option<std::string>(options, "binning");
-  asked.sampling = option<std::string>(options, "sampling");
-  asked.rays = option<std::int64_t>(options, "rays");
-  asked.rays_per_beam = option<std::int64_t>(options, "rays_per_beam");
-  asked.seed = option<std::uint64_t>(options, "seed");
-  asked.reference = option<bool>(options, "reference").value_or(false);
-  asked.labels = option<bool>(options, "labels").value_or(false);
-  asked.label_level_db = option<double>(options, "label_level");
-  asked.tolerance = option<std::string>(options, "tolerance");
-  asked.coarsen = option<std::string>(options, "coarsen");
+  RunOptions requested;
+  requested.quiet = true;
+  requested.arithmetic = option<std::string>(options, "arithmetic");
+  requested.threads = option<int>(options, "threads");
+  requested.output = option<std::string>(options, "output").value_or("");
+  requested.selection = {option<std::string>(options, "sensor"), option<std::string>(options, "pings"),
+                         option<std::string>(options, "beams")};
+  requested.engine = option<std::string>(options, "engine");
+  requested.binning = option<std::string>(options, "binning");
+  requested.sampling = option<std::string>(options, "sampling");
+  requested.rays = option<std::int64_t>(options, "rays");
+  requested.rays_per_beam = option<std::int64_t>(options, "rays_per_beam");
+  requested.seed = option<std::uint64_t>(options, "seed");
+  requested.reference = option<bool>(options, "reference").value_or(false);
+  requested.labels = option<bool>(options, "labels").value_or(false);
+  requested.label_level_db = option<double>(options, "label_level");
+  requested.tolerance = option<std::string>(options, "tolerance");
+  requested.coarsen = option<std::string>(options, "coarsen");
   const auto engine = own_name ? own_engine(*own_name, own) : nullptr;
   RunWatch watch;
   std::shared_ptr<NativeResult> result;
   Warnings warnings;
   run_apart(
-      watch, progress, [&] { result = compute(scene.description(), asked, engine, watch, warnings); },
+      watch, progress, [&] { result = compute(scene.description(), requested, engine, watch, warnings); },
       [&] { warnings.tell(warned); });
   return result;
 }

@@ -7,8 +7,8 @@
 
 #include "bindings.hpp"
 #include "files/file_hash.hpp"
+#include "run/no_return.hpp"
 #include "run/run_steps.hpp"
-#include "run/silence.hpp"
 #include "run/standing.hpp"
 #include "scene.hpp"
 #include "sensors/kinds/scene_file.hpp"
@@ -89,8 +89,8 @@ std::vector<std::pair<std::string, bool>> warnings_of(const Survey& survey) {
   for (const Standing& standing : standings(survey))
     if (!standing.warning.empty()) add({standing.warning});
   add(vast_windows(survey));
-  for (const Silence& silence : foreseen_silence(survey, request_of(survey.scene.description.run)))
-    all.emplace_back(silence.warning, true);
+  for (const NoReturn& no_return : expected_no_returns(survey, request_of(survey.scene.description.run)))
+    all.emplace_back(no_return.warning, true);
   return all;
 }
 

@@ -101,17 +101,17 @@ std::vector<Trial> chart(const ChartRequest& request, RunWatch& watch) {
   return trials;
 }
 
-std::vector<py::dict> chart_from_python(const py::dict& asked, const py::object& progress) {
+std::vector<py::dict> chart_from_python(const py::dict& requested, const py::object& progress) {
   ChartRequest request;
-  request.scenes = asked["scenes"].cast<decltype(request.scenes)>();
+  request.scenes = requested["scenes"].cast<decltype(request.scenes)>();
   if (std::ranges::any_of(request.scenes, [](const auto& scene) { return scene == nullptr; }))
     throw py::type_error("chart: expected scenes, not None");
-  request.builtin = asked["builtin"].cast<decltype(request.builtin)>();
-  request.own = asked["own"].cast<decltype(request.own)>();
-  request.output = asked["output"].cast<std::string>();
-  request.pings = asked["pings"].cast<std::size_t>();
-  request.repeats = asked["repeats"].cast<int>();
-  request.seconds = asked["seconds"].cast<double>();
+  request.builtin = requested["builtin"].cast<decltype(request.builtin)>();
+  request.own = requested["own"].cast<decltype(request.own)>();
+  request.output = requested["output"].cast<std::string>();
+  request.pings = requested["pings"].cast<std::size_t>();
+  request.repeats = requested["repeats"].cast<int>();
+  request.seconds = requested["seconds"].cast<double>();
   RunWatch watch;
   std::vector<Trial> trials;
   run_apart(watch, progress, [&] { trials = chart(request, watch); });
@@ -142,7 +142,7 @@ std::string advise_from_python(const NativeScene& scene, const std::string& tole
     options.seed = scene.description().run.seed;
     options.quiet = true;
     said = text_of(
-        json_of(advise(scene.description(), asked_tolerance(tolerance), options), scene.description()));
+        json_of(advise(scene.description(), requested_tolerance(tolerance), options), scene.description()));
   });
   return said;
 }

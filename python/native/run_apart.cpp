@@ -26,8 +26,8 @@ class StopTeller : public tbb::task_scheduler_observer {
     observe(true);
   }
   ~StopTeller() override { observe(false); }
-  void on_scheduler_entry(bool) override { stop_asked_of_thread = &stop_; }
-  void on_scheduler_exit(bool) override { stop_asked_of_thread = nullptr; }
+  void on_scheduler_entry(bool) override { stop_requested_of_thread = &stop_; }
+  void on_scheduler_exit(bool) override { stop_requested_of_thread = nullptr; }
 
  private:
   const std::atomic<bool>& stop_;
@@ -36,8 +36,10 @@ class StopTeller : public tbb::task_scheduler_observer {
 /// Lets `stop` stop what this thread does, and what others do for it.
 class Stoppable {
  public:
-  explicit Stoppable(const std::atomic<bool>& stop) : teller_(arena_, stop) { stop_asked_of_thread = &stop; }
-  ~Stoppable() { stop_asked_of_thread = nullptr; }
+  explicit Stoppable(const std::atomic<bool>& stop) : teller_(arena_, stop) {
+    stop_requested_of_thread = &stop;
+  }
+  ~Stoppable() { stop_requested_of_thread = nullptr; }
   Stoppable(const Stoppable&) = delete;
   Stoppable& operator=(const Stoppable&) = delete;
 

@@ -16,14 +16,14 @@ namespace {
 
 using Complex = std::complex<double>;
 
-std::vector<double> all_weights(const std::vector<double>& asked, std::size_t count, const char* of) {
-  if (asked.empty()) return std::vector<double>(count, 1);
-  if (asked.size() != count)
-    throw std::invalid_argument(fmt::format("there are {} weights for {} {}", asked.size(), count, of));
+std::vector<double> all_weights(const std::vector<double>& requested, std::size_t count, const char* of) {
+  if (requested.empty()) return std::vector<double>(count, 1);
+  if (requested.size() != count)
+    throw std::invalid_argument(fmt::format("there are {} weights for {} {}", requested.size(), count, of));
   for (std::size_t k = 0; k < count; ++k)
-    if (!std::isfinite(asked[k]))
+    if (!std::isfinite(requested[k]))
       throw std::invalid_argument(fmt::format("weight {} of the {} is not finite", k, of));
-  return asked;
+  return requested;
 }
 
 /// What all pixels need of a ping.

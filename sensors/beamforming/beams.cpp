@@ -96,9 +96,9 @@ std::vector<glm::dvec3> forward_fan(const std::vector<double>& angles_rad, doubl
   return directions;
 }
 
-std::vector<Complex> delay_and_sum(const ElementSignals& signals, std::size_t ping, const BeamSteering& asked,
-                                   const SignalInterpolator& interpolator) {
-  const BeamSteering steering = normalised(signals, ping, asked);
+std::vector<Complex> delay_and_sum(const ElementSignals& signals, std::size_t ping,
+                                   const BeamSteering& requested, const SignalInterpolator& interpolator) {
+  const BeamSteering steering = normalised(signals, ping, requested);
   interpolator.check_holds(signals.waveform, signals.sampling);
   std::vector<Complex> beams(steering.directions.size() * signals.samples());
   tbb::parallel_for(std::size_t{0}, steering.directions.size(), [&](std::size_t beam) {
@@ -116,8 +116,8 @@ std::vector<Complex> delay_and_sum(const ElementSignals& signals, std::size_t pi
 }
 
 std::vector<Complex> phase_and_sum(const ElementSignals& signals, std::size_t ping,
-                                   const BeamSteering& asked) {
-  const BeamSteering steering = normalised(signals, ping, asked);
+                                   const BeamSteering& requested) {
+  const BeamSteering steering = normalised(signals, ping, requested);
   require(!steering.near_field, "beams by phases are of plane waves: focus near fields by delay_and_sum()");
   const SignalSampling& sampling = signals.sampling;
   double longest_s = 0;

@@ -47,7 +47,7 @@ class CellSums {
   static CellSum of_one(double east_m, double north_m, double value, double weight, double cell_m) {
     constexpr double on_the_border = 1e-6;  // cells
     const double x = east_m / cell_m + on_the_border, y = north_m / cell_m + on_the_border;
-    constexpr double farthest = 1e15;  // cells; beyond, neighbouring cells are no longer told apart
+    constexpr double farthest = 1e15;  // cells; beyond, neighbouring cells are no longer resolved
     if (!(std::abs(x) < farthest) || !(std::abs(y) < farthest) || !std::isfinite(value) || !(weight > 0))
       refuse(east_m, north_m, value);
     const auto floor = [](double place) {

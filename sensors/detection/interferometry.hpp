@@ -38,7 +38,7 @@ struct DepthEstimate {
 /// Two receivers on a receiver pair, for waves that are plane along it: a point at slant range R seems
 /// (baseline / R)^2 / 16 rad away from its place at most. An angle of arrival is measured from the horizontal
 /// downwards, and so is the tilt, of the direction that the receiver pair faces. What arrives from behind the
-/// receiver pair is not told apart from its mirror image in front.
+/// receiver pair is not resolved from its mirror image in front.
 ///
 /// phase = (2 pi baseline / wavelength) sin(angle - tilt), known up to whole turns. Up to half a wavelength
 /// of baseline there is one angle for a phase; a longer baseline has about 2 baseline / wavelength of them,

@@ -113,9 +113,9 @@ ArisWindow aris_window(double start_m, double length_m, int samples, double soun
 std::optional<ArisWindow> nearest_aris_window(double start_m, double length_m, int samples,
                                               double sound_speed_m_s) {
   const double period_us = std::round(time_us(length_m, sound_speed_m_s) / samples),
-               asked_us = std::round(time_us(start_m, sound_speed_m_s)),
-               delay_us = std::max(shortest_delay_us, asked_us);
-  if (!(delay_us - asked_us <= period_us * samples / 50 && period_us >= shortest_period_us &&
+               requested_us = std::round(time_us(start_m, sound_speed_m_s)),
+               delay_us = std::max(shortest_delay_us, requested_us);
+  if (!(delay_us - requested_us <= period_us * samples / 50 && period_us >= shortest_period_us &&
         period_us <= longest_period_us && delay_us <= longest_delay_us))
     return std::nullopt;
   return ArisWindow{static_cast<std::uint32_t>(delay_us), static_cast<std::uint32_t>(period_us)};

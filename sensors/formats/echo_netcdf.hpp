@@ -88,7 +88,7 @@ struct PingVariable {
 };
 
 /// Asked for by all threads, written in order, each variable `cells` values a ping; `group` is a full name
-/// with its "/". After each ping `done` is told of it.
+/// with its "/". After each ping `done` is reported of it.
 void write_pings(Hdf5Chunks& file, const std::string& group, const std::vector<PingVariable>& variables,
                  std::size_t pings, std::size_t cells, const std::function<void(std::size_t ping)>& done);
 

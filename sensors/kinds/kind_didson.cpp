@@ -250,16 +250,16 @@ void fit_aris_window(const SensorDescription& description, DidsonDescription& ca
   if (!window) return;  // what no ARIS has is left to whoever writes its file to say
   const double start_m = window->start_m(sound_speed_m_s),
                length_m = window->length_m(sound_speed_m_s, camera.samples), end_m = start_m + length_m,
-               asked_end_m = camera.window_start_m + camera.window_length_m,
+               requested_end_m = camera.window_start_m + camera.window_length_m,
                half_sample_m = length_m / camera.samples / 2;
   if (notes != nullptr && !has_window_of_preset(description, camera) &&
       (std::abs(start_m - camera.window_start_m) > half_sample_m ||
-       std::abs(end_m - asked_end_m) > half_sample_m))
+       std::abs(end_m - requested_end_m) > half_sample_m))
     notes->push_back(fmt::format(
         "sensor '{}' is an ARIS, which counts its window in whole microseconds: at {:.2f} m/s it goes from "
         "{:.4f} to {:.4f} m ({} us, then {} samples of {} us), not from {:.4f} to {:.4f} m",
         description.name, sound_speed_m_s, start_m, end_m, window->start_delay_us, camera.samples,
-        window->sample_period_us, camera.window_start_m, asked_end_m));
+        window->sample_period_us, camera.window_start_m, requested_end_m));
   camera.window_start_m = start_m;
   camera.window_length_m = length_m;
 }

@@ -152,7 +152,7 @@ Waterfall::Echoes Waterfall::echoes_of(const ReceiverOutput* receiver_output) co
   constexpr std::size_t strips_at_least = 16;
   tbb::parallel_for(
       tbb::blocked_range(std::size_t{0}, strips.size(), strips_at_least), [&](const auto& some) {
-        std::size_t asked = recording_.pings();  // the ping that is known
+        std::size_t requested = recording_.pings();  // the ping that is known
         std::optional<PingEnergies> ideal;
         std::vector<double> received, mean;
         std::vector<int> surfaces, farthest;
@@ -163,13 +163,13 @@ Waterfall::Echoes Waterfall::echoes_of(const ReceiverOutput* receiver_output) co
           farthest.assign(sides, recording_.surfaces ? 0 : static_cast<int>(count));
           for (std::size_t p = 0; p < under.weights.size(); ++p) {
             const std::size_t ping = under.first + p;
-            if (asked != ping) {
+            if (requested != ping) {
               if (receiver_output)
                 received = receiver_output->energy_of(ping);
               else
                 ideal = recording_.energy_of(ping);
               if (recording_.surfaces) surfaces = recording_.surfaces(ping);
-              asked = ping;
+              requested = ping;
             }
             const std::span<const double> energy =
                 receiver_output ? std::span<const double>(received) : ideal->values();

@@ -150,17 +150,17 @@ class Interferogram : public SignalMaker {
  public:
   explicit Interferogram(const SignalJob& job)
       : job_(job),
-        asked_(*job.products.interferogram),
-        columns_(job.signals.samples() / asked_.looks_range),
-        cells_(columns_ * (job.signals.pings() / asked_.looks_pings)) {}
+        requested_(*job.products.interferogram),
+        columns_(job.signals.samples() / requested_.looks_range),
+        cells_(columns_ * (job.signals.pings() / requested_.looks_pings)) {}
 
   bool wants(std::size_t ping) const override {
-    return (ping / asked_.looks_pings + 1) * columns_ <= cells_.size();
+    return (ping / requested_.looks_pings + 1) * columns_ <= cells_.size();
   }
   void add(std::size_t ping, const ElementSignals& one) override {
-    const std::vector<Complex> upper = beam(one, asked_.upper), lower = beam(one, asked_.lower);
-    for (std::size_t k = 0; k < columns_ * asked_.looks_range; ++k) {
-      PhaseCell& cell = cells_[ping / asked_.looks_pings * columns_ + k / asked_.looks_range];
+    const std::vector<Complex> upper = beam(one, requested_.upper), lower = beam(one, requested_.lower);
+    for (std::size_t k = 0; k < columns_ * requested_.looks_range; ++k) {
+      PhaseCell& cell = cells_[ping / requested_.looks_pings * columns_ + k / requested_.looks_range];
       cell.cross += upper[k] * std::conj(lower[k]);
       cell.upper += std::norm(upper[k]);
       cell.lower += std::norm(lower[k]);
@@ -191,16 +191,17 @@ class Interferogram : public SignalMaker {
         return of_phase ? phase_colour(std::arg(sum.cross), coherence) : DecibelScale::at_level(coherence);
       };
       const double near_m = ranges.first_m,
-                   length_m = static_cast<double>(columns_ * asked_.looks_range) * ranges.step_m;
+                   length_m = static_cast<double>(columns_ * requested_.looks_range) * ranges.step_m;
       panel.across = {"slant range (m)", near_m, near_m + length_m};
-      const double first = job_.number_of(0), pings = static_cast<double>(panel.rows * asked_.looks_pings);
+      const double first = job_.number_of(0),
+                   pings = static_cast<double>(panel.rows * requested_.looks_pings);
       panel.down = {"ping", first + pings, first};
       page.panels.push_back(std::move(panel));
     }
     page.title = fmt::format("{}   phase between two groups of receivers", job_.products.name);
-    page.subtitle =
-        fmt::format("{}; {} and {} of them; a cell is {} samples by {} pings", job_.said_of_signals(),
-                    asked_.upper.size(), asked_.lower.size(), asked_.looks_range, asked_.looks_pings);
+    page.subtitle = fmt::format("{}; {} and {} of them; a cell is {} samples by {} pings",
+                                job_.said_of_signals(), requested_.upper.size(), requested_.lower.size(),
+                                requested_.looks_range, requested_.looks_pings);
     page.footer = "phase of the mean product of the first with the second's conjugate, coherence its share";
     job_.write(draw_grid_page(page, job_.font), "-interferogram.png", "phase between receivers");
   }
@@ -209,12 +210,12 @@ class Interferogram : public SignalMaker {
   /// Each about its own phase centre, so that the phase between them is left as the way makes it.
   std::vector<Complex> beam(const ElementSignals& one, const std::vector<std::size_t>& receivers) const {
     const ElementSignals some = of_receivers(one, receivers);
-    return delay_and_sum(some, 0, {{asked_.direction}, {}, phase_centre_m(some.array), false},
+    return delay_and_sum(some, 0, {{requested_.direction}, {}, phase_centre_m(some.array), false},
                          job_.interpolator);
   }
 
   const SignalJob& job_;
-  const SignalInterferogram& asked_;
+  const SignalInterferogram& requested_;
   std::size_t columns_;
   std::vector<PhaseCell> cells_;  ///< [pings of a cell][samples of a cell]
 };

@@ -256,8 +256,8 @@ class SwathFiles {
     waiting_.push_back(std::move(placed));
     if (waiting_.size() < pings_a_block(recording_) && !last) return;
     if (has_depths(waiting_)) {
-      const double asked_m = settings_.grid_cell_m;
-      grid_.emplace(run_.frame, asked_m > 0 ? asked_m : chosen_cell_m(recording_, waiting_));
+      const double requested_m = settings_.grid_cell_m;
+      grid_.emplace(run_.frame, requested_m > 0 ? requested_m : chosen_cell_m(recording_, waiting_));
       if (ideal_finder_) ideal_grid_.emplace(run_.frame, grid_->depths().cell_m());
     }
     for (PlacedPing& waited : waiting_) add_to_begun_grids(std::move(waited));
@@ -297,7 +297,7 @@ class SwathFiles {
   std::vector<std::unique_ptr<SoundingsFile>> tables_;
   std::vector<std::unique_ptr<SwathFormat>> formats_;
   std::optional<SoundingGrid> grid_, ideal_grid_;
-  /// GDAL is told before each use to keep HDF5 silent, which others must not be in then. Held by who uses
+  /// GDAL is reported before each use to keep HDF5 silent, which others must not be in then. Held by who uses
   /// either, and never while other work of this workers is waited for.
   mutable std::mutex libraries_;
   std::vector<PlacedPing> waiting_;  ///< for the grids to begin

@@ -14,7 +14,7 @@ namespace tubefoot {
 /// codes, and kept until they are written, in a file without a name where they are many.
 class TwoSidedAmplitudes {
  public:
-  /// `beside`: one of the files. `for_a_map`: samples without a surface are told from silent ones.
+  /// `beside`: one of the files. `for_a_map`: samples without a surface are reported from silent ones.
   TwoSidedAmplitudes(const Recording& recording, const RunContext& run, const std::filesystem::path& beside,
                      bool for_a_map);
 

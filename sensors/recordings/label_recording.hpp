@@ -36,7 +36,7 @@ struct LabelRecording {
   };
 
   std::vector<std::string> objects, materials;
-  /// What energies are told apart by.
+  /// What energies are resolved by.
   std::vector<Owner> owners{};
   bool has_unscattered = false;
   /// Labels go by what is received within so many dB of a beam pattern's two-way peak; none: by all.

@@ -20,8 +20,8 @@ class SensorKind : public SensorSection {
  public:
   using SensorSection::SensorSection;
 
-  /// The sensor as it is in water of that speed of sound; `notes`, if given, is told of what the scene asks
-  /// for and the sensor has not. Throws InputError at the sensor's place where there is no such sensor.
+  /// The sensor as it is in water of that speed of sound; `notes`, if given, is reported of what the scene
+  /// asks for and the sensor has not. Throws InputError at the sensor's place where there is no such sensor.
   virtual SensorDescription in_water(SensorDescription sensor, double sound_speed_m_s,
                                      std::vector<std::string>* notes) const;
   /// Throws std::invalid_argument for what makes no such sensor.

@@ -156,7 +156,7 @@ std::vector<std::string> TrialScene::silent_sensors() const {
 
 std::string TrialScene::refusal_of(const EngineSetting& setting) const {
   for (const Survey& survey : surveys_)
-    if (const auto why = refused(survey, asked_by(setting.run))) return why->what;
+    if (const auto why = refused(survey, requested_by(setting.run))) return why->what;
   return "";
 }
 

@@ -12,15 +12,16 @@ namespace tubefoot {
 namespace {
 
 int open_counter() {
-  perf_event_attr asked{};
-  asked.type = PERF_TYPE_HARDWARE;
-  asked.size = sizeof(asked);
-  asked.config = PERF_COUNT_HW_INSTRUCTIONS;
-  asked.exclude_kernel = 1;  // as users may count by default, and pages that the system clears are its affair
-  asked.exclude_hv = 1;
+  perf_event_attr requested{};
+  requested.type = PERF_TYPE_HARDWARE;
+  requested.size = sizeof(requested);
+  requested.config = PERF_COUNT_HW_INSTRUCTIONS;
+  requested.exclude_kernel =
+      1;  // as users may count by default, and pages that the system clears are its affair
+  requested.exclude_hv = 1;
   constexpr int this_thread = 0, any_processor = -1, no_group = -1;
   return static_cast<int>(
-      syscall(SYS_perf_event_open, &asked, this_thread, any_processor, no_group, PERF_FLAG_FD_CLOEXEC));
+      syscall(SYS_perf_event_open, &requested, this_thread, any_processor, no_group, PERF_FLAG_FD_CLOEXEC));
 }
 
 }  // namespace

@@ -58,15 +58,15 @@ void print_advice(const Advice& advice) {
 }  // namespace
 
 int advise_command(const AdviseOptions& options) {
-  const Tolerance tolerance = asked_tolerance(options.tolerance);
+  const Tolerance tolerance = requested_tolerance(options.tolerance);
   const SceneDescription scene = read_scene_file(options.scene, options.confined);
   std::optional<OutputFile> output;
   if (options.json && *options.json != "-") output.emplace(*options.json, inputs_of(scene));
-  AdviceOptions asked;
-  asked.pings = options.pings;
-  asked.seed = scene.run.seed;
-  asked.quiet = options.quiet;
-  const Advice advice = advise(scene, tolerance, asked);
+  AdviceOptions requested;
+  requested.pings = options.pings;
+  requested.seed = scene.run.seed;
+  requested.quiet = options.quiet;
+  const Advice advice = advise(scene, tolerance, requested);
   const std::string json = text_of(json_of(advice, scene)) + "\n";
   if (options.json == "-") {
     tell("{}", json);

@@ -27,13 +27,13 @@ int audit_command(const AuditOptions& options) {
   const Transmissions all(*survey, request_of(description.run));
   require_able(*survey, all.request(), Feature::audit, options.sensor ? std::optional(only) : std::nullopt);
 
-  struct Asked {
+  struct CommandOptions {
     const SharedTransmissions* group;
     std::size_t ping, transmission;
     std::uint64_t label;  ///< of all three, so that a transmission's share of the hash does not depend on
                           ///< what else is audited
   };
-  std::vector<Asked> transmissions;
+  std::vector<CommandOptions> transmissions;
   for (const SharedTransmissions& group : survey->transmissions) {
     if (options.sensor && std::find(group.sensors.begin(), group.sensors.end(), only) == group.sensors.end())
       continue;
@@ -99,20 +99,21 @@ int audit_command(const AuditOptions& options) {
   };
   TransmissionsAround around(all);
   Progress progress("audited shots", transmissions.size(), options.quiet);
-  for (const Asked& asked : transmissions) {
+  for (const CommandOptions& requested : transmissions) {
     stop_if_wanted();
-    const Transmission transmission =
-        around.at(*asked.group, asked.ping).of(*asked.group, asked.ping, asked.transmission);
+    const Transmission transmission = around.at(*requested.group, requested.ping)
+                                          .of(*requested.group, requested.ping, requested.transmission);
     if (transmission.has_separate_receiver()) {
       has_shared = true;
-      const BistaticAudit audit = TransmissionEnds(transmission, transmission.first()).audit(asked.label);
+      const BistaticAudit audit = TransmissionEnds(transmission, transmission.first()).audit(requested.label);
       add_tubes(transmission, "transmitter's ", audit.transmit);
       add_tubes(transmission, "receiver's ", audit.receive);
       add_shared(transmission, "both ends", audit.shared);
     } else {
-      add_tubes(transmission, "", transmission.audit(asked.label));
+      add_tubes(transmission, "", transmission.audit(requested.label));
     }
-    audit_paths(transmission, asked.label, [&](const PathAudit& paths) { add_paths(transmission, paths); });
+    audit_paths(transmission, requested.label,
+                [&](const PathAudit& paths) { add_paths(transmission, paths); });
     progress.step();
   }
   tell("arithmetic     {}\n", description.run.arithmetic);

@@ -17,11 +17,11 @@
 #include "run/console/amounts.hpp"
 #include "run/console/progress.hpp"
 #include "run/console/say.hpp"
+#include "run/no_return.hpp"
 #include "run/run_request.hpp"
 #include "run/run_steps.hpp"
 #include "run/settings.hpp"
 #include "run/signals.hpp"
-#include "run/silence.hpp"
 #include "run/simulation.hpp"
 #include "run/standing.hpp"
 #include "run/survey.hpp"
@@ -208,10 +208,10 @@ void print_cost(const Survey& survey, RunRequest request, int threads, bool quie
   measuring.reset();
   tell("{}", told);
   if (scene.water->refracts()) {
-    const std::optional<double> asked_m = scene.description.water.refraction_gap_m;
+    const std::optional<double> requested_m = scene.description.water.refraction_gap_m;
     tell("refraction     in these pings facets are within {} of where they are seen{}\n",
          length_text(largest_gap_m),
-         asked_m ? fmt::format(", asked: {}", length_text(*asked_m)) : std::string());
+         requested_m ? fmt::format(", asked: {}", length_text(*requested_m)) : std::string());
   }
   tell(
       "expected cost  {} for all pings with the tube engine, {} arithmetic, {} threads (measured on up "
@@ -250,8 +250,8 @@ int check_command(const CheckOptions& options) {
   for (const Standing& standing : standings)
     if (!standing.warning.empty()) print_warnings({standing.warning}, options.quiet);
   print_warnings(vast_windows(*survey), options.quiet);
-  for (const Silence& silence : foreseen_silence(*survey, request))
-    print_warnings({silence.warning}, options.quiet);
+  for (const NoReturn& no_return : expected_no_returns(*survey, request))
+    print_warnings({no_return.warning}, options.quiet);
   if (picture) {
     write_scene_picture(picture->path(), *survey, standings);
     picture->commit();

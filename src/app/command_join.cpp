@@ -22,9 +22,9 @@ int join_command(const JoinOptions& join) {
   run.parts = parts.count();
   SceneDescription description = described(options);
   run.request = requested(options, description);
-  const nlohmann::ordered_json asked = asked_of(description, run.request);
-  run.identity = {{"asked", asked}, {"run", json_of(run.request)}};
-  parts.require(asked);
+  const nlohmann::ordered_json scene_request = request_json(description, run.request);
+  run.identity = {{"asked", scene_request}, {"run", json_of(run.request)}};
+  parts.require(scene_request);
   OutputFolder output(options.output, inputs_of(description));
   PartialRun partial(options.output, false);
   const ThreadLimit limit(description.run.threads);

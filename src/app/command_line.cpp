@@ -19,7 +19,7 @@
 #include <string>
 #include <vector>
 
-#include "app/asked.hpp"
+#include "app/command_options.hpp"
 #include "app/commands.hpp"
 #include "app/library_versions.hpp"
 #include "files/absolute_path.hpp"
@@ -169,11 +169,11 @@ int obeyed(int argc, char** argv) {
   app.footer(
       "Exit status:\n  0  done\n  1  the run failed\n  2  the input or the command line is wrong\n"
       "  3  a comparison found more error than was allowed");
-  Asked asked;
+  CommandOptions requested;
   for (const auto add : {add_run, add_join, add_check, add_audit, add_footprints, add_coverage, add_strength,
                          add_view, add_refine, add_export, add_import_scene, add_compare, add_import,
                          add_chart, add_advise, add_presets, add_suite})
-    add(app, asked);
+    add(app, requested);
   std::vector<std::string> words = present_words(argc, argv);
   if (!has_command(app, words)) return wrong_input;
   try {
@@ -190,7 +190,7 @@ int obeyed(int argc, char** argv) {
     say("{}", complaint.str());
     return code == 0 ? done : wrong_input;
   }
-  return called(asked.command);
+  return called(requested.command);
 }
 
 }  // namespace

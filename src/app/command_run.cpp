@@ -50,13 +50,13 @@ nlohmann::ordered_json json_of(const Advice& advice, double seconds) {
 
 /// Settings as the run that is gone on with had them, as the scene says, or as a tolerance picks them.
 void settle(RunInProgress& run, const SceneDescription& description, const PartialRun& partial) {
-  const nlohmann::ordered_json asked = asked_of(description, run.request);
+  const nlohmann::ordered_json scene_request = request_json(description, run.request);
   if (partial.kept()) {
     run.identity = *partial.kept();
-    run.request = resumed(run.identity, asked, std::move(run.request));
+    run.request = resumed(run.identity, scene_request, std::move(run.request));
     return;
   }
-  run.identity = {{"asked", asked}};
+  run.identity = {{"asked", scene_request}};
   if (run.request.tolerance) {
     const Clock::time_point start = Clock::now();
     const Advice advice = pick_settings(description, run.request, run.options.quiet);
@@ -102,7 +102,7 @@ int run_part(const RunOptions& options) {
         "advise' find them once, and give them to all parts");
   // What join would be refused is refused before anything is computed.
   std::optional<OutputFolder> output(std::in_place, options.output, inputs_of(description));
-  RunPart part(options, asked_of(description, request));
+  RunPart part(options, request_json(description, request));
   output.reset();
   keep_through([&] { return part.advice(); },
                [&] {

@@ -44,10 +44,11 @@ RunRecord read_record(const fs::path& folder) {
     RunRecord record{json.at("scene").get<std::string>(), json.at("scene_hash").get<std::string>(),
                      json.at("engine").get<std::string>(), json.value("arithmetic", ""),
                      json.value("binning", "")};
-    for (const auto& [key, asked] : {std::pair{"sensor", &record.sensor}, std::pair{"pings", &record.pings},
-                                     std::pair{"beams", &record.beams}})
+    for (const auto& [key, requested] :
+         {std::pair{"sensor", &record.sensor}, std::pair{"pings", &record.pings},
+          std::pair{"beams", &record.beams}})
       if (const auto part = json.find("selection"); part != json.end() && part->contains(key))
-        *asked = part->at(key).get<std::string>();
+        *requested = part->at(key).get<std::string>();
     return record;
   } catch (const nlohmann::json::exception& error) {
     throw UsageError(fmt::format("'{}' is not what 'tubefoot run' writes: {}", file.string(), error.what()));

@@ -150,7 +150,7 @@ std::vector<Recording> looked_back(RunInProgress& run, const Survey& survey,
 
 std::vector<std::filesystem::path> write_all(RunInProgress& run, const Survey& survey,
                                              const std::vector<Recording>& recordings,
-                                             const std::vector<std::string>& foreseen, OutputFolder& output) {
+                                             const std::vector<std::string>& expected, OutputFolder& output) {
   const Clock::time_point start = Clock::now();
   std::vector<std::string> warnings;
   std::vector<std::filesystem::path> files;
@@ -172,7 +172,7 @@ std::vector<std::filesystem::path> write_all(RunInProgress& run, const Survey& s
   }
   if (draws_scene) files.emplace_back(scene_picture_name);
   for (const std::string& warning : warnings)
-    if (std::ranges::find(foreseen, warning) != foreseen.end())
+    if (std::ranges::find(expected, warning) != expected.end())
       run.warnings.keep({warning});
     else
       run.warnings.add({warning});

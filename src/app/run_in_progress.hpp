@@ -25,7 +25,7 @@ namespace tubefoot {
 
 /// What the steps of a run hand on to each other.
 struct RunInProgress {
-  explicit RunInProgress(const RunOptions& asked) : options(asked) {}
+  explicit RunInProgress(const RunOptions& requested) : options(requested) {}
 
   const RunOptions& options;
   RunRequest request;
@@ -50,10 +50,10 @@ void foresee_writing(RunInProgress& run, const Survey& survey);
 std::vector<Recording> looked_back(RunInProgress& run, const Survey& survey,
                                    const std::shared_ptr<PingStore>& store);
 
-/// Names of all files written. `foreseen`: warnings that were given before.
+/// Names of all files written. `expected`: warnings that were given before.
 std::vector<std::filesystem::path> write_all(RunInProgress& run, const Survey& survey,
                                              const std::vector<Recording>& recordings,
-                                             const std::vector<std::string>& foreseen, OutputFolder& output);
+                                             const std::vector<std::string>& expected, OutputFolder& output);
 
 /// What a run says at its end.
 void tell_all(const RunInProgress& run, const LoadedScene& loaded_scene,

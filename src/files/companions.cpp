@@ -48,9 +48,9 @@ class Companions {
  private:
   /// Adds what goes with `file`; returns how many rasters it asks for.
   std::size_t add_of(const fs::path& file, int depth) {
-    if (const auto known = asked_for_.find(file); known != asked_for_.end()) return known->second;
+    if (const auto known = requested_.find(file); known != requested_.end()) return known->second;
     const std::size_t rasters = add_what_goes_with(file, depth);
-    asked_for_[file] = rasters;
+    requested_[file] = rasters;
     return rasters;
   }
 
@@ -182,7 +182,7 @@ class Companions {
   const Admit& admit_;
   std::vector<fs::path> found_;
   std::set<fs::path> known_;
-  std::map<fs::path, std::size_t> asked_for_;  ///< rasters, by virtual raster
+  std::map<fs::path, std::size_t> requested_;  ///< rasters, by virtual raster
 };
 
 }  // namespace

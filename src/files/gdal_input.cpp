@@ -38,7 +38,7 @@ std::string list_of(std::initializer_list<FileFormat> formats) {
 
 GDALDatasetUniquePtr opened(const fs::path& file, FileFormat format) {
   const std::array<const char*, 2> drivers{gdal_driver_of(format), nullptr};
-  // SQLite looks for changes beside the file unless it is told that nobody makes any.
+  // SQLite looks for changes beside the file unless it is reported that nobody makes any.
   const std::array<const char*, 3> unlocked{"NOLOCK=YES", "IMMUTABLE=YES", nullptr};
   // By an absolute name: others may be taken for addresses or for parts of files.
   return GDALDatasetUniquePtr(GDALDataset::Open(

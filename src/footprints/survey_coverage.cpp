@@ -22,20 +22,20 @@ namespace {
 /// What some of the pings that count see.
 std::vector<CoverageLook> look(const Transmissions& transmissions, std::span<const ReceivedPing> pings,
                                std::span<const std::size_t> chosen, bool quiet) {
-  struct Asked {
+  struct Requested {
     std::size_t listed, transmission;
   };
-  std::vector<Asked> asked;
+  std::vector<Requested> requested;
   for (const std::size_t p : chosen)
     for (std::size_t transmission = 0;
          transmission < transmissions.survey().sensors[pings[p].sensor].sensor->transmissions();
          ++transmission)
-      asked.push_back({p, transmission});
-  std::vector<std::vector<CoverageLook>> found(asked.size());
-  Progress progress("shots", asked.size(), quiet);
-  tbb::parallel_for(std::size_t{0}, asked.size(), [&](std::size_t l) {
+      requested.push_back({p, transmission});
+  std::vector<std::vector<CoverageLook>> found(requested.size());
+  Progress progress("shots", requested.size(), quiet);
+  tbb::parallel_for(std::size_t{0}, requested.size(), [&](std::size_t l) {
     stop_if_wanted();
-    const auto& [listed, transmission] = asked[l];
+    const auto& [listed, transmission] = requested[l];
     const auto& [sensor, ping] = pings[listed];
     found[l] = coverage_looks(transmissions.received_by(sensor, ping, transmission), sensor,
                               static_cast<std::uint32_t>(listed));

@@ -134,7 +134,8 @@ Verdict tested(const EchoShape& shape, const BinAxes& axes, const std::vector<do
                     best.correlation));
     return verdict;
   }
-  // Where contrasts are another scale's, displacements are told from the picture that looks like the truth.
+  // Where contrasts are another scale's, displacements are reported from the picture that looks like the
+  // truth.
   const std::vector<double>& looked_at = scale_doubted ? otherwise : taken.energies;
   add_displacements(
       diagnose({{shape, truth_j, looked_at, {}, axes.samples.centres}, axes.beams.centres, looked_at, {}}),

@@ -194,9 +194,9 @@ std::vector<Found> found_in(const Survey& survey, std::optional<std::size_t> onl
   return found;
 }
 
-std::optional<Refused> refused(std::vector<Found> found, std::span<const Feature> asked) {
+std::optional<Refused> refused(std::vector<Found> found, std::span<const Feature> requested) {
   const std::size_t of_scene = found.size();
-  for (const Feature feature : asked)
+  for (const Feature feature : requested)
     found.push_back({feature, {}, std::string(name_of(feature)) + " is asked for"});
   const auto find = [&](Feature feature) { return std::ranges::find(found, feature, &Found::feature); };
   for (const Refusal& refusal : table) {
@@ -211,8 +211,8 @@ std::optional<Refused> refused(std::vector<Found> found, std::span<const Feature
     // What a command asks has no place in the scene.
     for (const Feature other :
          {refusal.more[0].value_or(refusal.second), refusal.more[1].value_or(refusal.second), refusal.second})
-      if (!answer.asked && (other == reference || other >= own_engine)) {
-        answer.asked = true;
+      if (!answer.requested && (other == reference || other >= own_engine)) {
+        answer.requested = true;
         answer.what = fmt::format("{}: {}", name_of(other), answer.what);
       }
     return answer;
@@ -222,7 +222,7 @@ std::optional<Refused> refused(std::vector<Found> found, std::span<const Feature
 
 void require(const std::optional<Refused>& refused) {
   if (!refused) return;
-  if (refused->asked) throw UsageError(refused->what);
+  if (refused->requested) throw UsageError(refused->what);
   throw InputError(refused->place, refused->what);
 }
 
@@ -232,45 +232,45 @@ std::string_view name_of(Feature feature) { return names.at(static_cast<std::siz
 
 std::span<const Refusal> refusals() { return table; }
 
-std::optional<Refused> refused(const Survey& survey, std::span<const Feature> asked,
+std::optional<Refused> refused(const Survey& survey, std::span<const Feature> requested,
                                std::optional<std::size_t> sensor) {
-  return refused(found_in(survey, sensor), asked);
+  return refused(found_in(survey, sensor), requested);
 }
 
-std::vector<Feature> asked_by(const RunRequest& request) {
-  std::vector<Feature> asked;
+std::vector<Feature> requested_by(const RunRequest& request) {
+  std::vector<Feature> requested;
   if (request.own_engine) {
-    asked.push_back(own_engine);
+    requested.push_back(own_engine);
   } else if (request.engine == Engine::ray) {
-    asked.push_back(rays);
+    requested.push_back(rays);
   } else {
-    if (request.visibility.arithmetic == Arithmetic::plain_double) asked.push_back(double_arithmetic);
-    if (request.binning != Binning::exact) asked.push_back(fast_binning);
+    if (request.visibility.arithmetic == Arithmetic::plain_double) requested.push_back(double_arithmetic);
+    if (request.binning != Binning::exact) requested.push_back(fast_binning);
   }
-  if (request.reference_tolerance) asked.push_back(reference);
-  if (request.labels) asked.push_back(labels);
-  if (request.coarseness > 0) asked.push_back(coarsening);
-  return asked;
+  if (request.reference_tolerance) requested.push_back(reference);
+  if (request.labels) requested.push_back(labels);
+  if (request.coarseness > 0) requested.push_back(coarsening);
+  return requested;
 }
 
 void require_able_to_run(const Survey& survey, const RunRequest& request) {
-  require(refused(survey, asked_by(request)));
+  require(refused(survey, requested_by(request)));
 }
 
-void require_able(const Survey& survey, const RunRequest& request, Feature asked,
+void require_able(const Survey& survey, const RunRequest& request, Feature requested,
                   std::optional<std::size_t> sensor) {
-  require(refused(survey, {&asked, 1}, sensor));
-  require_able(request, asked);
+  require(refused(survey, {&requested, 1}, sensor));
+  require_able(request, requested);
 }
 
-void require_able(const RunRequest& request, Feature asked) {
+void require_able(const RunRequest& request, Feature requested) {
   // Of tubes: rays and binnings are for runs.
-  std::vector<Feature> all{asked};
-  if (asked == reference)
-    all = asked_by(request);
+  std::vector<Feature> all{requested};
+  if (requested == reference)
+    all = requested_by(request);
   else if (request.visibility.arithmetic == Arithmetic::plain_double)
     all.push_back(double_arithmetic);
-  if (asked == trial && request.coarseness > 0) all.push_back(coarsening);
+  if (requested == trial && request.coarseness > 0) all.push_back(coarsening);
   require(refused(std::vector<Found>{}, all));
 }
 

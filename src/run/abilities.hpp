@@ -69,20 +69,20 @@ struct Refused {
   const Refusal* refusal;
   SourcePlace place;  ///< of the scene's feature
   std::string what;   ///< the sentence: "sensor 'a' has its separate receiver, and ..."
-  bool asked;         ///< by the command, not by the scene
+  bool requested;     ///< by the command, not by the scene
 };
-std::optional<Refused> refused(const Survey& survey, std::span<const Feature> asked,
+std::optional<Refused> refused(const Survey& survey, std::span<const Feature> requested,
                                std::optional<std::size_t> sensor = {});
 
 /// What a run asks for.
-std::vector<Feature> asked_by(const RunRequest& request);
+std::vector<Feature> requested_by(const RunRequest& request);
 
 /// Throw InputError at the scene's feature, or UsageError for what the command asks. Of one sensor where only
 /// that is looked at.
 void require_able_to_run(const Survey& survey, const RunRequest& request);
-void require_able(const Survey& survey, const RunRequest& request, Feature asked,
+void require_able(const Survey& survey, const RunRequest& request, Feature requested,
                   std::optional<std::size_t> sensor = {});
 /// Before the scene is opened: of what the command line says already.
-void require_able(const RunRequest& request, Feature asked);
+void require_able(const RunRequest& request, Feature requested);
 
 }  // namespace tubefoot

@@ -73,7 +73,7 @@ struct Looks {
   double sample, beam_rad, reach;
 
   /// On facets whose nearest point is no nearer than that.
-  double told_apart_at(double distance) const {
+  double resolved_at(double distance) const {
     // No facet comes halfway to a sonar.
     return distance > reach ? std::numeric_limits<double>::infinity()
                             : std::min({sample, beam_rad * distance, distance / 2});
@@ -149,7 +149,7 @@ void keep_apart(const LoadedScene& loaded_scene, std::vector<double>& most_move)
 
 }  // namespace
 
-std::vector<double> told_apart(const LoadedScene& loaded_scene, const SensorSet& sensor_set) {
+std::vector<double> resolved(const LoadedScene& loaded_scene, const SensorSet& sensor_set) {
   const FacetMesh& mesh = loaded_scene.scene.mesh;
   std::vector<Looks> all;
   for (const SensorPings& pings : sensor_set.sensors) all.push_back(looks_of(pings, loaded_scene.scene.grid));
@@ -161,7 +161,7 @@ std::vector<double> told_apart(const LoadedScene& loaded_scene, const SensorSet&
     const double radius = glm::length(0.5 * (vector_of(box.hi) - vector_of(box.lo)));
     double told = std::numeric_limits<double>::infinity();
     for (const Looks& looks : all)
-      told = std::min(told, looks.told_apart_at(std::max(0.0, looks.places.distance(middle) - radius)));
+      told = std::min(told, looks.resolved_at(std::max(0.0, looks.places.distance(middle) - radius)));
     least[f] = std::isfinite(told) ? told : 0;
   });
   return least;
@@ -174,7 +174,7 @@ void coarsen(LoadedScene& loaded_scene, const SensorSet& sensor_set, double tole
                  loaded_scene.scene.description.run.place,
                  fmt::format("coarsening {} facets", loaded_scene.scene.mesh.facets.size()),
                  "leave out --coarsen");
-  std::vector<double> most_move = told_apart(loaded_scene, sensor_set);
+  std::vector<double> most_move = resolved(loaded_scene, sensor_set);
   for (double& move : most_move) move *= tolerance;
   keep_apart(loaded_scene, most_move);
   CoarseMesh coarse = coarsened(loaded_scene.scene.mesh, most_move, std::sqrt(tolerance));

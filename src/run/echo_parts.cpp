@@ -305,44 +305,44 @@ void add_sampled(const Transmission& transmission, PingSums& sums) {
 }
 
 /// What decides between the parts.
-struct Asked {
+struct EchoFlags {
   bool own_engine, mirrors;
   bool direct;      ///< the way to a facet and straight back, by a built-in engine
   bool one_ground;  ///< that, on the transmission's one ground
   bool certified, refracted, apart, receiver_pairs, others, rays, signals;
 };
 
-Asked asked_of(const Transmissions& transmissions, const SharedTransmissions& group) {
+EchoFlags echo_flags_of(const Transmissions& transmissions, const SharedTransmissions& group) {
   const Survey& survey = transmissions.survey();
   const RunRequest& request = transmissions.request();
   const auto sensor = [&](std::size_t s) -> const Sensor& { return *survey.sensors[s].sensor; };
   const auto has_receiver_pair = [&](std::size_t s) { return sensor(s).has_receiver_pair(); };
-  Asked asked{};
-  asked.own_engine = request.own_engine != nullptr;
-  asked.mirrors = std::ranges::any_of(group.sensors, [&](std::size_t s) {
+  EchoFlags flags{};
+  flags.own_engine = request.own_engine != nullptr;
+  flags.mirrors = std::ranges::any_of(group.sensors, [&](std::size_t s) {
     return path_settings(survey.scene, sensor(s).frequency_khz()).has_value();
   });
-  asked.direct = !asked.own_engine && is_order_wanted(survey.scene, 1);
-  asked.certified = request.reference_tolerance.has_value();
-  asked.refracted = survey.scene.water->refracts();
-  asked.apart = sensor(group.sensors.front()).has_separate_receiver();
-  asked.one_ground = asked.direct && !(asked.refracted && (asked.certified || asked.apart));
+  flags.direct = !flags.own_engine && is_order_wanted(survey.scene, 1);
+  flags.certified = request.reference_tolerance.has_value();
+  flags.refracted = survey.scene.water->refracts();
+  flags.apart = sensor(group.sensors.front()).has_separate_receiver();
+  flags.one_ground = flags.direct && !(flags.refracted && (flags.certified || flags.apart));
   // Only a transmitter in their middle can see for both receivers of a receiver pair.
-  const bool apart = receiver_pairs_are_bistatic(request) || asked.apart;
-  asked.receiver_pairs = apart && std::ranges::any_of(group.sensors, has_receiver_pair);
-  asked.others = !(apart && std::ranges::all_of(group.sensors, has_receiver_pair));
-  asked.rays = request.engine == Engine::ray;
-  asked.signals =
+  const bool apart = receiver_pairs_are_bistatic(request) || flags.apart;
+  flags.receiver_pairs = apart && std::ranges::any_of(group.sensors, has_receiver_pair);
+  flags.others = !(apart && std::ranges::all_of(group.sensors, has_receiver_pair));
+  flags.rays = request.engine == Engine::ray;
+  flags.signals =
       std::ranges::any_of(group.sensors, [&](std::size_t s) { return sensor(s).signals() != nullptr; });
-  return asked;
+  return flags;
 }
 
 struct Row {
   EchoPart part;
-  bool (*wanted)(const Asked& asked);
+  bool (*wanted)(const EchoFlags& flags);
 };
 
-using A = const Asked&;
+using A = const EchoFlags&;
 constexpr auto table = std::to_array<Row>({
     {{"an engine of one's own", add_own_engine}, [](A a) { return a.own_engine; }},
     {{"paths over mirrors", add_paths}, [](A a) { return a.mirrors && !a.own_engine; }},
@@ -385,10 +385,10 @@ const History& traced(const Transmission& transmission, PingSums& sums) {
 }
 
 std::vector<EchoPart> echo_parts(const Transmissions& transmissions, const SharedTransmissions& group) {
-  const Asked asked = asked_of(transmissions, group);
+  const EchoFlags flags = echo_flags_of(transmissions, group);
   std::vector<EchoPart> parts;
   for (const Row& row : table)
-    if (row.wanted(asked)) parts.push_back(row.part);
+    if (row.wanted(flags)) parts.push_back(row.part);
   return parts;
 }
 

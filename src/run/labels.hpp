@@ -18,7 +18,7 @@
 // whatever the engine integrates, it integrates once more for each channel, by another law.
 namespace tubefoot {
 
-/// What is told apart in a survey.
+/// What is resolved in a survey.
 class LabelChannels {
  public:
   LabelChannels(const Survey& survey, const RunRequest& request);

@@ -34,10 +34,10 @@ struct SceneRelief {
 /// What was made of a loaded scene's facets that no sonar tells apart (coarsening.hpp). Bounds of the map
 /// from the facets given onto those there are.
 struct SceneCoarsening {
-  double tolerance = 0;  ///< asked for, of what is told apart
+  double tolerance = 0;  ///< asked for, of what is resolved
   std::size_t facets_before = 0, facets = 0;
   double largest_move_m = 0;    ///< of a point
-  double largest_share = 0;     ///< of what is told apart where it is moved
+  double largest_share = 0;     ///< of what is resolved where it is moved
   double largest_turn_rad = 0;  ///< of the direction that a point of the surface faces
   double rms_turn_rad = 0;      ///< of what was turned at all, by area
   double seconds = 0;

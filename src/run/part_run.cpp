@@ -151,7 +151,7 @@ std::string PartDeal::in_words(const PingUnit& unit) const {
   return fmt::format("ping {} of {}", unit.ping, names);
 }
 
-RunPart::RunPart(const RunOptions& options, const Json& asked)
+RunPart::RunPart(const RunOptions& options, const Json& scene_request)
     : quiet_(options.quiet), part_(parse_part(*options.part)), file_([&] {
         const fs::path path = part_file(options.output, part_);
         try {
@@ -172,7 +172,7 @@ RunPart::RunPart(const RunOptions& options, const Json& asked)
                     path().string(), in_words(part_)));
   if (kept_) {
     try {
-      refuse_other_request(Json::parse(file_.identity()).at("asked"), asked,
+      refuse_other_request(Json::parse(file_.identity()).at("asked"), scene_request,
                            {"the part that --resume would go on with",
                             fmt::format("delete '{}' to begin anew", path().string())});
     } catch (const Json::exception&) {
@@ -180,7 +180,7 @@ RunPart::RunPart(const RunOptions& options, const Json& asked)
     }
   }
   const Json identity{
-      {"part", part_.number}, {"parts", part_.of}, {"asked", asked}, {"options", words_of(options)}};
+      {"part", part_.number}, {"parts", part_.of}, {"asked", scene_request}, {"options", words_of(options)}};
   if (!kept_) file_.begin(identity.dump());
 }
 
@@ -298,7 +298,7 @@ RunOptions RunParts::options_of_run(RunOptions options) const {
   }
 }
 
-void RunParts::require(const Json& asked) const {
+void RunParts::require(const Json& scene_request) const {
   for (int number = 1; number <= count_; ++number) {
     const std::unique_ptr<PartFile> file = opened(number);
     const std::string part = fmt::format("{} ('{}')", in_words({number, count_}), file->path().string());
@@ -307,7 +307,7 @@ void RunParts::require(const Json& asked) const {
       if (identity.at("part") != number || identity.at("parts") != count_)
         throw UsageError(fmt::format("{} says that it is part {} of {}: give it its own name back", part,
                                      identity.at("part").dump(), identity.at("parts").dump()));
-      refuse_other_request(identity.at("asked"), asked,
+      refuse_other_request(identity.at("asked"), scene_request,
                            {part, fmt::format("delete the parts that were asked for otherwise, and compute "
                                               "them again (--shard {}/{})",
                                               number, count_)});

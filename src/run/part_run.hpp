@@ -53,10 +53,10 @@ class PartDeal {
 /// A part of a run, on its way into its file.
 class RunPart {
  public:
-  /// Takes the file, or makes it. `asked`: of asked_of(); `options`: the words that asked for it. Throws
-  /// UsageError if something is in the way: finished pings without `options.resume`, pings of another run, a
-  /// file of something else, one that another process is writing.
-  RunPart(const RunOptions& options, const nlohmann::ordered_json& asked);
+  /// Takes the file, or makes it. `scene_request`: of request_json(); `options`: the words that asked for it.
+  /// Throws UsageError if something is in the way: finished pings without `options.resume`, pings of another
+  /// run, a file of something else, one that another process is writing.
+  RunPart(const RunOptions& options, const nlohmann::ordered_json& scene_request);
   /// Takes the file away if no ping was finished.
   ~RunPart();
   RunPart(const RunPart&) = delete;
@@ -89,7 +89,7 @@ class RunParts {
   /// What the first part was asked for, in place of what `options` say of it.
   RunOptions options_of_run(RunOptions options) const;
   /// Throws UsageError naming the first part that was asked for something else.
-  void require(const nlohmann::ordered_json& asked) const;
+  void require(const nlohmann::ordered_json& scene_request) const;
   /// Throws UsageError naming the parts that have not all of their pings, and those that are damaged.
   void require_whole(const PartDeal& deal) const;
   /// Puts all pings where they belong. Throws UsageError for one that is damaged, and Interrupted.

@@ -29,8 +29,8 @@ fs::path beside(const fs::path& output, const std::string& suffix) {
   return file += suffix;
 }
 
-void refuse_other_request(const Json& kept, const Json& asked, const KeptWords& words) {
-  for (const auto& [key, value] : asked.items()) {
+void refuse_other_request(const Json& kept, const Json& requested, const KeptWords& words) {
+  for (const auto& [key, value] : requested.items()) {
     const Json before = kept.contains(key) ? kept.at(key) : Json();
     if (before == value) continue;
     if (key == "build")
@@ -145,7 +145,7 @@ void PartialRun::remove() {
   }
 }
 
-RunRequest resumed(const Json& kept, const Json& asked, RunRequest otherwise) {
+RunRequest resumed(const Json& kept, const Json& requested, RunRequest otherwise) {
   const auto damaged = [](const std::exception& error) {
     return UsageError(
         fmt::format("what the run that --resume would go on with says of itself is damaged ({}): delete the "
@@ -154,7 +154,7 @@ RunRequest resumed(const Json& kept, const Json& asked, RunRequest otherwise) {
   };
   Json run;
   try {
-    refuse_other_request(kept.at("asked"), asked);
+    refuse_other_request(kept.at("asked"), requested);
     run = kept.at("run");
   } catch (const Json::exception& error) {
     throw damaged(error);

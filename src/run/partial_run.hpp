@@ -18,8 +18,8 @@ namespace tubefoot {
 /// A file beside a run's result, under the result's name and `suffix`.
 std::filesystem::path beside(const std::filesystem::path& output, const std::string& suffix);
 
-/// Does a piece of the work of a run that keeps its pings; who stops it, or what stops it, is told together
-/// with `advice`.
+/// Does a piece of the work of a run that keeps its pings; who stops it, or what stops it, is reported
+/// together with `advice`.
 void keep_through(const std::function<std::string()>& advice, const std::function<void()>& work);
 
 /// How to speak of a run whose pings are kept, and of what to do where they are not what is asked for.
@@ -46,7 +46,7 @@ class PartialRun {
   std::shared_ptr<PingStore> open(const StoreLayout& layout, const nlohmann::ordered_json& identity);
   /// What to tell somebody whose run stopped. What it says is kept is on the disk.
   std::string advice() const;
-  /// Does a part of the run; who stops it is told advice().
+  /// Does a part of the run; who stops it is reported advice().
   template <typename Work>
   auto unless_interrupted(const Work& work) const {
     try {
@@ -55,7 +55,7 @@ class PartialRun {
       throw std::runtime_error("interrupted: " + advice());
     }
   }
-  /// The same, and what stops it is told together with advice().
+  /// The same, and what stops it is reported together with advice().
   void keep_through(const std::function<void()>& work) const {
     tubefoot::keep_through([this] { return advice(); }, work);
   }
@@ -72,12 +72,12 @@ class PartialRun {
 
 /// Throws UsageError naming the first thing that differs between what a kept run was asked and what this one
 /// is.
-void refuse_other_request(const nlohmann::ordered_json& kept, const nlohmann::ordered_json& asked,
+void refuse_other_request(const nlohmann::ordered_json& kept, const nlohmann::ordered_json& requested,
                           const KeptWords& words = {});
 
 /// The settings of a kept run, if it was asked what this one is. Throws UsageError naming the first thing
 /// that differs, or saying that what was kept is damaged.
-RunRequest resumed(const nlohmann::ordered_json& kept, const nlohmann::ordered_json& asked,
+RunRequest resumed(const nlohmann::ordered_json& kept, const nlohmann::ordered_json& requested,
                    RunRequest otherwise);
 
 }  // namespace tubefoot

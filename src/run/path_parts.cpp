@@ -59,10 +59,10 @@ void count_paths(const Transmission& transmission, const auto& paths, PingSums& 
   sums.counts.pieces += paths.shared_pieces;
 }
 
-void add_paths_of(const Transmission& transmission, std::size_t s, const PathSettings& asked,
+void add_paths_of(const Transmission& transmission, std::size_t s, const PathSettings& requested,
                   PingSums& sums) {
   const Sensor& sensor = transmission.sensor(s);
-  PathSettings settings = asked;
+  PathSettings settings = requested;
   settings.binning = transmission.request().binning;
   const PathEnds ends(transmission, s);
   const std::vector<std::uint32_t> fans = sensor.fan_of_tube(transmission.number());

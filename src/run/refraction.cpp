@@ -39,7 +39,7 @@ auto made_for(const Transmission& transmission, const Make& make) {
   }
 }
 
-/// Whether a way is told by more than one apparent ground: of those each shows what its first rays do.
+/// Whether a way is reported by more than one apparent ground: of those each shows what its first rays do.
 bool has_paths_of_first_rays(const Survey& survey) {
   return std::ranges::any_of(survey.sensors, [&](const SensorPings& pings) {
     const auto paths = path_settings(survey.scene, pings.sensor->frequency_khz());
@@ -340,7 +340,7 @@ BistaticHistory trace_both(const Transmission& transmission, const RefractedPair
 
 std::vector<ReceiverBaseline> refracted_receiver_baselines(const Transmission& transmission,
                                                            const RefractedPair& pair) {
-  // Phases turn by the speed at the receivers, ranges are told by another.
+  // Phases turn by the speed at the receivers, ranges are reported by another.
   const Scene& scene = transmission.scene();
   const double stretch =
       pair.transmit_water.reference_speed_m_s() /
@@ -482,12 +482,12 @@ std::vector<std::string> refraction_warnings(const Survey& survey, bool referenc
         "{}: {} bins have no bound (energy_bound is infinite): facets to which it is not proven that "
         "exactly one ray leads may be heard in them, or hide what is",
         where, counts.unbounded));
-  const std::optional<double> asked_m = survey.scene.description.water.refraction_gap_m;
-  if (asked_m && counts.largest_gap_m > *asked_m)
+  const std::optional<double> requested_m = survey.scene.description.water.refraction_gap_m;
+  if (requested_m && counts.largest_gap_m > *requested_m)
     warnings.push_back(fmt::format(
         "{}: 'refraction_gap_m' asks for {:.3g} m, {:.3g} m is kept: edges next to a caustic or a "
         "shadow, or as short as the grid allows, are not cut further",
-        where, *asked_m, counts.largest_gap_m));
+        where, *requested_m, counts.largest_gap_m));
   if (counts.at_limit > 0)
     warnings.push_back(
         fmt::format("{}: bounds of {} shots are true but wider than asked: narrower ones take more apparent "

@@ -69,10 +69,10 @@ nlohmann::ordered_json statistics_json(const Survey& survey, const RunRequest& r
     json["seed"] = request.rays.seed;
   }
   if (const Selection& selection = request.selection; !selection.is_all()) {
-    nlohmann::ordered_json& asked = json["selection"];
-    if (selection.sensor) asked["sensor"] = *selection.sensor;
-    if (selection.pings) asked["pings"] = *selection.pings;
-    if (selection.beams) asked["beams"] = *selection.beams;
+    nlohmann::ordered_json& requested = json["selection"];
+    if (selection.sensor) requested["sensor"] = *selection.sensor;
+    if (selection.pings) requested["pings"] = *selection.pings;
+    if (selection.beams) requested["beams"] = *selection.beams;
   }
   if (request.reference_tolerance) {
     const ReferenceStats& reference = stats.reference;

@@ -22,7 +22,7 @@
 namespace tubefoot {
 namespace {
 
-double bound_asked_for(const std::optional<std::string>& text) {
+double bound_requested(const std::optional<std::string>& text) {
   double bound = 1e-9;
   if (!text) return bound;
   const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), bound);
@@ -34,7 +34,7 @@ double bound_asked_for(const std::optional<std::string>& text) {
 }
 
 /// 0 to 1. Throws UsageError.
-double coarseness_asked_for(const std::string& text) {
+double coarseness_requested(const std::string& text) {
   double coarseness = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), coarseness);
   if (error != std::errc() || end != text.data() + text.size() || !(coarseness >= 0 && coarseness <= 1))
@@ -120,13 +120,13 @@ RunRequest requested(const RunOptions& options, SceneDescription& description) {
           *options.label_level_db, most_db));
     request.label_level_db = *options.label_level_db;
   }
-  if (options.coarsen) request.coarseness = coarseness_asked_for(*options.coarsen);
+  if (options.coarsen) request.coarseness = coarseness_requested(*options.coarsen);
   request.selection = options.selection;
   if (!options.tolerance || options.reference) refuse_unused_settings(options, request.engine);
   if (options.tolerance && !options.reference) {
     refuse_what_the_tolerance_picks(options);
     require_able(request, Feature::trial);
-    request.tolerance = asked_tolerance(*options.tolerance);
+    request.tolerance = requested_tolerance(*options.tolerance);
     // One dial: the ground is refined no further, and no less, unless the scene says how far.
     if (!description.refinement.tolerance)
       description.refinement.tolerance = relative_error(*request.tolerance);
@@ -135,13 +135,13 @@ RunRequest requested(const RunOptions& options, SceneDescription& description) {
         std::min(description.paths.cutoff_db, -10 * std::log10(relative_error(*request.tolerance) / 3));
   }
   if (options.reference) {
-    request.reference_tolerance = bound_asked_for(options.tolerance);
+    request.reference_tolerance = bound_requested(options.tolerance);
     require_able(request, Feature::reference);
   }
   return request;
 }
 
-nlohmann::ordered_json asked_of(const SceneDescription& description, const RunRequest& request) {
+nlohmann::ordered_json request_json(const SceneDescription& description, const RunRequest& request) {
   const Selection& selection = request.selection;
   return {{"version", TUBEFOOT_VERSION},
           {"build", build_identity()},

@@ -24,7 +24,7 @@ namespace tubefoot {
 RunRequest requested(const RunOptions& options, SceneDescription& description);
 
 /// What makes two runs the same: the program's build, scene and everything it names, settings.
-nlohmann::ordered_json asked_of(const SceneDescription& description, const RunRequest& request);
+nlohmann::ordered_json request_json(const SceneDescription& description, const RunRequest& request);
 
 /// Throws std::runtime_error if the scene file, or a file that it names, is no longer what was described: its
 /// hash has changed, or it cannot be read.
@@ -52,7 +52,7 @@ WritingCost expected_writing(const Survey& survey, const RunRequest& request,
 /// How a result folder is written.
 struct Writing {
   PictureSettings pictures{};
-  bool quiet = true;  ///< nothing of it is told on stderr
+  bool quiet = true;  ///< nothing of it is reported on stderr
 };
 
 /// Writes everything that a result folder holds but stats.json, and returns the names. Of a sensor of which

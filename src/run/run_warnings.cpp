@@ -14,13 +14,13 @@ void RunWarnings::foresee(const Survey& survey, const RunRequest& request) {
   add(vast_windows(survey));
   if (request.reference_tolerance) add(open_signals(survey));
   if (!survey.loaded_scene->has_ground_per_transmission() && !survey.loaded_scene->is_tiled())
-    add(foreseen_silence(survey, request));
+    add(expected_no_returns(survey, request));
 }
 
 void RunWarnings::look_back(const Survey& survey, const RunRequest& request, const SimulationStats& stats,
                             const std::vector<Recording>& recordings) {
   add(refraction_warnings(survey, request.reference_tolerance.has_value(), stats));
-  add(met_silence(survey, request, recordings));
+  add(met_no_returns(survey, request, recordings));
 }
 
 void RunWarnings::add(const std::vector<std::string>& warnings) {
@@ -28,12 +28,12 @@ void RunWarnings::add(const std::vector<std::string>& warnings) {
   keep(warnings);
 }
 
-void RunWarnings::add(const std::vector<Silence>& silences) {
-  for (const Silence& silence : silences) {
-    if (std::ranges::find(silent_, silence.sensor) != silent_.end()) continue;
-    silent_.push_back(silence.sensor);
-    tell_(silence.warning, true);
-    keep({silence.warning});
+void RunWarnings::add(const std::vector<NoReturn>& no_returns) {
+  for (const NoReturn& no_return : no_returns) {
+    if (std::ranges::find(silent_, no_return.sensor) != silent_.end()) continue;
+    silent_.push_back(no_return.sensor);
+    tell_(no_return.warning, true);
+    keep({no_return.warning});
   }
 }
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "run/silence.hpp"
+#include "run/no_return.hpp"
 #include "run/simulation.hpp"
 
 namespace tubefoot {
@@ -31,7 +31,7 @@ class RunWarnings {
   const std::vector<std::string>& all() const { return all_; }
 
  private:
-  void add(const std::vector<Silence>& silences);
+  void add(const std::vector<NoReturn>& no_returns);
 
   Tell tell_;
   std::vector<std::string> all_;

@@ -29,7 +29,7 @@ SensorLaw::SensorLaw(const Transmission& transmission, const TransmissionGround&
                                     pings.sound_speed_m_s, transmission.number());
   law.patterns = &patterns;
   if (ground.apparent() == nullptr || patterns.baselines.empty()) return;
-  // Phases turn by the speed of sound at the receiver pair, ranges are told by that of its first place.
+  // Phases turn by the speed of sound at the receiver pair, ranges are reported by that of its first place.
   const double depth_m = scene.water->surface_height_m() -
                          pings.transmission_pose(transmission.ping(), transmission.number()).position_m.z;
   for (ReceiverBaseline& baseline : patterns.baselines)

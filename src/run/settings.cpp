@@ -46,7 +46,7 @@ PingRange parse_ping_range(const std::string& text) {
           number(std::string_view(text).substr(colon + 1), -1)};
 }
 
-Tolerance asked_tolerance(const std::string& text) {
+Tolerance requested_tolerance(const std::string& text) {
   try {
     return parse_tolerance(text);
   } catch (const std::invalid_argument& error) {

@@ -36,7 +36,7 @@ class ThreadLimit {
 void print_warnings(const std::vector<std::string>& warnings, bool quiet);
 
 /// A tolerance of the command line; throws UsageError.
-Tolerance asked_tolerance(const std::string& text);
+Tolerance requested_tolerance(const std::string& text);
 
 /// Checks a ping range against a number of pings, of a sensor of that name; throws UsageError.
 PingRange resolved(const std::string& text, std::size_t pings, const std::string& sensor = {});

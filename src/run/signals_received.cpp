@@ -99,16 +99,16 @@ void mix(ChannelSignals& signals, const SignalModel& model) {
 }  // namespace
 
 GroundField ground_field_of(const Survey& survey) {
-  const ScatterersDescription& asked = survey.scene.description.scatterers;
+  const ScatterersDescription& requested = survey.scene.description.scatterers;
   GroundField field;
   field.seed = survey.scene.description.run.seed;
-  field.texture = asked.texture == "gamma"        ? GroundTexture::gamma
-                  : asked.texture == "log_normal" ? GroundTexture::log_normal
-                                                  : GroundTexture::none;
-  field.shape = asked.texture_shape;
-  field.texture_cell_m = asked.texture_cell_m;
-  field.spacing_m = asked.spacing_m.value_or(HUGE_VAL);
-  for (std::size_t s = 0; s < survey.sensors.size() && !asked.spacing_m; ++s) {
+  field.texture = requested.texture == "gamma"        ? GroundTexture::gamma
+                  : requested.texture == "log_normal" ? GroundTexture::log_normal
+                                                      : GroundTexture::none;
+  field.shape = requested.texture_shape;
+  field.texture_cell_m = requested.texture_cell_m;
+  field.spacing_m = requested.spacing_m.value_or(HUGE_VAL);
+  for (std::size_t s = 0; s < survey.sensors.size() && !requested.spacing_m; ++s) {
     const SignalModel* model = survey.sensors[s].sensor->signals();
     if (model == nullptr) continue;
     const Sensor& sensor = *survey.sensors[s].sensor;
@@ -170,7 +170,7 @@ class TransmissionSignals {
         receiver_(receiver_of(transmission, s)),
         field_(ground_field_of(transmission.survey())) {}
 
-  ChannelSignals silence() const { return silence_of(receiver_.channels); }
+  ChannelSignals no_return() const { return silence_of(receiver_.channels); }
   /// What comes straight to what is seen and back: what all receivers receive of one common visibility, or
   /// each of its own.
   ChannelSignals straight(const History& history) const {
@@ -317,7 +317,7 @@ CertifiedSignals signals_received(const Transmission& transmission, std::size_t 
     const TransmissionSignals received(transmission, s);
     const SignalModel& model = *transmission.sensor(s).signals();
     const auto tolerance = transmission.request().reference_tolerance;
-    ChannelSignals others = received.silence();
+    ChannelSignals others = received.no_return();
     CertifiedSignals all;
     const bool direct = is_order_wanted(transmission.scene(), 1);
     if (tolerance && direct)
@@ -327,7 +327,7 @@ CertifiedSignals signals_received(const Transmission& transmission, std::size_t 
     received.add_mirrored(others);
     mix(others, model);
     if (!tolerance) return {std::move(others), {}};
-    if (!direct) all = {received.silence(), std::vector<std::complex<double>>(others.value.size())};
+    if (!direct) all = {received.no_return(), std::vector<std::complex<double>>(others.value.size())};
     if (received.has_mirrors()) {
       constexpr double open = std::numeric_limits<double>::infinity();
       superpose(others, 1, all.signals);

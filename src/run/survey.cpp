@@ -207,7 +207,7 @@ void cut_at_surface(LoadedScene& loaded_scene) {
     loaded_scene.tree = std::make_unique<SceneTree>(loaded_scene.scene.mesh);
 }
 
-/// Whether facets are told apart later, or their size matters: relief has parents of them, tiles numbers,
+/// Whether facets are resolved later, or their size matters: relief has parents of them, tiles numbers,
 /// water bends within them, and sound that scatters again comes from them as from points.
 bool keeps_its_facets(const LoadedScene& loaded_scene) {
   return loaded_scene.is_tiled() || loaded_scene.relief.cell_m > 0 || loaded_scene.scene.water->refracts() ||

@@ -37,7 +37,7 @@
 namespace tubefoot {
 namespace {
 
-// An error in a file that the scene names: both places are told.
+// An error in a file that the scene names: both places are reported.
 template <typename Read>
 auto named_at(const SourcePlace& place, Read read) {
   try {

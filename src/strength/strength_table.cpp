@@ -106,17 +106,18 @@ BoundsHeld bounds_held(const StrengthTable& table) {
   BoundsHeld held;
   for (std::size_t k = 0; k < table.bound_m.size(); ++k) {
     const double bound = table.bound_m[k];
-    const double asked = request.tolerance.value_or(0) *
-                         std::max(std::abs(table.length_m[k]), strength_floor * strongest[k % frequencies]);
+    const double requested =
+        request.tolerance.value_or(0) *
+        std::max(std::abs(table.length_m[k]), strength_floor * strongest[k % frequencies]);
     held.most_m = std::max(held.most_m, bound);
     if (bound > 0) held.most_grid = std::max(held.most_grid, table.grid_bound_m[k] / bound);
-    if (bound <= asked && asked > 0) {
-      held.worst_ratio = std::max(held.worst_ratio, bound / asked);
+    if (bound <= requested && requested > 0) {
+      held.worst_ratio = std::max(held.worst_ratio, bound / requested);
       continue;
     }
     if (bound == 0) continue;  // nothing is there, and nothing was asked of it
     ++held.over;
-    const double ratio = asked > 0 ? bound / asked : std::numeric_limits<double>::infinity();
+    const double ratio = requested > 0 ? bound / requested : std::numeric_limits<double>::infinity();
     if (ratio <= held.worst_ratio) continue;
     held.worst_ratio = ratio;
     held.worst_elevation = k / frequencies / azimuths;

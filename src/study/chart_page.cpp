@@ -11,7 +11,7 @@
 namespace tubefoot {
 namespace {
 
-constexpr double asked_db = 0.1, asked_l1 = 1e-3;
+constexpr double requested_db = 0.1, requested_l1 = 1e-3;
 
 std::vector<Trial> filtered(std::span<const Trial> trials, bool sampling) {
   std::vector<Trial> some;
@@ -73,8 +73,8 @@ SceneVerdict verdict_of(const std::string& scene, std::span<const Trial> trials,
     ratio_out = theirs->amount / ours->amount;
     extrapolated = theirs->extrapolated;
   };
-  compare(ErrorMeasure::rms_db, asked_db, verdict.ray_over_tube_at_db, verdict.db_extrapolated);
-  compare(ErrorMeasure::l1, asked_l1, verdict.ray_over_tube_at_l1, verdict.l1_extrapolated);
+  compare(ErrorMeasure::rms_db, requested_db, verdict.ray_over_tube_at_db, verdict.db_extrapolated);
+  compare(ErrorMeasure::l1, requested_l1, verdict.ray_over_tube_at_l1, verdict.l1_extrapolated);
   verdict.crossing_l1 = crossing_error(exact, sampling, ErrorMeasure::l1, work);
   return verdict;
 }
@@ -134,7 +134,7 @@ std::string to_html(std::span<const Trial> trials, const std::string& about) {
       "<h2>What it says</h2>\n<table>\n<tr><th>scene</th><th class=\"left\">in</th>"
       "<th>rays / tubes at {} dB RMS</th><th>rays / tubes at {} L1</th><th>rays cheaper above L1 "
       "of</th></tr>\n",
-      asked_db, asked_l1);
+      requested_db, requested_l1);
   const WorkMeasure steadiest = steadiest_measure(trials);
   for (const std::string& scene : scenes_of(trials))
     for (const WorkMeasure work : {WorkMeasure::seconds, steadiest}) {

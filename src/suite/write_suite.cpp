@@ -125,21 +125,22 @@ void write_frame(const fs::path& folder, const SuiteRequest& request) {
 }  // namespace
 
 std::vector<const Aspect*> aspects_named(const std::string& names) {
-  std::vector<std::string> known, asked;
+  std::vector<std::string> known, requested;
   for (const Aspect& aspect : aspects()) known.emplace_back(aspect.name);
   for (std::size_t begin = 0; begin < names.size() + 1 && !names.empty();) {
     const std::size_t end = std::min(names.find(',', begin), names.size());
-    asked.push_back(names.substr(begin, end - begin));
+    requested.push_back(names.substr(begin, end - begin));
     begin = end + 1;
-    if (std::ranges::find(known, asked.back()) != known.end()) continue;
-    const std::string_view meant = nearest(asked.back(), known);
-    throw UsageError(fmt::format("the pack has no scene '{}': {}", asked.back(),
+    if (std::ranges::find(known, requested.back()) != known.end()) continue;
+    const std::string_view meant = nearest(requested.back(), known);
+    throw UsageError(fmt::format("the pack has no scene '{}': {}", requested.back(),
                                  meant.empty() ? "it has " + fmt::format("{}", one_of(known, '\''))
                                                : fmt::format("did you mean '{}'?", meant)));
   }
   std::vector<const Aspect*> found;
   for (const Aspect& aspect : aspects())
-    if (names.empty() || std::ranges::find(asked, aspect.name) != asked.end()) found.push_back(&aspect);
+    if (names.empty() || std::ranges::find(requested, aspect.name) != requested.end())
+      found.push_back(&aspect);
   return found;
 }
 

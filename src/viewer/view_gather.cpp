@@ -351,18 +351,18 @@ ViewData gather_view(const Transmissions& transmissions, std::size_t sensor,
 
   const bool as_many_as_fit = !range;
   const std::int64_t last_ping = static_cast<std::int64_t>(pings.times_s.size()) - 1;
-  const PingRange asked = range ? *range : PingRange{0, last_ping};
-  const auto cells = static_cast<double>(asked.last - asked.first + 1) * view.beams * view.samples;
+  const PingRange requested = range ? *range : PingRange{0, last_ping};
+  const auto cells = static_cast<double>(requested.last - requested.first + 1) * view.beams * view.samples;
   constexpr double most_cells = 5e7;
   if (range && cells > most_cells)
     throw UsageError(fmt::format(
         "a picture of {:.3g} samples is too large for a page, which holds {:.2g}: ask for --pings {}:{}",
-        cells, most_cells, asked.first,
-        asked.first + std::max<std::int64_t>(
-                          0, static_cast<std::int64_t>(most_cells / view.beams / view.samples) - 1)));
+        cells, most_cells, requested.first,
+        requested.first + std::max<std::int64_t>(
+                              0, static_cast<std::int64_t>(most_cells / view.beams / view.samples) - 1)));
   constexpr std::size_t most_lines = 1000;  // more are too fine to be clicked
-  Progress progress("pings", static_cast<std::size_t>(asked.last - asked.first + 1), quiet);
-  for (std::int64_t ping = asked.first; ping <= asked.last; ++ping) {
+  Progress progress("pings", static_cast<std::size_t>(requested.last - requested.first + 1), quiet);
+  for (std::int64_t ping = requested.first; ping <= requested.last; ++ping) {
     stop_if_wanted();
     const bool full =
         view.footprints.size() >= limits.footprints_unasked || view.pings.size() == most_lines ||
@@ -370,7 +370,7 @@ ViewData gather_view(const Transmissions& transmissions, std::size_t sensor,
             limits.cells_unasked;
     if (as_many_as_fit && full && !view.pings.empty()) {
       view.notes.push_back(fmt::format("Pings {} to {} of {}: tubefoot view --pings A:B shows others.",
-                                       asked.first, ping - 1, pings.times_s.size()));
+                                       requested.first, ping - 1, pings.times_s.size()));
       break;
     }
     gatherer.add_ping(static_cast<std::size_t>(ping));

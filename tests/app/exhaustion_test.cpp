@@ -49,7 +49,7 @@ struct Exhaustion : testing::Test {
 };
 
 // The libraries take 456 MB of addresses when they are loaded, and 63 MB more in their initializers.
-TEST_F(Exhaustion, OfAddressesIsToldBeforeAnyLibraryFails) {
+TEST_F(Exhaustion, OfAddressesIsReportedBeforeAnyLibraryFails) {
 #ifdef TUBEFOOT_SANITIZED
   GTEST_SKIP() << "sanitizers set aside terabytes of addresses";
 #endif
@@ -76,7 +76,7 @@ TEST_F(Exhaustion, OfAddressesIsToldBeforeAnyLibraryFails) {
   EXPECT_EQ(done, 5);
 }
 
-TEST_F(Exhaustion, OfAddressesIsToldByEveryCommand) {
+TEST_F(Exhaustion, OfAddressesIsReportedByEveryCommand) {
 #ifdef TUBEFOOT_SANITIZED
   GTEST_SKIP() << "sanitizers set aside terabytes of addresses";
 #endif

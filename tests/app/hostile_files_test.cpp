@@ -60,7 +60,7 @@ TEST_F(Hostile, PipesBesideAFile) {
   EXPECT_EQ(check(with_raster()).exit_code, 0);
 }
 
-TEST_F(Hostile, NamesThatLeaveTheFolderAreTold) {
+TEST_F(Hostile, NamesThatLeaveTheFolderAreReported) {
   TestFolder elsewhere;
   elsewhere.write("other.obj", tetrahedron);
   elsewhere.write("grid.prj", "LOCAL_CS[\"none\"]");

@@ -29,7 +29,7 @@ struct InputRegistryManuals : InputRegistry {
   }
 };
 
-TEST_F(InputRegistryManuals, OverviewsOnAHostAreNotAskedFor) {
+TEST_F(InputRegistryManuals, OverviewsOnAHostAreNotRequested) {
   const CalledHost host;
   const std::vector<std::string> names{"NETCDF:\"" + host.address() + "/a.nc\":z",
                                        "vrt://NETCDF:" + host.address() + "/a.nc", host.address() + "/a.nc"};
@@ -245,7 +245,7 @@ TEST_F(InputRegistryManuals, AGeoPackageComputesNothing) {
   expect_refused(with_map("map.gpkg"), {"a table with computed columns, 'more'"});
 }
 
-TEST_F(InputRegistryManuals, AResultThatNamesASceneElsewhereIsTold) {
+TEST_F(InputRegistryManuals, AResultThatNamesASceneElsewhereIsReported) {
   const TestFolder elsewhere, here;
   elsewhere.write("thing.obj", tetrahedron);
   const std::string scene = elsewhere.write("scene.toml", small_scene).string();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every byte that is read is told, hashed and where it may be (docs/limits.md): attacks by files that a
+// Every byte that is read is reported, hashed and where it may be (docs/limits.md): attacks by files that a
 // stranger could send, each of which one of the libraries under tubefoot would fall for.
 #include <gdal_priv.h>
 #include <hdf5.h>

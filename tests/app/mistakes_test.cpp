@@ -326,7 +326,7 @@ std::vector<Mistake> objects() {
 }
 TEST(Mistakes, Objects) { expect_answers(objects()); }
 
-TEST(Mistakes, WhereThingsAreIsTold) {
+TEST(Mistakes, WhereThingsAreIsReported) {
   const auto told = [](std::string_view to) {
     return outcome_of({"none", {{"[0, 6, 0.5]", std::string(to)}}, {}, 0}).out;
   };

@@ -56,7 +56,7 @@ struct RunOutputs : testing::Test {
   }
 };
 
-TEST_F(RunOutputs, HaveThePicturesThatAreAskedForOfEveryKind) {
+TEST_F(RunOutputs, HaveThePicturesThatAreRequestedOfEveryKind) {
   write(scene(3));
   const std::set<std::string> all = names_of({}), none = names_of({"--pictures", "none"}),
                               sequence = names_of({"--pictures", "sequence"});
@@ -83,7 +83,7 @@ TEST_F(RunOutputs, HaveThePicturesThatAreAskedForOfEveryKind) {
   EXPECT_THAT(moving, ElementsAre("camera-sequence.gif", "imager-sequence.gif"));
 }
 
-TEST_F(RunOutputs, WhatIsAskedForGoesBeforeWhatTheSceneSays) {
+TEST_F(RunOutputs, WhatIsRequestedGoesBeforeWhatTheSceneSays) {
   write(scene(3) + "");
   const std::string text = bytes_of(folder / "scene.toml");
   folder.write("scene.toml",
@@ -107,7 +107,7 @@ TEST_F(RunOutputs, RefusesPicturesThatThereAreNot) {
   refused({"--pictures", "none", "--animate"}, "leave out one of them");
 }
 
-// What is told meanwhile is Progress.* and Pictures.TellHowManyOfThemThereAreWhileTheyAreDrawn.
+// What is reported meanwhile is Progress.* and Pictures.TellHowManyOfThemThereAreWhileTheyAreDrawn.
 TEST_F(RunOutputs, TellWritingBeforeAndAfter) {
   write(scene(320));
   const Outcome checked = run_program({"check", (folder / "scene.toml").string()});

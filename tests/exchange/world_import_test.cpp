@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Worlds as others write them: poses in poses, shapes, frames by name, sonars; what is left out is told, and
-// what a stranger may put into one does no harm.
+// Worlds as others write them: poses in poses, shapes, frames by name, sonars; what is left out is reported,
+// and what a stranger may put into one does no harm.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -117,7 +117,7 @@ TEST_F(Worlds, ReadShapesAndTellWhatTheyDoNot) {
     EXPECT_THAT(scene.noticed, Contains(HasSubstr(told)));
 }
 
-TEST_F(Worlds, FindModelsWhereTheyAreToldTo) {
+TEST_F(Worlds, FindModelsWhereTheyAreReportedTo) {
   fs::create_directories(folder / "models/buoy/meshes");
   folder.write("models/buoy/meshes/b.obj", triangle);
   const std::string buoy = model("<geometry><mesh><uri>model://buoy/meshes/b.obj</uri></mesh></geometry>");

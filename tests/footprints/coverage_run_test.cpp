@@ -169,7 +169,7 @@ TEST(CoverageRun, FolderHoldsTheSameAsTheFiles) {
             static_cast<std::size_t>(opened(folder / "c.gpkg")->GetLayerByName("facets")->GetFeatureCount()));
 }
 
-TEST(CoverageRun, PingsAndSensorAreThoseAskedFor) {
+TEST(CoverageRun, PingsAndSensorAreThoseRequested) {
   const TestFolder folder;
   const fs::path scene_file = folder.write("scene.toml", scene);
   const auto most = [&](const std::vector<std::string>& more) {

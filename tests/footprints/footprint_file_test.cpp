@@ -180,7 +180,7 @@ TEST_P(FootprintFiles, AreReadBackWholeAndConsistent) {
   EXPECT_LE(solid_angle, sector * (1 + 1e-4));
 }
 
-TEST_P(FootprintFiles, HoldThePingsAskedFor) {
+TEST_P(FootprintFiles, HoldThePingsRequested) {
   const auto pings_with = [&](const std::vector<std::string>& more) {
     const Outcome outcome = write(more);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;

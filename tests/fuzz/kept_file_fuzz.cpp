@@ -25,9 +25,9 @@ StoreLayout layout() {
   return made;
 }
 
-nlohmann::ordered_json asked() { return {{"scene_hash", "0123"}, {"reference", nullptr}}; }
+nlohmann::ordered_json requested() { return {{"scene_hash", "0123"}, {"reference", nullptr}}; }
 
-nlohmann::ordered_json identity() { return {{"asked", asked()}, {"run", json_of(RunRequest())}}; }
+nlohmann::ordered_json identity() { return {{"asked", requested()}, {"run", json_of(RunRequest())}}; }
 
 /// A file of pings as the program writes it, with some pings done, or of another layout or identity.
 std::string good_store(std::uint32_t kind) {
@@ -87,7 +87,7 @@ void pings(Bytes& bytes) {
   scratch_file("run.partial", kind == 3 ? std::string(bytes.rest()) : damaged(good[kind], bytes));
   may_refuse_to_resume([&] {
     PartialRun partial(output, resume);
-    if (partial.kept()) resumed(*partial.kept(), asked(), {});
+    if (partial.kept()) resumed(*partial.kept(), requested(), {});
     const auto store = partial.open(layout(), identity());
     if (store->done_units() > layout().units()) finding("more pings done than there are");
     PingValues silent;

@@ -253,7 +253,7 @@ TEST_F(Import, WrongOrderIsFoundByTheTruth) {
   warned(Picture(truth).each([&](double) { return double(++k * 7919 % 101); }), "is it the same scene");
 }
 
-TEST_F(Import, AnotherScaleIsToldAndNeverRefuses) {
+TEST_F(Import, AnotherScaleIsReportedAndNeverRefuses) {
   // A mean per bin differs from a sum as an energy does from its root: the truth cannot tell which it is.
   const Echoes& truth = reference().echoes;
   const Picture roots = Picture(truth).each([](double e) { return std::sqrt(e); });
@@ -284,7 +284,7 @@ TEST_F(Import, AnOutputModelBringsTheReferenceToItsMeasure) {
   EXPECT_THAT(with.err, Not(HasSubstr("warning"))) << with.out;
   EXPECT_THAT(with.out, AllOf(HasSubstr("in the measure of"), HasSubstr("corr 1.00")));
   EXPECT_EQ(read_echoes(out).energy, written);
-  // An order is refuted in it, too, and an output model that is none is told.
+  // An order is refuted in it, too, and an output model that is none is reported.
   EXPECT_THAT(import_file("picture.npy", Picture(roots).flip_beams().npy(),
                           {"--scale", "energy", "--output-model", output_model})
                   .err,

@@ -187,7 +187,7 @@ TEST(SceneDrawing, SectionsLieWhereASensorLooks) {
   }
 }
 
-TEST(SceneDrawing, ObjectsAreDrawnWhereTheyAreAndBuriedOnesAreTold) {
+TEST(SceneDrawing, ObjectsAreDrawnWhereTheyAreAndBuriedOnesAreReported) {
   const std::string svg = drawing_of(
       ground + flat_terrain(40, 30) + fixed_at(0, -10, 4) +
       "[[objects]]\nname = \"crate\"\nshape = \"box\"\nsize_m = [4, 2, 3]\nposition_m = [5, 6, 1.5]\n"

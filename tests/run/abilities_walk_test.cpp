@@ -27,17 +27,17 @@ namespace {
 using testing::HasSubstr;
 
 /// What a command or an option of it asks for.
-struct Asked {
+struct Requested {
   Feature feature;
   std::vector<std::string> words;
 };
-const std::vector<Asked> of_runs{{Feature::reference, {"run", "--reference", "--tolerance", "1e-2"}},
-                                 {Feature::double_arithmetic, {"run", "--arithmetic", "double"}},
-                                 {Feature::fast_binning, {"run", "--binning", "centroid"}},
-                                 {Feature::labels, {"run", "--labels"}},
-                                 {Feature::coarsening, {"run", "--coarsen", "1e-2"}},
-                                 {Feature::rays, {"run", "--engine", "ray", "--rays-per-beam", "30000"}}};
-const std::vector<Asked> of_commands{
+const std::vector<Requested> of_runs{{Feature::reference, {"run", "--reference", "--tolerance", "1e-2"}},
+                                     {Feature::double_arithmetic, {"run", "--arithmetic", "double"}},
+                                     {Feature::fast_binning, {"run", "--binning", "centroid"}},
+                                     {Feature::labels, {"run", "--labels"}},
+                                     {Feature::coarsening, {"run", "--coarsen", "1e-2"}},
+                                     {Feature::rays, {"run", "--engine", "ray", "--rays-per-beam", "30000"}}};
+const std::vector<Requested> of_commands{
     {Feature::audit, {"audit"}},
     {Feature::coverage, {"coverage", "-o", "covered.csv"}},
     {Feature::view, {"view", "-o", "page.html"}},
@@ -89,7 +89,7 @@ struct AbilitiesWalk : testing::Test {
     return energies[scene] = NetcdfReader(output / "echoes.nc").values("/", "energy");
   }
 
-  /// What a receiver pair's footprints are told with is what the transmitter's own place would receive.
+  /// What a receiver pair's footprints are reported with is what the transmitter's own place would receive.
   static double footprints_tolerance(const std::set<Feature>& features) {
     return features.contains(Feature::two_receivers) ? 0.02 : 1e-9;
   }
@@ -118,7 +118,7 @@ struct AbilitiesWalk : testing::Test {
       const std::vector<double> bound = file.values("/", "energy_bound");
       for (std::size_t k = 0; k < sure.size(); ++k) {
         EXPECT_NEAR(here[k], sure[k], bound[k] + 1e-6 * largest) << "bin " << k;
-        EXPECT_LE(bound[k], 3e-2 * largest) << "bin " << k;  // where it is wider than asked, that is told
+        EXPECT_LE(bound[k], 3e-2 * largest) << "bin " << k;  // where it is wider than asked, that is reported
       }
     } else if (words.front() == "footprints" && !features.contains(Feature::exact_corners) &&
                !features.contains(Feature::mirrors)) {  // their footprints are of the way without mirrors
@@ -144,9 +144,9 @@ struct AbilitiesWalk : testing::Test {
       EXPECT_NEAR(whole[k], energy[k] > 0 ? 1 : 0, 1e-14) << "bin " << k;
   }
 
-  void walk_with(const std::vector<Asked>& asked) {
+  void walk_with(const std::vector<Requested>& requested) {
     for (const InScene& one : of_scenes)
-      for (const Asked& two : asked) {
+      for (const Requested& two : requested) {
         // A bed is refined that has relief: with what tells beds apart.
         if (two.feature == Feature::refine && one.feature != Feature::relief_each_transmission &&
             one.feature != Feature::tiles)
@@ -212,10 +212,10 @@ TEST_F(AbilitiesWalk, AHeadThatTurnsWithEachFeature) {
   for (const InScene& one : of_scenes) {
     if (one.feature == Feature::two_receivers || one.feature == Feature::signals) continue;  // other kinds
     walk({one.feature}, {"run"});
-    for (const Asked& asked : of_runs) walk({one.feature, asked.feature}, asked.words);
-    for (const Asked& asked : of_commands)
-      if (asked.feature == Feature::view || asked.feature == Feature::footprints)
-        walk({one.feature, asked.feature}, asked.words);
+    for (const Requested& requested : of_runs) walk({one.feature, requested.feature}, requested.words);
+    for (const Requested& requested : of_commands)
+      if (requested.feature == Feature::view || requested.feature == Feature::footprints)
+        walk({one.feature, requested.feature}, requested.words);
   }
 }
 
@@ -228,10 +228,10 @@ TEST_F(AbilitiesWalk, DrawnScenesOfManyFeatures) {
     std::set<Feature> features;
     for (const InScene& one : of_scenes)
       if (random() % 2 == 0) features.insert(one.feature);
-    const Asked& asked = of_runs[random() % of_runs.size()];
+    const Requested& requested = of_runs[random() % of_runs.size()];
     walk(features, {"run"});
-    features.insert(asked.feature);
-    walk(features, asked.words);
+    features.insert(requested.feature);
+    walk(features, requested.words);
   }
 }
 

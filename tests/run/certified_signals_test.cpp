@@ -165,10 +165,10 @@ struct CertifiedSignals : testing::Test {
     folder.write("plate.obj",
                  "v -0.25 -0.125 -2\nv 0.125 -0.125 -2\nv 0.125 0.25 -2\nv -0.25 0.25 -2\nf 1 2 3 4\n");
   }
-  ElementSignals signals_of(const std::string& text, std::optional<double> asked = tolerance) {
+  ElementSignals signals_of(const std::string& text, std::optional<double> requested = tolerance) {
     const SceneDescription description = read_scene_file(folder.write("scene.toml", text));
     RunRequest request = request_of(description.run);
-    request.reference_tolerance = asked;
+    request.reference_tolerance = requested;
     survey = open_survey(description, Facets::as_given);
     SimulationStats stats;
     recordings = simulate(*survey, request, stats);
@@ -271,7 +271,7 @@ TEST_F(CertifiedSignals, AreThoseOfAnOrdinaryRun) {
   EXPECT_LT(off, 1e-3 * peak);
 }
 
-// A rough floor: nothing is told of samples that may hold its speckle; before it all is as without.
+// A rough floor: nothing is reported of samples that may hold its speckle; before it all is as without.
 TEST_F(CertifiedSignals, AreOpenWhereRoughSurfacesAreReceived) {
   const std::string sensor = "bandwidth_khz = 0\npulse_length_us = 600\npulse_taper = 1\n";
   std::string rough = scene(sensor);

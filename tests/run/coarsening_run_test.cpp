@@ -117,7 +117,7 @@ TEST_F(CoarseningRun, IsTheSameForAnyThreadsAndInParts) {
 }
 
 // By the nearest place of each sensor, one after the other.
-TEST_F(CoarseningRun, WhatIsToldApartGrowsWithTheRange) {
+TEST_F(CoarseningRun, WhatIsReportedApartGrowsWithTheRange) {
   const std::string line =
                         "[trajectory]\nkind = \"line\"\nstart_m = [-2, -4, 5]\nend_m = [1, 3, 5]\n"
                         "speed_m_s = 1\n",
@@ -127,7 +127,7 @@ TEST_F(CoarseningRun, WhatIsToldApartGrowsWithTheRange) {
   const auto survey = open_survey(
       read_scene_file(folder.write("scene.toml", materials + rolling_bed + line + camera + sidescan)));
   const Scene& scene = survey->scene;
-  const std::vector<double> apart = told_apart(*survey->loaded_scene, *survey->sensor_set);
+  const std::vector<double> apart = resolved(*survey->loaded_scene, *survey->sensor_set);
   std::size_t unreached = 0;
   for (std::size_t f = 0; f < scene.mesh.facets.size(); f += 7) {
     double nearest = std::numeric_limits<double>::infinity(), farthest = nearest;

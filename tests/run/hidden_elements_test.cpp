@@ -91,7 +91,7 @@ TEST_F(HiddenElements, InTheWaterMayBeAnywhere) {
   EXPECT_EQ(said({{100, 0, -3}}), "");  // beside the bed there is none above
 }
 
-TEST_F(HiddenElements, InABoxAreToldWithTheirNumberAndPing) {
+TEST_F(HiddenElements, InABoxAreReportedWithTheirNumberAndPing) {
   EXPECT_THAT(said({{0, 0, 5}, {5, 5, 1}, {5.5, 5, 1}}),
               AllOf(HasSubstr("scene.toml:7"),
                     HasSubstr("receiver 1 of sensor 'tail' is inside object 'crate' at ping 3"),
@@ -104,7 +104,7 @@ TEST_F(HiddenElements, InABoxAreToldWithTheirNumberAndPing) {
     EXPECT_THAT(said({at}), HasSubstr("receiver of sensor 'tail' is inside object 'crate'"));
 }
 
-TEST_F(HiddenElements, OnAnObjectAreToldApart) {
+TEST_F(HiddenElements, OnAnObjectAreReportedApart) {
   EXPECT_THAT(said({{5, 4.3, 2}}), HasSubstr("lies exactly on a facet of 'crate' at ping 3"));
   EXPECT_THAT(said({{4, 4, 2}}), HasSubstr("lies exactly on a vertex of 'crate'"));
 }
@@ -114,7 +114,7 @@ TEST_F(HiddenElements, BetweenTwoSpheresAreInTheOuterOne) {
   EXPECT_THAT(said({{-6, 0, 6.2}}), HasSubstr("is inside object"));
 }
 
-TEST_F(HiddenElements, BelowTheBedAreToldHowFar) {
+TEST_F(HiddenElements, BelowTheBedAreReportedHowFar) {
   EXPECT_THAT(said({{0, 0, 5}, {1, 2, -0.5}}),
               AllOf(HasSubstr("receiver 1 of sensor 'tail' is 0.5 m below the seabed ('bed') at ping 3"),
                     HasSubstr("raise its trajectory or lever arm")));

@@ -386,7 +386,7 @@ TEST(InterferometricRun, ATransmitterBesideItsReceiverPairByNothingIsInItsMiddle
   }
 }
 
-TEST(InterferometricRun, ATransmitterBesideItsReceiverPairInEvenWaterThatIsToldAsLayers) {
+TEST(InterferometricRun, ATransmitterBesideItsReceiverPairInEvenWaterThatIsReportedAsLayers) {
   const std::string receiver_pair =
       "baseline_m = 0.02\nstaff_tilt_deg = 20\nreceiver_arm_m = [0.5, 0.2, -0.8]\n";
   expect_near(Channels(short_scene("interferometric", gradient(1e-7), receiver_pair)),
@@ -417,7 +417,7 @@ std::string far_scene(double tilt_deg, const std::string& more) {
 }
 
 /// Phases in 260 cells, the first at `cells`, are those of travel times to both ends of a receiver pair;
-/// `speed`: that ranges are told by.
+/// `speed`: that ranges are reported by.
 void expect_phases_of_times(const Channels& both, std::size_t cells, Place sent, Place middle, double speed,
                             double tilt_deg) {
   const double ax = receiver_pair_m / 2 * std::sin(tilt_deg * degree),
@@ -453,7 +453,7 @@ TEST(InterferometricRun, PhasesOfAReceiverPairBelowItsTransmitterAreThoseOfTrave
   expect_phases_of_times(both, 260, sent, {0.5, -4}, sent.speed(), 20);
 }
 
-// A sonar that leaves the depth that its ranges are told by: at its second ping it is 2 m deeper.
+// A sonar that leaves the depth that its ranges are reported by: at its second ping it is 2 m deeper.
 TEST(InterferometricRun, PhasesAtAnotherDepthThanTheFirstAreThoseOfTravelTimes) {
   const Channels both(replaced(far_scene(60, "pings = 2\nping_interval_s = 1\n"), "kind = \"fixed\"\n",
                                "kind = \"line\"\nstart_m = [0, 0, 0]\nend_m = [0, 1, -2]\nspeed_m_s = "

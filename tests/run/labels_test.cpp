@@ -31,7 +31,7 @@ using testing::HasSubstr;
 constexpr double quadrature = 1e-5;
 
 /// All of one sensor's run.
-struct Told {
+struct LabelledRun {
   std::shared_ptr<PingStore> store;
   LabelRecording labels;
   std::vector<double> energy;  ///< [ping][channel of the sensor][beam][sample]
@@ -57,13 +57,14 @@ struct Told {
 struct LabelsOf : testing::Test {
   TestFolder folder;
 
-  Told told(const std::string& scene, const std::function<void(RunRequest&)>& ask = {}, bool labels = true) {
+  LabelledRun told(const std::string& scene, const std::function<void(RunRequest&)>& ask = {},
+                   bool labels = true) {
     const SceneDescription description = read_scene_file(folder.write("scene.toml", scene));
     const auto survey = open_survey(description);
     RunRequest request = request_of(description.run);
     request.labels = labels;
     if (ask) ask(request);
-    Told told;
+    LabelledRun told;
     told.store = std::make_shared<PingStore>(layout_of(*survey, request));
     simulate(*survey, request, *told.store, {});
     const auto values = told.store->energy(0);
@@ -78,7 +79,7 @@ struct LabelsOf : testing::Test {
   }
 
   /// Owners' energies, and those without scattering, are the energies; shares add up to 1.
-  static void expect_whole(const Told& told, double tolerance) {
+  static void expect_whole(const LabelledRun& told, double tolerance) {
     const LabelRecording& labels = told.labels;
     double largest = 0;
     for (std::size_t p = 0; p < told.pings; ++p)
@@ -117,7 +118,7 @@ const std::string still_life =
     "range_max_m = 7\nsamples = 40\n";
 
 TEST_F(LabelsOf, AStillLifeNamesItsThings) {
-  const Told t = told(still_life);
+  const LabelledRun t = told(still_life);
   expect_whole(t, quadrature);
   const LabelPing ping = t.labels.of(0);
   const std::size_t bed = t.object("bed"), ball = t.object("ball"), box = t.object("box");
@@ -153,7 +154,7 @@ TEST_F(LabelsOf, TheEnergiesAreTheSameToTheBit) {
 TEST_F(LabelsOf, NoResultDependsOnTheThreads) {
   const auto with = [&](std::size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    const Told t = told(still_life);
+    const LabelledRun t = told(still_life);
     return std::vector<double>(t.labels.values.begin(), t.labels.values.end());
   };
   EXPECT_EQ(with(1), with(3));
@@ -161,9 +162,9 @@ TEST_F(LabelsOf, NoResultDependsOnTheThreads) {
 
 // Nothing of what nobody sees: a wall before the box, and the bed below it.
 TEST_F(LabelsOf, WhatIsHiddenHasNoShare) {
-  const Told t = told(still_life +
-                      "[[objects]]\nname = \"wall\"\nshape = \"box\"\nsize_m = [6, 0.2, 6]\n"
-                      "position_m = [0, 3.6, 1]\nmaterial = \"steel\"\n");
+  const LabelledRun t = told(still_life +
+                             "[[objects]]\nname = \"wall\"\nshape = \"box\"\nsize_m = [6, 0.2, 6]\n"
+                             "position_m = [0, 3.6, 1]\nmaterial = \"steel\"\n");
   expect_whole(t, quadrature);
   const LabelPing ping = t.labels.of(0);
   for (const char* hidden : {"box", "ball"})
@@ -172,11 +173,11 @@ TEST_F(LabelsOf, WhatIsHiddenHasNoShare) {
 }
 
 TEST_F(LabelsOf, RaysAgreeWithTubes) {
-  const Told exact = told(still_life),
-             sampled = told(still_life, [](RunRequest&request) {
-               request.engine = Engine::ray;
-               request.rays = {RaySampling::stratified, 100000, RaySettings::Per::beam, 1};
-             });
+  const LabelledRun exact = told(still_life),
+                    sampled = told(still_life, [](RunRequest&request) {
+                      request.engine = Engine::ray;
+                      request.rays = {RaySampling::stratified, 100000, RaySettings::Per::beam, 1};
+                    });
   expect_whole(sampled, 1e-12);
   const LabelPing a = exact.labels.of(0), b = sampled.labels.of(0);
   double all = 0, apart = 0, lower = 0;
@@ -209,9 +210,9 @@ std::string of_sheet(const char* name, const char* material) {
 TEST_F(LabelsOf, ABeamOverTwoFacetsHasSharesAsTheirAzimuths) {
   folder.write("west.obj", sheet(-50, 0, 0));
   folder.write("east.obj", sheet(0, 50, 0));
-  const Told t = told(still_water() + lambert_material("dull", -30) + lambert_material("bright", -20) +
-                      of_sheet("west", "dull") + of_sheet("east", "bright") +
-                      fixed_at(0, 0, 10, "heading_deg = 1\n") + downward_fan(1, 4, 100));
+  const LabelledRun t = told(still_water() + lambert_material("dull", -30) + lambert_material("bright", -20) +
+                             of_sheet("west", "dull") + of_sheet("east", "bright") +
+                             fixed_at(0, 0, 10, "heading_deg = 1\n") + downward_fan(1, 4, 100));
   expect_whole(t, quadrature);
   const LabelPing ping = t.labels.of(0);
   const double east = 3 * 0.01 / (3 * 0.01 + 1 * 0.001);
@@ -231,8 +232,8 @@ TEST_F(LabelsOf, ABeamOverTwoFacetsHasSharesAsTheirAzimuths) {
 TEST_F(LabelsOf, HeightsAndRangesOnASlopeAreThoseOfTheClosedForm) {
   constexpr double rise = 0.25, height = 10, half_rad = 2 * std::numbers::pi / 180;
   folder.write("slope.obj", sheet(-50, 50, rise));
-  const Told t = told(still_water() + lambert_material("rock", -20) + of_sheet("slope", "rock") +
-                      fixed_at(0, 0, height) + downward_fan(1, 4, 40));
+  const LabelledRun t = told(still_water() + lambert_material("rock", -20) + of_sheet("slope", "rock") +
+                             fixed_at(0, 0, height) + downward_fan(1, 4, 40));
   expect_whole(t, quadrature);
   const LabelPing ping = t.labels.of(0);
   int compared = 0;
@@ -273,9 +274,9 @@ TEST_F(LabelsOf, EveryFeatureOfASceneKeepsTheWhole) {
       if (reason_of_the_table(features)) continue;  // and two kinds of sensors
       if (features.contains(Feature::two_receivers) && features.contains(Feature::signals)) continue;
       SCOPED_TRACE(scene_with(features));
-      const Told t = told(scene_with(features) +
-                          "[[objects]]\nname = \"box\"\nshape = \"box\"\nmaterial = \"rock\"\n"
-                          "size_m = [0.5, 0.5, 0.5]\nposition_m = [0.1, 5, 0.2]\n");
+      const LabelledRun t = told(scene_with(features) +
+                                 "[[objects]]\nname = \"box\"\nshape = \"box\"\nmaterial = \"rock\"\n"
+                                 "size_m = [0.5, 0.5, 0.5]\nposition_m = [0.1, 5, 0.2]\n");
       expect_whole(t, quadrature);
       const LabelPing ping = t.labels.of(0);
       for (std::size_t cell = 0; cell < t.labels.cells; ++cell)
@@ -304,7 +305,7 @@ TEST_F(LabelsOf, TheFileHasItAndTheFolderPictures) {
   EXPECT_EQ(file.dimensions("/", "mean_height"), "ping,beam,sample");
   EXPECT_EQ(file.text("/", "flag_meanings", "object_label"), "bed ball box");
   EXPECT_EQ(file.text("/", "units", "mean_range"), "m");
-  const Told t = told(still_life);
+  const LabelledRun t = told(still_life);
   EXPECT_EQ(file.values("/", "object_share"), t.labels.of(0).object_share);
   EXPECT_EQ(file.values("/", "material_share"), t.labels.of(0).material_share);
   EXPECT_EQ(file.values("/", "energy"), t.energy);
@@ -365,7 +366,7 @@ double down_db(int beam) {
   return -20 * std::log10(std::abs(std::sin(std::numbers::pi * u) / (std::numbers::pi * u)));
 }
 
-void expect_labels_within(const Told& t, double level_db) {
+void expect_labels_within(const LabelledRun& t, double level_db) {
   const LabelPing ping = t.labels.of(0);
   const auto ball = std::int16_t(t.object("ball"));
   int labelled = 0, unlabelled = 0;
@@ -385,12 +386,12 @@ void expect_labels_within(const Told& t, double level_db) {
 }
 
 TEST_F(LabelsOf, ASideLobeFarBelowThePeakOwnsNoLabel) {
-  const Told t = told(ball_in_side_lobes());
+  const LabelledRun t = told(ball_in_side_lobes());
   expect_whole(t, quadrature);
   expect_labels_within(t, 20);
 }
 
-TEST_F(LabelsOf, TheLevelOfLabelsIsAsked) {
+TEST_F(LabelsOf, TheLevelOfLabelsIsRequested) {
   for (const double level_db : {8., 15., 28.})
     expect_labels_within(told(ball_in_side_lobes(), [&](RunRequest& r) { r.label_level_db = level_db; }),
                          level_db);
@@ -413,9 +414,9 @@ TEST_F(LabelsOf, AReceiverThatIsApartHasTheSameLabels) {
 
 // The two-way gain counts: 8 degrees below the axis a transmitter of 20 degrees has lost 1.9 dB.
 TEST_F(LabelsOf, WhatIsSentCountsForLabelsToo) {
-  const Told level = told(ball_in_side_lobes(), [](RunRequest&r) { r.label_level_db = 1; }),
-             tilted = told(ball_in_side_lobes(8), [](RunRequest&r) { r.label_level_db = 1; });
-  const auto labelled = [](const Told& t) {
+  const LabelledRun level = told(ball_in_side_lobes(), [](RunRequest&r) { r.label_level_db = 1; }),
+                    tilted = told(ball_in_side_lobes(8), [](RunRequest&r) { r.label_level_db = 1; });
+  const auto labelled = [](const LabelledRun& t) {
     return std::ranges::count(t.labels.of(0).object_label, std::int16_t(t.object("ball")));
   };
   EXPECT_GT(labelled(level), 0);
@@ -424,9 +425,9 @@ TEST_F(LabelsOf, WhatIsSentCountsForLabelsToo) {
 
 // Mud that a beam looks at owns the label, though the ball in its side lobes returns more.
 TEST_F(LabelsOf, TheMainLobeOwnsTheLabelThoughASideLobeReturnsMore) {
-  const Told t = told(ball_in_side_lobes() +
-                      "[[objects]]\nname = \"wall\"\nshape = \"box\"\nsize_m = [8, 0.5, 0.02]\n"
-                      "position_m = [0, 4.98, 2.9]\nmaterial = \"mud\"\n");
+  const LabelledRun t = told(ball_in_side_lobes() +
+                             "[[objects]]\nname = \"wall\"\nshape = \"box\"\nsize_m = [8, 0.5, 0.02]\n"
+                             "position_m = [0, 4.98, 2.9]\nmaterial = \"mud\"\n");
   const LabelPing ping = t.labels.of(0);
   const auto ball = t.object("ball"), wall = t.object("wall");
   int compared = 0;
@@ -466,7 +467,7 @@ TEST_F(LabelsOf, AllOfTheEnergyIsNearThePeakWhereTheLevelIsLow) {
     const auto told_at = [&](double level_db) {
       return told(scene, [&](RunRequest& r) { r.label_level_db = level_db; });
     };
-    const Told low = told_at(1000), high = told_at(3);
+    const LabelledRun low = told_at(1000), high = told_at(3);
     const std::size_t first = low.labels.first_near_peak();
     double all = 0, near = 0;
     for (std::size_t k = 0; k < low.labels.owners.size(); ++k)
@@ -530,8 +531,8 @@ double received_over_the_surface(double least) {
 // Each leg has its own direction at the sonar. The reference knows neither images nor visibility.
 TEST_F(LabelsOf, OverAMirrorWhatIsNearThePeakIsThatOfBothLegs) {
   constexpr double level_db = 6;
-  const Told t = told(bed_via_the_surface("order = 2\nonly_order = 2\n"),
-                      [&](RunRequest& r) { r.label_level_db = level_db; });
+  const LabelledRun t = told(bed_via_the_surface("order = 2\nonly_order = 2\n"),
+                             [&](RunRequest& r) { r.label_level_db = level_db; });
   ASSERT_EQ(t.labels.owners.size(), 1u);
   ASSERT_EQ(t.labels.cells, 1u);
   const double near = t.raw(0, t.labels.first_near_peak(), 0),
@@ -551,17 +552,17 @@ TEST_F(LabelsOf, AfterTwoScatteringsTheLevelIsBelowThePeakOfTheReceivePattern) {
         "position_m = [{}, {}, 1.2]\n",
         name, 6 * std::sin(azimuth), 6 * std::cos(azimuth));
   };
-  const Told t = told(still_water() + lambert_material("rock", -10) +
-                          flat_terrain(20, 20, "name = \"bed\"\nmaterial = \"rock\"\n") + box_at("aside", 6) +
-                          box_at("ahead", 20) + fixed_at(0, 0, 2) +
-                          "[paths]\norder = 2\nonly_order = 2\nscatterings = 2\npatch_m = 1\n"
-                          "[[sensors]]\nname = \"camera\"\nkind = \"imaging\"\nbeams = 2\n"
-                          "horizontal_deg = 80\nvertical_deg = 30\ntilt_deg = 15\nrange_min_m = 4\n"
-                          "range_max_m = 9\nsamples = 5\ntransmit_pattern = \"gaussian\"\n"
-                          "transmit_pattern_angle = \"azimuth\"\ntransmit_beam_width_deg = 10\n"
-                          "receive_pattern = \"gaussian\"\nreceive_pattern_angle = \"azimuth\"\n"
-                          "receive_beam_width_deg = 10\n",
-                      [](RunRequest& r) { r.label_level_db = 10; });
+  const LabelledRun t = told(still_water() + lambert_material("rock", -10) +
+                                 flat_terrain(20, 20, "name = \"bed\"\nmaterial = \"rock\"\n") +
+                                 box_at("aside", 6) + box_at("ahead", 20) + fixed_at(0, 0, 2) +
+                                 "[paths]\norder = 2\nonly_order = 2\nscatterings = 2\npatch_m = 1\n"
+                                 "[[sensors]]\nname = \"camera\"\nkind = \"imaging\"\nbeams = 2\n"
+                                 "horizontal_deg = 80\nvertical_deg = 30\ntilt_deg = 15\nrange_min_m = 4\n"
+                                 "range_max_m = 9\nsamples = 5\ntransmit_pattern = \"gaussian\"\n"
+                                 "transmit_pattern_angle = \"azimuth\"\ntransmit_beam_width_deg = 10\n"
+                                 "receive_pattern = \"gaussian\"\nreceive_pattern_angle = \"azimuth\"\n"
+                                 "receive_beam_width_deg = 10\n",
+                             [](RunRequest& r) { r.label_level_db = 10; });
   const auto sums = [&](const char* name) {  // all of the energy, and that near the peak
     std::pair<double, double> sum;
     for (std::size_t k = 0; k < t.labels.owners.size(); ++k)

@@ -130,7 +130,7 @@ TEST(LaterArrivalsRun, AreNotMissedWhereNoPathGoesOverTheSurface) {
   EXPECT_THAT(footprints.err, HasSubstr("footprints are of the first to arrive"));
 }
 
-// A separate receiver follows the first ray alone, and is told.
+// A separate receiver follows the first ray alone, and is reported.
 TEST(LaterArrivalsRun, SeparateReceiversSayWhatTheyLack) {
   const ProfileFolder folder;
   const auto file = folder.write("scene.toml", scene() + "receiver_arm_m = [0, 1, 0]\n");

@@ -102,7 +102,7 @@ TEST_F(MergedPlanesRun, RaysHitTheSamePlaces) {
   EXPECT_LT(apart, 0.01 * all);  // a ray at an edge of a bin may be of the next
 }
 
-TEST_F(MergedPlanesRun, IsToldInTheStatistics) {
+TEST_F(MergedPlanesRun, IsReportedInTheStatistics) {
   const std::string scene = folder.write("scene.toml", fine_bed(camera)).string(),
                     out = (folder / "out").string();
   const auto facets_of = [&](std::vector<std::string> more) {

@@ -81,15 +81,15 @@ struct Parts : testing::Test {
 
 TEST_F(Parts, JoinToTheBytesOfOneRun) {
   const fs::path whole = folder / "whole";
-  for (const Words& asked : std::vector<Words>{{},
-                                               {"--reference", "--tolerance", "1e-6", "--sensor", "side"},
-                                               {"--labels", "--seed", "7"},
-                                               {"--labels", "--label-level", "6", "--pings", "1:2"},
-                                               {"--engine", "ray", "--rays", "500", "--pings", "1:2"}}) {
-    ASSERT_EQ(run(whole, asked).exit_code, 0);
+  for (const Words& requested : std::vector<Words>{{},
+                                                   {"--reference", "--tolerance", "1e-6", "--sensor", "side"},
+                                                   {"--labels", "--seed", "7"},
+                                                   {"--labels", "--label-level", "6", "--pings", "1:2"},
+                                                   {"--engine", "ray", "--rays", "500", "--pings", "1:2"}}) {
+    ASSERT_EQ(run(whole, requested).exit_code, 0);
     for (const int of : {1, 3, 7}) {
-      SCOPED_TRACE(fmt::format("{} parts, {}", of, fmt::join(asked, " ")));
-      all_parts(of, asked);
+      SCOPED_TRACE(fmt::format("{} parts, {}", of, fmt::join(requested, " ")));
+      all_parts(of, requested);
       EXPECT_FALSE(fs::exists(results));
       const Outcome joined = join();  // it knows what the parts were asked for
       ASSERT_EQ(joined.exit_code, 0) << joined.signal << joined.err;

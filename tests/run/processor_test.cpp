@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The bytes of results do not depend on what the processor can: shipped scenes, cut short, with all of it and
-// with what the C library is told to do without.
+// with what the C library is reported to do without.
 #include <gtest/gtest.h>
 
 #include "fixtures/program.hpp"

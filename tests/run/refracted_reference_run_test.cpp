@@ -244,9 +244,9 @@ TEST(RefractedReferenceRun, HoldsOrdinaryRunsOverMirrors) {
 // Cells wherever a transmission looks are those of a bed that is refined once.
 TEST(RefractedReferenceRun, ReliefOfEachTransmissionIsThatOfAllTransmissions) {
   const std::string scene = scene_of(relief, gradient(-0.5));
-  const std::vector<std::string> asked{"--reference", "--tolerance", "2e-2"};
-  const KeptRun online("[relief]\nmode = \"online\"\ncell_m = 0.4\ntolerance = 0\n" + scene, asked),
-      offline("[relief]\nmode = \"offline\"\ncell_m = 0.4\n" + scene, asked);
+  const std::vector<std::string> requested{"--reference", "--tolerance", "2e-2"};
+  const KeptRun online("[relief]\nmode = \"online\"\ncell_m = 0.4\ntolerance = 0\n" + scene, requested),
+      offline("[relief]\nmode = \"offline\"\ncell_m = 0.4\n" + scene, requested);
   ASSERT_EQ(online.outcome.exit_code, 0) << online.outcome.err;
   ASSERT_EQ(offline.outcome.exit_code, 0) << offline.outcome.err;
   EXPECT_EQ(online.stats.at("reference").at("bins_over_tolerance"), 0);

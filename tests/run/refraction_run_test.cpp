@@ -91,12 +91,13 @@ double largest_gap_m(const TestFolder& folder, const std::string& scene) {
   return nlohmann::json::parse(std::ifstream(out / "stats.json")).at("refraction").at("largest_gap_m");
 }
 
-TEST(RefractionRun, TheGapThatIsAskedForIsKept) {
+TEST(RefractionRun, TheGapThatIsRequestedIsKept) {
   const TestFolder folder;
   for (const double gap : {1e-2, 1e-3, 1e-5}) {  // however long samples are
-    const std::string asked = replaced(scene_in(gradient(-1, 0, fmt::format("refraction_gap_m = {}\n", gap))),
-                                       "samples = 128", "samples = 8");
-    EXPECT_LE(largest_gap_m(folder, asked), gap);
+    const std::string requested =
+        replaced(scene_in(gradient(-1, 0, fmt::format("refraction_gap_m = {}\n", gap))), "samples = 128",
+                 "samples = 8");
+    EXPECT_LE(largest_gap_m(folder, requested), gap);
     const Outcome check = run_program({"check", (folder / "scene.toml").string()});
     EXPECT_EQ(check.exit_code, 0) << check.err;
     EXPECT_THAT(check.out, HasSubstr("of where they are seen, asked: "));

@@ -73,7 +73,7 @@ TEST(SensorPlace, OnAnObjectIsRefused) {
   expect_refused(scene("[4, 4, 2]"), {"lies exactly on a vertex of 'crate'"});
 }
 
-TEST(SensorPlace, OnTheWayIsToldWithItsPing) {
+TEST(SensorPlace, OnTheWayIsReportedWithItsPing) {
   // From above the bed down to it: the fourth ping is there.
   expect_refused(
       "[[materials]]\nname = \"sand\"\n[[terrain]]\nkind = \"flat\"\nwidth_m = 20\nlength_m = 40\n"

@@ -88,7 +88,7 @@ TEST(SignalPaths, HaveTheEnergiesOfARun) {
   EXPECT_GT(energy[2], 0);
 }
 
-TEST(SignalPaths, AreOfTheOrdersThatAreAskedFor) {
+TEST(SignalPaths, AreOfTheOrdersThatAreRequested) {
   const auto orders = [](const std::string& paths, double tilt_deg) {
     std::string text = under_the_surface(paths);
     text.replace(text.find("tilt_deg = 0"), 12, fmt::format("tilt_deg = {}", tilt_deg));

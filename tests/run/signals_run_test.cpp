@@ -382,7 +382,7 @@ TEST_F(SignalRefusals, SayWhatIsWrongAndWhatToDo) {
   EXPECT_THAT(said(replaced(scene("", at_rest + "[run]\ngrid_exponent = 4\n"), "frequency_khz = 30\n",
                             "frequency_khz = 300\n")),
               HasSubstr("wavelength"));
-  // What no run can make is told by the key's place, not left out.
+  // What no run can make is reported by the key's place, not left out.
   EXPECT_THAT(said(scene("products = [\"fan\"]\nbeams = 1\n", at_rest)),
               HasSubstr("'beams' must be 2 to 4096"));
   EXPECT_THAT(said(scene("products = [\"interferogram\"]\nupper = [1]\nlower = [1]\n", at_rest)),

@@ -51,7 +51,7 @@ TEST(PingTimes, OfASurveyBeginAnewOnEachLineAndAreAllThatFit) {
   EXPECT_EQ(times(sonar({}, 0.3, 0.1)).first_s(), 0.1);
 }
 
-TEST(PingTimes, AreTheFirstOfASurveyWhereFewerAreAskedFor) {
+TEST(PingTimes, AreTheFirstOfASurveyWhereFewerAreRequested) {
   EXPECT_THAT(times(sonar(6, 0.2)).line_starts(), ElementsAre(0));
   EXPECT_THAT(times(sonar(8, 0.2)).times_s(), near({0, 0.2, 0.4, 0.6, 0.8, 1, 10, 20}));
   EXPECT_THAT(times(sonar(8, 0.2)).line_starts(), ElementsAre(0, 6, 7));

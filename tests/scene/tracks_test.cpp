@@ -65,7 +65,7 @@ TEST(SurveyTrack, LinesTooShortToTakeTimeAreRefused) {
               ThrowsMessage<InputError>(AllOf(HasSubstr("scene.toml:7"), HasSubstr("must increase"))));
 }
 
-TEST(SurveyTrack, TurnsWithItsHeadingAndGoesOneWayIfAsked) {
+TEST(SurveyTrack, TurnsWithItsHeadingAndGoesOneWayIfRequested) {
   SurveyTrajectory survey = mown();
   survey.heading_deg = 60;
   survey.one_way = true;
@@ -102,15 +102,15 @@ TEST(SurveyTrack, HasItsHeightByDepthOrByAltitudeOverTheTerrain) {
   survey.depth_m.reset();
   survey.altitude_m = 4;
   TrackSurroundings around;
-  std::size_t asked = 0;
+  std::size_t requested = 0;
   around.terrain_heights_m = [&](std::span<const glm::dvec2> places) {
     std::vector<std::optional<double>> heights;
-    asked = places.size();
+    requested = places.size();
     for (const glm::dvec2& p : places) heights.push_back(-20 + 0.1 * p.x + 0.25 * p.y);
     return heights;
   };
   const Trajectory t = track(survey, around);
-  EXPECT_EQ(asked, 3u * 21);  // every 4 m
+  EXPECT_EQ(requested, 3u * 21);  // every 4 m
   for (const double time_s : {0.0, 11.1, 40.0, 83.0, 170.0}) {
     const glm::dvec3 at = t.at(time_s).position_m;
     EXPECT_NEAR(at.z, -16 + 0.1 * at.x + 0.25 * at.y, 1e-9) << time_s;
@@ -118,7 +118,7 @@ TEST(SurveyTrack, HasItsHeightByDepthOrByAltitudeOverTheTerrain) {
   }
   survey.altitude_step_m = 40;
   track(survey, around);
-  EXPECT_EQ(asked, 3u * 3);
+  EXPECT_EQ(requested, 3u * 3);
   survey.altitude_step_m = 1e-6;
   EXPECT_THAT([&] { track(survey, around); }, ThrowsMessage<InputError>(HasSubstr("'altitude_step_m'")));
 

@@ -240,7 +240,7 @@ TEST(StrengthCommand, WritesAFolderAndRefusesWhatIsWrong) {
     EXPECT_EQ(outcome.exit_code, 2) << wrong;
     EXPECT_THAT(outcome.err, testing::AnyOf(HasSubstr("wavelength"), HasSubstr("-360 to 360"))) << wrong;
   }
-  // Nothing to see is told.
+  // Nothing to see is reported.
   const std::filesystem::path line = folder.write("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
   EXPECT_THAT(
       run_program({"strength", line.string(), "--frequency", "10kHz", "-o", (folder / "line.csv").string()})

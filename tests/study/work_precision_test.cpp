@@ -65,7 +65,7 @@ TEST(WorkPrecision, CostFollowsThePowerLawBetweenAndBeyondTrials) {
       << "the coarsest setting is good enough";
 }
 
-TEST(WorkPrecision, WorkIsTheClocksTheProcessorsOrInstructionsAsAsked) {
+TEST(WorkPrecision, WorkIsTheClocksTheProcessorsOrInstructionsAsRequested) {
   const auto rays = ladder("rays", 3, -0.5);
   const double clock = cost_of(rays, ErrorMeasure::l1, 0.01)->amount;
   EXPECT_NEAR(cost_of(rays, ErrorMeasure::l1, 0.01, WorkMeasure::processor_seconds)->amount, 0.8 * clock,
@@ -122,7 +122,7 @@ TEST(WorkPrecision, CrossingIsWhereTheCostsMeet) {
       << "the exact side reaches 0.5 only, where rays are far cheaper";
 }
 
-TEST(ChartPage, VerdictsAreRatiosAtTheAskedErrors) {
+TEST(ChartPage, VerdictsAreRatiosAtTheRequestedErrors) {
   auto trials = ladder("rays", 3, -0.5);
   trials.push_back(exact(0.01, 1e-10));
   const SceneVerdict v = verdict_of("bed", trials);

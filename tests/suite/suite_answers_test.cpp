@@ -244,7 +244,7 @@ TEST(SuiteAnswers, TwoScatteringsAreThoseOfTwoPlatesAndTheirToleranceHolds) {
   const auto begins =
       static_cast<std::size_t>((scene.json["later_from_m"].get<double>() - scene.first_m()) / scene.step_m());
   EXPECT_NEAR(scene.energy.sum(begins) / later, 1, 0.01);
-  // Half as long patches change less than is told.
+  // Half as long patches change less than is reported.
   std::string finer = bytes_of(scene.folder / "scene.toml");
   finer.replace(finer.find("patch_m = 0.09375"), 17, "patch_m = 0.03125");
   fs::create_directory(folder / "finer");

@@ -86,7 +86,7 @@ TEST(PackedArrays, HoldWholeNumbersAsTheyAre) {
   EXPECT_TRUE(unpacked(html).numbers<std::uint32_t>().empty());
 }
 
-TEST(PackedArrays, RoundNoMoreThanAsked) {
+TEST(PackedArrays, RoundNoMoreThanRequested) {
   std::mt19937 random(6);
   std::uniform_real_distribution<double> decades(-30, 30);
   std::vector<float> values{0, 1, 0.99999994f, -2.5f, std::numeric_limits<float>::infinity()};

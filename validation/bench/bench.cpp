@@ -100,12 +100,12 @@ FootprintMemory footprint_memory(View& view) {
   constexpr int pings = 5;
   const std::uint64_t before = allocations();
   for (int k = 0; k < pings; ++k) ping();
-  const std::uint64_t asked = allocations() - before;
+  const std::uint64_t requested = allocations() - before;
   const auto bytes = [](const auto& v) { return static_cast<double>(v.size() * sizeof(v[0])); };
   const auto footprints = static_cast<double>(set.footprints.size());
   return {
       (bytes(set.footprints) + bytes(set.pieces) + bytes(set.corners_m) + bytes(set.occluders)) / footprints,
-      static_cast<double>(asked) / (pings * footprints)};
+      static_cast<double>(requested) / (pings * footprints)};
 }
 
 }  // namespace

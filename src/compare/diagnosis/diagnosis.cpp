@@ -238,8 +238,8 @@ class Doctor {
               warp.samples * fan_.sample_m(),
               half ? ": half a sample, as where bins are taken by an edge instead of their centre" : ""));
     }
-    // The displacement is told by where the candidate shows it: k of k / (1 - k) that the truth is stretched
-    // by.
+    // The displacement is reported by where the candidate shows it: k of k / (1 - k) that the truth is
+    // stretched by.
     const auto stretched = [](double k) { return k / (1 - k); };
     if (const double scale = stretched(warp.azimuth_scale); scale != 0)
       add("azimuth-scale", scale, error_of(WarpTerm::azimuth_scale), "of the angle",

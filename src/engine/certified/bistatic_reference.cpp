@@ -107,7 +107,7 @@ class BistaticReference {
         if (facet.state == State::proven && 4 * facet.gap_m > margin_m_) facet.state = State::loose;
   }
 
-  /// All of them after enclose_shared(). `beside`: a receiver whose energies doubts are told with, too.
+  /// All of them after enclose_shared(). `beside`: a receiver whose energies doubts are reported with, too.
   BistaticParts parts(const BistaticReference* beside = nullptr) {
     beside_ = beside;
     const SharedFootprints& shared = shared_;

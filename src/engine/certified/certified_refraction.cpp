@@ -27,7 +27,7 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 using State = FacetEnclosure::State;
 
 /// What all pieces share.
-struct Asked {
+struct Requested {
   const EchoLaw& law;
   std::vector<std::shared_ptr<const CertifiedTexture>> textures;  // by material
   std::vector<double> borders, target;
@@ -43,22 +43,22 @@ struct ProvenPiece {
   std::uint32_t tube, beam;
 };
 
-void add_piece(const ProvenPiece& piece, const Asked& asked, BinsBetween& bins) {
-  const EchoLaw& law = asked.law;
+void add_piece(const ProvenPiece& piece, const Requested& requested, BinsBetween& bins) {
+  const EchoLaw& law = requested.law;
   const CertifiedPolygon& polygon = piece.polygon;
   const FacetEnclosure& facet = piece.facet;
   const std::uint16_t material = law.material[piece.id];
-  const std::size_t row = asked.borders.size() - 1;
-  const ShiftedSamples samples(asked.borders, asked.step_m, facet.shift_m * (1 + slack));
-  CertifiedIntegrator integrator(samples.borders(), asked.beta);
+  const std::size_t row = requested.borders.size() - 1;
+  const ShiftedSamples samples(requested.borders, requested.step_m, facet.shift_m * (1 + slack));
+  CertifiedIntegrator integrator(samples.borders(), requested.beta);
   if (facet.law) integrator.take_law(&*facet.law);
   const Ball factor = facet.law ? Ball(1) : Ball(law.material_mu[material]) * squared(polygon.distance);
   const double size = factor.hi() * facet.factor.hi;
   std::size_t cells = 1;
   const CertifiedIntegrator::Allowance allowance{
-      asked.tolerance / 50, [&](std::uint32_t beam, std::uint32_t sample) {
+      requested.tolerance / 50, [&](std::uint32_t beam, std::uint32_t sample) {
         const std::size_t bin = beam * row + std::min<std::size_t>(sample / 2, row - 1);
-        return std::max(asked.target[bin] / 2000 / double(cells) / size, 1e-300);
+        return std::max(requested.target[bin] / 2000 / double(cells) / size, 1e-300);
       }};
   // `times`: of a part, all that is not in its integral.
   const auto add = [&](const CertifiedPolygon& part, const CertifiedCell* cell, const Between& times) {
@@ -73,11 +73,11 @@ void add_piece(const ProvenPiece& piece, const Asked& asked, BinsBetween& bins) 
     else
       integrator.add(part, piece.beam, allowance, sink, cell);
   };
-  const CertifiedTexture* texture = asked.textures[material].get();
+  const CertifiedTexture* texture = requested.textures[material].get();
   if (texture == nullptr) return add(polygon, nullptr, {1, 1});
   const Between range{std::max(texture->range().lo(), 0.0), texture->range().hi()};
   const FacetMap& lies = law.path.tx.facet_map[piece.id];
-  const bool worth_it = range.hi - range.lo > asked.tolerance / 8 * range.lo;
+  const bool worth_it = range.hi - range.lo > requested.tolerance / 8 * range.lo;
   cells = worth_it ? cut_by_cells(polygon, *texture, lies, most_cells, {}) : 0;
   if (cells == 0) {
     cells = 1;
@@ -106,18 +106,18 @@ RefractedReference certify_refracted_echo(const MappedSeabed& bed, const RayEncl
                                           const Echo& ordinary, double tolerance) {
   if (options.arithmetic == Arithmetic::plain_double)
     throw std::invalid_argument("a reference needs an exact arithmetic: fixed, filtered or rational");
-  const Asked asked{law,
-                    certified_textures(law),
-                    sample_borders_m(samples),
-                    reference_targets(ordinary, tolerance),
-                    samples.step_m,
-                    tolerance,
-                    Ball(law.absorption_db_per_m) * log(Ball(10)) / Ball(10)};
+  const Requested requested{law,
+                            certified_textures(law),
+                            sample_borders_m(samples),
+                            reference_targets(ordinary, tolerance),
+                            samples.step_m,
+                            tolerance,
+                            Ball(law.absorption_db_per_m) * log(Ball(10)) / Ball(10)};
   if (law.path.tx.facet_map.empty() &&
-      std::ranges::any_of(asked.textures, [](const auto& texture) { return texture != nullptr; }))
+      std::ranges::any_of(requested.textures, [](const auto& texture) { return texture != nullptr; }))
     throw std::invalid_argument("a micro-texture is that of where facets lie: it takes their maps");
   const FacetMesh& apparent = bed.mesh();
-  const std::vector<double>& borders = asked.borders;
+  const std::vector<double>& borders = requested.borders;
   const auto row = std::size_t(samples.count);
   const ApparentEnclosures enclosures = enclose(bed, rays, law);
   const UncertainEdges edges(apparent, bed.parent, enclosures);
@@ -174,7 +174,7 @@ RefractedReference certify_refracted_echo(const MappedSeabed& bed, const RayEncl
       pieces.push_back(seen_piece(piece, polygon));
       const FacetEnclosure& facet = enclosures.facets[piece.facet];
       if (facet.state != State::proven || polygon.edges.size() < 3) continue;
-      add_piece({polygon, facet, piece.facet, tube, beam_of_tube[tube]}, asked, bins);
+      add_piece({polygon, facet, piece.facet, tube, beam_of_tube[tube]}, requested, bins);
     }
     edges.add_doubts(context, seen, pieces, nearby, doubt);
 

@@ -16,7 +16,8 @@ namespace {
 
 constexpr std::size_t most_halvings = 60;  // of a slab; balls have more patience
 constexpr double infinite = std::numeric_limits<double>::infinity();
-/// For bounds that are told in doubles, of sums and products of what is not negative: far beyond rounding.
+/// For bounds that are reported in doubles, of sums and products of what is not negative: far beyond
+/// rounding.
 constexpr double more = 1 + 1e-9, less = 1 - 1e-9;
 
 const Interval pi = outwards(std::numbers::pi, std::numbers::pi), two_pi = 2.0 * pi;

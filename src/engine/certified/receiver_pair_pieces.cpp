@@ -53,7 +53,7 @@ ReceiverPairPieces::ReceiverPairPieces(const EchoLaw& law, double wavenumber_rad
       beta_(Ball(law.absorption_db_per_m) * log(Ball(10)) / Ball(10)) {}
 
 ReceiverPairPieces::OnFacet ReceiverPairPieces::on(FacetId facet, const By& upper, const By& lower) const {
-  // Hardly more than what is known, and so wide that ellipses about a border are told apart with ease.
+  // Hardly more than what is known, and so wide that ellipses about a border are resolved with ease.
   const double shift = std::max({upper.proven.shift_m, lower.proven.shift_m, 1e-7 * step_m_}) * (1 + slack);
   OnFacet on{upper, lower, law_.material[facet], ShiftedSamples(borders_, step_m_, shift), nullptr};
   on.integrator = std::make_unique<CertifiedPathIntegrator>(on.samples.borders());
@@ -124,7 +124,7 @@ void ReceiverPairPieces::add(OnFacet& on, const Seen& upper, const Seen& lower, 
   const std::size_t cells = cut ? cut_by_cells(part, *texture, lies, most_cells, {}) : 0;
   const Between even = cells > 0 ? Between{1, 1} : range;
   const double change = cells > 0 ? change_of(*texture, on.upper.proven.place_off_m) : 0;
-  // What changes of patterns and of texture are told by.
+  // What changes of patterns and of texture are reported by.
   std::map<std::size_t, double> alone[2];
   std::map<std::size_t, Sums> sums;
   if (weighed || change > 0)

@@ -265,12 +265,12 @@ void compare_receiver_pair_with(CertifiedEcho& certified, double tolerance) {
     const double least = certified.echo.energy[bin] - certified.bound[bin];
     sure[bin] = least > 0 ? least : 0;
   }
-  const std::vector<double> asked =
+  const std::vector<double> requested =
       receiver_pair_targets(std::span(sure).first(row), std::span(sure).last(row), tolerance * (1 + 1e-6));
   certified.bins_over = 0;
   certified.worst_ratio = 0;
-  for (std::size_t bin = 0; bin < asked.size(); ++bin) {
-    const double ratio = certified.bound[bin] / asked[bin];
+  for (std::size_t bin = 0; bin < requested.size(); ++bin) {
+    const double ratio = certified.bound[bin] / requested[bin];
     certified.bins_over += !(ratio <= 1);
     if (!(ratio > certified.worst_ratio && std::isfinite(ratio))) continue;
     certified.worst_ratio = ratio;

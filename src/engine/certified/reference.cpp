@@ -192,9 +192,9 @@ void hold_against(CertifiedEcho& certified, double tolerance) {
     const double sure = least.energy[bin] - certified.bound[bin];
     least.energy[bin] = sure > 0 ? sure : 0;
   }
-  const std::vector<double> asked = reference_targets(least, tolerance * (1 + 1e-6));
+  const std::vector<double> requested = reference_targets(least, tolerance * (1 + 1e-6));
   for (std::size_t bin = 0; bin < certified.bound.size(); ++bin) {
-    const double ratio = certified.bound[bin] / asked[bin];
+    const double ratio = certified.bound[bin] / requested[bin];
     certified.bins_over += !(ratio <= 1);
     if (ratio > certified.worst_ratio && std::isfinite(ratio)) {
       certified.worst_ratio = ratio;

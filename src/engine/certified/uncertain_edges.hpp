@@ -38,8 +38,8 @@ DoubtedPiece seen_piece(const NamedPiece& piece, const CertifiedPolygon& polygon
 
 /// What a direction decides, or a place: pieces of one apex are what is seen in a direction, met exactly by
 /// the walls of tubes, and at every edge between base facets another of them may be seen in it. Of pieces
-/// that are told by places, facets' own edges are certain as long as neighbours lie on either side of them;
-/// which tube sees a place next to a wall is not.
+/// that are reported by places, facets' own edges are certain as long as neighbours lie on either side of
+/// them; which tube sees a place next to a wall is not.
 enum class DoubtsOf { directions, places };
 
 class UncertainEdges {

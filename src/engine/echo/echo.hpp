@@ -48,7 +48,7 @@ struct Quadrature {
 
   Binning binning;        ///< of footprints
   double path_tolerance;  ///< relative error between two apexes
-  bool by_owner = false;  ///< parts are told with whose they are (Part::seen, tx_tube)
+  bool by_owner = false;  ///< parts are reported with whose they are (Part::seen, tx_tube)
 };
 
 /// Energy [J] per beam and range sample of one ping, beam-major: energy[beam * samples + sample]. With

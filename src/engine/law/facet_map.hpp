@@ -36,7 +36,7 @@ struct LyingPlane {
   LyingPlane() = default;
 
   glm::dvec3 at(glm::dvec2 p) const { return foot_m + p.x * u + p.y * v; }
-  /// Unit vector, of a plane that is told relative to an apex.
+  /// Unit vector, of a plane that is reported relative to an apex.
   glm::dvec3 towards(glm::dvec2 p) const { return glm::normalize(at(p)); }
 };
 

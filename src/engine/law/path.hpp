@@ -42,7 +42,7 @@ struct MirrorLoss {
 };
 
 /// One way of sound between a sonar and the bed: a straight line from an apex, or from its image in mirrors,
-/// to where a facet is seen from there. Places are told by the transmit leg: of a receive leg, apex_m and
+/// to where a facet is seen from there. Places are reported by the transmit leg: of a receive leg, apex_m and
 /// facet_map are not read (Sight::rx_m).
 struct Leg {
   glm::dvec3 apex_m{0};   ///< of the apex or the image, local frame

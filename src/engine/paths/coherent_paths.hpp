@@ -33,7 +33,7 @@ struct CoherentPath {
 
 /// Calls `take` for all pairs of images, straight ways from apex to apex aside (those are seen_patches()').
 /// At one place the two ways round, out over the one chain and home over the other or the other way about,
-/// are two signals: both are told.
+/// are two signals: both are reported.
 ///
 /// `law`: of the ways between the apexes; its patterns are not read, channels have theirs. Channels see what
 /// the apexes of `images`, which they are near to, and their images see.

@@ -56,7 +56,7 @@ std::vector<glm::dvec3> upward(const std::vector<glm::dvec3>& corners) {
   return kept;
 }
 
-/// What mirrors of one plane are told apart by: energy factor and phase.
+/// What mirrors of one plane are resolved by: energy factor and phase.
 using Reflection = std::array<double, 3>;
 
 /// Rounded images miss the edge where two mirrors meet by no more than this many grid units.

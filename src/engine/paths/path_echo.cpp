@@ -205,7 +205,7 @@ class PathTracer {
     for (const Part& part : parts) take(part);
   }
 
-  /// Each end sees the bed elsewhere: what they share is told where the one sees it that sends.
+  /// Each end sees the bed elsewhere: what they share is reported where the one sees it that sends.
   void add_refracted(Part& part, std::size_t order, const Image& sent, const Image& received) const {
     BistaticHistory history{sent.windows, received.windows, unit_m_,
                             FootprintSharer(sent.look(), received.look(), unit_m_).all()};
@@ -304,7 +304,7 @@ class PathTracer {
     double half_path_m;
     double kept, tube_area_m2;  ///< what absorption leaves, and the area at the receiver per steradian sent
   };
-  /// An image, as far as arrivals are told apart: its apex, and the ray in unfolded water.
+  /// An image, as far as arrivals are resolved: its apex, and the ray in unfolded water.
   using Source = std::tuple<GridPoint, double, double>;
 
   template <class InView>

@@ -39,8 +39,8 @@ glm::dvec3 image_m(GridPoint place, std::span<const MirrorPlane> chain, GridPoin
   return way_m(to, place, unit_m) + beside * unit_m;
 }
 
-/// As the bed that appears from its middle makes it: phases turn by the speed of sound there, ranges are told
-/// by another.
+/// As the bed that appears from its middle makes it: phases turn by the speed of sound there, ranges are
+/// reported by another.
 ReceiverBaseline apparent_receiver_pair(const ReceiverPairEnds& ends, const PathWater& water) {
   ReceiverBaseline receiver_pair = ends.receiver_pair;
   const double depth_m = water.surface_height_m - water.grid.to_metres(ends.receive.apex).z;

@@ -70,8 +70,8 @@ class ReceiverViews {
 class OverFacet {
  public:
   OverFacet() = default;
-  /// `from_received_m`: where it is, from the (upper) image that `facet` is told by; `refracted`: how it sees
-  /// the facet, null where rays are straight.
+  /// `from_received_m`: where it is, from the (upper) image that `facet` is reported by; `refracted`: how it
+  /// sees the facet, null where rays are straight.
   OverFacet(const ReceiverViews::Facet& facet, glm::dvec3 from_received_m, double height_m,
             const RefractedFacet* refracted);
 

@@ -18,7 +18,7 @@ namespace tubefoot {
 /// is linear in binary digits, number t is the exclusive or of what belongs to the bits of t.
 class RayNet {
  public:
-  /// So many of a sequence are told apart; who needs more takes another `key` for the next.
+  /// So many of a sequence are resolved; who needs more takes another `key` for the next.
   static constexpr int most_bits = 30;
 
   RayNet() = default;

@@ -170,7 +170,7 @@ void RaySource::start_run() {
     start_band(std::int64_t((Int128(run_next_ + 1) * share.rows - 1) / share.rays));
 }
 
-/// As many rays of a tube as there are are told in powers of two, the largest first: each a net.
+/// As many rays of a tube as there are are reported in powers of two, the largest first: each a net.
 void RaySource::start_net() {
   const RayPlan::Share& share = plan_.shares_[run_];
   constexpr std::int64_t sequence = std::int64_t{1} << RayNet::most_bits;

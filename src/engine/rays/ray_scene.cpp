@@ -47,11 +47,11 @@ RTCDevice shared_device() {
 /// What may stop a build, asked by any of Embree's threads. Threads share these among all builds, so that a
 /// thread's own flag may be another build's.
 struct StopOfBuild {
-  const std::atomic<bool>* of_caller = stop_asked_of_thread;
+  const std::atomic<bool>* of_caller = stop_requested_of_thread;
 
   static bool go_on(void* stop, double) {
     const auto* of_caller = static_cast<const StopOfBuild*>(stop)->of_caller;
-    return !stop_asked.load(std::memory_order_relaxed) &&
+    return !stop_requested.load(std::memory_order_relaxed) &&
            (of_caller == nullptr || !of_caller->load(std::memory_order_relaxed));
   }
 };

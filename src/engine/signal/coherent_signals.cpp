@@ -112,7 +112,7 @@ void add_up(Values& all, const Values& part) {
   for (std::size_t k = 0; k < part.size(); ++k) all[k] += part[k];
 }
 
-ChannelSignals silence(const CoherentReceiver& receiver) {
+ChannelSignals no_return(const CoherentReceiver& receiver) {
   ChannelSignals signals{receiver.channels.size(), receiver.times.count, {}};
   signals.value.assign(signals.channels * signals.samples, 0);
   return signals;
@@ -131,7 +131,7 @@ void in_tasks(std::size_t count, std::size_t per_task, Values& all, const Make& 
       [&](std::size_t, const Values& part) { add_up(all, part); });
 }
 
-/// The field's scatterers on one patch after the other, as channels are told of them.
+/// The field's scatterers on one patch after the other, as channels are reported of them.
 class ScatterersOnPatch {
  public:
   ScatterersOnPatch(const SeenPatches& patches, const CoherentReceiver& receiver, const GroundField& field,
@@ -190,7 +190,7 @@ ChannelSignals moving_signals(const SeenPatches& patches, const MovingEnds& ends
   const CoherentReceiver& receiver = ends.held();
   const SignalExtent extent = extent_of(receiver, law.path, false, tolerance);
   const ChebyshevNodes nodes(tolerance);
-  ChannelSignals signals = silence(receiver);
+  ChannelSignals signals = no_return(receiver);
   in_tasks(patches.patches.size(), patches_per_task, signals.value,
            [&](std::size_t begin, std::size_t end, Values& part) {
              MovingChannels channels(ends, patches, law, extent, tolerance);
@@ -240,7 +240,7 @@ ChannelSignals element_signals(const SeenPatches& patches, const CoherentReceive
   const SignalExtent extent = extent_of(receiver, law.path, false, tolerance);
   const ChebyshevNodes nodes(tolerance);
   const SmoothPieces pieces(extent, nodes.most_change());
-  ChannelSignals signals = silence(receiver);
+  ChannelSignals signals = no_return(receiver);
   in_tasks(patches.patches.size(), patches_per_task, signals.value,
            [&](std::size_t begin, std::size_t end, Values& part) {
              ChannelsOnPatch channels(patches, receiver, law);
@@ -273,7 +273,7 @@ ChannelSignals drawn_signals(const SeenPatches& patches, const CoherentReceiver&
   if (ends) ends->widen(extent);
   const PulseTable table(receiver.pulse, receiver.times, tolerance);
   const std::vector<BedScatterer> bed = bed_scatterers(patches, extent, tolerance);
-  ChannelSignals signals = silence(receiver);
+  ChannelSignals signals = no_return(receiver);
   const auto draw = [&](std::size_t n, const FacetBed& on) {
     const SampleRandom random(seed, ping, std::uint32_t(std::uint64_t(n) >> 32), std::uint32_t(n));
     return std::sqrt(bed[n].weight_m2 * texture_at(on, patches, bed[n].place_m)) *

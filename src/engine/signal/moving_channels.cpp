@@ -16,7 +16,7 @@ namespace {
 constexpr double way_tolerance = 1e-10;
 /// Of its speed: beside this a way has no end in practice.
 constexpr double as_fast_as_sound = 0.99;
-/// Nearer than this ranges are not told apart for how finely ways are followed.
+/// Nearer than this ranges are not resolved for how finely ways are followed.
 constexpr double nearest_of_all_m = 1e-3;
 /// Of amplitudes, per relative change of a range (smooth_pieces.cpp).
 constexpr double amplitude_rad = 8;

@@ -7,7 +7,8 @@
 #include "geometry/footprints/shared_footprints.hpp"
 #include "geometry/visibility/visibility.hpp"
 
-// What is told of tubes that have looked (look(), bistatic_history.hpp). No result depends on the threads.
+// What is reported of tubes that have looked (look(), bistatic_history.hpp). No result depends on the
+// threads.
 namespace tubefoot {
 
 /// What an apex sees by itself, with measures: as TubeEngine::trace().

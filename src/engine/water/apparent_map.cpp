@@ -48,7 +48,7 @@ std::optional<ApparentPoint> ApparentMap::apparent(glm::dvec3 point_m,
     count = rays.size();
     if (each != nullptr && count > 1) *each = seen_by(rays, point_m);
     if (on_bed_.front != glm::dvec3(0) && count > 1) {
-      // Sent into the bed there is nothing that could be told apart.
+      // Sent into the bed there is nothing that could be resolved.
       std::erase_if(rays, [&](const Eigenray& ray) {
         const double across = range > 0 ? ray.launch_cosine / range : 0;
         return !(glm::dot(on_bed_.front, glm::dvec3(across * path.x, across * path.y, -ray.launch_sine)) > 0);

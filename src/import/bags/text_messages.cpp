@@ -98,7 +98,7 @@ class YamlReader {
   const char* name_ = "";
 };
 
-/// Types are told apart by what only one of them has.
+/// Types are resolved by what only one of them has.
 std::string type_of(const YAML::Node& node, const SourcePlace& place) {
   if (node.IsMap()) {
     if (node["beam_directions"]) return std::string(ros::ProjectedSonarImage::name);

@@ -30,7 +30,7 @@ bool is_ignored(int signal) {
 /// How long work may take to stop before the program ends where it stands.
 constexpr unsigned patience_s = 5;
 /// The signal that asked first.
-volatile std::sig_atomic_t asked_by = 0;
+volatile std::sig_atomic_t requested_by = 0;
 
 /// Leaves the words out where a stopped terminal or a full pipe would have the program wait.
 void say_without_waiting(std::string_view words) {
@@ -52,13 +52,13 @@ void end_by(int signal) {
 /// Of alarm(): the time to stop is over.
 void end_now(int) {
   say_without_waiting("\nending: the work did not stop within 5 s\n");
-  end_by(asked_by);
+  end_by(requested_by);
 }
 
 void note(int signal) {
   const int before = errno;
-  if (!stop_asked.exchange(true)) {
-    asked_by = signal;
+  if (!stop_requested.exchange(true)) {
+    requested_by = signal;
     for (const int other : {SIGINT, SIGTERM})
       if (!is_ignored(other)) set(other, SIG_DFL);
     // Work that waits in a library or for the system looks at no flag.

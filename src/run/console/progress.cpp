@@ -53,7 +53,7 @@ Progress::Progress(std::string what, std::size_t total, bool quiet, double after
   try {
     within_ = std::thread([this] { look_within(); });
   } catch (const std::system_error&) {
-    // Without threads to spare, steps alone are told.
+    // Without threads to spare, steps alone are reported.
   }
 }
 

@@ -27,7 +27,7 @@ class Progress {
  public:
   /// `afterwards_s`: what is done after the last step takes about so long, and is left, too.
   Progress(std::string what, std::size_t total, bool quiet, double afterwards_s = 0);
-  /// Of work whose steps are told by others: of those at hand.
+  /// Of work whose steps are reported by others: of those at hand.
   Progress(std::string what, bool quiet);
   ~Progress();
   Progress(const Progress&) = delete;

@@ -219,13 +219,13 @@ PingStore::PingStore(const StoreLayout& layout, fs::path path, std::size_t ident
   }
   bytes_ = aligned(first_unit_byte_ + unit * sizeof(Unit));
   // A scene of many large sensors may ask for more than a number of bytes tells.
-  double asked = 0;
+  double requested = 0;
   for (const StoreLayout::Sensor& sensor : layout_.sensors)
-    asked += static_cast<double>(sensor.pings) * static_cast<double>(sensor.cells) * sizeof(double);
-  if (constexpr double most = 0x1p60; asked > most)
+    requested += static_cast<double>(sensor.pings) * static_cast<double>(sensor.cells) * sizeof(double);
+  if (constexpr double most = 0x1p60; requested > most)
     throw std::runtime_error(
         fmt::format("{}: the pings' energies would take {:.3g} GB: ask for fewer pings, in several scenes",
-                    path_.string(), asked / 1e9));
+                    path_.string(), requested / 1e9));
   mapped_bytes_ = bytes_;
   end_ = bytes_;
   if (!path_.empty()) {

@@ -42,7 +42,7 @@ class HelpingRank {
   void work(const RunOptions& options) {
     SceneDescription description = described(options);
     RunRequest request = requested(options, description);
-    const Json asked = asked_of(description, request);
+    const Json scene_request = request_json(description, request);
     std::optional<std::string> start;
     while (!start && !over())
       if (const auto message = next())
@@ -52,12 +52,12 @@ class HelpingRank {
     if (!start) return;
     const Json told = Json::parse(*start);
     const Json lead_build = told.at("asked").value("build", Json());
-    if (lead_build != asked.at("build"))
+    if (lead_build != scene_request.at("build"))
       throw UsageError(fmt::format(
           "rank {} on '{}' is another build of tubefoot than rank 0 (rank 0: {}): install the same "
           "on all machines; 'tubefoot --version' tells a build",
-          link_.rank(), link_.host(), difference_of_builds(lead_build, asked.at("build"))));
-    if (told.at("asked") != asked)
+          link_.rank(), link_.host(), difference_of_builds(lead_build, scene_request.at("build"))));
+    if (told.at("asked") != scene_request)
       throw UsageError(fmt::format(
           "rank {} on '{}' is asked for another run than rank 0, or reads another scene: all need "
           "the same command and the same files",
@@ -72,11 +72,11 @@ class HelpingRank {
   /// Says the last word, and leaves with rank 0.
   void leave(const std::string& last) {
     link_.send(0, last);
-    std::optional<Clock::time_point> asked;
+    std::optional<Clock::time_point> scene_request;
     while (!stopped_) {
       next();
-      if (!asked && stop_wanted()) asked = Clock::now();
-      if (asked && Clock::now() - *asked > patience_when_interrupted) return;
+      if (!scene_request && stop_wanted()) scene_request = Clock::now();
+      if (scene_request && Clock::now() - *scene_request > patience_when_interrupted) return;
       std::this_thread::sleep_for(link_.pause());
     }
     link_.leave();
@@ -108,24 +108,24 @@ class HelpingRank {
       }));
     });
     const OpenedAtExit opened{send_queue};
-    bool asked = false;
+    bool scene_request = false;
     for (bool last = false; !last;) {
       last = workers.finished();  // before the results are looked at
       while (const auto message = next()) {
         const std::vector<PingUnit> units = units_in(*message);
         if (units.empty()) workers.close();
         workers.add(units);
-        asked = false;
+        scene_request = false;
       }
-      if (stopped_) stop_asked = true;  // also the pings in progress: nobody waits for them
+      if (stopped_) stop_requested = true;  // also the pings in progress: nobody waits for them
       if (over()) {
         workers.stop();
         send_queue.open();
       }
       for (std::string& result : send_queue.take(link_.unsent())) link_.send(0, std::move(result));
-      if (const std::size_t wanted = workers.wanted(); wanted > 0 && !asked) {
+      if (const std::size_t wanted = workers.wanted(); wanted > 0 && !scene_request) {
         link_.send(0, wanted_note(wanted));
-        asked = true;
+        scene_request = true;
       }
       if (!last) workers.rest(link_.pause());
     }

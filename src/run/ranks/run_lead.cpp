@@ -67,8 +67,9 @@ LeadRank::~LeadRank() {
   if (!stop_wanted()) link_->leave();
 }
 
-void LeadRank::start(const nlohmann::ordered_json& asked, const nlohmann::ordered_json& run) {
-  const std::string text = note(Note::start, nlohmann::ordered_json{{"asked", asked}, {"run", run}}.dump());
+void LeadRank::start(const nlohmann::ordered_json& requested, const nlohmann::ordered_json& run) {
+  const std::string text =
+      note(Note::start, nlohmann::ordered_json{{"asked", requested}, {"run", run}}.dump());
   for (int rank = 1; rank < ranks(); ++rank) link_->send(rank, text);
 }
 
@@ -83,7 +84,7 @@ bool LeadRank::all_over() const { return std::find(over_.begin(), over_.end(), f
 void LeadRank::note_end(const RankMessage& message) {
   const Note kind = note_of(message.bytes);
   if (kind == Note::failed && !failure_) failure_ = message.bytes;
-  if (kind == Note::interrupted) stop_asked = true;
+  if (kind == Note::interrupted) stop_requested = true;
   if (kind == Note::failed || kind == Note::interrupted || kind == Note::done)
     over_[static_cast<std::size_t>(message.from)] = true;
 }

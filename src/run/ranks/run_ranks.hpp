@@ -31,7 +31,7 @@ class LeadRank {
   int local_ranks() const { return link_->local_ranks(); }
   /// Tells the others what is run: as what they were asked must be, and the settings, which a tolerance may
   /// have chosen.
-  void start(const nlohmann::ordered_json& asked, const nlohmann::ordered_json& run);
+  void start(const nlohmann::ordered_json& requested, const nlohmann::ordered_json& run);
   /// As simulate() in run/simulation.hpp, on all ranks. Throws what any of them throws.
   /// `afterwards_s`: what is done after the last ping takes about so long.
   void simulate(const Survey& survey, const RunRequest& request, PingStore& store, bool quiet, int threads,

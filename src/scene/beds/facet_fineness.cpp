@@ -34,10 +34,10 @@ FacetFineness facet_fineness(const SceneDescription& scene, const ObjectDescript
   for (const SensorDescription& sensor : scene.sensors) {
     const SensorFigures r = figures_of(sensor);
     const double beam_m = r.beam_deg * std::numbers::pi / 180 * usual_range * r.farthest_m;
-    const double told_apart_m = std::min(r.sample_m, beam_m);
-    if (!(share * told_apart_m < found.chord_error_m)) continue;
-    found = {share * told_apart_m,
-             fmt::format("a sixteenth of what '{}' tells apart, {:.3g} m {}", sensor.name, told_apart_m,
+    const double resolved_m = std::min(r.sample_m, beam_m);
+    if (!(share * resolved_m < found.chord_error_m)) continue;
+    found = {share * resolved_m,
+             fmt::format("a sixteenth of what '{}' tells apart, {:.3g} m {}", sensor.name, resolved_m,
                          r.sample_m <= beam_m ? "of range" : "across a beam")};
   }
   if (!(found.chord_error_m <= coarsest * radius_m)) return {coarsest * radius_m, "a fiftieth of the radius"};

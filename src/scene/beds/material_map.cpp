@@ -118,7 +118,7 @@ MaterialMap make_map(const MaterialMapDescription& map, const MaterialMapSetting
       return raster_material_map(*raster, setting);
     return polygon_material_map(std::get<PolygonMaterialMap>(map.kind), setting);
   } catch (const InputError& error) {
-    throw InputError(map.place, error.what());  // both places are told
+    throw InputError(map.place, error.what());  // both places are reported
   }
 }
 

@@ -8,7 +8,7 @@
 
 namespace tubefoot {
 
-/// What every source of a material map is told.
+/// What every source of a material map is reported.
 struct MaterialMapSetting {
   const std::vector<MaterialDescription>& materials;
   std::uint16_t default_material;

@@ -194,8 +194,9 @@ HeightMap placed(const RasterFile& raster, std::vector<double> heights, const Lo
           std::move(heights)};
 }
 
-// What is left out of a map is told by its spectrum, a wave at a time: as many as the shorter side of a cell
-// goes into the longer side of the map. However long and thin the cells are, these must not take minutes.
+// What is left out of a map is reported by its spectrum, a wave at a time: as many as the shorter side of a
+// cell goes into the longer side of the map. However long and thin the cells are, these must not take
+// minutes.
 void check_spacing(const RasterFile& raster, const HeightMap& map) {
   constexpr double least_m = 1e-6, most_waves = 1e6;
   const double shortest = std::min(map.spacing_x_m, map.spacing_y_m),

@@ -10,8 +10,8 @@ const SensorSection& SensorKeys::section() const {
   return *section_;
 }
 
-void SensorKeys::check(const std::type_info& asked) const {
-  if (type_ == nullptr || *type_ != asked)
+void SensorKeys::check(const std::type_info& requested) const {
+  if (type_ == nullptr || *type_ != requested)
     throw std::logic_error("the keys of a sensor of kind '" + section().name() + "' are of another type");
 }
 

@@ -45,7 +45,7 @@ class SensorKeys {
   }
 
  private:
-  void check(const std::type_info& asked) const;
+  void check(const std::type_info& requested) const;
 
   const SensorSection* section_ = nullptr;
   const std::type_info* type_ = nullptr;

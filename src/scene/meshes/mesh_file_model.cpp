@@ -72,7 +72,7 @@ std::string without_dots(std::string name) {
   return name;
 }
 
-/// What Assimp is told that the file is called: it goes by the ending here and there.
+/// What Assimp is reported that the file is called: it goes by the ending here and there.
 std::string name_for(FileFormat format) {
   switch (format) {
     case FileFormat::collada:

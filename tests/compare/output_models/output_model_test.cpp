@@ -95,7 +95,7 @@ TEST(OutputModelSteps, MeanAndCountAreOfSolidAngles) {
               Pointwise(DoubleNear(1e-12), {0.0, 5.0, 0.0, 0.0, 0.0, 0.0}));
 }
 
-TEST(OutputModelSteps, AMeanLeavesSliversEmptyIfAsked) {
+TEST(OutputModelSteps, AMeanLeavesSliversEmptyIfRequested) {
   // Five beams, two samples; the rows' medians are 2 and (of four that see something) 2.
   BoundedPicture picture{{1, 5, 2}, {8, 1, 9, 2, 6, 3, 2, 0, 4, 5}, std::vector<double>(10), {}, {}, {}};
   picture.solid_angle_sr = {4, 0.5, 3, 2, 2, 1.25, 0.9, 0, 1, 4};

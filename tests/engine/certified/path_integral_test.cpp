@@ -103,7 +103,7 @@ TEST(PathIntegral, IntervalsHoldWhatBallsSayOfEveryPlace) {
   }
 }
 
-TEST(PathIntegral, DoublesMeetBallsAndKeepWhatIsAsked) {
+TEST(PathIntegral, DoublesMeetBallsAndKeepWhatIsRequested) {
   Bed bed;
   bed.patterns.pop_back();  // the table's cubics meet where nothing is analytic: halved to the work limit
   std::vector<ScatteringLaw> all = laws();

@@ -114,7 +114,7 @@ TEST(Reference, FlatBedIsTheClosedFormWithinTheBound) {
     }
 }
 
-TEST(Reference, BoundShrinksAsAskedAndDoesNotHoldForOtherEnergies) {
+TEST(Reference, BoundShrinksAsRequestedAndDoesNotHoldForOtherEnergies) {
   const Bench bed = flat_bed();
   const TubeSet set = bed.tubes({wedge}, 40);
   const double dphi = azimuth_between(set, 1, 2);
@@ -366,7 +366,7 @@ TEST(Reference, BeamsSentAtOnceAddUp) {
   }
 }
 
-TEST(Reference, BoundsOfATableShrinkAsAskedFor) {
+TEST(Reference, BoundsOfATableShrinkAsRequested) {
   using boost::math::quadrature::gauss_kronrod;
   const Bench bed = flat_bed();
   const TubeSet set = bed.tubes({{glm::dvec3(-1, -1, -1), {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}}}, 40);

@@ -156,7 +156,7 @@ ReceiverBaseline receiver_pair_of(double baseline_m, double wavelength_m) {
   return {glm::normalize(glm::dvec3(0.4, 0.1, 0.9)), baseline_m, 2 * std::numbers::pi / wavelength_m};
 }
 
-/// Of a row, that of the energies it is told with.
+/// Of a row, that of the energies it is reported with.
 double size_at(const std::vector<double>& rows, std::size_t bin) {
   const std::size_t row = rows.size() / 4, k = bin % row;
   return bin < 2 * row ? rows[bin] : std::sqrt(std::max(rows[k] * rows[row + k], 0.0));

@@ -182,7 +182,7 @@ TEST(RefractedGround, TubesOverApparentFacetsClose) {
   for (const TubeAudit& audit : engine.audit(fan(), 1)) EXPECT_TRUE(audit.closes);
 }
 
-TEST(RefractedGround, ShadowsAreToldAndLeftOut) {
+TEST(RefractedGround, ShadowsAreReportedAndLeftOut) {
   const Site site;
   // Rays part from the fastest depth, 20 m, between apex and bed: the last to pass is horizontal there.
   const WaterColumn water{SoundSpeedProfile({{0, 1460}, {20, 1500}, {40, 1460}}), {}};

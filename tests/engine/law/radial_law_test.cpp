@@ -61,7 +61,7 @@ TEST(RadialLaw, IsThatOfItsOwnSamplesAndAbsorption) {
   EXPECT_EQ(lambert_radial_integral(samples, 0.06), one);
 }
 
-TEST(RadialLaw, IsForgottenWhenManyOthersHaveBeenAskedFor) {
+TEST(RadialLaw, IsForgottenWhenManyOthersHaveBeenRequested) {
   const RangeSamples samples{3, 0.05, 500}, large{20, 0.001, 50000};
   const std::weak_ptr<const RadialIntegral> kept = lambert_radial_integral(samples, 0.01);
   EXPECT_FALSE(kept.expired());

@@ -212,7 +212,7 @@ TEST(RefractedPatches, AllThatLambertsLawSendsArrivesOnce) {
 }
 
 // Rays do not turn above the surface: right under it, where they are bent down, two walls do not see each
-// other, which is told; what lies in the plane of a wall itself is no shadow.
+// other, which is reported; what lies in the plane of a wall itself is no shadow.
 TEST(RefractedPatches, ShadowsBeforeAPatchAreCounted) {
   FacetMesh walls;
   for (double top = -0.02; top > -1; top -= 0.1)

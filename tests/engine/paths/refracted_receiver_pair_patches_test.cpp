@@ -167,7 +167,7 @@ TEST(RefractedReceiverPairPatches, ReceiversExchangePlaces) {
     for (std::size_t k = 0; k < a.upper_j.size(); ++k) {
       EXPECT_NEAR(b.upper_j[k], a.lower_j[k], 1e-9 * most) << order << ' ' << k;
       EXPECT_NEAR(b.lower_j[k], a.upper_j[k], 1e-9 * most) << order << ' ' << k;
-      // Both are told in the plane as the upper one sees it, and cut into parts there.
+      // Both are reported in the plane as the upper one sees it, and cut into parts there.
       EXPECT_LT(std::abs(product(b, k) - std::conj(product(a, k))), 2e-3 * most) << order << ' ' << k;
     }
   }

@@ -76,24 +76,24 @@ std::vector<Ray> rays_of(const AdaptiveRays& rays, std::int64_t part, bool pilot
   return all;
 }
 
-TEST(AdaptiveRays, AsManyAsAreAskedFor) {
+TEST(AdaptiveRays, AsManyAsAreRequested) {
   const Fan fan;
   std::mt19937_64 random(1);
   for (const Per per : {Per::ping, Per::beam})
     for (const std::int64_t count : {1, 2, 7, 11, 23, 114, 1500, 17000}) {
       AdaptiveRays rays(fan.tubes, adaptive(count, per), fan.beam_of_tube, &guide);
       rays.deal(drawn(rays.pilots(), random));
-      const std::int64_t asked =
+      const std::int64_t requested =
           per == Per::ping ? std::max<std::int64_t>(count, 6) : 3 * std::max<std::int64_t>(count, 2);
-      EXPECT_EQ(rays.pilots() + rays.others(), asked) << count;
+      EXPECT_EQ(rays.pilots() + rays.others(), requested) << count;
       std::int64_t sum = 0;
       for (const std::int64_t in_cell : counts_of(rays)) {
         EXPECT_GE(in_cell, 1);
         sum += in_cell;
       }
-      EXPECT_EQ(sum, asked);
-      const std::vector<Ray> whole = rays_of(rays, asked), cut = rays_of(rays, 7);
-      ASSERT_EQ(std::int64_t(whole.size()), asked);
+      EXPECT_EQ(sum, requested);
+      const std::vector<Ray> whole = rays_of(rays, requested), cut = rays_of(rays, 7);
+      ASSERT_EQ(std::int64_t(whole.size()), requested);
       ASSERT_EQ(cut.size(), whole.size());
       std::map<std::uint32_t, int> by_beam;
       for (std::size_t k = 0; k < whole.size(); ++k) {

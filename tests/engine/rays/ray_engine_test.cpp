@@ -67,13 +67,13 @@ TEST(RayEngine, ABuildThatIsStoppedLeavesOthersAlone) {
     }
   });
   for (int k = 0; k < 300; ++k) {
-    stop_asked_of_thread = &stop;
+    stop_requested_of_thread = &stop;
     try {
       const RayScene scene(bed, grid);
     } catch (const Interrupted&) {
       ++stopped;
     }
-    stop_asked_of_thread = nullptr;
+    stop_requested_of_thread = nullptr;
     const RayScene scene(bed, grid);
     ++whole_after;
   }

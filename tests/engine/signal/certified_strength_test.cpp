@@ -161,7 +161,7 @@ double off(const CertifiedLength& certified, const Complex50& truth) {
 
 /// How much of the bound is used, over all that was asked of.
 struct Use {
-  int asked = 0, by_rounding_alone = 0;
+  int requested = 0, by_rounding_alone = 0;
   double most = 0;
 };
 
@@ -182,7 +182,7 @@ void expect_within(const ComponentMesh& mesh, bool sheet, double azimuth, double
     EXPECT_LE(error, c.bound_m) << "azimuth " << azimuth << ", elevation " << elevation << ", " << hertz[i];
     EXPECT_LE(std::abs(ordinary[i] - c.length_m), c.bound_m + 1e-15);
     EXPECT_LE(c.grid_m, c.bound_m);
-    ++use.asked;
+    ++use.requested;
     if (error <= c.bound_m - c.grid_m) ++use.by_rounding_alone;
     use.most = std::max(use.most, error / c.bound_m);
   }
@@ -235,9 +235,9 @@ TEST(CertifiedStrength, HoldsConvexBodies) {
     expect_within(tetrahedron(random), false, azimuth, elevation, {}, ten_octaves, use);
     expect_within(sphere_facets({0.2}, 0.05, {}), false, azimuth, elevation, {}, ten_octaves, use);
   }
-  EXPECT_EQ(use.asked, 25 * 5 * 6);
+  EXPECT_EQ(use.requested, 25 * 5 * 6);
   // The bound is made of the grid, and some of it is needed.
-  EXPECT_LT(use.by_rounding_alone, use.asked / 3);
+  EXPECT_LT(use.by_rounding_alone, use.requested / 3);
   EXPECT_GT(use.most, 0.02);
 }
 

@@ -162,7 +162,7 @@ TEST(SignalCovariances, OverAllTimeTheyAreEnergies) {
 }
 
 // Law Y3.
-TEST(SignalCovariances, AreHermitianPositiveAndAsExactAsAsked) {
+TEST(SignalCovariances, AreHermitianPositiveAndAsExactAsRequested) {
   for (const test::SignalScene& scene : test::signal_scenes()) {
     const SignalView view(scene, {0.0, 0.0, 0.0});
     CoherentReceiver receiver = receiver_at(view.apex_m);

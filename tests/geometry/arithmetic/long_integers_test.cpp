@@ -12,7 +12,7 @@ namespace tubefoot {
 namespace {
 
 struct LongIntegers : testing::Test {
-  ~LongIntegers() override { stop_asked = false; }
+  ~LongIntegers() override { stop_requested = false; }
 };
 
 /// 2^bits - 1.
@@ -41,7 +41,7 @@ TEST_F(LongIntegers, CanBeStoppedInTheMiddleOfAnOperation) {
   const Integer a = ones(200'000'003) / 3, b = ones(199'999'991) / 5 + 2;
   std::thread asks([] {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
-    stop_asked = true;
+    stop_requested = true;
   });
   const auto begin = std::chrono::steady_clock::now();
   EXPECT_THROW(reduced({a, b}), Interrupted);

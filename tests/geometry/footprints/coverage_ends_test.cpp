@@ -96,7 +96,8 @@ TEST(CoverageOfTwoEnds, SeeingDifferentSidesIsSeenByNone) {
   }
 }
 
-/// A plate hides from the receiver what it does not hide from the transmitter; the facet in the way is told.
+/// A plate hides from the receiver what it does not hide from the transmitter; the facet in the way is
+/// reported.
 TEST(CoverageOfTwoEnds, TheShadowIsThatOfBothAndTheOccluderOfTheFirstThatIsHidden) {
   FacetMesh mesh;
   add_square(mesh, 1000, 0);

@@ -208,7 +208,7 @@ double volume(const FacetMesh& mesh) {
 }
 
 // Law N4, of terrain, over which facets are moved up and down and nothing adds up.
-TEST(Coarsened, TerrainIsAsNearAsIsTold) {
+TEST(Coarsened, TerrainIsAsNearAsIsReported) {
   for (const double most_move : {1'000.0, 10'000.0, 40'000.0}) {
     const FacetMesh smooth = terrain(80, waves), rough = noisy_terrain(80, 5'000);
     for (const FacetMesh* given : {&smooth, &rough}) {
@@ -223,7 +223,7 @@ TEST(Coarsened, TerrainIsAsNearAsIsTold) {
 }
 
 // Law N4, of surfaces that face all ways.
-TEST(Coarsened, RoundThingsAreAsNearAsIsTold) {
+TEST(Coarsened, RoundThingsAreAsNearAsIsReported) {
   for (const FacetMesh& given : {sphere(40, 2e6), torus(160, 60, 4e6, 1.5e6)})
     for (const double most_move : {3'000.0, 30'000.0}) {
       const CoarseMesh made = coarse(given, most_move);
@@ -233,7 +233,7 @@ TEST(Coarsened, RoundThingsAreAsNearAsIsTold) {
 }
 
 // Law N4: of terrain the map is straight up and down, so that normals can be held against each other.
-TEST(Coarsened, NormalsTurnByNoMoreThanIsTold) {
+TEST(Coarsened, NormalsTurnByNoMoreThanIsReported) {
   const FacetMesh given = noisy_terrain(60, 4'000);
   constexpr double most_turn_rad = 0.25;
   const CoarseMesh made = coarse(given, 20'000, most_turn_rad);

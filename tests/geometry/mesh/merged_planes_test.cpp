@@ -239,7 +239,7 @@ TEST(MergedPlanes, WhatOverlapsOrIsRoughStaysAsItIs) {
   EXPECT_FALSE(with_planes_merged({}));
 }
 
-TEST(MergedPlanes, FarFromTheOriginPlanesAreTold) {
+TEST(MergedPlanes, FarFromTheOriginPlanesAreReported) {
   constexpr std::int32_t far = (1 << 30) - 3000;
   Patchwork bed(1);
   bed.plane({far, -far, far}, {30, 0, 1}, {0, 30, -2}, 9, 9);

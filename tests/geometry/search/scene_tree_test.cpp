@@ -63,7 +63,7 @@ double box_distance(const FacetMesh& mesh, FacetId f, GridPoint apex) {
 
 // Law T1.
 TEST(SceneTree, MissesNoFacetThatMeetsThePyramid) {
-  std::size_t expected = 0, returned = 0, asked = 0;
+  std::size_t expected = 0, returned = 0, requested = 0;
   for (std::uint64_t seed = 1; seed <= 30; ++seed)
     for (const Scene& scene : adversarial_cases(seed)) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << scene.name);
@@ -72,7 +72,7 @@ TEST(SceneTree, MissesNoFacetThatMeetsThePyramid) {
         const auto walls = walls_of(scene.tubes, t);
         const auto found = query(tree, scene.tubes.apex, walls);
         returned += found.size();
-        asked += scene.mesh.facets.size();
+        requested += scene.mesh.facets.size();
         for (FacetId f = 0; f < scene.mesh.facets.size(); ++f)
           if (may_meet(scene.mesh, f, scene.tubes.apex, walls)) {
             ++expected;
@@ -81,7 +81,7 @@ TEST(SceneTree, MissesNoFacetThatMeetsThePyramid) {
       }
     }
   EXPECT_GT(expected, 5000u);
-  EXPECT_LT(returned, asked * 9 / 10) << "the tree sorts nothing out";
+  EXPECT_LT(returned, requested * 9 / 10) << "the tree sorts nothing out";
 }
 
 TEST(SceneTree, FindsLittleMoreOnALargeMesh) {
@@ -137,17 +137,17 @@ TEST(SceneTree, FindsAllInBoxesThatAreNotRefused) {
     EXPECT_TRUE(none.empty());
     // Boxes that reach below a height.
     const std::int32_t height = scene.mesh.vertices[scene.mesh.facets.front()[0]].x;
-    std::size_t asked = 0;
+    std::size_t requested = 0;
     tree.query(
         [&](const GridPoint& lowest, const GridPoint& highest) {
-          ++asked;
+          ++requested;
           EXPECT_LE(lowest.x, highest.x);
           return lowest.x <= height;
         },
         some);
     std::sort(some.begin(), some.end());
     EXPECT_EQ(std::adjacent_find(some.begin(), some.end()), some.end());
-    EXPECT_GT(asked, 0u);
+    EXPECT_GT(requested, 0u);
     for (FacetId f = 0; f < scene.mesh.facets.size(); ++f)
       if (std::ranges::any_of(scene.mesh.facets[f],
                               [&](VertexId v) { return scene.mesh.vertices[v].x <= height; })) {

@@ -25,7 +25,7 @@ std::string made_of(std::size_t item) {
 }
 
 struct InOrder : testing::Test {
-  ~InOrder() override { stop_asked = false; }
+  ~InOrder() override { stop_requested = false; }
 };
 
 TEST_F(InOrder, EveryUseSeesAllItemsInOrderForAnyNumberOfThreads) {
@@ -115,7 +115,7 @@ TEST_F(InOrder, StopsWhereSomebodyWantsToStop) {
   EXPECT_THROW(in_order(
                    steps, 0, 100'000, 1,
                    [&](std::size_t item) {
-                     if (item == 50) stop_asked = true;
+                     if (item == 50) stop_requested = true;
                      return ++made;
                    },
                    [](std::size_t, int) {}),

@@ -12,7 +12,7 @@ namespace tubefoot {
 namespace {
 
 struct LongCall : testing::Test {
-  ~LongCall() override { stop_asked = false; }
+  ~LongCall() override { stop_requested = false; }
 };
 
 TEST_F(LongCall, ReturnsWhatTheCallReturnsAndThrowsWhatItThrows) {
@@ -25,7 +25,7 @@ TEST_F(LongCall, IsNotWaitedForWhenSomebodyWantsToStop) {
   const auto go_on = std::make_shared<std::atomic<bool>>(true);
   std::thread asks([] {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
-    stop_asked = true;
+    stop_requested = true;
   });
   EXPECT_THROW(long_call([go_on] {
                  while (*go_on) std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -13,8 +13,8 @@ namespace {
 /// However a test ends, the others are not stopped.
 struct StepsTest : testing::Test {
   ~StepsTest() override {
-    stop_asked = false;
-    stop_asked_of_thread = nullptr;
+    stop_requested = false;
+    stop_requested_of_thread = nullptr;
   }
 };
 
@@ -43,10 +43,10 @@ TEST_F(StepsTest, TellTheOldestAndItsLike) {
 TEST_F(StepsTest, EndWhereSomebodyWantsToStop) {
   Steps steps("tubes", 10);
   EXPECT_NO_THROW(steps.done());
-  stop_asked = true;
+  stop_requested = true;
   EXPECT_THROW(steps.done(), Interrupted);
   EXPECT_THROW(Steps("tubes", 10), Interrupted);
-  stop_asked = false;
+  stop_requested = false;
   EXPECT_NO_THROW(steps.done());
   EXPECT_EQ(Steps::at_hand()->total, 10u) << "what was not begun is not at hand";
 }
@@ -54,9 +54,9 @@ TEST_F(StepsTest, EndWhereSomebodyWantsToStop) {
 TEST_F(StepsTest, OfOneThreadAreStoppedAlone) {
   const std::atomic<bool> stop = true;
   std::thread([&stop] {
-    stop_asked_of_thread = &stop;
+    stop_requested_of_thread = &stop;
     EXPECT_THROW(stop_if_wanted(), Interrupted);
-    stop_asked_of_thread = nullptr;
+    stop_requested_of_thread = nullptr;
     EXPECT_NO_THROW(stop_if_wanted());
   }).join();
   EXPECT_NO_THROW(stop_if_wanted());

@@ -23,22 +23,22 @@ struct Away {
   static constexpr unsigned left_end = 1, right_end = 2;
   std::size_t looks = 0;
 
-  bool meets(PieceRange piece, unsigned& asked) {
+  bool meets(PieceRange piece, unsigned& requested) {
     ++looks;
-    if (asked & left_end) {
+    if (requested & left_end) {
       if (end_of(piece) <= away.first) return false;
-      if (piece.first >= away.first) asked &= ~left_end;
+      if (piece.first >= away.first) requested &= ~left_end;
     }
-    if (asked & right_end) {
+    if (requested & right_end) {
       if (piece.first >= end_of(away)) return false;
-      if (end_of(piece) <= end_of(away)) asked &= ~right_end;
+      if (end_of(piece) <= end_of(away)) requested &= ~right_end;
     }
     return true;
   }
 
-  bool cut(PieceRange piece, unsigned asked, std::vector<PieceRange>& rest) {
+  bool cut(PieceRange piece, unsigned requested, std::vector<PieceRange>& rest) {
     ++looks;
-    const bool left = asked & left_end, right = asked & right_end;
+    const bool left = requested & left_end, right = requested & right_end;
     if (left && away.first > piece.first)
       rest.push_back({piece.first, std::min(away.first, end_of(piece)) - piece.first});
     if (left && end_of(piece) <= away.first) return false;  // with something in `rest`: it does not count
@@ -49,9 +49,10 @@ struct Away {
 
   bool operator()(PieceTree& tree) {
     return tree.take_away(
-        left_end | right_end, [this](PieceRange piece, unsigned& asked) { return meets(piece, asked); },
-        [this](PieceRange piece, unsigned asked, std::vector<PieceRange>& rest) {
-          return cut(piece, asked, rest);
+        left_end | right_end,
+        [this](PieceRange piece, unsigned& requested) { return meets(piece, requested); },
+        [this](PieceRange piece, unsigned requested, std::vector<PieceRange>& rest) {
+          return cut(piece, requested, rest);
         });
   }
 };

@@ -72,7 +72,7 @@ TEST_F(PrintedMessages, AreReadAsTheyArePrinted) {
   EXPECT_THAT(read(printed.substr(0, printed.size() - 4)).frames, SizeIs(1)) << "without the last ---";
 }
 
-TEST_F(PrintedMessages, ImagesAndRawImagesAreTold) {
+TEST_F(PrintedMessages, ImagesAndRawImagesAreReported) {
   const std::string head = "header: {stamp: {sec: 1, nanosec: 0}, frame_id: ''}\n";
   const ForeignFrame image =
       read(head + "height: 1\nwidth: 2\nencoding: mono8\nis_bigendian: 0\nstep: 2\ndata: [5, 6]\n---\n")
@@ -89,7 +89,7 @@ TEST_F(PrintedMessages, ImagesAndRawImagesAreTold) {
   EXPECT_THAT(raw.range_m, ElementsAre(1, 2));
 }
 
-TEST_F(PrintedMessages, WhatWasCutOffInPrintingIsTold) {
+TEST_F(PrintedMessages, WhatWasCutOffInPrintingIsReported) {
   refused("  - 0\n", "  - '...'\n", "m.yaml:29:5: data: the list was cut off when it was printed");
   refused("ranges:\n- 1.0\n- 2.5\n", "ranges: '<sequence type: float, length: 2>'\n", "ranges: is no list");
 }

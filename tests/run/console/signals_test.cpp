@@ -48,7 +48,7 @@ TEST_F(Signals, AClosedPipeForProgressEndsNoRun) {
   EXPECT_FALSE(fs::exists(partial));
 }
 
-TEST_F(Signals, AClosedPipeForWhatWasAskedIsAFailureOnceAllElseIsDone) {
+TEST_F(Signals, AClosedPipeForWhatWasRequestedIsAFailureOnceAllElseIsDone) {
   Surroundings unread;
   unread.unread = {STDOUT_FILENO};
   const Outcome outcome = run(unread);
@@ -133,8 +133,8 @@ TEST_F(Signals, SigquitEndsItWhereItStandsAndLosesNothing) {
   EXPECT_EQ(run({}, {"--resume"}).exit_code, 0);
 }
 
-// It ends before its first ping, and says so: what was kept before is told again.
-TEST_F(Signals, WhatWasKeptBeforeIsToldAgain) {
+// It ends before its first ping, and says so: what was kept before is reported again.
+TEST_F(Signals, WhatWasKeptBeforeIsReportedAgain) {
   run(stopped_at(5, SIGTERM));
   const std::size_t kept = done();
   ASSERT_GE(kept, 5u);
@@ -207,12 +207,12 @@ TEST_F(Signals, EndAProgramThatWaitsAtTheSecond) {
   Waiting program{folder / "number"};
   Surroundings surroundings = program.surroundings();
   surroundings.signal = SIGTERM;
-  bool asked = false;
+  bool requested = false;
   surroundings.interrupt_when = [&] {
     if (!program.met()) return false;
-    if (asked) return true;
+    if (requested) return true;
     program.waited = 0;  // the first has half a second to be noticed
-    asked = kill(program.process(), SIGINT) == 0;
+    requested = kill(program.process(), SIGINT) == 0;
     return false;
   };
   const Outcome outcome = run_program(footprints_to(pipe), surroundings);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One ping, one tube, one audit and one load may take long: each is told how far it is, and can be stopped in
-// its middle. What was finished is kept, what was not is begun anew.
+// One ping, one tube, one audit and one load may take long: each is reported how far it is, and can be
+// stopped in its middle. What was finished is kept, what was not is begun anew.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>

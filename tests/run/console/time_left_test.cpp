@@ -56,17 +56,18 @@ Worst worst(const std::vector<double>& ends, int threads, double afterwards_s = 
   return worst;
 }
 
-constexpr double asked = 1.5;
+constexpr double requested = 1.5;
 
 TEST(TimeLeft, IsWithinAFactorOfOneAndAHalfOnceATenthIsDone) {
   std::mt19937 random(7);
   std::lognormal_distribution<double> rough(0, 0.5);
   for (const int threads : {1, 2, 8}) {
     const auto steady = worst(ends(400, threads, 0, [](std::size_t) { return 1.0; }), threads);
-    EXPECT_LE(steady.ratio, asked) << threads;
+    EXPECT_LE(steady.ratio, requested) << threads;
     EXPECT_GE(steady.first_shown, 40u);
     EXPECT_LE(steady.first_shown, 60u);
-    EXPECT_LE(worst(ends(400, threads, 0, [&](std::size_t) { return rough(random); }), threads).ratio, asked)
+    EXPECT_LE(worst(ends(400, threads, 0, [&](std::size_t) { return rough(random); }), threads).ratio,
+              requested)
         << threads;
   }
 }
@@ -75,13 +76,13 @@ TEST(TimeLeft, IsWithinAFactorOfOneAndAHalfOnceATenthIsDone) {
 TEST(TimeLeft, LeavesOutWhatHappensOnce) {
   for (const int threads : {1, 4}) {
     const Worst once = worst(ends(400, threads, 60, [](std::size_t) { return 1.0; }), threads);
-    EXPECT_LE(once.ratio, asked) << threads;
+    EXPECT_LE(once.ratio, requested) << threads;
     EXPECT_GT(once.shown, 100u);
   }
 }
 
 TEST(TimeLeft, IncludesWhatComesAfterwards) {
-  EXPECT_LE(worst(ends(100, 1, 0, [](std::size_t) { return 0.01; }), 1, 33.7).ratio, asked);
+  EXPECT_LE(worst(ends(100, 1, 0, [](std::size_t) { return 0.01; }), 1, 33.7).ratio, requested);
   TimeLeft left(20, 1, 33.7);
   for (int k = 1; k <= 10; ++k) left.step(k);
   EXPECT_NEAR(*left.seconds(10), 10 + 33.7, 1e-9);
@@ -109,7 +110,7 @@ TEST(TimeLeft, IsRightForSensorsWhosePingsTakeDifferentTimes) {
   const std::size_t pings[] = {2000, 300};
   const PingOrder order(pings);
   const auto takes = [&](std::size_t place) { return order[place].first == 0 ? 0.01 : 2.0; };
-  EXPECT_LE(worst(ends(order.size(), 1, 0, takes), 1).ratio, asked);
+  EXPECT_LE(worst(ends(order.size(), 1, 0, takes), 1).ratio, requested);
 }
 
 TEST(PingOrder, HasEachPingOnce) {

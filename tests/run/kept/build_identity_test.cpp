@@ -88,7 +88,7 @@ TEST_F(Builds, TellWhatTheyAre) {
   EXPECT_EQ(stats["build"].dump().find(TUBEFOOT_SOURCE_DIR), std::string::npos);
 }
 
-TEST(TheDifferenceOfBuilds, IsToldWhateverItIs) {
+TEST(TheDifferenceOfBuilds, IsReportedWhateverItIs) {
   const nlohmann::ordered_json ours{{"sources", "a"}, {"compiler", "GNU 12"}, {"flags", "-O2"}};
   EXPECT_EQ(difference_of_builds({{"sources", "a"}, {"compiler", "GNU 13"}, {"flags", "-O3"}}, ours),
             "compiler GNU 13, here GNU 12; flags -O3, here -O2");

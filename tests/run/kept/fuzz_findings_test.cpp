@@ -35,18 +35,18 @@ TEST(FuzzedKeptRuns, KeptRunThatSaysNothingOfItselfIsInTheWay) {
 }
 
 TEST(FuzzedKeptRuns, KeptRunOfOtherWordsIsRefused) {
-  const ordered_json asked{{"scene_hash", "12"}};
-  const ordered_json good{{"asked", asked}, {"run", json_of(RunRequest())}};
-  EXPECT_EQ(resumed(good, asked, {}).visibility.arithmetic, Arithmetic::fixed);
-  ordered_json without_seed = good, odd_seed = good, odd_word = good, without_asked = good;
+  const ordered_json requested{{"scene_hash", "12"}};
+  const ordered_json good{{"asked", requested}, {"run", json_of(RunRequest())}};
+  EXPECT_EQ(resumed(good, requested, {}).visibility.arithmetic, Arithmetic::fixed);
+  ordered_json without_seed = good, odd_seed = good, odd_word = good, without_requested = good;
   without_seed["run"].erase("seed");
   odd_seed["run"]["seed"] = "\xff";
   odd_word["run"]["binning"] = "fast";
-  without_asked.erase("asked");
+  without_requested.erase("asked");
   for (const ordered_json& kept :
-       {without_seed, odd_seed, odd_word, without_asked, ordered_json(7), ordered_json()})
+       {without_seed, odd_seed, odd_word, without_requested, ordered_json(7), ordered_json()})
     EXPECT_THAT(
-        [&] { resumed(kept, asked, {}); },
+        [&] { resumed(kept, requested, {}); },
         ThrowsMessage<UsageError>(AllOf(HasSubstr("is damaged"), HasSubstr("delete the .partial file"))));
 }
 

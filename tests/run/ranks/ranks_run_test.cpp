@@ -186,7 +186,7 @@ TEST_F(Ranks, KeepWhatWasFinishedWhenOneDies) {
   }
 }
 
-TEST_F(Ranks, StopWhenAskedAndSayHowToGoOn) {
+TEST_F(Ranks, StopWhenRequestedAndSayHowToGoOn) {
   write_scene(20 * pings);  // more than are done before mpirun passes the signal on
   for (const bool one_rank_only : {false, true}) {
     SCOPED_TRACE(one_rank_only);

@@ -112,7 +112,8 @@ TEST(AHelper, DoesNotRunAheadOfItsLink) {
   options.threads = 2;
   SceneDescription description = described(options);
   const RunRequest request = requested(options, description);
-  const nlohmann::ordered_json start{{"asked", asked_of(description, request)}, {"run", json_of(request)}};
+  const nlohmann::ordered_json start{{"asked", request_json(description, request)},
+                                     {"run", json_of(request)}};
   std::vector<PingUnit> all;
   for (std::size_t ping = 0; ping < pings; ++ping) all.push_back({0, ping});
   SlowLead::Figures figures;

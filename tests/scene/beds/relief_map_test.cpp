@@ -151,7 +151,7 @@ TEST(ReliefMap, UnitsBecomeMetres) {
   EXPECT_NEAR(field->height_m({2.3, 1.7, 0}), 0.1, 1e-7);
 }
 
-TEST(ReliefMap, WhatCannotBePlacedOrReadIsTold) {
+TEST(ReliefMap, WhatCannotBePlacedOrReadIsReported) {
   const LocalFrame utm = LocalFrame::projected(kUtm31, 500000, 6650000, 0, {});
   EXPECT_THAT(error_of({.value = wavy}), HasSubstr("[georeference]"));
   EXPECT_THAT(error_of({.value = wavy, .crs = nullptr}, utm), HasSubstr("coordinate reference system"));

@@ -74,7 +74,7 @@ TEST(ArrayKeys, AllAreRead) {
               ElementsAre(std::array{1.0, 2.0, 3.0}, std::array{4.0, 5.0, 6.0}));
 }
 
-// Lists of lists are told as what they are, each of them and each number in it.
+// Lists of lists are reported as what they are, each of them and each number in it.
 TEST(ArrayKeys, WrongListsSayWhatIsExpected) {
   const auto said = [](const std::string& keys) -> std::string {
     try {

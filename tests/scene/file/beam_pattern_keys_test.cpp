@@ -58,7 +58,7 @@ TEST(BeamPatternKeys, TableCountsInTheSceneHash) {
   EXPECT_NE(read_scene(folder, scene).sha256, before);
 }
 
-TEST(BeamPatternKeys, MistakesAreToldWithTheirPlace) {
+TEST(BeamPatternKeys, MistakesAreReportedWithTheirPlace) {
   const struct {
     const char *lines, *place, *says;
   } mistakes[] = {

@@ -65,7 +65,7 @@ scale = -2
             (MapReliefDescription{folder.path() / "map.tif", 7, -2}));
 }
 
-TEST(ReliefKeys, MistakesAreToldWithTheirPlace) {
+TEST(ReliefKeys, MistakesAreReportedWithTheirPlace) {
   const TestFolder folder;
   const std::string fbm = "[[materials.relief]]\nkind = \"fbm\"\ntile_m = 10\nresolution_m = 0.1\n";
   const struct {
@@ -129,7 +129,7 @@ TEST(ReliefKeys, SceneHasTheFieldOfEveryMaterial) {
   EXPECT_LE(std::abs(both - height), 0.02 * 6);
 }
 
-TEST(ReliefKeys, WhatCannotBeMadeIsToldAtItsEntry) {
+TEST(ReliefKeys, WhatCannotBeMadeIsReportedAtItsEntry) {
   const TestFolder folder;
   const auto error_of = [&](const std::string& lines) -> std::string {
     const SceneDescription scene = read_scene(folder, with_relief(lines));

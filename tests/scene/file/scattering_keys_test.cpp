@@ -152,7 +152,7 @@ TEST(ScatteringKeys, WhatScattersMoreThanItReceivesIsRefusedUnlessAllowed) {
       HasSubstr("at a grazing angle of 40 degrees"));
 }
 
-TEST(ScatteringKeys, MistakesAreToldWithTheirPlace) {
+TEST(ScatteringKeys, MistakesAreReportedWithTheirPlace) {
   const TestFolder folder;
   const auto expect = [&](std::string_view keys, std::string_view message) {
     EXPECT_THAT(scene_error(folder, scene_with(keys)), HasSubstr(std::string(message))) << keys;

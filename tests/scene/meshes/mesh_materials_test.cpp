@@ -86,7 +86,7 @@ TEST(MeshMaterials, TheReportListsNamesWithTheirFacets) {
   EXPECT_EQ(names[2].facets, 2u);
 }
 
-TEST(MeshMaterials, MistakesAreToldWhereTheyStand) {
+TEST(MeshMaterials, MistakesAreReportedWhereTheyStand) {
   const TestFolder folder;
   folder.write("boat.obj", boat);
   EXPECT_THAT([&] { load_scene(read_scene(folder, with_entries("Oka = \"wood\""))); },

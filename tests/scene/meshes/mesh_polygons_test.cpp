@@ -204,7 +204,7 @@ TEST(MeshPolygons, WhatCrossesItselfIsRefusedAtItsLine) {
   EXPECT_THROW(read("m.obj", star), InputError);
 }
 
-TEST(MeshPolygons, WhatIsNotFlatIsToldWithHowFar) {
+TEST(MeshPolygons, WhatIsNotFlatIsReportedWithHowFar) {
   // A square with one corner 0.4 higher: the corners are 0.1 off their plane, about.
   const NamedMesh mesh = read("m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0.4\nv 0 1 0\nf 1 2 3 4\n");
   EXPECT_THAT(mesh.triangles, SizeIs(2));

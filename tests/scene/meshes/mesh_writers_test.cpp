@@ -135,7 +135,7 @@ TEST(MeshWriters, FacesOfTwoCornersAreCountedAndLeftOut) {
               ThrowsMessage<InputError>(HasSubstr("no facet, but 1 points or lines")));
 }
 
-TEST(MeshWriters, PointCloudsAreToldWhatToBecome) {
+TEST(MeshWriters, PointCloudsAreReportedWhatToBecome) {
   const auto told = ThrowsMessage<InputError>(AllOf(HasSubstr("3 points and no facet: it is a point cloud"),
                                                     HasSubstr("MeshLab"), HasSubstr("raster")));
   EXPECT_THAT([] { read("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n"); }, told);
@@ -148,7 +148,7 @@ TEST(MeshWriters, PointCloudsAreToldWhatToBecome) {
       told);
 }
 
-TEST(MeshWriters, WhatBeginsAsAnotherFormatIsToldSo) {
+TEST(MeshWriters, WhatBeginsAsAnotherFormatIsReportedSo) {
   EXPECT_THAT([] { read("m.obj", "; FBX 7.3.0 project file\n"); },
               ThrowsMessage<InputError>(HasSubstr("begins as FBX does: name it so, not .obj")));
   EXPECT_THAT([] { read("m.dae", "v 0 0 0\n"); },

@@ -266,7 +266,7 @@ TEST(VariableGrid, WhatIsMissingIsAHoleAndCounted) {
   EXPECT_LT(plan_area(dot.read()), area);
 }
 
-TEST(VariableGrid, IsResampledWhereAsked) {
+TEST(VariableGrid, IsResampledWhereRequested) {
   const VariableBag bag({{{25}, {10}}, {{5}, {2}}}, plane);
   RasterTerrain terrain;
   terrain.resolution_m = 4;

@@ -298,7 +298,7 @@ TEST(CellSums, AreNotManyMoreThanTheirCells) {
       EXPECT_EQ(summed.mean(column, row), one_by_one.mean(column, row));
 }
 
-TEST(CellMeans, CellsWestAndSouthOfTheOriginAreToldApart) {
+TEST(CellMeans, CellsWestAndSouthOfTheOriginAreReportedApart) {
   CellMeans cells(0.5);
   for (int row = -300; row < 300; ++row) cells.add(-0.25 - 64, 0.5 * row + 0.1, row);
   for (int row = -300; row < 300; ++row) EXPECT_EQ(cells.mean(-129, row), row);

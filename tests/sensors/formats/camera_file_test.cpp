@@ -207,7 +207,7 @@ TYPED_TEST(CameraFile, equal_frames_give_equal_bytes) {
 
 // Sizes at which the disk is full: in a header, in the samples, in the last block (which is only found out by
 // writing what the library still holds).
-TYPED_TEST(CameraFile, a_full_disk_is_told_and_leaves_nothing) {
+TYPED_TEST(CameraFile, a_full_disk_is_reported_and_leaves_nothing) {
   this->written();
   const auto size = std::filesystem::file_size(this->path);
   std::filesystem::remove(this->path);
@@ -225,7 +225,7 @@ TYPED_TEST(CameraFile, a_full_disk_is_told_and_leaves_nothing) {
   EXPECT_EQ(this->written().frames, 1u);
 }
 
-TYPED_TEST(CameraFile, a_full_device_is_told_and_not_removed) {
+TYPED_TEST(CameraFile, a_full_device_is_reported_and_not_removed) {
   std::filesystem::create_symlink("/dev/full", this->path);
   const std::string said = samples::failure_naming(this->path, [&] {
     typename TestFixture::File file(this->path, TypeParam::header());
@@ -236,7 +236,7 @@ TYPED_TEST(CameraFile, a_full_device_is_told_and_not_removed) {
   EXPECT_TRUE(std::filesystem::is_symlink(this->path));
 }
 
-TYPED_TEST(CameraFile, a_missing_folder_is_told) {
+TYPED_TEST(CameraFile, a_missing_folder_is_reported) {
   const auto nowhere = this->folder / "none" / "a.ddf";
   const std::string said =
       samples::failure_naming(nowhere, [&] { typename TestFixture::File(nowhere, TypeParam::header()); });
@@ -284,7 +284,7 @@ TEST(CameraFileOracle, numpy_sees_the_target_on_its_side_at_its_range) {
 }
 
 // So little that the library holds all of it until the file is closed.
-TEST(StreamedFile, a_disk_that_fills_with_the_last_block_is_told_and_leaves_nothing) {
+TEST(StreamedFile, a_disk_that_fills_with_the_last_block_is_reported_and_leaves_nothing) {
   const TestFolder folder;
   const auto path = folder / "small";
   const std::array<std::uint8_t, 10> bytes{};

@@ -104,7 +104,7 @@ TEST(Reson8101, TimesAreNotEarly) {
 }
 
 // Of 101 beams the qualities fill 51 bytes; some expect 52, and then all intensities lie one byte later.
-TEST(Reson8101, OddQualitiesEndAsAsked) {
+TEST(Reson8101, OddQualitiesEndAsRequested) {
   std::vector<Reson8101Beam> beams(101, {0.05, kBrightness, 7});
   PacketReader packet = packet_of(settings(), beams);
   ASSERT_EQ(packet.size(), 68u + 202 + 51 + 202 + 2);

@@ -160,7 +160,7 @@ TEST(DidsonCycles, OneProjectorMayLightTheFan) {
     description.transmit.width_deg = 30;
     description.transmit.angle = angle;
   };
-  const auto asked = camera([&](auto& description, auto& didson) {
+  const auto requested = camera([&](auto& description, auto& didson) {
     didson.cycles = 8;
     didson.transmit_steering = "fan";
     set(description, "azimuth");
@@ -170,7 +170,7 @@ TEST(DidsonCycles, OneProjectorMayLightTheFan) {
     set(description, "elevation");
   });
   const auto at_once = camera([&](auto& description, auto&) { set(description, "azimuth"); });
-  for (const Sensor* sensor : {asked.get(), elevation.get(), at_once.get()}) {
+  for (const Sensor* sensor : {requested.get(), elevation.get(), at_once.get()}) {
     const BeamPatterns patterns = sensor->patterns(Pose{}, 1500);
     ASSERT_EQ(patterns.transmit[0].beams.size(), 1u);
     EXPECT_NEAR(patterns.transmit[0].gain({0, 1, 0}), 1, 1e-12);

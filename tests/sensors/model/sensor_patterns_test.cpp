@@ -130,7 +130,7 @@ TEST_F(PatternFile, IsReadWithCommentsAndMirroredAboutZero) {
   EXPECT_NEAR(lopsided.level_db(-2 * degree), -6, 1e-12);
 }
 
-TEST_F(PatternFile, MistakesAreToldWithTheirLine) {
+TEST_F(PatternFile, MistakesAreReportedWithTheirLine) {
   using testing::HasSubstr;
   EXPECT_THAT(error_of(""), HasSubstr("is empty"));
   EXPECT_THAT(error_of("angle,level\n0,0\n"), HasSubstr(":1: expected the header line"));

@@ -217,7 +217,7 @@ TEST(Pictures, CameraFilesHoldTheFloats) {
   EXPECT_EQ(png.spec.nchannels, 3);
 }
 
-TEST(Pictures, HaveSixteenBitsWhereTheyAreAskedFor) {
+TEST(Pictures, HaveSixteenBitsWhereTheyAreRequested) {
   const TestFolder folder;
   auto made = samples::silent(samples::camera(5, 40), 1);
   for (std::size_t k = 0; k < made.energies.size(); ++k) made.energies[k] = 1e-9 * std::pow(1.07, double(k));
@@ -236,7 +236,7 @@ TEST(Pictures, HaveSixteenBitsWhereTheyAreAskedFor) {
   EXPECT_LT(largest, 0.6 / 255);
 }
 
-TEST(Pictures, AreThoseThatAreAskedFor) {
+TEST(Pictures, AreThoseThatAreRequested) {
   using Which = PictureSettings::Which;
   const auto camera = samples::silent(samples::camera(5, 7), 3);
   const auto sidescan = samples::silent(samples::sidescan(6), 4);

@@ -269,7 +269,7 @@ TEST(SidescanFiles, ASurveyHasAnXtfAndAMosaicALineAndOneMosaicOfAll) {
   EXPECT_NEAR(made.recording.ping_spacing_m(), 0.5, 1e-12);
 }
 
-TEST(SidescanFiles, ASensorAtRestHasNoMosaicAndIsToldWhy) {
+TEST(SidescanFiles, ASensorAtRestHasNoMosaicAndIsReportedWhy) {
   const auto written = [](const Recording& recording, std::string& said) {
     const TestFolder folder;
     std::vector<std::string> warnings;

@@ -233,7 +233,7 @@ struct EverythingOfSignals {
   }
 };
 
-TEST(SignalProducts, WritesWhatIsAskedFor) {
+TEST(SignalProducts, WritesWhatIsRequested) {
   const EverythingOfSignals all;
   const TestFolder folder;
   std::vector<std::string> warnings;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "run/silence.hpp"
+#include "run/no_return.hpp"
 
 #include <fmt/format.h>
 
@@ -220,11 +220,11 @@ class Reason {
 };
 
 /// `when`: " at any of 9 pings", or empty.
-/// `asked`: the pings that are asked for.
-Silence silence(const Survey& survey, const RunRequest& request, std::size_t s, PingSpan asked,
-                const std::string& when) {
+/// `requested`: the pings that are asked for.
+NoReturn no_return(const Survey& survey, const RunRequest& request, std::size_t s, PingSpan requested,
+                   const std::string& when) {
   const SensorPings& pings = survey.sensors[s];
-  const std::size_t ping = asked.first + (asked.end - asked.first) / 2;
+  const std::size_t ping = requested.first + (requested.end - requested.first) / 2;
   const Reason reason(survey, request, s, ping);
   return {s, fmt::format("{}: sensor '{}' hears nothing{}: at ping {} ({}) {}",
                          to_string(pings.sensor->description().place), pings.sensor->description().name, when,
@@ -244,9 +244,9 @@ bool is_silent(const Recording& recording) {
 
 }  // namespace
 
-std::vector<Silence> foreseen_silence(const Survey& survey, const RunRequest& request) {
-  std::vector<Silence> found;
-  if (!has_facets(survey.scene)) return found;  // which is told already
+std::vector<NoReturn> expected_no_returns(const Survey& survey, const RunRequest& request) {
+  std::vector<NoReturn> found;
+  if (!has_facets(survey.scene)) return found;  // which is reported already
   const Transmissions transmissions(survey, request);
   TransmissionsAround around(transmissions);
   const std::vector<ChosenEchoes> chosen = chosen_of(survey, request.selection);
@@ -271,17 +271,17 @@ std::vector<Silence> foreseen_silence(const Survey& survey, const RunRequest& re
         listen(around.at(group, ping).of(group, ping, number), silent);
     }
     for (const std::size_t s : silent)
-      found.push_back(silence(survey, request, s, {first, first + pings},
-                              pings == 1        ? std::string()
-                              : looked == pings ? std::string(" at any ping")
-                                                : fmt::format(" at any of {} pings looked at", looked)));
+      found.push_back(no_return(survey, request, s, {first, first + pings},
+                                pings == 1        ? std::string()
+                                : looked == pings ? std::string(" at any ping")
+                                                  : fmt::format(" at any of {} pings looked at", looked)));
   }
   return found;
 }
 
-std::vector<Silence> met_silence(const Survey& survey, const RunRequest& request,
-                                 const std::vector<Recording>& recordings) {
-  std::vector<Silence> found;
+std::vector<NoReturn> met_no_returns(const Survey& survey, const RunRequest& request,
+                                     const std::vector<Recording>& recordings) {
+  std::vector<NoReturn> found;
   if (!has_facets(survey.scene)) return found;
   for (const Recording& recording : recordings) {
     if (!is_silent(recording)) continue;
@@ -294,8 +294,8 @@ std::vector<Silence> met_silence(const Survey& survey, const RunRequest& request
                                       "samples are 0",
                                       to_string(sensor.place), sensor.name)});
     else
-      found.push_back(silence(survey, request, s, {first, first + recording.pings()},
-                              recording.pings() == 1 ? "" : " at any ping: all samples are 0"));
+      found.push_back(no_return(survey, request, s, {first, first + recording.pings()},
+                                recording.pings() == 1 ? "" : " at any ping: all samples are 0"));
   }
   return found;
 }

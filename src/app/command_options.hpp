@@ -10,7 +10,7 @@
 namespace tubefoot {
 
 /// What the command line asks for: the options of each command, and the one command that is called.
-struct Asked {
+struct CommandOptions {
   RunOptions run;
   JoinOptions join;
   CheckOptions check;
@@ -48,27 +48,27 @@ CLI::Validator finite_number(double least, bool above);
 /// Of the folder of a run, its echoes.nc; every other name stays as it is.
 CLI::Validator echoes_of_run();
 
-// The commands that end in a result folder (asked_run.cpp).
-void add_run(CLI::App& app, Asked& asked);
-void add_join(CLI::App& app, Asked& asked);
+// The commands that end in a result folder (requested_run.cpp).
+void add_run(CLI::App& app, CommandOptions& requested);
+void add_join(CLI::App& app, CommandOptions& requested);
 
-// Those that say what a scene, or what is in it, is like (asked_scene.cpp).
-void add_check(CLI::App& app, Asked& asked);
-void add_audit(CLI::App& app, Asked& asked);
-void add_footprints(CLI::App& app, Asked& asked);
-void add_coverage(CLI::App& app, Asked& asked);
-void add_strength(CLI::App& app, Asked& asked);
-void add_view(CLI::App& app, Asked& asked);
-void add_refine(CLI::App& app, Asked& asked);
-void add_export(CLI::App& app, Asked& asked);
-void add_presets(CLI::App& app, Asked& asked);
+// Those that say what a scene, or what is in it, is like (requested_scene.cpp).
+void add_check(CLI::App& app, CommandOptions& requested);
+void add_audit(CLI::App& app, CommandOptions& requested);
+void add_footprints(CLI::App& app, CommandOptions& requested);
+void add_coverage(CLI::App& app, CommandOptions& requested);
+void add_strength(CLI::App& app, CommandOptions& requested);
+void add_view(CLI::App& app, CommandOptions& requested);
+void add_refine(CLI::App& app, CommandOptions& requested);
+void add_export(CLI::App& app, CommandOptions& requested);
+void add_presets(CLI::App& app, CommandOptions& requested);
 
-// Those that hold one result against another, and bring in what others made (asked_validation.cpp).
-void add_import_scene(CLI::App& app, Asked& asked);
-void add_compare(CLI::App& app, Asked& asked);
-void add_import(CLI::App& app, Asked& asked);
-void add_chart(CLI::App& app, Asked& asked);
-void add_advise(CLI::App& app, Asked& asked);
-void add_suite(CLI::App& app, Asked& asked);
+// Those that hold one result against another, and bring in what others made (requested_validation.cpp).
+void add_import_scene(CLI::App& app, CommandOptions& requested);
+void add_compare(CLI::App& app, CommandOptions& requested);
+void add_import(CLI::App& app, CommandOptions& requested);
+void add_chart(CLI::App& app, CommandOptions& requested);
+void add_advise(CLI::App& app, CommandOptions& requested);
+void add_suite(CLI::App& app, CommandOptions& requested);
 
 }  // namespace tubefoot

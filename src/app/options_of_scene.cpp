@@ -1,32 +1,34 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/asked.hpp"
+#include "app/command_options.hpp"
 
 namespace tubefoot {
 
-void add_check(CLI::App& app, Asked& asked) {
-  CheckOptions& check = asked.check;
+void add_check(CLI::App& app, CommandOptions& requested) {
+  CheckOptions& check = requested.check;
   CLI::App* command =
       app.add_subcommand("check", "Load everything a scene names and say what was understood");
   add_common(*command, check);
   command->add_option("--png", check.picture,
                       "draw the scene: plan and side views with bed, objects, tracks and where sensors look");
   command->footer("Example:\n  tubefoot check scenes/wellhead/scene.toml --png scene.png");
-  command->callback([&asked] { asked.command = [&asked] { return check_command(asked.check); }; });
+  command->callback(
+      [&requested] { requested.command = [&requested] { return check_command(requested.check); }; });
 }
 
-void add_audit(CLI::App& app, Asked& asked) {
-  AuditOptions& audit = asked.audit;
+void add_audit(CLI::App& app, CommandOptions& requested) {
+  AuditOptions& audit = requested.audit;
   CLI::App* command = app.add_subcommand(
       "audit", "Prove the closure law, tube by tube, in rationals: visible pieces + open water = the tube");
   add_common(*command, audit);
   command->add_option("--sensor", audit.sensor, "only this sensor");
   command->add_option("--pings", audit.pings, "pings A:B, both included, counted from 0 (default: all)");
   command->footer("Example:\n  tubefoot audit scenes/wellhead/scene.toml --sensor camera --pings 0:2");
-  command->callback([&asked] { asked.command = [&asked] { return audit_command(asked.audit); }; });
+  command->callback(
+      [&requested] { requested.command = [&requested] { return audit_command(requested.audit); }; });
 }
 
-void add_footprints(CLI::App& app, Asked& asked) {
-  FootprintOptions& footprints = asked.footprints;
+void add_footprints(CLI::App& app, CommandOptions& requested) {
+  FootprintOptions& footprints = requested.footprints;
   CLI::App* command =
       app.add_subcommand("footprints", "Write the visible polygons of some pings of a sensor");
   add_common(*command, footprints);
@@ -45,11 +47,13 @@ void add_footprints(CLI::App& app, Asked& asked) {
   command->footer(
       "Example:\n  tubefoot footprints scenes/wellhead/scene.toml --sensor camera --ping 0 -o camera.gpkg\n"
       "  tubefoot footprints scenes/wellhead/scene.toml --sensor camera --beam 40:50 -o beams.vtp");
-  command->callback([&asked] { asked.command = [&asked] { return footprints_command(asked.footprints); }; });
+  command->callback([&requested] {
+    requested.command = [&requested] { return footprints_command(requested.footprints); };
+  });
 }
 
-void add_coverage(CLI::App& app, Asked& asked) {
-  CoverageOptions& coverage = asked.coverage;
+void add_coverage(CLI::App& app, CommandOptions& requested) {
+  CoverageOptions& coverage = requested.coverage;
   CLI::App* command = app.add_subcommand(
       "coverage", "Measure exactly what a survey's pings see of each facet: how often, or never");
   add_common(*command, coverage);
@@ -67,11 +71,12 @@ void add_coverage(CLI::App& app, Asked& asked) {
       ->check(CLI::Range(1, 8));
   command->add_option("--picture", coverage.picture, "also draw a plan of it into this PNG");
   command->footer("Example:\n  tubefoot coverage scenes/survey/scene.toml --pings 200:299 -o out/coverage");
-  command->callback([&asked] { asked.command = [&asked] { return coverage_command(asked.coverage); }; });
+  command->callback(
+      [&requested] { requested.command = [&requested] { return coverage_command(requested.coverage); }; });
 }
 
-void add_strength(CLI::App& app, Asked& asked) {
-  StrengthOptions& strength = asked.strength;
+void add_strength(CLI::App& app, CommandOptions& requested) {
+  StrengthOptions& strength = requested.strength;
   CLI::App* command = app.add_subcommand(
       "strength",
       "Compute the target strength of a mesh over directions and frequencies (docs/smooth-surfaces.md)");
@@ -116,11 +121,12 @@ void add_strength(CLI::App& app, Asked& asked) {
       ->check(CLI::Range(1, 4096));
   command->add_flag("--quiet", strength.quiet, "print results and errors only");
   command->footer("Example:\n  tubefoot strength mine.stl --unit 1e-3 --frequency 38kHz,120kHz -o out/mine");
-  command->callback([&asked] { asked.command = [&asked] { return strength_command(asked.strength); }; });
+  command->callback(
+      [&requested] { requested.command = [&requested] { return strength_command(requested.strength); }; });
 }
 
-void add_view(CLI::App& app, Asked& asked) {
-  ViewOptions& view = asked.view;
+void add_view(CLI::App& app, CommandOptions& requested) {
+  ViewOptions& view = requested.view;
   CLI::App* command = app.add_subcommand(
       "view", "Write a page that shows footprints in 3-D beside the picture they make (docs/viewer.md)");
   command->add_option("RESULT", view.scene, "folder that 'run' wrote, or a scene file")->required();
@@ -150,11 +156,12 @@ void add_view(CLI::App& app, Asked& asked) {
       ->check(CLI::Range(1, 4096));
   add_scene_flags(*command, view);
   command->footer("Example:\n  tubefoot view out/wellhead -o wellhead.html --sensor camera");
-  command->callback([&asked] { asked.command = [&asked] { return view_command(asked.view); }; });
+  command->callback(
+      [&requested] { requested.command = [&requested] { return view_command(requested.view); }; });
 }
 
-void add_refine(CLI::App& app, Asked& asked) {
-  RefineOptions& refine = asked.refine;
+void add_refine(CLI::App& app, CommandOptions& requested) {
+  RefineOptions& refine = requested.refine;
   CLI::App* command = app.add_subcommand(
       "refine", "Write the seabed with its relief in facets, for mesh tools and for mode = \"offline\"");
   command->add_option("SCENE", refine.scene, "scene file (docs/scene-file.md)")->required();
@@ -163,11 +170,12 @@ void add_refine(CLI::App& app, Asked& asked) {
       ->check(CLI::Range(0, 1024));
   add_scene_flags(*command, refine);
   command->footer("Example:\n  tubefoot refine scenes/sand/ripples.toml -o ripples.ply");
-  command->callback([&asked] { asked.command = [&asked] { return refine_command(asked.refine); }; });
+  command->callback(
+      [&requested] { requested.command = [&requested] { return refine_command(requested.refine); }; });
 }
 
-void add_export(CLI::App& app, Asked& asked) {
-  ExportOptions& exported = asked.exported;
+void add_export(CLI::App& app, CommandOptions& requested) {
+  ExportOptions& exported = requested.exported;
   CLI::App* command = app.add_subcommand(
       "export", "Write a scene for another engine: same triangles, same pose, same sonar (docs/exchange.md)");
   command->add_option("SCENE", exported.scene, "scene file (docs/scene-file.md)")->required();
@@ -183,18 +191,20 @@ void add_export(CLI::App& app, Asked& asked) {
       ->check(CLI::NonNegativeNumber);
   command->add_option("--sensor", exported.sensor, "only this sensor (default: all)");
   command->footer("Example:\n  tubefoot export scenes/imaging/scene.toml --to stonefish -o out/imaging-scn");
-  command->callback([&asked] { asked.command = [&asked] { return export_command(asked.exported); }; });
+  command->callback(
+      [&requested] { requested.command = [&requested] { return export_command(requested.exported); }; });
 }
 
-void add_presets(CLI::App& app, Asked& asked) {
-  PresetsOptions& presets = asked.presets;
+void add_presets(CLI::App& app, CommandOptions& requested) {
+  PresetsOptions& presets = requested.presets;
   CLI::App* command =
       app.add_subcommand("presets", "List the sonars that a scene's sensors can be, with their sources");
   command->add_option(
       "NAME", presets.name,
       "print the keys of the preset with this name, or list the presets that contain this text");
   command->footer("Example:\n  tubefoot presets oculus\n  tubefoot presets klein-3000-445");
-  command->callback([&asked] { asked.command = [&asked] { return presets_command(asked.presets); }; });
+  command->callback(
+      [&requested] { requested.command = [&requested] { return presets_command(requested.presets); }; });
 }
 
 }  // namespace tubefoot

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Files that a run will not write are told before it, and windows are those that their formats hold.
+// Files that a run will not write are reported before it, and windows are those that their formats hold.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ std::string camera_in(double sound_speed_m_s, const std::string& keys) {
          keys + "\n";
 }
 
-class Foreseen : public testing::Test {
+class Expected : public testing::Test {
  protected:
   Outcome does(const std::string& command, const std::string& scene) {
     folder.write("scene.toml", scene);
@@ -34,7 +34,7 @@ class Foreseen : public testing::Test {
   TestFolder folder;
 };
 
-TEST_F(Foreseen, AnArisHasAWindowOfItsOwnInAnyWater) {
+TEST_F(Expected, AnArisHasAWindowOfItsOwnInAnyWater) {
   for (const char* preset : {"aris-1800", "aris-3000"})
     for (const double speed : {1421.3, 1462.43, 1500.0, 1537.9}) {
       const std::string scene = camera_in(speed, fmt::format("preset = \"{}\"", preset));
@@ -56,7 +56,7 @@ TEST_F(Foreseen, AnArisHasAWindowOfItsOwnInAnyWater) {
     }
 }
 
-TEST_F(Foreseen, AWindowAskedOfAnArisIsMovedToTheNearestAndToldByCheck) {
+TEST_F(Expected, AWindowRequestedOfAnArisIsMovedToTheNearestAndToldByCheck) {
   const std::string scene =
       camera_in(1480, "preset = \"aris-1800\"\nwindow_start_m = 1\nwindow_length_m = 5");
   const Outcome checked = does("check", scene);
@@ -67,7 +67,7 @@ TEST_F(Foreseen, AWindowAskedOfAnArisIsMovedToTheNearestAndToldByCheck) {
   EXPECT_TRUE(std::filesystem::exists(folder / "out/camera.aris"));
 }
 
-TEST_F(Foreseen, WindowsThatNoFormatHoldsAreToldByCheckAndOnceByRun) {
+TEST_F(Expected, WindowsThatNoFormatHoldsAreReportedByCheckAndOnceByRun) {
   const std::string scene = camera_in(1480, "kind = \"didson\"\nwindow_start_m = 2.8");
   const Outcome checked = does("check", scene), ran = does("run", scene);
   const std::string what = "no DIDSON or ARIS file is written for 'camera'";
@@ -80,13 +80,13 @@ TEST_F(Foreseen, WindowsThatNoFormatHoldsAreToldByCheckAndOnceByRun) {
   EXPECT_THAT(bytes_of(folder / "out/stats.json"), HasSubstr(what));
 }
 
-TEST_F(Foreseen, FilesThatNeedAPlaceOnEarthAreToldByCheck) {
+TEST_F(Expected, FilesThatNeedAPlaceOnEarthAreReportedByCheck) {
   EXPECT_THAT(does("check", camera_in(1500, "preset = \"reson-8101\"")).err, HasSubstr("add [georeference]"));
   EXPECT_THAT(does("check", camera_in(1500, "kind = \"sidescan\"")).err, HasSubstr("add [georeference]"));
 }
 
 // The scene of the drifting camera, one frame of it.
-TEST_F(Foreseen, TheDriftingCameraWritesADidsonFile) {
+TEST_F(Expected, TheDriftingCameraWritesADidsonFile) {
   SceneDescription scene = read_scene_file(TUBEFOOT_SOURCE_DIR "/scenes/textures/track.toml");
   scene.sensors.at(0).pings = 1;
   const auto survey = open_survey(scene);

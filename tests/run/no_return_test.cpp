@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sensors that receive nothing: what is foreseen by looking against what a run computes, at random places, in
+// Sensors that receive nothing: what is expected by looking against what a run computes, at random places, in
 // random directions, with random windows; and how objects stand to the bed against where they were put.
-#include "run/silence.hpp"
+#include "run/no_return.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -32,7 +32,7 @@ bool all_zero(const Recording& recording) {
 /// A box and a ball in the middle of a bed of 20 x 20 m.
 const std::string bed = still_water() + lambert_material("sand", -27) + flat_terrain(20, 20) + ball_and_box();
 
-TEST(Silence, IsForeseenExactlyWhereARunReceivesNothing) {
+TEST(NoReturn, IsExpectedExactlyWhereARunReceivesNothing) {
   const unsigned seed = 20261123;
   std::printf("seed %u\n", seed);
   std::mt19937 random(seed);
@@ -58,15 +58,15 @@ TEST(Silence, IsForeseenExactlyWhereARunReceivesNothing) {
     const std::vector<Recording> recordings = simulate(*survey, request, stats);
     const bool zero = all_zero(recordings.front());
     ++(zero ? silent : received);
-    EXPECT_EQ(foreseen_silence(*survey, request).size(), zero ? 1U : 0U);
-    EXPECT_EQ(met_silence(*survey, request, recordings).size(), zero ? 1U : 0U);
+    EXPECT_EQ(expected_no_returns(*survey, request).size(), zero ? 1U : 0U);
+    EXPECT_EQ(met_no_returns(*survey, request, recordings).size(), zero ? 1U : 0U);
   }
   EXPECT_GT(silent, 20U);
   EXPECT_GT(received, 20U);
 }
 
 // One ping of thirty sees the bed: no false alarm.
-TEST(Silence, IsNotForeseenOfATrackThatReceivesSomethingOnce) {
+TEST(NoReturn, IsNotExpectedOfATrackThatReceivesSomethingOnce) {
   const auto track = [](double north_m) {
     return bed +
            fmt::format(
@@ -77,24 +77,24 @@ TEST(Silence, IsNotForeseenOfATrackThatReceivesSomethingOnce) {
                north_m, north_m + 290.5);
   };
   const RunRequest request;
-  EXPECT_TRUE(foreseen_silence(*survey_of(track(-270)), request).empty());
-  const auto beside = foreseen_silence(*survey_of(track(15)), request);
+  EXPECT_TRUE(expected_no_returns(*survey_of(track(-270)), request).empty());
+  const auto beside = expected_no_returns(*survey_of(track(15)), request);
   ASSERT_EQ(beside.size(), 1U);
   EXPECT_THAT(beside.front().warning, HasSubstr("hears nothing at any ping: at ping 15"));
   EXPECT_THAT(beside.front().warning, HasSubstr("155 m beside the terrain"));
 }
 
-// What may be received over a mirror is not foreseen by looking at the bed.
-TEST(Silence, IsNotForeseenUnderAMirror) {
+// What may be received over a mirror is not expected by looking at the bed.
+TEST(NoReturn, IsNotExpectedUnderAMirror) {
   const std::string up =
       bed + "[sea_surface]\nheight_m = 10\n[paths]\norder = 2\n" + fixed_at(0, 0, 3) +
       "[[sensors]]\nname = \"eye\"\nkind = \"imaging\"\nbeams = 4\nhorizontal_deg = 8\n"
       "vertical_deg = 20\ntilt_deg = -40\nrange_min_m = 1\nrange_max_m = 25\nsamples = 20\n";
-  EXPECT_TRUE(foreseen_silence(*survey_of(up), {}).empty());
-  EXPECT_EQ(
-      foreseen_silence(*survey_of(replaced(up, "[sea_surface]\nheight_m = 10\n[paths]\norder = 2\n", "")), {})
-          .size(),
-      1U);
+  EXPECT_TRUE(expected_no_returns(*survey_of(up), {}).empty());
+  EXPECT_EQ(expected_no_returns(
+                *survey_of(replaced(up, "[sea_surface]\nheight_m = 10\n[paths]\norder = 2\n", "")), {})
+                .size(),
+            1U);
 }
 
 TEST(Standing, IsWhereThingsWerePut) {
@@ -120,7 +120,7 @@ TEST(Standing, IsWhereThingsWerePut) {
 
 // A grid of 40 x 40 m at -5 m, whole and by tiles; with relief that is refined for each transmission; in
 // refracting water: the same is said.
-TEST(Silence, IsForeseenOverEveryKindOfGround) {
+TEST(NoReturn, IsExpectedOverEveryKindOfGround) {
   const TestFolder folder;
   std::string grid = "ncols 41\nnrows 41\nxllcorner -20.5\nyllcorner -20.5\ncellsize 1\n";
   for (int row = 0; row < 41; ++row) {
@@ -152,12 +152,12 @@ TEST(Silence, IsForeseenOverEveryKindOfGround) {
   for (const auto& [water, relief, more] : std::vector<std::array<std::string, 3>>{
            {even, "", ""}, {even, "", "load = \"tiles\"\n"}, {layered, "", ""}, {even, rough, ""}}) {
     SCOPED_TRACE(water + relief + more);
-    EXPECT_TRUE(foreseen_silence(*survey(water, relief, more, 40, 4), request).empty());
-    const auto up = foreseen_silence(*survey(water, relief, more, -40, 4), request);
+    EXPECT_TRUE(expected_no_returns(*survey(water, relief, more, 40, 4), request).empty());
+    const auto up = expected_no_returns(*survey(water, relief, more, -40, 4), request);
     ASSERT_EQ(up.size(), 1U);
     EXPECT_THAT(up.front().warning, HasSubstr("degrees up"));
     EXPECT_THAT(up.front().warning, HasSubstr(" m over the terrain"));
-    const auto far = foreseen_silence(*survey(water, relief, more, 40, 40), request);
+    const auto far = expected_no_returns(*survey(water, relief, more, 40, 40), request);
     ASSERT_EQ(far.size(), 1U);
     EXPECT_THAT(far.front().warning, HasSubstr("its range window is 40 to 50 m"));
     const std::vector<Standing> box = standings(*survey(water, relief, more, 40, 4));

@@ -12,19 +12,19 @@
 namespace tubefoot {
 
 /// A sensor that receives nothing.
-struct Silence {
+struct NoReturn {
   std::size_t sensor = 0;  ///< index in the survey
   std::string warning;     ///< which, where, why, and what to do, in the scene's terms
 };
 
 /// Sensors whose tubes meet no facet within their window at any of a few pings, spread over their track. Of a
-/// sensor that may receive by mirrors, direct sound or several scatterings nothing is foreseen. Makes the
+/// sensor that may receive by mirrors, direct sound or several scatterings nothing is expected. Makes the
 /// ground of these pings where each transmission has its own, and reads their tiles. Throws InputError as
 /// Transmission::ground().
-std::vector<Silence> foreseen_silence(const Survey& survey, const RunRequest& request);
+std::vector<NoReturn> expected_no_returns(const Survey& survey, const RunRequest& request);
 
 /// Sensors all of whose samples are 0; reads recordings up to the first that is not.
-std::vector<Silence> met_silence(const Survey& survey, const RunRequest& request,
-                                 const std::vector<Recording>& recordings);
+std::vector<NoReturn> met_no_returns(const Survey& survey, const RunRequest& request,
+                                     const std::vector<Recording>& recordings);
 
 }  // namespace tubefoot

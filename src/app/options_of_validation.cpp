@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <optional>
 
-#include "app/asked.hpp"
+#include "app/command_options.hpp"
 #include "files/words.hpp"
 
 namespace tubefoot {
 
-void add_import_scene(CLI::App& app, Asked& asked) {
-  ImportSceneOptions& world = asked.import_scene;
+void add_import_scene(CLI::App& app, CommandOptions& requested) {
+  ImportSceneOptions& world = requested.import_scene;
   CLI::App* command = app.add_subcommand(
       "import-scene",
       "Make a scene file of another engine's world: geometry, poses and sonars (docs/exchange.md)");
@@ -21,12 +21,13 @@ void add_import_scene(CLI::App& app, Asked& asked) {
       ->allow_extra_args(false);
   command->add_flag("--quiet", world.quiet, "do not say what is left out");
   command->footer("Example:\n  tubefoot import-scene harbour.world --model-path models -o out/harbour");
-  command->callback(
-      [&asked] { asked.command = [&asked] { return import_scene_command(asked.import_scene); }; });
+  command->callback([&requested] {
+    requested.command = [&requested] { return import_scene_command(requested.import_scene); };
+  });
 }
 
-void add_compare(CLI::App& app, Asked& asked) {
-  CompareOptions& compare = asked.compare;
+void add_compare(CLI::App& app, CommandOptions& requested) {
+  CompareOptions& compare = requested.compare;
   CLI::App* command = app.add_subcommand("compare", "Measure how far one engine's echoes are from another's");
   command
       ->add_option("REFERENCE", compare.reference,
@@ -94,11 +95,12 @@ void add_compare(CLI::App& app, Asked& asked) {
   add_scene_flags(*command, compare);
   command->footer(
       "Example:\n  tubefoot compare out/wellhead/echoes.nc out/wellhead-rays/echoes.nc --png out/rays.png");
-  command->callback([&asked] { asked.command = [&asked] { return compare_command(asked.compare); }; });
+  command->callback(
+      [&requested] { requested.command = [&requested] { return compare_command(requested.compare); }; });
 }
 
-void add_import(CLI::App& app, Asked& asked) {
-  ImportOptions& import = asked.import;
+void add_import(CLI::App& app, CommandOptions& requested) {
+  ImportOptions& import = requested.import;
   CLI::App* command = app.add_subcommand(
       "import", "Turn another engine's pictures into an echo file that 'compare' reads (docs/import.md)");
   command
@@ -175,14 +177,14 @@ void add_import(CLI::App& app, Asked& asked) {
   command->footer(
       "Example:\n  tubefoot import frames/*.png --like out/reference/echoes.nc --profile stonefish -o "
       "candidate.nc");
-  command->callback([&asked, like, scene] {
+  command->callback([&requested, like, scene] {
     if (like->empty() && scene->empty()) throw CLI::RequiredError("--like REFERENCE or --scene SCENE");
-    asked.command = [&asked] { return import_command(asked.import); };
+    requested.command = [&requested] { return import_command(requested.import); };
   });
 }
 
-void add_chart(CLI::App& app, Asked& asked) {
-  ChartOptions& chart = asked.chart;
+void add_chart(CLI::App& app, CommandOptions& requested) {
+  ChartOptions& chart = requested.chart;
   CLI::App* command = app.add_subcommand(
       "chart", "Run every engine in many settings and draw its error against the time it takes");
   command->add_option("SCENE", chart.scenes, "scene files: of each, the first pings of the first sensor")
@@ -198,11 +200,12 @@ void add_chart(CLI::App& app, Asked& asked) {
       ->check(finite_number(0, true));
   add_scene_flags(*command, chart);
   command->footer("Example:\n  tubefoot chart scenes/chart/*.toml -o out/chart");
-  command->callback([&asked] { asked.command = [&asked] { return chart_command(asked.chart); }; });
+  command->callback(
+      [&requested] { requested.command = [&requested] { return chart_command(requested.chart); }; });
 }
 
-void add_advise(CLI::App& app, Asked& asked) {
-  AdviseOptions& advise = asked.advise;
+void add_advise(CLI::App& app, CommandOptions& requested) {
+  AdviseOptions& advise = requested.advise;
   CLI::App* command = app.add_subcommand(
       "advise", "Measure a few pings and name the cheapest engine and settings that hold a tolerance");
   command->add_option("SCENE", advise.scene, "scene file (docs/scene-file.md)")->required();
@@ -217,11 +220,12 @@ void add_advise(CLI::App& app, Asked& asked) {
   command->add_option("--json", advise.json, "write all figures into this file; -: print them instead");
   add_scene_flags(*command, advise);
   command->footer("Example:\n  tubefoot advise scenes/wellhead/scene.toml --tolerance 0.5dB");
-  command->callback([&asked] { asked.command = [&asked] { return advise_command(asked.advise); }; });
+  command->callback(
+      [&requested] { requested.command = [&requested] { return advise_command(requested.advise); }; });
 }
 
-void add_suite(CLI::App& app, Asked& asked) {
-  SuiteOptions& suite = asked.suite;
+void add_suite(CLI::App& app, CommandOptions& requested) {
+  SuiteOptions& suite = requested.suite;
   CLI::App* command = app.add_subcommand(
       "pack", "Write the reference pack: scenes that separate causes, and their answers with bounds");
   command->add_option("-o,--output", suite.output, "folder to write; made whole or not at all")->required();
@@ -236,7 +240,8 @@ void add_suite(CLI::App& app, Asked& asked) {
   command->footer(
       "Example:\n  tubefoot pack -o out/pack\n"
       "  tubefoot pack --seed 'what we agreed on' --without-answers -o out/to-hand-out");
-  command->callback([&asked] { asked.command = [&asked] { return suite_command(asked.suite); }; });
+  command->callback(
+      [&requested] { requested.command = [&requested] { return suite_command(requested.suite); }; });
 }
 
 }  // namespace tubefoot

@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <string>
 
-#include "app/asked.hpp"
+#include "app/command_options.hpp"
 
 namespace tubefoot {
 namespace {
@@ -27,8 +27,8 @@ void add_pictures(CLI::App& command, RunOptions& run) {
 
 }  // namespace
 
-void add_run(CLI::App& app, Asked& asked) {
-  RunOptions& run = asked.run;
+void add_run(CLI::App& app, CommandOptions& requested) {
+  RunOptions& run = requested.run;
   CLI::App* command =
       app.add_subcommand("run", "Simulate all pings of a scene and write echoes, pictures and statistics");
   add_common(*command, run);
@@ -84,11 +84,12 @@ void add_run(CLI::App& app, Asked& asked) {
   command->footer(
       "Example:\n  tubefoot run scenes/wellhead/scene.toml -o out/wellhead\n"
       "  tubefoot run scenes/wellhead/scene.toml -o out/some --sensor sidescan --pings 100:120");
-  command->callback([&asked] { asked.command = [&asked] { return run_command(asked.run); }; });
+  command->callback(
+      [&requested] { requested.command = [&requested] { return run_command(requested.run); }; });
 }
 
-void add_join(CLI::App& app, Asked& asked) {
-  JoinOptions& join = asked.join;
+void add_join(CLI::App& app, CommandOptions& requested) {
+  JoinOptions& join = requested.join;
   CLI::App* command = app.add_subcommand("join", "Combine the shards of a run (run --shard)");
   command->add_option("SCENE", join.scene, "the scene file of the parts")->required();
   command
@@ -104,7 +105,8 @@ void add_join(CLI::App& app, Asked& asked) {
       "Example:\n  tubefoot run scenes/wellhead/scene.toml -o out/wellhead --shard 1/2\n"
       "  tubefoot run scenes/wellhead/scene.toml -o out/wellhead --shard 2/2\n"
       "  tubefoot join scenes/wellhead/scene.toml -o out/wellhead");
-  command->callback([&asked] { asked.command = [&asked] { return join_command(asked.join); }; });
+  command->callback(
+      [&requested] { requested.command = [&requested] { return join_command(requested.join); }; });
 }
 
 }  // namespace tubefoot
