@@ -58,16 +58,16 @@ Shared made(const std::function<ElementSignals()>& work) {
   return apart([&] { return std::make_shared<NativeSignals>(NativeSignals{work()}); });
 }
 
-ApertureWindow window_of(const std::string& law, double side_lobe_db, int nearly_equal) {
+ApertureWindow window_of(const std::string& model, double side_lobe_db, int nearly_equal) {
   using Law = ApertureWindow::Law;
-  const std::pair<const char*, Law> laws[] = {{"uniform", Law::uniform},
-                                              {"hann", Law::hann},
-                                              {"hamming", Law::hamming},
-                                              {"taylor", Law::taylor},
-                                              {"chebyshev", Law::chebyshev}};
-  for (const auto& [name, known] : laws)
-    if (law == name) return {known, side_lobe_db, nearly_equal};
-  throw std::invalid_argument("window '" + law +
+  const std::pair<const char*, Law> models[] = {{"uniform", Law::uniform},
+                                                {"hann", Law::hann},
+                                                {"hamming", Law::hamming},
+                                                {"taylor", Law::taylor},
+                                                {"chebyshev", Law::chebyshev}};
+  for (const auto& [name, known] : models)
+    if (model == name) return {known, side_lobe_db, nearly_equal};
+  throw std::invalid_argument("window '" + model +
                               "' is not known; there are uniform, hann, hamming, taylor, chebyshev");
 }
 

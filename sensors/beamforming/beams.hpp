@@ -5,7 +5,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "engine/law/range_samples.hpp"
+#include "engine/scattering/range_samples.hpp"
 #include "sensors/beamforming/signal_interpolator.hpp"
 #include "sensors/signals/element_signals.hpp"
 

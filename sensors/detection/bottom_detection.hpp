@@ -7,7 +7,7 @@
 #include <span>
 #include <string_view>
 
-#include "engine/law/range_samples.hpp"
+#include "engine/scattering/range_samples.hpp"
 #include "scene/trajectory.hpp"
 
 namespace tubefoot {

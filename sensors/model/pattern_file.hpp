@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "engine/law/beam_pattern.hpp"
+#include "engine/scattering/beam_pattern.hpp"
 #include "files/input_error.hpp"
 
 namespace tubefoot {

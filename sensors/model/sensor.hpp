@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/echo/echo.hpp"
-#include "engine/law/beam_pattern.hpp"
+#include "engine/scattering/beam_pattern.hpp"
 #include "geometry/numbers/world_grid.hpp"
 #include "geometry/tubes/tube.hpp"
 #include "scene/description/sensor_description.hpp"

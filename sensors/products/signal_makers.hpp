@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/law/range_samples.hpp"
+#include "engine/scattering/range_samples.hpp"
 #include "sensors/pictures/grid_panels.hpp"
 #include "sensors/products/signal_products.hpp"
 #include "sensors/recordings/run_context.hpp"

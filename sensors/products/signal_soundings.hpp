@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "engine/law/range_samples.hpp"
+#include "engine/scattering/range_samples.hpp"
 #include "sensors/beamforming/signal_interpolator.hpp"
 #include "sensors/detection/sounding.hpp"
 #include "sensors/products/signal_products.hpp"

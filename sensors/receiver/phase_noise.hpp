@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "engine/law/counter_random.hpp"
+#include "engine/scattering/counter_random.hpp"
 
 // The law of the phase difference between two receivers whose fully developed speckle has the coherence g:
 // two correlated complex Gaussian numbers of which one is multiplied by the other's conjugate (Middleton

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/law/range_samples.hpp"
+#include "engine/scattering/range_samples.hpp"
 
 namespace tubefoot {
 

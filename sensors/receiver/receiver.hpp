@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/law/range_samples.hpp"
+#include "engine/scattering/range_samples.hpp"
 #include "sensors/receiver/speckle.hpp"
 
 namespace tubefoot {

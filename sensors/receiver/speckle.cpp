@@ -37,13 +37,13 @@ double gamma_texture(const SampleRandom& random, double shape) {
 
 double received_energy(const SampleRandom& random, const Speckle& speckle, double mean_j, double noise_j) {
   if (mean_j == 0 && noise_j == 0) return 0;
-  switch (speckle.law) {
-    case SpeckleLaw::rayleigh:
+  switch (speckle.model) {
+    case SpeckleModel::rayleigh:
       return (mean_j + noise_j) * mean_of_exponentials(random, speckle.looks);
-    case SpeckleLaw::k:
+    case SpeckleModel::k:
       return (mean_j * gamma_texture(random, speckle.shape) + noise_j) *
              mean_of_exponentials(random, speckle.looks);
-    case SpeckleLaw::none:
+    case SpeckleModel::none:
       break;
   }
   return noise_j > 0 ? echo_in_noise(random, speckle.looks, mean_j, noise_j) : mean_j;

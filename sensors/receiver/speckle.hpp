@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "engine/law/counter_random.hpp"
+#include "engine/scattering/counter_random.hpp"
 
 namespace tubefoot {
 
 /// How the many scatterers of a resolution cell interfere. Every law has unit mean: it multiplies an energy.
-enum class SpeckleLaw {
+enum class SpeckleModel {
   none,      ///< 1: the cell's mean energy
   rayleigh,  ///< fully developed: amplitude Rayleigh, energy exponential; gamma of shape L over L looks
   k,         ///< the same times a gamma-distributed texture: few scatterers (Jakeman & Pusey 1976)
 };
 
 struct Speckle {
-  SpeckleLaw law = SpeckleLaw::none;
+  SpeckleModel model = SpeckleModel::none;
   double shape = 1;  ///< nu of the K law, above 0: the smaller, the spikier; Rayleigh in the limit
   int looks = 1;     ///< independent looks at one texture whose energies are averaged, 1 to 1024
 };

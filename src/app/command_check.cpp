@@ -170,10 +170,11 @@ void probe(const Transmissions& transmissions, const SharedTransmissions& group,
     const History history = transmission.trace(&sum.candidates);
     sum.footprints += history.footprints.footprints.size();
     for (const std::size_t s : group.sensors) {
-      const SensorLaw law = transmission.law(s);
-      for (std::uint32_t fan = 0; fan < law.patterns.baselines.size(); ++fan)
-        transmission.echo(transmission.trace_receiver_pair(s, fan, law.patterns.baselines[fan]), s, fan, law);
-      if (!transmission.sensor(s).has_receiver_pair()) transmission.echo(history, s, law.law);
+      const SensorModel model = transmission.model(s);
+      for (std::uint32_t fan = 0; fan < model.patterns.baselines.size(); ++fan)
+        transmission.echo(transmission.trace_receiver_pair(s, fan, model.patterns.baselines[fan]), s, fan,
+                          model);
+      if (!transmission.sensor(s).has_receiver_pair()) transmission.echo(history, s, model.model);
       if (transmission.sensor(s).signals() != nullptr) signals_received(transmission, s, history);
     }
   }

@@ -86,7 +86,7 @@ void note_materials(const Survey& survey, std::vector<std::string>& out) {
   for (const MaterialDescription& material : survey.scene.description.materials) {
     std::string words;
     const auto add = [&](const std::string& what) { words += (words.empty() ? "" : ", ") + what; };
-    if (material.law != "lambert") add(fmt::format("its scattering law '{}'", material.law));
+    if (material.model != "lambert") add(fmt::format("its scattering law '{}'", material.model));
     if (!material.reflectivity.empty()) add("its texture of reflectivity");
     if (!material.relief.empty() && survey.loaded_scene->relief.parent.empty())
       add("its relief, which is no facets ('tubefoot refine' and mode = \"offline\" make facets of it)");

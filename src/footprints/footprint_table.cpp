@@ -169,7 +169,7 @@ FootprintTable table_of_two_ends(const Transmission& transmission, std::size_t s
     received.footprints[k].tube = seen.receive_tube[k];
   const FootprintEnergies energies =
       footprint_energies(received, seen.history, beam_of_tube, transmission.beams_by_fans(s, fans),
-                         sensor.samples(), ends.law(s)->law, transmission.request().binning);
+                         sensor.samples(), ends.model(s)->model, transmission.request().binning);
   const Occluders tx = occluders_of(alone[0].footprints, ends.tx()),
                   rx = occluders_of(alone[1].footprints, ends.rx());
   const glm::dvec3 apex = transmission.scene().grid.to_metres(ends.tx().tubes.apex);
@@ -197,7 +197,7 @@ class PathRows {
         s_(s),
         tubes_(tubes),
         images_(transmission, s, settings, PathEnds(transmission, s)),
-        law_(transmission, images_.ground(), s),
+        model_(transmission, images_.ground(), s),
         fans_(transmission.sensor(s).fan_of_tube(transmission.number())),
         rows_(transmission, s) {}
 
@@ -248,13 +248,14 @@ class PathRows {
     const BistaticHistory history = images.history(sent, received);
     if (history.shared.pieces.empty()) return;
     const PathFootprints seen = path_footprints(history);
-    const PairLaw law = images.law(sent, received, law_.law, transmission_.beams_by_fans(s_, fans_));
+    const PairModel model =
+        images.model(sent, received, model_.model, transmission_.beams_by_fans(s_, fans_));
     FootprintSet at_rx = seen.footprints;
     for (std::size_t k = 0; k < at_rx.footprints.size(); ++k) at_rx.footprints[k].tube = seen.receive_tube[k];
     const Sensor& sensor = transmission_.sensor(s_);
     const FootprintEnergies energies =
-        footprint_energies(at_rx, seen.history, law.beams.of_tube, law.beams, sensor.samples(), law.law,
-                           transmission_.request().binning);
+        footprint_energies(at_rx, seen.history, model.beams.of_tube, model.beams, sensor.samples(),
+                           model.model, transmission_.request().binning);
     const glm::dvec3 apex = transmission_.scene().grid.to_metres(sent.windows.apex);
     const RowPath path{sent.mirrors, received.mirrors, sent.leg.to_true};
     const Occluders& rx = (images.one_place() ? tx_ : rx_)[pair.received];
@@ -262,7 +263,7 @@ class PathRows {
       Footprint footprint = seen.footprints.footprints[k];
       const std::uint32_t window = footprint.tube, receive_tube = received.own_tube[seen.receive_tube[k]];
       if (!std::ranges::binary_search(tubes_, receive_tube)) continue;
-      if (!law.beams.in_one_fan(window, seen.receive_tube[k])) continue;  // nobody receives that
+      if (!model.beams.in_one_fan(window, seen.receive_tube[k])) continue;  // nobody receives that
       footprint.tube = sent.own_tube[window];
       rows_.add(
           footprint, seen.footprints, receive_tube, number_of(footprint.facet),
@@ -277,7 +278,7 @@ class PathRows {
   std::size_t s_;
   std::span<const std::uint32_t> tubes_;
   TransmissionImages images_;
-  SensorLaw law_;
+  SensorModel model_;
   std::vector<std::uint32_t> fans_;
   Rows rows_;
   std::vector<Occluders> tx_, rx_;  // by image
@@ -328,7 +329,7 @@ FootprintTable table_of_one_end(const Transmission& transmission, std::size_t s,
   const std::vector<std::uint32_t>& beam_of_tube = transmission.sensor(s).beam_of_tube(transmission.number());
   const FootprintEnergies energies = footprint_energies(
       history.footprints, history, beam_of_tube, {transmission.beams(s), beam_of_tube},
-      transmission.sensor(s).samples(), transmission.law(s).law, transmission.request().binning);
+      transmission.sensor(s).samples(), transmission.model(s).model, transmission.request().binning);
 
   const FootprintSet& set = history.footprints;
   const ApparentSurface* apparent = ground.apparent();

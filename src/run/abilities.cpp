@@ -185,7 +185,7 @@ std::vector<Found> found_in(const Survey& survey, std::optional<std::size_t> onl
     const MaterialDescription& material = d.materials[static_cast<std::size_t>(with - list.begin())];
     found.push_back({feature, material.place, fmt::format("material '{}' has {}", material.name, what)});
   };
-  add_material(scattering_law, scene.scattering, "a law other than Lambert's");
+  add_material(scattering_model, scene.scattering, "a law other than Lambert's");
   add_material(micro_texture, scene.reflectivity, "a micro-texture");
   if (const auto material = material_without_enclosure(scene.reflectivity))
     found.push_back(

@@ -28,7 +28,7 @@ enum class Feature : unsigned char {
   tiles,                     ///< terrain of which only parts are in memory
   relief,                    ///< that facets are refined by, once or for each transmission
   relief_each_transmission,  ///< relief that is refined anew for each transmission
-  scattering_law,            ///< another than Lambert's
+  scattering_model,          ///< another than Lambert's
   micro_texture,
   unbounded_texture,  ///< a micro-texture of one's own, that has no enclosure
   inclined_mirrors,   ///< facets that mirror and are not level

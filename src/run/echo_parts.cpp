@@ -96,18 +96,18 @@ void add_both(const Transmission& transmission, const BistaticHistory& history, 
   sums.as_echo([&] {
     const std::size_t s = transmission.first();
     sums.add_finer_relief(transmission, history, mesh, transmission.sensor(s).samples().step_m);
-    SensorLaw law(transmission, TransmissionGround(transmission.loaded_scene()), s);
-    law.law.material = mesh.material;
-    const Echo echo = transmission.echo(history, s, law.law);
+    SensorModel model(transmission, TransmissionGround(transmission.loaded_scene()), s);
+    model.model.material = mesh.material;
+    const Echo echo = transmission.echo(history, s, model.model);
     if (const auto tolerance = transmission.request().reference_tolerance) {
       const std::vector<std::uint32_t> fans = transmission.sensor(s).fan_of_tube(transmission.number());
       sums.add(transmission, s,
                certify_echo(mesh, history, transmission.beams_by_fans(s, fans),
-                            transmission.sensor(s).samples(), law.law, echo, *tolerance));
+                            transmission.sensor(s).samples(), model.model, echo, *tolerance));
     } else {
       sums.add(transmission, s, 1, echo.energy);
     }
-    add_labels(transmission, s, law.law, mesh, history, sums);
+    add_labels(transmission, s, model.model, mesh, history, sums);
     sums.counts.tubes += history.transmit.tubes.size() + history.receive.tubes.size();
     sums.counts.footprints += history.shared.facets.size();
     sums.counts.pieces += history.shared.pieces.size();
@@ -134,21 +134,21 @@ void add_separate_receiver(const Transmission& transmission, PingSums& sums) {
 
 /// `mesh`: that of the histories' facets, which `trace(fan, receiver pair)` makes.
 template <class Trace>
-void add_receiver_pair(const Transmission& transmission, std::size_t s, const SensorLaw& law,
+void add_receiver_pair(const Transmission& transmission, std::size_t s, const SensorModel& model,
                        const FacetMesh& mesh, PingSums& sums, const Trace& trace) {
   const double unit_m = transmission.scene().grid.unit_m();
-  EchoLaw on_mesh = law.law;
+  EchoModel on_mesh = model.model;
   on_mesh.material = mesh.material;
   ReceiverPairRows rows(transmission, s);
-  for (std::uint32_t fan = 0; fan < law.patterns.baselines.size(); ++fan) {
-    const ReceiverBaseline& receiver_pair = law.patterns.baselines[fan];
+  for (std::uint32_t fan = 0; fan < model.patterns.baselines.size(); ++fan) {
+    const ReceiverBaseline& receiver_pair = model.patterns.baselines[fan];
     const ReceiverPairHistory history = trace(fan, receiver_pair);
     sums.as_echo([&] {
       const ReceiverPairEcho echo = integrate_receiver_pair_echo(history, receiver_pair, fan, fan,
                                                                  transmission.sensor(s).samples(), on_mesh);
       if (const auto tolerance = transmission.request().reference_tolerance) {
-        const BeamPatterns patterns = patterns_of_fan(law.patterns, fan, history.upper.tubes.size());
-        EchoLaw own = on_mesh;
+        const BeamPatterns patterns = patterns_of_fan(model.patterns, fan, history.upper.tubes.size());
+        EchoModel own = on_mesh;
         own.patterns = &patterns;
         rows.set(fan, certify_receiver_pair_echo(mesh, history, unit_m, receiver_pair,
                                                  transmission.sensor(s).samples(), own, echo, *tolerance));
@@ -181,10 +181,10 @@ void add_refracted_separate_receiver(const Transmission& transmission, PingSums&
   };
   const std::size_t s = transmission.first();
   if (transmission.sensor(s).has_receiver_pair()) {
-    SensorLaw law(transmission, TransmissionGround(transmission.loaded_scene()), s);
-    law.patterns.baselines = refracted_receiver_baselines(transmission, pair);
+    SensorModel model(transmission, TransmissionGround(transmission.loaded_scene()), s);
+    model.patterns.baselines = refracted_receiver_baselines(transmission, pair);
     return add_receiver_pair(
-        transmission, s, law, mesh, sums, [&](std::uint32_t fan, const ReceiverBaseline& receiver_pair) {
+        transmission, s, model, mesh, sums, [&](std::uint32_t fan, const ReceiverBaseline& receiver_pair) {
           ReceiverPairHistory history = trace_receiver_pair(transmission, pair, fan, receiver_pair);
           keep_misfit(history.bistatic_upper);
           keep_misfit(history.bistatic_lower);
@@ -204,7 +204,7 @@ void add_refracted_separate_receiver(const Transmission& transmission, PingSums&
 void add_receiver_pairs(const Transmission& transmission, PingSums& sums) {
   for (const std::size_t s : transmission.group().sensors)
     if (transmission.sensor(s).has_receiver_pair())
-      add_receiver_pair(transmission, s, transmission.law(s), transmission.ground().mesh(), sums,
+      add_receiver_pair(transmission, s, transmission.model(s), transmission.ground().mesh(), sums,
                         [&](std::uint32_t fan, const ReceiverBaseline& receiver_pair) {
                           return transmission.trace_receiver_pair(s, fan, receiver_pair);
                         });
@@ -217,10 +217,10 @@ void add_history(const Transmission& transmission, const History& history, PingS
     for (const std::size_t s : transmission.group().sensors)
       if (sums.chosen(s).pings > 0 && !(receiver_pairs_are_bistatic(transmission.request()) &&
                                         transmission.sensor(s).has_receiver_pair())) {
-        const SensorLaw law = transmission.law(s);
-        sums.with_echo(transmission, history, s, law.law,
-                       [&](const LitEcho& made) { add(s, law.law, made); });
-        add_labels(transmission, s, law.law, transmission.ground().mesh(), history, sums);
+        const SensorModel model = transmission.model(s);
+        sums.with_echo(transmission, history, s, model.model,
+                       [&](const LitEcho& made) { add(s, model.model, made); });
+        add_labels(transmission, s, model.model, transmission.ground().mesh(), history, sums);
       }
     sums.add_finer_relief(transmission, history, transmission.ground().mesh(),
                           transmission.sample_length_m());
@@ -253,7 +253,7 @@ std::vector<bool> wanted_tubes(const Transmission& transmission, const PingSums&
 void add_measured(const Transmission& transmission, PingSums& sums) {
   const History& history = traced(transmission, sums);
   sums.counts.candidates += sums.seen->candidates;
-  add_history(transmission, history, sums, [&](std::size_t s, const EchoLaw&, const LitEcho& made) {
+  add_history(transmission, history, sums, [&](std::size_t s, const EchoModel&, const LitEcho& made) {
     sums.add(transmission, s, 1, made.echo.energy, made.lit);
   });
 }
@@ -262,12 +262,12 @@ void add_certified(const Transmission& transmission, PingSums& sums) {
   const History& history = traced(transmission, sums);
   sums.counts.candidates += sums.seen->candidates;
   const RunRequest& request = transmission.request();
-  add_history(transmission, history, sums, [&](std::size_t s, const EchoLaw& law, const LitEcho& made) {
+  add_history(transmission, history, sums, [&](std::size_t s, const EchoModel& model, const LitEcho& made) {
     const Sensor& sensor = transmission.sensor(s);
     sums.add(transmission, s,
              certify_echo(transmission.ground().mesh(), transmission.ground().tree(), history,
                           request.visibility, sensor.beam_of_tube(transmission.number()), sensor.samples(),
-                          law, made.echo, *request.reference_tolerance));
+                          model, made.echo, *request.reference_tolerance));
   });
 }
 
@@ -277,10 +277,10 @@ void add_mixed_eigenrays(const Transmission& transmission, PingSums& sums) {
   const auto take = [&](const BistaticHistory& history) {
     for (const std::size_t s : transmission.group().sensors) {
       if (transmission.sensor(s).has_receiver_pair()) continue;
-      SensorLaw law(transmission, TransmissionGround(transmission.loaded_scene()), s);
-      law.law.material = ground.part_material;
-      sums.add(transmission, s, 1, transmission.echo(history, s, law.law).energy);
-      add_labels_of_mixed_eigenrays(transmission, s, law.law, ground, history, sums);
+      SensorModel model(transmission, TransmissionGround(transmission.loaded_scene()), s);
+      model.model.material = ground.part_material;
+      sums.add(transmission, s, 1, transmission.echo(history, s, model.model).energy);
+      add_labels_of_mixed_eigenrays(transmission, s, model.model, ground, history, sums);
     }
     sums.counts.pieces += history.shared.pieces.size();
   };
@@ -294,7 +294,7 @@ void add_sampled(const Transmission& transmission, PingSums& sums) {
   History history;
   history.tubes = transmission.tubes();
   history.grid_unit_m = scene.grid.unit_m();
-  const auto add = [&](std::size_t s, const EchoLaw&, const LitEcho& made) {
+  const auto add = [&](std::size_t s, const EchoModel&, const LitEcho& made) {
     sums.add(transmission, s, 1, made.echo.energy, made.lit);
   };
   const RayGuide guide = guide_of(transmission);

@@ -5,7 +5,7 @@
 #include <functional>
 #include <utility>
 
-#include "engine/law/pattern_levels.hpp"
+#include "engine/scattering/pattern_levels.hpp"
 #include "run/transmission_images.hpp"
 
 namespace tubefoot {
@@ -26,10 +26,10 @@ void add(const std::vector<double>& more, std::vector<double>& all) {
 
 }  // namespace
 
-void add_labels(const Transmission& transmission, std::size_t s, const EchoLaw& law, const FacetMesh& mesh,
-                const CommonVisibility& visibility, PingSums& sums) {
+void add_labels(const Transmission& transmission, std::size_t s, const EchoModel& model,
+                const FacetMesh& mesh, const CommonVisibility& visibility, PingSums& sums) {
   if (transmission.labels() == nullptr) return;
-  LabelLaws(transmission, s, law, mesh).add(sums, [&](const EchoLaw& one) {
+  LabelModels(transmission, s, model, mesh).add(sums, [&](const EchoModel& one) {
     return transmission.echo(visibility, s, one).energy;
   });
 }
@@ -37,20 +37,20 @@ void add_labels(const Transmission& transmission, std::size_t s, const EchoLaw& 
 void add_labels(const Transmission& transmission, std::size_t s, const TransmissionGround& ground,
                 const FacetMesh& mesh, const CommonVisibility& visibility, PingSums& sums) {
   if (transmission.labels() == nullptr) return;
-  const SensorLaw law(transmission, ground, s);
-  add_labels(transmission, s, law.law, mesh, visibility, sums);
+  const SensorModel model(transmission, ground, s);
+  add_labels(transmission, s, model.model, mesh, visibility, sums);
 }
 
-void add_labels_of_mixed_eigenrays(const Transmission& transmission, std::size_t s, const EchoLaw& law,
+void add_labels_of_mixed_eigenrays(const Transmission& transmission, std::size_t s, const EchoModel& model,
                                    const ApparentSurface& ground, const CommonVisibility& visibility,
                                    PingSums& sums) {
   if (transmission.labels() == nullptr) return;
-  LabelLaws(transmission, s, law, owners_of_parts(*transmission.labels(), ground))
-      .add(sums, [&](const EchoLaw& one) { return transmission.echo(visibility, s, one).energy; });
+  LabelModels(transmission, s, model, owners_of_parts(*transmission.labels(), ground))
+      .add(sums, [&](const EchoModel& one) { return transmission.echo(visibility, s, one).energy; });
 }
 
 void add_labels_of_receiver_pair(const Transmission& transmission, std::size_t s, std::uint32_t fan,
-                                 const EchoLaw& law, const FacetMesh& mesh,
+                                 const EchoModel& model, const FacetMesh& mesh,
                                  const ReceiverPairHistory& history, const ReceiverBaseline& receiver_pair,
                                  PingSums& sums) {
   if (transmission.labels() == nullptr) return;
@@ -62,7 +62,7 @@ void add_labels_of_receiver_pair(const Transmission& transmission, std::size_t s
                                   history.middle_m,
                                   history.bistatic_upper,
                                   {}};
-  LabelLaws(transmission, s, law, mesh).add(sums, [&](const EchoLaw& one) {
+  LabelModels(transmission, s, model, mesh).add(sums, [&](const EchoModel& one) {
     return row_of_fan(
         transmission, s, fan,
         integrate_receiver_pair_echo(upper, receiver_pair, fan, fan, transmission.sensor(s).samples(), one)
@@ -73,32 +73,33 @@ void add_labels_of_receiver_pair(const Transmission& transmission, std::size_t s
 void add_labels_of_receiver_pair(const Transmission& transmission, std::size_t s, std::uint32_t fan,
                                  const FacetMesh& mesh, const BistaticHistory& history, PingSums& sums) {
   if (transmission.labels() == nullptr) return;
-  const SensorLaw law(transmission, TransmissionGround(transmission.loaded_scene()), s);
+  const SensorModel model(transmission, TransmissionGround(transmission.loaded_scene()), s);
   const std::size_t tubes = history.receive.tubes.size();
-  const BeamPatterns patterns = patterns_of_fan(law.patterns, fan, tubes);
-  EchoLaw own = law.law;
+  const BeamPatterns patterns = patterns_of_fan(model.patterns, fan, tubes);
+  EchoModel own = model.model;
   own.patterns = &patterns;
   const std::vector<std::uint32_t> only_beam(tubes, 0);
-  LabelLaws(transmission, s, own, mesh).add(sums, [&](const EchoLaw& one) {
+  LabelModels(transmission, s, own, mesh).add(sums, [&](const EchoModel& one) {
     return row_of_fan(transmission, s, fan,
                       integrate_echo(history, {1, only_beam}, transmission.sensor(s).samples(), one).energy);
   });
 }
 
 void add_labels_of_paths(const Transmission& transmission, std::size_t s, const FacetMesh& mesh,
-                         const EchoLaw& law, PathSettings settings, PingSums& sums, const PathRows& rows_of) {
+                         const EchoModel& model, PathSettings settings, PingSums& sums,
+                         const PathRows& rows_of) {
   if (transmission.labels() == nullptr) return;
   const OwnedBed bed(transmission, mesh);
-  const LabelLaws laws(transmission, s, law, mesh);
-  const EchoLaw whole = laws.whole();
+  const LabelModels models(transmission, s, model, mesh);
+  const EchoModel whole = models.whole();
   settings.reference_tolerance.reset();
   settings.mirrors.reflection = bed.reflection;
   settings.before = &whole;
   settings.arrivals = false;
   std::vector<double> least_received;
-  if (const auto level_db = transmission.labels()->label_level_db(); level_db && law.patterns != nullptr)
-    least_received = receive_gains_below_peak(*law.patterns, *level_db);
-  laws.add(sums, [&](const EchoLaw& one) {
+  if (const auto level_db = transmission.labels()->label_level_db(); level_db && model.patterns != nullptr)
+    least_received = receive_gains_below_peak(*model.patterns, *level_db);
+  models.add(sums, [&](const EchoModel& one) {
     PathSettings of_one = settings;
     if (one.patterns != nullptr && !one.patterns->least.empty()) of_one.least_received = least_received;
     return rows_of(bed.mesh(), one, of_one);
@@ -106,7 +107,7 @@ void add_labels_of_paths(const Transmission& transmission, std::size_t s, const 
   settings.arrivals = true;
   settings.scatterings = 1;
   sums.add_labels(transmission, s, transmission.labels()->unscattered(),
-                  rows_of(bed.mesh(), laws.silent(), settings));
+                  rows_of(bed.mesh(), models.silent(), settings));
 }
 
 std::vector<double> wanted_orders(const Transmission& transmission, const PathEcho& paths) {

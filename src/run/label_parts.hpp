@@ -13,20 +13,20 @@
 // the truth.
 namespace tubefoot {
 
-/// Of what a sensor receives of a history, whose facets are those of `mesh`. `law`: as for the energies.
-void add_labels(const Transmission& transmission, std::size_t sensor, const EchoLaw& law,
+/// Of what a sensor receives of a history, whose facets are those of `mesh`. `model`: as for the energies.
+void add_labels(const Transmission& transmission, std::size_t sensor, const EchoModel& model,
                 const FacetMesh& mesh, const CommonVisibility& visibility, PingSums& sums);
 /// By the law of a ground.
 void add_labels(const Transmission& transmission, std::size_t sensor, const TransmissionGround& ground,
                 const FacetMesh& mesh, const CommonVisibility& visibility, PingSums& sums);
 /// Of parts of a ground that several rays show; `law.material` is by part.
-void add_labels_of_mixed_eigenrays(const Transmission& transmission, std::size_t sensor, const EchoLaw& law,
-                                   const ApparentSurface& ground, const CommonVisibility& visibility,
-                                   PingSums& sums);
+void add_labels_of_mixed_eigenrays(const Transmission& transmission, std::size_t sensor,
+                                   const EchoModel& model, const ApparentSurface& ground,
+                                   const CommonVisibility& visibility, PingSums& sums);
 
 /// Of what the upper receiver of a fan receives.
 void add_labels_of_receiver_pair(const Transmission& transmission, std::size_t sensor, std::uint32_t fan,
-                                 const EchoLaw& law, const FacetMesh& mesh,
+                                 const EchoModel& model, const FacetMesh& mesh,
                                  const ReceiverPairHistory& history, const ReceiverBaseline& receiver_pair,
                                  PingSums& sums);
 /// Of a history between it and the transmitter.
@@ -34,11 +34,12 @@ void add_labels_of_receiver_pair(const Transmission& transmission, std::size_t s
                                  const FacetMesh& mesh, const BistaticHistory& history, PingSums& sums);
 
 /// What paths return: [beam of the transmission][sample], all orders that are wanted.
-using PathRows = std::function<std::vector<double>(const FacetMesh& mesh, const EchoLaw& law,
+using PathRows = std::function<std::vector<double>(const FacetMesh& mesh, const EchoModel& model,
                                                    const PathSettings& settings)>;
 /// Of these; what comes without scattering has a channel of its own.
 void add_labels_of_paths(const Transmission& transmission, std::size_t sensor, const FacetMesh& mesh,
-                         const EchoLaw& law, PathSettings settings, PingSums& sums, const PathRows& rows_of);
+                         const EchoModel& model, PathSettings settings, PingSums& sums,
+                         const PathRows& rows_of);
 std::vector<double> wanted_orders(const Transmission& transmission, const PathEcho& paths);
 /// Of the upper receiver.
 std::vector<double> wanted_orders(const Transmission& transmission, const ReceiverPairPathEcho& paths);

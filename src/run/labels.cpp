@@ -9,8 +9,8 @@
 #include <limits>
 #include <stdexcept>
 
-#include "engine/law/layered_reflectivity.hpp"
-#include "engine/law/pattern_levels.hpp"
+#include "engine/scattering/layered_reflectivity.hpp"
+#include "engine/scattering/pattern_levels.hpp"
 #include "run/paths.hpp"
 #include "run/signals.hpp"
 #include "run/stored_pings.hpp"
@@ -122,9 +122,9 @@ const FacetMesh& LabelChannels::owned_scene_mesh() const {
   return owned_;
 }
 
-LabelLaws::LabelLaws(const Transmission& transmission, std::size_t sensor, const EchoLaw& law,
-                     const FacetMesh& mesh)
-    : transmission_(transmission), labels_(*transmission.labels()), sensor_(sensor), law_(law) {
+LabelModels::LabelModels(const Transmission& transmission, std::size_t sensor, const EchoModel& model,
+                         const FacetMesh& mesh)
+    : transmission_(transmission), labels_(*transmission.labels()), sensor_(sensor), model_(model) {
   if (&mesh == &labels_.scene_mesh()) {
     owners_ = labels_.owners_of_loaded_scene();
   } else {
@@ -134,20 +134,20 @@ LabelLaws::LabelLaws(const Transmission& transmission, std::size_t sensor, const
   make_tables();
 }
 
-LabelLaws::LabelLaws(const Transmission& transmission, std::size_t sensor, const EchoLaw& law,
-                     std::vector<std::uint16_t> owners)
+LabelModels::LabelModels(const Transmission& transmission, std::size_t sensor, const EchoModel& model,
+                         std::vector<std::uint16_t> owners)
     : transmission_(transmission),
       labels_(*transmission.labels()),
       sensor_(sensor),
-      law_(law),
+      model_(model),
       own_(std::move(owners)),
       owners_(own_) {
   make_tables();
 }
 
-void LabelLaws::make_tables() {
+void LabelModels::make_tables() {
   const RangeSamples& samples = transmission_.sensor(sensor_).samples();
-  const glm::dvec3 tx_m = law_.path.tx.apex_m;
+  const glm::dvec3 tx_m = model_.path.tx.apex_m;
   // No place of a path is farther from either of its ends than the path is long.
   scale_m_ = 2 * (samples.first_m + samples.count * samples.step_m);
   lowest_m_ = tx_m.z - scale_m_;
@@ -157,9 +157,9 @@ void LabelLaws::make_tables() {
     rx_m = grid.to_metres(grid.snap(transmission_.receiver_pose().position_m));
   }
   for (const LabelChannels::Owner& owner : labels_.owners()) {
-    mu_.push_back(law_.material_mu[owner.material]);
-    if (!law_.scattering.empty()) scattering_.push_back(law_.scattering[owner.material]);
-    plain_.push_back(law_.reflectivity.empty() ? nullptr : law_.reflectivity[owner.material]);
+    mu_.push_back(model_.material_mu[owner.material]);
+    if (!model_.scattering.empty()) scattering_.push_back(model_.scattering[owner.material]);
+    plain_.push_back(model_.reflectivity.empty() ? nullptr : model_.reflectivity[owner.material]);
   }
   no_mu_.assign(mu_.size(), 0);
   no_scattering_.assign(scattering_.size(), nullptr);
@@ -168,7 +168,7 @@ void LabelLaws::make_tables() {
   range_ = weighed_by(std::make_shared<RangeWeight>(tx_m, rx_m, scale_m_));
 }
 
-LabelLaws::Textures LabelLaws::weighed_by(const std::shared_ptr<const ReflectivityField>& weight) const {
+LabelModels::Textures LabelModels::weighed_by(const std::shared_ptr<const ReflectivityField>& weight) const {
   Textures textures;
   for (const auto& texture : plain_)
     textures.push_back(
@@ -176,47 +176,48 @@ LabelLaws::Textures LabelLaws::weighed_by(const std::shared_ptr<const Reflectivi
   return textures;
 }
 
-EchoLaw LabelLaws::whole() const {
-  EchoLaw law = law_;
-  law.material = owners_;
-  law.material_mu = mu_;
-  law.scattering = scattering_;
-  law.reflectivity = plain_;
-  return law;
+EchoModel LabelModels::whole() const {
+  EchoModel model = model_;
+  model.material = owners_;
+  model.material_mu = mu_;
+  model.scattering = scattering_;
+  model.reflectivity = plain_;
+  return model;
 }
 
-EchoLaw LabelLaws::silent() const {
-  EchoLaw law = whole();
-  law.material_mu = no_mu_;
-  law.scattering = no_scattering_;
-  return law;
+EchoModel LabelModels::silent() const {
+  EchoModel model = whole();
+  model.material_mu = no_mu_;
+  model.scattering = no_scattering_;
+  return model;
 }
 
-void LabelLaws::add(PingSums& sums, const EchoBy& echo_by) const {
-  EchoLaw law = silent();
-  law.reflectivity = level_;
+void LabelModels::add(PingSums& sums, const EchoBy& echo_by) const {
+  EchoModel model = silent();
+  model.reflectivity = level_;
   BeamPatterns near_peak;
-  const bool is_limited = labels_.label_level_db() && law_.patterns != nullptr && !is_uniform(*law_.patterns);
+  const bool is_limited =
+      labels_.label_level_db() && model_.patterns != nullptr && !is_uniform(*model_.patterns);
   if (is_limited) {
-    near_peak = *law_.patterns;
+    near_peak = *model_.patterns;
     near_peak.least =
         gains_below_peak(near_peak, *labels_.label_level_db(), transmission_.has_separate_receiver());
   }
   std::vector<double> mu = no_mu_, all;
   auto scattering = no_scattering_;
-  law.material_mu = mu;
-  law.scattering = scattering;
+  model.material_mu = mu;
+  model.scattering = scattering;
   const auto show = [&](std::size_t owner, bool seen) {
     mu[owner] = seen ? mu_[owner] : 0;
     if (!scattering.empty()) scattering[owner] = seen ? scattering_[owner] : nullptr;
   };
   for (std::size_t owner = 0; owner < mu_.size(); ++owner) {
     show(owner, true);
-    const std::vector<double> energy = echo_by(law);
+    const std::vector<double> energy = echo_by(model);
     if (is_limited) {
-      law.patterns = &near_peak;
-      sums.add_labels(transmission_, sensor_, labels_.near_peak(owner), echo_by(law));
-      law.patterns = law_.patterns;
+      model.patterns = &near_peak;
+      sums.add_labels(transmission_, sensor_, labels_.near_peak(owner), echo_by(model));
+      model.patterns = model_.patterns;
     } else if (labels_.label_level_db()) {
       sums.add_labels(transmission_, sensor_, labels_.near_peak(owner), energy);
     }
@@ -225,15 +226,15 @@ void LabelLaws::add(PingSums& sums, const EchoBy& echo_by) const {
     std::ranges::transform(all, energy, all.begin(), std::plus<>());
     sums.add_labels(transmission_, sensor_, owner, energy);
   }
-  law.material_mu = mu_;
-  law.scattering = scattering_;
-  law.reflectivity = height_;
-  std::vector<double> heights = echo_by(law);
+  model.material_mu = mu_;
+  model.scattering = scattering_;
+  model.reflectivity = height_;
+  std::vector<double> heights = echo_by(model);
   for (std::size_t k = 0; k < heights.size(); ++k)
     heights[k] = 2 * scale_m_ * heights[k] + lowest_m_ * all[k];
   sums.add_labels(transmission_, sensor_, labels_.height(), heights);
-  law.reflectivity = range_;
-  std::vector<double> ranges = echo_by(law);
+  model.reflectivity = range_;
+  std::vector<double> ranges = echo_by(model);
   for (double& range : ranges) range *= scale_m_;
   sums.add_labels(transmission_, sensor_, labels_.range(), ranges);
 }

@@ -60,23 +60,24 @@ class LabelChannels {
 };
 
 /// The laws of a transmission's channels, as a sensor receives it.
-class LabelLaws {
+class LabelModels {
  public:
-  /// `law`: as for the energies, of `mesh`. All outlive this.
-  LabelLaws(const Transmission& transmission, std::size_t sensor, const EchoLaw& law, const FacetMesh& mesh);
+  /// `model`: as for the energies, of `mesh`. All outlive this.
+  LabelModels(const Transmission& transmission, std::size_t sensor, const EchoModel& model,
+              const FacetMesh& mesh);
   /// `owners`: by what `law.material` is by.
-  LabelLaws(const Transmission& transmission, std::size_t sensor, const EchoLaw& law,
-            std::vector<std::uint16_t> owners);
-  LabelLaws(const LabelLaws&) = delete;
-  LabelLaws& operator=(const LabelLaws&) = delete;
+  LabelModels(const Transmission& transmission, std::size_t sensor, const EchoModel& model,
+              std::vector<std::uint16_t> owners);
+  LabelModels(const LabelModels&) = delete;
+  LabelModels& operator=(const LabelModels&) = delete;
 
   /// An echo by a law: [beam of the transmission][sample], and more channels, which are not read.
-  using EchoBy = std::function<std::vector<double>(const EchoLaw&)>;
+  using EchoBy = std::function<std::vector<double>(const EchoModel&)>;
   /// Adds what is scattered.
   void add(PingSums& sums, const EchoBy& echo_by) const;
   /// The law itself, with owners for materials, and that of a bed that scatters nothing.
-  EchoLaw whole() const;
-  EchoLaw silent() const;
+  EchoModel whole() const;
+  EchoModel silent() const;
 
  private:
   using Textures = std::vector<std::shared_ptr<const ReflectivityField>>;
@@ -86,12 +87,12 @@ class LabelLaws {
   const Transmission& transmission_;
   const LabelChannels& labels_;
   std::size_t sensor_;
-  const EchoLaw& law_;
+  const EchoModel& model_;
   std::vector<std::uint16_t> own_;
   std::span<const std::uint16_t> owners_;  ///< by facet
   double scale_m_ = 1, lowest_m_ = 0;      ///< of the weights, which are about 0 to 1
   std::vector<double> mu_, no_mu_;         ///< by owner, as all below
-  std::vector<std::shared_ptr<const ScatteringLaw>> scattering_, no_scattering_;
+  std::vector<std::shared_ptr<const ScatteringModel>> scattering_, no_scattering_;
   Textures plain_, level_, height_, range_;
 };
 

@@ -67,20 +67,20 @@ void add_paths_of(const Transmission& transmission, std::size_t s, const PathSet
   const PathEnds ends(transmission, s);
   const std::vector<std::uint32_t> fans = sensor.fan_of_tube(transmission.number());
   const PathBed bed(transmission, s, ends);
-  const SensorLaw law(transmission, *bed, s);
+  const SensorModel model(transmission, *bed, s);
   std::optional<RayGround> rays;
   if (transmission.request().engine == Engine::ray)
     settings.sampled = SampledPaths{bed.water() != nullptr ? nullptr : &*rays.emplace(transmission),
                                     transmission.scene().grid, rays_of(transmission),
                                     sensor.beam_of_tube(transmission.number()), guide_of(transmission)};
-  const auto trace_by = [&](const FacetMesh& mesh, const EchoLaw& by, const PathSettings& how,
+  const auto trace_by = [&](const FacetMesh& mesh, const EchoModel& by, const PathSettings& how,
                             const PathWater* water) {
     return path_echo(mesh, (*bed).tree(), transmission.scene().grid.unit_m(),
                      transmission.request().visibility, ends.transmit, ends.receive,
                      transmission.beams_by_fans(s, fans), sensor.samples(), by, how, water);
   };
   const auto trace = [&](const PathWater* water) {
-    return trace_by((*bed).mesh(), law.law, settings, water);
+    return trace_by((*bed).mesh(), model.model, settings, water);
   };
   const bool own_grounds = settings.reference_tolerance && bed.water() != nullptr;
   RefractedPathsTransmission found = as_seen_by(transmission, [&] {
@@ -107,8 +107,8 @@ void add_paths_of(const Transmission& transmission, std::size_t s, const PathSet
   }
   sums.counts.hits += paths.hits;
   count_paths(transmission, paths, sums);
-  add_labels_of_paths(transmission, s, (*bed).mesh(), law.law, settings, sums,
-                      [&](const FacetMesh& mesh, const EchoLaw& by, const PathSettings& how) {
+  add_labels_of_paths(transmission, s, (*bed).mesh(), model.model, settings, sums,
+                      [&](const FacetMesh& mesh, const EchoModel& by, const PathSettings& how) {
                         return wanted_orders(transmission, as_seen_by(transmission, [&] {
                                                return trace_by(mesh, by, how, bed.water());
                                              }));
@@ -121,19 +121,19 @@ void add_receiver_pair_paths_of(const Transmission& transmission, std::size_t s,
   const PathEnds ends(transmission, s);
   const std::vector<std::uint32_t> fans = sensor.fan_of_tube(transmission.number());
   const PathBed bed(transmission, s, ends);
-  const SensorLaw law(transmission, *bed, s);
+  const SensorModel model(transmission, *bed, s);
   std::vector<ReceiverPairRows> by_order(std::size_t(settings.order) + 1, ReceiverPairRows(transmission, s));
-  for (std::uint32_t fan = 0; fan < law.patterns.baselines.size(); ++fan) {
+  for (std::uint32_t fan = 0; fan < model.patterns.baselines.size(); ++fan) {
     const TubeSet transmit = tubes_of_fan(ends.transmit, fans, fan),
                   receive = tubes_of_fan(ends.receive, fans, fan);
-    const BeamPatterns patterns = patterns_of_fan(law.patterns, fan, receive.tubes.size());
-    EchoLaw own = law.law;
+    const BeamPatterns patterns = patterns_of_fan(model.patterns, fan, receive.tubes.size());
+    EchoModel own = model.model;
     own.patterns = &patterns;
-    const auto trace = [&](const FacetMesh& mesh, const EchoLaw& by, const PathSettings& how) {
+    const auto trace = [&](const FacetMesh& mesh, const EchoModel& by, const PathSettings& how) {
       return as_seen_by(transmission, [&] {
         return receiver_pair_path_echo(
             mesh, (*bed).tree(), transmission.scene().grid.unit_m(), transmission.request().visibility,
-            {transmit, receive, law.patterns.baselines[fan]}, sensor.samples(), by, how, bed.water());
+            {transmit, receive, model.patterns.baselines[fan]}, sensor.samples(), by, how, bed.water());
       });
     };
     const ReceiverPairPathEcho paths = trace((*bed).mesh(), own, settings);
@@ -148,7 +148,7 @@ void add_receiver_pair_paths_of(const Transmission& transmission, std::size_t s,
     }
     count_paths(transmission, paths, sums);
     add_labels_of_paths(transmission, s, (*bed).mesh(), own, settings, sums,
-                        [&](const FacetMesh& mesh, const EchoLaw& by, const PathSettings& how) {
+                        [&](const FacetMesh& mesh, const EchoModel& by, const PathSettings& how) {
                           return row_of_fan(transmission, s, fan,
                                             wanted_orders(transmission, trace(mesh, by, how)));
                         });

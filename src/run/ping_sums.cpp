@@ -100,11 +100,11 @@ void PingSums::add_signals(const Transmission& transmission, std::size_t s, std:
 }
 
 void PingSums::with_echo(const Transmission& transmission, const CommonVisibility& visibility, std::size_t s,
-                         const EchoLaw& law, const std::function<void(const LitEcho&)>& use) {
+                         const EchoModel& model, const std::function<void(const LitEcho&)>& use) {
   const std::vector<std::uint32_t> fans = transmission.sensor(s).fan_of_tube(transmission.number());
   LitEcho made =
       integrate_lit_echo(visibility, transmission.beams_by_fans(s, fans), transmission.sensor(s).samples(),
-                         law, transmission.request().binning, values_.take_echo_room());
+                         model, transmission.request().binning, values_.take_echo_room());
   use(made);
   values_.give_back_echo_room(cleared_room(std::move(made)));
 }

@@ -49,7 +49,7 @@ class PingSums {
                         const FacetMesh& mesh, double sample_m);
   /// Transmission::echo(), in memory that pings share one after the other, and `use` of it.
   void with_echo(const Transmission& transmission, const CommonVisibility& visibility, std::size_t sensor,
-                 const EchoLaw& law, const std::function<void(const LitEcho&)>& use);
+                 const EchoModel& model, const std::function<void(const LitEcho&)>& use);
   /// Does a part of the work whose seconds are the echo's, not those of what is seen.
   template <class Work>
   void as_echo(const Work& work) {

@@ -12,7 +12,7 @@
 #include "engine/visibility/bistatic_history.hpp"
 #include "engine/visibility/tube_engine.hpp"
 #include "run/refraction.hpp"
-#include "run/sensor_law.hpp"
+#include "run/sensor_model.hpp"
 
 namespace tubefoot {
 namespace {
@@ -47,12 +47,12 @@ RefractedTransmission certify(const Transmission& transmission, const Transmissi
     const ApparentMap apparent_map =
         apparent_map_of(transmission.loaded_scene(), transmission.survey().sensors[s], apex);
     const RayEnclosure rays(apparent_map, eigenray_options(transmission.loaded_scene()));
-    const SensorLaw sensor_law(transmission, found.ground, s);
-    const EchoLaw& law = sensor_law.law;
+    const SensorModel sensor_model(transmission, found.ground, s);
+    const EchoModel& model = sensor_model.model;
     const Sensor& sensor = transmission.sensor(s);
     found.sensors.push_back(certify_refracted_echo(
-        bed, rays, found.history, options, sensor.beam_of_tube(transmission.number()), sensor.samples(), law,
-        transmission.echo(found.history, s, law), *transmission.request().reference_tolerance));
+        bed, rays, found.history, options, sensor.beam_of_tube(transmission.number()), sensor.samples(),
+        model, transmission.echo(found.history, s, model), *transmission.request().reference_tolerance));
   }
   return found;
 }
@@ -80,13 +80,13 @@ RefractedPairTransmission certify(const Transmission& transmission, const PairAp
                         transmission.scene().grid,
                         {own.transmit, tx_tree, own.transmit_origin, found.pair.transmit_water, tx_rays},
                         {own.receive, rx_tree, own.receive_origin, found.pair.receive_water, rx_rays}};
-  SensorLaw law(transmission, TransmissionGround(transmission.loaded_scene()), s);
-  law.law.material = own.mesh.material;
+  SensorModel model(transmission, TransmissionGround(transmission.loaded_scene()), s);
+  model.model.material = own.mesh.material;
   const std::vector<std::uint32_t> fans = transmission.sensor(s).fan_of_tube(transmission.number());
   found.sensors.push_back(certify_refracted_echo(
       bed, {found.pair.transmit_tubes, found.pair.receive_tubes}, transmission.request().visibility,
-      transmission.beams_by_fans(s, fans), transmission.sensor(s).samples(), law.law,
-      transmission.echo(found.history, s, law.law), *transmission.request().reference_tolerance));
+      transmission.beams_by_fans(s, fans), transmission.sensor(s).samples(), model.model,
+      transmission.echo(found.history, s, model.model), *transmission.request().reference_tolerance));
   seen.bed().name_by_scene(found.pair.apparent.transmit);
   seen.bed().name_by_scene(found.pair.apparent.receive);
   return found;
@@ -110,10 +110,10 @@ RefractedReceiverPairTransmission certify(const Transmission& transmission, cons
   RefractedReceiverPairTransmission found{std::move(grounds), {}, {}, false};
   const CommonApparentSurfaces& own = found.apparent;
   const FacetMesh& mesh = own.bed.mesh;
-  SensorLaw law(transmission, TransmissionGround(transmission.loaded_scene()), seen.sensor);
-  const BeamPatterns patterns = patterns_of_fan(law.patterns, seen.fan, ends.tubes(1).tubes.size());
-  law.law.material = mesh.material;
-  law.law.patterns = &patterns;
+  SensorModel model(transmission, TransmissionGround(transmission.loaded_scene()), seen.sensor);
+  const BeamPatterns patterns = patterns_of_fan(model.patterns, seen.fan, ends.tubes(1).tubes.size());
+  model.model.material = mesh.material;
+  model.model.patterns = &patterns;
   const std::vector<std::uint32_t> of_tube(ends.tubes(1).tubes.size(), 0);
 
   std::vector<SceneTree> trees;
@@ -133,12 +133,13 @@ RefractedReceiverPairTransmission certify(const Transmission& transmission, cons
     const ApparentPair pair{mesh, own.seen[0], own.seen[1 + e], own.origin[0], own.origin[1 + e]};
     found.history = trace_bistatic(pair, grid, options, ends.tubes(0), ends.tubes(1 + e), ends.water(0),
                                    ends.water(1 + e), ends.absorption_db_per_m());
-    ordinary[e] = integrate_echo(found.history, {1, of_tube}, sensor.samples(), law.law);
+    ordinary[e] = integrate_echo(found.history, {1, of_tube}, sensor.samples(), model.model);
   }
   found.sensors.push_back(certify_refracted_receiver_pair(
       {bed_of(1), bed_of(2)},
       {BistaticTubes{ends.tubes(0), ends.tubes(1)}, BistaticTubes{ends.tubes(0), ends.tubes(2)}}, options,
-      seen.receiver_pair, sensor.samples(), law.law, ordinary, *transmission.request().reference_tolerance));
+      seen.receiver_pair, sensor.samples(), model.model, ordinary,
+      *transmission.request().reference_tolerance));
   for (ApparentSurface& ground : found.apparent.seen) ends.bed().name_by_scene(ground);
   return found;
 }

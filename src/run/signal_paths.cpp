@@ -28,13 +28,13 @@ void for_signal_paths(const Transmission& transmission, std::size_t s,
                                  sensor.description().name));
   try {
     const TransmissionImages images(transmission, s, *settings, PathEnds(transmission, s));
-    const SensorLaw law(transmission, images.ground(), s);
+    const SensorModel model(transmission, images.ground(), s);
     if (take.scattered)
-      for_coherent_paths(images.images(), law.law, channels, [&](const CoherentPath& path) {
+      for_coherent_paths(images.images(), model.model, channels, [&](const CoherentPath& path) {
         if (is_order_wanted(scene, path.order)) take.scattered(path);
       });
     if (take.arrived)
-      for_coherent_arrivals(images.images(), law.law, channels, [&](const CoherentArrival& arrival) {
+      for_coherent_arrivals(images.images(), model.model, channels, [&](const CoherentArrival& arrival) {
         if (is_order_wanted(scene, arrival.order)) take.arrived(arrival);
       });
   } catch (const std::length_error& error) {

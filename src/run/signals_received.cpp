@@ -166,7 +166,7 @@ class TransmissionSignals {
       : transmission_(transmission),
         sensor_(s),
         model_(*transmission.sensor(s).signals()),
-        law_(transmission, transmission.ground(), s),
+        echo_model_(transmission, transmission.ground(), s),
         receiver_(receiver_of(transmission, s)),
         field_(ground_field_of(transmission.survey())) {}
 
@@ -176,7 +176,8 @@ class TransmissionSignals {
   ChannelSignals straight(const History& history) const {
     ChannelSignals all = silence_of({});
     for_views(history, [&](const CommonVisibility& visibility, const std::vector<SignalChannel>& channels) {
-      const ChannelSignals its = of(seen_patches(visibility, law_.law), channels, law_.law);
+      const ChannelSignals its =
+          of(seen_patches(visibility, echo_model_.echo_model), channels, echo_model_.echo_model);
       all.channels += its.channels;
       all.value.insert(all.value.end(), its.value.begin(), its.value.end());
     });
@@ -200,7 +201,7 @@ class TransmissionSignals {
   void add_mirrored(ChannelSignals& sum) const {
     for_signal_paths(transmission_, sensor_, receiver_.channels,
                      {[&](const CoherentPath& path) {
-                        superpose(of(path.patches, path.channels, path.law), path.phase, sum);
+                        superpose(of(path.patches, path.channels, path.echo_model), path.phase, sum);
                       },
                       [&](const CoherentArrival& arrival) { add_arrival(arrival, receiver_, sum); }});
   }
@@ -227,38 +228,40 @@ class TransmissionSignals {
     receiver.channels = std::move(channels);
     return receiver;
   }
-  const SmoothSurface* surface_of(FacetId facet, const EchoLaw& law) const {
-    return transmission_.scene().smooth_surface(law.material[facet]);
+  const SmoothSurface* surface_of(FacetId facet, const EchoModel& echo_model) const {
+    return transmission_.scene().smooth_surface(echo_model.material[facet]);
   }
   /// What mirrors is received by its images, which have the echo of its plane.
-  const SmoothSurface* received_of(FacetId facet, const EchoLaw& law) const {
-    return transmission_.scene().material_reflection[law.material[facet]] > 0 ? nullptr
-                                                                              : surface_of(facet, law);
+  const SmoothSurface* received_of(FacetId facet, const EchoModel& echo_model) const {
+    return transmission_.scene().material_reflection[echo_model.material[facet]] > 0
+               ? nullptr
+               : surface_of(facet, echo_model);
   }
-  ChannelSignals of(const SeenPatches& seen, std::vector<SignalChannel> channels, const EchoLaw& law) const {
+  ChannelSignals of(const SeenPatches& seen, std::vector<SignalChannel> channels,
+                    const EchoModel& echo_model) const {
     const CoherentReceiver receiver = receiver_with(std::move(channels));
     const SplitPatches patches =
-        split_patches(seen, [&](FacetId facet) { return surface_of(facet, law) != nullptr; });
+        split_patches(seen, [&](FacetId facet) { return surface_of(facet, echo_model) != nullptr; });
     check_number(patches.rough, field_);
-    ChannelSignals all = element_signals(patches.rough, receiver, law, field_, model_.tolerance);
+    ChannelSignals all = element_signals(patches.rough, receiver, echo_model, field_, model_.tolerance);
     if (!patches.smooth.patches.empty())
       superpose(smooth_signals(
-                    patches.smooth, receiver, law, [&](FacetId facet) { return received_of(facet, law); },
-                    model_.tolerance),
+                    patches.smooth, receiver, echo_model,
+                    [&](FacetId facet) { return received_of(facet, echo_model); }, model_.tolerance),
                 1, all);
     return all;
   }
   CertifiedSignals certified(const CommonVisibility& visibility, const std::vector<SignalChannel>& channels,
                              double tolerance) const {
-    const EchoLaw& law = law_.law;
+    const EchoModel& echo_model = echo_model_.echo_model;
     const SplitPatches patches =  // those with a bound first
-        split_patches(seen_patches(visibility, law), [&](FacetId facet) {
-          const SmoothSurface* surface = surface_of(facet, law);
+        split_patches(seen_patches(visibility, echo_model), [&](FacetId facet) {
+          const SmoothSurface* surface = surface_of(facet, echo_model);
           return surface != nullptr && std::ranges::all_of(channels, [&](const SignalChannel& channel) {
-                   return CertifiedSmoothSignals::can_bound(*surface, channel, law.path);
+                   return CertifiedSmoothSignals::can_bound(*surface, channel, echo_model.path);
                  });
         });
-    const auto surface = [&](FacetId facet) { return received_of(facet, law); };
+    const auto surface = [&](FacetId facet) { return received_of(facet, echo_model); };
     const TransmitWaveform& waveform = model_.waveform;
     const BistaticHistory* apart = visibility.two_apexes();
     const CertifiedSmoothSignals enclosing(
@@ -270,18 +273,19 @@ class TransmissionSignals {
     // What the loudest sample says of how little the others need be off by.
     const ChannelSignals about = patches.smooth.patches.empty()
                                      ? silence_of(channels)
-                                     : smooth_signals(patches.smooth, receiver_with(channels), law, surface,
-                                                      std::max(model_.tolerance, 1e-2));
+                                     : smooth_signals(patches.smooth, receiver_with(channels), echo_model,
+                                                      surface, std::max(model_.tolerance, 1e-2));
     std::vector<double> allowed;
     for (std::size_t c = 0; c < channels.size(); ++c) {
       double loudest = 0;
       for (std::size_t k = 0; k < about.samples; ++k) loudest = std::max(loudest, std::abs(about.at(c, k)));
       allowed.push_back(tolerance * signal_floor * loudest);
     }
-    CertifiedSignals all = enclosing.of(patches.smooth, channels, law.absorption_db_per_m, surface, allowed);
+    CertifiedSignals all =
+        enclosing.of(patches.smooth, channels, echo_model.absorption_db_per_m, surface, allowed);
     if (patches.rough.patches.empty()) return all;
     enclosing.leave_open(patches.rough, channels, all.bound);
-    ChannelSignals others = of(patches.rough, channels, law);
+    ChannelSignals others = of(patches.rough, channels, echo_model);
     mix(others, model_);
     for (std::size_t k = 0; k < all.bound.size(); ++k)
       if (std::isinf(all.bound[k].real())) all.signals.value[k] += others.value[k];
@@ -305,7 +309,7 @@ class TransmissionSignals {
   const Transmission& transmission_;
   std::size_t sensor_;
   const SignalModel& model_;
-  SensorLaw law_;
+  SensorModel echo_model_;
   CoherentReceiver receiver_;
   GroundField field_;
 };

@@ -138,15 +138,15 @@ ReceiveBeams Transmission::beams_by_fans(std::size_t s, const std::vector<std::u
   return {beams(s), sensor(s).beam_of_tube(number_), fans, fans};
 }
 
-Echo Transmission::echo(const CommonVisibility& visibility, std::size_t s, const EchoLaw& law) const {
+Echo Transmission::echo(const CommonVisibility& visibility, std::size_t s, const EchoModel& model) const {
   const std::vector<std::uint32_t> fans = sensor(s).fan_of_tube(number_);
-  return integrate_echo(visibility, beams_by_fans(s, fans), sensor(s).samples(), law, request().binning);
+  return integrate_echo(visibility, beams_by_fans(s, fans), sensor(s).samples(), model, request().binning);
 }
 
 ReceiverPairEcho Transmission::echo(const ReceiverPairHistory& history, std::size_t s, std::uint32_t fan,
-                                    const SensorLaw& law) const {
-  return integrate_receiver_pair_echo(history, law.patterns.baselines[fan], fan, fan, sensor(s).samples(),
-                                      law.law);
+                                    const SensorModel& model) const {
+  return integrate_receiver_pair_echo(history, model.patterns.baselines[fan], fan, fan, sensor(s).samples(),
+                                      model.model);
 }
 
 }  // namespace tubefoot

@@ -12,7 +12,7 @@
 #include "engine/rays/ray_engine.hpp"
 #include "engine/visibility/tube_engine.hpp"
 #include "run/run_request.hpp"
-#include "run/sensor_law.hpp"
+#include "run/sensor_model.hpp"
 #include "run/survey.hpp"
 #include "run/transmission_ground.hpp"
 
@@ -93,7 +93,7 @@ class Transmission {
   /// that takes too many.
   const TransmissionGround& ground() const;
   /// How a sensor receives the ground.
-  SensorLaw law(std::size_t sensor) const { return {*this, ground(), sensor}; }
+  SensorModel model(std::size_t sensor) const { return {*this, ground(), sensor}; }
 
   /// What its tubes see, those that are `wanted`, or others from the same place (TubeEngine).
   History trace(std::size_t* candidates = nullptr, bool measured = true,
@@ -115,9 +115,9 @@ class Transmission {
   /// Which beams receive what; `fans`, which outlives it, is the sensor's fan_of_tube().
   ReceiveBeams beams_by_fans(std::size_t sensor, const std::vector<std::uint32_t>& fans) const;
   /// What a sensor receives of what is seen, by a law of this transmission.
-  Echo echo(const CommonVisibility& visibility, std::size_t sensor, const EchoLaw& law) const;
+  Echo echo(const CommonVisibility& visibility, std::size_t sensor, const EchoModel& model) const;
   ReceiverPairEcho echo(const ReceiverPairHistory& history, std::size_t sensor, std::uint32_t fan,
-                        const SensorLaw& law) const;
+                        const SensorModel& model) const;
 
  private:
   const TubeEngine& engine() const;

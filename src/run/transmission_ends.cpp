@@ -47,11 +47,11 @@ FacetId TransmissionEnds::base_facet(FacetId shared) const {
   return transmission_.loaded_scene().base_number_of(shared);
 }
 
-std::unique_ptr<SensorLaw> TransmissionEnds::law(std::size_t sensor) const {
-  auto law =
-      std::make_unique<SensorLaw>(transmission_, TransmissionGround(transmission_.loaded_scene()), sensor);
-  law->law.material = shared_mesh().material;
-  return law;
+std::unique_ptr<SensorModel> TransmissionEnds::model(std::size_t sensor) const {
+  auto model =
+      std::make_unique<SensorModel>(transmission_, TransmissionGround(transmission_.loaded_scene()), sensor);
+  model->model.material = shared_mesh().material;
+  return model;
 }
 
 TransmissionEnds::Looks TransmissionEnds::look_from_all(bool open_water) const {

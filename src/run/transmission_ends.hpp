@@ -61,7 +61,7 @@ class TransmissionEnds {
   };
   Seen seen() const;
   /// How the transmission receives what two ends see together.
-  std::unique_ptr<SensorLaw> law(std::size_t sensor) const;
+  std::unique_ptr<SensorModel> model(std::size_t sensor) const;
   /// The laws of both; `label` tells transmissions apart in the hash.
   BistaticAudit audit(std::uint64_t label) const;
 

@@ -61,12 +61,12 @@ void audit_paths(const Transmission& transmission, std::uint64_t label,
       continue;
     }
     const std::vector<std::uint32_t> fans = transmission.sensor(s).fan_of_tube(transmission.number());
-    const SensorLaw law = transmission.law(s);
-    for (std::uint32_t fan = 0; fan < law.patterns.baselines.size(); ++fan)
+    const SensorModel model = transmission.model(s);
+    for (std::uint32_t fan = 0; fan < model.patterns.baselines.size(); ++fan)
       for (const double end : {1.0, -1.0}) {
         PathEnds own = ends;
         own.transmit = tubes_of_fan(ends.transmit, fans, fan);
-        own.receive = moved_along(tubes_of_fan(ends.receive, fans, fan), law.patterns.baselines[fan], end,
+        own.receive = moved_along(tubes_of_fan(ends.receive, fans, fan), model.patterns.baselines[fan], end,
                                   transmission.scene().grid.unit_m());
         audit(std::move(own));
       }

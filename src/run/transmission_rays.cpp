@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/law/echo_law.hpp"
+#include "engine/scattering/echo_model.hpp"
 
 namespace tubefoot {
 namespace {

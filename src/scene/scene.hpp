@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "engine/law/reflectivity_field.hpp"
-#include "engine/law/scattering_law.hpp"
 #include "engine/relief/elevation_field.hpp"
+#include "engine/scattering/reflectivity_field.hpp"
+#include "engine/scattering/scattering_model.hpp"
 #include "engine/signal/smooth_surface.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
 #include "geometry/numbers/world_grid.hpp"
@@ -61,7 +61,7 @@ struct Scene {
   std::vector<double> material_reflection;  ///< energy that it mirrors, by material: 0 to 1
   std::vector<std::shared_ptr<const ElevationField>> relief;           ///< by material; null: facets are flat
   std::vector<std::shared_ptr<const ReflectivityField>> reflectivity;  ///< by material; null: even
-  std::vector<std::shared_ptr<const ScatteringLaw>> scattering;        ///< by material; null: Lambert's
+  std::vector<std::shared_ptr<const ScatteringModel>> scattering;      ///< by material; null: Lambert's
   std::vector<std::optional<SmoothSurface>> smooth;                    ///< by material; none: rough
   /// By material, what a reflection at it makes of a signal besides its loss: of modulus 1, at all angles.
   std::vector<std::complex<double>> mirror_phase;

@@ -200,11 +200,11 @@ class Gatherer {
                                                                  transmission.scene().grid);
                     });
     }
-    SensorLaw law = transmission.law(index_);
-    law.patterns.baselines.clear();  // what is viewed is what the transmitter sees
+    SensorModel model = transmission.model(index_);
+    model.patterns.baselines.clear();  // what is viewed is what the transmitter sees
     const std::vector<std::uint32_t>& beam_of_tube = sensor_.beam_of_tube(transmission.number());
     link(transmission, history, {transmission.beams(index_), beam_of_tube},
-         transmission.echo(history, index_, law.law), law.law, place, first_footprint);
+         transmission.echo(history, index_, model.model), model.model, place, first_footprint);
     shade(transmission, end, history);
   }
 
@@ -234,11 +234,11 @@ class Gatherer {
                     occluders[0][{f.facet, f.tube}] + occluders[1][{f.facet, rx}],
                     [&](glm::dvec3 seen_m) { return seen.place(k, seen_m, apex); });
     }
-    const std::unique_ptr<SensorLaw> law = ends.law(index_);
-    law->patterns.baselines.clear();
+    const std::unique_ptr<SensorModel> model = ends.model(index_);
+    model->patterns.baselines.clear();
     const std::vector<std::uint32_t> fans = sensor_.fan_of_tube(transmission.number());
     link(transmission, seen.history, transmission.beams_by_fans(index_, fans),
-         transmission.echo(seen.history, index_, law->law), law->law, place, first_footprint);
+         transmission.echo(seen.history, index_, model->model), model->model, place, first_footprint);
   }
 
   /// A tube is drawn to its farthest footprint; into open water, to the end of the samples. Returns the
@@ -287,16 +287,16 @@ class Gatherer {
   }
 
   void link(const Transmission& transmission, const CommonVisibility& visibility, const ReceiveBeams& hearing,
-            const Echo& echo, const EchoLaw& law, std::uint32_t place, std::uint32_t first_footprint) {
+            const Echo& echo, const EchoModel& model, std::uint32_t place, std::uint32_t first_footprint) {
     const std::vector<std::uint32_t>& beams = sensor_.beams_of_transmission(transmission.number());
     const std::size_t picture = place * cells_, count = static_cast<std::size_t>(sensor_.samples().count);
-    const bool patterns = law.patterns != nullptr;
+    const bool patterns = model.patterns != nullptr;
     for (std::size_t b = 0; b < beams.size(); ++b)
       for (std::size_t k = 0; k < count; ++k)
         view.energy_j[picture + beams[b] * count + k] += echo.energy[b * count + k];
     view.weak_links_left_out = view.weak_links_left_out || patterns;
     for (const Contribution& c :
-         contributions(visibility, hearing, sensor_.samples(), law, transmission.request().binning, echo,
+         contributions(visibility, hearing, sensor_.samples(), model, transmission.request().binning, echo,
                        patterns ? least_share_with_patterns : 0)) {
       view.links.push_back({first_footprint + c.footprint,
                             static_cast<std::uint32_t>(picture + beams[c.beam] * count + c.sample),

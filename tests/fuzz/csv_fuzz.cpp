@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Tables as CSV: trajectories, sound-speed profiles and casts, beam patterns, scattering laws.
+// Tables as CSV: trajectories, sound-speed profiles and casts, beam patterns, scattering models.
 #include <array>
 #include <cmath>
 #include <glm/common.hpp>

@@ -73,7 +73,7 @@ struct AbilitiesWalk : testing::Test {
     if (reason) {
       EXPECT_THAT(outcome.err, HasSubstr(*reason));
     } else if (outcome.exit_code == 0) {
-      keep_law(features, words, output);
+      keep_model(features, words, output);
     }
   }
 
@@ -94,8 +94,8 @@ struct AbilitiesWalk : testing::Test {
     return features.contains(Feature::two_receivers) ? 0.02 : 1e-9;
   }
 
-  void keep_law(const std::set<Feature>& features, const std::vector<std::string>& words,
-                const std::filesystem::path& output) {
+  void keep_model(const std::set<Feature>& features, const std::vector<std::string>& words,
+                  const std::filesystem::path& output) {
     const std::vector<double> sure = measured(features);
     const double total = std::reduce(sure.begin(), sure.end()), largest = *std::ranges::max_element(sure);
     ASSERT_GT(total, 0);

@@ -66,7 +66,7 @@ struct ApertureShadow : testing::Test {
   SeenPatches seen_at(std::size_t ping) const {
     const Transmissions transmissions(*survey, request);
     const Transmission transmission = transmissions.of(survey->transmissions.at(0), ping, 0);
-    return seen_patches(transmission.trace(), transmission.law(0).law);
+    return seen_patches(transmission.trace(), transmission.model(0).model);
   }
 };
 

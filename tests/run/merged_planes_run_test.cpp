@@ -20,8 +20,8 @@ namespace {
 
 /// A bed of cells of 0.25 m, and a box upon it.
 std::string fine_bed(const std::string& sensor, const std::string& more = {},
-                     const std::string& law = "lambert_db = -20\n") {
-  return "[[materials]]\nname = \"sand\"\n" + law + more +
+                     const std::string& model = "lambert_db = -20\n") {
+  return "[[materials]]\nname = \"sand\"\n" + model + more +
          "[[terrain]]\nname = \"bed\"\nkind = \"flat\"\nwidth_m = 30\nlength_m = 30\ncell_m = 0.25\n"
          "[[objects]]\nname = \"crate\"\nshape = \"box\"\nsize_m = [1, 1, 1]\nposition_m = [0.3, 5, 0.5]\n"
          "[trajectory]\nkind = \"fixed\"\nposition_m = [0.2, 0.1, 4]\n"

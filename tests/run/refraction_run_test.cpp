@@ -13,7 +13,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "engine/law/perlin_reflectivity.hpp"
+#include "engine/scattering/perlin_reflectivity.hpp"
 #include "fixtures/world/echoes.hpp"
 #include "fixtures/world/gradient_scenes.hpp"
 

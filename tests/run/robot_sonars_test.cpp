@@ -99,8 +99,8 @@ TEST(VerticalPatterns, AlongTheTrackAMultibeamKeepsItsBeams) {
     }
 }
 
-// As patterns are integrated: to pattern_tolerance (src/engine/law/echo_law.hpp, 1e-6) of what their peak
-// would return, for each piece of a sample.
+// As patterns are integrated: to pattern_tolerance (src/engine/scattering/echo_model.hpp, 1e-6) of what their
+// peak would return, for each piece of a sample.
 TEST(VerticalPatterns, AreWithinTheirToleranceOfTheReference) {
   const std::string along = "receive_pattern = \"gaussian\"\nreceive_beam_width_deg = 2\n";
   const std::string both =

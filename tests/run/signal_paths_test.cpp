@@ -67,7 +67,7 @@ TEST(SignalPaths, HaveTheEnergiesOfARun) {
                       CoherentReceiver own = receiver;
                       own.channels = path.channels;
                       const CovarianceMatrix r =
-                          signal_covariances(path.patches, own, samples, path.law, 1e-5);
+                          signal_covariances(path.patches, own, samples, path.model, 1e-5);
                       for (std::size_t n = 0; n < samples.size(); ++n)
                         energy[path.order] += r.at(n, n).real() / receiver.times.rate_hz;
                       // The surface turns phases over, once for each time.

@@ -170,17 +170,17 @@ TEST_P(Links, LoseNothingIfNothingIsLeftOut) {
   const Transmission transmission = transmissions.received_by(0, 0, 0);
   const Sensor& sensor = transmission.sensor(0);
   const History history = transmission.trace();
-  const SensorLaw law = transmission.law(0);
-  const Echo echo = transmission.echo(history, 0, law.law);
+  const SensorModel model = transmission.model(0);
+  const Echo echo = transmission.echo(history, 0, model.model);
   std::vector<double> sum(echo.energy.size(), 0.0);
   for (const Contribution& c :
-       contributions(history, {transmission.beams(0), sensor.beam_of_tube(0)}, sensor.samples(), law.law,
+       contributions(history, {transmission.beams(0), sensor.beam_of_tube(0)}, sensor.samples(), model.model,
                      transmissions.request().binning, echo))
     sum.at(std::size_t(c.beam) * echo.samples + c.sample) += c.energy_j;
   const double peak = *std::max_element(echo.energy.begin(), echo.energy.end());
   EXPECT_GT(peak, 0);
   for (std::size_t cell = 0; cell < sum.size(); ++cell)
-    EXPECT_NEAR(sum[cell], echo.energy[cell], 1e-12 * (law.law.patterns ? peak : echo.energy[cell]))
+    EXPECT_NEAR(sum[cell], echo.energy[cell], 1e-12 * (model.model.patterns ? peak : echo.energy[cell]))
         << "cell " << cell;
 }
 

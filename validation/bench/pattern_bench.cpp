@@ -68,10 +68,10 @@ void measure_patterns(int n, int tubes, int repetitions, const std::string& only
   fmt::print("{} facets, {} tubes, {} footprints\n", mesh.facets.size(), set.tubes.size(),
              history.footprints.footprints.size());
 
-  EchoLaw law{material_mu, mesh.material, 0.6};
+  EchoModel model{material_mu, mesh.material, 0.6};
   Echo plain;
   const double plain_ms = best_ms(repetitions, [&] {
-    plain = integrate_echo(history, {1, beam_of_tube}, samples, law);
+    plain = integrate_echo(history, {1, beam_of_tube}, samples, model);
   });
   fmt::print("no patterns: {:.1f} ms\n", plain_ms);
   const Directivity line{Directivity::Kind::line, {1, 0, 0}, false, 0, 120},
@@ -85,14 +85,14 @@ void measure_patterns(int n, int tubes, int repetitions, const std::string& only
         cycle(pattern),
         std::vector<std::uint32_t>(set.tubes.size(), 0),
         std::vector<std::pair<std::uint32_t, std::uint32_t>>(set.tubes.size(), {0, beams})};
-    law.patterns = &patterns;
-    law.pattern_tolerance = 1e-12;
-    const Echo fine = integrate_echo(history, {beams, beam_of_tube}, samples, law);
+    model.patterns = &patterns;
+    model.pattern_tolerance = 1e-12;
+    const Echo fine = integrate_echo(history, {beams, beam_of_tube}, samples, model);
     for (const double tolerance : {1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-11}) {
-      law.pattern_tolerance = tolerance;
+      model.pattern_tolerance = tolerance;
       Echo echo;
       const double ms = best_ms(repetitions, [&] {
-        echo = integrate_echo(history, {beams, beam_of_tube}, samples, law);
+        echo = integrate_echo(history, {beams, beam_of_tube}, samples, model);
       });
       double error = 0;
       for (int beam = 0; beam < beams; ++beam)

@@ -68,7 +68,7 @@ CoherentReceiver on_the_way(CoherentReceiver receiver, double speed_m_s, double 
 
 struct Place {
   SeenPatches seen;
-  EchoLaw law;
+  EchoModel model;
 };
 
 double spacing_for(double bandwidth_hz) {
@@ -87,7 +87,7 @@ ChannelSignals direct_sum(const Place& place, const CoherentReceiver& receiver, 
   for (const SeenPatch& patch : place.seen.patches) {
     on.clear();
     for (const SignalChannel& channel : receiver.channels)
-      on.emplace_back(channel, place.seen, patch, place.law);
+      on.emplace_back(channel, place.seen, patch, place.model);
     corners.clear();
     for (const glm::dvec3& c : place.seen.corners(patch)) corners.push_back(c + place.seen.origin_m);
     field.for_scatterers(corners, patch.normal, [&](glm::dvec3 at, std::complex<double> z) {
@@ -116,9 +116,9 @@ Place flat_bed(glm::dvec3 apex) {
   static const std::vector<double> mu{0.01};
   static const std::vector<std::uint16_t> material{0};
   Place place;
-  place.law.material_mu = mu;
-  place.law.material = material;
-  place.law.path.tx.apex_m = place.seen.origin_m = apex;
+  place.model.material_mu = mu;
+  place.model.material = material;
+  place.model.path.tx.apex_m = place.seen.origin_m = apex;
   place.seen.corners_m = {{-20, 8, -10}, {-20, 28, -10}, {20, 28, -10}, {20, 8, -10}};
   place.seen.patches = {{0, {0, 0, 1}, 10, 0, 4, 0, 0}};
   return place;
@@ -141,10 +141,10 @@ void run(double reach_m, int most_elements, bool direct) {
   const double visibility_s =
       seconds([&] { history = TubeEngine(scene.mesh, tree, scene.grid.unit_m(), {}).trace(tubes); });
   Place place;
-  place.law.material_mu = scene.material_mu;
-  place.law.material = scene.mesh.material;
-  place.law.path.tx.apex_m = apex;
-  place.seen = seen_patches(history, place.law);
+  place.model.material_mu = scene.material_mu;
+  place.model.material = scene.mesh.material;
+  place.model.path.tx.apex_m = apex;
+  place.seen = seen_patches(history, place.model);
   fmt::print("survey scene, {} m: {} polygons, {:.0f} m2, {:.2f} s for the sight\n", reach_m,
              place.seen.patches.size(), place.seen.area_m2(), visibility_s);
 
@@ -153,10 +153,10 @@ void run(double reach_m, int most_elements, bool direct) {
                            double tolerance) {
     const GroundField field{1, spacing_for(bandwidth)};
     const double by_field =
-        seconds([&] { signals = element_signals(of.seen, receiver, of.law, field, tolerance); });
+        seconds([&] { signals = element_signals(of.seen, receiver, of.model, field, tolerance); });
     ChannelSignals drawn;
     const double by_rule =
-        seconds([&] { drawn = drawn_signals(of.seen, receiver, of.law, 1, 0, tolerance); });
+        seconds([&] { drawn = drawn_signals(of.seen, receiver, of.model, 1, 0, tolerance); });
     fmt::print("{:4} elements, {:5.1f} kHz, {:6} polygons, tolerance {:g}: field {:.2f} s, drawn {:.2f} s\n",
                receiver.channels.size(), bandwidth / 1e3, of.seen.patches.size(), tolerance, by_field,
                by_rule);

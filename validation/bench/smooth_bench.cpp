@@ -109,9 +109,9 @@ void run(int elements, int exact_elements) {
   grid.frame = glm::dmat3(glm::dvec3(0, 1, 0), glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 1));
   append_tubes(tubes, grid);
   const History history = TubeEngine(scene.mesh, tree, scene.grid.unit_m(), {}).trace(tubes);
-  EchoLaw law;
-  law.path.tx.apex_m = scene.grid.to_metres(tubes.apex);
-  const SplitPatches split = split_patches(seen_patches(history, law), [&](FacetId facet) {
+  EchoModel model;
+  model.path.tx.apex_m = scene.grid.to_metres(tubes.apex);
+  const SplitPatches split = split_patches(seen_patches(history, model), [&](FacetId facet) {
     return scene.description.materials[scene.mesh.material[facet]].name == "steel";
   });
   measure("wreck", split.smooth, elements, exact_elements);

@@ -108,10 +108,10 @@ int main() {
   const ScanningSonar sonar(360, 30 * std::numbers::pi / 180, {0.5, 0.05, 300});
   const Pose pose{{0, 0, 1.5}, attitude_from_angles(0, 0, 0)};
   const std::vector<double> mu{0.002, 0.1};  // of the bed and of the box
-  const EchoLaw law{mu, mesh.material, 0.25};
+  const EchoModel model{mu, mesh.material, 0.25};
   const auto echo_of = [&](const History& history) {
     return integrate_echo(history, {static_cast<int>(sonar.beams().size()), sonar.beam_of_tube()},
-                          sonar.samples(), law);
+                          sonar.samples(), model);
   };
 
   const TubeEngine tubes(mesh, tree, grid.unit_m(), {});

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/law/range_samples.hpp"
+#include "engine/scattering/range_samples.hpp"
 #include "engine/visibility/history.hpp"
 
 namespace tubefoot {

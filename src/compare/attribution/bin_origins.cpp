@@ -51,11 +51,11 @@ class Origins {
   void add_one_end(const Transmission& transmission) {
     const History history = transmission.trace();
     const TransmissionGround& ground = transmission.ground();
-    SensorLaw law = transmission.law(index_);
-    law.patterns.baselines.clear();  // what the transmitter sees
+    SensorModel model = transmission.model(index_);
+    model.patterns.baselines.clear();  // what the transmitter sees
     add_parts(
         transmission, history, {transmission.beams(index_), sensor_.beam_of_tube(transmission.number())},
-        transmission.echo(history, index_, law.law), law.law, ground.mesh(),
+        transmission.echo(history, index_, model.model), model.model, ground.mesh(),
         [&](std::size_t number) { return history.footprints.footprints[number].facet; },
         [&](FacetId facet) { return ground.base_facet(facet); });
     add_edges(transmission, history, ground.mesh(), glm::dvec3(0),
@@ -64,12 +64,12 @@ class Origins {
 
   void add_two_ends(const Transmission& transmission, const TransmissionEnds& ends) {
     const TransmissionEnds::Seen all = ends.seen();
-    const std::unique_ptr<SensorLaw> law = ends.law(index_);
-    law->patterns.baselines.clear();
+    const std::unique_ptr<SensorModel> model = ends.model(index_);
+    model->patterns.baselines.clear();
     const std::vector<std::uint32_t> fans = sensor_.fan_of_tube(transmission.number());
     add_parts(
         transmission, all.together.history, transmission.beams_by_fans(index_, fans),
-        transmission.echo(all.together.history, index_, law->law), law->law, ends.shared_mesh(),
+        transmission.echo(all.together.history, index_, model->model), model->model, ends.shared_mesh(),
         [&](std::size_t number) { return all.together.footprints.footprints[number].facet; },
         [&](FacetId facet) { return ends.base_facet(facet); });
     const WorldGrid& grid = transmission.scene().grid;
@@ -80,11 +80,11 @@ class Origins {
 
   template <class FacetOf, class BaseOf>
   void add_parts(const Transmission& transmission, const CommonVisibility& visibility,
-                 const ReceiveBeams& hearing, const Echo& echo, const EchoLaw& law, const FacetMesh& mesh,
+                 const ReceiveBeams& hearing, const Echo& echo, const EchoModel& model, const FacetMesh& mesh,
                  const FacetOf& facet_of, const BaseOf& base_of) {
     const std::vector<std::uint32_t>& beams = sensor_.beams_of_transmission(transmission.number());
-    const double least = law.patterns != nullptr ? least_share_with_patterns : 0;
-    for (const Contribution& c : contributions(visibility, hearing, sensor_.samples(), law,
+    const double least = model.patterns != nullptr ? least_share_with_patterns : 0;
+    for (const Contribution& c : contributions(visibility, hearing, sensor_.samples(), model,
                                                transmission.request().binning, echo, least)) {
       const FacetId facet = facet_of(c.footprint);
       found_.parts.push_back({static_cast<std::uint32_t>(beams[c.beam] * samples_ + c.sample), base_of(facet),

@@ -100,7 +100,7 @@ void run_columns(const Survey& survey, const SensorPlace& place, const BeamSampl
     for (std::size_t number = 0; number < sensor.transmissions(); ++number) {
       const Transmission transmission = near.received_by(place.sensor, place.pings[p], number);
       const TransmissionRays rays(transmission);
-      const SensorLaw law = transmission.law(place.sensor);
+      const SensorModel model = transmission.model(place.sensor);
       const TubeSet whole = transmission.tubes();
       const CutTubes cut = [&] {
         try {
@@ -119,7 +119,7 @@ void run_columns(const Survey& survey, const SensorPlace& place, const BeamSampl
                      hit.tube = cut.whole[hit.tube];
                      history.hits.push_back(hit);
                    }
-                   const Echo echo = transmission.echo(history, place.sensor, law.law);
+                   const Echo echo = transmission.echo(history, place.sensor, model.model);
                    const auto& beams = sensor.beams_of_transmission(number);
                    for (std::size_t b = 0; b < beams.size(); ++b)
                      for (std::size_t k = 0; k < to.samples; ++k)
@@ -132,7 +132,7 @@ void run_columns(const Survey& survey, const SensorPlace& place, const BeamSampl
 }
 
 /// What each hit returns by itself, as a beam of its own.
-std::vector<double> energies_of_hits(const Transmission& transmission, std::size_t s, const EchoLaw& law,
+std::vector<double> energies_of_hits(const Transmission& transmission, std::size_t s, const EchoModel& model,
                                      const History& history) {
   const RangeSamples& samples = transmission.sensor(s).samples();
   History alone{{}, history.grid_unit_m, {}, {}};
@@ -143,7 +143,7 @@ std::vector<double> energies_of_hits(const Transmission& transmission, std::size
     alone.hits.push_back(hit);
   }
   const RangeSamples as_one{samples.first_m, samples.step_m * samples.count, 1};
-  return integrate_echo(alone, {static_cast<int>(beams.size()), beams}, as_one, law).energy;
+  return integrate_echo(alone, {static_cast<int>(beams.size()), beams}, as_one, model).energy;
 }
 
 /// For each of a ping's bins the sum over rays of energy^2 over solid angle, and by beam the solid angle.
@@ -160,7 +160,7 @@ SecondMoments second_moments(const Transmissions& near, std::size_t s, std::size
   for (std::size_t number = 0; number < sensor.transmissions(); ++number) {
     const Transmission transmission = near.received_by(s, ping, number);
     const TransmissionRays rays(transmission);
-    const SensorLaw law = transmission.law(s);
+    const SensorModel model = transmission.model(s);
     History history{transmission.tubes(), transmission.scene().grid.unit_m(), {}, {}};
     const auto& beam_of_tube = sensor.beam_of_tube(number);
     const auto& beams = sensor.beams_of_transmission(number);
@@ -170,7 +170,7 @@ SecondMoments second_moments(const Transmissions& near, std::size_t s, std::size
     const std::int64_t rays_a_beam = std::max<std::int64_t>(100 * samples.count, 20'000);
     trace_rays(*rays, history, {RaySampling::stratified, rays_a_beam, RaySettings::Per::beam, 1},
                beam_of_tube, [&] {
-                 const std::vector<double> energy = energies_of_hits(transmission, s, law.law, history);
+                 const std::vector<double> energy = energies_of_hits(transmission, s, model.model, history);
                  std::size_t number_of_hit = 0;
                  for (const RayHit hit : history.hits) {
                    const double own = energy[number_of_hit++];

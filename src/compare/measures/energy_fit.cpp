@@ -101,7 +101,7 @@ struct Line {
   Estimate a, b;
 };
 
-Line line_through(const std::vector<Cell>& cells, bool gain, bool law) {
+Line line_through(const std::vector<Cell>& cells, bool gain, bool model) {
   Line line;
   if (gain) {
     std::vector<double> ratios;
@@ -128,7 +128,7 @@ Line line_through(const std::vector<Cell>& cells, bool gain, bool law) {
       scores[cell.group][1] += weight * off * cell.log_range;
     }
     if (!gain) x = 0, w = 1, e = 0;
-    if (!law) x = 0, xx = 1, xe = 0;
+    if (!model) x = 0, xx = 1, xe = 0;
     const double determinant = w * xx - x * x;
     if (!(determinant > 1e-9 * w * xx)) break;
     const double step_a = (xx * e - x * xe) / determinant, step_b = (w * xe - x * e) / determinant;
@@ -136,7 +136,7 @@ Line line_through(const std::vector<Cell>& cells, bool gain, bool law) {
     line.b.value += step_b;
     double var_a = 0, var_b = 0;
     for (const auto& [group, s] : scores) {
-      const double sa = gain ? s[0] : 0, sb = law ? s[1] : 0;
+      const double sa = gain ? s[0] : 0, sb = model ? s[1] : 0;
       const double da = (xx * sa - x * sb) / determinant, db = (w * sb - x * sa) / determinant;
       var_a += da * da;
       var_b += db * db;

@@ -34,15 +34,15 @@ void map(BoundedPicture& picture, const std::function<double(double)>& f) {
 
 /// Once a range factor has been put on, a bin's bound holds it for every range of its sample.
 void put(const RangeLawStep& step, const SourcePlace&, BoundedPicture& picture) {
-  const auto law = [&](double r) {
+  const auto model = [&](double r) {
     return std::pow(r, step.exponent) * std::pow(10, step.absorption_db_per_km * 2 * r / 1e4);
   };
   for (std::size_t bin = 0; bin < picture.value.size(); ++bin) {
     const std::size_t s = bin % picture.shape.samples;
-    const double first = law(picture.slant_range_bounds_m[2 * s]),
-                 last = law(picture.slant_range_bounds_m[2 * s + 1]);
+    const double first = model(picture.slant_range_bounds_m[2 * s]),
+                 last = model(picture.slant_range_bounds_m[2 * s + 1]);
     const double middle =
-        law((picture.slant_range_bounds_m[2 * s] + picture.slant_range_bounds_m[2 * s + 1]) / 2);
+        model((picture.slant_range_bounds_m[2 * s] + picture.slant_range_bounds_m[2 * s + 1]) / 2);
     const Ends ends = ends_of(picture, bin);
     set(picture, bin, picture.value[bin] * middle,
         {ends.low * std::min({first, middle, last}), ends.high * std::max({first, middle, last})});

@@ -21,8 +21,8 @@ constexpr double slack = enclosure_slack;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 /// What lies on a facet.
 struct Surface {
-  const ScatteringLaw* law = nullptr;  ///< none: Lambert's, but for its mu
-  double most = 1;                     ///< of mu, or 1 with a law; times the texture
+  const ScatteringModel* model = nullptr;  ///< none: Lambert's, but for its mu
+  double most = 1;                         ///< of mu, or 1 with a law; times the texture
 };
 
 class Encloser {
@@ -71,7 +71,7 @@ class Encloser {
     bool one_ray = false;
     for (int parts = 1; parts <= 8; parts *= 2) {
       Gathered finer;
-      if (!gather(flat, facet.normal, alone, surface.law, parts, finer)) continue;
+      if (!gather(flat, facet.normal, alone, surface.model, parts, finer)) continue;
       const auto slopes = [](const Gathered& all) { return all.level_a.largest() + all.level_b.largest(); };
       const bool enough =
           one_ray && finer.bends.across > 0.8 * best.bends.across && slopes(finer) > 0.8 * slopes(best);
@@ -128,15 +128,15 @@ class Encloser {
       return Interval(-wide, wide);
     };
     level = level + change(best.level_a, best.level_b) + beside(best.level_a, best.level_b);
-    if (surface.law != nullptr) {
+    if (surface.model != nullptr) {
       const GrazingPatch at = grazing(flat, facet.normal, *middle, places(flat, 0.0, 0.0));
       const Interval ratio = log((towards.lo > 0 ? towards : -towards) * speed_ * middle->slowness_s_per_m.v /
                                  height_of(facet.normal, *middle).v);
       const auto scattering = apparent_scattering(
-          *surface.law, at, ratio, best.grazing,
+          *surface.model, at, ratio, best.grazing,
           [&](const Interval& a, const Interval& b) { return change(a, b) + beside(a, b); });
       if (!scattering) return facet;
-      facet.law = scattering->law;
+      facet.model = scattering->model;
       level = level + scattering->rest;
     }
     const double range = 3 * std::log1p(facet.shift_m / (facet.nearest_m - facet.shift_m)) +
@@ -189,7 +189,7 @@ class Encloser {
     return rays.arrival_across * (Jet(n.x) * at[0] + Jet(n.y) * at[1]) - Jet(n.z) * rays.arrival_down_m;
   }
 
-  bool gather(const FlatFacet& flat, const glm::dvec3& normal, bool alone, const ScatteringLaw* law,
+  bool gather(const FlatFacet& flat, const glm::dvec3& normal, bool alone, const ScatteringModel* model,
               int parts, Gathered& all) const {
     const auto [least, most] = box_of(flat);
     const glm::dvec2 step = (most - least) / double(parts);
@@ -211,11 +211,11 @@ class Encloser {
         own.bends = bends_of(*rays, normal);
         own.sine = sine.v;
         Interval scattered = squared(size), by_sine = size;
-        if (law != nullptr) {
+        if (model != nullptr) {
           const Interval along = sine.v / distance;
           const double flattest = along.may_be_zero() ? 0 : std::min(std::abs(along.lo), std::abs(along.hi));
           own.grazing.push_back(grazing(flat, normal, *rays, at));
-          scattered = Interval(0, largest_cross_section(*law, {flattest, size.hi}));
+          scattered = Interval(0, largest_cross_section(*model, {flattest, size.hi}));
           by_sine = Interval(0, scattered.hi / flattest);
         }
         own.per_sr = by_sine * lost / area;
@@ -262,16 +262,16 @@ class Encloser {
 
 }  // namespace
 
-ApparentEnclosures enclose(const MappedSeabed& bed, const RayEnclosure& rays, const EchoLaw& law) {
+ApparentEnclosures enclose(const MappedSeabed& bed, const RayEnclosure& rays, const EchoModel& model) {
   const FacetMesh& mesh = bed.mesh();
-  const Encloser encloser(rays, law.absorption_db_per_m);
+  const Encloser encloser(rays, model.absorption_db_per_m);
   const glm::dvec3 apex = rays.apex_m();
-  const auto textures = certified_textures(law);
+  const auto textures = certified_textures(model);
   std::vector<Surface> surfaces;
-  for (std::size_t material = 0; material < law.material_mu.size(); ++material) {
-    Surface surface{law.scattering.empty() ? nullptr : law.scattering[material].get(),
-                    law.material_mu[material]};
-    if (surface.law != nullptr) surface.most = 1;
+  for (std::size_t material = 0; material < model.material_mu.size(); ++material) {
+    Surface surface{model.scattering.empty() ? nullptr : model.scattering[material].get(),
+                    model.material_mu[material]};
+    if (surface.model != nullptr) surface.most = 1;
     if (textures[material] != nullptr) surface.most *= textures[material]->range().hi();
     surfaces.push_back(surface);
   }

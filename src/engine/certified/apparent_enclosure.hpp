@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/ground/refracted_ground.hpp"
-#include "engine/law/echo_law.hpp"
+#include "engine/scattering/echo_model.hpp"
 #include "engine/water/ray_enclosure.hpp"
 #include "geometry/search/scene_tree.hpp"
 
@@ -35,7 +35,7 @@ struct FacetEnclosure {
   /// What the facet returns along a ray over what the straight law makes of the apparent facet.
   Interval factor;
   /// The straight law, of a material that has one; none: Lambert's.
-  std::optional<ScatteringLaw> law;
+  std::optional<ScatteringModel> model;
   /// No place that a ray meets is farther from where the facet's map (FacetMap) has it.
   double place_off_m = 0;
   double most_per_sr = 0;  ///< upper bound of what it returns [J] per steradian of launch
@@ -58,7 +58,7 @@ struct MappedSeabed {
   const FacetMesh& mesh() const { return ground.refined.mesh; }
 };
 
-/// Encloses the facets of an apparent ground. `law`: that of apparent ranges.
-ApparentEnclosures enclose(const MappedSeabed& bed, const RayEnclosure& rays, const EchoLaw& law);
+/// Encloses the facets of an apparent ground. `model`: that of apparent ranges.
+ApparentEnclosures enclose(const MappedSeabed& bed, const RayEnclosure& rays, const EchoModel& model);
 
 }  // namespace tubefoot

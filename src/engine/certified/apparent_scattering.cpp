@@ -88,9 +88,9 @@ struct AngleSlopes {
 };
 
 /// No less than |d log sigma / d phi| of a piece up to an angle.
-double steepest(const ScatteringLaw::Piece& piece, double incidence_rad) {
+double steepest(const ScatteringModel::Piece& piece, double incidence_rad) {
   double most = 0;
-  for (const ScatteringLaw::Term& t : piece.terms)
+  for (const ScatteringModel::Term& t : piece.terms)
     most = std::max(most, std::abs(t.slope) + 2 * t.curvature * incidence_rad +
                               (t.power == 0             ? 0
                                : incidence_rad < pi / 2 ? t.power * std::tan(incidence_rad)
@@ -100,15 +100,15 @@ double steepest(const ScatteringLaw::Piece& piece, double incidence_rad) {
 
 /// The logarithm of a law over what one piece's terms say beyond its end: where two angles that are `off_rad`
 /// apart lie on either side of an end of a piece, the first of them in `incidence`.
-double over_ends(const ScatteringLaw& law, const Interval& incidence, double off_rad) {
-  const auto& pieces = law.pieces();
+double over_ends(const ScatteringModel& model, const Interval& incidence, double off_rad) {
+  const auto& pieces = model.pieces();
   std::vector<std::pair<double, double>> ends;  // angle, and what it makes
   for (std::size_t k = 0; k + 1 < pieces.size(); ++k) {
     const double end = pieces[k].to;
     if (end < incidence.lo - off_rad || end > incidence.hi + off_rad) continue;
     const double sine = std::cos(end);
-    const double jump = std::abs(std::log(ScatteringLaw::in_piece(pieces[k], end, sine) /
-                                          ScatteringLaw::in_piece(pieces[k + 1], end, sine)));
+    const double jump = std::abs(std::log(ScatteringModel::in_piece(pieces[k], end, sine) /
+                                          ScatteringModel::in_piece(pieces[k + 1], end, sine)));
     ends.emplace_back(
         end, jump + off_rad * (steepest(pieces[k], end + off_rad) + steepest(pieces[k + 1], end + off_rad)));
   }
@@ -125,7 +125,7 @@ double over_ends(const ScatteringLaw& law, const Interval& incidence, double off
 }  // namespace
 
 std::optional<ApparentScattering> apparent_scattering(
-    const ScatteringLaw& law, const GrazingPatch& middle, const Interval& log_ratio,
+    const ScatteringModel& model, const GrazingPatch& middle, const Interval& log_ratio,
     std::span<const GrazingPatch> over,
     const std::function<Interval(const Interval& a, const Interval& b)>& spread) {
   GrazingPatch all = over.front();
@@ -159,11 +159,11 @@ std::optional<ApparentScattering> apparent_scattering(
   if (!off.is_finite() || !(off.lo <= off.hi)) return std::nullopt;
 
   std::optional<Interval> rest;
-  for (std::size_t k = 0; k < law.pieces().size(); ++k) {
-    const ScatteringLaw::Piece& piece = law.pieces()[k];
-    const bool last = k + 1 == law.pieces().size();
+  for (std::size_t k = 0; k < model.pieces().size(); ++k) {
+    const ScatteringModel::Piece& piece = model.pieces()[k];
+    const bool last = k + 1 == model.pieces().size();
     if (phi.hi + off.largest() < piece.from || (!last && phi.lo - off.largest() > piece.to)) continue;
-    for (const ScatteringLaw::Term& t : piece.terms) {
+    for (const ScatteringModel::Term& t : piece.terms) {
       const Interval exponent =
           fit.upright ? t.slope * off - t.curvature * square
                       : off * (t.slope - t.curvature * (phi + fit.shift_rad + fit.stretch * psi));
@@ -172,23 +172,23 @@ std::optional<ApparentScattering> apparent_scattering(
     }
   }
   // A law is a sum of terms that are positive: so is the ratio of two between those of their terms.
-  ApparentScattering found{law.of_angle(fit.shift_rad, fit.stretch, std::exp(fitted_ratio)), {}};
-  found.rest = *rest + both_ways(over_ends(law, phi, off.largest()) + 1e-12);
+  ApparentScattering found{model.of_angle(fit.shift_rad, fit.stretch, std::exp(fitted_ratio)), {}};
+  found.rest = *rest + both_ways(over_ends(model, phi, off.largest()) + 1e-12);
   if (!found.rest.is_finite()) return std::nullopt;
   return found;
 }
 
-double largest_cross_section(const ScatteringLaw& law, const Interval& sine) {
+double largest_cross_section(const ScatteringModel& model, const Interval& sine) {
   const Interval s = sine_in(sine), incidence = incidence_of(s);
   double most = 0;
-  for (std::size_t k = 0; k < law.pieces().size(); ++k) {
-    const ScatteringLaw::Piece& piece = law.pieces()[k];
-    const bool last = k + 1 == law.pieces().size();
+  for (std::size_t k = 0; k < model.pieces().size(); ++k) {
+    const ScatteringModel::Piece& piece = model.pieces()[k];
+    const bool last = k + 1 == model.pieces().size();
     const double lo = std::max(incidence.lo, piece.from - rounding),
                  hi = last ? incidence.hi : std::min(incidence.hi, piece.to + rounding);
     if (!(lo <= hi)) continue;
     double sum = 0;
-    for (const ScatteringLaw::Term& t : piece.terms)
+    for (const ScatteringModel::Term& t : piece.terms)
       sum += t.level * std::pow(s.hi, t.power) *
              std::exp(std::max(t.slope * (lo - piece.from), t.slope * (hi - piece.from)) -
                       t.curvature * lo * lo);

@@ -41,19 +41,19 @@ double bend_of(const Jet& x) {
 
 /// What lies on a facet.
 struct Surface {
-  const ScatteringLaw* law = nullptr;
+  const ScatteringModel* model = nullptr;
   double most = 1;  ///< of mu, or 1 with a law; times the texture
 };
 
 class BistaticEncloser {
  public:
-  BistaticEncloser(const BistaticBed& bed, const EchoLaw& law)
-      : bed_(bed), law_(law), beta_(outwards(std::numbers::ln10 / 10, std::numbers::ln10 / 10, 4)) {
-    const auto textures = certified_textures(law);
-    for (std::size_t material = 0; material < law.material_mu.size(); ++material) {
-      Surface surface{law.scattering.empty() ? nullptr : law.scattering[material].get(),
-                      law.material_mu[material]};
-      if (surface.law != nullptr) surface.most = 1;
+  BistaticEncloser(const BistaticBed& bed, const EchoModel& model)
+      : bed_(bed), model_(model), beta_(outwards(std::numbers::ln10 / 10, std::numbers::ln10 / 10, 4)) {
+    const auto textures = certified_textures(model);
+    for (std::size_t material = 0; material < model.material_mu.size(); ++material) {
+      Surface surface{model.scattering.empty() ? nullptr : model.scattering[material].get(),
+                      model.material_mu[material]};
+      if (surface.model != nullptr) surface.most = 1;
       if (textures[material] != nullptr) surface.most *= textures[material]->range().hi();
       surfaces_.push_back(surface);
     }
@@ -112,7 +112,7 @@ class BistaticEncloser {
     // All of it in boxes; in smaller ones until each end has one ray to each box, and while that says more.
     Gathered best;
     for (int parts = 1; parts <= 8; parts *= 2) {
-      Gathered finer = gather(flat, ends, beside, surface.law, parts);
+      Gathered finer = gather(flat, ends, beside, surface.model, parts);
       const auto ends_with_one_ray = [](const Gathered& all) { return all.whole[0] + all.whole[1]; };
       if (ends_with_one_ray(finer) < ends_with_one_ray(best)) continue;
       const bool as_many = parts > 1 && finer.whole == best.whole,
@@ -160,7 +160,7 @@ class BistaticEncloser {
   };
 
   Gathered gather(const FlatFacet& flat, const std::array<std::optional<EndOfFacet>, 2>& ends,
-                  const Beside& other, const ScatteringLaw* law, int parts) const {
+                  const Beside& other, const ScatteringModel* model, int parts) const {
     Gathered all;
     const auto [least, most] = box_of(flat);
     const glm::dvec2 step = (most - least) / double(parts);
@@ -191,7 +191,7 @@ class BistaticEncloser {
       all.level_b = k == 0 ? b : hull(all.level_b, b);
       const auto& [box_a, box_b] = all.boxes[k];
       const auto also = other.end ? other.end->over(box_a, box_b) : std::nullopt;
-      add_most(tx, rx, also ? &*also : nullptr, law, all);
+      add_most(tx, rx, also ? &*also : nullptr, model, all);
       if (other.sees && !also) all.per_area = all.per_sr[0] = all.per_sr[1] = infinite;
     }
     return all;
@@ -201,7 +201,7 @@ class BistaticEncloser {
   Interval slope(const EndPatch& at, Interval Jet::*along) const {
     const RayJets& rays = at.rays;
     const Interval beyond_db =
-        rays.absorption_db.*along - law_.absorption_db_per_m * reference_speed() * rays.time_s.*along;
+        rays.absorption_db.*along - model_.absorption_db_per_m * reference_speed() * rays.time_s.*along;
     return at.sine_m.*along / at.sine_m.v + 3.0 * (rays.slowness_s_per_m.*along / rays.slowness_s_per_m.v) -
            rays.area_ratio_per_sr.*along / rays.area_ratio_per_sr.v - beta_ * beyond_db;
   }
@@ -211,16 +211,16 @@ class BistaticEncloser {
   struct Most {
     double per_sr[2]{}, per_area = 0;
   };
-  Most most_of(const EndPatch& tx, const EndPatch& rx, const ScatteringLaw* law) const {
+  Most most_of(const EndPatch& tx, const EndPatch& rx, const ScatteringModel* model) const {
     double lobe[2]{}, by_sine[2]{}, area[2]{}, lost = 1;
     for (const int e : {0, 1}) {
       const EndPatch& at = e == 0 ? tx : rx;
       const Interval sine = at.sine_m.v / root(at.distance2.v);
       const double largest = std::min(sine.largest(), 1.0), least = least_size(sine);
-      lobe[e] = law == nullptr
+      lobe[e] = model == nullptr
                     ? largest
-                    : std::sqrt(largest_cross_section(*law, {std::min(least, 1.0), largest})) * (1 + slack);
-      by_sine[e] = law == nullptr ? 1 : lobe[e] / least;
+                    : std::sqrt(largest_cross_section(*model, {std::min(least, 1.0), largest})) * (1 + slack);
+      by_sine[e] = model == nullptr ? 1 : lobe[e] / least;
       area[e] = (at.rays.area_ratio_per_sr.v * at.distance2.v).lo;  // back from the place
       if (!(area[e] > 0)) area[e] = 0;
       lost *= exp(-(beta_ * at.rays.absorption_db.v)).hi;
@@ -238,11 +238,11 @@ class BistaticEncloser {
     return x.may_be_zero() ? 0 : std::min(std::abs(x.lo), std::abs(x.hi));
   }
   /// `beside`: what a receiver there receives as well, per steradian of the receive leg; null: none.
-  void add_most(const EndPatch& tx, const EndPatch& rx, const EndPatch* beside, const ScatteringLaw* law,
+  void add_most(const EndPatch& tx, const EndPatch& rx, const EndPatch* beside, const ScatteringModel* model,
                 Gathered& all) const {
-    Most most = most_of(tx, rx, law);
+    Most most = most_of(tx, rx, model);
     if (beside != nullptr) {
-      const Most other = most_of(tx, *beside, law);
+      const Most other = most_of(tx, *beside, model);
       const double speed = rx.speed.hi / bed_.rx.water.finder().source_speed_m_s() * (1 + slack),
                    sine = least_size(rx.sine_m.v / root(rx.distance2.v)),
                    area = (rx.rays.area_ratio_per_sr.v * rx.distance2.v).hi * speed * speed / sine;
@@ -412,12 +412,12 @@ class BistaticEncloser {
       const double height = flattened[e].height, off = misfit[e].largest_m;
       if (!sine_m.surely_positive() || !(off < facet.nearest_m / 4)) return;
       const Interval db =
-          middle.rays.absorption_db.v - law_.absorption_db_per_m * reference_speed() * middle.rays.time_s.v;
+          middle.rays.absorption_db.v - model_.absorption_db_per_m * reference_speed() * middle.rays.time_s.v;
       level = level + log(sine_m) + 3.0 * log(reference_speed() * middle.rays.slowness_s_per_m.v) -
               log(middle.rays.area_ratio_per_sr.v) - beta_ * db - log(Interval(height));
       level = level + both_ways(3 * std::log1p(off / (facet.nearest_m - off)) +
-                                beta_.hi * law_.absorption_db_per_m * off);
-      if (surface.law != nullptr) {
+                                beta_.hi * model_.absorption_db_per_m * off);
+      if (surface.model != nullptr) {
         const Jet laid2 = flattened[e].range2(0.0, 0.0);
         const GrazingPatch at = grazing(middle, laid2, misfit[e].at_middle.v, misfit[e].at_middle.a,
                                         misfit[e].at_middle.b, height);
@@ -427,13 +427,13 @@ class BistaticEncloser {
                                  flattened[e].range2(all.boxes[k].first, all.boxes[k].second), misfit[e].v,
                                  misfit[e].a, misfit[e].b, height));
         const Interval ratio = log(sine_m * root(laid2.v) / (root(middle.distance2.v) * height));
-        const auto scattering = apparent_scattering(*surface.law, at, ratio, over, change);
+        const auto scattering = apparent_scattering(*surface.model, at, ratio, over, change);
         if (!scattering) return;
-        pair.law[e] = scattering->law;
+        pair.model[e] = scattering->model;
         level = level + 0.5 * scattering->rest;
       }
       take_directions(flat, flattened[e], seen[e], facet, e, pair);
-      const MirrorLoss& loss = e == 0 ? law_.path.tx.loss : law_.path.back().loss;
+      const MirrorLoss& loss = e == 0 ? model_.path.tx.loss : model_.path.back().loss;
       const double turn = pair.turn_rad[e] + pair.stretch[e];
       level = level + both_ways(loss.roughness * double(loss.rough_normals.size()) * (1 + loss.bend) * turn *
                                 (2 + turn) * (1 + slack));
@@ -499,7 +499,7 @@ class BistaticEncloser {
   }
 
   const BistaticBed& bed_;
-  const EchoLaw& law_;
+  const EchoModel& model_;
   Interval beta_;
   std::vector<Surface> surfaces_;
 };
@@ -525,8 +525,8 @@ double ReceiveRanges::largest_difference_m(const ReceiveRanges& one, const Recei
 }
 
 BistaticEnclosures enclose(const BistaticBed& bed, std::span<const SharedFacet> shared,
-                           std::span<const BistaticFacet> bistatic, const EchoLaw& law) {
-  const BistaticEncloser encloser(bed, law);
+                           std::span<const BistaticFacet> bistatic, const EchoModel& model) {
+  const BistaticEncloser encloser(bed, model);
   BistaticEnclosures all;
   all.facets.resize(shared.size());
   std::array<std::vector<FacetId>, 2> seen_as;

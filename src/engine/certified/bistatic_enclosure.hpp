@@ -58,7 +58,7 @@ struct BistaticEnclosure {
   /// What a place returns along its two rays, over what the straight law makes of it laid out: of Lambert's
   /// law, or of the laws below, which are those of the angles that are laid out.
   Interval factor;
-  std::array<std::optional<ScatteringLaw>, 2> law;
+  std::array<std::optional<ScatteringModel>, 2> model;
   /// No ray is launched farther than this from where its end sees the place, and the place's distance there
   /// is no farther than this part of itself from the range laid out.
   std::array<double, 2> turn_rad{}, stretch{};
@@ -74,9 +74,9 @@ struct BistaticEnclosures {
 };
 
 /// Encloses the facets of a bed that either end sees, and more closely those that they share: `shared`, and
-/// how each is laid out. `law`: that of apparent ranges, with the path's mirrors; material by facet of the
+/// how each is laid out. `model`: that of apparent ranges, with the path's mirrors; material by facet of the
 /// bed.
 BistaticEnclosures enclose(const BistaticBed& bed, std::span<const SharedFacet> shared,
-                           std::span<const BistaticFacet> bistatic, const EchoLaw& law);
+                           std::span<const BistaticFacet> bistatic, const EchoModel& model);
 
 }  // namespace tubefoot

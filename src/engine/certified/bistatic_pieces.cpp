@@ -16,19 +16,19 @@ constexpr double slack = enclosure_slack;
 
 }  // namespace
 
-BistaticPieces::BistaticPieces(const EchoLaw& law, std::span<const double> borders_m, double step_m,
+BistaticPieces::BistaticPieces(const EchoModel& model, std::span<const double> borders_m, double step_m,
                                std::vector<double> target, double tolerance)
-    : law_(law),
+    : model_(model),
       borders_(borders_m),
       step_m_(step_m),
       tolerance_(tolerance),
       target_(std::move(target)),
-      textures_(certified_textures(law)),
-      beta_(Ball(law.absorption_db_per_m) * log(Ball(10)) / Ball(10)) {}
+      textures_(certified_textures(model)),
+      beta_(Ball(model.absorption_db_per_m) * log(Ball(10)) / Ball(10)) {}
 
 BistaticPieces::OnFacet BistaticPieces::on(FacetId facet, const BistaticFacet& bistatic,
                                            const BistaticEnclosure& proven) const {
-  OnFacet on{bistatic, proven, law_.material[facet],
+  OnFacet on{bistatic, proven, model_.material[facet],
              ShiftedSamples(borders_, step_m_, proven.shift_m * (1 + slack)), nullptr};
   on.integrator = std::make_unique<CertifiedPathIntegrator>(on.samples.borders());
   return on;
@@ -43,7 +43,7 @@ void BistaticPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm
   const CertifiedPolygon polygon = flattened(corners_m, receiver_m, bistatic);
   if (polygon.edges.size() < 3) return;
 
-  const CertifiedPathEnergy energy = energy_of(bistatic, on.proven, law_, on.material, beta_);
+  const CertifiedPathEnergy energy = energy_of(bistatic, on.proven, model_, on.material, beta_);
   const ApexOverPlane tx = energy.tx().over(), rx = energy.rx().over();
   const CertifiedTexture* texture = textures_[on.material].get();
   Between range{1, 1};
@@ -66,7 +66,7 @@ void BistaticPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm
   // Of an even bed without patterns, by sample: what changes of patterns and of texture are reported by.
   std::map<std::size_t, double> plain;
   double all_plain = 0;
-  const bool weighed = law_.patterns != nullptr;
+  const bool weighed = model_.patterns != nullptr;
   double texture_change = 0;
   if (cells > 0) texture_change = change_of(*texture, on.proven.place_off_m);
   if (weighed || texture_change > 0) {
@@ -85,8 +85,8 @@ void BistaticPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm
   CertifiedPathGains gains;
   std::vector<PatternDoubt> doubts(end - first);
   if (weighed) {
-    const TransmitPattern& transmit = law_.patterns->transmit[law_.patterns->fan_of_tube[receive_tube]];
-    const std::span receive = std::span(law_.patterns->receive).subspan(first, end - first);
+    const TransmitPattern& transmit = model_.patterns->transmit[model_.patterns->fan_of_tube[receive_tube]];
+    const std::span receive = std::span(model_.patterns->receive).subspan(first, end - first);
     gains = {energy.tx(), energy.rx(), transmit, receive};
     const PatternDoubt tx_doubt(transmit, Towards::places(corners_m), on.proven);
     const Towards back = seen_rx(polygon, bistatic);
@@ -134,10 +134,10 @@ void BistaticPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm
 double BistaticPieces::most_of(std::uint32_t transmit, std::uint32_t beam, const Towards& tx,
                                const Towards& rx) const {
   const double passes =
-      tubefoot::most_of(law_.path.tx.loss, tx) * tubefoot::most_of(law_.path.back().loss, rx);
-  if (law_.patterns == nullptr) return passes;
-  return passes * tubefoot::most_of(law_.patterns->transmit[transmit], tx) *
-         tubefoot::most_of(law_.patterns->receive[beam], rx);
+      tubefoot::most_of(model_.path.tx.loss, tx) * tubefoot::most_of(model_.path.back().loss, rx);
+  if (model_.patterns == nullptr) return passes;
+  return passes * tubefoot::most_of(model_.patterns->transmit[transmit], tx) *
+         tubefoot::most_of(model_.patterns->receive[beam], rx);
 }
 
 }  // namespace tubefoot

@@ -19,8 +19,8 @@ namespace tubefoot {
 /// Of one path: its law, with patterns as its ends have them, samples and tolerance.
 class BistaticPieces {
  public:
-  /// `law` and `borders_m` outlive it; `target`: by bin, how wide its enclosure may be.
-  BistaticPieces(const EchoLaw& law, std::span<const double> borders_m, double step_m,
+  /// `model` and `borders_m` outlive it; `target`: by bin, how wide its enclosure may be.
+  BistaticPieces(const EchoModel& model, std::span<const double> borders_m, double step_m,
                  std::vector<double> target, double tolerance);
 
   /// A facet that was proven, for one thread.
@@ -42,7 +42,7 @@ class BistaticPieces {
   double most_of(std::uint32_t transmit, std::uint32_t beam, const Towards& tx, const Towards& rx) const;
 
  private:
-  const EchoLaw& law_;
+  const EchoModel& model_;
   std::span<const double> borders_;
   double step_m_, tolerance_;
   std::vector<double> target_;

@@ -64,15 +64,15 @@ struct About {
 class BistaticReference {
  public:
   BistaticReference(const BistaticBed& bed, const BistaticTubes& tubes, const VisibilityOptions& options,
-                    const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
+                    const ReceiveBeams& beams, const RangeSamples& samples, const EchoModel& model,
                     const Echo& ordinary, double tolerance)
       : bed_(bed),
         beams_(beams),
-        law_(law),
+        model_(model),
         off_rad_(tubes.off_rad),
         unit_m_(bed.grid.unit_m()),
         borders_(sample_borders_m(samples)),
-        pieces_(law, borders_, samples.step_m, reference_targets(ordinary, tolerance), tolerance) {
+        pieces_(model, borders_, samples.step_m, reference_targets(ordinary, tolerance), tolerance) {
     // Facets that begin beyond the reach may be seen before it; where sound is faster than ranges say, ends
     // are farther apart.
     const double reach_m = std::max(tubes.tx.reach, tubes.rx.reach) * unit_m_,
@@ -101,7 +101,7 @@ class BistaticReference {
         {looks_[1].tubes, looks_[1].seen, &bed_.rx.ground.refined.mesh, bed_.rx.origin}, unit_m_);
     shared_ = sharer.all();
     bistatic_ = flatten(shared_);
-    enclosures_ = enclose(bed_, shared_.facets, bistatic_, law_);
+    enclosures_ = enclose(bed_, shared_.facets, bistatic_, model_);
     for (std::size_t e = 0; e < 2; ++e)
       for (FacetEnclosure& facet : enclosures_.ends[e].facets)
         if (facet.state == State::proven && 4 * facet.gap_m > margin_m_) facet.state = State::loose;
@@ -177,7 +177,7 @@ class BistaticReference {
            beams_.fan_of_transmit_tube[tx_tube] == beams_.fan_of_receive_tube[rx_tube];
   }
   std::pair<std::uint32_t, std::uint32_t> beams_of(std::uint32_t rx_tube) const {
-    if (law_.patterns != nullptr) return law_.patterns->beams_of_tube[rx_tube];
+    if (model_.patterns != nullptr) return model_.patterns->beams_of_tube[rx_tube];
     return {beams_.of_tube[rx_tube], beams_.of_tube[rx_tube] + 1};
   }
   /// Tubes that are received alike have the same.
@@ -186,7 +186,7 @@ class BistaticReference {
     const std::uint32_t fan = fans.empty() ? 0 : fans[tube];
     if (e == 0) return {fan, 0, 0, 0};
     const auto [first, end] = beams_of(tube);
-    return {fan, first, end, law_.patterns != nullptr ? law_.patterns->fan_of_tube[tube] : 0};
+    return {fan, first, end, model_.patterns != nullptr ? model_.patterns->fan_of_tube[tube] : 0};
   }
 
   /// Walls of each tube beyond which sound is not received alike.
@@ -351,7 +351,7 @@ class BistaticReference {
 
   const BistaticBed& bed_;
   const ReceiveBeams& beams_;
-  const EchoLaw& law_;
+  const EchoModel& model_;
   const BistaticReference* beside_ = nullptr;
   SharedFootprints shared_;
   std::vector<BistaticFacet> bistatic_;  // as its facets
@@ -370,14 +370,14 @@ void require_exact(const VisibilityOptions& options) {
 
 /// A law with patterns by the directions that its path's ends have.
 struct PatternsOfEnds {
-  explicit PatternsOfEnds(const EchoLaw& of) : law(of) {
+  explicit PatternsOfEnds(const EchoModel& of) : model(of) {
     if (of.patterns == nullptr) return;
     patterns = as_images_have(*of.patterns, of.path);
-    law.patterns = &patterns;
+    model.patterns = &patterns;
   }
   PatternsOfEnds(const PatternsOfEnds&) = delete;
   PatternsOfEnds& operator=(const PatternsOfEnds&) = delete;
-  EchoLaw law;
+  EchoModel model;
   BeamPatterns patterns;
 };
 
@@ -395,14 +395,14 @@ BinsBetween added_up(std::span<const BinsBetween> parts) {
 
 RefractedReference certify_refracted_echo(const BistaticBed& bed, const BistaticTubes& tubes,
                                           const VisibilityOptions& options, const ReceiveBeams& beams,
-                                          const RangeSamples& samples, const EchoLaw& law,
+                                          const RangeSamples& samples, const EchoModel& model,
                                           const Echo& ordinary, double tolerance) {
   require_exact(options);
-  const PatternsOfEnds own(law);
-  BistaticReference reference(bed, tubes, options, beams, samples, own.law, ordinary, tolerance);
+  const PatternsOfEnds own(model);
+  BistaticReference reference(bed, tubes, options, beams, samples, own.model, ordinary, tolerance);
   reference.enclose_shared([&](const SharedFootprints& shared) {
     return bistatic_facets(shared, bed.mesh, {bed.tx.ground, bed.tx.water}, {bed.rx.ground, bed.rx.water},
-                           bed.grid, law.absorption_db_per_m);
+                           bed.grid, model.absorption_db_per_m);
   });
   const BinsBetween total = added_up(reference.parts().bins);
   return reference_between({&total, 1}, ordinary, tolerance);
@@ -411,14 +411,14 @@ RefractedReference certify_refracted_echo(const BistaticBed& bed, const Bistatic
 std::array<BistaticParts, 2> bistatic_parts(const std::array<BistaticBed, 2>& beds,
                                             const std::array<BistaticTubes, 2>& tubes,
                                             const VisibilityOptions& options, const RangeSamples& samples,
-                                            const EchoLaw& law, const std::array<Echo, 2>& ordinary,
+                                            const EchoModel& model, const std::array<Echo, 2>& ordinary,
                                             double tolerance, const std::array<Flattening, 2>& flatten) {
   require_exact(options);
-  const PatternsOfEnds own(law);
+  const PatternsOfEnds own(model);
   const std::vector<std::uint32_t> of_tube(tubes[0].rx.tubes.size(), 0);
   const ReceiveBeams beams{1, of_tube};
-  BistaticReference upper(beds[0], tubes[0], options, beams, samples, own.law, ordinary[0], tolerance),
-      lower(beds[1], tubes[1], options, beams, samples, own.law, ordinary[1], tolerance);
+  BistaticReference upper(beds[0], tubes[0], options, beams, samples, own.model, ordinary[0], tolerance),
+      lower(beds[1], tubes[1], options, beams, samples, own.model, ordinary[1], tolerance);
   upper.enclose_shared(flatten[0]);
   lower.enclose_shared(flatten[1]);
   return {upper.parts(&lower), lower.parts(&upper)};

@@ -31,11 +31,11 @@ struct BistaticTubes {
 ///   ranges may be off;
 /// - all that lies behind a facet without a proven ray.
 ///
-/// `beams`, `law` as integrate_echo() has them for that path, `ordinary` what it makes of it. Throws as
+/// `beams`, `model` as integrate_echo() has them for that path, `ordinary` what it makes of it. Throws as
 /// certify_refracted_echo() of one apex.
 RefractedReference certify_refracted_echo(const BistaticBed& bed, const BistaticTubes& tubes,
                                           const VisibilityOptions& options, const ReceiveBeams& beams,
-                                          const RangeSamples& samples, const EchoLaw& law,
+                                          const RangeSamples& samples, const EchoModel& model,
                                           const Echo& ordinary, double tolerance);
 
 /// The facets that two ends share, flattened, in their order.
@@ -62,7 +62,7 @@ BinsBetween added_up(std::span<const BinsBetween> parts);
 std::array<BistaticParts, 2> bistatic_parts(const std::array<BistaticBed, 2>& beds,
                                             const std::array<BistaticTubes, 2>& tubes,
                                             const VisibilityOptions& options, const RangeSamples& samples,
-                                            const EchoLaw& law, const std::array<Echo, 2>& ordinary,
+                                            const EchoModel& model, const std::array<Echo, 2>& ordinary,
                                             double tolerance, const std::array<Flattening, 2>& flatten);
 
 }  // namespace tubefoot

@@ -6,9 +6,9 @@
 #include <optional>
 #include <span>
 
-#include "engine/law/beam_pattern.hpp"
-#include "engine/law/path.hpp"
-#include "engine/law/range_samples.hpp"
+#include "engine/scattering/beam_pattern.hpp"
+#include "engine/scattering/path.hpp"
+#include "engine/scattering/range_samples.hpp"
 #include "engine/water/ray_enclosure.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
 #include "geometry/numbers/ball.hpp"

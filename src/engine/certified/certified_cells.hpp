@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/certified/certified_texture.hpp"
-#include "engine/law/facet_map.hpp"
+#include "engine/scattering/facet_map.hpp"
 #include "geometry/integrals/certified_polygon.hpp"
 
 namespace tubefoot {

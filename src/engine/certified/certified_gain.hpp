@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "engine/law/beam_pattern.hpp"
+#include "engine/scattering/beam_pattern.hpp"
 #include "geometry/numbers/ball.hpp"
 #include "geometry/numbers/complex_ranges.hpp"
 #include "geometry/numbers/interval.hpp"

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "engine/certified/certified_scattering.hpp"
-#include "engine/law/density.hpp"
+#include "engine/scattering/density.hpp"
 #include "geometry/integrals/certified_rule.hpp"
 #include "geometry/steps/stop.hpp"
 
@@ -94,13 +94,13 @@ void CertifiedIntegrator::integrate_slab(const PolarSlabs::Slab& slab, bool clea
     else
       enclose({t0, t1, 0});
   };
-  law_piece_ = nullptr;
-  if (law_ == nullptr) return part(slab.lo, slab.hi);
-  const auto& pieces = law_->pieces();
+  model_piece_ = nullptr;
+  if (model_ == nullptr) return part(slab.lo, slab.hi);
+  const auto& pieces = model_->pieces();
   for (Part& p : parts_) p.allowed /= double(pieces.size());
   long double from = slab.lo;
-  for (const ScatteringLaw::Piece& piece : pieces) {
-    law_piece_ = &piece;
+  for (const ScatteringModel::Piece& piece : pieces) {
+    model_piece_ = &piece;
     if (&piece == &pieces.back()) return part(from, slab.hi);
     Ball sine, cosine;
     sin_cos(Ball(piece.to), sine, cosine);
@@ -118,14 +118,14 @@ void CertifiedIntegrator::integrate_slab(const PolarSlabs::Slab& slab, bool clea
 
 /// The law over ranges, whatever pieces of it they meet.
 Ball CertifiedIntegrator::scattered_over(const Ball& r) const {
-  return cross_section_over(*law_, atan2(root(squared(r) - distance2_), polygon_->distance),
+  return cross_section_over(*model_, atan2(root(squared(r) - distance2_), polygon_->distance),
                             polygon_->distance / r);
 }
 
 /// No less than the density anywhere from `nearest` on, up to the ranges' far end.
 Ball CertifiedIntegrator::most_density(const Ball& nearest, const Ball& over) const {
   const auto two_way = TwoWayRange<Ball>::of(nearest);
-  if (law_ == nullptr) return lambert_density(two_way, beta_);
+  if (model_ == nullptr) return lambert_density(two_way, beta_);
   return density(Ball(scattered_over(over).hi()), two_way, beta_);
 }
 
@@ -209,10 +209,10 @@ template <class N>
 N CertifiedIntegrator::radial(const N& t, const N& r) const {
   const auto two_way = TwoWayRange<N>::of(r);
   const N beta(beta_);
-  if (law_piece_ == nullptr) return t * lambert_density(two_way, beta);
+  if (model_piece_ == nullptr) return t * lambert_density(two_way, beta);
   const N rho = full_circle_ ? t : root(N(q2_ - distance2_) + squared(t));
   const N incidence = N(Ball::pi() / Ball(2)) - turn_at(polygon_->distance, rho, size_of(rho));
-  return t * density(cross_section_in(*law_piece_, incidence, N(N(polygon_->distance) / r)), two_way, beta);
+  return t * density(cross_section_in(*model_piece_, incidence, N(N(polygon_->distance) / r)), two_way, beta);
 }
 
 template <class N>

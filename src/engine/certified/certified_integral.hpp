@@ -8,8 +8,8 @@
 #include "engine/certified/certified_cells.hpp"
 #include "engine/certified/certified_gain.hpp"
 #include "engine/echo/sink.hpp"
-#include "engine/law/beam_pattern.hpp"
-#include "engine/law/scattering_law.hpp"
+#include "engine/scattering/beam_pattern.hpp"
+#include "engine/scattering/scattering_model.hpp"
 #include "geometry/integrals/certified_polygon.hpp"
 
 namespace tubefoot {
@@ -38,7 +38,7 @@ class CertifiedIntegrator {
   CertifiedIntegrator(std::span<const double> borders_m, const Ball& beta_per_m);
 
   /// The law of the polygons from now on; null: r^-2 in its place, which is Lambert's but for a factor.
-  void take_law(const ScatteringLaw* law) { law_ = law; }
+  void take_model(const ScatteringModel* model) { model_ = model; }
 
   /// Without patterns: all parts are of `beam`. With a texture the polygon lies in its cell.
   void add(const CertifiedPolygon& polygon, std::uint32_t beam, const Allowance& allowance,
@@ -110,9 +110,9 @@ class CertifiedIntegrator {
   Ball beta_, distance2_, largest_gain_;
   std::size_t given_up_ = 0;
 
-  const ScatteringLaw* law_ = nullptr;
-  const ScatteringLaw::Piece* law_piece_ = nullptr;  // of the interval at hand
-  std::vector<PolarSlabs::Gap> corners_;             // where the law's pieces meet, in slabs
+  const ScatteringModel* model_ = nullptr;
+  const ScatteringModel::Piece* model_piece_ = nullptr;  // of the interval at hand
+  std::vector<PolarSlabs::Gap> corners_;                 // where the law's pieces meet, in slabs
   const CertifiedPolygon* polygon_ = nullptr;
   PolarSlabs slabs_;
   Ball q2_;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/certified/certified_texture.hpp"
-#include "engine/law/map_reflectivity.hpp"
+#include "engine/scattering/map_reflectivity.hpp"
 
 namespace tubefoot {
 

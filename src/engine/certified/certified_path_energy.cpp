@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "engine/certified/certified_scattering.hpp"
-#include "engine/law/density.hpp"
+#include "engine/scattering/density.hpp"
 #include "geometry/numbers/complex_ranges.hpp"
 
 namespace tubefoot {
@@ -20,8 +20,8 @@ bool is_wide(const Ball& x) { return arb_rel_accuracy_bits(x.get()) < 20; }
 /// Far above the rounding of doubles.
 constexpr double up = 1 + 1e-12, down = 1 - 1e-12;
 
-bool depends_on_angle(const ScatteringLaw::Piece& piece) {
-  return std::ranges::any_of(piece.terms, [](const ScatteringLaw::Term& t) {
+bool depends_on_angle(const ScatteringModel::Piece& piece) {
+  return std::ranges::any_of(piece.terms, [](const ScatteringModel::Term& t) {
     return t.level != 0 && (t.slope != 0 || t.curvature != 0);
   });
 }
@@ -137,8 +137,8 @@ Interval CertifiedEnd::incidence(const PlanePlace<Interval>& p) const {
   return outwards(std::atan2(rho.lo, height_.hi), std::atan2(rho.hi, height_.lo), library_units);
 }
 
-bool CertifiedEnd::take_piece(const ScatteringLaw& law, const PlanePlace<Ball>& box) {
-  const auto& pieces = law.pieces();
+bool CertifiedEnd::take_piece(const ScatteringModel& model, const PlanePlace<Ball>& box) {
+  const auto& pieces = model.pieces();
   piece_ = &pieces.front();
   if (pieces.size() == 1) return true;
   const Ball angle = incidence(box);
@@ -153,20 +153,20 @@ bool CertifiedEnd::take_piece(const ScatteringLaw& law, const PlanePlace<Ball>& 
   return false;
 }
 
-Ball CertifiedEnd::cross_section(const ScatteringLaw& law, const PlanePlace<Ball>& p,
+Ball CertifiedEnd::cross_section(const ScatteringModel& model, const PlanePlace<Ball>& p,
                                  const Ball& range) const {
   const Ball sine = over_.height / range;
-  if (piece_ == nullptr) return cross_section_over(law, incidence(p), sine);
+  if (piece_ == nullptr) return cross_section_over(model, incidence(p), sine);
   return cross_section_in(*piece_, depends_on_angle(*piece_) ? incidence(p) : Ball(), sine);
 }
 
-Interval CertifiedEnd::cross_section(const ScatteringLaw& law, const PlanePlace<Interval>& p,
+Interval CertifiedEnd::cross_section(const ScatteringModel& model, const PlanePlace<Interval>& p,
                                      const Interval& range) const {
   const Interval sine = height_ / range, angle = incidence(p);
-  return piece_ == nullptr ? cross_section_over(law, angle, sine) : cross_section_in(*piece_, angle, sine);
+  return piece_ == nullptr ? cross_section_over(model, angle, sine) : cross_section_in(*piece_, angle, sine);
 }
 
-bool CertifiedEnd::bound(const ScatteringLaw* law, const PlanePlace<ComplexBall>& p, Bound& bound) const {
+bool CertifiedEnd::bound(const ScatteringModel* model, const PlanePlace<ComplexBall>& p, Bound& bound) const {
   const ComplexBall square = range2(p), range = tight_root(square);
   bound.per_range = tight_inverse(range);
   if (!bound.per_range.is_finite()) return false;
@@ -184,7 +184,7 @@ bool CertifiedEnd::bound(const ScatteringLaw* law, const PlanePlace<ComplexBall>
     }
     bound.passed = std::log(loss_->factor) - loss_->roughness * exponent + 1e-9;
   }
-  if (law == nullptr) return true;
+  if (model == nullptr) return true;
   if (piece_ == nullptr) return false;
   // |sine| = height / |range|, and its argument is half that of the square, the other way.
   const double log_sine = std::log(over_.height.hi()) - std::log(bound.least_range) + 1e-12,
@@ -192,10 +192,10 @@ bool CertifiedEnd::bound(const ScatteringLaw* law, const PlanePlace<ComplexBall>
   const ComplexBall rho2 = squared(p.x - ComplexBall(over_.x)) + squared(p.y - ComplexBall(over_.y));
   // Of the angle and of its square: where their real parts are, and how far they may be from real.
   double angle_lo = 0, angle_hi = 0, angle_aside = 0, square_lo = 0, square_hi = 0, square_aside = 0;
-  const auto has = [&](double ScatteringLaw::Term::*what) {
+  const auto has = [&](double ScatteringModel::Term::*what) {
     return std::ranges::any_of(piece_->terms, [&](const auto& t) { return t.level != 0 && t.*what != 0; });
   };
-  if (has(&ScatteringLaw::Term::slope)) {
+  if (has(&ScatteringModel::Term::slope)) {
     // The derivative of atan(w) is 1 / (1 + w^2): no farther from its value at w's real part than that says.
     const ComplexBall w = tight_root(rho2) * ComplexBall(Ball(1) / over_.height);
     if (!w.is_finite()) return false;
@@ -205,7 +205,7 @@ bool CertifiedEnd::bound(const ScatteringLaw* law, const PlanePlace<ComplexBall>
     angle_lo = std::atan(at.re_lo) * down - angle_aside;
     angle_hi = std::atan(at.re_hi) * up + angle_aside;
   }
-  if (has(&ScatteringLaw::Term::curvature)) {
+  if (has(&ScatteringModel::Term::curvature)) {
     // atan(w)^2 is analytic in q = w^2. Its derivative is atan(w) / w, which is the mean of 1 / (1 + q u^2)
     // over u from 0 to 1, over 1 + q.
     const ComplexRange q(rho2 * ComplexBall(Ball(1) / squared(over_.height)));
@@ -222,7 +222,7 @@ bool CertifiedEnd::bound(const ScatteringLaw* law, const PlanePlace<ComplexBall>
   }
   double sum = 0, argument = 0;
   int terms = 0;
-  for (const ScatteringLaw::Term& t : piece_->terms) {
+  for (const ScatteringModel::Term& t : piece_->terms) {
     if (t.level == 0) continue;
     const double real = std::max(t.slope * (angle_lo - piece_->from), t.slope * (angle_hi - piece_->from)) -
                         std::min(t.curvature * square_lo, t.curvature * square_hi),
@@ -239,31 +239,31 @@ bool CertifiedEnd::bound(const ScatteringLaw* law, const PlanePlace<ComplexBall>
 }
 
 CertifiedPathEnergy::CertifiedPathEnergy(const CertifiedPolygon& polygon, const std::array<Ball, 3>& rx_m,
-                                         const EchoLaw& law, const FacetBed& bed, const Ball& beta_per_m)
+                                         const EchoModel& model, const FacetBed& bed, const Ball& beta_per_m)
     : tx_(polygon, {}),
       rx_(polygon, rx_m),
-      tx_law_(bed.scattering),
-      rx_law_(bed.scattering),
+      tx_model_(bed.scattering),
+      rx_model_(bed.scattering),
       beta_(beta_per_m) {
-  take(law.path, bed.factor, bed.mu);
+  take(model.path, bed.factor, bed.mu);
 }
 
 CertifiedPathEnergy::CertifiedPathEnergy(CertifiedEnd tx, CertifiedEnd rx, const Path& path,
-                                         const std::array<const ScatteringLaw*, 2>& laws, double mu,
+                                         const std::array<const ScatteringModel*, 2>& models, double mu,
                                          const Ball& beta_per_m)
-    : tx_(std::move(tx)), rx_(std::move(rx)), tx_law_(laws[0]), rx_law_(laws[1]), beta_(beta_per_m) {
+    : tx_(std::move(tx)), rx_(std::move(rx)), tx_model_(models[0]), rx_model_(models[1]), beta_(beta_per_m) {
   take(path, 1, mu);
 }
 
 void CertifiedPathEnergy::take(const Path& path, double factor, double mu) {
   tx_.take_loss(path.tx.loss);
   rx_.take_loss(path.back().loss);
-  factor_ = tx_law_ != nullptr ? Ball(factor) : Ball(mu) * tx_.over().height * rx_.over().height;
+  factor_ = tx_model_ != nullptr ? Ball(factor) : Ball(mu) * tx_.over().height * rx_.over().height;
   factor_in_doubles_ = interval_of(factor_);
   beta_in_doubles_ = interval_of(beta_);
-  for (const ScatteringLaw* law : {tx_law_, rx_law_})
-    if (law != nullptr)
-      smooth_rad_ = std::min(smooth_rad_, smooth_angle([&](double y) { return law->growth(y); }));
+  for (const ScatteringModel* model : {tx_model_, rx_model_})
+    if (model != nullptr)
+      smooth_rad_ = std::min(smooth_rad_, smooth_angle([&](double y) { return model->growth(y); }));
   for (const MirrorLoss* loss : {&path.tx.loss, &path.back().loss})
     if (!loss->rough_normals.empty())
       smooth_rad_ =
@@ -274,13 +274,14 @@ void CertifiedPathEnergy::take(const Path& path, double factor, double mu) {
 Ball CertifiedPathEnergy::scattered(const PlanePlace<Ball>& p, const Ball& tx_range,
                                     const Ball& rx_range) const {
   const Ball value = factor_ * tx_.passed(p, tx_range) * rx_.passed(p, rx_range);
-  if (tx_law_ == nullptr) return value;
-  return value * root(tx_.cross_section(*tx_law_, p, tx_range) * rx_.cross_section(*rx_law_, p, rx_range));
+  if (tx_model_ == nullptr) return value;
+  return value *
+         root(tx_.cross_section(*tx_model_, p, tx_range) * rx_.cross_section(*rx_model_, p, rx_range));
 }
 
 Ball CertifiedPathEnergy::spread(const Ball& tx_range, const Ball& rx_range) const {
   const auto two_way = TwoWayRange<Ball>::of(tx_range, rx_range);
-  return tx_law_ == nullptr ? lambert_density(two_way, beta_) : density(Ball(1), two_way, beta_);
+  return tx_model_ == nullptr ? lambert_density(two_way, beta_) : density(Ball(1), two_way, beta_);
 }
 
 Ball CertifiedPathEnergy::density_at(const PlanePlace<Ball>& p, const Ball& tx_range,
@@ -298,29 +299,29 @@ Interval CertifiedPathEnergy::density_at(const PlanePlace<Interval>& p, const In
   // All of it is positive, and falls with both ranges: as narrow as intervals can be.
   const auto two_way = TwoWayRange<Interval>::of(tx_range, rx_range);
   const Interval sent = factor_in_doubles_ * tx_.passed(p, tx_range) * rx_.passed(p, rx_range);
-  if (tx_law_ == nullptr) return sent * lambert_density(two_way, beta_in_doubles_);
+  if (tx_model_ == nullptr) return sent * lambert_density(two_way, beta_in_doubles_);
   const Interval lobes =
-      root(tx_.cross_section(*tx_law_, p, tx_range) * rx_.cross_section(*rx_law_, p, rx_range));
+      root(tx_.cross_section(*tx_model_, p, tx_range) * rx_.cross_section(*rx_model_, p, rx_range));
   return density(sent * lobes, two_way, beta_in_doubles_);
 }
 
 double CertifiedPathEnergy::log_bound(const PlanePlace<ComplexBall>& p, CertifiedEnd::Bound& tx,
                                       CertifiedEnd::Bound& rx) const {
-  if (!tx_.bound(tx_law_, p, tx) || !rx_.bound(rx_law_, p, rx)) return infinite;
-  const double power = tx_law_ == nullptr ? 3 : 2;
+  if (!tx_.bound(tx_model_, p, tx) || !rx_.bound(rx_model_, p, rx)) return infinite;
+  const double power = tx_model_ == nullptr ? 3 : 2;
   double value = std::log(factor_.hi()) + tx.passed + rx.passed -
                  power * (std::log(tx.least_range) + std::log(rx.least_range)) -
                  beta_.lo() * std::max(tx.least_real_range + rx.least_real_range, 0.0);
-  if (tx_law_ != nullptr) value += (tx.cross_section + rx.cross_section) / 2;
+  if (tx_model_ != nullptr) value += (tx.cross_section + rx.cross_section) / 2;
   return std::isnan(value) ? infinite : value + 1e-9 * (1 + std::abs(value));
 }
 
 bool CertifiedPathEnergy::has_pieces() const {
-  return tx_law_ != nullptr && (tx_law_->pieces().size() > 1 || rx_law_->pieces().size() > 1);
+  return tx_model_ != nullptr && (tx_model_->pieces().size() > 1 || rx_model_->pieces().size() > 1);
 }
 
 bool CertifiedPathEnergy::take_pieces(const PlanePlace<Ball>& box) {
-  return tx_law_ == nullptr || (tx_.take_piece(*tx_law_, box) && rx_.take_piece(*rx_law_, box));
+  return tx_model_ == nullptr || (tx_.take_piece(*tx_model_, box) && rx_.take_piece(*rx_model_, box));
 }
 
 void CertifiedPathEnergy::take_all_pieces() {

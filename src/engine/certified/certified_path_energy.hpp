@@ -7,7 +7,7 @@
 #include "engine/certified/certified_cells.hpp"
 #include "engine/certified/certified_gain.hpp"
 #include "engine/certified/certified_path_integral.hpp"
-#include "engine/law/echo_law.hpp"
+#include "engine/scattering/echo_model.hpp"
 
 namespace tubefoot {
 
@@ -56,10 +56,10 @@ class CertifiedEnd {
   Interval passed(const PlanePlace<Interval>& p, const Interval& range) const;
 
   /// A law's cross-section there; by the piece that was taken, or (real) whatever pieces there are.
-  bool take_piece(const ScatteringLaw& law, const PlanePlace<Ball>& box);
+  bool take_piece(const ScatteringModel& model, const PlanePlace<Ball>& box);
   void take_all_pieces() { piece_ = nullptr; }
-  Ball cross_section(const ScatteringLaw& law, const PlanePlace<Ball>& p, const Ball& range) const;
-  Interval cross_section(const ScatteringLaw& law, const PlanePlace<Interval>& p,
+  Ball cross_section(const ScatteringModel& model, const PlanePlace<Ball>& p, const Ball& range) const;
+  Interval cross_section(const ScatteringModel& model, const PlanePlace<Interval>& p,
                          const Interval& range) const;
 
   /// Upper bounds over complex places, in logarithms; infinite where something is not analytic.
@@ -71,7 +71,7 @@ class CertifiedEnd {
     double cross_section = 0;     ///< of that of the law, of the piece that was taken
   };
   /// False where it is not analytic.
-  bool bound(const ScatteringLaw* law, const PlanePlace<ComplexBall>& p, Bound& bound) const;
+  bool bound(const ScatteringModel* model, const PlanePlace<ComplexBall>& p, Bound& bound) const;
   static ComplexBall cosine(const Trace& trace, const PlanePlace<ComplexBall>& p, const Bound& bound) {
     return trace.at(p) * bound.per_range;
   }
@@ -87,7 +87,7 @@ class CertifiedEnd {
   const MirrorLoss* loss_ = nullptr;
   std::vector<Trace> rough_;
   std::vector<IntervalTrace> rough_in_doubles_;
-  const ScatteringLaw::Piece* piece_ = nullptr;
+  const ScatteringModel::Piece* piece_ = nullptr;
 };
 
 /// What the bed returns along a path (density.hpp) that is gone transmit and receive between two apexes,
@@ -95,11 +95,11 @@ class CertifiedEnd {
 class CertifiedPathEnergy {
  public:
   /// `rx_m`: its apex, relative to the polygon's.
-  CertifiedPathEnergy(const CertifiedPolygon& polygon, const std::array<Ball, 3>& rx_m, const EchoLaw& law,
-                      const FacetBed& bed, const Ball& beta_per_m);
+  CertifiedPathEnergy(const CertifiedPolygon& polygon, const std::array<Ball, 3>& rx_m,
+                      const EchoModel& model, const FacetBed& bed, const Ball& beta_per_m);
   /// Of a facet flattened: each end has a law of its own, or none has (Lambert's `mu`).
   CertifiedPathEnergy(CertifiedEnd tx, CertifiedEnd rx, const Path& path,
-                      const std::array<const ScatteringLaw*, 2>& laws, double mu, const Ball& beta_per_m);
+                      const std::array<const ScatteringModel*, 2>& models, double mu, const Ball& beta_per_m);
 
   const CertifiedEnd& tx() const { return tx_; }
   const CertifiedEnd& rx() const { return rx_; }
@@ -122,7 +122,7 @@ class CertifiedPathEnergy {
   void take(const Path& path, double factor, double mu);
 
   CertifiedEnd tx_, rx_;
-  const ScatteringLaw *tx_law_, *rx_law_;
+  const ScatteringModel *tx_model_, *rx_model_;
   Ball factor_, beta_;
   Interval factor_in_doubles_, beta_in_doubles_;
   double smooth_rad_ = 1;

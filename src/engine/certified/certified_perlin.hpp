@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/certified/certified_texture.hpp"
-#include "engine/law/perlin_reflectivity.hpp"
+#include "engine/scattering/perlin_reflectivity.hpp"
 
 namespace tubefoot {
 

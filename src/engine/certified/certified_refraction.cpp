@@ -28,7 +28,7 @@ using State = FacetEnclosure::State;
 
 /// What all pieces share.
 struct Requested {
-  const EchoLaw& law;
+  const EchoModel& model;
   std::vector<std::shared_ptr<const CertifiedTexture>> textures;  // by material
   std::vector<double> borders, target;
   double step_m, tolerance;
@@ -44,15 +44,15 @@ struct ProvenPiece {
 };
 
 void add_piece(const ProvenPiece& piece, const Requested& requested, BinsBetween& bins) {
-  const EchoLaw& law = requested.law;
+  const EchoModel& model = requested.model;
   const CertifiedPolygon& polygon = piece.polygon;
   const FacetEnclosure& facet = piece.facet;
-  const std::uint16_t material = law.material[piece.id];
+  const std::uint16_t material = model.material[piece.id];
   const std::size_t row = requested.borders.size() - 1;
   const ShiftedSamples samples(requested.borders, requested.step_m, facet.shift_m * (1 + slack));
   CertifiedIntegrator integrator(samples.borders(), requested.beta);
-  if (facet.law) integrator.take_law(&*facet.law);
-  const Ball factor = facet.law ? Ball(1) : Ball(law.material_mu[material]) * squared(polygon.distance);
+  if (facet.model) integrator.take_model(&*facet.model);
+  const Ball factor = facet.model ? Ball(1) : Ball(model.material_mu[material]) * squared(polygon.distance);
   const double size = factor.hi() * facet.factor.hi;
   std::size_t cells = 1;
   const CertifiedIntegrator::Allowance allowance{
@@ -68,15 +68,15 @@ void add_piece(const ProvenPiece& piece, const Requested& requested, BinsBetween
                    lo = std::max(whole.lo() * facet.factor.lo * (1 - slack), 0.0);
       samples.add(own.beam, own.sample, (times.lo < 0 ? hi : lo) * times.lo, hi * times.hi, bins);
     };
-    if (law.patterns != nullptr)
-      integrator.add(part, *law.patterns, piece.tube, allowance, sink, cell);
+    if (model.patterns != nullptr)
+      integrator.add(part, *model.patterns, piece.tube, allowance, sink, cell);
     else
       integrator.add(part, piece.beam, allowance, sink, cell);
   };
   const CertifiedTexture* texture = requested.textures[material].get();
   if (texture == nullptr) return add(polygon, nullptr, {1, 1});
   const Between range{std::max(texture->range().lo(), 0.0), texture->range().hi()};
-  const FacetMap& lies = law.path.tx.facet_map[piece.id];
+  const FacetMap& lies = model.path.tx.facet_map[piece.id];
   const bool worth_it = range.hi - range.lo > requested.tolerance / 8 * range.lo;
   cells = worth_it ? cut_by_cells(polygon, *texture, lies, most_cells, {}) : 0;
   if (cells == 0) {
@@ -102,24 +102,24 @@ void add_piece(const ProvenPiece& piece, const Requested& requested, BinsBetween
 RefractedReference certify_refracted_echo(const MappedSeabed& bed, const RayEnclosure& rays,
                                           const History& history, const VisibilityOptions& options,
                                           std::span<const std::uint32_t> beam_of_tube,
-                                          const RangeSamples& samples, const EchoLaw& law,
+                                          const RangeSamples& samples, const EchoModel& model,
                                           const Echo& ordinary, double tolerance) {
   if (options.arithmetic == Arithmetic::plain_double)
     throw std::invalid_argument("a reference needs an exact arithmetic: fixed, filtered or rational");
-  const Requested requested{law,
-                            certified_textures(law),
+  const Requested requested{model,
+                            certified_textures(model),
                             sample_borders_m(samples),
                             reference_targets(ordinary, tolerance),
                             samples.step_m,
                             tolerance,
-                            Ball(law.absorption_db_per_m) * log(Ball(10)) / Ball(10)};
-  if (law.path.tx.facet_map.empty() &&
+                            Ball(model.absorption_db_per_m) * log(Ball(10)) / Ball(10)};
+  if (model.path.tx.facet_map.empty() &&
       std::ranges::any_of(requested.textures, [](const auto& texture) { return texture != nullptr; }))
     throw std::invalid_argument("a micro-texture is that of where facets lie: it takes their maps");
   const FacetMesh& apparent = bed.mesh();
   const std::vector<double>& borders = requested.borders;
   const auto row = std::size_t(samples.count);
-  const ApparentEnclosures enclosures = enclose(bed, rays, law);
+  const ApparentEnclosures enclosures = enclose(bed, rays, model);
   const UncertainEdges edges(apparent, bed.parent, enclosures);
   const Unknown unknown(enclosures.unproven, rays);
   TubeSet tubes = history.tubes;
@@ -140,8 +140,8 @@ RefractedReference certify_refracted_echo(const MappedSeabed& bed, const RayEncl
     see(apparent, bed.tree, tubes, tube, options, visibility, seen);
     const NameContext context{apparent, tubes.apex, seen.rays};
     BinsBetween& bins = by_tube[tube];
-    const auto beams = law.patterns != nullptr ? law.patterns->beams_of_tube[tube]
-                                               : std::pair(beam_of_tube[tube], beam_of_tube[tube] + 1);
+    const auto beams = model.patterns != nullptr ? model.patterns->beams_of_tube[tube]
+                                                 : std::pair(beam_of_tube[tube], beam_of_tube[tube] + 1);
     const auto each_bin = [&](double nearest_m, double farthest_m, const auto& change) {
       const auto first = std::upper_bound(borders.begin(), borders.end(), nearest_m);
       const auto end = std::upper_bound(borders.begin(), borders.end(), farthest_m);

@@ -25,7 +25,7 @@ namespace tubefoot {
 RefractedReference certify_refracted_echo(const MappedSeabed& bed, const RayEnclosure& rays,
                                           const History& history, const VisibilityOptions& options,
                                           std::span<const std::uint32_t> beam_of_tube,
-                                          const RangeSamples& samples, const EchoLaw& law,
+                                          const RangeSamples& samples, const EchoModel& model,
                                           const Echo& ordinary, double tolerance);
 
 }  // namespace tubefoot

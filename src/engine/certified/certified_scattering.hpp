@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/law/scattering_law.hpp"
+#include "engine/scattering/scattering_model.hpp"
 #include "geometry/numbers/ball.hpp"
 #include "geometry/numbers/interval.hpp"
 
@@ -31,9 +31,9 @@ inline ComplexBall power_of(const ComplexBall& x, double exponent) {
 
 /// A piece's cross-section, wherever it is asked for: `sine` of the grazing angle.
 template <class N>
-N cross_section_in(const ScatteringLaw::Piece& piece, const N& incidence, const N& sine) {
+N cross_section_in(const ScatteringModel::Piece& piece, const N& incidence, const N& sine) {
   N sum;
-  for (const ScatteringLaw::Term& t : piece.terms) {
+  for (const ScatteringModel::Term& t : piece.terms) {
     N value = N(Ball(t.level)) * power_of(sine, t.power);
     if (t.slope != 0 || t.curvature != 0)
       value = value * exp(N(Ball(t.slope)) * (incidence - N(Ball(piece.from))) -
@@ -50,10 +50,10 @@ inline Interval power_of(const Interval& x, double exponent) {
   const double a = std::pow(std::max(x.lo, 0.0), exponent), b = std::pow(std::max(x.hi, 0.0), exponent);
   return outwards(std::min(a, b), std::max(a, b), library_units);
 }
-inline Interval cross_section_in(const ScatteringLaw::Piece& piece, const Interval& incidence,
+inline Interval cross_section_in(const ScatteringModel::Piece& piece, const Interval& incidence,
                                  const Interval& sine) {
   Interval sum;
-  for (const ScatteringLaw::Term& t : piece.terms) {
+  for (const ScatteringModel::Term& t : piece.terms) {
     Interval value = t.level * power_of(sine, t.power);
     if (t.slope != 0 || t.curvature != 0)
       value = value * exp(t.slope * (incidence - piece.from) - t.curvature * squared(incidence));
@@ -61,9 +61,9 @@ inline Interval cross_section_in(const ScatteringLaw::Piece& piece, const Interv
   }
   return sum;
 }
-inline Interval cross_section_over(const ScatteringLaw& law, const Interval& incidence,
+inline Interval cross_section_over(const ScatteringModel& model, const Interval& incidence,
                                    const Interval& sine) {
-  const auto& pieces = law.pieces();
+  const auto& pieces = model.pieces();
   Interval all;
   bool any = false;
   for (std::size_t k = 0; k < pieces.size(); ++k) {
@@ -77,10 +77,10 @@ inline Interval cross_section_over(const ScatteringLaw& law, const Interval& inc
 }
 
 /// The whole law over a ball of angles.
-inline Ball cross_section_over(const ScatteringLaw& law, const Ball& incidence, const Ball& sine) {
+inline Ball cross_section_over(const ScatteringModel& model, const Ball& incidence, const Ball& sine) {
   Ball all;
   bool any = false;
-  const auto& pieces = law.pieces();
+  const auto& pieces = model.pieces();
   for (std::size_t k = 0; k < pieces.size(); ++k) {
     const bool last = k + 1 == pieces.size();
     if (incidence.hi() < pieces[k].from && k > 0) continue;

@@ -3,7 +3,7 @@
 
 #include "engine/certified/certified_map.hpp"
 #include "engine/certified/certified_perlin.hpp"
-#include "engine/law/layered_reflectivity.hpp"
+#include "engine/scattering/layered_reflectivity.hpp"
 
 namespace tubefoot {
 namespace {

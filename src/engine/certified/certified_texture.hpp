@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/law/reflectivity_field.hpp"
+#include "engine/scattering/reflectivity_field.hpp"
 #include "geometry/numbers/ball.hpp"
 #include "geometry/numbers/interval.hpp"
 

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "engine/certified/certified_scattering.hpp"
-#include "engine/law/density.hpp"
+#include "engine/scattering/density.hpp"
 #include "geometry/integrals/certified_rule.hpp"
 #include "geometry/steps/stop.hpp"
 
@@ -64,13 +64,13 @@ bool IntervalIntegrator::enclose(const IntervalPolygon& polygon, std::uint32_t b
 
 /// As CertifiedIntegrator::integrate_slab().
 bool IntervalIntegrator::add_slab(const PolarSlabs::Slab& slab, const Allowed& allowed) {
-  law_piece_ = nullptr;
-  if (law_ == nullptr) return add_ranges(slab.lo, slab.hi, allowed);
-  const auto& pieces = law_->pieces();
+  model_piece_ = nullptr;
+  if (model_ == nullptr) return add_ranges(slab.lo, slab.hi, allowed);
+  const auto& pieces = model_->pieces();
   const Allowed each{allowed.relative, allowed.absolute / double(pieces.size())};
   long double from = slab.lo;
-  for (const ScatteringLaw::Piece& piece : pieces) {
-    law_piece_ = &piece;
+  for (const ScatteringModel::Piece& piece : pieces) {
+    model_piece_ = &piece;
     if (&piece == &pieces.back()) return add_ranges(from, slab.hi, each);
     const double cosine = std::cos(piece.to);
     const Interval corner = distance_ / outwards(cosine, cosine, library_units);
@@ -113,9 +113,9 @@ double IntervalIntegrator::most_turn(long double range) const {
 /// No less than the density at any range of an interval.
 double IntervalIntegrator::most_density(const Interval& range) const {
   const auto nearest = TwoWayRange<Interval>::of(Interval(range.lo));
-  if (law_ == nullptr) return lambert_density(nearest, beta_).hi;
+  if (model_ == nullptr) return lambert_density(nearest, beta_).hi;
   const Interval rho = root(squared(range) - squared(distance_));
-  const Interval sigma = cross_section_over(*law_, angle_of(distance_, rho), distance_ / range);
+  const Interval sigma = cross_section_over(*model_, angle_of(distance_, rho), distance_ / range);
   return density(Interval(sigma.hi), nearest, beta_).hi;
 }
 
@@ -210,9 +210,9 @@ Interval IntervalIntegrator::rho_at(const Interval& t, const Interval& t2) const
 Interval IntervalIntegrator::radial(const Interval& t, const Interval& t2) const {
   const Interval r2 = range_q2_ + t2, r = root(r2);
   const TwoWayRange<Interval> two_way{r2, r + r};
-  if (law_piece_ == nullptr) return t * lambert_density(two_way, beta_);
+  if (model_piece_ == nullptr) return t * lambert_density(two_way, beta_);
   const Interval incidence = angle_of(distance_, rho_at(t, t2));
-  return t * density(cross_section_in(*law_piece_, incidence, distance_ / r), two_way, beta_);
+  return t * density(cross_section_in(*model_piece_, incidence, distance_ / r), two_way, beta_);
 }
 
 bool IntervalIntegrator::integrate(double from, double to, const Allowed& allowed) {
@@ -244,7 +244,7 @@ IntervalIntegrator::Place IntervalIntegrator::place_at(double t, const Interval&
   place.range_zeros = from_zeros(t, range_q2_);
   place.nearest_zeros = place.range_zeros;
   ends_.clear();
-  if (law_piece_ != nullptr) place.incidence = angle_of(distance_, rho_at(Interval(t), t2));
+  if (model_piece_ != nullptr) place.incidence = angle_of(distance_, rho_at(Interval(t), t2));
   if (full_circle_) return place;
   place.rho_zeros = from_zeros(t, rho_q2_);
   place.nearest_zeros = std::min(place.nearest_zeros, place.rho_zeros);
@@ -276,7 +276,7 @@ double IntervalIntegrator::most_within(const Place& place, double radius) const 
   const double off = radius * (place.t + top) / place.range_zeros * more,
                nearest = std::max(place.range.lo * less - off, 0.0);
   const double absorbed = std::exp(-2 * beta_.lo * nearest), range2 = range * range, range4 = range2 * range2;
-  const double scattered = law_piece_ == nullptr ? 1 / range2 : most_scattered(place, radius);
+  const double scattered = model_piece_ == nullptr ? 1 / range2 : most_scattered(place, radius);
   const double most = top * absorbed * scattered / range4 * arcs * more;
   return most >= 0 ? most : infinite;  // also where it is not a number
 }
@@ -291,9 +291,9 @@ double IntervalIntegrator::most_scattered(const Place& place, double radius) con
   const Interval incidence(place.incidence.lo - off, place.incidence.hi + off);
   const Interval real_square = squared(incidence) - Interval(0, off * off * more);
   double sum = 0;
-  for (const ScatteringLaw::Term& t : law_piece_->terms)
+  for (const ScatteringModel::Term& t : model_piece_->terms)
     sum += t.level * power_of(sine, t.power).hi *
-           exp(t.slope * (incidence - law_piece_->from) - t.curvature * real_square).hi;
+           exp(t.slope * (incidence - model_piece_->from) - t.curvature * real_square).hi;
   return sum * more;
 }
 

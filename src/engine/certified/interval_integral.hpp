@@ -31,7 +31,7 @@ class IntervalIntegrator {
       : borders_(borders_m), beta_(beta_per_m) {}
 
   /// As CertifiedIntegrator's.
-  void take_law(const ScatteringLaw* law) { law_ = law; }
+  void take_model(const ScatteringModel* model) { model_ = model; }
 
   /// What the polygon has in each sample, in `parts`; false if some part is not enclosed as narrowly as is
   /// allowed for `beam`: then they say nothing.
@@ -85,8 +85,8 @@ class IntervalIntegrator {
 
   std::span<const double> borders_;
   Interval beta_;
-  const ScatteringLaw* law_ = nullptr;
-  const ScatteringLaw::Piece* law_piece_ = nullptr;  // of the ranges at hand
+  const ScatteringModel* model_ = nullptr;
+  const ScatteringModel::Piece* model_piece_ = nullptr;  // of the ranges at hand
 
   const IntervalPolygon* polygon_ = nullptr;
   PolarSlabs slabs_;

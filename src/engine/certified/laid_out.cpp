@@ -41,12 +41,12 @@ CertifiedPolygon flattened(std::span<const glm::dvec3> corners_m, glm::dvec3 rec
 }
 
 CertifiedPathEnergy energy_of(const BistaticFacet& bistatic, const BistaticEnclosure& proven,
-                              const EchoLaw& law, std::uint16_t material, const Ball& beta_per_m) {
+                              const EchoModel& model, std::uint16_t material, const Ball& beta_per_m) {
   const ApexOverPlane tx{Ball(bistatic.transmit_distance_m), Ball(0), Ball(0)},
       rx{Ball(bistatic.receive_distance_m), Ball(bistatic.receive_foot_m.x), Ball(bistatic.receive_foot_m.y)};
-  const auto law_of = [&](std::size_t e) { return proven.law[e] ? &*proven.law[e] : nullptr; };
-  return {{tx, bistatic.transmit_seen}, {rx, bistatic.receive_seen}, law.path,
-          {law_of(0), law_of(1)},       law.material_mu[material],   beta_per_m};
+  const auto model_of = [&](std::size_t e) { return proven.model[e] ? &*proven.model[e] : nullptr; };
+  return {{tx, bistatic.transmit_seen}, {rx, bistatic.receive_seen}, model.path,
+          {model_of(0), model_of(1)},   model.material_mu[material], beta_per_m};
 }
 
 Towards seen_rx(const CertifiedPolygon& polygon, const BistaticFacet& bistatic) {

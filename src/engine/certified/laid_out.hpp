@@ -13,9 +13,9 @@ namespace tubefoot {
 /// A piece of it by its corners as the transmitter sees them (SharedFootprints).
 CertifiedPolygon flattened(std::span<const glm::dvec3> corners_m, glm::dvec3 receiver_m,
                            const BistaticFacet& bistatic);
-/// What it returns, by the law that was proven of it; `law`: of the path, of which a material's mu.
+/// What it returns, by the law that was proven of it; `model`: of the path, of which a material's mu.
 CertifiedPathEnergy energy_of(const BistaticFacet& bistatic, const BistaticEnclosure& proven,
-                              const EchoLaw& law, std::uint16_t material, const Ball& beta_per_m);
+                              const EchoModel& model, std::uint16_t material, const Ball& beta_per_m);
 /// Where the receiver sees a polygon on it.
 Towards seen_rx(const CertifiedPolygon& polygon, const BistaticFacet& bistatic);
 /// From the plane's coordinates to where its places lie.

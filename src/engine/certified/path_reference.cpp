@@ -23,18 +23,18 @@ constexpr std::size_t facets_in_run = 32;
 class PathEncloser {
  public:
   PathEncloser(const FacetMesh& mesh, const BistaticHistory& history, const ReceiveBeams& beams,
-               const RangeSamples& samples, const EchoLaw& law,
+               const RangeSamples& samples, const EchoModel& model,
                std::span<const std::shared_ptr<const CertifiedTexture>> textures, const Echo& ordinary,
                double working)
       : mesh_(mesh),
         history_(history),
         beams_(beams),
-        law_(law),
+        model_(model),
         textures_(textures),
         borders_(sample_borders_m(samples)),
         working_(working),
         target_(reference_targets(ordinary, working)),
-        beta_(Ball(law.absorption_db_per_m) * log(Ball(10)) / Ball(10)) {
+        beta_(Ball(model.absorption_db_per_m) * log(Ball(10)) / Ball(10)) {
     for (std::size_t k = 0; k < 3; ++k) rx_m_[k] = Ball(history.shared.receiver_m[int(k)]);
     count_parts();
   }
@@ -65,7 +65,7 @@ class PathEncloser {
     if (!beams_.fan_of_transmit_tube.empty() &&
         beams_.fan_of_transmit_tube[piece.transmit_tube] != beams_.fan_of_receive_tube[piece.receive_tube])
       return {0, 0};
-    if (law_.patterns != nullptr) return law_.patterns->beams_of_tube[piece.receive_tube];
+    if (model_.patterns != nullptr) return model_.patterns->beams_of_tube[piece.receive_tube];
     const std::uint32_t beam = beams_.of_tube[piece.receive_tube];
     return {beam, beam + 1};
   }
@@ -106,17 +106,17 @@ class PathEncloser {
 
   void add(const CertifiedPolygon& polygon, FacetId facet, const SharedPiece& piece, std::uint32_t first,
            std::uint32_t end, CertifiedPathIntegrator& integrator, BinSums& bins) {
-    const CertifiedPathEnergy energy(polygon, rx_m_, law_, law_.bed(facet), beta_);
+    const CertifiedPathEnergy energy(polygon, rx_m_, model_, model_.bed(facet), beta_);
     CertifiedPathGains gains;
-    if (law_.patterns != nullptr)
+    if (model_.patterns != nullptr)
       gains = {energy.tx(), energy.rx(),
-               law_.patterns->transmit[law_.patterns->fan_of_tube[piece.receive_tube]],
-               std::span(law_.patterns->receive).subspan(first, end - first)};
-    const CertifiedTexture* texture = textures_[law_.material[facet]].get();
+               model_.patterns->transmit[model_.patterns->fan_of_tube[piece.receive_tube]],
+               std::span(model_.patterns->receive).subspan(first, end - first)};
+    const CertifiedTexture* texture = textures_[model_.material[facet]].get();
     const Ball range = texture == nullptr ? Ball(1) : texture->range();
     const bool worth_it = polygon.edges.size() >= 3 && range.hi() - range.lo() > working_ / 8 * range.lo();
     const std::size_t row = borders_.size() - 1,
-                      cells = worth_it ? cut_by_cells(polygon, *texture, law_.path.tx.map_of(facet),
+                      cells = worth_it ? cut_by_cells(polygon, *texture, model_.path.tx.map_of(facet),
                                                       most_cells, {})
                                        : 0;
     if (worth_it && cells == 0) coarse_ = true;
@@ -138,14 +138,14 @@ class PathEncloser {
                      });
     };
     if (cells == 0) return add_part(polygon, nullptr);
-    cut_by_cells(polygon, *texture, law_.path.tx.map_of(facet), most_cells,
+    cut_by_cells(polygon, *texture, model_.path.tx.map_of(facet), most_cells,
                  [&](const CertifiedPolygon& part, const CertifiedCell& cell) { add_part(part, &cell); });
   }
 
   const FacetMesh& mesh_;
   const BistaticHistory& history_;
   const ReceiveBeams& beams_;
-  const EchoLaw& law_;
+  const EchoModel& model_;
   std::span<const std::shared_ptr<const CertifiedTexture>> textures_;
   std::vector<double> borders_;
   double working_;
@@ -158,15 +158,15 @@ class PathEncloser {
 }  // namespace
 
 CertifiedEcho certify_echo(const FacetMesh& mesh, const BistaticHistory& history, const ReceiveBeams& beams,
-                           const RangeSamples& samples, const EchoLaw& law, const Echo& ordinary,
+                           const RangeSamples& samples, const EchoModel& model, const Echo& ordinary,
                            double tolerance) {
   if (!history.bistatic.empty())
     throw std::invalid_argument("facets that two apexes see elsewhere are not enclosed");
-  const auto textures = certified_textures(law);
-  EchoLaw own = law;
+  const auto textures = certified_textures(model);
+  EchoModel own = model;
   BeamPatterns patterns;
-  if (law.patterns != nullptr) {
-    patterns = as_images_have(*law.patterns, law.path);
+  if (model.patterns != nullptr) {
+    patterns = as_images_have(*model.patterns, model.path);
     own.patterns = &patterns;
   }
   return narrowed(tolerance, [&](double working, bool& coarse) {

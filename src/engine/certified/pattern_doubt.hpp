@@ -5,8 +5,8 @@
 #include <span>
 
 #include "engine/certified/bistatic_enclosure.hpp"
-#include "engine/law/beam_pattern.hpp"
-#include "engine/law/path.hpp"
+#include "engine/scattering/beam_pattern.hpp"
+#include "engine/scattering/path.hpp"
 
 // What beam patterns may make of places that are seen in slightly other directions than they are laid out in.
 namespace tubefoot {

@@ -40,22 +40,22 @@ struct Sums {
 
 }  // namespace
 
-ReceiverPairPieces::ReceiverPairPieces(const EchoLaw& law, double wavenumber_rad_m,
+ReceiverPairPieces::ReceiverPairPieces(const EchoModel& model, double wavenumber_rad_m,
                                        std::span<const double> borders_m, double step_m,
                                        std::vector<double> target, double tolerance)
-    : law_(law),
+    : model_(model),
       wavenumber_(wavenumber_rad_m),
       borders_(borders_m),
       step_m_(step_m),
       tolerance_(tolerance),
       target_(std::move(target)),
-      textures_(certified_textures(law)),
-      beta_(Ball(law.absorption_db_per_m) * log(Ball(10)) / Ball(10)) {}
+      textures_(certified_textures(model)),
+      beta_(Ball(model.absorption_db_per_m) * log(Ball(10)) / Ball(10)) {}
 
 ReceiverPairPieces::OnFacet ReceiverPairPieces::on(FacetId facet, const By& upper, const By& lower) const {
   // Hardly more than what is known, and so wide that ellipses about a border are resolved with ease.
   const double shift = std::max({upper.proven.shift_m, lower.proven.shift_m, 1e-7 * step_m_}) * (1 + slack);
-  OnFacet on{upper, lower, law_.material[facet], ShiftedSamples(borders_, step_m_, shift), nullptr};
+  OnFacet on{upper, lower, model_.material[facet], ShiftedSamples(borders_, step_m_, shift), nullptr};
   on.integrator = std::make_unique<CertifiedPathIntegrator>(on.samples.borders());
   return on;
 }
@@ -67,9 +67,9 @@ void ReceiverPairPieces::add(OnFacet& on, const Seen& upper, const Seen& lower, 
   const auto [part, uncertain] = common_part(seen, other);
   const bool is_any = part.edges.size() >= 3;
   if (!is_any && !(uncertain.hi() > 0)) return;
-  const bool weighed = law_.patterns != nullptr;
-  ReceiverPairPath by_upper{energy_of(on.upper.bistatic, on.upper.proven, law_, on.material, beta_), {}},
-      by_lower{energy_of(on.lower.bistatic, on.lower.proven, law_, on.material, beta_), {}};
+  const bool weighed = model_.patterns != nullptr;
+  ReceiverPairPath by_upper{energy_of(on.upper.bistatic, on.upper.proven, model_, on.material, beta_), {}},
+      by_lower{energy_of(on.lower.bistatic, on.lower.proven, model_, on.material, beta_), {}};
   const ApexOverPlane tx = by_upper.energy.tx().over(),
                       homes[2]{by_upper.energy.rx().over(), by_lower.energy.rx().over()};
   const ReceiverPairPhase phase(homes[0], homes[1], wavenumber_);
@@ -78,8 +78,8 @@ void ReceiverPairPieces::add(OnFacet& on, const Seen& upper, const Seen& lower, 
   CertifiedPathIntegrand plain[2]{{by_upper.energy, {}, nullptr}, {by_lower.energy, {}, nullptr}};
   PatternDoubt doubt;
   if (weighed) {
-    const std::span receive = std::span(law_.patterns->receive).first(1);
-    const TransmitPattern& transmit = law_.patterns->transmit.front();
+    const std::span receive = std::span(model_.patterns->receive).first(1);
+    const TransmitPattern& transmit = model_.patterns->transmit.front();
     doubt = PatternDoubt(transmit, Towards::places(upper.corners_m), on.upper.proven);
     for (const auto& [two_way, by, polygon] :
          {std::tuple(&by_upper, &on.upper, &seen), {&by_lower, &on.lower, &other}}) {

@@ -20,8 +20,8 @@ namespace tubefoot {
 /// their differences' (ReceiveRanges).
 class ReceiverPairPieces {
  public:
-  /// `law`: with the fan's patterns alone, if with any. `target`: by sample, how wide products may be.
-  ReceiverPairPieces(const EchoLaw& law, double wavenumber_rad_m, std::span<const double> borders_m,
+  /// `model`: with the fan's patterns alone, if with any. `target`: by sample, how wide products may be.
+  ReceiverPairPieces(const EchoModel& model, double wavenumber_rad_m, std::span<const double> borders_m,
                      double step_m, std::vector<double> target, double tolerance);
 
   /// By sample (beam 0), and of the second beam the imaginary part. `unsure.hi`: either part may have so much
@@ -51,7 +51,7 @@ class ReceiverPairPieces {
   void add(OnFacet& on, const Seen& upper, const Seen& lower, Products& found) const;
 
  private:
-  const EchoLaw& law_;
+  const EchoModel& model_;
   double wavenumber_;
   std::span<const double> borders_;
   double step_m_, tolerance_;

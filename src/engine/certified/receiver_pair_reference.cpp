@@ -22,19 +22,19 @@ class ReceiverPairEncloser {
  public:
   ReceiverPairEncloser(const FacetMesh& mesh, const ReceiverPairHistory& history, double unit_m,
                        const ReceiverBaseline& receiver_pair, const RangeSamples& samples,
-                       std::array<const EchoLaw*, 2> laws,
+                       std::array<const EchoModel*, 2> models,
                        std::span<const std::shared_ptr<const CertifiedTexture>> textures,
                        std::span<const double> target, double working)
       : mesh_(mesh),
         history_(history),
         unit_m_(unit_m),
         receiver_pair_(receiver_pair),
-        laws_(laws),
+        models_(models),
         textures_(textures),
         borders_(sample_borders_m(samples)),
         target_(target),
         working_(working),
-        beta_(Ball(laws[0]->absorption_db_per_m) * log(Ball(10)) / Ball(10)) {
+        beta_(Ball(models[0]->absorption_db_per_m) * log(Ball(10)) / Ball(10)) {
     for (std::size_t k = 0; k < 3; ++k) {
       const Ball half = Ball(receiver_pair.baseline_m) / Ball(2) * Ball(receiver_pair.axis[int(k)]),
                  middle(history.middle_m[int(k)]);
@@ -102,10 +102,10 @@ class ReceiverPairEncloser {
   }
 
   ReceiverPairPath ends(std::size_t end, FacetId facet, const CertifiedPolygon& polygon) const {
-    const EchoLaw& law = *laws_[end];
-    CertifiedPathEnergy energy(polygon, at_m_[end], law, law.bed(facet), beta_);
-    CertifiedPathGains gains(energy.tx(), energy.rx(), law.patterns->transmit.front(),
-                             std::span(law.patterns->receive).first(1));
+    const EchoModel& model = *models_[end];
+    CertifiedPathEnergy energy(polygon, at_m_[end], model, model.bed(facet), beta_);
+    CertifiedPathGains gains(energy.tx(), energy.rx(), model.patterns->transmit.front(),
+                             std::span(model.patterns->receive).first(1));
     return {std::move(energy), std::move(gains)};
   }
   /// False where a receiver looks along the plane or at its back, which only the grid's half units can do.
@@ -119,14 +119,14 @@ class ReceiverPairEncloser {
   /// `add(part, cell, even, cells)` for the parts of a polygon by cells of its texture.
   template <class Add>
   void by_cells(FacetId facet, const CertifiedPolygon& polygon, const Add& add) {
-    const CertifiedTexture* texture = textures_[laws_[0]->material[facet]].get();
+    const CertifiedTexture* texture = textures_[models_[0]->material[facet]].get();
     const Ball range = texture == nullptr ? Ball(1) : texture->range();
     const bool worth_it = polygon.edges.size() >= 3 && range.hi() - range.lo() > working_ / 8 * range.lo();
     const std::size_t cells =
-        worth_it ? cut_by_cells(polygon, *texture, laws_[0]->path.tx.map_of(facet), most_cells, {}) : 0;
+        worth_it ? cut_by_cells(polygon, *texture, models_[0]->path.tx.map_of(facet), most_cells, {}) : 0;
     if (worth_it && cells == 0) coarse_ = true;
     if (cells == 0) return add(polygon, nullptr, range, 1.0);
-    cut_by_cells(polygon, *texture, laws_[0]->path.tx.map_of(facet), most_cells,
+    cut_by_cells(polygon, *texture, models_[0]->path.tx.map_of(facet), most_cells,
                  [&](const CertifiedPolygon& part, const CertifiedCell& cell) {
                    add(part, &cell, Ball(1), double(cells));
                  });
@@ -176,7 +176,7 @@ class ReceiverPairEncloser {
   /// What may or may not be common to both, of what the upper one sees.
   void add_unsure(FacetId facet, const CertifiedPolygon& polygon, const Ball& unsure,
                   CertifiedPathIntegrator& integrator, Bins& bins) {
-    const CertifiedTexture* texture = textures_[laws_[0]->material[facet]].get();
+    const CertifiedTexture* texture = textures_[models_[0]->material[facet]].get();
     const ReceiverPairPath upper = ends(0, facet, polygon), lower = ends(1, facet, polygon);
     ReceiverPairIntegrand integrand({upper.energy, upper.gains}, {lower.energy, lower.gains},
                                     ReceiverPairPhase(upper.energy.tx(), receiver_pair_, history_.middle_m),
@@ -198,7 +198,7 @@ class ReceiverPairEncloser {
   const ReceiverPairHistory& history_;
   double unit_m_;
   const ReceiverBaseline& receiver_pair_;
-  std::array<const EchoLaw*, 2> laws_;  // by receiver
+  std::array<const EchoModel*, 2> models_;  // by receiver
   std::span<const std::shared_ptr<const CertifiedTexture>> textures_;
   std::vector<double> borders_;
   std::span<const double> target_;
@@ -210,15 +210,15 @@ class ReceiverPairEncloser {
 
 CertifiedEcho enclosed(const FacetMesh& mesh, const ReceiverPairHistory& history, double grid_unit_m,
                        const ReceiverBaseline& receiver_pair, const RangeSamples& samples,
-                       std::array<const EchoLaw*, 2> laws, const ReceiverPairEcho& ordinary, double tolerance,
-                       bool energies) {
+                       std::array<const EchoModel*, 2> models, const ReceiverPairEcho& ordinary,
+                       double tolerance, bool energies) {
   if (!history.bistatic_upper.empty() || !history.bistatic_lower.empty())
     throw std::invalid_argument("facets that two apexes see elsewhere are not enclosed");
-  const auto textures = certified_textures(*laws[0]);
+  const auto textures = certified_textures(*models[0]);
   return narrowed(tolerance, [&](double working, bool& coarse) {
     const std::vector<double> target = receiver_pair_targets(ordinary.upper_j, ordinary.lower_j, working);
-    ReceiverPairEncloser encloser(mesh, history, grid_unit_m, receiver_pair, samples, laws, textures, target,
-                                  working);
+    ReceiverPairEncloser encloser(mesh, history, grid_unit_m, receiver_pair, samples, models, textures,
+                                  target, working);
     const std::vector<Ball> total = encloser.enclose(energies, coarse);
     CertifiedEcho certified{rows_of(ordinary), std::vector<double>(total.size())};
     const std::size_t sizes = total.size() / 2;
@@ -281,16 +281,16 @@ void compare_receiver_pair_with(CertifiedEcho& certified, double tolerance) {
 
 CertifiedEcho certify_receiver_pair_echo(const FacetMesh& mesh, const ReceiverPairHistory& history,
                                          double grid_unit_m, const ReceiverBaseline& receiver_pair,
-                                         const RangeSamples& samples, const EchoLaw& law,
+                                         const RangeSamples& samples, const EchoModel& model,
                                          const ReceiverPairEcho& ordinary, double tolerance) {
-  return enclosed(mesh, history, grid_unit_m, receiver_pair, samples, {&law, &law}, ordinary, tolerance,
+  return enclosed(mesh, history, grid_unit_m, receiver_pair, samples, {&model, &model}, ordinary, tolerance,
                   true);
 }
 
 CertifiedEcho certify_receiver_pair_products(const FacetMesh& mesh, const ReceiverPairHistory& history,
                                              double grid_unit_m, const ReceiverBaseline& receiver_pair,
-                                             const RangeSamples& samples, const EchoLaw& by_upper,
-                                             const EchoLaw& by_lower, const ReceiverPairEcho& ordinary,
+                                             const RangeSamples& samples, const EchoModel& by_upper,
+                                             const EchoModel& by_lower, const ReceiverPairEcho& ordinary,
                                              double tolerance) {
   return enclosed(mesh, history, grid_unit_m, receiver_pair, samples, {&by_upper, &by_lower}, ordinary,
                   tolerance, false);

@@ -12,15 +12,15 @@ namespace tubefoot {
 /// `ordinary` is integrate_receiver_pair_echo()'s and only guides the work.
 CertifiedEcho certify_receiver_pair_echo(const FacetMesh& mesh, const ReceiverPairHistory& history,
                                          double grid_unit_m, const ReceiverBaseline& receiver_pair,
-                                         const RangeSamples& samples, const EchoLaw& law,
+                                         const RangeSamples& samples, const EchoModel& model,
                                          const ReceiverPairEcho& ordinary, double tolerance);
 
 /// The products alone, by way of mirrors (integrate_receiver_pair_products()): energies are the ordinary
 /// ones, with bounds of 0.
 CertifiedEcho certify_receiver_pair_products(const FacetMesh& mesh, const ReceiverPairHistory& history,
                                              double grid_unit_m, const ReceiverBaseline& receiver_pair,
-                                             const RangeSamples& samples, const EchoLaw& by_upper,
-                                             const EchoLaw& by_lower, const ReceiverPairEcho& ordinary,
+                                             const RangeSamples& samples, const EchoModel& by_upper,
+                                             const EchoModel& by_lower, const ReceiverPairEcho& ordinary,
                                              double tolerance);
 
 /// What each bound is to be, by row, where the receivers have these energies.

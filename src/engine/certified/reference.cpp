@@ -28,20 +28,20 @@ using IntervalBins = std::map<std::size_t, Interval>;
 
 std::pair<std::uint32_t, std::uint32_t> beams_of(std::uint32_t tube,
                                                  std::span<const std::uint32_t> beam_of_tube,
-                                                 const EchoLaw& law) {
-  if (law.patterns != nullptr) return law.patterns->beams_of_tube[tube];
+                                                 const EchoModel& model) {
+  if (model.patterns != nullptr) return model.patterns->beams_of_tube[tube];
   return {beam_of_tube[tube], beam_of_tube[tube] + 1};
 }
 
 /// About how many slabs share a bin.
 std::vector<double> slabs_of_bins(const History& history, std::span<const std::uint32_t> beam_of_tube,
-                                  std::span<const double> borders, const EchoLaw& law, std::size_t bins) {
+                                  std::span<const double> borders, const EchoModel& model, std::size_t bins) {
   const std::size_t samples = borders.size() - 1;
   std::vector<double> slabs(bins, 0);
   for (const Footprint& footprint : history.footprints.footprints) {
     const auto first = std::upper_bound(borders.begin(), borders.end(), footprint.slant_range_min_m);
     const auto end = std::lower_bound(borders.begin(), borders.end(), footprint.slant_range_max_m);
-    const auto [first_beam, end_beam] = beams_of(footprint.tube, beam_of_tube, law);
+    const auto [first_beam, end_beam] = beams_of(footprint.tube, beam_of_tube, model);
     for (auto k = std::max<std::ptrdiff_t>(first - borders.begin() - 1, 0);
          k < std::min<std::ptrdiff_t>(end - borders.begin(), std::ssize(borders) - 1); ++k)
       for (std::uint32_t beam = first_beam; beam < end_beam; ++beam)
@@ -54,18 +54,18 @@ std::vector<double> slabs_of_bins(const History& history, std::span<const std::u
 /// has too many cells, so that no narrower try would help.
 CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const History& history,
                            const VisibilityOptions& options, std::span<const std::uint32_t> beam_of_tube,
-                           const RangeSamples& samples, const EchoLaw& law, const Echo& ordinary,
+                           const RangeSamples& samples, const EchoModel& model, const Echo& ordinary,
                            double tolerance, double working,
                            std::span<const std::shared_ptr<const CertifiedTexture>> textures, bool& coarse) {
   const std::vector<double> borders = sample_borders_m(samples);
   const std::vector<double> target = reference_targets(ordinary, working);
-  const std::vector<double> slabs = slabs_of_bins(history, beam_of_tube, borders, law, target.size());
-  const Ball beta = Ball(law.absorption_db_per_m) * log(Ball(10)) / Ball(10);
+  const std::vector<double> slabs = slabs_of_bins(history, beam_of_tube, borders, model, target.size());
+  const Ball beta = Ball(model.absorption_db_per_m) * log(Ball(10)) / Ball(10);
   const auto row = std::size_t(samples.count);
   const TubeSet& tubes = history.tubes;
   std::vector<Bins> by_tube(tubes.tubes.size());
   std::vector<IntervalBins> by_tube_in_doubles(tubes.tubes.size());
-  const bool doubles_first = law.patterns == nullptr && tolerance > finest_in_balls;
+  const bool doubles_first = model.patterns == nullptr && tolerance > finest_in_balls;
   std::atomic<bool> any_coarse = false;
   struct Buffers {
     VisibilityScratch visibility;
@@ -88,12 +88,12 @@ CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const H
     // Whether a piece is enclosed by doubles alone.
     const auto add_in_doubles = [&](const NamedPiece& piece) {
       if (!enclose_in_intervals(context, seen.corners, piece, history.grid_unit_m, in_doubles)) return false;
-      const ScatteringLaw* scattering = law.law_of(piece.facet);
-      interval_integrator.take_law(scattering);
+      const ScatteringModel* scattering = model.model_of(piece.facet);
+      interval_integrator.take_model(scattering);
       Interval factor = scattering != nullptr ? Interval(1)
-                                              : law.material_mu[law.material[piece.facet]] *
+                                              : model.material_mu[model.material[piece.facet]] *
                                                     squared(in_doubles.distance.in_doubles());
-      if (!law.path.facet_factor.empty()) factor = factor * law.path.facet_factor[piece.facet];
+      if (!model.path.facet_factor.empty()) factor = factor * model.path.facet_factor[piece.facet];
       const IntervalIntegrator::Allowance allowance{
           working / 3, [&](std::uint32_t beam, std::uint32_t sample) {
             const std::size_t bin = beam * row + sample;
@@ -107,14 +107,15 @@ CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const H
     };
     for (const NamedPiece& piece : seen.pieces) {
       stop_if_wanted();
-      if (doubles_first && textures[law.material[piece.facet]] == nullptr && add_in_doubles(piece)) continue;
+      if (doubles_first && textures[model.material[piece.facet]] == nullptr && add_in_doubles(piece))
+        continue;
       const CertifiedPolygon polygon = certified_polygon(context, seen.corners, piece, history.grid_unit_m);
-      const ScatteringLaw* scattering = law.law_of(piece.facet);
-      integrator.take_law(scattering);
+      const ScatteringModel* scattering = model.model_of(piece.facet);
+      integrator.take_model(scattering);
       Ball factor = scattering != nullptr
                         ? Ball(1)
-                        : Ball(law.material_mu[law.material[piece.facet]]) * squared(polygon.distance);
-      if (!law.path.facet_factor.empty()) factor = factor * Ball(law.path.facet_factor[piece.facet]);
+                        : Ball(model.material_mu[model.material[piece.facet]]) * squared(polygon.distance);
+      if (!model.path.facet_factor.empty()) factor = factor * Ball(model.path.facet_factor[piece.facet]);
       const double size = factor.hi();
       // A third each for what is relative and for what is shared; the rest is for gaps and roundings.
       std::size_t cells = 1;
@@ -129,12 +130,12 @@ CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const H
         by_tube[tube][part.beam * row + part.sample] += factor * even * part.value;
       };
       const auto add = [&](const CertifiedPolygon& part, const CertifiedCell* cell) {
-        if (law.patterns != nullptr)
-          integrator.add(part, *law.patterns, tube, allowance, sink, cell);
+        if (model.patterns != nullptr)
+          integrator.add(part, *model.patterns, tube, allowance, sink, cell);
         else
           integrator.add(part, beam_of_tube[tube], allowance, sink, cell);
       };
-      const CertifiedTexture* texture = textures[law.material[piece.facet]].get();
+      const CertifiedTexture* texture = textures[model.material[piece.facet]].get();
       if (texture == nullptr || polygon.edges.size() < 3) {
         add(polygon, nullptr);
         continue;
@@ -142,10 +143,10 @@ CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const H
       const Ball range = texture->range();
       const bool worth_it = range.hi() - range.lo() > working / 8 * range.lo();
       const std::size_t count =
-          worth_it ? cut_by_cells(polygon, *texture, law.path.tx.map_of(piece.facet), most_cells, {}) : 0;
+          worth_it ? cut_by_cells(polygon, *texture, model.path.tx.map_of(piece.facet), most_cells, {}) : 0;
       if (count > 0) {
         cells = count;
-        cut_by_cells(polygon, *texture, law.path.tx.map_of(piece.facet), most_cells,
+        cut_by_cells(polygon, *texture, model.path.tx.map_of(piece.facet), most_cells,
                      [&](const CertifiedPolygon& part, const CertifiedCell& cell) { add(part, &cell); });
       } else {
         if (worth_it) any_coarse = true;
@@ -212,28 +213,28 @@ std::optional<std::size_t> material_without_enclosure(
   return std::nullopt;
 }
 
-std::vector<std::shared_ptr<const CertifiedTexture>> certified_textures(const EchoLaw& law) {
-  if (const auto material = material_without_enclosure(law.reflectivity))
+std::vector<std::shared_ptr<const CertifiedTexture>> certified_textures(const EchoModel& model) {
+  if (const auto material = material_without_enclosure(model.reflectivity))
     throw std::invalid_argument(
         fmt::format("the micro-texture of material {} cannot be enclosed: no reference", *material));
-  std::vector<std::shared_ptr<const CertifiedTexture>> textures(law.material_mu.size());
-  for (std::size_t material = 0; material < law.reflectivity.size(); ++material)
-    if (law.reflectivity[material] != nullptr)
-      textures.at(material) = certified_texture(law.reflectivity[material]);
+  std::vector<std::shared_ptr<const CertifiedTexture>> textures(model.material_mu.size());
+  for (std::size_t material = 0; material < model.reflectivity.size(); ++material)
+    if (model.reflectivity[material] != nullptr)
+      textures.at(material) = certified_texture(model.reflectivity[material]);
   return textures;
 }
 
 CertifiedEcho certify_echo(const FacetMesh& mesh, const SceneTree& tree, const History& history,
                            const VisibilityOptions& options, std::span<const std::uint32_t> beam_of_tube,
-                           const RangeSamples& samples, const EchoLaw& law, const Echo& ordinary,
+                           const RangeSamples& samples, const EchoModel& model, const Echo& ordinary,
                            double tolerance) {
   if (options.arithmetic == Arithmetic::plain_double)
     throw std::invalid_argument("a reference needs an exact arithmetic: fixed, filtered or rational");
-  if (!law.path.tx.facet_map.empty())
+  if (!model.path.tx.facet_map.empty())
     throw std::invalid_argument("textures of facets that lie elsewhere than they are seen are not enclosed");
-  const std::vector<std::shared_ptr<const CertifiedTexture>> textures = certified_textures(law);
+  const std::vector<std::shared_ptr<const CertifiedTexture>> textures = certified_textures(model);
   return narrowed(tolerance, [&](double working, bool& coarse) {
-    return enclose_echo(mesh, tree, history, options, beam_of_tube, samples, law, ordinary, tolerance,
+    return enclose_echo(mesh, tree, history, options, beam_of_tube, samples, model, ordinary, tolerance,
                         working, textures, coarse);
   });
 }

@@ -39,7 +39,7 @@ std::optional<std::size_t> material_without_enclosure(
 
 /// The micro-textures of a law by material, null where it is even. Throws std::invalid_argument for one that
 /// cannot be enclosed.
-std::vector<std::shared_ptr<const CertifiedTexture>> certified_textures(const EchoLaw& law);
+std::vector<std::shared_ptr<const CertifiedTexture>> certified_textures(const EchoModel& model);
 
 /// Of a texture, in one piece: half a minute's work. A piece of more is enclosed by the texture's range.
 constexpr std::size_t most_cells = 1 << 16;
@@ -51,14 +51,14 @@ constexpr std::size_t most_cells = 1 << 16;
 /// what is certain and what is not.
 CertifiedEcho certify_echo(const FacetMesh& mesh, const SceneTree& tree, const History& history,
                            const VisibilityOptions& options, std::span<const std::uint32_t> beam_of_tube,
-                           const RangeSamples& samples, const EchoLaw& law, const Echo& ordinary,
+                           const RangeSamples& samples, const EchoModel& model, const Echo& ordinary,
                            double tolerance);
 
 /// The same of what two apexes share, in even water, or two images of them (law.path): corners rounded as
 /// FootprintSharer rounds them, ellipses of one path length and integrals in ball arithmetic. `mesh`: of the
 /// history's facets. `ordinary` is integrate_echo()'s of the same arguments.
 CertifiedEcho certify_echo(const FacetMesh& mesh, const BistaticHistory& history, const ReceiveBeams& beams,
-                           const RangeSamples& samples, const EchoLaw& law, const Echo& ordinary,
+                           const RangeSamples& samples, const EchoModel& model, const Echo& ordinary,
                            double tolerance);
 
 }  // namespace tubefoot

@@ -63,7 +63,7 @@ RefractedReference certify_refracted_receiver_pair(const std::array<BistaticBed,
                                                    const std::array<BistaticTubes, 2>& tubes,
                                                    const VisibilityOptions& options,
                                                    const ReceiverBaseline& receiver_pair,
-                                                   const RangeSamples& samples, const EchoLaw& law,
+                                                   const RangeSamples& samples, const EchoModel& model,
                                                    const std::array<Echo, 2>& ordinary, double tolerance) {
   std::array<BistaticBed, 2> both = beds;
   for (std::size_t e = 0; e < 2; ++e) {
@@ -78,14 +78,14 @@ RefractedReference certify_refracted_receiver_pair(const std::array<BistaticBed,
       return receiver_pair_out.of(shared, e);
     };
   const std::array<BistaticParts, 2> parts =
-      bistatic_parts(both, tubes, options, samples, law, ordinary, tolerance, flatten);
+      bistatic_parts(both, tubes, options, samples, model, ordinary, tolerance, flatten);
 
   const auto row = std::size_t(samples.count);
   const std::vector<double> targets =
                                 receiver_pair_targets(ordinary[0].energy, ordinary[1].energy, tolerance),
                             borders = sample_borders_m(samples);
   const ReceiverPairPieces pieces(
-      law, receiver_pair.wavenumber_rad_m, borders, samples.step_m,
+      model, receiver_pair.wavenumber_rad_m, borders, samples.step_m,
       {targets.begin() + std::ptrdiff_t(2 * row), targets.begin() + std::ptrdiff_t(3 * row)}, tolerance);
   std::vector<Between> total(4 * row);
   std::vector<double> unsure(row, 0);

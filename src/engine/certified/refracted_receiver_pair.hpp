@@ -17,7 +17,7 @@ RefractedReference certify_refracted_receiver_pair(const std::array<BistaticBed,
                                                    const std::array<BistaticTubes, 2>& tubes,
                                                    const VisibilityOptions& options,
                                                    const ReceiverBaseline& receiver_pair,
-                                                   const RangeSamples& samples, const EchoLaw& law,
+                                                   const RangeSamples& samples, const EchoModel& model,
                                                    const std::array<Echo, 2>& ordinary, double tolerance);
 
 }  // namespace tubefoot

@@ -65,13 +65,13 @@ class Gatherer {
 }  // namespace
 
 std::vector<Contribution> contributions(const CommonVisibility& visibility, const ReceiveBeams& beams,
-                                        const RangeSamples& samples, const EchoLaw& law,
+                                        const RangeSamples& samples, const EchoModel& model,
                                         const Quadrature& how, const Echo& echo, double least_share) {
   std::vector<Contribution> all;
   Gatherer gatherer(echo, least_share, all);
   Quadrature owned = how;
   owned.by_owner = true;
-  integrate(visibility.without_hits(), beams, samples, law, owned,
+  integrate(visibility.without_hits(), beams, samples, model, owned,
             [&](const Part<double>& part) { gatherer.take(part); });
   gatherer.settle();
   // Footprints on micro-texture come after all others.
@@ -83,15 +83,15 @@ std::vector<Contribution> contributions(const CommonVisibility& visibility, cons
 FootprintEnergies footprint_energies(const FootprintSet& footprints, const CommonVisibility& visibility,
                                      std::span<const std::uint32_t> beam_of_footprint_tube,
                                      const ReceiveBeams& beams, const RangeSamples& samples,
-                                     const EchoLaw& law, const Quadrature& how) {
+                                     const EchoModel& model, const Quadrature& how) {
   const std::size_t count = footprints.footprints.size();
   FootprintEnergies energies{std::vector<double>(count), std::vector<double>(count)};
   BeamPatterns patterns;
-  EchoLaw own_law = law;
-  if (law.patterns != nullptr) {
-    patterns = *law.patterns;
+  EchoModel own_model = model;
+  if (model.patterns != nullptr) {
+    patterns = *model.patterns;
     patterns.baselines.clear();  // footprints are the transmitter's
-    own_law.patterns = &patterns;
+    own_model.patterns = &patterns;
   }
   Quadrature owned = how;
   owned.by_owner = true;
@@ -106,7 +106,7 @@ FootprintEnergies footprint_energies(const FootprintSet& footprints, const Commo
   Steps steps("energies", tasks);
   tbb::parallel_for(std::size_t{0}, tasks, [&](std::size_t k) {
     const std::size_t begin = k * footprints_per_task;
-    integrate(seen.within(begin, begin + footprints_per_task), beams, whole, own_law, owned,
+    integrate(seen.within(begin, begin + footprints_per_task), beams, whole, own_model, owned,
               [&](const Part<double>& part) { add(part.seen, part); });
     steps.done();
   });

@@ -27,21 +27,22 @@ void check(const BeamPatterns& patterns, const ReceiveBeams& beams, std::size_t 
 }
 
 void check_one_apex(const CommonVisibility& visibility, const ReceiveBeams& beams,
-                    const RangeSamples& samples, const EchoLaw& law, Binning binning) {
-  if (law.path.over_mirrors() || law.path.rx || law.path.tx.to_true != glm::dmat3(1))
+                    const RangeSamples& samples, const EchoModel& model, Binning binning) {
+  if (model.path.over_mirrors() || model.path.rx || model.path.tx.to_true != glm::dmat3(1))
     refuse("footprints of one apex are there and back; two legs need what both apexes share");
-  if (law.patterns == nullptr) return;
-  check(*law.patterns, beams, beams.of_tube.size());
-  for (const ReceiverBaseline& baseline : law.patterns->baselines)
+  if (model.patterns == nullptr) return;
+  check(*model.patterns, beams, beams.of_tube.size());
+  for (const ReceiverBaseline& baseline : model.patterns->baselines)
     if (!(baseline.baseline_m >= 0 && baseline.baseline_m <= samples.first_m))
       refuse(fmt::format("a baseline of {} m needs samples from there on, not from {} m", baseline.baseline_m,
                          samples.first_m));
-  if (!law.patterns->baselines.empty() && binning == Binning::exact && visibility.first() < visibility.end())
+  if (!model.patterns->baselines.empty() && binning == Binning::exact &&
+      visibility.first() < visibility.end())
     refuse("footprints of one apex cannot be cut for the two receivers of a staff (receiver_pair_echo.hpp)");
 }
 
 void check_two_apexes(const BistaticHistory& history, const ReceiveBeams& beams, const RangeSamples& samples,
-                      const EchoLaw& law, const Quadrature& how) {
+                      const EchoModel& model, const Quadrature& how) {
   const std::size_t sent = history.transmit.tubes.size(), received = history.receive.tubes.size();
   if (beams.of_tube.size() != received)
     refuse(fmt::format("the receiver has {} tubes, but {} have a beam", received, beams.of_tube.size()));
@@ -51,12 +52,12 @@ void check_two_apexes(const BistaticHistory& history, const ReceiveBeams& beams,
   const bool fans = !beams.fan_of_transmit_tube.empty() || !beams.fan_of_receive_tube.empty();
   if (fans && (beams.fan_of_transmit_tube.size() != sent || beams.fan_of_receive_tube.size() != received))
     refuse("fans must be given for all transmit and all receive tubes, or for none");
-  if (!law.path.facet_factor.empty()) refuse("apparent facets belong to one apex, not to two");
+  if (!model.path.facet_factor.empty()) refuse("apparent facets belong to one apex, not to two");
   if (!history.bistatic.empty() && history.bistatic.size() != history.shared.facets.size())
     refuse("the history's paired facets belong to other facets");
   if (!(how.path_tolerance > 0))
     refuse(fmt::format("a tolerance must be above 0, not {}", how.path_tolerance));
-  if (law.patterns != nullptr) check(*law.patterns, beams, received);
+  if (model.patterns != nullptr) check(*model.patterns, beams, received);
   const double last = samples.first_m + samples.count * samples.step_m;
   if (samples.count < 1 || !(samples.first_m >= 0) || !std::isfinite(last) || !(samples.step_m > 0))
     refuse(fmt::format(
@@ -66,25 +67,25 @@ void check_two_apexes(const BistaticHistory& history, const ReceiveBeams& beams,
 }
 
 void check(const CommonVisibility& visibility, const ReceiveBeams& beams, const RangeSamples& samples,
-           const EchoLaw& law, const Quadrature& how) {
+           const EchoModel& model, const Quadrature& how) {
   if (beams.count < 0) refuse(fmt::format("a receiver cannot have {} beams", beams.count));
-  check(law);
+  check(model);
   if (visibility.one_apex())
-    check_one_apex(visibility, beams, samples, law, how.binning);
+    check_one_apex(visibility, beams, samples, model, how.binning);
   else
-    check_two_apexes(*visibility.two_apexes(), beams, samples, law, how);
+    check_two_apexes(*visibility.two_apexes(), beams, samples, model, how);
 }
 
 /// Patterns by the directions that images have.
 void between_two_apexes(const CommonVisibility& visibility, const ReceiveBeams& beams,
-                        const RangeSamples& samples, const EchoLaw& law, const Quadrature& how,
+                        const RangeSamples& samples, const EchoModel& model, const Quadrature& how,
                         const Sink<double>& sink) {
   const bool through_images =
-      law.path.tx.to_true != glm::dmat3(1) || law.path.back().to_true != glm::dmat3(1);
-  if (law.patterns == nullptr || !through_images)
-    return integrate_two_apexes(visibility, beams, samples, law, how, sink);
-  const BeamPatterns patterns = as_images_have(*law.patterns, law.path);
-  EchoLaw own = law;
+      model.path.tx.to_true != glm::dmat3(1) || model.path.back().to_true != glm::dmat3(1);
+  if (model.patterns == nullptr || !through_images)
+    return integrate_two_apexes(visibility, beams, samples, model, how, sink);
+  const BeamPatterns patterns = as_images_have(*model.patterns, model.path);
+  EchoModel own = model;
   own.patterns = &patterns;
   integrate_two_apexes(visibility, beams, samples, own, how, sink);
 }
@@ -110,11 +111,11 @@ std::string_view name_of(Binning binning) {
 }
 
 void integrate(const CommonVisibility& visibility, const ReceiveBeams& beams, const RangeSamples& samples,
-               const EchoLaw& law, const Quadrature& how, const Sink<double>& sink) {
-  check(visibility, beams, samples, law, how);
-  if (!visibility.one_apex()) return between_two_apexes(visibility, beams, samples, law, how, sink);
+               const EchoModel& model, const Quadrature& how, const Sink<double>& sink) {
+  check(visibility, beams, samples, model, how);
+  if (!visibility.one_apex()) return between_two_apexes(visibility, beams, samples, model, how, sink);
   const std::vector<double> energy =
-      integrate_one_apex(visibility, beams, samples, law, how, sink, {}).echo.energy;
+      integrate_one_apex(visibility, beams, samples, model, how, sink, {}).echo.energy;
   if (how.by_owner && visibility.hits().empty()) return;  // all of it has been told
   const auto count = std::size_t(samples.count);
   for (std::size_t bin = 0; bin < energy.size(); ++bin)
@@ -122,22 +123,22 @@ void integrate(const CommonVisibility& visibility, const ReceiveBeams& beams, co
 }
 
 Echo integrate_echo(const CommonVisibility& visibility, const ReceiveBeams& beams,
-                    const RangeSamples& samples, const EchoLaw& law, Quadrature how) {
-  return integrate_lit_echo(visibility, beams, samples, law, how, {}).echo;
+                    const RangeSamples& samples, const EchoModel& model, Quadrature how) {
+  return integrate_lit_echo(visibility, beams, samples, model, how, {}).echo;
 }
 
 LitEcho integrate_lit_echo(const CommonVisibility& visibility, const ReceiveBeams& beams,
-                           const RangeSamples& samples, const EchoLaw& law, Quadrature how,
+                           const RangeSamples& samples, const EchoModel& model, Quadrature how,
                            std::vector<double> room) {
   how.by_owner = false;
-  check(visibility, beams, samples, law, how);
+  check(visibility, beams, samples, model, how);
   // No sink between: pings of many bins are mostly that.
   if (visibility.one_apex())
-    return integrate_one_apex(visibility, beams, samples, law, how, {}, std::move(room));
+    return integrate_one_apex(visibility, beams, samples, model, how, {}, std::move(room));
   LitEcho made{{beams.count, samples.count, std::move(room)}, {}};
   Echo& echo = made.echo;
   echo.energy.resize(std::size_t(beams.count) * std::size_t(samples.count));
-  between_two_apexes(visibility, beams, samples, law, how, [&](const Part<double>& part) {
+  between_two_apexes(visibility, beams, samples, model, how, [&](const Part<double>& part) {
     echo.energy[part.beam * std::size_t(samples.count) + part.sample] += part.value;
   });
   return made;

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "engine/echo/sink.hpp"
-#include "engine/law/echo_law.hpp"
-#include "engine/law/range_samples.hpp"
+#include "engine/scattering/echo_model.hpp"
+#include "engine/scattering/range_samples.hpp"
 #include "engine/visibility/common_visibility.hpp"
 
 namespace tubefoot {
@@ -84,11 +84,11 @@ struct Echo {
 ///
 /// Throws std::invalid_argument for what does not fit.
 void integrate(const CommonVisibility& visibility, const ReceiveBeams& beams, const RangeSamples& samples,
-               const EchoLaw& law, const Quadrature& how, const Sink<double>& sink);
+               const EchoModel& model, const Quadrature& how, const Sink<double>& sink);
 
 /// All of it, added up.
 Echo integrate_echo(const CommonVisibility& visibility, const ReceiveBeams& beams,
-                    const RangeSamples& samples, const EchoLaw& law, Quadrature how = {});
+                    const RangeSamples& samples, const EchoModel& model, Quadrature how = {});
 
 /// What one seen facet adds to one range sample of one beam.
 struct Contribution {
@@ -105,7 +105,7 @@ struct Contribution {
 /// than this times the energy of its beam and sample in `echo` (which integrate_echo() made), but never a
 /// footprint's largest contribution; 0 keeps everything that is not zero. Throws as integrate_echo().
 std::vector<Contribution> contributions(const CommonVisibility& visibility, const ReceiveBeams& beams,
-                                        const RangeSamples& samples, const EchoLaw& law,
+                                        const RangeSamples& samples, const EchoModel& model,
                                         const Quadrature& how, const Echo& echo, double least_share = 0);
 
 /// What each footprint adds to an echo, over all range samples, in the order of the footprints. Joule per
@@ -122,6 +122,6 @@ struct FootprintEnergies {
 FootprintEnergies footprint_energies(const FootprintSet& footprints, const CommonVisibility& visibility,
                                      std::span<const std::uint32_t> beam_of_footprint_tube,
                                      const ReceiveBeams& beams, const RangeSamples& samples,
-                                     const EchoLaw& law, const Quadrature& how = {});
+                                     const EchoModel& model, const Quadrature& how = {});
 
 }  // namespace tubefoot

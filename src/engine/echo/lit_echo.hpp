@@ -18,7 +18,7 @@ struct LitEcho {
 /// What integrate_echo() makes, bit for bit. `room`: zeros, however many: the energies are made in their
 /// memory, since fresh memory costs more than what most echoes put into it.
 LitEcho integrate_lit_echo(const CommonVisibility& visibility, const ReceiveBeams& beams,
-                           const RangeSamples& samples, const EchoLaw& law, Quadrature how,
+                           const RangeSamples& samples, const EchoModel& model, Quadrature how,
                            std::vector<double> room);
 
 /// The memory of an echo's energies, set to 0 again.

@@ -16,8 +16,8 @@
 #include "engine/echo/sample_finder.hpp"
 #include "engine/echo/scattering_cut.hpp"
 #include "engine/echo/texture_cells.hpp"
-#include "engine/law/density.hpp"
-#include "engine/law/radial_law.hpp"
+#include "engine/scattering/density.hpp"
+#include "engine/scattering/radial_model.hpp"
 #include "geometry/integrals/range_cut.hpp"
 #include "geometry/steps/steps.hpp"
 
@@ -67,22 +67,22 @@ class LaneSums {
 class OneApex {
  public:
   OneApex(const CommonVisibility& visibility, const ReceiveBeams& beams, const RangeSamples& samples,
-          const EchoLaw& law, const Quadrature& how, const Sink<double>& sink, std::vector<double> room)
+          const EchoModel& model, const Quadrature& how, const Sink<double>& sink, std::vector<double> room)
       : visibility_(visibility),
         beams_(beams),
         samples_(samples),
-        law_(law),
+        model_(model),
         how_(how),
         sink_(sink),
         finder_(samples),
-        beta_(absorption_per_m(law.absorption_db_per_m)),
+        beta_(absorption_per_m(model.absorption_db_per_m)),
         energy_(std::move(room)) {
     const std::size_t rows =
-        std::size_t(law.patterns != nullptr ? law.patterns->channels() : 1) * std::size_t(beams.count);
+        std::size_t(model.patterns != nullptr ? model.patterns->channels() : 1) * std::size_t(beams.count);
     energy_.resize(rows * std::size_t(samples.count));
     lit_.resize(rows);
-    if (law.patterns == nullptr) return;
-    for (const ReceiverBaseline& baseline : law.patterns->baselines)
+    if (model.patterns == nullptr) return;
+    for (const ReceiverBaseline& baseline : model.patterns->baselines)
       spread_m_ = std::max(spread_m_, baseline.baseline_m);
   }
 
@@ -93,8 +93,8 @@ class OneApex {
     } else if (how_.binning != Binning::exact) {
       whole();
       by_samples = false;
-    } else if (law_.patterns != nullptr) {
-      weighed(*law_.patterns, false);
+    } else if (model_.patterns != nullptr) {
+      weighed(*model_.patterns, false);
       by_samples = false;
     } else if (!even()) {
       weighed(ideal_beams(beams_), true);
@@ -123,7 +123,7 @@ class OneApex {
     const std::uint32_t tube = tube_of(number);
     const auto [first, end] = finder_.between(near_m_ - spread_m_, far_m_ + spread_m_);
     std::pair<std::uint32_t, std::uint32_t> received{beams_.of_tube[tube], beams_.of_tube[tube] + 1};
-    if (law_.patterns != nullptr) received = law_.patterns->beams_of_tube[tube];
+    if (model_.patterns != nullptr) received = model_.patterns->beams_of_tube[tube];
     const auto samples = std::size_t(samples_.count);
     for (std::size_t channel = 0; channel < energy_.size(); channel += std::size_t(beams_.count) * samples)
       for (std::uint32_t beam = received.first; beam < received.second; ++beam) {
@@ -154,7 +154,7 @@ class OneApex {
   /// All but those of facets with micro-texture; false if there are some.
   bool even() {
     const std::shared_ptr<const RadialIntegral> radial =
-        lambert_radial_integral(samples_, law_.absorption_db_per_m);
+        lambert_radial_integral(samples_, model_.absorption_db_per_m);
     RangeCutter cutter(*radial);
     std::optional<ScatteringCutter> scattering_cutter;
     bool all = true;
@@ -164,7 +164,7 @@ class OneApex {
       const std::uint32_t beam = beam_of(tube_of(number));
       const std::span<double> row =
           std::span(energy_).subspan(beam * std::size_t(samples_.count), std::size_t(samples_.count));
-      const FacetBed bed = law_.bed(facet.facet);
+      const FacetBed bed = model_.bed(facet.facet);
       if (bed.texture != nullptr) {
         all = false;
         continue;
@@ -176,7 +176,7 @@ class OneApex {
       for (std::uint32_t p = 0; p < facet.piece_count; ++p) {
         assign(facet, number, p, frame);
         if (bed.scattering != nullptr) {
-          if (!scattering_cutter) scattering_cutter.emplace(samples_, law_.absorption_db_per_m);
+          if (!scattering_cutter) scattering_cutter.emplace(samples_, model_.absorption_db_per_m);
           light(beam, scattering_cutter->add(polygon_, *bed.scattering, row, bed.factor));
         } else {
           light(beam, cutter.add(polygon_, factor, row));
@@ -189,13 +189,13 @@ class OneApex {
 
   /// `only_textured`: those of facets with micro-texture.
   void weighed(const BeamPatterns& patterns, bool only_textured) {
-    PatternIntegrator integrator(finder_.borders(), beta_, patterns, law_.pattern_tolerance);
+    PatternIntegrator integrator(finder_.borders(), beta_, patterns, model_.pattern_tolerance);
     TextureCells cells;
     Steps steps("footprints", visibility_.end() - visibility_.first());
     for (std::size_t number = visibility_.first(); number < visibility_.end(); ++number) {
       steps.done();
       const SeenFacet facet = visibility_[number];
-      const FacetBed bed = law_.bed(facet.facet);
+      const FacetBed bed = model_.bed(facet.facet);
       if ((only_textured && bed.texture == nullptr) || is_silent(bed)) continue;
       const std::uint32_t tube = tube_of(number);
       const PlaneFrame frame(facet.plane);
@@ -209,7 +209,7 @@ class OneApex {
           integrator.add(polygon_, facet.plane, frame, tube, lambert_or_one, energy_, bed.scattering);
           continue;
         }
-        const LyingPlane lies = law_.path.tx.lying(facet.facet, facet.plane, frame);
+        const LyingPlane lies = model_.path.tx.lying(facet.facet, facet.plane, frame);
         cells.cut(polygon_, lies, bed.texture->cells(), [&](const PlanarPolygon& part) {
           stop_if_wanted();
           integrator.add(part, facet.plane, frame, tube, lambert_or_one, energy_, bed.scattering,
@@ -225,7 +225,7 @@ class OneApex {
 
   /// The micro-texture at a place relative to the apex.
   double texture_at(const FacetBed& bed, FacetId facet, glm::dvec3 place_m) const {
-    return bed.texture == nullptr ? 1 : bed.texture->factor(law_.path.tx.true_place(facet, place_m));
+    return bed.texture == nullptr ? 1 : bed.texture->factor(model_.path.tx.true_place(facet, place_m));
   }
 
   void whole() {
@@ -235,7 +235,7 @@ class OneApex {
       const double range = glm::length(footprint.centroid_m);
       if (!(range > 0 && footprint.area_m2 > 0)) continue;
       beam_of(footprint.tube);  // refuses a tube that has no beam
-      const FacetBed bed = law_.bed(footprint.facet);
+      const FacetBed bed = model_.bed(footprint.facet);
       const double energy = density(bed.cross_section(std::sin(footprint.grazing_angle_rad),
                                                       std::cos(footprint.grazing_angle_rad)),
                                     TwoWayRange<double>::of(range), beta_) *
@@ -265,7 +265,7 @@ class OneApex {
         }
         continue;
       }
-      const bool even = find_mu(block, law_.material, even_mu, mu) >= 0;
+      const bool even = find_mu(block, model_.material, even_mu, mu) >= 0;
       const LambertEchoes echoes = echoes_of(block, mu, beta_, finder_);
       if (block.tube[0] != tube) {
         tube = block.tube[0];
@@ -291,9 +291,9 @@ class OneApex {
   }
   /// One that is on no even Lambert bed.
   void hit(const RayHit& hit) {
-    const bool receiver_pairs = law_.patterns != nullptr && !law_.patterns->baselines.empty();
+    const bool receiver_pairs = model_.patterns != nullptr && !model_.patterns->baselines.empty();
     const double r = hit.slant_range_m, sine = hit.sine_grazing;
-    const FacetBed bed = law_.bed(hit.facet);
+    const FacetBed bed = model_.bed(hit.facet);
     if (!(r > 0 && sine > 0 && (receiver_pairs || finder_.holds(r)))) return;
     const double cosine = std::sqrt(std::max((1 - sine) * (1 + sine), 0.0));
     const auto direction = [&] { return glm::normalize(glm::dvec3(hit.direction)); };
@@ -305,12 +305,12 @@ class OneApex {
   /// By material: Lambert's parameter where nothing else is to be known of a hit; negative for others, and at
   /// the end for those that are none. Empty: there are no such materials.
   std::vector<double> mu_of_even_materials() const {
-    if (law_.patterns != nullptr || !law_.path.facet_factor.empty() || !law_.path.tx.facet_map.empty())
+    if (model_.patterns != nullptr || !model_.path.facet_factor.empty() || !model_.path.tx.facet_map.empty())
       return {};
-    std::vector<double> mu(law_.material_mu.begin(), law_.material_mu.end());
+    std::vector<double> mu(model_.material_mu.begin(), model_.material_mu.end());
     for (std::size_t m = 0; m < mu.size(); ++m)
-      if ((!law_.scattering.empty() && law_.scattering[m] != nullptr) ||
-          (!law_.reflectivity.empty() && law_.reflectivity[m] != nullptr))
+      if ((!model_.scattering.empty() && model_.scattering[m] != nullptr) ||
+          (!model_.reflectivity.empty() && model_.reflectivity[m] != nullptr))
         mu[m] = -1;
     mu.push_back(-1);
     return mu;
@@ -323,12 +323,12 @@ class OneApex {
   void share(std::uint32_t tube, double energy, double range_m, double near_m, double far_m,
              const Direction& direction) {
     const auto samples = std::size_t(samples_.count);
-    if (law_.patterns == nullptr) {
+    if (model_.patterns == nullptr) {
       double* row = energy_.data() + beams_.of_tube[tube] * samples;
       finder_.share(near_m, far_m, 0, 0, [&](std::size_t k, double part) { row[k] += part * energy; });
       return;
     }
-    const BeamPatterns& patterns = *law_.patterns;
+    const BeamPatterns& patterns = *model_.patterns;
     const glm::dvec3 d = direction();
     const std::uint32_t fan = patterns.fan_of_tube[tube];
     const double sent = patterns.transmit[fan].gain(d), energy_sent = energy * sent;
@@ -365,7 +365,7 @@ class OneApex {
   const CommonVisibility& visibility_;
   const ReceiveBeams& beams_;
   const RangeSamples& samples_;
-  const EchoLaw& law_;
+  const EchoModel& model_;
   const Quadrature& how_;
   const Sink<double>& sink_;
   SampleFinder finder_;
@@ -379,9 +379,9 @@ class OneApex {
 }  // namespace
 
 LitEcho integrate_one_apex(const CommonVisibility& visibility, const ReceiveBeams& beams,
-                           const RangeSamples& samples, const EchoLaw& law, const Quadrature& how,
+                           const RangeSamples& samples, const EchoModel& model, const Quadrature& how,
                            const Sink<double>& sink, std::vector<double> room) {
-  return OneApex(visibility, beams, samples, law, how, sink, std::move(room)).integrate();
+  return OneApex(visibility, beams, samples, model, how, sink, std::move(room)).integrate();
 }
 
 }  // namespace tubefoot

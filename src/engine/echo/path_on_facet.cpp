@@ -6,7 +6,7 @@
 namespace tubefoot {
 
 PathOnFacet::PathOnFacet(const FacetPlane& plane, const PlaneFrame& frame, glm::dvec3 rx_m,
-                         double rx_distance_m, FacetId facet, const EchoLaw& law) {
+                         double rx_distance_m, FacetId facet, const EchoModel& model) {
   tx.over = {plane.distance_m, glm::dvec2(0)};
   rx.over = {rx_distance_m, frame.project(rx_m)};
   for (EndOverPlane* end : {&tx, &rx}) {
@@ -15,20 +15,20 @@ PathOnFacet::PathOnFacet(const FacetPlane& plane, const PlaneFrame& frame, glm::
     end->seen.u = frame.u;
     end->seen.v = frame.v;
   }
-  bed = law.bed(facet);
-  if (bed.texture != nullptr) lies = law.path.tx.lying(facet, plane, frame);
-  finish(law);
+  bed = model.bed(facet);
+  if (bed.texture != nullptr) lies = model.path.tx.lying(facet, plane, frame);
+  finish(model);
 }
 
-PathOnFacet::PathOnFacet(const BistaticFacet& bistatic, FacetId facet, const EchoLaw& law) {
+PathOnFacet::PathOnFacet(const BistaticFacet& bistatic, FacetId facet, const EchoModel& model) {
   tx = {{bistatic.transmit_distance_m, glm::dvec2(0)}, bistatic.transmit_seen, true};
   rx = {{bistatic.receive_distance_m, bistatic.receive_foot_m}, bistatic.receive_seen, true};
-  bed = law.bed(facet);
+  bed = model.bed(facet);
   const double own = bistatic_factor(bistatic, bed.scattering);
   bed.factor *= own;
   bed.mu *= own;
   lies = bistatic.lies;
-  finish(law);
+  finish(model);
 }
 
 void PathOnFacet::flatten(std::span<const glm::dvec3> corners_m, const BistaticFacet& bistatic,
@@ -40,11 +40,11 @@ void PathOnFacet::flatten(std::span<const glm::dvec3> corners_m, const BistaticF
     polygon.offsets.emplace_back(glm::dvec2(bistatic.to_plane.linear * (corner - corners_m[0])));
 }
 
-void PathOnFacet::finish(const EchoLaw& law) {
+void PathOnFacet::finish(const EchoModel& model) {
   lambert = bed.mu * tx.over.distance * rx.over.distance;
-  beta_per_m = absorption_per_m(law.absorption_db_per_m);
-  if (!law.path.tx.loss.none()) tx_loss = &law.path.tx.loss;
-  if (!law.path.back().loss.none()) rx_loss = &law.path.back().loss;
+  beta_per_m = absorption_per_m(model.absorption_db_per_m);
+  if (!model.path.tx.loss.none()) tx_loss = &model.path.tx.loss;
+  if (!model.path.back().loss.none()) rx_loss = &model.path.back().loss;
 }
 
 double smooth_angle_rad(const Path& path) {
@@ -57,11 +57,11 @@ double smooth_angle_rad(const Path& path) {
 }
 
 PathOnFacet path_on(const CommonVisibility& visibility, std::size_t number, const PlaneFrame& frame,
-                    const EchoLaw& law) {
+                    const EchoModel& model) {
   const SeenFacet facet = visibility[number];
   if (const BistaticFacet* bistatic = visibility.bistatic(number))
-    return PathOnFacet(*bistatic, facet.facet, law);
-  return PathOnFacet(facet.plane, frame, visibility.rx_m(), facet.rx_distance_m, facet.facet, law);
+    return PathOnFacet(*bistatic, facet.facet, model);
+  return PathOnFacet(facet.plane, frame, visibility.rx_m(), facet.rx_distance_m, facet.facet, model);
 }
 
 void flatten(std::span<const glm::dvec3> corners_m, const BistaticFacet& bistatic, PlanarPolygon& polygon) {
@@ -74,10 +74,10 @@ void flatten(std::span<const glm::dvec3> corners_m, const BistaticFacet& bistati
 
 void Smoothness::take(const FacetBed& bed) {
   textured = bed.texture != nullptr;
-  const ScatteringLaw* law = bed.scattering;
-  if (law == nullptr) return;
-  angle_rad = std::min(angle_rad, resolution_of([&](double y) { return law->growth(y); }));
-  if (law->pieces().size() == 1 && !law->is_pointed()) return;
+  const ScatteringModel* model = bed.scattering;
+  if (model == nullptr) return;
+  angle_rad = std::min(angle_rad, resolution_of([&](double y) { return model->growth(y); }));
+  if (model->pieces().size() == 1 && !model->is_pointed()) return;
   cornered = true;
   angle_rad = std::min(angle_rad, 0.1);  // rules of few nodes do not see a corner
 }

@@ -5,8 +5,8 @@
 #include <glm/vec2.hpp>
 #include <span>
 
-#include "engine/law/density.hpp"
-#include "engine/law/echo_law.hpp"
+#include "engine/scattering/density.hpp"
+#include "engine/scattering/echo_model.hpp"
 #include "engine/visibility/common_visibility.hpp"
 #include "geometry/integrals/measure.hpp"
 #include "geometry/integrals/path_cut.hpp"
@@ -40,9 +40,9 @@ struct PathOnFacet {
   /// A facet that lies where it is seen. `rx_m`: the apex of the receive leg relative to that of the transmit
   /// leg.
   PathOnFacet(const FacetPlane& plane, const PlaneFrame& frame, glm::dvec3 rx_m, double rx_distance_m,
-              FacetId facet, const EchoLaw& law);
+              FacetId facet, const EchoModel& model);
   /// One that both ends see elsewhere.
-  PathOnFacet(const BistaticFacet& bistatic, FacetId facet, const EchoLaw& law);
+  PathOnFacet(const BistaticFacet& bistatic, FacetId facet, const EchoModel& model);
   /// A part of it, in the coordinates of that facet's plane.
   static void flatten(std::span<const glm::dvec3> corners_m, const BistaticFacet& bistatic,
                       PlanarPolygon& polygon);
@@ -68,12 +68,12 @@ struct PathOnFacet {
   bool over_mirrors() const { return tx_loss != nullptr || rx_loss != nullptr; }
 
  private:
-  void finish(const EchoLaw& law);
+  void finish(const EchoModel& model);
 };
 
 /// The path on facet `number` of a sight of two apexes; `frame`: of its plane.
 PathOnFacet path_on(const CommonVisibility& visibility, std::size_t number, const PlaneFrame& frame,
-                    const EchoLaw& law);
+                    const EchoModel& model);
 /// What the transmit leg sees of a facet, where it is flattened.
 void flatten(std::span<const glm::dvec3> corners_m, const BistaticFacet& bistatic, PlanarPolygon& polygon);
 

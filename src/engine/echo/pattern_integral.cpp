@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "engine/echo/scattering_cut.hpp"
-#include "engine/law/density.hpp"
+#include "engine/scattering/density.hpp"
 #include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
@@ -86,14 +86,14 @@ void PatternIntegrator::finish(std::span<double> energy) {
   settle(energy);
   for (double& e : energy) e = std::max(e, 0.0);  // next to nothing may come out below it
   receivers_.clear();
-  laws_.clear();
+  models_.clear();
   way_.panels.clear();  // of receivers that are no more
   receiver_of_tube_.assign(receiver_of_tube_.size(), 0);
 }
 
 void PatternIntegrator::add(const PlanarPolygon& polygon, const FacetPlane& plane, const PlaneFrame& frame,
                             std::uint32_t tube, double factor, std::span<double> energy,
-                            const ScatteringLaw* law, const PlacedTexture& texture) {
+                            const ScatteringModel* model, const PlacedTexture& texture) {
   const std::size_t n = polygon.offsets.size();
   const auto [first_beam, end_beam] = patterns_.beams_of_tube[tube];
   if (n < 3 || first_beam == end_beam) return;
@@ -124,7 +124,7 @@ void PatternIntegrator::add(const PlanarPolygon& polygon, const FacetPlane& plan
   take_axes(polygon, plane, frame);
   take_texture(texture);
   const bool may_be_spans = arcs_may_be_spans();
-  if (may_be_spans && law == nullptr && add_edges()) return;
+  if (may_be_spans && model == nullptr && add_edges()) return;
 
   ranges_.clear();
   const auto corner_range = [&](std::size_t i) {
@@ -145,10 +145,10 @@ void PatternIntegrator::add(const PlanarPolygon& polygon, const FacetPlane& plan
   if (inside) foot = about(polygon.distance);
   slabs_.cut(ranges_, foot, inside, borders_);
   if (slabs_.slabs().empty()) return;
-  piece_.law = nullptr;
-  if (law != nullptr) take_law(*law);
+  piece_.model = nullptr;
+  if (model != nullptr) take_model(*model);
   const std::vector<double> corners =
-      law != nullptr ? corner_ranges_m(*law, piece_.distance) : std::vector<double>();
+      model != nullptr ? corner_ranges_m(*model, piece_.distance) : std::vector<double>();
 
   const std::size_t samples = borders_.size() - 1;
   for (const PolarSlabs::Slab& slab : slabs_.slabs()) {
@@ -166,13 +166,13 @@ void PatternIntegrator::add(const PlanarPolygon& polygon, const FacetPlane& plan
       receiver_->moments->begin(slab.sample);
     else
       sum_.assign(end_beam - first_beam, 0);
-    if (law == nullptr) {
+    if (model == nullptr) {
       integrate(t0, t1, 0);
     } else {
       double begin = t0;
-      for (std::size_t k = 0; k < law->pieces().size(); ++k) {
+      for (std::size_t k = 0; k < model->pieces().size(); ++k) {
         const double end = k < corners.size() ? std::clamp(t_of(corners[k]), begin, t1) : t1;
-        piece_.law = &law->pieces()[k];
+        piece_.model = &model->pieces()[k];
         integrate(begin, end, 0);
         begin = end;
       }
@@ -182,17 +182,17 @@ void PatternIntegrator::add(const PlanarPolygon& polygon, const FacetPlane& plan
   }
 }
 
-void PatternIntegrator::take_law(const ScatteringLaw& law) {
+void PatternIntegrator::take_model(const ScatteringModel& model) {
   const auto known =
-      std::find_if(laws_.begin(), laws_.end(), [&](const LawNodes& l) { return l.law == &law; });
-  if (known != laws_.end()) {
-    law_nodes_ = &*known;
+      std::find_if(models_.begin(), models_.end(), [&](const ModelNodes& l) { return l.model == &model; });
+  if (known != models_.end()) {
+    model_nodes_ = &*known;
     return;
   }
-  const double power = std::max(law.largest_power() - 2, 0.0);  // Lambert's is what the rest is made for
-  laws_.push_back({&law, NodeCount([&](double y) { return law.growth(y); }, tolerance_),
-                   NodeCount([&](double y) { return power * y; }, tolerance_)});
-  law_nodes_ = &laws_.back();
+  const double power = std::max(model.largest_power() - 2, 0.0);  // Lambert's is what the rest is made for
+  models_.push_back({&model, NodeCount([&](double y) { return model.growth(y); }, tolerance_),
+                     NodeCount([&](double y) { return power * y; }, tolerance_)});
+  model_nodes_ = &models_.back();
 }
 
 /// Angle of incidence on the circle t.
@@ -324,10 +324,10 @@ void PatternIntegrator::integrate(double t0, double t1, int depth) {
 }
 
 /// `stretched_by`: the farther range over the nearer one.
-int PatternIntegrator::nodes_of_law(double t0, double t1, double stretched_by, double rho) const {
+int PatternIntegrator::nodes_of_model(double t0, double t1, double stretched_by, double rho) const {
   constexpr double refracted = 1.3 / 2;  // the way is not straight
-  return std::max(law_nodes_->by_angle.nodes(refracted * (incidence_at(t1) - incidence_at(t0)), rho),
-                  law_nodes_->by_range.nodes(refracted * std::log(stretched_by), rho));
+  return std::max(model_nodes_->by_angle.nodes(refracted * (incidence_at(t1) - incidence_at(t0)), rho),
+                  model_nodes_->by_range.nodes(refracted * std::log(stretched_by), rho));
 }
 
 /// Nodes for the change of patterns and texture as the arcs' ends, or a full circle, move. The rule for a
@@ -344,7 +344,7 @@ int PatternIntegrator::nodes_along(double t0, double t1, double rho) const {
       for (const Crossing& c : {arc.begin, arc.end}) most = std::max(most, s_at(c, t2[2]) - s_at(c, t2[0]));
     return 1.3 * most;  // the way is not straight
   };
-  int n = piece_.law != nullptr ? nodes_of_law(t0, t1, over_r[0] / over_r[2], rho) : 1;
+  int n = piece_.model != nullptr ? nodes_of_model(t0, t1, over_r[0] / over_r[2], rho) : 1;
   if (texture_.field != nullptr)
     n = std::max(n, texture_.count->nodes(texture_.plane.stretch * moved() / 2, rho));
   for (const Change& change : receiver_->changes) {
@@ -392,9 +392,9 @@ void PatternIntegrator::add_circle(double t, double weight) {
   const double rho = std::sqrt(std::max(r2 - piece_.distance2, 0.0));
   const double per_r2 = per_r * per_r;
   const double sigma =  // Lambert's over mu and the squared distance
-      piece_.law == nullptr
-          ? per_r2
-          : ScatteringLaw::in_piece(*piece_.law, std::atan2(rho, piece_.distance), piece_.distance * per_r);
+      piece_.model == nullptr ? per_r2
+                              : ScatteringModel::in_piece(*piece_.model, std::atan2(rho, piece_.distance),
+                                                          piece_.distance * per_r);
   const double radial =
       piece_.factor * weight * t * density_by_reciprocal(sigma, per_r2, 2 * (r2 * per_r), beta_);
   if (piece_.full_circle) add_arc(per_r, rho, {1, 0}, pi, radial);

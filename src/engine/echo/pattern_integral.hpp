@@ -12,11 +12,11 @@
 
 #include "engine/echo/edge_lanes.hpp"
 #include "engine/echo/gain_panels.hpp"
-#include "engine/law/beam_pattern.hpp"
-#include "engine/law/facet_map.hpp"
-#include "engine/law/pattern_levels.hpp"
-#include "engine/law/reflectivity_field.hpp"
-#include "engine/law/scattering_law.hpp"
+#include "engine/scattering/beam_pattern.hpp"
+#include "engine/scattering/facet_map.hpp"
+#include "engine/scattering/pattern_levels.hpp"
+#include "engine/scattering/reflectivity_field.hpp"
+#include "engine/scattering/scattering_model.hpp"
 #include "geometry/integrals/gauss_rules.hpp"
 #include "geometry/integrals/measure.hpp"
 #include "geometry/integrals/node_count.hpp"
@@ -58,10 +58,10 @@ class PatternIntegrator {
                     double tolerance);
 
   /// Adds factor times the integral to energy[beam * samples + sample] for all beams that receive the tube,
-  /// at the latest in finish(). `law`: by the angle that the polygon's plane is seen at; it must live until
+  /// at the latest in finish(). `model`: by the angle that the polygon's plane is seen at; it must live until
   /// finish(). None: r^-2 instead, which is Lambert's but for a factor.
   void add(const PlanarPolygon& polygon, const FacetPlane& plane, const PlaneFrame& frame, std::uint32_t tube,
-           double factor, std::span<double> energy, const ScatteringLaw* law = nullptr,
+           double factor, std::span<double> energy, const ScatteringModel* model = nullptr,
            const PlacedTexture& texture = {});
   void finish(std::span<double> energy);
   /// Adds what is still waiting for finish(), and goes on.
@@ -81,7 +81,7 @@ class PatternIntegrator {
   struct Piece {
     double distance, distance2, q2, factor;
     bool full_circle, foot_inside;
-    const ScatteringLaw::Piece* law;  // none: Lambert's
+    const ScatteringModel::Piece* model;  // none: Lambert's
   };
   /// A direction cosine over a piece, and over an arc of it: level + ahead cos + aside sin of the angle from
   /// the arc's middle.
@@ -127,8 +127,8 @@ class PatternIntegrator {
   };
 
   /// How fast a law changes: with the angle of incidence, and with the logarithm of range.
-  struct LawNodes {
-    const ScatteringLaw* law;
+  struct ModelNodes {
+    const ScatteringModel* model;
     NodeCount by_angle, by_range;
   };
 
@@ -180,11 +180,11 @@ class PatternIntegrator {
   double s_at(const Crossing& crossing, double t2) const;
   double nearest_singularity() const;
   double incidence_at(double t) const;
-  void take_law(const ScatteringLaw& law);
+  void take_model(const ScatteringModel& model);
   double angle_between(glm::dvec2 begin, glm::dvec2 end) const;
   void integrate(double t0, double t1, int depth);
   int nodes_along(double t0, double t1, double rho) const;
-  int nodes_of_law(double t0, double t1, double stretched_by, double rho) const;
+  int nodes_of_model(double t0, double t1, double stretched_by, double rho) const;
   int nodes_along_spans(double t0, double t1, double rho);
   int nodes_of_arc(double half, double rho, double radius) const;
   void add_circle(double t, double weight);
@@ -215,8 +215,8 @@ class PatternIntegrator {
   std::uint32_t first_beam_ = 0;  // of the tube
   std::vector<std::pair<double, Crossing>> sorted_;
   Receiver* receiver_ = nullptr;
-  std::vector<LawNodes> laws_;
-  const LawNodes* law_nodes_ = nullptr;  // of the law at hand
+  std::vector<ModelNodes> models_;
+  const ModelNodes* model_nodes_ = nullptr;  // of the law at hand
   Piece piece_{};
   bool spans_ = false;  // the slab's only arc may be added by its ends
   Sweep sweep_;

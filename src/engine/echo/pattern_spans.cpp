@@ -16,7 +16,7 @@
 #include <glm/geometric.hpp>
 
 #include "engine/echo/pattern_integral.hpp"
-#include "engine/law/density.hpp"
+#include "engine/scattering/density.hpp"
 
 namespace tubefoot {
 namespace {
@@ -68,8 +68,9 @@ int PatternIntegrator::nodes_along_spans(double t0, double t1, double rho) {
     extent = std::max(extent, std::abs(w[2] - w[0]) / 2 + 4 * refracted);
   }
   const Change& change = receiver_->changes.front();
-  const int law = piece_.law != nullptr ? nodes_of_law(t0, t1, sweep_.per_r[0] / sweep_.per_r[2], rho) : 1;
-  return law + change.count.nodes(extent * change.scale, rho) - 1;
+  const int model =
+      piece_.model != nullptr ? nodes_of_model(t0, t1, sweep_.per_r[0] / sweep_.per_r[2], rho) : 1;
+  return model + change.count.nodes(extent * change.scale, rho) - 1;
 }
 
 /// False, and nothing added, where the angle is no smooth function of the cosine over the arcs from t0 to t1.
@@ -119,9 +120,9 @@ bool PatternIntegrator::add_spans(double t0, double t1, const GaussRule& rule) {
     const double t = middle + half * rule.node[i], t2 = t * t, r2 = piece_.q2 + t2;
     const double r = std::sqrt(r2), over_r = 1 / r, over_r2 = over_r * over_r;
     double sigma = over_r2;  // Lambert's over mu and the squared distance
-    if (piece_.law != nullptr)
-      sigma = ScatteringLaw::in_piece(
-          *piece_.law, std::atan2(std::sqrt(std::max(r2 - piece_.distance2, 0.0)), piece_.distance),
+    if (piece_.model != nullptr)
+      sigma = ScatteringModel::in_piece(
+          *piece_.model, std::atan2(std::sqrt(std::max(r2 - piece_.distance2, 0.0)), piece_.distance),
           piece_.distance * over_r);
     const double absorbed =
         little ? absorbed_there * exp_of_little(beta_ * (middle_sum - 2 * r)) : std::exp(-(beta_ * (2 * r)));

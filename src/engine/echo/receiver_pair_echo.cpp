@@ -33,18 +33,18 @@ class ReceiverPairIntegral {
  public:
   ReceiverPairIntegral(const ReceiverPairHistory& history, const ReceiverBaseline& receiver_pair,
                        std::uint32_t fan, std::uint32_t beam, std::span<const double> borders,
-                       std::array<const EchoLaw*, 2> laws)
+                       std::array<const EchoModel*, 2> models)
       : history_(history),
         receiver_pair_(receiver_pair),
-        sent_(laws[0]->patterns->transmit[fan]),
-        received_(laws[0]->patterns->receive[beam]),
-        least_(laws[0]->patterns->least.empty() ? 0 : laws[0]->patterns->least[beam]),
-        laws_(laws),
+        sent_(models[0]->patterns->transmit[fan]),
+        received_(models[0]->patterns->receive[beam]),
+        least_(models[0]->patterns->least.empty() ? 0 : models[0]->patterns->least[beam]),
+        models_(models),
         cutter_(borders) {
     const glm::dvec3 half = receiver_pair.baseline_m / 2 * receiver_pair.axis;
     at_m_ = {history.middle_m + half, history.middle_m - half};
-    for (const EchoLaw* law : laws_)
-      patterns_.angle_rad = std::min(patterns_.angle_rad, smooth_angle_rad(law->path));
+    for (const EchoModel* model : models_)
+      patterns_.angle_rad = std::min(patterns_.angle_rad, smooth_angle_rad(model->path));
     for (const Directivity& beam_sent : sent_.beams) patterns_.take(beam_sent, received_);
     patterns_.limited = least_ > 0;
     weighed_ = received_.kind != Directivity::Kind::uniform || sent_.beams.size() != 1 ||
@@ -120,7 +120,7 @@ class ReceiverPairIntegral {
     for (std::size_t end = first; end < last; ++end) {
       const double distance_m = plane_.distance_m + glm::dot(plane_.normal, at_m_[end]);
       if (!(distance_m > 0)) return false;
-      paths_[end] = PathOnFacet(plane_, frame_, at_m_[end], distance_m, facet.facet, *laws_[end]);
+      paths_[end] = PathOnFacet(plane_, frame_, at_m_[end], distance_m, facet.facet, *models_[end]);
     }
     along_ = {glm::dot(frame_.u, receiver_pair_.axis), glm::dot(frame_.v, receiver_pair_.axis),
               -plane_.distance_m * glm::dot(plane_.normal, receiver_pair_.axis) -
@@ -133,7 +133,7 @@ class ReceiverPairIntegral {
     for (std::size_t end = first; end < last; ++end) {
       BistaticFacet moved = *bistatic_;
       if (!moved.move_receiver(at_m_[end] - history_.middle_m)) return false;
-      paths_[end] = PathOnFacet(moved, facet.facet, *laws_[end]);
+      paths_[end] = PathOnFacet(moved, facet.facet, *models_[end]);
     }
     along_ = {glm::dot(seen.u, receiver_pair_.axis), glm::dot(seen.v, receiver_pair_.axis),
               glm::dot(seen.foot_m, receiver_pair_.axis)};
@@ -195,8 +195,8 @@ class ReceiverPairIntegral {
   const ReceiverBaseline& receiver_pair_;
   const TransmitPattern& sent_;
   const Directivity& received_;
-  double least_;                        // two-way gain that is received
-  std::array<const EchoLaw*, 2> laws_;  // by receiver
+  double least_;                            // two-way gain that is received
+  std::array<const EchoModel*, 2> models_;  // by receiver
   PathCutter cutter_;
   Smoothness patterns_;
   double phase_rad_ = 1;
@@ -281,10 +281,10 @@ ReceiverPairHistory trace_receiver_pair(const ApparentPair& pair, const WorldGri
 
 namespace {
 
-/// `laws`: by receiver.
+/// `models`: by receiver.
 ReceiverPairEcho integrated(const ReceiverPairHistory& history, const ReceiverBaseline& receiver_pair,
                             std::uint32_t fan, std::uint32_t beam, const RangeSamples& samples,
-                            std::array<const EchoLaw*, 2> laws, bool energies) {
+                            std::array<const EchoModel*, 2> models, bool energies) {
   const std::vector<double> borders = sample_borders_m(samples);
   if (!(receiver_pair.baseline_m >= 0 &&
         (receiver_pair.baseline_m <= samples.first_m || !in_the_middle(history))))
@@ -302,7 +302,7 @@ ReceiverPairEcho integrated(const ReceiverPairHistory& history, const ReceiverBa
   std::vector<std::optional<ReceiverPairIntegral>> parts((jobs.size() + facets_per_task - 1) /
                                                          facets_per_task);
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t task) {
-    ReceiverPairIntegral& part = parts[task].emplace(history, receiver_pair, fan, beam, borders, laws);
+    ReceiverPairIntegral& part = parts[task].emplace(history, receiver_pair, fan, beam, borders, models);
     const std::size_t end = std::min((task + 1) * facets_per_task, jobs.size());
     for (std::size_t k = task * facets_per_task; k < end; ++k) {
       stop_if_wanted();
@@ -330,21 +330,21 @@ ReceiverPairEcho integrated(const ReceiverPairHistory& history, const ReceiverBa
 ReceiverPairEcho integrate_receiver_pair_echo(const ReceiverPairHistory& history,
                                               const ReceiverBaseline& receiver_pair, std::uint32_t fan,
                                               std::uint32_t beam, const RangeSamples& samples,
-                                              const EchoLaw& law) {
-  return integrate_receiver_pair_echo(history, receiver_pair, fan, beam, samples, law, law);
+                                              const EchoModel& model) {
+  return integrate_receiver_pair_echo(history, receiver_pair, fan, beam, samples, model, model);
 }
 
 ReceiverPairEcho integrate_receiver_pair_echo(const ReceiverPairHistory& history,
                                               const ReceiverBaseline& receiver_pair, std::uint32_t fan,
                                               std::uint32_t beam, const RangeSamples& samples,
-                                              const EchoLaw& by_upper, const EchoLaw& by_lower) {
+                                              const EchoModel& by_upper, const EchoModel& by_lower) {
   return integrated(history, receiver_pair, fan, beam, samples, {&by_upper, &by_lower}, true);
 }
 
 ReceiverPairEcho integrate_receiver_pair_products(const ReceiverPairHistory& history,
                                                   const ReceiverBaseline& receiver_pair, std::uint32_t fan,
                                                   std::uint32_t beam, const RangeSamples& samples,
-                                                  const EchoLaw& by_upper, const EchoLaw& by_lower) {
+                                                  const EchoModel& by_upper, const EchoModel& by_lower) {
   return integrated(history, receiver_pair, fan, beam, samples, {&by_upper, &by_lower}, false);
 }
 

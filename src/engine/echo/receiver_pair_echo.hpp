@@ -63,7 +63,7 @@ struct ReceiverPairEcho {
 ReceiverPairEcho integrate_receiver_pair_echo(const ReceiverPairHistory& history,
                                               const ReceiverBaseline& receiver_pair, std::uint32_t fan,
                                               std::uint32_t beam, const RangeSamples& samples,
-                                              const EchoLaw& law);
+                                              const EchoModel& model);
 
 /// The same by way of mirrors: `history` is that of images, `receiver_pair` the image of the receiver pair,
 /// and the legs of the two laws have the losses of their own receiver's mirrors. A chain of mirrors turns the
@@ -71,11 +71,11 @@ ReceiverPairEcho integrate_receiver_pair_echo(const ReceiverPairHistory& history
 ReceiverPairEcho integrate_receiver_pair_echo(const ReceiverPairHistory& history,
                                               const ReceiverBaseline& receiver_pair, std::uint32_t fan,
                                               std::uint32_t beam, const RangeSamples& samples,
-                                              const EchoLaw& by_upper, const EchoLaw& by_lower);
+                                              const EchoModel& by_upper, const EchoModel& by_lower);
 /// Of these the products alone (energies are 0).
 ReceiverPairEcho integrate_receiver_pair_products(const ReceiverPairHistory& history,
                                                   const ReceiverBaseline& receiver_pair, std::uint32_t fan,
                                                   std::uint32_t beam, const RangeSamples& samples,
-                                                  const EchoLaw& by_upper, const EchoLaw& by_lower);
+                                                  const EchoModel& by_upper, const EchoModel& by_lower);
 
 }  // namespace tubefoot

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/law/range_samples.hpp"
+#include "engine/scattering/range_samples.hpp"
 
 namespace tubefoot {
 

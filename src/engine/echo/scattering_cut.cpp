@@ -4,41 +4,41 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/law/density.hpp"
-#include "engine/law/echo_law.hpp"
+#include "engine/scattering/density.hpp"
+#include "engine/scattering/echo_model.hpp"
 
 namespace tubefoot {
 
-std::vector<double> corner_ranges_m(const ScatteringLaw& law, double distance_m) {
+std::vector<double> corner_ranges_m(const ScatteringModel& model, double distance_m) {
   std::vector<double> corners;
-  for (std::size_t k = 0; k + 1 < law.pieces().size(); ++k)
-    corners.push_back(distance_m / std::cos(law.pieces()[k].to));
+  for (std::size_t k = 0; k + 1 < model.pieces().size(); ++k)
+    corners.push_back(distance_m / std::cos(model.pieces()[k].to));
   return corners;
 }
 
 ScatteringCutter::ScatteringCutter(const RangeSamples& samples, double absorption_db_per_m)
     : borders_(sample_borders_m(samples)), beta_(absorption_per_m(absorption_db_per_m)) {}
 
-void ScatteringCutter::prepare(const ScatteringLaw& law, double distance_m, std::size_t first,
+void ScatteringCutter::prepare(const ScatteringModel& model, double distance_m, std::size_t first,
                                std::size_t end) {
-  const bool same = radial_ && law_ == &law && distance_m_ == distance_m;
+  const bool same = radial_ && model_ == &model && distance_m_ == distance_m;
   if (same && first_ <= first && end <= end_) return;
-  law_ = &law;
+  model_ = &model;
   distance_m_ = distance_m;
   first_ = same ? 0 : first;
   end_ = same ? borders_.size() - 1 : end;
-  std::vector<double> corners = corner_ranges_m(law, distance_m);
+  std::vector<double> corners = corner_ranges_m(model, distance_m);
   corners.insert(corners.begin(), distance_m);  // what is nearer is not asked for
   const auto g = [&](double r) {
-    return density(cross_section(law, distance_m, r), TwoWayRange<double>::of(r), beta_);
+    return density(cross_section(model, distance_m, r), TwoWayRange<double>::of(r), beta_);
   };
   cutter_.reset();
   radial_ = std::make_unique<RadialIntegral>(std::span(borders_).subspan(first_, end_ - first_ + 1), g,
-                                             corners, 1 + law.steepest_exponent());
+                                             corners, 1 + model.steepest_exponent());
   cutter_ = std::make_unique<RangeCutter>(*radial_);
 }
 
-SampleSpan ScatteringCutter::add(const PlanarPolygon& polygon, const ScatteringLaw& law,
+SampleSpan ScatteringCutter::add(const PlanarPolygon& polygon, const ScatteringModel& model,
                                  std::span<double> row, double factor) {
   if (polygon.offsets.size() < 3 || !(polygon.distance > 0)) return {};
   const double near = nearest_point(polygon).range, far = farthest_range(polygon);
@@ -49,7 +49,7 @@ SampleSpan ScatteringCutter::add(const PlanarPolygon& polygon, const ScatteringL
   // One sample more to each side, for the rounding of these two ranges.
   const auto k0 = std::clamp<std::ptrdiff_t>(first - borders_.begin() - 2, 0, samples - 1);
   const auto k1 = std::clamp<std::ptrdiff_t>(end - borders_.begin() + 1, k0 + 1, samples);
-  prepare(law, polygon.distance, std::size_t(k0), std::size_t(k1));
+  prepare(model, polygon.distance, std::size_t(k0), std::size_t(k1));
   const SampleSpan lit = cutter_->add(polygon, factor, row.subspan(first_, end_ - first_));
   return {first_ + lit.first, first_ + lit.end};
 }

@@ -5,14 +5,14 @@
 #include <span>
 #include <vector>
 
-#include "engine/law/range_samples.hpp"
-#include "engine/law/scattering_law.hpp"
+#include "engine/scattering/range_samples.hpp"
+#include "engine/scattering/scattering_model.hpp"
 #include "geometry/integrals/range_cut.hpp"
 
 namespace tubefoot {
 
 /// Ranges at which a law changes from one of its pieces to the next on a plane at that distance, increasing.
-std::vector<double> corner_ranges_m(const ScatteringLaw& law, double distance_m);
+std::vector<double> corner_ranges_m(const ScatteringModel& model, double distance_m);
 
 /// Integrates g(r) = sigma(D / r) r^-4 e^(-2 beta r) over polygons cut by range samples: an echo without
 /// patterns, for any law. On a plane at distance D the sine of the grazing angle is D / r, so the law is a
@@ -24,15 +24,15 @@ class ScatteringCutter {
 
   /// Adds `factor` times the integral over polygon and sample k to row[k]. Returns the samples that it has
   /// added to; it leaves the others alone.
-  SampleSpan add(const PlanarPolygon& polygon, const ScatteringLaw& law, std::span<double> row,
+  SampleSpan add(const PlanarPolygon& polygon, const ScatteringModel& model, std::span<double> row,
                  double factor = 1);
 
  private:
-  void prepare(const ScatteringLaw& law, double distance_m, std::size_t first, std::size_t end);
+  void prepare(const ScatteringModel& model, double distance_m, std::size_t first, std::size_t end);
 
   std::vector<double> borders_;
   double beta_;
-  const ScatteringLaw* law_ = nullptr;
+  const ScatteringModel* model_ = nullptr;
   double distance_m_ = 0;
   std::size_t first_ = 0, end_ = 0;  // samples that radial_ holds
   std::unique_ptr<RadialIntegral> radial_;

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "engine/law/facet_map.hpp"
-#include "engine/law/reflectivity_field.hpp"
+#include "engine/scattering/facet_map.hpp"
+#include "engine/scattering/reflectivity_field.hpp"
 
 namespace tubefoot {
 

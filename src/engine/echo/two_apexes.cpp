@@ -21,13 +21,13 @@ constexpr std::size_t facets_per_task = 32;
 class FacetEcho {
  public:
   FacetEcho(const CommonVisibility& visibility, const ReceiveBeams& beams, std::span<const double> borders,
-            const EchoLaw& law, double tolerance)
+            const EchoModel& model, double tolerance)
       : visibility_(visibility),
         beams_(beams),
-        law_(law),
+        model_(model),
         borders_(borders),
         cutter_(borders),
-        mirrors_angle_rad_(smooth_angle_rad(law.path)),
+        mirrors_angle_rad_(smooth_angle_rad(model.path)),
         tolerance_(tolerance) {}
 
   /// `number`: the facet's in the common visibility.
@@ -35,7 +35,7 @@ class FacetEcho {
     const SeenFacet facet = visibility_[number];
     const BistaticFacet* bistatic = visibility_.bistatic(number);
     const PlaneFrame frame(facet.plane);
-    path_ = path_on(visibility_, number, frame, law_);
+    path_ = path_on(visibility_, number, frame, model_);
     if (is_silent(path_.bed)) return;
     smooth_ = {mirrors_angle_rad_};
     smooth_.take(path_.bed);
@@ -48,8 +48,8 @@ class FacetEcho {
         flatten(seen.corners_m, *bistatic, polygon_);
       const auto add_part = [&](const PlanarPolygon& part) {
         const Part<double> owned{0, 0, 0, std::uint32_t(number), seen.tx_tube};
-        law_.patterns == nullptr ? add_plain(part, seen, owned, parts)
-                                 : add_weighed(part, seen, owned, parts);
+        model_.patterns == nullptr ? add_plain(part, seen, owned, parts)
+                                   : add_weighed(part, seen, owned, parts);
       };
       if (path_.bed.texture == nullptr)
         add_part(polygon_);
@@ -91,7 +91,7 @@ class FacetEcho {
 
   void add_weighed(const PlanarPolygon& polygon, const SeenPart& seen, const Part<double>& owned,
                    std::vector<Part<double>>& parts) {
-    const BeamPatterns& patterns = *law_.patterns;
+    const BeamPatterns& patterns = *model_.patterns;
     const auto [first, end] = patterns.beams_of_tube[seen.rx_tube];
     if (first == end) return;
     const TransmitPattern& transmit = patterns.transmit[patterns.fan_of_tube[seen.rx_tube]];
@@ -118,7 +118,7 @@ class FacetEcho {
 
   const CommonVisibility& visibility_;
   const ReceiveBeams& beams_;
-  const EchoLaw& law_;
+  const EchoModel& model_;
   std::span<const double> borders_;
   PathCutter cutter_;
   double mirrors_angle_rad_, tolerance_;
@@ -132,16 +132,16 @@ class FacetEcho {
 }  // namespace
 
 void integrate_two_apexes(const CommonVisibility& visibility, const ReceiveBeams& beams,
-                          const RangeSamples& samples, const EchoLaw& law, const Quadrature& how,
+                          const RangeSamples& samples, const EchoModel& model, const Quadrature& how,
                           const Sink<double>& sink) {
-  if (!visibility.shared_hits().empty()) integrate_hits(visibility, beams, samples, law, sink);
+  if (!visibility.shared_hits().empty()) integrate_hits(visibility, beams, samples, model, sink);
   if (how.binning != Binning::exact)
-    return integrate_whole(visibility, beams, samples, law, how.binning, sink);
+    return integrate_whole(visibility, beams, samples, model, how.binning, sink);
   const std::vector<double> borders = sample_borders_m(samples);
   const std::size_t facets = visibility.end() - visibility.first();
   std::vector<std::vector<Part<double>>> parts((facets + facets_per_task - 1) / facets_per_task);
   tbb::enumerable_thread_specific<FacetEcho> threads(
-      [&] { return FacetEcho(visibility, beams, borders, law, how.path_tolerance); });
+      [&] { return FacetEcho(visibility, beams, borders, model, how.path_tolerance); });
   Steps steps("facets", facets);
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t task) {
     FacetEcho& facet_echo = threads.local();

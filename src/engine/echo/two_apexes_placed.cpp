@@ -15,8 +15,8 @@ namespace {
 class PlacedEcho {
  public:
   PlacedEcho(const CommonVisibility& visibility, const ReceiveBeams& beams, const RangeSamples& samples,
-             const EchoLaw& law, const Sink<double>& sink)
-      : visibility_(visibility), beams_(beams), law_(law), sink_(sink), finder_(samples) {}
+             const EchoModel& model, const Sink<double>& sink)
+      : visibility_(visibility), beams_(beams), model_(model), sink_(sink), finder_(samples) {}
 
   /// Each footprint that a tube of the one and a tube of the other share, at its centroid.
   void whole(Binning binning) {
@@ -79,7 +79,7 @@ class PlacedEcho {
     facet_ = visibility_[number];
     bistatic_ = visibility_.bistatic(number);
     frame_ = PlaneFrame(facet_.plane);
-    path_ = path_on(visibility_, number, frame_, law_);
+    path_ = path_on(visibility_, number, frame_, model_);
     flattened_ = 1;
     if (bistatic_ != nullptr) {
       const glm::dvec2 u(bistatic_->to_plane.linear * frame_.u), v(bistatic_->to_plane.linear * frame_.v);
@@ -101,13 +101,13 @@ class PlacedEcho {
     const double tx = path_.tx.range(at), rx = path_.rx.range(at);
     double energy = path_.density_at(tx, rx) * path_.texture_at(at) * area_m2;
     glm::dvec3 there{0}, back{0};
-    if (path_.over_mirrors() || law_.patterns != nullptr) {
+    if (path_.over_mirrors() || model_.patterns != nullptr) {
       there = path_.tx.direction(at, tx);
       back = path_.rx.direction(at, rx);
       energy *= path_.passed(there, back);
     }
-    if (law_.patterns == nullptr) return spread(beams_.of_tube[rx_tube], energy, tx_tube, near_m, far_m);
-    const BeamPatterns& patterns = *law_.patterns;
+    if (model_.patterns == nullptr) return spread(beams_.of_tube[rx_tube], energy, tx_tube, near_m, far_m);
+    const BeamPatterns& patterns = *model_.patterns;
     const double sent = patterns.transmit[patterns.fan_of_tube[rx_tube]].gain(there);
     energy *= sent;
     const auto [first, end] = patterns.beams_of_tube[rx_tube];
@@ -125,7 +125,7 @@ class PlacedEcho {
 
   const CommonVisibility& visibility_;
   const ReceiveBeams& beams_;
-  const EchoLaw& law_;
+  const EchoModel& model_;
   const Sink<double>& sink_;
   SampleFinder finder_;
   // Of the facet at hand.
@@ -141,14 +141,14 @@ class PlacedEcho {
 }  // namespace
 
 void integrate_whole(const CommonVisibility& visibility, const ReceiveBeams& beams,
-                     const RangeSamples& samples, const EchoLaw& law, Binning binning,
+                     const RangeSamples& samples, const EchoModel& model, Binning binning,
                      const Sink<double>& sink) {
-  PlacedEcho(visibility, beams, samples, law, sink).whole(binning);
+  PlacedEcho(visibility, beams, samples, model, sink).whole(binning);
 }
 
 void integrate_hits(const CommonVisibility& visibility, const ReceiveBeams& beams,
-                    const RangeSamples& samples, const EchoLaw& law, const Sink<double>& sink) {
-  PlacedEcho(visibility, beams, samples, law, sink).hits();
+                    const RangeSamples& samples, const EchoModel& model, const Sink<double>& sink) {
+  PlacedEcho(visibility, beams, samples, model, sink).hits();
 }
 
 }  // namespace tubefoot

@@ -151,10 +151,10 @@ bool Images::is_small(const glm::dvec3 (&corners_m)[3], const glm::dvec3 (&seen_
   return bend_per_m_ * longest2 * glm::length(normal) <= negligible * least;
 }
 
-double sigma_of(const ScatteringLaw* law, double sine) {
-  if (law == nullptr) return lambert_sigma(sine);
+double sigma_of(const ScatteringModel* model, double sine) {
+  if (model == nullptr) return lambert_sigma(sine);
   sine = std::min(sine, 1.0);
-  return sine > 0 ? law->cross_section(sine, std::sqrt((1 - sine) * (1 + sine))) : 0;
+  return sine > 0 ? model->cross_section(sine, std::sqrt((1 - sine) * (1 + sine))) : 0;
 }
 
 }  // namespace tubefoot

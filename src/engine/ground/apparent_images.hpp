@@ -157,6 +157,6 @@ struct FineFacets {
 inline glm::dvec3 normal_of(const glm::dvec3 (&c)[3]) { return glm::cross(c[1] - c[0], c[2] - c[0]); }
 
 /// Of a facet of that law, but for a factor; null: Lambert's.
-double sigma_of(const ScatteringLaw* law, double sine);
+double sigma_of(const ScatteringModel* model, double sine);
 
 }  // namespace tubefoot

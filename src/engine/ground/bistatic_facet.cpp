@@ -262,11 +262,11 @@ bool BistaticFacet::move_receiver(glm::dvec3 by_m) {
   return true;
 }
 
-double bistatic_factor(const BistaticFacet& facet, const ScatteringLaw* law) {
-  const auto sigma = [law](double sine) {
-    if (law == nullptr) return sine * sine;
+double bistatic_factor(const BistaticFacet& facet, const ScatteringModel* model) {
+  const auto sigma = [model](double sine) {
+    if (model == nullptr) return sine * sine;
     sine = std::min(sine, 1.0);
-    return law->cross_section(sine, std::sqrt((1 - sine) * (1 + sine)));
+    return model->cross_section(sine, std::sqrt((1 - sine) * (1 + sine)));
   };
   double sum = 0;
   for (const BistaticFacet::Corner& c : facet.corners) {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/ground/refracted_ground.hpp"
-#include "engine/law/facet_map.hpp"
+#include "engine/scattering/facet_map.hpp"
 #include "geometry/footprints/shared_footprints.hpp"
 
 // Transmitter and separate receiver in refracting water: facets that each sees elsewhere. docs/bistatic.md
@@ -103,6 +103,6 @@ class ReceiverPairFlattening {
 
 /// What a facet returns over what the straight law makes of it flattened: the mean over its corners of
 /// gain sqrt(sigma(lies) sigma(lies)) / sqrt(sigma(seen) sigma(seen)); null: Lambert's law.
-double bistatic_factor(const BistaticFacet& facet, const ScatteringLaw* law);
+double bistatic_factor(const BistaticFacet& facet, const ScatteringModel* model);
 
 }  // namespace tubefoot

@@ -30,7 +30,7 @@ bool is_triangle(const GridPoint& a, const GridPoint& b, const GridPoint& c) {
 /// from the apex.
 double factor_beside_caustic(const glm::dvec3 (&lies_m)[3], const glm::dvec3 (&seen_m)[3],
                              const std::array<const SeenPoint*, 3>& rays, double absorption_db_per_m,
-                             const ScatteringLaw* law) {
+                             const ScatteringModel* model) {
   const glm::dvec3 lies = normal_of(lies_m), seen = normal_of(seen_m);
   double refracted = 0, straight = 0, caustic = 0;
   std::array<double, 3> width;
@@ -38,8 +38,8 @@ double factor_beside_caustic(const glm::dvec3 (&lies_m)[3], const glm::dvec3 (&s
     const double there = grazing_sine(lies, rays[k]->returned.arrival), here = grazing_sine(seen, seen_m[k]),
                  r2 = glm::dot(seen_m[k], seen_m[k]),
                  rest = std::exp(-absorption_db_per_m * std::sqrt(r2) * std::numbers::ln10 / 5) / (r2 * r2);
-    if (there > 0) refracted += sigma_of(law, there) / there * here * rest;
-    straight += sigma_of(law, here) * rest;
+    if (there > 0) refracted += sigma_of(model, there) / there * here * rest;
+    straight += sigma_of(model, here) * rest;
     width[k] = rays[k]->width;
     caustic += rays[k]->caustic_width / 3;
   }
@@ -64,9 +64,9 @@ double mean_inverse_width(const std::array<double, 3>& width, double least) {
 }
 
 EigenrayBranches::EigenrayBranches(const FineFacets& fine, const Images& images, const WorldGrid& grid,
-                                   std::span<const std::shared_ptr<const ScatteringLaw>> laws,
+                                   std::span<const std::shared_ptr<const ScatteringModel>> models,
                                    ApparentSurface& ground)
-    : fine_(fine), images_(images), grid_(grid), laws_(laws), ground_(ground) {}
+    : fine_(fine), images_(images), grid_(grid), models_(models), ground_(ground) {}
 
 VertexId EigenrayBranches::add_vertex(const SeenPoint& seen, const glm::dvec3& lies_m) {
   std::vector<GridPoint>& vertices = ground_.refined.mesh.vertices;
@@ -260,7 +260,7 @@ void EigenrayBranches::add_seen(FacetId facet, const std::array<Corner, 3>& corn
     return;
   }
   const std::uint16_t material = from.material[facet];
-  const ScatteringLaw* law = laws_.empty() ? nullptr : laws_[material].get();
+  const ScatteringModel* model = models_.empty() ? nullptr : models_[material].get();
   const double absorption = images_.reference_absorption_db_per_m();
   mesh.facets.push_back(vertex);
   mesh.material.push_back(material);
@@ -271,8 +271,8 @@ void EigenrayBranches::add_seen(FacetId facet, const std::array<Corner, 3>& corn
   ground_.facets_folded += glm::dot(normal_of(lies), towards) * glm::dot(normal_of(seen), middle) < 0;
   ground_.facet_factor.push_back(
       is_wide ? facet_factor(lies, seen, returns, centre != nullptr ? &centre->returned : nullptr, absorption,
-                             [law](double sine) { return sigma_of(law, sine); })
-              : factor_beside_caustic(lies, seen, rays, absorption, law));
+                             [model](double sine) { return sigma_of(model, sine); })
+              : factor_beside_caustic(lies, seen, rays, absorption, model));
 }
 
 }  // namespace tubefoot

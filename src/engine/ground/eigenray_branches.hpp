@@ -21,9 +21,9 @@ namespace tubefoot {
 /// do: the first along a launch direction is where its ray first meets the bed.
 class EigenrayBranches {
  public:
-  /// Adds to `ground`; all outlive it. `laws` as in straighten().
+  /// Adds to `ground`; all outlive it. `models` as in straighten().
   EigenrayBranches(const FineFacets& fine, const Images& images, const WorldGrid& grid,
-                   std::span<const std::shared_ptr<const ScatteringLaw>> laws, ApparentSurface& ground);
+                   std::span<const std::shared_ptr<const ScatteringModel>> models, ApparentSurface& ground);
   /// All that is seen of a facet.
   void add(FacetId facet);
   /// Where the vertices lie that were added to the mesh.
@@ -60,7 +60,7 @@ class EigenrayBranches {
   const FineFacets& fine_;
   const Images& images_;
   const WorldGrid& grid_;
-  std::span<const std::shared_ptr<const ScatteringLaw>> laws_;
+  std::span<const std::shared_ptr<const ScatteringModel>> models_;
   ApparentSurface& ground_;
   std::unordered_map<VertexId, Place> places_;
   std::unordered_map<std::uint64_t, std::optional<Border>> borders_;

@@ -166,7 +166,7 @@ void check(const ApparentMapSettings& settings) {
 /// What an apex sees of facets that are fine enough. `origin`: by apparent facet, which it is of.
 ApparentSurface seen_of(FineFacets fine, const Images& images, const WorldGrid& grid,
                         const ApparentMap& apparent_map, const ApparentMapSettings& settings,
-                        std::span<const std::shared_ptr<const ScatteringLaw>> laws,
+                        std::span<const std::shared_ptr<const ScatteringModel>> models,
                         std::vector<FacetId>* origin = nullptr) {
   ApparentSurface ground;
   ground.reference_speed_m_s = apparent_map.reference_speed_m_s();
@@ -176,7 +176,7 @@ ApparentSurface seen_of(FineFacets fine, const Images& images, const WorldGrid& 
     mesh.vertices.push_back(grid.snap(fine.image[v].seen() ? fine.image[v].at_m : fine.at_m[v]));
   const FacetMesh& from = fine.mesh.mesh;
   mesh.facets.reserve(from.facets.size());
-  EigenrayBranches sheets(fine, images, grid, laws, ground);
+  EigenrayBranches sheets(fine, images, grid, models, ground);
   for (std::size_t f = 0; f < from.facets.size(); ++f) {
     stop_if_wanted();
     glm::dvec3 corners[3], seen[3];
@@ -235,10 +235,10 @@ ApparentSurface seen_of(FineFacets fine, const Images& images, const WorldGrid& 
     ground.refined.parent.push_back(fine.mesh.parent[f]);
     if (!fine.mesh.weights.empty()) ground.refined.weights.push_back(fine.mesh.weights[f]);
     if (origin != nullptr) origin->push_back(FacetId(f));
-    const ScatteringLaw* law = laws.empty() ? nullptr : laws[material].get();
+    const ScatteringModel* model = models.empty() ? nullptr : models[material].get();
     ground.facet_factor.push_back(facet_factor(
         corners, seen, returns, middle && middle->seen() ? &middle->returned : nullptr,
-        images.reference_absorption_db_per_m(), [law](double sine) { return sigma_of(law, sine); }));
+        images.reference_absorption_db_per_m(), [model](double sine) { return sigma_of(model, sine); }));
   }
   ground.truth = std::move(fine.at_m);
   ground.truth.insert(ground.truth.end(), sheets.truth().begin(), sheets.truth().end());
@@ -268,11 +268,11 @@ FineFacets with_images(const RefinedMesh& cut, const WorldGrid& grid, const GapR
 ApparentSurface map_apparent(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
                              const ApparentMap& apparent_map, double reference_absorption_db_per_m,
                              const ApparentMapSettings& settings, const RefinementLimits& limits,
-                             std::span<const std::shared_ptr<const ScatteringLaw>> laws,
+                             std::span<const std::shared_ptr<const ScatteringModel>> models,
                              const ViewBounds* view_bounds) {
   check(settings);
   const Images images(apparent_map, reference_absorption_db_per_m, settings, view_bounds);
-  return seen_of(refined(base, facets, grid, images, limits), images, grid, apparent_map, settings, laws);
+  return seen_of(refined(base, facets, grid, images, limits), images, grid, apparent_map, settings, models);
 }
 
 ApparentPair map_apparent_pair(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "engine/ground/view_bounds.hpp"
-#include "engine/law/facet_map.hpp"
-#include "engine/law/scattering_law.hpp"
+#include "engine/scattering/facet_map.hpp"
+#include "engine/scattering/scattering_model.hpp"
 #include "engine/water/apparent_map.hpp"
 #include "geometry/mesh/edge_refinement.hpp"
 
@@ -59,7 +59,7 @@ struct ApparentSurface {
   /// Apparent facets that have an eigenray to every corner and their centre, and the base facet of each.
   RefinedMesh refined;
   std::vector<glm::dvec3> truth;     ///< by vertex: where it lies
-  std::vector<double> facet_factor;  ///< for EchoLaw::facet_factor
+  std::vector<double> facet_factor;  ///< for EchoModel::facet_factor
   double reference_speed_m_s = 0;    ///< by which a travel time becomes a range
   double largest_gap_m = 0;          ///< of all edges that are left; of short ones a bound
   std::size_t facets_in_shadow = 0;  ///< left out: they lie, wholly or in part, where no ray leads
@@ -77,20 +77,20 @@ struct ApparentSurface {
 
   /// Where a point of an apparent facet lies: as it lies between the facet's corners.
   glm::dvec3 true_place(FacetId facet, glm::dvec3 seen_m, const WorldGrid& grid) const;
-  /// By facet, for EchoLaw::facet_map; the apex in the local frame.
+  /// By facet, for EchoModel::facet_map; the apex in the local frame.
   std::vector<FacetMap> facet_maps(glm::dvec3 apex_m, const WorldGrid& grid) const;
   /// True area of a facet over its apparent one.
   double area_ratio(FacetId facet, const WorldGrid& grid) const;
 };
 
-/// Straightens `facets` of `base` for one apex. `reference_absorption_db_per_m` is what the echo law will
-/// apply to apparent ranges; `laws`: by material, empty or null for Lambert's; `view_bounds`: where parts are
-/// cut and kept, null: everywhere. Apparent points have to fit `grid`. The result does not depend on the
+/// Straightens `facets` of `base` for one apex. `reference_absorption_db_per_m` is what the echo model will
+/// apply to apparent ranges; `models`: by material, empty or null for Lambert's; `view_bounds`: where parts
+/// are cut and kept, null: everywhere. Apparent points have to fit `grid`. The result does not depend on the
 /// number of threads. Throws as refine(); std::invalid_argument unless the settings are above 0.
 ApparentSurface map_apparent(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
                              const ApparentMap& apparent_map, double reference_absorption_db_per_m,
                              const ApparentMapSettings& settings, const RefinementLimits& limits = {},
-                             std::span<const std::shared_ptr<const ScatteringLaw>> laws = {},
+                             std::span<const std::shared_ptr<const ScatteringModel>> models = {},
                              const ViewBounds* view_bounds = nullptr);
 
 /// What several ways see of a bed whose facets are cut alike for all of them, where any needs it. The

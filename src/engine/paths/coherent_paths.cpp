@@ -19,9 +19,9 @@ glm::dvec3 units(const Vec64& v) { return {double(v.x), double(v.y), double(v.z)
 /// Where images are in the local frame, and what they make of channels.
 class ImageFrame {
  public:
-  ImageFrame(const PathImages& images, const EchoLaw& law)
+  ImageFrame(const PathImages& images, const EchoModel& model)
       : apex_(images.sent().front().windows.apex),
-        apex_m_(law.path.tx.apex_m),
+        apex_m_(model.path.tx.apex_m),
         unit_m_(images.grid_unit_m()) {}
 
   glm::dvec3 place_m(const Image& image) const {
@@ -75,11 +75,12 @@ glm::dvec3 image_of_place(glm::dvec3 place_m, std::span<const MirrorPlane> chain
   return place_m;
 }
 
-void for_coherent_paths(const PathImages& images, const EchoLaw& law, std::span<const SignalChannel> channels,
+void for_coherent_paths(const PathImages& images, const EchoModel& model,
+                        std::span<const SignalChannel> channels,
                         const std::function<void(const CoherentPath&)>& take) {
   check_coherent(images, channels);
-  const ImageFrame frame(images, law);
-  EchoLaw own = law;
+  const ImageFrame frame(images, model);
+  EchoModel own = model;
   own.patterns = nullptr;
   const auto tell = [&](const Image& sent, const Image& received, const BistaticHistory& seen) {
     stop_if_wanted();
@@ -90,7 +91,7 @@ void for_coherent_paths(const PathImages& images, const EchoLaw& law, std::span<
     path.patches = patches_between(seen, frame.place_m(sent));
     for (const SignalChannel& channel : channels)
       path.channels.push_back(frame.image_of(channel, sent, received));
-    path.law = images.law(sent, received, own, {}).law;
+    path.model = images.model(sent, received, own, {}).model;
     path.phase = sent.phase * received.phase;
     take(path);
   };
@@ -106,12 +107,12 @@ void for_coherent_paths(const PathImages& images, const EchoLaw& law, std::span<
   }
 }
 
-void for_coherent_arrivals(const PathImages& images, const EchoLaw& law,
+void for_coherent_arrivals(const PathImages& images, const EchoModel& model,
                            std::span<const SignalChannel> channels,
                            const std::function<void(const CoherentArrival&)>& take) {
   check_coherent(images, channels);
-  const ImageFrame frame(images, law);
-  const double beta = absorption_per_m(law.absorption_db_per_m);
+  const ImageFrame frame(images, model);
+  const double beta = absorption_per_m(model.absorption_db_per_m);
   const glm::dvec3 receiver_m = frame.place_m(images.received().front());
   for (const Image& sent : images.arriving()) {
     const MirrorLoss& loss = sent.leg.loss;
@@ -159,15 +160,15 @@ void superpose(const ChannelSignals& part, std::complex<double> factor, ChannelS
 }
 
 ChannelSignals mirrored_signals(const PathImages& images, const CoherentReceiver& receiver,
-                                const EchoLaw& law, const GroundField& field, double tolerance) {
+                                const EchoModel& model, const GroundField& field, double tolerance) {
   ChannelSignals sum{receiver.channels.size(), receiver.times.count, {}};
   sum.value.assign(sum.channels * sum.samples, 0);
   CoherentReceiver own = receiver;
-  for_coherent_paths(images, law, receiver.channels, [&](const CoherentPath& path) {
+  for_coherent_paths(images, model, receiver.channels, [&](const CoherentPath& path) {
     own.channels = path.channels;
-    superpose(element_signals(path.patches, own, path.law, field, tolerance), path.phase, sum);
+    superpose(element_signals(path.patches, own, path.model, field, tolerance), path.phase, sum);
   });
-  for_coherent_arrivals(images, law, receiver.channels,
+  for_coherent_arrivals(images, model, receiver.channels,
                         [&](const CoherentArrival& arrival) { add_arrival(arrival, receiver, sum); });
   return sum;
 }

@@ -27,7 +27,7 @@ struct CoherentPath {
   const Image *sent = nullptr, *received = nullptr;
   SeenPatches patches;
   std::vector<SignalChannel> channels;  ///< as they were given, but images
-  EchoLaw law;
+  EchoModel model;
   std::complex<double> phase = 1;  ///< of modulus 1: of all reflections
 };
 
@@ -35,12 +35,13 @@ struct CoherentPath {
 /// At one place the two ways round, out over the one chain and home over the other or the other way about,
 /// are two signals: both are reported.
 ///
-/// `law`: of the ways between the apexes; its patterns are not read, channels have theirs. Channels see what
-/// the apexes of `images`, which they are near to, and their images see.
-/// Law Y6 (images): the channels' signals are those of sources and receivers at the images' places without
-/// mirrors. Law Y7 (reciprocity): all ends exchanged, the sum over all paths is the same.
-/// Throws std::invalid_argument in refracting water and for no channel; as PathImages::pairs().
-void for_coherent_paths(const PathImages& images, const EchoLaw& law, std::span<const SignalChannel> channels,
+/// `model`: of the ways between the apexes; its patterns are not read, channels have theirs. Channels see
+/// what the apexes of `images`, which they are near to, and their images see. Law Y6 (images): the channels'
+/// signals are those of sources and receivers at the images' places without mirrors. Law Y7 (reciprocity):
+/// all ends exchanged, the sum over all paths is the same. Throws std::invalid_argument in refracting water
+/// and for no channel; as PathImages::pairs().
+void for_coherent_paths(const PathImages& images, const EchoModel& model,
+                        std::span<const SignalChannel> channels,
                         const std::function<void(const CoherentPath&)>& take);
 
 /// What comes to a channel over mirrors alone: `amplitude` e^{ik way} g(t - way / c).
@@ -58,7 +59,7 @@ struct CoherentArrival {
 /// Calls `take` for what path_echo() counts as arrivals: whether it comes is decided at the apexes, ways and
 /// patterns are each channel's own. Throws as for_coherent_paths(), and for ends of a channel in one place
 /// between which sound goes straight.
-void for_coherent_arrivals(const PathImages& images, const EchoLaw& law,
+void for_coherent_arrivals(const PathImages& images, const EchoModel& model,
                            std::span<const SignalChannel> channels,
                            const std::function<void(const CoherentArrival&)>& take);
 
@@ -73,6 +74,6 @@ void superpose(const ChannelSignals& part, std::complex<double> factor, ChannelS
 /// All of it by a field that belongs to the ground: element_signals() of every path, and arrivals; what comes
 /// straight is not in it. Paths meet the same field, so they interfere. Throws as these.
 ChannelSignals mirrored_signals(const PathImages& images, const CoherentReceiver& receiver,
-                                const EchoLaw& law, const GroundField& field, double tolerance = 1e-3);
+                                const EchoModel& model, const GroundField& field, double tolerance = 1e-3);
 
 }  // namespace tubefoot

@@ -70,10 +70,10 @@ double distance_rad(const glm::dvec3& direction, const glm::dvec3& from, const g
 
 /// What is proven of what the images of a way see.
 struct EnclosedImages::Bed {
-  Bed(const BistaticBed& seen, const EchoLaw& law) : end(seen.tx) {
+  Bed(const BistaticBed& seen, const EchoModel& model) : end(seen.tx) {
     const BistaticEnd nothing{end.ground, end.tree, {}, end.water, end.rays};
     all = std::move(
-        enclose({seen.mesh, seen.parent, seen.base, seen.grid, end, nothing}, {}, {}, law).ends.front());
+        enclose({seen.mesh, seen.parent, seen.base, seen.grid, end, nothing}, {}, {}, model).ends.front());
     for (const FacetEnclosure& facet : all.facets) spread.push_back(spread_of(facet));
   }
   /// How far an image may be beside its apparent facet that is seen within a cone.
@@ -121,10 +121,10 @@ struct EnclosedImages::Bed {
 
 EnclosedImages::~EnclosedImages() = default;
 
-EnclosedImages::EnclosedImages(RefractedImages& images, const EchoLaw& law,
+EnclosedImages::EnclosedImages(RefractedImages& images, const EchoModel& model,
                                std::span<const double> reflection,
                                std::initializer_list<std::span<const Image>> lists)
-    : images_(images), law_(law) {
+    : images_(images), model_(model) {
   for (const std::span<const Image> list : lists)
     for (const Image& image : list) {
       if (image.seen.empty()) continue;
@@ -178,7 +178,7 @@ void EnclosedImages::look_at_windows(const Image& image, const Bed& bed, std::sp
 
 const EnclosedImages::Bed& EnclosedImages::bed_of(const Image& image) {
   auto& bed = beds_[image.way];
-  if (!bed) bed = std::make_unique<const Bed>(images_.bed_between(image, image), law_);
+  if (!bed) bed = std::make_unique<const Bed>(images_.bed_between(image, image), model_);
   return *bed;
 }
 

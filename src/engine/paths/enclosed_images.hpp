@@ -9,8 +9,8 @@
 
 #include "engine/certified/bistatic_enclosure.hpp"
 #include "engine/certified/certified_arrival.hpp"
-#include "engine/law/echo_law.hpp"
 #include "engine/paths/refracted_images.hpp"
+#include "engine/scattering/echo_model.hpp"
 
 // What is proven of images in refracting water. docs/paths.md, "Certified paths"
 namespace tubefoot {
@@ -19,9 +19,9 @@ namespace tubefoot {
 /// those.
 class EnclosedImages {
  public:
-  /// `lists`: images, each end's by increasing number of mirrors; they and all else outlive this. `law`: that
-  /// of the mirrors' bed; `reflection`: by material, as Mirrors has it.
-  EnclosedImages(RefractedImages& images, const EchoLaw& law, std::span<const double> reflection,
+  /// `lists`: images, each end's by increasing number of mirrors; they and all else outlive this. `model`:
+  /// that of the mirrors' bed; `reflection`: by material, as Mirrors has it.
+  EnclosedImages(RefractedImages& images, const EchoModel& model, std::span<const double> reflection,
                  std::initializer_list<std::span<const Image>> lists);
   ~EnclosedImages();
 
@@ -60,7 +60,7 @@ class EnclosedImages {
                        double& off_rad);
 
   RefractedImages& images_;
-  const EchoLaw& law_;
+  const EchoModel& model_;
   std::map<std::size_t, std::unique_ptr<const Bed>> beds_;  ///< by way
   std::map<std::size_t, double> beyond_;                    ///< by way: of windows that its images make
   std::vector<Unknown> unknown_;

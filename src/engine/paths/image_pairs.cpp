@@ -41,18 +41,18 @@ std::vector<std::uint32_t> of_windows(const Image& image, std::span<const std::u
 
 }  // namespace
 
-PairLaw::PairLaw(const Image& sent, const Image& received, GridPoint true_apex, double grid_unit_m,
-                 const EchoLaw& of_apexes, const ReceiveBeams& all, const FacetMesh* bed)
-    : law(of_apexes),
+PairModel::PairModel(const Image& sent, const Image& received, GridPoint true_apex, double grid_unit_m,
+                     const EchoModel& of_apexes, const ReceiveBeams& all, const FacetMesh* bed)
+    : model(of_apexes),
       beam(of_windows(received, all.of_tube)),
       from(of_windows(sent, all.fan_of_transmit_tube)),
       to(of_windows(received, all.fan_of_receive_tube)),
       beams{all.count, beam, from, to} {
-  if (bed != nullptr) law.material = bed->material;
-  law.path.rx = received.leg;
-  law.path.tx = sent.leg;
+  if (bed != nullptr) model.material = bed->material;
+  model.path.rx = received.leg;
+  model.path.tx = sent.leg;
   const GridPoint apex = sent.windows.apex;
-  law.path.tx.apex_m =
+  model.path.tx.apex_m =
       of_apexes.path.tx.apex_m +
       glm::dvec3(double(apex.x) - true_apex.x, double(apex.y) - true_apex.y, double(apex.z) - true_apex.z) *
           grid_unit_m;
@@ -62,7 +62,7 @@ PairLaw::PairLaw(const Image& sent, const Image& received, GridPoint true_apex, 
   patterns.beams_of_tube.clear();
   for (const std::uint32_t tube : received.own_tube)
     patterns.beams_of_tube.push_back(of_apexes.patterns->beams_of_tube[tube]);
-  law.patterns = &patterns;
+  model.patterns = &patterns;
 }
 
 std::vector<ImagePair> pairs_of_images(std::span<const Image> sent, std::span<const Image> received,

@@ -23,15 +23,15 @@ std::vector<ImagePair> pairs_of_images(std::span<const Image> sent, std::span<co
                                        bool one_place, int order, double least, std::size_t most);
 
 /// The law and the beams between two images, made of those between their apexes, which outlive it.
-struct PairLaw {
-  /// `true_apex`: of the transmitter. `bed`: the facets that are shared, where they are not those of `law`;
+struct PairModel {
+  /// `true_apex`: of the transmitter. `bed`: the facets that are shared, where they are not those of `model`;
   /// null: they are.
-  PairLaw(const Image& sent, const Image& received, GridPoint true_apex, double grid_unit_m,
-          const EchoLaw& law, const ReceiveBeams& beams, const FacetMesh* bed);
-  PairLaw(const PairLaw&) = delete;
-  PairLaw& operator=(const PairLaw&) = delete;
+  PairModel(const Image& sent, const Image& received, GridPoint true_apex, double grid_unit_m,
+            const EchoModel& model, const ReceiveBeams& beams, const FacetMesh* bed);
+  PairModel(const PairModel&) = delete;
+  PairModel& operator=(const PairModel&) = delete;
 
-  EchoLaw law;
+  EchoModel model;
   BeamPatterns patterns;
   std::vector<std::uint32_t> beam, from, to;  ///< by window
   ReceiveBeams beams;

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/law/path.hpp"
+#include "engine/scattering/path.hpp"
 #include "geometry/footprints/shared_footprints.hpp"
 #include "geometry/search/scene_tree.hpp"
 #include "geometry/tubes/mirror.hpp"

@@ -8,7 +8,7 @@
 #include <limits>
 #include <tuple>
 
-#include "engine/law/density.hpp"
+#include "engine/scattering/density.hpp"
 #include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
@@ -62,12 +62,12 @@ std::pair<glm::dvec2, glm::dvec2> box_of(const std::vector<glm::dvec2>& polygon)
 
 }  // namespace
 
-PatchEcho::PatchEcho(const EchoLaw& law, const ReceiveBeams& beams, double longest_m,
+PatchEcho::PatchEcho(const EchoModel& model, const ReceiveBeams& beams, double longest_m,
                      std::span<const double> least_received)
-    : law_(law),
+    : model_(model),
       beams_(beams),
       longest_m_(longest_m),
-      beta_(absorption_per_m(law.absorption_db_per_m)),
+      beta_(absorption_per_m(model.absorption_db_per_m)),
       least_received_(least_received),
       levels_(1) {}
 
@@ -90,10 +90,10 @@ std::size_t PatchEcho::add(const SeenBed& bed, const Point& point, const ImageRe
     const ReceiverViews::Facet* facet =
         received.receives.find(shared.facet, refracted != nullptr ? refracted->normal : shared.plane_normal);
     if (facet == nullptr) continue;
-    scattering_ = law_.law_of(shared.facet);
-    mu_ = scattering_ == nullptr ? law_.material_mu[law_.material[shared.facet]] : 1;
+    scattering_ = model_.model_of(shared.facet);
+    mu_ = scattering_ == nullptr ? model_.material_mu[model_.material[shared.facet]] : 1;
     if (mu_ == 0) continue;
-    texture_ = law_.texture(shared.facet);
+    texture_ = model_.texture(shared.facet);
     lit_ = OverFacet(*facet, from_received, shared.transmit_distance_m, refracted);
     for (std::uint32_t k = shared.first_piece; k < shared.first_piece + shared.piece_count; ++k) {
       stop_if_wanted();
@@ -263,13 +263,13 @@ void PatchEcho::take(const Polygon& polygon, double sample) {
   if (received_->is_product()) return take_product(sample, p, energy, energy_by(1));
   const auto bin = [&](std::size_t beam) { return beam * std::size_t(samples_.count) + std::size_t(sample); };
   if (received_->row) return tx_->add(bin(*received_->row), energy);
-  if (law_.patterns == nullptr) return tx_->add(bin(beams_.of_tube[own_tube_]), energy);
-  const auto [begin, end] = law_.patterns->beams_of_tube[own_tube_];
+  if (model_.patterns == nullptr) return tx_->add(bin(beams_.of_tube[own_tube_]), energy);
+  const auto [begin, end] = model_.patterns->beams_of_tube[own_tube_];
   for (std::uint32_t beam = begin; beam < end; ++beam) tx_->add(bin(beam), energy * gain_of(beam, true_back));
 }
 
 double PatchEcho::gain_of(std::size_t beam, glm::dvec3 true_back) const {
-  const double gain = law_.patterns->receive[beam].gain(true_back);
+  const double gain = model_.patterns->receive[beam].gain(true_back);
   return least_received_.empty() || gain >= least_received_[beam] ? gain : 0;
 }
 

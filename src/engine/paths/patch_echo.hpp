@@ -61,14 +61,14 @@ class PatchEcho {
  public:
   /// No part is longer than `longest_m`. Beams, fans and patterns are those of the true receiver's tubes.
   /// `least_received`: PathSettings::least_received.
-  PatchEcho(const EchoLaw& law, const ReceiveBeams& beams, double longest_m,
+  PatchEcho(const EchoModel& model, const ReceiveBeams& beams, double longest_m,
             std::span<const double> least_received);
 
   struct Point {
     glm::dvec3 at_m{0};      ///< the point, or its image
     const MirrorLoss& loss;  ///< of its mirrors
     glm::dvec3 axis{0};      ///< normal of the facet that it lies on, as the image sees it
-    const ScatteringLaw* scattering = nullptr;
+    const ScatteringModel* scattering = nullptr;
     std::uint32_t fan = 0;
   };
   /// Adds, for a point that scatters 1 J/sr along its normal, the energy of beam b and sample k to bin
@@ -94,7 +94,7 @@ class PatchEcho {
   double gain_of(std::size_t beam, glm::dvec3 true_back) const;
   void take_product(double sample, glm::dvec2 p, double upper, double lower);
 
-  const EchoLaw& law_;
+  const EchoModel& model_;
   const ReceiveBeams& beams_;
   double longest_m_, beta_;
   std::span<const double> least_received_;
@@ -108,7 +108,7 @@ class PatchEcho {
   RangeSamples samples_;
   SparseEnergy* tx_ = nullptr;
   std::uint32_t own_tube_ = 0;
-  const ScatteringLaw* scattering_ = nullptr;
+  const ScatteringModel* scattering_ = nullptr;
   const ReflectivityField* texture_ = nullptr;
   double mu_ = 0;
   std::vector<Polygon> levels_;

@@ -15,9 +15,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "engine/law/density.hpp"
 #include "engine/paths/patch_echo.hpp"
 #include "engine/paths/patches.hpp"
+#include "engine/scattering/density.hpp"
 #include "geometry/steps/steps.hpp"
 
 namespace tubefoot {
@@ -166,16 +166,16 @@ class PatchPaths {
       : scene_(scene),
         received_(received),
         echo_(echo),
-        before_(scene.settings.before != nullptr ? *scene.settings.before : scene.law),
+        before_(scene.settings.before != nullptr ? *scene.settings.before : scene.model),
         least_(scene.settings.least()),
-        beta_(absorption_per_m(scene.law.absorption_db_per_m)),
+        beta_(absorption_per_m(scene.model.absorption_db_per_m)),
         workers_([&] {
           return Worker{
-              PatchEcho(scene.law, scene.beams, scene.settings.patch_m, scene.settings.least_received),
+              PatchEcho(scene.model, scene.beams, scene.settings.patch_m, scene.settings.least_received),
               {},
               {}};
         }) {
-    before_.material = scene.law.material;
+    before_.material = scene.model.material;
     if (scene.refracted == nullptr) return;
     const PathWater& water = scene.refracted->water();
     double lowest_m = std::numeric_limits<double>::infinity();
@@ -235,11 +235,11 @@ class PatchPaths {
   double scattered_by(GridPoint from, const Patch& patch) const {
     const double range = glm::length(patch.from_apex_m), sine = patch.sine;
     if (!(sine > 0)) return 0;
-    const ScatteringLaw* scattering = before_.law_of(patch.facet);
+    const ScatteringModel* scattering = before_.model_of(patch.facet);
     double gain = scattering == nullptr ? before_.material_mu[before_.material[patch.facet]] : 1;
     gain *= scattering_lobe(scattering, sine) / sine * std::exp(-beta_ * range) * patch.absorbed;
     if (const ReflectivityField* texture = before_.texture(patch.facet))
-      gain *= texture->factor(scene_.law.path.tx.apex_m + from_apex(from) + patch.lies_m);
+      gain *= texture->factor(scene_.model.path.tx.apex_m + from_apex(from) + patch.lies_m);
     return gain;
   }
 
@@ -264,8 +264,8 @@ class PatchPaths {
       source.normal = patch.normal;
       // By its whole solid angle: no patch receives more than is sent there.
       source.strength = scattered_by(apex, patch) * patch.solid_angle_sr * image.leg.loss.at(direction);
-      if (scene_.law.patterns != nullptr)
-        source.strength *= scene_.law.patterns->transmit[source.fan].gain(image.leg.to_true * direction);
+      if (scene_.model.patterns != nullptr)
+        source.strength *= scene_.model.patterns->transmit[source.fan].gain(image.leg.to_true * direction);
       source.at = in_front(scene_.mesh, patch.facet, apex, patch.lies_m / scene_.unit_m, patch.normal,
                            scene_.least_lift());
       source.signal.push_back({range, source.strength});
@@ -307,7 +307,7 @@ class PatchPaths {
     for (const Image& image : images)
       beds.push_back(scene_.seen_by(image, refracted ? &*refracted : nullptr));
     if (refracted) sent.seen = refracted->counts(beds);
-    const ScatteringLaw* scattering = before_.law_of(source.facet);
+    const ScatteringModel* scattering = before_.model_of(source.facet);
     for (std::size_t k = 0; k < images.size(); ++k) {
       stop_if_wanted();
       const Image& image = images[k];
@@ -345,7 +345,7 @@ class PatchPaths {
       const Delayed& only = source.signal.front();
       last_legs.first_m -= only.way_m / 2;
       sent.pieces +=
-          worker.gather.add(seen, point, received, scene_.law.path.tx.apex_m, last_legs, 0, worker.direct);
+          worker.gather.add(seen, point, received, scene_.model.path.tx.apex_m, last_legs, 0, worker.direct);
       worker.direct.drain([&](std::size_t bin, double energy) {
         sent.bins.push_back({order, bin, energy * only.strength});
       });
@@ -358,7 +358,7 @@ class PatchPaths {
     last_legs.count = int(std::ceil(
         (samples.first_m + samples.step_m * samples.count - soonest - last_legs.first_m) / last_legs.step_m));
     if (last_legs.count <= 0) return;
-    sent.pieces += worker.gather.add(seen, point, received, scene_.law.path.tx.apex_m, last_legs,
+    sent.pieces += worker.gather.add(seen, point, received, scene_.model.path.tx.apex_m, last_legs,
                                      samples.step_m, worker.direct);
     const double step = samples.step_m;
     worker.direct.drain([&](std::size_t bin, double energy) {
@@ -384,7 +384,7 @@ class PatchPaths {
   const PathScene& scene_;
   std::span<const ImageReceiver> received_;
   PathEcho& echo_;
-  EchoLaw before_;  // of all scatterings but the last
+  EchoModel before_;  // of all scatterings but the last
   double least_, beta_;
   WaterColumn column_;
   std::optional<PathWater> water_;  // as patches look through it, if it refracts
@@ -410,10 +410,10 @@ void add_scattered_paths(const PathScene& scene, std::span<const Image> sent,
                          std::span<const ImageReceiver> received, PathEcho& echo) {
   if (scene.refracted == nullptr) return PatchPaths(scene, received, echo).follow(sent);
   const FacetMesh& base = scene.refracted->base();
-  EchoLaw law = scene.law;
-  law.material = base.material;
-  const PathScene cut{base, scene.unit_m,   scene.finder, scene.beams, scene.samples,
-                      law,  scene.settings, scene.apex,   scene.reach, scene.refracted};
+  EchoModel model = scene.model;
+  model.material = base.material;
+  const PathScene cut{base,  scene.unit_m,   scene.finder, scene.beams, scene.samples,
+                      model, scene.settings, scene.apex,   scene.reach, scene.refracted};
   PatchPaths(cut, received, echo).follow(sent);
 }
 

@@ -16,7 +16,7 @@ struct PathScene {
   const ImageFinder& finder;
   const ReceiveBeams& beams;
   const RangeSamples& samples;
-  const EchoLaw& law;
+  const EchoModel& model;
   const PathSettings& settings;
   GridPoint apex;  ///< true one of the transmitter
   double reach;    ///< TubeSet::reach

@@ -35,7 +35,7 @@ glm::dvec3 difference_m(GridPoint a, GridPoint b, double unit_m) {
 class PathTracer {
  public:
   PathTracer(const FacetMesh& mesh, double unit_m, const KnownImages& images, const TubeSet& receive,
-             const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
+             const ReceiveBeams& beams, const RangeSamples& samples, const EchoModel& model,
              const PathSettings& settings)
       : mesh_(mesh),
         unit_m_(unit_m),
@@ -44,10 +44,10 @@ class PathTracer {
         receive_(images.received),
         beams_(beams),
         samples_(samples),
-        law_(law),
+        model_(model),
         settings_(settings),
         least_(settings.least()),
-        beta_(absorption_per_m(law.absorption_db_per_m)),
+        beta_(absorption_per_m(model.absorption_db_per_m)),
         true_apex_(images.sent.front().windows.apex),
         true_receive_(receive),
         one_place_(images.sent.data() == images.received.data()),
@@ -62,9 +62,9 @@ class PathTracer {
     if (!settings.reference_tolerance) return;
     for (const Echo& echo : echo_.by_order) echo_.bound_by_order.emplace_back(echo.energy.size(), 0.0);
     if (refracted_ == nullptr) return;
-    bed_law_ = law;
-    bed_law_.material = refracted_->bed().material;
-    enclosed_.emplace(*refracted_, bed_law_, settings.mirrors.reflection,
+    seabed_model_ = model;
+    seabed_model_.material = refracted_->bed().material;
+    enclosed_.emplace(*refracted_, seabed_model_, settings.mirrors.reflection,
                       std::initializer_list<std::span<const Image>>{
                           images.sent, one_place_ ? std::span<const Image>() : images.received});
   }
@@ -72,7 +72,7 @@ class PathTracer {
   PathEcho trace() {
     scatter();
     if (settings_.scatterings > 1)
-      add_scattered_paths({mesh_, unit_m_, finder_, beams_, samples_, law_, settings_, true_apex_,
+      add_scattered_paths({mesh_, unit_m_, finder_, beams_, samples_, model_, settings_, true_apex_,
                            true_receive_.reach, refracted_},
                           transmit_, receive_, echo_);
     for (const Image& image : settings_.arrivals ? transmit_ : std::span<const Image>())
@@ -217,7 +217,7 @@ class PathTracer {
   void pair_facets(Part& part, const Image& sent, const Image& received, BistaticHistory& history) const {
     history.bistatic =
         bistatic_facets(history.shared, refracted_->bed(), refracted_->end_of(sent),
-                        refracted_->end_of(received), refracted_->grid(), law_.absorption_db_per_m);
+                        refracted_->end_of(received), refracted_->grid(), model_.absorption_db_per_m);
     const glm::dvec3 beside_m = refracted_->beside_m(received);
     for (std::size_t k = 0; k < history.bistatic.size(); ++k) {
       part.misfit_m = std::max(part.misfit_m, history.bistatic[k].misfit_m);
@@ -252,10 +252,10 @@ class PathTracer {
   }
 
   CertifiedEcho scattered(const Image& sent, const Image& received, const BistaticHistory& history) const {
-    const PairLaw pair(sent, received, true_apex_, unit_m_, law_, beams_,
-                       refracted_ ? &refracted_->bed() : nullptr);
+    const PairModel pair(sent, received, true_apex_, unit_m_, model_, beams_,
+                         refracted_ ? &refracted_->bed() : nullptr);
     CertifiedEcho found;
-    found.echo = integrate_echo(history, pair.beams, samples_, pair.law, settings_.binning);
+    found.echo = integrate_echo(history, pair.beams, samples_, pair.model, settings_.binning);
     const auto tolerance = settings_.reference_tolerance;
     if (tolerance && enclosed_) {
       VisibilityOptions options = refracted_->options();
@@ -263,10 +263,10 @@ class PathTracer {
       found = certify_refracted_echo(
                   enclosed_->bed_between(sent, received),
                   {sent.windows, received.windows, {enclosed_->off_rad(sent), enclosed_->off_rad(received)}},
-                  options, pair.beams, samples_, pair.law, found.echo, *tolerance)
+                  options, pair.beams, samples_, pair.model, found.echo, *tolerance)
                   .certified;
     } else if (tolerance) {
-      found = certify_echo(mesh_, history, pair.beams, samples_, pair.law, found.echo, *tolerance);
+      found = certify_echo(mesh_, history, pair.beams, samples_, pair.model, found.echo, *tolerance);
     }
     return found;
   }
@@ -343,8 +343,8 @@ class PathTracer {
           {image.windows.apex, GridPoint{} - arrival.back, image.way, image.mirrors, bin, weight * energy});
     };
     ++echo_.arrivals;
-    if (law_.patterns == nullptr) return add(beams_.of_tube[receive_tube], 1);
-    const BeamPatterns& patterns = *law_.patterns;
+    if (model_.patterns == nullptr) return add(beams_.of_tube[receive_tube], 1);
+    const BeamPatterns& patterns = *model_.patterns;
     const auto [first, end] = patterns.beams_of_tube[receive_tube];
     const double sent =
         patterns.transmit[patterns.fan_of_tube[receive_tube]].gain(image.leg.to_true * arrival.sent);
@@ -353,7 +353,7 @@ class PathTracer {
   }
 
   std::pair<std::uint32_t, std::uint32_t> beams_of(std::uint32_t receive_tube) const {
-    if (law_.patterns != nullptr) return law_.patterns->beams_of_tube[receive_tube];
+    if (model_.patterns != nullptr) return model_.patterns->beams_of_tube[receive_tube];
     return {beams_.of_tube[receive_tube], beams_.of_tube[receive_tube] + 1};
   }
   static std::uint32_t fan_of(std::span<const std::uint32_t> fans, std::uint32_t tube) {
@@ -406,10 +406,10 @@ class PathTracer {
     Arrival arrival;
     arrival.leg = &image.leg;
     const auto [first, end] = beams_of(receive_tube);
-    if (law_.patterns != nullptr) {
+    if (model_.patterns != nullptr) {
       if (first == end) return;
-      arrival.transmit = &law_.patterns->transmit[law_.patterns->fan_of_tube[receive_tube]];
-      arrival.receive = std::span(law_.patterns->receive).subspan(first, end - first);
+      arrival.transmit = &model_.patterns->transmit[model_.patterns->fan_of_tube[receive_tube]];
+      arrival.receive = std::span(model_.patterns->receive).subspan(first, end - first);
     }
     bool received = false;
     certify_arrival(
@@ -437,13 +437,13 @@ class PathTracer {
   }
 
   void hear_certified(const Image& image, std::uint32_t receive_tube) {
-    Arrival arrival{true_receive_.apex - image.windows.apex, unit_m_, law_.absorption_db_per_m, &image.leg};
+    Arrival arrival{true_receive_.apex - image.windows.apex, unit_m_, model_.absorption_db_per_m, &image.leg};
     const double length = glm::length(difference_m(true_receive_.apex, image.windows.apex, unit_m_));
     if (!(image.leg.loss.at(difference_m(true_receive_.apex, image.windows.apex, unit_m_) / length) > least_))
       return;
     std::uint32_t first = beams_.of_tube[receive_tube];
-    if (law_.patterns != nullptr) {
-      const BeamPatterns& patterns = *law_.patterns;
+    if (model_.patterns != nullptr) {
+      const BeamPatterns& patterns = *model_.patterns;
       const auto [begin, end] = patterns.beams_of_tube[receive_tube];
       if (begin == end) return;
       first = begin;
@@ -468,14 +468,14 @@ class PathTracer {
   std::span<const Image> transmit_, receive_;
   const ReceiveBeams& beams_;
   const RangeSamples& samples_;
-  const EchoLaw& law_;
+  const EchoModel& model_;
   const PathSettings& settings_;
   double least_, beta_;
   GridPoint true_apex_;
   const TubeSet& true_receive_;
   bool one_place_;
   RefractedImages* refracted_;  // in refracting water: who made the images
-  EchoLaw bed_law_;             // with a reference: of the bed that these see
+  EchoModel seabed_model_;      // with a reference: of the bed that these see
   std::optional<EnclosedImages> enclosed_;
   std::set<std::pair<Source, std::uint32_t>> arrived_;  // and fans
   PathEcho echo_;
@@ -485,7 +485,7 @@ class PathTracer {
 
 PathEcho path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
                    const VisibilityOptions& options, const TubeSet& transmit, const TubeSet& receive,
-                   const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
+                   const ReceiveBeams& beams, const RangeSamples& samples, const EchoModel& model,
                    const PathSettings& settings, const PathWater* water) {
   const ImageFinder finder(mesh, tree, options, settings.mirrors, settings.least(), settings.most_images);
   const bool one_place = transmit == receive;
@@ -495,27 +495,27 @@ PathEcho path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_uni
     PathWater own = *water;
     own.keep_last = settings.reference_tolerance.has_value();
     RefractedImages refracted(mesh, tree, options, settings.mirrors, settings.least(), settings.most_images,
-                              law.absorption_db_per_m, own, std::move(ends), settings.order);
+                              model.absorption_db_per_m, own, std::move(ends), settings.order);
     const std::vector<Image> sent = refracted.images_of(0, {{receive.apex}}),
                              received = one_place ? std::vector<Image>{} : refracted.images_of(1);
     PathEcho echo = path_echo(mesh, grid_unit_m, {finder, sent, one_place ? sent : received, &refracted},
-                              receive, beams, samples, law, settings);
+                              receive, beams, samples, model, settings);
     echo.grounds = refracted.take_grounds();
     return echo;
   }
   const std::vector<Image> sent = finder.images_of(transmit, settings.order, {{receive.apex}});
   if (one_place)
-    return path_echo(mesh, grid_unit_m, {finder, sent, sent}, receive, beams, samples, law, settings);
+    return path_echo(mesh, grid_unit_m, {finder, sent, sent}, receive, beams, samples, model, settings);
   const std::vector<Image> received = finder.images_of(receive, settings.order - 1);
-  return path_echo(mesh, grid_unit_m, {finder, sent, received}, receive, beams, samples, law, settings);
+  return path_echo(mesh, grid_unit_m, {finder, sent, received}, receive, beams, samples, model, settings);
 }
 
 PathEcho path_echo(const FacetMesh& mesh, double grid_unit_m, const KnownImages& images,
                    const TubeSet& receive, const ReceiveBeams& beams, const RangeSamples& samples,
-                   const EchoLaw& law, const PathSettings& settings) {
+                   const EchoModel& model, const PathSettings& settings) {
   if (settings.reference_tolerance && settings.scatterings > 1)
     throw std::invalid_argument("patches that scatter on are points: what they return has no proven bound");
-  return PathTracer(mesh, grid_unit_m, images, receive, beams, samples, law, settings).trace();
+  return PathTracer(mesh, grid_unit_m, images, receive, beams, samples, model, settings).trace();
 }
 
 }  // namespace tubefoot

@@ -38,8 +38,8 @@ struct PathSettings {
   /// scattering.
   std::optional<double> reference_tolerance{};
   Mirrors mirrors;
-  Binning binning = Binning::exact;  ///< of what two images share
-  const EchoLaw* before = nullptr;   ///< by which all scatterings but the last go; null: as that
+  Binning binning = Binning::exact;   ///< of what two images share
+  const EchoModel* before = nullptr;  ///< by which all scatterings but the last go; null: as that
   /// By beam, or none: of paths with several scatterings a beam receives nothing from directions whose
   /// receive gain is less. BeamPatterns::least does not apply to them: the direction of the transmit leg is
   /// that of another facet.
@@ -102,7 +102,7 @@ struct PathEcho {
 /// whose errors are thrown too).
 PathEcho path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
                    const VisibilityOptions& options, const TubeSet& transmit, const TubeSet& receive,
-                   const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
+                   const ReceiveBeams& beams, const RangeSamples& samples, const EchoModel& model,
                    const PathSettings& settings, const PathWater* water = nullptr);
 
 /// Images that are known.
@@ -115,6 +115,6 @@ struct KnownImages {
 /// The same between these.
 PathEcho path_echo(const FacetMesh& mesh, double grid_unit_m, const KnownImages& images,
                    const TubeSet& receive, const ReceiveBeams& beams, const RangeSamples& samples,
-                   const EchoLaw& law, const PathSettings& settings);
+                   const EchoModel& model, const PathSettings& settings);
 
 }  // namespace tubefoot

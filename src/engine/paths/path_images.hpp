@@ -39,10 +39,11 @@ class PathImages {
   bool is_cut() const { return refracted_ != nullptr; }
   /// By facet of that: the one of the mesh that it is, or is a part of.
   FacetId uncut(FacetId facet) const { return refracted_ ? refracted_->uncut(facet) : facet; }
-  /// Of what `law` and `beams` are between the apexes; they and this outlive it.
-  PairLaw law(const Image& sent, const Image& received, const EchoLaw& law, const ReceiveBeams& beams) const {
-    return PairLaw(sent, received, this->sent().front().windows.apex, unit_m_, law, beams,
-                   refracted_ ? &bed() : nullptr);
+  /// Of what `model` and `beams` are between the apexes; they and this outlive it.
+  PairModel model(const Image& sent, const Image& received, const EchoModel& model,
+                  const ReceiveBeams& beams) const {
+    return PairModel(sent, received, this->sent().front().windows.apex, unit_m_, model, beams,
+                     refracted_ ? &bed() : nullptr);
   }
   /// Facets that an image sees as parts of those of the mesh: of which, where they lie on it, and what all
   /// images that see the same (in even water, a part of the same) call it. Empty where it sees the mesh

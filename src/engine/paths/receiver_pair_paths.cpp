@@ -53,13 +53,13 @@ class ReceiverPairTracer {
  public:
   ReceiverPairTracer(const FacetMesh& mesh, const SceneTree& tree, double unit_m,
                      const VisibilityOptions& options, const ReceiverPairEnds& ends,
-                     const RangeSamples& samples, const EchoLaw& law, const PathSettings& settings,
+                     const RangeSamples& samples, const EchoModel& model, const PathSettings& settings,
                      const PathWater* water)
       : mesh_(mesh),
         unit_m_(unit_m),
         receiver_pair_(water != nullptr ? apparent_receiver_pair(ends, *water) : ends.receiver_pair),
         samples_(samples),
-        law_(law),
+        model_(model),
         settings_(settings),
         apex_(ends.transmit.apex),
         middle_(ends.receive.apex),
@@ -77,7 +77,7 @@ class ReceiverPairTracer {
       if (ends.receive != ends.transmit) places.push_back(ends.receive);
       const std::size_t middle = places.size() - 1;
       refracted_.emplace(mesh, tree, options, settings.mirrors, settings.least(), settings.most_images,
-                         law.absorption_db_per_m, *water, std::move(places), settings.order);
+                         model.absorption_db_per_m, *water, std::move(places), settings.order);
       sent_ = refracted_->images_of(0, received_at);
       for (std::size_t end = 0; end < 2; ++end) {
         const TubeSet beside = moved_along(ends.receive, receiver_pair_, end == 0 ? 1 : -1, unit_m);
@@ -98,7 +98,7 @@ class ReceiverPairTracer {
     for (std::size_t end = 0; end < 2; ++end) {
       PathEcho one =
           path_echo(mesh_, unit_m_, {finder_, sent_, received_[end], refracted_ ? &*refracted_ : nullptr},
-                    ends_[end], {1, only_beam_}, samples_, law_, once);
+                    ends_[end], {1, only_beam_}, samples_, model_, once);
       const auto row = [end](ReceiverPairEcho& echo) -> std::vector<double>& {
         return end == 0 ? echo.upper_j : echo.lower_j;
       };
@@ -196,14 +196,14 @@ class ReceiverPairTracer {
     if (history.by_upper.pieces.empty()) return {};
     share(sent, lower, history.by_lower, history.bistatic_lower);
     if (history.by_lower.pieces.empty()) return {};
-    EchoLaw by_upper = law_;
+    EchoModel by_upper = model_;
     if (refracted_) by_upper.material = refracted_->bed().material;
     by_upper.path.tx = sent.leg;
-    by_upper.path.tx.apex_m = law_.path.tx.apex_m + way_m(apex_, sent.windows.apex, unit_m_);
-    EchoLaw by_lower = by_upper;
+    by_upper.path.tx.apex_m = model_.path.tx.apex_m + way_m(apex_, sent.windows.apex, unit_m_);
+    EchoModel by_lower = by_upper;
     by_upper.path.rx = upper.leg;
     by_lower.path.rx = lower.leg;
-    const BeamPatterns patterns = as_images_have(*law_.patterns, by_upper.path);
+    const BeamPatterns patterns = as_images_have(*model_.patterns, by_upper.path);
     by_upper.patterns = by_lower.patterns = &patterns;
     const ReceiverBaseline receiver_pair{axis_of(upper), receiver_pair_.baseline_m,
                                          receiver_pair_.wavenumber_rad_m};
@@ -226,7 +226,7 @@ class ReceiverPairTracer {
     }
     shared = FootprintSharer(sent.look(), received.look(), unit_m_).all();
     bistatic = bistatic_facets(shared, refracted_->bed(), refracted_->end_of(sent),
-                               refracted_->end_of(received), refracted_->grid(), law_.absorption_db_per_m);
+                               refracted_->end_of(received), refracted_->grid(), model_.absorption_db_per_m);
   }
 
   /// What comes to both receivers straight from the same image of the transmitter; where water refracts, by
@@ -267,8 +267,8 @@ class ReceiverPairTracer {
   /// parts of the product.
   void add_scattered() {
     const ReceiveBeams beams{1, only_beam_};
-    const PathScene scene{mesh_, unit_m_,   finder_, beams,          samples_,
-                          law_,  settings_, apex_,   ends_[0].reach, refracted_ ? &*refracted_ : nullptr};
+    const PathScene scene{mesh_,  unit_m_,   finder_, beams,          samples_,
+                          model_, settings_, apex_,   ends_[0].reach, refracted_ ? &*refracted_ : nullptr};
     std::vector<ImageReceiver> image_receivers;
     for (std::uint32_t end = 0; end < 2; ++end)
       for (const Image& image : received_[end]) image_receivers.push_back({scene.received_by(image), end});
@@ -303,7 +303,7 @@ class ReceiverPairTracer {
   double unit_m_;
   const ReceiverBaseline receiver_pair_;
   const RangeSamples& samples_;
-  const EchoLaw& law_;
+  const EchoModel& model_;
   const PathSettings& settings_;
   GridPoint apex_, middle_;      // true ones, of the transmitter and of the receiver pair
   std::array<TubeSet, 2> ends_;  // upper, lower
@@ -320,11 +320,11 @@ class ReceiverPairTracer {
 
 ReceiverPairPathEcho receiver_pair_path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
                                              const VisibilityOptions& options, const ReceiverPairEnds& ends,
-                                             const RangeSamples& samples, const EchoLaw& law,
+                                             const RangeSamples& samples, const EchoModel& model,
                                              const PathSettings& settings, const PathWater* water) {
   if (settings.reference_tolerance && settings.scatterings > 1)
     throw std::invalid_argument("patches that scatter on are points: what they return has no proven bound");
-  return ReceiverPairTracer(mesh, tree, grid_unit_m, options, ends, samples, law, settings, water).trace();
+  return ReceiverPairTracer(mesh, tree, grid_unit_m, options, ends, samples, model, settings, water).trace();
 }
 
 }  // namespace tubefoot

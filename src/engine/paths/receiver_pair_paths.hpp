@@ -41,7 +41,7 @@ struct ReceiverPairEnds {
 /// Throws as path_echo().
 ReceiverPairPathEcho receiver_pair_path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
                                              const VisibilityOptions& options, const ReceiverPairEnds& ends,
-                                             const RangeSamples& samples, const EchoLaw& law,
+                                             const RangeSamples& samples, const EchoModel& model,
                                              const PathSettings& settings, const PathWater* water = nullptr);
 
 }  // namespace tubefoot

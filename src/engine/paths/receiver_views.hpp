@@ -11,9 +11,9 @@
 #include <memory>
 #include <vector>
 
-#include "engine/law/facet_map.hpp"
 #include "engine/paths/image_tree.hpp"
 #include "engine/paths/seen_bed.hpp"
+#include "engine/scattering/facet_map.hpp"
 #include "geometry/integrals/measure.hpp"
 
 // What receives the last scattering, and how a facet is met from anywhere, through whatever water.

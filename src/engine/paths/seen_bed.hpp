@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/ground/refracted_ground.hpp"
-#include "engine/law/facet_map.hpp"
+#include "engine/scattering/facet_map.hpp"
 #include "geometry/footprints/shared_footprints.hpp"
 
 namespace tubefoot {

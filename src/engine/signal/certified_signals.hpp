@@ -6,7 +6,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "engine/law/echo_law.hpp"
+#include "engine/scattering/echo_model.hpp"
 #include "engine/signal/coherent_signals.hpp"
 #include "engine/signal/smooth_surface.hpp"
 #include "geometry/mesh/facet_mesh.hpp"

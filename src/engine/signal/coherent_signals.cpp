@@ -70,15 +70,15 @@ SignalExtent extent_of(const CoherentReceiver& receiver, const Path& path, bool 
 /// All channels on the patch at hand.
 class ChannelsOnPatch {
  public:
-  ChannelsOnPatch(const SeenPatches& seen, const CoherentReceiver& receiver, const EchoLaw& law)
-      : seen_(seen), receiver_(receiver), law_(law), wavenumber_(wavenumber(receiver)) {}
+  ChannelsOnPatch(const SeenPatches& seen, const CoherentReceiver& receiver, const EchoModel& model)
+      : seen_(seen), receiver_(receiver), model_(model), wavenumber_(wavenumber(receiver)) {}
 
   /// False where nothing comes back from.
   bool look_at(const SeenPatch& patch) {
     on_.clear();
     bool any = false;
     for (const SignalChannel& channel : receiver_.channels) {
-      on_.emplace_back(channel, seen_, patch, law_);
+      on_.emplace_back(channel, seen_, patch, model_);
       any = any || on_.back().faces();
     }
     bed_ = on_.front().path().bed;
@@ -100,7 +100,7 @@ class ChannelsOnPatch {
  private:
   const SeenPatches& seen_;
   const CoherentReceiver& receiver_;
-  const EchoLaw& law_;
+  const EchoModel& model_;
   double wavenumber_;
   std::vector<ChannelOnPatch> on_;
   FacetBed bed_;
@@ -185,15 +185,15 @@ class ScatterersOnPatch {
   std::vector<glm::dvec3> corners_;
 };
 
-ChannelSignals moving_signals(const SeenPatches& patches, const MovingEnds& ends, const EchoLaw& law,
+ChannelSignals moving_signals(const SeenPatches& patches, const MovingEnds& ends, const EchoModel& model,
                               const GroundField& field, double tolerance) {
   const CoherentReceiver& receiver = ends.held();
-  const SignalExtent extent = extent_of(receiver, law.path, false, tolerance);
+  const SignalExtent extent = extent_of(receiver, model.path, false, tolerance);
   const ChebyshevNodes nodes(tolerance);
   ChannelSignals signals = no_return(receiver);
   in_tasks(patches.patches.size(), patches_per_task, signals.value,
            [&](std::size_t begin, std::size_t end, Values& part) {
-             MovingChannels channels(ends, patches, law, extent, tolerance);
+             MovingChannels channels(ends, patches, model, extent, tolerance);
              ScatterersOnPatch scatterers(patches, receiver, field, nodes);
              for (std::size_t number = begin; number < end; ++number) {
                stop_if_wanted();
@@ -217,9 +217,9 @@ bool has_paths(const CoherentReceiver& receiver) {
 
 }  // namespace
 
-void check(const CoherentReceiver& receiver, const EchoLaw& law) {
+void check(const CoherentReceiver& receiver, const EchoModel& model) {
   check(receiver.pulse, receiver.times);
-  check(law);
+  check(model);
   if (receiver.channels.empty()) throw std::invalid_argument("signals need a channel or more");
   if (!(receiver.carrier_hz > 0 && receiver.sound_speed_m_s > 0))
     throw std::invalid_argument(
@@ -228,22 +228,22 @@ void check(const CoherentReceiver& receiver, const EchoLaw& law) {
 }
 
 ChannelSignals element_signals(const SeenPatches& patches, const CoherentReceiver& receiver,
-                               const EchoLaw& law, const GroundField& field, double tolerance) {
-  check(receiver, law);
+                               const EchoModel& model, const GroundField& field, double tolerance) {
+  check(receiver, model);
   check(field);
   if (has_paths(receiver)) {
     const MovingEnds ends(receiver, patches.origin_m);
-    return ends.move() ? moving_signals(patches, ends, law, field, tolerance)
-                       : element_signals(patches, ends.held(), law, field, tolerance);
+    return ends.move() ? moving_signals(patches, ends, model, field, tolerance)
+                       : element_signals(patches, ends.held(), model, field, tolerance);
   }
   const PulseTable table(receiver.pulse, receiver.times, tolerance);
-  const SignalExtent extent = extent_of(receiver, law.path, false, tolerance);
+  const SignalExtent extent = extent_of(receiver, model.path, false, tolerance);
   const ChebyshevNodes nodes(tolerance);
   const SmoothPieces pieces(extent, nodes.most_change());
   ChannelSignals signals = no_return(receiver);
   in_tasks(patches.patches.size(), patches_per_task, signals.value,
            [&](std::size_t begin, std::size_t end, Values& part) {
-             ChannelsOnPatch channels(patches, receiver, law);
+             ChannelsOnPatch channels(patches, receiver, model);
              ScatterersOnPatch scatterers(patches, receiver, field, nodes);
              const auto take = [&](std::size_t c, std::complex<double> amplitude, double delay) {
                table.add(amplitude, delay, &part[c * receiver.times.count]);
@@ -261,15 +261,16 @@ ChannelSignals element_signals(const SeenPatches& patches, const CoherentReceive
   return signals;
 }
 
-ChannelSignals drawn_signals(const SeenPatches& patches, const CoherentReceiver& receiver, const EchoLaw& law,
-                             std::uint64_t seed, std::uint32_t ping, double tolerance) {
-  check(receiver, law);
+ChannelSignals drawn_signals(const SeenPatches& patches, const CoherentReceiver& receiver,
+                             const EchoModel& model, std::uint64_t seed, std::uint32_t ping,
+                             double tolerance) {
+  check(receiver, model);
   std::optional<MovingEnds> ends;
   if (has_paths(receiver)) {
     ends.emplace(receiver, patches.origin_m);
-    if (!ends->move()) return drawn_signals(patches, ends->held(), law, seed, ping, tolerance);
+    if (!ends->move()) return drawn_signals(patches, ends->held(), model, seed, ping, tolerance);
   }
-  SignalExtent extent = extent_of(ends ? ends->held() : receiver, law.path, true, tolerance);
+  SignalExtent extent = extent_of(ends ? ends->held() : receiver, model.path, true, tolerance);
   if (ends) ends->widen(extent);
   const PulseTable table(receiver.pulse, receiver.times, tolerance);
   const std::vector<BedScatterer> bed = bed_scatterers(patches, extent, tolerance);
@@ -284,7 +285,7 @@ ChannelSignals drawn_signals(const SeenPatches& patches, const CoherentReceiver&
              std::optional<std::uint32_t> patch;
              bool received = false;
              if (ends) {
-               MovingChannels channels(*ends, patches, law, extent, tolerance);
+               MovingChannels channels(*ends, patches, model, extent, tolerance);
                for (std::size_t n = begin; n < end; ++n) {
                  if (patch != bed[n].patch)
                    received = channels.look_at(patches.patches[*(patch = bed[n].patch)]);
@@ -292,7 +293,7 @@ ChannelSignals drawn_signals(const SeenPatches& patches, const CoherentReceiver&
                }
                return;
              }
-             ChannelsOnPatch channels(patches, receiver, law);
+             ChannelsOnPatch channels(patches, receiver, model);
              for (std::size_t n = begin; n < end; ++n) {
                if (patch != bed[n].patch)
                  received = channels.look_at(patches.patches[*(patch = bed[n].patch)]);
@@ -307,9 +308,9 @@ ChannelSignals drawn_signals(const SeenPatches& patches, const CoherentReceiver&
 }
 
 CovarianceMatrix signal_covariances(const SeenPatches& patches, const CoherentReceiver& receiver,
-                                    std::span<const SignalSample> samples, const EchoLaw& law,
+                                    std::span<const SignalSample> samples, const EchoModel& model,
                                     double tolerance) {
-  check(receiver, law);
+  check(receiver, model);
   if (has_paths(receiver))
     throw std::invalid_argument(
         "signal covariances are of ends at rest: leave the channels' ways out, or take element_signals() or "
@@ -323,11 +324,11 @@ CovarianceMatrix signal_covariances(const SeenPatches& patches, const CoherentRe
     of_channel[samples[n].channel].emplace_back(receiver.times.time_s(samples[n].sample), n);
   }
   const std::vector<BedScatterer> bed =
-      bed_scatterers(patches, extent_of(receiver, law.path, true, tolerance), tolerance);
+      bed_scatterers(patches, extent_of(receiver, model.path, true, tolerance), tolerance);
   CovarianceMatrix matrix{samples.size(), Values(samples.size() * samples.size())};
   in_tasks(bed.size(), scatterers_per_task, matrix.value,
            [&](std::size_t begin, std::size_t end, Values& part) {
-             ChannelsOnPatch channels(patches, receiver, law);
+             ChannelsOnPatch channels(patches, receiver, model);
              std::optional<std::uint32_t> patch;
              bool received = false;
              std::vector<std::pair<std::size_t, std::complex<double>>> h;

@@ -36,7 +36,7 @@ struct ChannelSignals {
 };
 
 /// Throws std::invalid_argument that says what is wrong and what to do.
-void check(const CoherentReceiver& receiver, const EchoLaw& law);
+void check(const CoherentReceiver& receiver, const EchoModel& model);
 
 // Each throws std::invalid_argument that says what is wrong and what to do: no channel, a pulse that the
 // samples do not hold, a carrier or a sound speed that is not above 0, a field that is none. `tolerance`: of
@@ -48,12 +48,13 @@ void check(const CoherentReceiver& receiver, const EchoLaw& law);
 /// costs the same for any number of channels and samples. A scatterer's own echo is right to about
 /// `tolerance` of its size. The same bits for any number of threads.
 ChannelSignals element_signals(const SeenPatches& patches, const CoherentReceiver& receiver,
-                               const EchoLaw& law, const GroundField& field, double tolerance = 1e-3);
+                               const EchoModel& model, const GroundField& field, double tolerance = 1e-3);
 
 /// Channels with the same covariances, of a bed that nobody sees twice: from nodes of Gauss rules, each with
 /// a random amplitude of its own. Far fewer are needed than a field has scatterers. `ping` tells draws apart.
-ChannelSignals drawn_signals(const SeenPatches& patches, const CoherentReceiver& receiver, const EchoLaw& law,
-                             std::uint64_t seed, std::uint32_t ping, double tolerance = 1e-3);
+ChannelSignals drawn_signals(const SeenPatches& patches, const CoherentReceiver& receiver,
+                             const EchoModel& model, std::uint64_t seed, std::uint32_t ping,
+                             double tolerance = 1e-3);
 
 /// One sample of one channel.
 struct SignalSample {
@@ -63,7 +64,7 @@ struct SignalSample {
 /// of bed_scatterers(). Work grows as the number of nodes times the square of how many of the samples receive
 /// a node.
 CovarianceMatrix signal_covariances(const SeenPatches& patches, const CoherentReceiver& receiver,
-                                    std::span<const SignalSample> samples, const EchoLaw& law,
+                                    std::span<const SignalSample> samples, const EchoModel& model,
                                     double tolerance = 1e-6);
 
 /// Circular Gaussian samples of a factor's covariances; `draw` tells draws apart.

@@ -32,7 +32,7 @@ class GatedIntegral {
  public:
   GatedIntegral(const SeenPatches& seen, const SignalChannel& a, const SignalChannel& b,
                 std::span<const double> borders, double step_m, int reach, double wavenumber,
-                const EchoLaw& law, double tolerance)
+                const EchoModel& model, double tolerance)
       : seen_(seen),
         a_(a),
         b_(b),
@@ -40,7 +40,7 @@ class GatedIntegral {
         reach_(reach),
         step_m_(step_m),
         wavenumber_(wavenumber),
-        law_(law),
+        model_(model),
         tolerance_(tolerance),
         one_(same(a, b)),
         cutter_(borders),
@@ -53,7 +53,7 @@ class GatedIntegral {
   }
 
   void add(const SeenPatch& patch) {
-    const ChannelOnPatch a(a_, seen_, patch, law_), b(b_, seen_, patch, law_);
+    const ChannelOnPatch a(a_, seen_, patch, model_), b(b_, seen_, patch, model_);
     if (!a.faces() || !b.faces() || is_silent(a.path().bed)) return;
     corners_.clear();
     for (const glm::dvec3& corner : seen_.corners(patch)) corners_.push_back(corner - a.transmit_m());
@@ -145,7 +145,7 @@ class GatedIntegral {
   const SignalChannel &a_, &b_;
   int samples_, reach_;
   double step_m_, wavenumber_;
-  const EchoLaw& law_;
+  const EchoModel& model_;
   double tolerance_;
   bool one_;
   PathCutter cutter_;
@@ -161,13 +161,13 @@ class GatedIntegral {
 
 SampleCovariances gated_covariances(const SeenPatches& patches, const SignalChannel& a,
                                     const SignalChannel& b, const RangeSamples& samples,
-                                    double wavenumber_rad_m, const EchoLaw& law, double tolerance) {
-  check(law);
+                                    double wavenumber_rad_m, const EchoModel& model, double tolerance) {
+  check(model);
   if (a.has_path() || b.has_path())
     throw std::invalid_argument(
         "gated covariances are of ends at rest: leave the channels' ways out, or take signals of "
         "element_signals(), which knows ways");
-  if (law.path.over_mirrors())
+  if (model.path.over_mirrors())
     throw std::invalid_argument(
         "gated covariances know straight ways only, none over mirrors: signal_covariances() has their "
         "losses");
@@ -192,7 +192,7 @@ SampleCovariances gated_covariances(const SeenPatches& patches, const SignalChan
   const std::size_t count = patches.patches.size(), tasks = (count + patches_per_task - 1) / patches_per_task;
   std::vector<std::vector<std::complex<double>>> parts(tasks);
   tbb::parallel_for(std::size_t{0}, tasks, [&](std::size_t task) {
-    GatedIntegral integral(patches, a, b, borders, samples.step_m, all.reach, wavenumber_rad_m, law,
+    GatedIntegral integral(patches, a, b, borders, samples.step_m, all.reach, wavenumber_rad_m, model,
                            tolerance);
     const std::size_t end = std::min((task + 1) * patches_per_task, count);
     for (std::size_t k = task * patches_per_task; k < end; ++k) integral.add(patches.patches[k]);

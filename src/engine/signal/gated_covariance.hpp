@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "engine/law/range_samples.hpp"
+#include "engine/scattering/range_samples.hpp"
 #include "engine/signal/signal_channel.hpp"
 
 namespace tubefoot {
@@ -35,6 +35,7 @@ struct SampleCovariances {
 /// Throws std::invalid_argument for samples that have no extent or a wavenumber that is negative.
 SampleCovariances gated_covariances(const SeenPatches& patches, const SignalChannel& a,
                                     const SignalChannel& b, const RangeSamples& samples,
-                                    double wavenumber_rad_m, const EchoLaw& law, double tolerance = 1e-10);
+                                    double wavenumber_rad_m, const EchoModel& model,
+                                    double tolerance = 1e-10);
 
 }  // namespace tubefoot

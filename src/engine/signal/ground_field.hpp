@@ -11,7 +11,7 @@
 #include <span>
 #include <utility>
 
-#include "engine/law/counter_random.hpp"
+#include "engine/scattering/counter_random.hpp"
 
 namespace tubefoot {
 

@@ -73,11 +73,11 @@ void MovingEnds::widen(SignalExtent& extent) const {
   extent.speed_share = transmit_bounds_.speed_m_s / (held_.sound_speed_m_s - transmit_bounds_.speed_m_s);
 }
 
-MovingChannels::MovingChannels(const MovingEnds& ends, const SeenPatches& seen, const EchoLaw& law,
+MovingChannels::MovingChannels(const MovingEnds& ends, const SeenPatches& seen, const EchoModel& model,
                                const SignalExtent& extent, double tolerance)
     : ends_(ends),
       seen_(seen),
-      law_(law),
+      model_(model),
       extent_(extent),
       tolerance_(tolerance),
       placed_(ends.held_.channels),
@@ -128,7 +128,7 @@ bool MovingChannels::look_at(const SeenPatch& patch) {
     const glm::dvec3 &from = senders[ends_.transmit_of_[k]], &to = receivers[ends_.receive_of_[k]];
     placed_[k].transmit_m = seen_.origin_m + from;
     placed_[k].receive_m = seen_.origin_m + to;
-    on_.emplace_back(placed_[k], seen_, patch, law_);
+    on_.emplace_back(placed_[k], seen_, patch, model_);
     faces_[k] = patch.distance_m + glm::dot(patch.normal, from) + extent_.moved_m > 0 &&
                 patch.distance_m + glm::dot(patch.normal, to) + extent_.moved_m > 0;
     any = any || faces_[k];

@@ -40,7 +40,7 @@ class MovingEnds {
 class MovingChannels {
  public:
   /// `extent`: of `ends.held()`; `tolerance`: of amplitudes.
-  MovingChannels(const MovingEnds& ends, const SeenPatches& seen, const EchoLaw& law,
+  MovingChannels(const MovingEnds& ends, const SeenPatches& seen, const EchoModel& model,
                  const SignalExtent& extent, double tolerance);
 
   /// False where nothing comes back from while there are samples.
@@ -54,7 +54,7 @@ class MovingChannels {
  private:
   const MovingEnds& ends_;
   const SeenPatches& seen_;
-  const EchoLaw& law_;
+  const EchoModel& model_;
   SignalExtent extent_;
   double tolerance_;
   std::vector<SignalChannel> placed_;

@@ -65,8 +65,8 @@ double SeenPatches::area_m2() const {
   return sum;
 }
 
-SeenPatches seen_patches(const CommonVisibility& visibility, const EchoLaw& law) {
-  const Path& path = law.path;
+SeenPatches seen_patches(const CommonVisibility& visibility, const EchoModel& model) {
+  const Path& path = model.path;
   if (!path.tx.facet_map.empty() || !path.facet_factor.empty())
     throw std::invalid_argument(
         "signals need a bed that is seen where it lies: in refracting water ways to other places are others");

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/law/echo_law.hpp"
+#include "engine/scattering/echo_model.hpp"
 #include "engine/visibility/common_visibility.hpp"
 
 namespace tubefoot {
@@ -37,7 +37,7 @@ struct SeenPatches {
 /// for_coherent_paths() (engine/paths/coherent_paths.hpp), whose channels are images, too. Throws
 /// std::invalid_argument for a bed that is seen elsewhere than it lies (refracting water), for ways over
 /// mirrors, and for what rays met: none of them has polygons whose points have straight ways to any channel.
-SeenPatches seen_patches(const CommonVisibility& visibility, const EchoLaw& law);
+SeenPatches seen_patches(const CommonVisibility& visibility, const EchoModel& model);
 
 /// Patches of smooth facets and those of rough ones, which return signals of their own.
 struct SplitPatches {

@@ -29,14 +29,14 @@ double amplitude_pattern(const Directivity& pattern, glm::dvec3 direction) {
 }
 
 ChannelOnPatch::ChannelOnPatch(const SignalChannel& channel, const SeenPatches& seen, const SeenPatch& patch,
-                               const EchoLaw& law)
+                               const EchoModel& model)
     : channel_(&channel),
       transmit_m_(channel.transmit_m - seen.origin_m),
       receive_m_(channel.receive_m - seen.origin_m),
       transmit_{patch.normal, patch.distance_m + glm::dot(patch.normal, transmit_m_)},
       receive_distance_m_(patch.distance_m + glm::dot(patch.normal, receive_m_)),
       frame_(transmit_),
-      path_(transmit_, frame_, receive_m_ - transmit_m_, receive_distance_m_, patch.facet, law),
+      path_(transmit_, frame_, receive_m_ - transmit_m_, receive_distance_m_, patch.facet, model),
       weighed_(channel.transmit.kind != Directivity::Kind::uniform ||
                channel.receive.kind != Directivity::Kind::uniform) {}
 

@@ -7,7 +7,7 @@
 #include <glm/vec3.hpp>
 
 #include "engine/echo/path_on_facet.hpp"
-#include "engine/law/beam_pattern.hpp"
+#include "engine/scattering/beam_pattern.hpp"
 #include "engine/signal/platform_motion.hpp"
 #include "engine/signal/seen_patches.hpp"
 
@@ -35,7 +35,7 @@ double amplitude_pattern(const Directivity& pattern, glm::dvec3 direction);
 class ChannelOnPatch {
  public:
   ChannelOnPatch(const SignalChannel& channel, const SeenPatches& seen, const SeenPatch& patch,
-                 const EchoLaw& law);
+                 const EchoModel& model);
 
   /// Both ends are on the side that is seen; else the channel receives nothing of the patch.
   bool faces() const { return transmit_.distance_m > 0 && receive_distance_m_ > 0; }

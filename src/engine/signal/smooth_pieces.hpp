@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "engine/law/beam_pattern.hpp"
-#include "engine/law/path.hpp"
+#include "engine/scattering/beam_pattern.hpp"
+#include "engine/scattering/path.hpp"
 #include "engine/signal/seen_patches.hpp"
 
 // Patches cut so small that signals, but for a phase that all of them have, are smooth over each piece.

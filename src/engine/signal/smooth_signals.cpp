@@ -103,15 +103,15 @@ void halve(const PlanarPolygon& polygon, glm::dvec2 along, std::vector<PlanarPol
 class ChannelOfSmooth {
  public:
   ChannelOfSmooth(const SignalChannel& channel, const CoherentReceiver& receiver,
-                  const ReceivedPulse& received, const EchoLaw& law, double tolerance)
+                  const ReceivedPulse& received, const EchoModel& model, double tolerance)
       : channel_(channel),
         receiver_(receiver),
         received_pulse_(received),
-        path_(law.path),
-        absorption_per_m_(absorption_per_m(law.absorption_db_per_m)),
+        path_(model.path),
+        absorption_per_m_(absorption_per_m(model.absorption_db_per_m)),
         tolerance_(tolerance),
-        sent_(amplitude_wavenumber(channel.transmit) + amplitude_wavenumber(law.path.tx.loss)),
-        received_(amplitude_wavenumber(channel.receive) + amplitude_wavenumber(law.path.back().loss)) {
+        sent_(amplitude_wavenumber(channel.transmit) + amplitude_wavenumber(model.path.tx.loss)),
+        received_(amplitude_wavenumber(channel.receive) + amplitude_wavenumber(model.path.back().loss)) {
     const double reach = receiver.pulse.end_s - receiver.pulse.begin_s;
     first_m_ = (receiver.times.first_s - receiver.pulse.end_s - reach) * receiver.sound_speed_m_s;
     last_m_ = (receiver.times.time_s(receiver.times.count) - receiver.pulse.begin_s + reach) *
@@ -396,10 +396,10 @@ class ChannelOfSmooth {
 }  // namespace
 
 ChannelSignals smooth_signals(const SeenPatches& patches, const CoherentReceiver& receiver,
-                              const EchoLaw& law,
+                              const EchoModel& model,
                               const std::function<const SmoothSurface*(FacetId)>& surface_of,
                               double tolerance) {
-  check(receiver, law);
+  check(receiver, model);
   if (!(tolerance >= 1e-9 && tolerance <= 0.1))
     throw std::invalid_argument(fmt::format("a tolerance must be from 1e-9 to 0.1, not {}", tolerance));
   if (!(receiver.pulse.bandwidth_hz < 2 * receiver.carrier_hz))
@@ -419,7 +419,7 @@ ChannelSignals smooth_signals(const SeenPatches& patches, const CoherentReceiver
       0, signals.channels * tasks, 16 * signals.samples,
       [&](std::size_t task) {
         std::vector<std::complex<double>> part(signals.samples);
-        ChannelOfSmooth channel(receiver.channels[task / tasks], receiver, received, law, tolerance);
+        ChannelOfSmooth channel(receiver.channels[task / tasks], receiver, received, model, tolerance);
         const std::size_t begin = task % tasks * patches_per_task,
                           end = std::min(begin + patches_per_task, smooth.size());
         for (std::size_t n = begin; n < end; ++n)

@@ -21,7 +21,7 @@ namespace tubefoot {
 /// Law Q8 (pulses): the signal is add_pulse_echo()'s. Throws as the functions of coherent_signals.hpp do. The
 /// same bits for any number of threads.
 ChannelSignals smooth_signals(const SeenPatches& patches, const CoherentReceiver& receiver,
-                              const EchoLaw& law,
+                              const EchoModel& model,
                               const std::function<const SmoothSurface*(FacetId)>& surface_of,
                               double tolerance = 1e-3);
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/law/reflection.hpp"
+#include "engine/scattering/reflection.hpp"
 
 namespace tubefoot {
 

@@ -4,7 +4,7 @@
 #include <complex>
 #include <optional>
 
-#include "engine/law/sediment.hpp"
+#include "engine/scattering/sediment.hpp"
 
 namespace tubefoot {
 

@@ -9,9 +9,9 @@
 #include <limits>
 #include <optional>
 
-#include "engine/law/layered_reflectivity.hpp"
-#include "engine/law/map_reflectivity.hpp"
-#include "engine/law/perlin_reflectivity.hpp"
+#include "engine/scattering/layered_reflectivity.hpp"
+#include "engine/scattering/map_reflectivity.hpp"
+#include "engine/scattering/perlin_reflectivity.hpp"
 #include "files/gdal_input.hpp"
 #include "files/limits.hpp"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/law/reflectivity_field.hpp"
+#include "engine/scattering/reflectivity_field.hpp"
 #include "scene/description/material_description.hpp"
 #include "scene/rasters/georeference.hpp"
 

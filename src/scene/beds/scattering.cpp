@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "engine/law/sediment.hpp"
+#include "engine/scattering/sediment.hpp"
 #include "files/csv_file.hpp"
 #include "files/input_registry.hpp"
 #include "scene/description/scene_description.hpp"
@@ -76,40 +76,40 @@ Table read_table(const std::filesystem::path& file) {
   return table;
 }
 
-ScatteringLaw make_law(const MaterialDescription& m) {
-  if (m.law == "gsab") {
+ScatteringModel make_model(const MaterialDescription& m) {
+  if (m.model == "gsab") {
     const auto level = [](const std::optional<double>& db) { return db ? from_db(*db) : 0.0; };
-    return ScatteringLaw::gsab({.specular = level(m.specular_db),
-                                .specular_width_rad = m.specular_width_deg.value_or(1) * degree,
-                                .oblique = level(m.oblique_db),
-                                .oblique_exponent = m.oblique_exponent.value_or(2),
-                                .transition = level(m.transition_db),
-                                .transition_width_rad = m.transition_width_deg.value_or(1) * degree});
+    return ScatteringModel::gsab({.specular = level(m.specular_db),
+                                  .specular_width_rad = m.specular_width_deg.value_or(1) * degree,
+                                  .oblique = level(m.oblique_db),
+                                  .oblique_exponent = m.oblique_exponent.value_or(2),
+                                  .transition = level(m.transition_db),
+                                  .transition_width_rad = m.transition_width_deg.value_or(1) * degree});
   }
-  if (m.law == "sediment")
-    return ScatteringLaw::table(sediment_grazing_deg,
-                                sediment_backscatter(*m.sediment, m.sediment_khz).strength_db);
-  if (!m.table_file) return ScatteringLaw::table(m.table_grazing_deg, m.table_db);
+  if (m.model == "sediment")
+    return ScatteringModel::table(sediment_grazing_deg,
+                                  sediment_backscatter(*m.sediment, m.sediment_khz).strength_db);
+  if (!m.table_file) return ScatteringModel::table(m.table_grazing_deg, m.table_db);
   const Table table = read_table(*m.table_file);
-  return ScatteringLaw::table(table.grazing_deg, table.strength_db);
+  return ScatteringModel::table(table.grazing_deg, table.strength_db);
 }
 
 }  // namespace
 
-std::vector<std::shared_ptr<const ScatteringLaw>> load_scattering(const SceneDescription& scene,
-                                                                  std::vector<std::string>& warnings) {
-  std::vector<std::shared_ptr<const ScatteringLaw>> laws;
+std::vector<std::shared_ptr<const ScatteringModel>> load_scattering(const SceneDescription& scene,
+                                                                    std::vector<std::string>& warnings) {
+  std::vector<std::shared_ptr<const ScatteringModel>> models;
   for (const MaterialDescription& m : scene.materials) {
-    if (m.law == "lambert") {
-      laws.emplace_back();
+    if (m.model == "lambert") {
+      models.emplace_back();
       continue;
     }
     try {
-      laws.push_back(std::make_shared<const ScatteringLaw>(make_law(m)));
+      models.push_back(std::make_shared<const ScatteringModel>(make_model(m)));
     } catch (const std::invalid_argument& e) {
       throw InputError(m.place, fmt::format("material '{}': {}", m.name, e.what()));
     }
-    const ScatteringLaw::Albedo most = laws.back()->largest_albedo();
+    const ScatteringModel::Albedo most = models.back()->largest_albedo();
     const double mirrored = m.specular_loss_db ? from_db(-*m.specular_loss_db) : 0;
     if (most.value + mirrored > 1 + 1e-9) {
       const std::string what =
@@ -120,7 +120,7 @@ std::vector<std::shared_ptr<const ScatteringLaw>> load_scattering(const SceneDes
         throw InputError(m.place, what + ": lower its levels, or say unbounded = true if that is meant");
       warnings.push_back(what + ", as 'unbounded' allows");
     }
-    if (m.law != "sediment") continue;
+    if (m.model != "sediment") continue;
     for (const SensorDescription& sensor : scene.sensors)
       if (const double frequency_khz = figures_of(sensor).frequency_khz,
           ratio = frequency_khz / m.sediment_khz;
@@ -131,7 +131,7 @@ std::vector<std::shared_ptr<const ScatteringLaw>> load_scattering(const SceneDes
             m.name, *m.sediment, m.sediment_khz, sensor.name, frequency_khz,
             m.sediment_khz / sediment_frequency_ratio, m.sediment_khz * sediment_frequency_ratio));
   }
-  return laws;
+  return models;
 }
 
 }  // namespace tubefoot

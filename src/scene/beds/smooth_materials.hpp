@@ -12,8 +12,8 @@ namespace tubefoot {
 struct SceneDescription;
 
 /// What smooth materials reflect, by material; none where it is rough. Warns of smooth materials in scenes
-/// without a sensor that receives phases: energies go by the scattering law; and of scatterers, which nothing
-/// reads there.
+/// without a sensor that receives phases: energies go by the scattering model; and of scatterers, which
+/// nothing reads there.
 std::vector<std::optional<SmoothSurface>> load_smooth_surfaces(const SceneDescription& scene,
                                                                std::vector<std::string>& warnings);
 

@@ -17,8 +17,8 @@ namespace tubefoot {
 struct MaterialDescription {
   SourcePlace place;
   std::string name;
-  double lambert_db = -27;      ///< 10 log10 mu; energy conservation wants <= -4.9715
-  std::string law = "lambert";  ///< lambert | gsab | table | sediment; docs/scattering.md
+  double lambert_db = -27;        ///< 10 log10 mu; energy conservation wants <= -4.9715
+  std::string model = "lambert";  ///< lambert | gsab | table | sediment; docs/scattering.md
   std::optional<double> specular_db, specular_width_deg;      ///< gsab: A and B
   std::optional<double> oblique_db, oblique_exponent;         ///< gsab: C and D
   std::optional<double> transition_db, transition_width_deg;  ///< gsab: E and F

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/law/perlin_reflectivity.hpp"
+#include "engine/scattering/perlin_reflectivity.hpp"
 #include "scene/file/scene_file_ranges.hpp"
 #include "scene/file/scene_file_sections.hpp"
 

@@ -3,22 +3,22 @@
 
 #include <algorithm>
 
-#include "engine/law/sediment.hpp"
+#include "engine/scattering/sediment.hpp"
 
 namespace tubefoot {
 namespace {
 
-struct LawKeys {
-  std::string_view law;
+struct ModelKeys {
+  std::string_view model;
   std::vector<std::string_view> keys;
 };
-const std::vector<LawKeys>& keys_of_laws() {
-  static const std::vector<LawKeys> keys{{"lambert", {"lambert_db"}},
-                                         {"gsab",
-                                          {"specular_db", "specular_width_deg", "oblique_db",
-                                           "oblique_exponent", "transition_db", "transition_width_deg"}},
-                                         {"table", {"table_grazing_deg", "table_db", "table_file"}},
-                                         {"sediment", {"sediment", "sediment_khz"}}};
+const std::vector<ModelKeys>& keys_of_models() {
+  static const std::vector<ModelKeys> keys{{"lambert", {"lambert_db"}},
+                                           {"gsab",
+                                            {"specular_db", "specular_width_deg", "oblique_db",
+                                             "oblique_exponent", "transition_db", "transition_width_deg"}},
+                                           {"table", {"table_grazing_deg", "table_db", "table_file"}},
+                                           {"sediment", {"sediment", "sediment_khz"}}};
   return keys;
 }
 
@@ -39,7 +39,7 @@ std::vector<TomlField<MaterialDescription>> scattering_fields() {
   constexpr ValueRange level{.lo = -120, .hi = 40}, width{.lo = 0.1, .hi = 90}, exponent{.lo = 0, .hi = 10},
       table_level{.lo = -300, .hi = 100}, grazing{.lo = 0, .hi = 90, .lo_excluded = true};
   const auto& names = sediment_names();
-  return {field("law", &M::law, {.choices = {"lambert", "gsab", "table", "sediment"}}),
+  return {field("law", &M::model, {.choices = {"lambert", "gsab", "table", "sediment"}}),
           field("lambert_db", &M::lambert_db, {.ranges = {lambert}}),
           field("specular_db", &M::specular_db, {.ranges = {level}}),
           field("specular_width_deg", &M::specular_width_deg, {.ranges = {width}}),
@@ -56,13 +56,13 @@ std::vector<TomlField<MaterialDescription>> scattering_fields() {
 }
 
 void check_scattering(const MaterialDescription& material, const TomlTable& table) {
-  for (const LawKeys& law : keys_of_laws())
-    for (const std::string_view key : law.keys)
-      if (law.law != material.law && table.has(key))
+  for (const ModelKeys& model : keys_of_models())
+    for (const std::string_view key : model.keys)
+      if (model.model != material.model && table.has(key))
         throw InputError(table.place_of(key),
                          fmt::format("'{}' belongs to law = \"{}\", but this material has law = \"{}\"", key,
-                                     law.law, material.law));
-  if (material.law == "gsab") {
+                                     model.model, material.model));
+  if (material.model == "gsab") {
     check_pair(table, "specular_db", "specular_width_deg");
     check_pair(table, "transition_db", "transition_width_deg");
     if (table.has("oblique_exponent") && !table.has("oblique_db"))
@@ -72,7 +72,7 @@ void check_scattering(const MaterialDescription& material, const TomlTable& tabl
       throw InputError(table.place_of("law"),
                        "law = \"gsab\" needs 'specular_db', 'oblique_db' or 'transition_db'");
   }
-  if (material.law == "table") {
+  if (material.model == "table") {
     check_pair(table, "table_grazing_deg", "table_db");
     if (table.has("table_file") == table.has("table_db"))
       throw InputError(
@@ -88,7 +88,7 @@ void check_scattering(const MaterialDescription& material, const TomlTable& tabl
                          fmt::format("'table_grazing_deg' must increase: {} follows {}",
                                      material.table_grazing_deg[k], material.table_grazing_deg[k - 1]));
   }
-  if (material.law == "sediment") {
+  if (material.model == "sediment") {
     if (!material.sediment)
       throw InputError(table.place_of("law"), "law = \"sediment\" needs the key 'sediment'");
     if (material.sediment_khz != 20 && material.sediment_khz != 300)

@@ -32,7 +32,7 @@ void check_georeference(const GeoreferenceDescription& g, const TomlTable& table
 void check_material(const MaterialDescription& material, const TomlTable& table) {
   check_scattering(material, table);
   check_smooth(material, table);
-  if (!material.specular_loss_db || material.law != "lambert") return;  // other laws: load_scattering()
+  if (!material.specular_loss_db || material.model != "lambert") return;  // other laws: load_scattering()
   const double scattered = std::numbers::pi * std::pow(10, material.lambert_db / 10);
   if (scattered + std::pow(10, -*material.specular_loss_db / 10) > 1)
     throw InputError(

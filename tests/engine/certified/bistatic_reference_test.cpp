@@ -40,11 +40,11 @@ struct Bistatic {
         map_apparent_together(site.base, all, site.grid, std::array{&tx, &rx}, absorption, settings, {},
                               std::array{&from_tx, &from_rx});
     const ApparentPair pair{alike.bed.mesh, alike.seen[0], alike.seen[1], alike.origin[0], alike.origin[1]};
-    EchoLaw law = site.law(pair.mesh, absorption);
-    law.patterns = patterns;
+    EchoModel model = site.model(pair.mesh, absorption);
+    model.patterns = patterns;
     const std::vector<std::uint32_t> beams(received.tubes.size(), 0);
     const Echo ordinary = integrate_echo(
-        trace_bistatic(pair, site.grid, {}, sent, received, tx, rx, absorption), {1, beams}, samples, law);
+        trace_bistatic(pair, site.grid, {}, sent, received, tx, rx, absorption), {1, beams}, samples, model);
     const RayEnclosure tx_rays(tx, options), rx_rays(rx, options);
     const SceneTree tx_tree(alike.seen[0].refined.mesh, SceneTree::Sheets::ignored),
         rx_tree(alike.seen[1].refined.mesh, SceneTree::Sheets::ignored);
@@ -54,16 +54,16 @@ struct Bistatic {
                           site.grid,
                           {alike.seen[0], tx_tree, alike.origin[0], tx, tx_rays},
                           {alike.seen[1], rx_tree, alike.origin[1], rx, rx_rays}};
-    return certify_refracted_echo(bed, {sent, received}, {}, {1, beams}, samples, law, ordinary, tolerance);
+    return certify_refracted_echo(bed, {sent, received}, {}, {1, beams}, samples, model, ordinary, tolerance);
   }
   CertifiedEcho straight(const RangeSamples& samples, double tolerance) const {
-    EchoLaw law = site.law(site.base, absorption);
-    law.patterns = patterns;
+    EchoModel model = site.model(site.base, absorption);
+    model.patterns = patterns;
     const std::vector<std::uint32_t> beams(received.tubes.size(), 0);
     const SceneTree tree(site.base);
     const BistaticHistory history = trace_bistatic(site.base, tree, site.grid.unit_m(), {}, sent, received);
-    const Echo ordinary = integrate_echo(history, {1, beams}, samples, law);
-    return certify_echo(site.base, history, {1, beams}, samples, law, ordinary, tolerance);
+    const Echo ordinary = integrate_echo(history, {1, beams}, samples, model);
+    return certify_echo(site.base, history, {1, beams}, samples, model, ordinary, tolerance);
   }
 };
 
@@ -124,7 +124,7 @@ TEST(BistaticReference, EvenWaterIsTheStraightReference) {
   for (int kind = 0; kind < 4; ++kind) {
     SCOPED_TRACE(kind);
     GradientBed bed(board(), 24, 8);
-    if (kind == 1) bed.laws = {lobed(), nullptr};
+    if (kind == 1) bed.models = {lobed(), nullptr};
     if (kind == 2) bed.textures = {perlin(6, 1, 0.5), nullptr};
     Bistatic pair{bed, even, at(bed_fan(40), bed.grid, transmitter), at(bed_fan(40), bed.grid, receiver)};
     const BeamPatterns patterns = patterns_for(pair.received);
@@ -144,7 +144,7 @@ TEST(BistaticReference, InOnePlaceItIsTheReferenceOfOneApex) {
   for (int kind = 0; kind < 3; ++kind) {
     SCOPED_TRACE(kind);
     GradientBed bed(board(), 32, 8);
-    if (kind == 1) bed.laws = {lobed(), nullptr};
+    if (kind == 1) bed.models = {lobed(), nullptr};
     if (kind == 2) bed.textures = {perlin(6, 1, 0.5), nullptr};
     const WaterColumn water = bed_gradient(-0.4, 0.05);
     const TubeSet tubes = bed_fan(40);
@@ -160,7 +160,7 @@ TEST(BistaticReference, ExchangeAndCoarserGroundsAgree) {
   const RangeSamples samples{24, 1.5, 8};
   const double g = -0.4;
   GradientBed bed(board(), 32, 8);
-  bed.laws = {lobed(), nullptr};
+  bed.models = {lobed(), nullptr};
   const WaterColumn water = bed_gradient(g);
   const TubeSet a = at(bed_fan(40), bed.grid, transmitter), b = at(bed_fan(40), bed.grid, receiver);
   const CertifiedEcho there = Bistatic{bed, water, a, b}.certified({.gap_m = 2e-3}, samples, 1e-2).certified,
@@ -178,7 +178,7 @@ TEST(BistaticReference, EnclosuresHoldWhatRaysToPlacesSay) {
   std::uniform_real_distribution<double> unit(0, 1);
   double closest_factor = 0, closest_shift = 0, closest_turn = 0;
   std::size_t proven = 0;
-  const auto law = lobed();
+  const auto model = lobed();
   for (int trial = 0; trial < 60; ++trial) {
     SCOPED_TRACE(fmt::format("seed {} trial {}", seed, trial));
     const glm::dvec3 place(4 + 30 * unit(random), 10 * unit(random) - 5, -6 - 12 * unit(random)),
@@ -188,7 +188,7 @@ TEST(BistaticReference, EnclosuresHoldWhatRaysToPlacesSay) {
     for (glm::dvec3& p : t)
       p = place + size * glm::dvec3(unit(random) - 0.5, unit(random) - 0.5, unit(random) - 0.5);
     GradientBed site({t});
-    if (trial % 2) site.laws = {nullptr, law};
+    if (trial % 2) site.models = {nullptr, model};
     const WaterColumn one = bed_gradient(trial % 4 < 2 ? 0.7 : -0.7, absorption);
     const WaterColumn layers{SoundSpeedProfile({{0, 1530}, {11, 1515}, {13, 1495}, {30, 1490}}),
                              {0.1, 0.12, 0.09, 0.08, 0.1}};
@@ -218,14 +218,14 @@ TEST(BistaticReference, EnclosuresHoldWhatRaysToPlacesSay) {
         bistatic_facets(shared, mesh, {alike.seen[0], tx}, {alike.seen[1], rx}, site.grid, absorption);
     const RayEnclosure tx_rays(tx, options), rx_rays(rx, options);
     const SceneTree tx_tree(alike.seen[0].refined.mesh), rx_tree(alike.seen[1].refined.mesh);
-    const EchoLaw echo_law = site.law(mesh, absorption);
+    const EchoModel echo_model = site.model(mesh, absorption);
     const BistaticEnclosures all = enclose({mesh,
                                             alike.bed.parent,
                                             site.base,
                                             site.grid,
                                             {alike.seen[0], tx_tree, alike.origin[0], tx, tx_rays},
                                             {alike.seen[1], rx_tree, alike.origin[1], rx, rx_rays}},
-                                           shared.facets, bistatic, echo_law);
+                                           shared.facets, bistatic, echo_model);
     const BistaticEnclosure& facet = all.facets[0];
     if (!facet.proven) continue;
     ++proven;
@@ -249,7 +249,7 @@ TEST(BistaticReference, EnclosuresHoldWhatRaysToPlacesSay) {
           std::hypot(glm::length(flat - flattened.receive_foot_m), flattened.receive_distance_m)};
       const double height[2]{flattened.transmit_distance_m, flattened.receive_distance_m};
       const double beta = std::numbers::ln10 / 10;
-      double half = 0, truth = glm::length(across), model = flattened_area;
+      double half = 0, truth = glm::length(across), modelled = flattened_area;
       for (const int e : {0, 1}) {
         const ApparentMap& water_from = e == 0 ? tx : rx;
         const auto image = water_from.apparent(there);
@@ -257,15 +257,15 @@ TEST(BistaticReference, EnclosuresHoldWhatRaysToPlacesSay) {
         const double ray_m = 1500 * image->ray.time_s;
         half += (ray_m - range[e]) / 2;
         const double sine = std::abs(glm::dot(up, water_from.arrival_direction(there, image->ray)));
-        const auto sigma = [](const ScatteringLaw& of, double s) {
+        const auto sigma = [](const ScatteringModel& of, double s) {
           return std::sqrt(of.cross_section(s, std::sqrt((1 - s) * (1 + s))));
         };
         truth *=
-            (trial % 2 ? sigma(*law, sine) : sine) * std::exp(-beta * image->ray.absorption_db) /
+            (trial % 2 ? sigma(*model, sine) : sine) * std::exp(-beta * image->ray.absorption_db) /
             (e == 0 ? image->ray.tube_area_m2_per_sr : water_from.return_area_m2_per_sr(there, image->ray));
         const double seen_sine = height[e] / range[e];
-        model *= (trial % 2 ? sigma(*facet.law[std::size_t(e)], seen_sine) : seen_sine) *
-                 std::exp(-beta * absorption * range[e]) / (range[e] * range[e]);
+        modelled *= (trial % 2 ? sigma(*facet.model[std::size_t(e)], seen_sine) : seen_sine) *
+                    std::exp(-beta * absorption * range[e]) / (range[e] * range[e]);
         const LyingPlane& seen = e == 0 ? flattened.transmit_seen : flattened.receive_seen;
         const double turn = glm::distance(glm::normalize(image->at_m - apexes[e]), seen.towards(flat));
         EXPECT_LE(turn, facet.turn_rad[std::size_t(e)] * (1 + 1e-9) + 1e-12);
@@ -274,10 +274,10 @@ TEST(BistaticReference, EnclosuresHoldWhatRaysToPlacesSay) {
       }
       EXPECT_LE(std::abs(half), facet.shift_m);
       closest_shift = std::max(closest_shift, std::abs(half) / facet.shift_m);
-      EXPECT_GE(truth / model, facet.factor.lo * (1 - 1e-9));
-      EXPECT_LE(truth / model, facet.factor.hi * (1 + 1e-9));
-      closest_factor = std::max(closest_factor,
-                                std::abs(truth / model - facet.factor.middle()) / (facet.factor.width() / 2));
+      EXPECT_GE(truth / modelled, facet.factor.lo * (1 - 1e-9));
+      EXPECT_LE(truth / modelled, facet.factor.hi * (1 + 1e-9));
+      closest_factor = std::max(
+          closest_factor, std::abs(truth / modelled - facet.factor.middle()) / (facet.factor.width() / 2));
       EXPECT_LE(truth, all.ends[0].facets[0].most / (trial % 2 ? 1 : site.material_mu()[1]) * 2 *
                            (1 + 1e-9));  // twice the area
     }

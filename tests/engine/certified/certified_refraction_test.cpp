@@ -162,9 +162,9 @@ struct EnclosuresAgainstRays {
         map_apparent(site.base, facets, site.grid, apparent_map, absorption, {.gap_m = 1e9});
     const RayEnclosure rays(apparent_map, options);
     const SceneTree tree(ground.refined.mesh);
-    const EchoLaw law = site.law(ground.refined.mesh, absorption);
+    const EchoModel model = site.model(ground.refined.mesh, absorption);
     const ApparentEnclosures all =
-        enclose({ground, tree, site.base, ground.refined.parent, site.grid}, rays, law);
+        enclose({ground, tree, site.base, ground.refined.parent, site.grid}, rays, model);
     unproven += all.unproven.size();
     for (std::size_t f = 0; f < all.facets.size(); ++f) {
       const FacetEnclosure& facet = all.facets[f];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Certified energies of scattering laws against single integrals in long doubles and against the ordinary
+// Certified energies of scattering models against single integrals in long doubles and against the ordinary
 // run.
 #include <gtest/gtest.h>
 
@@ -9,24 +9,24 @@
 #include <numbers>
 
 #include "engine/certified/reference.hpp"
-#include "engine/law/sediment.hpp"
+#include "engine/scattering/sediment.hpp"
 #include "engine/visibility/tube_engine.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
 
 namespace tubefoot {
 namespace {
 
-using Law = std::shared_ptr<const ScatteringLaw>;
+using Law = std::shared_ptr<const ScatteringModel>;
 using Real = long double;
 
 constexpr double pi = std::numbers::pi, degree = pi / 180;
 constexpr double height = 8;
 
-Law shared(ScatteringLaw law) { return std::make_shared<const ScatteringLaw>(std::move(law)); }
-Law three_terms() { return shared(ScatteringLaw::gsab({0.4, 4 * degree, 0.01, 1.7, 0.03, 22 * degree})); }
+Law shared(ScatteringModel model) { return std::make_shared<const ScatteringModel>(std::move(model)); }
+Law three_terms() { return shared(ScatteringModel::gsab({0.4, 4 * degree, 0.01, 1.7, 0.03, 22 * degree})); }
 Law coarse_sand() {
   return shared(
-      ScatteringLaw::table(sediment_grazing_deg, sediment_backscatter("coarse sand", 20).strength_db));
+      ScatteringModel::table(sediment_grazing_deg, sediment_backscatter("coarse sand", 20).strength_db));
 }
 
 /// Two facets of a plane below the apex, on a grid of 2^-20 m about it.
@@ -59,17 +59,17 @@ struct Bed {
     Echo ordinary;
     CertifiedEcho certified;
   };
-  Result run(const TubeSet& set, const RangeSamples& samples, const Law& law, double tolerance,
+  Result run(const TubeSet& set, const RangeSamples& samples, const Law& model, double tolerance,
              double absorption = 0, const BeamPatterns* patterns = nullptr) const {
     const std::vector<double> material_mu{0.001};
-    const std::vector<Law> laws{law};
-    EchoLaw echo_law{material_mu, mesh.material, absorption, patterns, 1e-11};
-    echo_law.scattering = laws;
+    const std::vector<Law> models{model};
+    EchoModel echo_model{material_mu, mesh.material, absorption, patterns, 1e-11};
+    echo_model.scattering = models;
     const std::vector<std::uint32_t> beam_of_tube{0};
     const VisibilityOptions options;
     const History history = TubeEngine(mesh, *tree, grid.unit_m(), options).trace(set);
-    Result result{integrate_echo(history, {1, beam_of_tube}, samples, echo_law), {}};
-    result.certified = certify_echo(mesh, *tree, history, options, beam_of_tube, samples, echo_law,
+    Result result{integrate_echo(history, {1, beam_of_tube}, samples, echo_model), {}};
+    result.certified = certify_echo(mesh, *tree, history, options, beam_of_tube, samples, echo_model,
                                     result.ordinary, tolerance);
     return result;
   }
@@ -128,14 +128,14 @@ TEST(CertifiedScattering, FanIsASingleIntegralWithinTheBound) {
   const double dphi = std::atan2(double(set.rays[2].y), double(set.rays[2].x));
   const RangeSamples samples{9, 0.5, 40};
   const struct {
-    Law law;
+    Law model;
     Real (*value)(Real);
     bool table;
   } cases[] = {{three_terms(), gsab_value, false}, {coarse_sand(), table_value, true}};
   for (const auto& c : cases)
     for (const double absorption : {0.0, 0.3})
       for (const double tolerance : {1e-5, 1e-10}) {
-        const auto result = bed.run(set, samples, c.law, tolerance, absorption);
+        const auto result = bed.run(set, samples, c.model, tolerance, absorption);
         EXPECT_EQ(result.certified.bins_over, 0u) << tolerance;
         for (int k = 0; k < samples.count; ++k) {
           const double from = 9 + 0.5 * k,
@@ -158,7 +158,7 @@ TEST(CertifiedScattering, BoundDoesNotHoldForAnotherLaw) {
   const auto right = bed.run(set, samples, three_terms(), 1e-9);
   const auto wrong =
       bed.run(set, samples,
-              shared(ScatteringLaw::gsab({0.4, 4 * degree, 0.01, 1.7 + 1e-6, 0.03, 22 * degree})), 1e-9);
+              shared(ScatteringModel::gsab({0.4, 4 * degree, 0.01, 1.7 + 1e-6, 0.03, 22 * degree})), 1e-9);
   int apart = 0;
   for (int k = 0; k < samples.count; ++k)
     apart += std::abs(right.certified.echo.at(0, k) - wrong.certified.echo.at(0, k)) >
@@ -172,9 +172,9 @@ TEST(CertifiedScattering, LambertAsGsabIsEnclosedAsLambertIs) {
       Bed::tube({glm::dvec3(-0.3, -0.2, -1), {0.6, -0.3, -1}, {0.5, 0.4, -1}, {-0.2, 0.3, -1}}, 40, bed.grid);
   const RangeSamples samples{7.5, 0.5, 12};
   const auto lambert = bed.run(set, samples, nullptr, 1e-10, 0.1),
-             gsab =
-                 bed.run(set, samples, shared(ScatteringLaw::gsab({.oblique = 0.001, .oblique_exponent = 2})),
-                         1e-10, 0.1);
+             gsab = bed.run(set, samples,
+                            shared(ScatteringModel::gsab({.oblique = 0.001, .oblique_exponent = 2})), 1e-10,
+                            0.1);
   double sum = 0;
   for (int k = 0; k < samples.count; ++k) {
     const std::size_t i = std::size_t(k);
@@ -198,10 +198,10 @@ TEST(CertifiedScattering, OrdinaryRunIsWithinTheBoundAboutTheFootAndWithPatterns
   line.kind = Directivity::Kind::line;
   line.size = 6;
   const BeamPatterns patterns{{line}, {line}, {0}, {{0, 1}}};
-  for (const Law& law : {three_terms(), coarse_sand()})
+  for (const Law& model : {three_terms(), coarse_sand()})
     for (const BeamPatterns* p : {(const BeamPatterns*)nullptr, &patterns}) {
       const double tolerance = p ? 1e-6 : 1e-8;
-      const auto result = bed.run(p ? aside : set, samples, law, tolerance, 0.1, p);
+      const auto result = bed.run(p ? aside : set, samples, model, tolerance, 0.1, p);
       EXPECT_EQ(result.certified.bins_over, 0u);
       double sum = 0;
       for (int k = 0; k < samples.count; ++k) {

@@ -78,20 +78,22 @@ std::vector<double> borders_of(double from, double step, int count) {
   return borders;
 }
 
-std::vector<std::shared_ptr<const ScatteringLaw>> laws() {
+std::vector<std::shared_ptr<const ScatteringModel>> models() {
   constexpr double degree = std::numbers::pi / 180;
-  const auto shared = [](ScatteringLaw law) { return std::make_shared<const ScatteringLaw>(std::move(law)); };
-  return {nullptr, shared(ScatteringLaw::lambert(0.02)),
-          shared(ScatteringLaw::gsab({0.4, 4 * degree, 0.01, 1.7, 0.03, 22 * degree})),
-          shared(ScatteringLaw::table(std::vector<double>{10, 30, 55, 80},
-                                      std::vector<double>{-38, -30, -22, -12}))};
+  const auto shared = [](ScatteringModel model) {
+    return std::make_shared<const ScatteringModel>(std::move(model));
+  };
+  return {nullptr, shared(ScatteringModel::lambert(0.02)),
+          shared(ScatteringModel::gsab({0.4, 4 * degree, 0.01, 1.7, 0.03, 22 * degree})),
+          shared(ScatteringModel::table(std::vector<double>{10, 30, 55, 80},
+                                        std::vector<double>{-38, -30, -22, -12}))};
 }
 
 /// By sample.
-std::map<std::uint32_t, Ball> in_balls(const CertifiedPolygon& polygon, const ScatteringLaw* law,
+std::map<std::uint32_t, Ball> in_balls(const CertifiedPolygon& polygon, const ScatteringModel* model,
                                        const std::vector<double>& borders, const Ball& beta) {
   CertifiedIntegrator integrator(borders, beta);
-  integrator.take_law(law);
+  integrator.take_model(model);
   std::map<std::uint32_t, Ball> sums;
   integrator.add(polygon, 0, {1e-17, [](std::uint32_t, std::uint32_t) { return 1e-40; }},
                  [&](const Part<Ball>& part) { sums[part.sample] += part.value; });
@@ -111,11 +113,11 @@ TEST(IntervalIntegral, HoldsWhatBallsSayOfEveryPieceAndLaw) {
     const Seen scene = scattered_facets(seed);
     // Short samples, and long ones that take rules of many nodes.
     const std::vector<double> borders = seed == 11 ? borders_of(3, 0.37, 30) : borders_of(3, 4, 3);
-    for (const auto& law : laws())
+    for (const auto& model : models())
       for (const double absorption : {0.0, 0.2}) {
         const Ball beta = Ball(absorption) * log(Ball(10)) / Ball(10);
         IntervalIntegrator integrator(borders, {beta.lo(), beta.hi()});
-        integrator.take_law(law.get());
+        integrator.take_model(model.get());
         std::vector<IntervalIntegrator::SamplePart> parts;
         int number = 0;
         scene.each_piece([&](const CertifiedPolygon& sure, const IntervalPolygon& fast) {
@@ -128,7 +130,7 @@ TEST(IntervalIntegral, HoldsWhatBallsSayOfEveryPieceAndLaw) {
           }
           std::map<std::uint32_t, Interval> found;
           for (const auto& part : parts) found[part.sample] += part.value;
-          const auto truth = in_balls(sure, law.get(), borders, beta);
+          const auto truth = in_balls(sure, model.get(), borders, beta);
           for (const auto& [sample, ball] : truth) {
             const Interval& own = found[sample];
             EXPECT_TRUE(meets(own, ball)) << own.lo << ' ' << own.hi << " not about " << ball.middle();

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "engine/certified/certified_path_energy.hpp"
-#include "engine/law/perlin_reflectivity.hpp"
+#include "engine/scattering/perlin_reflectivity.hpp"
 
 namespace tubefoot {
 namespace {
@@ -53,8 +53,8 @@ struct Bed {
     echo.path.rx.emplace();
     echo.path.rx->loss = {0.8, {axis(0, 0.1, 1), axis(0, 0, 1)}, 0.5, 0.05};
   }
-  CertifiedPathIntegrand integrand(const ScatteringLaw* law) const {
-    const FacetBed bed{1, 0.01, law};
+  CertifiedPathIntegrand integrand(const ScatteringModel* model) const {
+    const FacetBed bed{1, 0.01, model};
     const CertifiedPathEnergy energy(polygon, rx_m, echo, bed, Ball(0.01));
     return {energy, {energy.tx(), energy.rx(), transmit, patterns}, nullptr};
   }
@@ -65,21 +65,21 @@ struct Bed {
   TransmitPattern transmit;
   std::vector<double> mu{0.01};
   std::vector<std::uint16_t> material{0};
-  EchoLaw echo{mu, material, 0.04, nullptr};
+  EchoModel echo{mu, material, 0.04, nullptr};
 };
 
-std::vector<ScatteringLaw> laws() {
-  return {ScatteringLaw::gsab({0.1, 0.2, 0.02, 1.7, 0.01, 0.6}),
-          ScatteringLaw::table(std::vector<double>{20, 50, 80}, std::vector<double>{-30, -22, -12})};
+std::vector<ScatteringModel> models() {
+  return {ScatteringModel::gsab({0.1, 0.2, 0.02, 1.7, 0.01, 0.6}),
+          ScatteringModel::table(std::vector<double>{20, 50, 80}, std::vector<double>{-30, -22, -12})};
 }
 
 TEST(PathIntegral, IntervalsHoldWhatBallsSayOfEveryPlace) {
   std::mt19937_64 random(27);
   std::uniform_real_distribution<double> x(-3, 6), y(-4, 4), part(0, 1), decades(-12, 0);
   const Bed bed;
-  std::vector<ScatteringLaw> all = laws();
-  for (const ScatteringLaw* law : std::vector<const ScatteringLaw*>{nullptr, &all[0], &all[1]}) {
-    CertifiedPathIntegrand integrand = bed.integrand(law);
+  std::vector<ScatteringModel> all = models();
+  for (const ScatteringModel* model : std::vector<const ScatteringModel*>{nullptr, &all[0], &all[1]}) {
+    CertifiedPathIntegrand integrand = bed.integrand(model);
     integrand.take_whole();
     std::vector<Interval> held;
     std::vector<Ball> there;
@@ -106,12 +106,12 @@ TEST(PathIntegral, IntervalsHoldWhatBallsSayOfEveryPlace) {
 TEST(PathIntegral, DoublesMeetBallsAndKeepWhatIsRequested) {
   Bed bed;
   bed.patterns.pop_back();  // the table's cubics meet where nothing is analytic: halved to the work limit
-  std::vector<ScatteringLaw> all = laws();
+  std::vector<ScatteringModel> all = models();
   const std::vector<double> borders{5.5, 5.75, 6};
-  for (const ScatteringLaw* law : std::vector<const ScatteringLaw*>{nullptr, &all[0]})
+  for (const ScatteringModel* model : std::vector<const ScatteringModel*>{nullptr, &all[0]})
     for (const double tolerance : {1e-3, 1e-8}) {
-      if (law != nullptr && tolerance < 1e-3) continue;
-      CertifiedPathIntegrand integrand = bed.integrand(law);
+      if (model != nullptr && tolerance < 1e-3) continue;
+      CertifiedPathIntegrand integrand = bed.integrand(model);
       InBalls in_balls(integrand);
       const ApexOverPlane tx{Ball(5), Ball(0), Ball(0)}, rx = apex_over(bed.polygon, bed.rx_m);
       const auto integrate = [&](CertifiedIntegrand& what) {

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "engine/certified/reference.hpp"
-#include "engine/law/perlin_reflectivity.hpp"
+#include "engine/scattering/perlin_reflectivity.hpp"
 #include "engine/visibility/tube_engine.hpp"
 #include "fixtures/geometry/metre_meshes.hpp"
 
@@ -35,20 +35,20 @@ struct Pair {
     apex_m = tx_m;
   }
 
-  EchoLaw law(double absorption = 0, const BeamPatterns* patterns = nullptr) const {
-    EchoLaw law{material_mu, mesh.material, absorption, patterns};
-    law.path.tx.apex_m = apex_m;
-    return law;
+  EchoModel model(double absorption = 0, const BeamPatterns* patterns = nullptr) const {
+    EchoModel model{material_mu, mesh.material, absorption, patterns};
+    model.path.tx.apex_m = apex_m;
+    return model;
   }
   struct Result {
     Echo ordinary;
     CertifiedEcho certified;
   };
-  Result run(const RangeSamples& samples, const EchoLaw& law, double tolerance) const {
+  Result run(const RangeSamples& samples, const EchoModel& model, double tolerance) const {
     const std::vector<std::uint32_t> beam{0};
     const ReceiveBeams beams{1, beam};
-    Result result{integrate_echo(history, beams, samples, law), {}};
-    result.certified = certify_echo(mesh, history, beams, samples, law, result.ordinary, tolerance);
+    Result result{integrate_echo(history, beams, samples, model), {}};
+    result.certified = certify_echo(mesh, history, beams, samples, model, result.ordinary, tolerance);
     return result;
   }
 
@@ -91,7 +91,7 @@ TEST(PathReference, RingsOfOneApexAboveTheOtherInClosedForm) {
   const Pair pair(flat_bed(), {0, 0, h1}, {0, 0, h2}, down, down);
   for (const double tolerance : {1e-3, 1e-6, 1e-9}) {
     const RangeSamples samples{7, 0.375, 8};  // a border on the shortest path of all
-    const auto result = pair.run(samples, pair.law(), tolerance);
+    const auto result = pair.run(samples, pair.model(), tolerance);
     expect_holds(result, tolerance);
     for (int k = 0; k < samples.count; ++k) {
       const long double from = samples.first_m + k * samples.step_m,
@@ -113,11 +113,11 @@ TEST(PathReference, FortyDigitsFromOutsideTheProgram) {
                                    0.0000001427535419225745900682789350537995661574};
   const Pair pair({{glm::dvec3(1, -1, 0.25), {5, 1, 1.25}, {2, 3, 0.5}}}, {-1, 0.5, 6}, {1.5, -1, 4}, down,
                   down);
-  EchoLaw law = pair.law(0.0625);
+  EchoModel model = pair.model(0.0625);
   const std::vector<double> bright{0x1p-9};
-  law.material_mu = bright;
+  model.material_mu = bright;
   for (const double tolerance : {1e-2, 1e-5, 1e-10}) {
-    const auto result = pair.run({4.5, 0.75, 3}, law, tolerance);
+    const auto result = pair.run({4.5, 0.75, 3}, model, tolerance);
     expect_holds(result, tolerance);
     for (std::size_t k = 0; k < digits.size(); ++k) {
       const double energy = result.certified.echo.energy[k], bound = result.certified.bound[k];
@@ -160,8 +160,8 @@ void expect_same(const CertifiedEcho& a, const CertifiedEcho& b, double slack = 
 TEST(PathReference, OrdinaryEnergiesLieWithinAndBothWaysAreTheSame) {
   const std::uint64_t seed = 20;
   std::mt19937_64 random(seed);
-  const ScatteringLaw gsab = ScatteringLaw::gsab({0.3, 0.2, 0.01, 1.5, 0, 1});
-  const std::vector<std::shared_ptr<const ScatteringLaw>> laws{std::make_shared<ScatteringLaw>(gsab)};
+  const ScatteringModel gsab = ScatteringModel::gsab({0.3, 0.2, 0.01, 1.5, 0, 1});
+  const std::vector<std::shared_ptr<const ScatteringModel>> models{std::make_shared<ScatteringModel>(gsab)};
   const std::vector<std::shared_ptr<const ReflectivityField>> texture{
       std::make_shared<const PerlinReflectivity>(PerlinReflectivity::Settings{3.0, 1, 0.5, 0.25, 7})};
   for (int trial = 0; trial < 4; ++trial) {
@@ -170,11 +170,11 @@ TEST(PathReference, OrdinaryEnergiesLieWithinAndBothWaysAreTheSame) {
     const double tolerance = trial == 1 ? 1e-3 : 1e-5;
     const glm::dvec3 tx = place(random), rx = place(random);
     const Pair there(facets, tx, rx, down, down), back(facets, rx, tx, down, down);
-    EchoLaw law = there.law(0.1), other = back.law(0.1);
-    if (trial == 1) law.scattering = other.scattering = laws;
-    if (trial == 2) law.reflectivity = other.reflectivity = texture;
+    EchoModel model = there.model(0.1), other = back.model(0.1);
+    if (trial == 1) model.scattering = other.scattering = models;
+    if (trial == 2) model.reflectivity = other.reflectivity = texture;
     const RangeSamples samples{6, 0.5, 6};
-    const auto one = there.run(samples, law, tolerance), two = back.run(samples, other, tolerance);
+    const auto one = there.run(samples, model, tolerance), two = back.run(samples, other, tolerance);
     expect_holds(one, tolerance);
     expect_same(one.certified, two.certified);
   }
@@ -186,16 +186,16 @@ TEST(PathReference, OneApexTwiceIsTheReferenceOfOneApex) {
   const glm::dvec3 at = place(random);
   const Pair pair(facets, at, at, down, down);
   const RangeSamples samples{6, 0.5, 8};
-  const auto two = pair.run(samples, pair.law(0.1), 1e-6);
+  const auto two = pair.run(samples, pair.model(0.1), 1e-6);
   expect_holds(two, 1e-6);
   const VisibilityOptions options;
   const TubeEngine engine(pair.mesh, pair.tree, pair.grid.unit_m(), options);
   const History history = engine.trace(pair.history.transmit);
   const std::vector<std::uint32_t> beam{0};
-  const EchoLaw law = pair.law(0.1);
-  const Echo ordinary = integrate_echo(history, {1, beam}, samples, law);
+  const EchoModel model = pair.model(0.1);
+  const Echo ordinary = integrate_echo(history, {1, beam}, samples, model);
   const CertifiedEcho one =
-      certify_echo(pair.mesh, pair.tree, history, options, beam, samples, law, ordinary, 1e-9);
+      certify_echo(pair.mesh, pair.tree, history, options, beam, samples, model, ordinary, 1e-9);
   expect_same(one, two.certified);
 }
 
@@ -207,7 +207,7 @@ TEST(PathReference, FacetsInPartsReturnTheSame) {
   for (int k = 0; k < 3; ++k) parts.push_back({f[k], f[(k + 1) % 3], on});
   const Pair one(whole, {0, 1, 6}, {1, -1, 5}, down, down), many(parts, {0, 1, 6}, {1, -1, 5}, down, down);
   const RangeSamples samples{5, 0.25, 12};
-  const auto a = one.run(samples, one.law(0.2), 1e-7), b = many.run(samples, many.law(0.2), 1e-7);
+  const auto a = one.run(samples, one.model(0.2), 1e-7), b = many.run(samples, many.model(0.2), 1e-7);
   expect_holds(a, 1e-7);
   expect_holds(b, 1e-7);
   expect_same(a.certified, b.certified);
@@ -226,7 +226,7 @@ TEST(PathReference, PatternsOfBothEnds) {
   patterns.receive = {gauss};
   patterns.fan_of_tube = {0};
   patterns.beams_of_tube = {{0, 1}};
-  const auto result = pair.run({6, 0.5, 6}, pair.law(0.1, &patterns), 1e-4);
+  const auto result = pair.run({6, 0.5, 6}, pair.model(0.1, &patterns), 1e-4);
   expect_holds(result, 1e-4, 1e-8);
 }
 

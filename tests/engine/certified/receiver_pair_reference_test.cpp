@@ -55,9 +55,9 @@ struct ReceiverPairScene {
     const ReceiverPairHistory history = trace_receiver_pair(
         mesh, tree, grid.unit_m(), {}, tubes_from(glm::dvec3(0)), tubes_from(middle_m), receiver_pair);
     const BeamPatterns patterns{{transmit}, {receive}, {0}, {{0, 1}}, {receiver_pair}};
-    const EchoLaw law{material_mu, mesh.material, 0.05, &patterns};
-    Result result{integrate_receiver_pair_echo(history, receiver_pair, 0, 0, samples, law), {}};
-    result.certified = certify_receiver_pair_echo(mesh, history, grid.unit_m(), receiver_pair, samples, law,
+    const EchoModel model{material_mu, mesh.material, 0.05, &patterns};
+    Result result{integrate_receiver_pair_echo(history, receiver_pair, 0, 0, samples, model), {}};
+    result.certified = certify_receiver_pair_echo(mesh, history, grid.unit_m(), receiver_pair, samples, model,
                                                   result.ordinary, tolerance);
     return result;
   }
@@ -66,10 +66,10 @@ struct ReceiverPairScene {
   CertifiedEcho run_apart(glm::dvec3 at_m, double tolerance) const {
     const BistaticHistory history =
         trace_bistatic(mesh, tree, grid.unit_m(), {}, tubes_from(glm::dvec3(0)), tubes_from(at_m));
-    const EchoLaw law{material_mu, mesh.material, 0.05};
+    const EchoModel model{material_mu, mesh.material, 0.05};
     const std::vector<std::uint32_t> beam{0};
-    const Echo ordinary = integrate_echo(history, {1, beam}, samples, law);
-    return certify_echo(mesh, history, {1, beam}, samples, law, ordinary, tolerance);
+    const Echo ordinary = integrate_echo(history, {1, beam}, samples, model);
+    return certify_echo(mesh, history, {1, beam}, samples, model, ordinary, tolerance);
   }
   TubeSet tubes_from(glm::dvec3 at_m) const {
     TubeSet set;
@@ -205,12 +205,13 @@ TEST(ReceiverPairReference, FortyDigitsFromOutsideTheProgram) {
                                                           down({1.5, -1, 4}), receiver_pair);
   const BeamPatterns patterns{{Directivity()}, {Directivity()}, {0}, {{0, 1}}, {receiver_pair}};
   const std::vector<double> bright{0x1p-9};
-  const EchoLaw law{bright, mesh.material, 0.0625, &patterns};
+  const EchoModel model{bright, mesh.material, 0.0625, &patterns};
   const RangeSamples samples{4.5, 0.75, 3};
-  const ReceiverPairEcho ordinary = integrate_receiver_pair_echo(history, receiver_pair, 0, 0, samples, law);
+  const ReceiverPairEcho ordinary =
+      integrate_receiver_pair_echo(history, receiver_pair, 0, 0, samples, model);
   for (const double tolerance : {1e-2, 1e-8}) {
     const CertifiedEcho found = certify_receiver_pair_echo(mesh, history, grid.unit_m(), receiver_pair,
-                                                           samples, law, ordinary, tolerance);
+                                                           samples, model, ordinary, tolerance);
     EXPECT_EQ(found.bins_over, 0u) << found.worst_ratio;
     for (std::size_t k = 0; k < digits.size(); ++k) {
       EXPECT_LE(std::abs(found.echo.energy[k] - digits[k]), found.bound[k] + 1e-15 * std::abs(digits[k]))
@@ -223,8 +224,8 @@ TEST(ReceiverPairReference, FortyDigitsFromOutsideTheProgram) {
 TEST(ReceiverPairReference, RefusesFacetsThatAreSeenElsewhere) {
   ReceiverPairHistory history;
   history.bistatic_upper.resize(1);
-  const EchoLaw law{material_mu, {}, 0};
-  EXPECT_THROW(certify_receiver_pair_echo({}, history, 1, {}, {1, 1, 1}, law, {}, 1e-3),
+  const EchoModel model{material_mu, {}, 0};
+  EXPECT_THROW(certify_receiver_pair_echo({}, history, 1, {}, {1, 1, 1}, model, {}, 1e-3),
                std::invalid_argument);
 }
 

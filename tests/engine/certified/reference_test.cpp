@@ -13,7 +13,7 @@
 #include <numbers>
 #include <random>
 
-#include "engine/law/radial_law.hpp"
+#include "engine/scattering/radial_model.hpp"
 #include "engine/visibility/tube_engine.hpp"
 #include "fixtures/geometry/metre_meshes.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
@@ -50,16 +50,16 @@ struct Bench {
   Result run(const TubeSet& set, const RangeSamples& samples, double absorption, double tolerance = 1e-9,
              const BeamPatterns* patterns = nullptr) const {
     const std::vector<double> material_mu{mu};
-    const EchoLaw law{material_mu, mesh.material, absorption, patterns};
+    const EchoModel model{material_mu, mesh.material, absorption, patterns};
     std::vector<std::uint32_t> beam_of_tube;
     for (std::uint32_t tube = 0; tube < set.tubes.size(); ++tube) beam_of_tube.push_back(tube);
     const VisibilityOptions options;
     const TubeEngine engine(mesh, *tree, grid.unit_m(), options);
     const History history = engine.trace(set);
     const int beams = int(set.tubes.size());
-    Result result{integrate_echo(history, {beams, beam_of_tube}, samples, law), {}};
+    Result result{integrate_echo(history, {beams, beam_of_tube}, samples, model), {}};
     result.certified =
-        certify_echo(mesh, *tree, history, options, beam_of_tube, samples, law, result.ordinary, tolerance);
+        certify_echo(mesh, *tree, history, options, beam_of_tube, samples, model, result.ordinary, tolerance);
     return result;
   }
 

@@ -14,9 +14,9 @@
 
 #include "engine/certified/certified_perlin.hpp"
 #include "engine/certified/reference.hpp"
-#include "engine/law/layered_reflectivity.hpp"
-#include "engine/law/map_reflectivity.hpp"
-#include "engine/law/perlin_reflectivity.hpp"
+#include "engine/scattering/layered_reflectivity.hpp"
+#include "engine/scattering/map_reflectivity.hpp"
+#include "engine/scattering/perlin_reflectivity.hpp"
 #include "engine/visibility/tube_engine.hpp"
 #include "fixtures/geometry/metre_meshes.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
@@ -176,16 +176,16 @@ struct Bench {
              const std::shared_ptr<const ReflectivityField>& texture,
              const BeamPatterns* patterns = nullptr) const {
     const std::vector<double> material_mu{mu};
-    EchoLaw law{material_mu, mesh.material, absorption, patterns};
+    EchoModel model{material_mu, mesh.material, absorption, patterns};
     const std::vector fields{texture};
-    law.reflectivity = fields;
-    law.path.tx.apex_m = apex_m;
+    model.reflectivity = fields;
+    model.path.tx.apex_m = apex_m;
     const VisibilityOptions options;
     const std::vector<std::uint32_t> beam{0};
     const History history = TubeEngine(mesh, *tree, grid.unit_m(), options).trace(set);
-    Result result{integrate_echo(history, {1, beam}, samples, law), {}};
+    Result result{integrate_echo(history, {1, beam}, samples, model), {}};
     result.certified =
-        certify_echo(mesh, *tree, history, options, beam, samples, law, result.ordinary, tolerance);
+        certify_echo(mesh, *tree, history, options, beam, samples, model, result.ordinary, tolerance);
     return result;
   }
 
@@ -392,13 +392,13 @@ TEST(ReferenceTexture, MoreCellsThanAllowedAreEnclosedByTheTexturesRange) {
   std::vector<std::shared_ptr<const ReflectivityField>> fields{
       std::make_shared<const PerlinReflectivity>(PerlinReflectivity::Settings{5e-6, 1, 0.5, 0.25, 1})};
   const std::vector<double> material_mu{mu};
-  EchoLaw law{material_mu, bed.mesh.material, 0};
-  law.reflectivity = fields;
-  law.path.tx.apex_m = bed.apex_m;
+  EchoModel model{material_mu, bed.mesh.material, 0};
+  model.reflectivity = fields;
+  model.path.tx.apex_m = bed.apex_m;
   const std::vector<std::uint32_t> beam{0};
   const History history = TubeEngine(bed.mesh, *bed.tree, bed.grid.unit_m(), {}).trace(set);
   const CertifiedEcho certified =
-      certify_echo(bed.mesh, *bed.tree, history, {}, beam, samples, law, even.ordinary, 1e-3);
+      certify_echo(bed.mesh, *bed.tree, history, {}, beam, samples, model, even.ordinary, 1e-3);
   EXPECT_EQ(certified.bins_over, 3u);
   for (int k = 0; k < 3; ++k) {
     EXPECT_LE(std::abs(certified.echo.energy[k] - even.energy(k)), certified.bound[k]);

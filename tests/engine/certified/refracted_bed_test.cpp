@@ -29,17 +29,17 @@ constexpr std::array<double, 5> table_deg{10, 24, 37, 52, 80}, table_db{-38, -30
 /// A law, and its value by the published formula at an angle of incidence.
 struct Law {
   const char* name;
-  ScatteringLaw law;
+  ScatteringModel model;
   double (*value)(double phi);
 };
-const std::vector<Law>& laws() {
+const std::vector<Law>& models() {
   static const std::vector<Law> all{
-      {"three terms", ScatteringLaw::gsab({0.4, 9 * degree, 0.01, 1.7, 0.03, 22 * degree}),
+      {"three terms", ScatteringModel::gsab({0.4, 9 * degree, 0.01, 1.7, 0.03, 22 * degree}),
        [](double phi) {
          const auto lobe = [&](double b) { return std::exp(-phi * phi / (2 * b * b)); };
          return 0.4 * lobe(9 * degree) + 0.01 * std::pow(std::cos(phi), 1.7) + 0.03 * lobe(22 * degree);
        }},
-      {"table", ScatteringLaw::table(table_deg, table_db),
+      {"table", ScatteringModel::table(table_deg, table_db),
        [](double phi) {
          const double grazing = 90 - phi / degree;
          if (grazing < table_deg[0])
@@ -51,21 +51,21 @@ const std::vector<Law>& laws() {
          const double part = (grazing - table_deg[k]) / (table_deg[k + 1] - table_deg[k]);
          return std::pow(10, (table_db[k] + part * (table_db[k + 1] - table_db[k])) / 10);
        }},
-      {"without any fall", ScatteringLaw::gsab({.oblique = 0.002, .oblique_exponent = 0}),
+      {"without any fall", ScatteringModel::gsab({.oblique = 0.002, .oblique_exponent = 0}),
        [](double) { return 0.002; }},
-      {"steep", ScatteringLaw::gsab({.oblique = 0.3, .oblique_exponent = 8}),
+      {"steep", ScatteringModel::gsab({.oblique = 0.3, .oblique_exponent = 8}),
        [](double phi) { return 0.3 * std::pow(std::cos(phi), 8); }}};
   return all;
 }
-std::shared_ptr<const ScatteringLaw> shared(const ScatteringLaw& law) {
-  return std::make_shared<const ScatteringLaw>(law);
+std::shared_ptr<const ScatteringModel> shared(const ScatteringModel& model) {
+  return std::make_shared<const ScatteringModel>(model);
 }
 
-double ring_energy(const Law& law, double g, double t1, double t2, double absorption) {
+double ring_energy(const Law& model, double g, double t1, double t2, double absorption) {
   return boost::math::quadrature::gauss_kronrod<double, 31>::integrate(
       [&](double t) {
         const BedRay ray(g, t, absorption);
-        return law.value(std::acos(std::min(ray.sine, 1.0))) * ray.density;
+        return model.value(std::acos(std::min(ray.sine, 1.0))) * ray.density;
       },
       t1, t2, 8, 1e-9);
 }
@@ -76,24 +76,24 @@ TEST(RefractedBed, HoldsTheClosedFormOfEveryLaw) {
   constexpr std::uint64_t seed = 31;
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(0, 1);
-  for (const Law& law : laws()) {
+  for (const Law& model : models()) {
     double closest = 0;
     for (int trial = 0; trial < 3; ++trial) {
       const double g = (trial % 2 ? 1 : -1) * std::pow(10, -1.2 * unit(random)),
                    absorption = trial % 3 ? 0.2 * unit(random) : 0;
       const RangeSamples samples{21, 0.4 + 0.6 * unit(random), 40};
       const double gap = std::pow(10, -2 - unit(random)), width_deg = 1 + 3 * unit(random);
-      SCOPED_TRACE(fmt::format("{} seed {} trial {}: g {} absorption {} gap {}", law.name, seed, trial, g,
+      SCOPED_TRACE(fmt::format("{} seed {} trial {}: g {} absorption {} gap {}", model.name, seed, trial, g,
                                absorption, gap));
       GradientBed bed;
-      bed.laws = {shared(law.law), nullptr};
+      bed.models = {shared(model.model), nullptr};
       const RefractedReference found = bed.certified(bed_gradient(g, absorption), bed_fan(width_deg, 89.5),
                                                      {.gap_m = gap}, samples, absorption, 1e-2);
       EXPECT_EQ(found.unbounded, 0u);
       for (int k = 0; k < samples.count; ++k) {
         const double from = samples.first_m + k * samples.step_m;
-        const double truth =
-            width_deg * degree * ring_energy(law, g, from / 1500, (from + samples.step_m) / 1500, absorption);
+        const double truth = width_deg * degree *
+                             ring_energy(model, g, from / 1500, (from + samples.step_m) / 1500, absorption);
         const double energy = found.certified.echo.energy[k], bound = found.certified.bound[k];
         // The tubes' rays are rounded to 2^-30.
         EXPECT_LE(std::abs(energy - truth), bound + 3e-8 * truth) << k;
@@ -101,16 +101,16 @@ TEST(RefractedBed, HoldsTheClosedFormOfEveryLaw) {
         closest = std::max(closest, std::abs(energy - truth) / bound);
       }
     }
-    EXPECT_GT(closest, 0.05) << law.name;
+    EXPECT_GT(closest, 0.05) << model.name;
   }
 }
 
 TEST(RefractedBed, BoundsOfLawsShrinkWithTheGap) {
   const RangeSamples samples{21, 1, 40};
-  for (const Law& law : laws()) {
-    SCOPED_TRACE(law.name);
+  for (const Law& model : models()) {
+    SCOPED_TRACE(model.name);
     GradientBed bed;
-    bed.laws = {shared(law.law), nullptr};
+    bed.models = {shared(model.model), nullptr};
     double before = 1;
     for (const double gap : {1e-2, 1e-3, 1e-4}) {
       const RefractedReference found =
@@ -131,12 +131,12 @@ TEST(RefractedBed, EvenWaterIsTheStraightReference) {
   const WaterColumn even{SoundSpeedProfile({{0, 1500}, {50, 1500}}), {}};
   const TubeSet tubes = bed_fan(4, 89.5);
   const RangeSamples samples{21, 2, 12};
-  std::vector<GradientBed> beds(laws().size() + 3, GradientBed({}, 64, 16));
-  for (std::size_t k = 0; k < laws().size(); ++k) beds[k].laws = {shared(laws()[k].law), nullptr};
-  const std::size_t textured = laws().size();
+  std::vector<GradientBed> beds(models().size() + 3, GradientBed({}, 64, 16));
+  for (std::size_t k = 0; k < models().size(); ++k) beds[k].models = {shared(models()[k].model), nullptr};
+  const std::size_t textured = models().size();
   beds[textured].textures = {test::perlin(6, 1, 0.5), nullptr};
   beds[textured + 1].textures = {test::map_askew(), nullptr};
-  beds[textured + 2].laws = {shared(laws()[1].law), nullptr};
+  beds[textured + 2].models = {shared(models()[1].model), nullptr};
   beds[textured + 2].textures = {test::perlin(3, 2, 0.5, 9), nullptr};
   for (std::size_t b = 0; b < beds.size(); ++b) {
     SCOPED_TRACE(b);
@@ -238,8 +238,8 @@ TEST(RefractedBed, EnclosuresHoldWhatRaysToPlacesOnFacetsSay) {
   double closest_factor = 0, closest_place = 0;
   std::size_t proven = 0;
   for (int trial = 0; trial < 60; ++trial) {
-    const Law& law = laws()[std::size_t(trial) % laws().size()];
-    SCOPED_TRACE(fmt::format("{} seed {} trial {}", law.name, seed, trial));
+    const Law& model = models()[std::size_t(trial) % models().size()];
+    SCOPED_TRACE(fmt::format("{} seed {} trial {}", model.name, seed, trial));
     // Some nearly across the ray.
     const glm::dvec3 at(2 + 50 * unit(random) * unit(random), 10 * unit(random) - 5, -4 - 12 * unit(random));
     const double size = trial % 3 ? 3 : 0.5;
@@ -250,7 +250,7 @@ TEST(RefractedBed, EnclosuresHoldWhatRaysToPlacesOnFacetsSay) {
           (trial % 5 == 0 ? 0.95 * glm::dot(way, glm::normalize(at)) * glm::normalize(at) : glm::dvec3(0));
     }
     GradientBed site({t});
-    site.laws = {nullptr, shared(law.law)};
+    site.models = {nullptr, shared(model.model)};
     const double absorption = 0.1;
     const WaterColumn one = bed_gradient(trial % 2 ? 0.7 : -0.7, absorption);
     const WaterColumn layers{SoundSpeedProfile({{0, 1530}, {11, 1515}, {13, 1495}, {30, 1490}}),
@@ -264,13 +264,13 @@ TEST(RefractedBed, EnclosuresHoldWhatRaysToPlacesOnFacetsSay) {
     const RayEnclosure rays(apparent_map, options);
     const SceneTree tree(ground.refined.mesh);
     const ApparentEnclosures all = enclose({ground, tree, site.base, ground.refined.parent, site.grid}, rays,
-                                           site.law(ground.refined.mesh, absorption));
+                                           site.model(ground.refined.mesh, absorption));
     const std::vector<FacetMap> maps = ground.facet_maps(glm::dvec3(0), site.grid);
     for (std::size_t f = 0; f < all.facets.size(); ++f) {
       const FacetEnclosure& facet = all.facets[f];
       if (facet.state != FacetEnclosure::State::proven) continue;
       ++proven;
-      ASSERT_TRUE(facet.law);
+      ASSERT_TRUE(facet.model);
       Triangle lies;
       for (int k = 0; k < 3; ++k) lies[k] = ground.truth[ground.refined.mesh.facets[f][k]];
       const glm::dvec3 normal = glm::normalize(glm::cross(lies[1] - lies[0], lies[2] - lies[0]));
@@ -288,11 +288,11 @@ TEST(RefractedBed, EnclosuresHoldWhatRaysToPlacesOnFacetsSay) {
         const double beta = std::numbers::ln10 / 5;
         const double lies_sine =
             std::abs(glm::dot(normal, apparent_map.arrival_direction(place, image->ray)));
-        const double per_sr = law.value(std::acos(std::min(lies_sine, 1.0))) / lies_sine /
+        const double per_sr = model.value(std::acos(std::min(lies_sine, 1.0))) / lies_sine /
                               apparent_map.return_area_m2_per_sr(place, image->ray) *
                               std::exp(-beta * image->ray.absorption_db);
         const double factor =
-            per_sr / (facet.law->cross_section(sine, std::sqrt((1 - sine) * (1 + sine))) / sine /
+            per_sr / (facet.model->cross_section(sine, std::sqrt((1 - sine) * (1 + sine))) / sine /
                       (straight * straight) * std::exp(-beta * absorption * straight));
         EXPECT_GE(factor, facet.factor.lo * (1 - 1e-9));
         EXPECT_LE(factor, facet.factor.hi * (1 + 1e-9));

@@ -61,9 +61,9 @@ struct Staffed {
     const CommonApparentSurfaces alike =
         map_apparent_together(site.base, all, site.grid, std::array{&tx, &upper, &lower}, absorption,
                               settings, {}, std::array{&from_tx, &from_upper, &from_lower});
-    EchoLaw law = site.law(alike.bed.mesh, absorption);
+    EchoModel model = site.model(alike.bed.mesh, absorption);
     const BeamPatterns own = for_tubes(sent);
-    law.patterns = &own;
+    model.patterns = &own;
     const RayEnclosure tx_rays(tx, options), upper_rays(upper, options), lower_rays(lower, options);
     std::vector<SceneTree> trees;
     for (const ApparentSurface& ground : alike.seen)
@@ -77,7 +77,7 @@ struct Staffed {
                               alike.origin[1 + e]};
       ordinary[e] =
           integrate_echo(trace_bistatic(pair, site.grid, {}, sent, received[e], tx, *waters[e], absorption),
-                         {1, beams}, samples, law);
+                         {1, beams}, samples, model);
     }
     const auto bed = [&](std::size_t e) {
       return BistaticBed{alike.bed.mesh,
@@ -89,7 +89,7 @@ struct Staffed {
     };
     return certify_refracted_receiver_pair({bed(0), bed(1)},
                                            {BistaticTubes{sent, received[0]}, {sent, received[1]}}, {},
-                                           receiver_pair, samples, law, ordinary, tolerance);
+                                           receiver_pair, samples, model, ordinary, tolerance);
   }
 
   /// Without bounds: receivers in the bed as it appears from the receiver pair's middle.
@@ -104,22 +104,22 @@ struct Staffed {
         1500 / water.profile.at(GradientBed::apex_depth_m - site.grid.to_metres(middle.apex).z);
     const ReceiverPairHistory history =
         trace_receiver_pair(pair, site.grid, {}, sent, middle, stretched, tx, rx, absorption);
-    EchoLaw law = site.law(pair.mesh, absorption);
+    EchoModel model = site.model(pair.mesh, absorption);
     const BeamPatterns own = for_tubes(sent);
-    law.patterns = &own;
-    return integrate_receiver_pair_echo(history, stretched, 0, 0, samples, law);
+    model.patterns = &own;
+    return integrate_receiver_pair_echo(history, stretched, 0, 0, samples, model);
   }
 
   CertifiedEcho straight(double tolerance) const {
-    EchoLaw law = site.law(site.base, absorption);
+    EchoModel model = site.model(site.base, absorption);
     const SceneTree tree(site.base);
     const TubeSet sent = tubes_from(sent_m);
     const BeamPatterns own = for_tubes(sent);
-    law.patterns = &own;
+    model.patterns = &own;
     const ReceiverPairHistory history = trace_receiver_pair(site.base, tree, site.grid.unit_m(), {}, sent,
                                                             tubes_from(middle_m), receiver_pair);
-    const ReceiverPairEcho echo = integrate_receiver_pair_echo(history, receiver_pair, 0, 0, samples, law);
-    return certify_receiver_pair_echo(site.base, history, site.grid.unit_m(), receiver_pair, samples, law,
+    const ReceiverPairEcho echo = integrate_receiver_pair_echo(history, receiver_pair, 0, 0, samples, model);
+    return certify_receiver_pair_echo(site.base, history, site.grid.unit_m(), receiver_pair, samples, model,
                                       echo, tolerance);
   }
 
@@ -239,7 +239,7 @@ TEST(RefractedReceiverPair, EvenWaterIsTheStraightReference) {
       if (kind % 2 == 1 && middle == transmitter) continue;
       SCOPED_TRACE(fmt::format("kind {} at {}", kind, middle.z));
       GradientBed bed(board(), 24, 8);
-      if (kind == 1) bed.laws = {lobed(), nullptr};
+      if (kind == 1) bed.models = {lobed(), nullptr};
       if (kind == 2) bed.textures = {perlin(6, 1, 0.5), nullptr};
       Staffed scene{.site = bed,
                     .water = even,

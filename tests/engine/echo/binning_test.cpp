@@ -46,11 +46,11 @@ History bed(double x0, double x1, double half, int n) {
 }
 
 std::vector<double> energies(const History& history, const RangeSamples& samples, Binning binning) {
-  EchoLaw law;
-  law.material_mu = material_mu;
-  law.material = material;
-  law.absorption_db_per_m = 0.05;
-  return integrate_echo(history, {1, beam_of_tube}, samples, law, binning).energy;
+  EchoModel model;
+  model.material_mu = material_mu;
+  model.material = material;
+  model.absorption_db_per_m = 0.05;
+  return integrate_echo(history, {1, beam_of_tube}, samples, model, binning).energy;
 }
 
 double total(const std::vector<double>& energy) { return std::accumulate(energy.begin(), energy.end(), 0.0); }
@@ -138,8 +138,8 @@ BistaticHistory received_from(const History& history, glm::dvec3 receiver_m) {
 
 std::vector<double> energies(const BistaticHistory& history, const RangeSamples& samples, Binning binning,
                              const BeamPatterns* patterns = nullptr) {
-  EchoLaw law{material_mu, material, 0.05, patterns};
-  return integrate_echo(history, {1, beam_of_tube}, samples, law, binning).energy;
+  EchoModel model{material_mu, material, 0.05, patterns};
+  return integrate_echo(history, {1, beam_of_tube}, samples, model, binning).energy;
 }
 
 TEST(FastBinningApart, InOnePlaceItIsThatOfOneApex) {

@@ -194,10 +194,10 @@ TEST(BistaticEcho, InOnePlaceItIsTheMonostaticEcho) {
     }
     const BeamPatterns patterns{{line}, receive, none, all};
     for (const BeamPatterns* p : {static_cast<const BeamPatterns*>(nullptr), &patterns}) {
-      EchoLaw law{material_mu, run.mesh.material, 0.1, p};
-      law.pattern_tolerance = 1e-12;
-      const Echo expected = integrate_echo(history, {6, beams}, samples, law);
-      const Echo echo = integrate_echo(both, {6, beams}, samples, law);
+      EchoModel model{material_mu, run.mesh.material, 0.1, p};
+      model.pattern_tolerance = 1e-12;
+      const Echo expected = integrate_echo(history, {6, beams}, samples, model);
+      const Echo echo = integrate_echo(both, {6, beams}, samples, model);
       const double peak = *std::max_element(expected.energy.begin(), expected.energy.end());
       ASSERT_GT(peak, 0);
       for (std::size_t bin = 0; bin < echo.energy.size(); ++bin)
@@ -399,14 +399,14 @@ TEST(BistaticEcho, FansHearTheirOwnTransmissionsAndBeamsTheirOwnTubes) {
   const TubeSet transmit = test::forward_tubes({0, 0, 0}, 2, 1, 60, 40, 20),
                 receive = test::forward_tubes({1000000, 0, 0}, 2, 1, 60, 40, 20);
   const BistaticHistory history = run.both(transmit, receive);
-  const EchoLaw law{material_mu, run.mesh.material, 0, nullptr};
+  const EchoModel model{material_mu, run.mesh.material, 0, nullptr};
   const RangeSamples samples{0, 30, 1};
   const std::vector<std::uint32_t> beams{0, 1}, swapped{1, 0}, first{0, 0}, second{1, 1};
-  const Echo all = integrate_echo(history, {2, beams}, samples, law);
-  const Echo other = integrate_echo(history, {2, swapped}, samples, law);
-  const Echo own = integrate_echo(history, {2, beams, beams, beams}, samples, law);
-  const Echo cross = integrate_echo(history, {2, beams, swapped, beams}, samples, law);
-  EXPECT_EQ(total(integrate_echo(history, {2, beams, first, second}, samples, law)), 0);
+  const Echo all = integrate_echo(history, {2, beams}, samples, model);
+  const Echo other = integrate_echo(history, {2, swapped}, samples, model);
+  const Echo own = integrate_echo(history, {2, beams, beams, beams}, samples, model);
+  const Echo cross = integrate_echo(history, {2, beams, swapped, beams}, samples, model);
+  EXPECT_EQ(total(integrate_echo(history, {2, beams, first, second}, samples, model)), 0);
   for (int b = 0; b < 2; ++b) {
     EXPECT_EQ(all.at(b, 0), other.at(1 - b, 0));
     EXPECT_NEAR(own.at(b, 0) + cross.at(b, 0), all.at(b, 0), 1e-13 * all.at(b, 0));
@@ -430,26 +430,26 @@ TEST(BistaticEcho, BadInputIsRefused) {
   const BistaticHistory history = piece_on(test::flat_bed(5), endless, {1, 0, 0});
   const std::vector<std::uint16_t> material{0};
   const std::vector<std::uint32_t> beams{0}, too_far{3}, none, two{0, 0};
-  const EchoLaw law{material_mu, material, 0, nullptr};
+  const EchoModel model{material_mu, material, 0, nullptr};
   const RangeSamples samples{0, 1, 10};
-  const auto run = [&](const ReceiveBeams& b, const RangeSamples& s, const EchoLaw& l,
+  const auto run = [&](const ReceiveBeams& b, const RangeSamples& s, const EchoModel& l,
                        double tolerance = 1e-10) {
     return integrate_echo(history, b, s, l, {Binning::exact, tolerance});
   };
-  EXPECT_NO_THROW(run({1, beams}, samples, law));
-  EXPECT_THROW(run({-1, beams}, samples, law), std::invalid_argument);
-  EXPECT_THROW(run({1, too_far}, samples, law), std::invalid_argument);
-  EXPECT_THROW(run({1, none}, samples, law), std::invalid_argument);
-  EXPECT_THROW(run({1, beams, two, beams}, samples, law), std::invalid_argument);
-  EXPECT_THROW(run({1, beams, beams, none}, samples, law), std::invalid_argument);
-  EXPECT_THROW(run({1, beams}, {0, 0, 10}, law), std::invalid_argument);
-  EXPECT_THROW(run({1, beams}, {-1, 1, 10}, law), std::invalid_argument);
-  EXPECT_THROW(run({1, beams}, {0, 1, 0}, law), std::invalid_argument);
-  EXPECT_THROW(run({1, beams}, {0, std::nan(""), 10}, law), std::invalid_argument);
+  EXPECT_NO_THROW(run({1, beams}, samples, model));
+  EXPECT_THROW(run({-1, beams}, samples, model), std::invalid_argument);
+  EXPECT_THROW(run({1, too_far}, samples, model), std::invalid_argument);
+  EXPECT_THROW(run({1, none}, samples, model), std::invalid_argument);
+  EXPECT_THROW(run({1, beams, two, beams}, samples, model), std::invalid_argument);
+  EXPECT_THROW(run({1, beams, beams, none}, samples, model), std::invalid_argument);
+  EXPECT_THROW(run({1, beams}, {0, 0, 10}, model), std::invalid_argument);
+  EXPECT_THROW(run({1, beams}, {-1, 1, 10}, model), std::invalid_argument);
+  EXPECT_THROW(run({1, beams}, {0, 1, 0}, model), std::invalid_argument);
+  EXPECT_THROW(run({1, beams}, {0, std::nan(""), 10}, model), std::invalid_argument);
   EXPECT_THROW(run({1, beams}, samples, {material_mu, material, -1, nullptr}), std::invalid_argument);
   EXPECT_THROW(run({1, beams}, samples, {material_mu, {}, 0, nullptr}), std::invalid_argument);
   EXPECT_THROW(run({1, beams}, samples, {{}, material, 0, nullptr}), std::invalid_argument);
-  EXPECT_THROW(run({1, beams}, samples, law, 0), std::invalid_argument);
+  EXPECT_THROW(run({1, beams}, samples, model, 0), std::invalid_argument);
   const BeamPatterns other{{Directivity{}}, {Directivity{}, Directivity{}}, {0}, {{0, 2}}};
   EXPECT_THROW(run({1, beams}, samples, {material_mu, material, 0, &other}), std::invalid_argument);
 }

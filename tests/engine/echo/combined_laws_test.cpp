@@ -13,8 +13,8 @@
 
 #include "engine/certified/reference.hpp"
 #include "engine/echo/echo.hpp"
-#include "engine/law/layered_reflectivity.hpp"
 #include "engine/paths/path_echo.hpp"
+#include "engine/scattering/layered_reflectivity.hpp"
 #include "engine/visibility/tube_engine.hpp"
 #include "fixtures/geometry/grid_scenes.hpp"
 #include "fixtures/geometry/plane_polygons.hpp"
@@ -38,7 +38,7 @@ const FacetPlane bed = test::flat_bed(height);
 struct Law {
   std::string name;
   double mu = 0;
-  std::shared_ptr<const ScatteringLaw> law;
+  std::shared_ptr<const ScatteringModel> model;
   std::function<double(double incidence)> value;
 };
 
@@ -48,7 +48,7 @@ Law lambert(double mu = 0.002) {
 Law gsab(double width_deg = 6, double mu = 0.5) {
   const double b = width_deg * degree, f = 20 * degree;
   return {"GSAB", mu,  // mu is not to count
-          std::make_shared<const ScatteringLaw>(ScatteringLaw::gsab({0.4, b, 0.01, 1.7, 0.03, f})),
+          std::make_shared<const ScatteringModel>(ScatteringModel::gsab({0.4, b, 0.01, 1.7, 0.03, f})),
           [=](double phi) {
             return 0.4 * std::exp(-phi * phi / (2 * b * b)) + 0.01 * std::pow(std::cos(phi), 1.7) +
                    0.03 * std::exp(-phi * phi / (2 * f * f));
@@ -56,7 +56,7 @@ Law gsab(double width_deg = 6, double mu = 0.5) {
 }
 Law table(double mu = 0.5) {
   static const std::vector<double> grazing{10, 35, 52, 80, 90}, level{-32, -24, -20, -16, -9};
-  return {"table", mu, std::make_shared<const ScatteringLaw>(ScatteringLaw::table(grazing, level)),
+  return {"table", mu, std::make_shared<const ScatteringModel>(ScatteringModel::table(grazing, level)),
           [](double phi) {
             const double g = 90 - phi / degree;
             if (g < grazing[0])
@@ -68,7 +68,7 @@ Law table(double mu = 0.5) {
             return std::pow(10, (level[k] + x * (level[k + 1] - level[k])) / 10);
           }};
 }
-std::vector<Law> laws() { return {lambert(), gsab(), table()}; }
+std::vector<Law> models() { return {lambert(), gsab(), table()}; }
 
 /// Smooth enough for rules that know nothing of their cells.
 std::vector<Field> textures() {
@@ -94,7 +94,7 @@ std::vector<std::optional<BeamPatterns>> pattern_sets(std::uint32_t tubes) {
 }
 
 struct Given {
-  Law law;
+  Law model;
   Field texture;
   const BeamPatterns* patterns = nullptr;
   double absorption_db_per_m = 0.2;
@@ -110,29 +110,29 @@ struct Given {
   /// What a square metre at a place relative to the apex returns, on a bed below it.
   double density(glm::dvec3 p, std::size_t beam, double distance = height) const {
     const double r = glm::length(p);
-    return law.value(std::acos(std::min(distance / r, 1.0))) * (texture ? texture->factor(apex_m + p) : 1) *
+    return model.value(std::acos(std::min(distance / r, 1.0))) * (texture ? texture->factor(apex_m + p) : 1) *
            gain(p / r, beam) * std::exp(-beta() * r) / std::pow(r, 4);
   }
   std::string name() const {
-    return law.name + (texture ? ", texture" : "") + (patterns ? ", patterns" : "");
+    return model.name + (texture ? ", texture" : "") + (patterns ? ", patterns" : "");
   }
   std::size_t beams() const { return patterns ? patterns->receive.size() : 1; }
 };
 
-/// An EchoLaw and what it refers to; all facets are of the one material.
+/// An EchoModel and what it refers to; all facets are of the one material.
 struct Laws {
   explicit Laws(const Given& g, std::size_t facets = 4)
-      : mu{g.law.mu}, material(facets, 0), fields{g.texture}, scattering{g.law.law} {
-    law = {mu,          material, g.absorption_db_per_m, g.patterns,
-           g.tolerance, fields,   Path{Leg{g.apex_m}},   scattering};
+      : mu{g.model.mu}, material(facets, 0), fields{g.texture}, scattering{g.model.model} {
+    model = {mu,          material, g.absorption_db_per_m, g.patterns,
+             g.tolerance, fields,   Path{Leg{g.apex_m}},   scattering};
   }
   Laws(const Laws&) = delete;
   Laws& operator=(const Laws&) = delete;
   std::vector<double> mu;
   std::vector<std::uint16_t> material;
   std::vector<Field> fields;
-  std::vector<std::shared_ptr<const ScatteringLaw>> scattering;
-  EchoLaw law;
+  std::vector<std::shared_ptr<const ScatteringModel>> scattering;
+  EchoModel model;
 };
 
 /// Gauss's rule of N nodes on each of n.x times n.y panels, every beam at once.
@@ -179,9 +179,9 @@ const std::vector<std::uint32_t> beam_of_tube{0};
 template <class Check>
 void for_all(std::uint32_t tubes, const Check& check) {
   for (const auto& patterns : pattern_sets(tubes))
-    for (const Law& law : laws())
+    for (const Law& model : models())
       for (const Field& texture : textures()) {
-        const Given given{law, texture, patterns ? &*patterns : nullptr};
+        const Given given{model, texture, patterns ? &*patterns : nullptr};
         SCOPED_TRACE(given.name());
         check(given);
       }
@@ -208,7 +208,8 @@ TEST(CombinedLaws, OrdinaryEchoAgreesWithBruteForce) {
         Given own = given;
         own.tolerance = tolerance;
         const Laws l(own);
-        const Echo echo = integrate_echo(history, {int(given.beams()), beam_of_tube}, {0.1, 0.31, 80}, l.law);
+        const Echo echo =
+            integrate_echo(history, {int(given.beams()), beam_of_tube}, {0.1, 0.31, 80}, l.model);
         for (std::size_t b = 0; b < given.beams(); ++b) {
           const auto row = echo.energy.begin() + std::ptrdiff_t(b) * echo.samples;
           EXPECT_NEAR(std::accumulate(row, row + echo.samples, 0.0) / peak, expected[b] / peak,
@@ -225,7 +226,7 @@ TEST(CombinedLaws, RangeSamplesAreRings) {
   const RangeSamples samples{4.07, 0.11, 4};  // between the ranges where the table bends
   for_all(1, [&](const Given& given) {
     const Laws l(given);
-    const Echo echo = integrate_echo(history, {int(given.beams()), beam_of_tube}, samples, l.law);
+    const Echo echo = integrate_echo(history, {int(given.beams()), beam_of_tube}, samples, l.model);
     for (int k = 0; k < samples.count; ++k) {
       const auto rho = [&](int i) {
         return std::sqrt(std::pow(samples.first_m + i * samples.step_m, 2) - height * height);
@@ -256,18 +257,18 @@ TEST(CombinedLaws, ToleranceIsKeptByTheProductOfAllFactors) {
     const glm::dvec2 lo(place(random), place(random)), hi = lo + glm::dvec2(size(random), size(random));
     const History history = history_of({{plane, rectangle(lo, hi)}});
     for (const auto& patterns : pattern_sets(1))
-      for (const Law& law : {gsab(2), gsab(12), table()})
+      for (const Law& model : {gsab(2), gsab(12), table()})
         for (const Field& texture : {perlin(0.4, 1, 0.5, 5), map_askew()}) {
           const auto energies = [&](double tolerance) {
             const Laws l(
-                {law, texture, patterns ? &*patterns : nullptr, 0.2, {123.456, -78.9, 4.2}, tolerance});
+                {model, texture, patterns ? &*patterns : nullptr, 0.2, {123.456, -78.9, 4.2}, tolerance});
             return integrate_echo(history, {patterns ? int(patterns->receive.size()) : 1, beam_of_tube},
-                                  {0.1, 100, 1}, l.law)
+                                  {0.1, 100, 1}, l.model)
                 .energy;
           };
-          const Laws ideal({law, nullptr});
+          const Laws ideal({model, nullptr});
           const double peak =
-              2 * integrate_echo(history, {1, beam_of_tube}, {0.1, 100, 1}, ideal.law).energy[0];
+              2 * integrate_echo(history, {1, beam_of_tube}, {0.1, 100, 1}, ideal.model).energy[0];
           const auto exact = energies(1e-12);
           for (const double tolerance : {1e-3, 1e-6, 1e-9}) {
             const auto own = energies(tolerance);
@@ -288,27 +289,27 @@ TEST(CombinedLaws, FacetsOfAllKindsBesideEachOtherAddUp) {
   std::vector<double> mu;
   std::vector<std::uint16_t> material;
   std::vector<Field> reflectivity;
-  std::vector<std::shared_ptr<const ScatteringLaw>> scattering;
+  std::vector<std::shared_ptr<const ScatteringModel>> scattering;
   for (int i = 0; i < 24; ++i) {
     const double x = 0.9 * (i % 6) - 0.4, y = 0.7 * (i / 6) - 0.3;
     parts.push_back({test::flat_bed(i % 5 == 3 ? 3.5 : height), rectangle({x, y}, {x + 0.8, y + 0.6})});
-    const Law& law = all[std::size_t(i * 7) % all.size()];
-    mu.push_back(law.mu);
+    const Law& model = all[std::size_t(i * 7) % all.size()];
+    mu.push_back(model.mu);
     material.push_back(std::uint16_t(i));
     reflectivity.push_back(fields[std::size_t(i * 5) % 3]);
-    scattering.push_back(law.law);
+    scattering.push_back(model.model);
   }
   const RangeSamples samples{3.4, 0.05, 90};
   for (const auto& patterns : pattern_sets(1)) {
-    EchoLaw law{mu, material, 0.2, patterns ? &*patterns : nullptr};
-    law.reflectivity = reflectivity;
-    law.scattering = scattering;
-    law.path.tx.apex_m = {123.456, -78.9, 4.2};
+    EchoModel model{mu, material, 0.2, patterns ? &*patterns : nullptr};
+    model.reflectivity = reflectivity;
+    model.scattering = scattering;
+    model.path.tx.apex_m = {123.456, -78.9, 4.2};
     const int beams = patterns ? int(patterns->receive.size()) : 1;
-    const Echo together = integrate_echo(history_of(parts), {beams, beam_of_tube}, samples, law);
+    const Echo together = integrate_echo(history_of(parts), {beams, beam_of_tube}, samples, model);
     std::vector<double> sum(together.energy.size(), 0);
     for (std::size_t i = 0; i < parts.size(); ++i) {
-      EchoLaw own = law;
+      EchoModel own = model;
       const std::vector<std::uint16_t> own_material{material[i]};
       own.material = own_material;
       const Echo one = integrate_echo(history_of({parts[i]}), {beams, beam_of_tube}, samples, own);
@@ -329,7 +330,8 @@ TEST(CombinedLaws, FastBinningAndRaysTakeAllOfThemAtOnePlace) {
     const Laws l(given);
     const auto total = [&](const History& history, Binning binning, std::size_t beam) {
       const RangeSamples samples{0.1, 0.2, 60};
-      const Echo echo = integrate_echo(history, {int(given.beams()), beam_of_tube}, samples, l.law, binning);
+      const Echo echo =
+          integrate_echo(history, {int(given.beams()), beam_of_tube}, samples, l.model, binning);
       const auto row = echo.energy.begin() + std::ptrdiff_t(beam) * echo.samples;
       return std::accumulate(row, row + echo.samples, 0.0);
     };
@@ -349,7 +351,7 @@ TEST(CombinedLaws, FastBinningAndRaysTakeAllOfThemAtOnePlace) {
       const double r = glm::length(p), sine = height / r;
       rays.hits.push_back({0, 0, r, sine, cell.x * cell.y * sine / (r * r), glm::vec3(p / r)});
       for (std::size_t b = 0; b < given.beams(); ++b) sum[b] += given.density(p, b) * cell.x * cell.y;
-      size += given.law.value(std::acos(sine)) * std::pow(r, -4) * cell.x * cell.y;
+      size += given.model.value(std::acos(sine)) * std::pow(r, -4) * cell.x * cell.y;
     }
     for (std::size_t b = 0; b < given.beams(); ++b) {
       EXPECT_NEAR(total(rays, Binning::exact, b), sum[b], 1e-5 * size) << b;
@@ -364,7 +366,7 @@ TEST(CombinedLaws, FastBinningAndRaysTakeAllOfThemAtOnePlace) {
 double apart_density(const Given& g, const Path* path, glm::dvec3 t, double ht, glm::dvec3 r, double hr,
                      std::size_t beam, const glm::dmat3& mirrored = glm::dmat3(1)) {
   const double rt = glm::length(t), rr = glm::length(r);
-  double value = std::sqrt(g.law.value(std::acos(ht / rt)) * g.law.value(std::acos(hr / rr))) *
+  double value = std::sqrt(g.model.value(std::acos(ht / rt)) * g.model.value(std::acos(hr / rr))) *
                  std::exp(-g.beta() / 2 * (rt + rr)) / (rt * rt * rr * rr);
   if (g.texture) value *= g.texture->factor(g.apex_m + t);
   if (g.patterns)
@@ -384,19 +386,19 @@ TEST(CombinedLaws, BistaticEchoAndLossAgreeWithBruteForce) {
   for_all(1, [&](const Given& given) {
     Laws l(given);
     for (const Path* mirrors : {static_cast<const Path*>(nullptr), static_cast<const Path*>(&over_mirrors)}) {
-      const Leg at_place = l.law.path.tx;
+      const Leg at_place = l.model.path.tx;
       if (mirrors != nullptr) {
-        l.law.path = *mirrors;
-        l.law.path.tx.apex_m = at_place.apex_m;
+        l.model.path = *mirrors;
+        l.model.path.tx.apex_m = at_place.apex_m;
       }
       const auto expected = panels<4>(lo, hi, {25, 25}, given.beams(), [&](glm::dvec2 p, std::size_t b) {
         const glm::dvec3 t = on_bed(p);
         return apart_density(given, mirrors, t, height, t - receiver, height + receiver.z, b);
       });
       const double most = *std::max_element(expected.begin(), expected.end());
-      const double tolerance = given.law.name == "table" ? 1e-5 : 1e-6;
+      const double tolerance = given.model.name == "table" ? 1e-5 : 1e-6;
       for (const RangeSamples samples : {RangeSamples{0, 100, 1}, RangeSamples{0, 0.09, 1000}}) {
-        const Echo echo = integrate_echo(history, {int(given.beams()), beam_of_tube}, samples, l.law,
+        const Echo echo = integrate_echo(history, {int(given.beams()), beam_of_tube}, samples, l.model,
                                          {Binning::exact, 1e-8});
         for (std::size_t b = 0; b < given.beams(); ++b) {
           const auto row = echo.energy.begin() + std::ptrdiff_t(b) * echo.samples;
@@ -454,21 +456,21 @@ TEST(CombinedLaws, CertifiedBoundHoldsTheBruteForceValue) {
       {0},
       {{0, 1}}};
   for (const BeamPatterns* p : {static_cast<const BeamPatterns*>(nullptr), &patterns})
-    for (const Law& law : {gsab(), table()}) {
-      Given given{law, texture, p};
+    for (const Law& model : {gsab(), table()}) {
+      Given given{model, texture, p};
       given.apex_m = {32.25, -17.5, 4.125};
       SCOPED_TRACE(given.name());
       const Laws l(given);
-      const Echo ordinary = integrate_echo(history, {1, beam_of_tube}, samples, l.law);
+      const Echo ordinary = integrate_echo(history, {1, beam_of_tube}, samples, l.model);
       const double tolerance = 1e-7;
-      const CertifiedEcho certified =
-          certify_echo(bench.mesh, tree, history, options, beam_of_tube, samples, l.law, ordinary, tolerance);
+      const CertifiedEcho certified = certify_echo(bench.mesh, tree, history, options, beam_of_tube, samples,
+                                                   l.model, ordinary, tolerance);
       // Where a table's pieces meet is a circle, which panels do not know.
-      const int n = law.name == "table" ? 120 : 12;
+      const int n = model.name == "table" ? 120 : 12;
       const double truth = panels<10>(lo, hi, {n, n}, 1, [&](glm::dvec2 q, std::size_t) {
         return given.density({q, -height}, 0);
       })[0];
-      const double oracle = law.name == "table" ? 2e-7 : 2e-8;  // corners are rounded to rays
+      const double oracle = model.name == "table" ? 2e-7 : 2e-8;  // corners are rounded to rays
       EXPECT_EQ(certified.bins_over, 0u);
       EXPECT_LE(certified.bound[0], tolerance * certified.echo.energy[0]);
       EXPECT_LE(std::abs(certified.echo.energy[0] - truth), certified.bound[0] + oracle * truth);
@@ -500,20 +502,20 @@ TEST(CombinedLaws, MirroredEchoAgreesWithBruteForce) {
   const glm::dmat3 flipped{{1, 0, 0}, {0, 1, 0}, {0, 0, -1}};
   const auto patterns = pattern_sets(2);
   for (const auto& set : patterns)
-    for (const Law& law : laws())
+    for (const Law& model : models())
       for (const Field& texture : {Field(), perlin(0.5, 2, 0.5, 5)}) {
-        const Given given{law, texture, set ? &*set : nullptr};
+        const Given given{model, texture, set ? &*set : nullptr};
         SCOPED_TRACE(given.name());
         const Laws l(given);
         const RangeSamples samples{0, 0.25, 60};
         const PathEcho paths = path_echo(bench.mesh, tree, Bench::unit, VisibilityOptions(), bench.tubes,
-                                         bench.tubes, {int(given.beams()), beam}, samples, l.law, settings);
+                                         bench.tubes, {int(given.beams()), beam}, samples, l.model, settings);
         const auto expected = panels<4>(lo, hi, {25, 25}, given.beams(), [&](glm::dvec2 q, std::size_t b) {
           const glm::dvec3 p{q, -height}, from_image = p - image;
           const double rt = glm::length(from_image), rr = glm::length(p);
           const double lost = 0.8 * std::exp(-roughness * std::pow(far / rt, 2));
           double value =
-              std::sqrt(given.law.value(std::acos(far / rt)) * given.law.value(std::acos(height / rr))) *
+              std::sqrt(given.model.value(std::acos(far / rt)) * given.model.value(std::acos(height / rr))) *
               std::exp(-given.beta() / 2 * (rt + rr)) / (rt * rt * rr * rr) * lost;
           if (given.texture) value *= given.texture->factor(given.apex_m + p);
           if (!given.patterns) return 2 * value;
@@ -526,7 +528,7 @@ TEST(CombinedLaws, MirroredEchoAgreesWithBruteForce) {
         for (std::size_t b = 0; b < given.beams(); ++b) {
           const auto row = paths.by_order[2].energy.begin() + std::ptrdiff_t(b) * samples.count;
           EXPECT_NEAR(std::accumulate(row, row + samples.count, 0.0) / most, expected[b] / most,
-                      law.name == "table" ? 1e-5 : 2e-6)
+                      model.name == "table" ? 1e-5 : 2e-6)
               << b;
         }
       }

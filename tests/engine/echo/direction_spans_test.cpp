@@ -9,7 +9,7 @@
 
 #include "engine/echo/echo.hpp"
 #include "engine/echo/gain_panels.hpp"
-#include "engine/law/beam_pattern.hpp"
+#include "engine/scattering/beam_pattern.hpp"
 #include "fixtures/geometry/plane_polygons.hpp"
 #include "fixtures/world/histories.hpp"
 
@@ -131,7 +131,7 @@ void expect_integrals_in_space(double thinness, std::initializer_list<double> to
       direct.push_back(over_space(plane, p, [&](glm::dvec3 d) { return sent.gain(d) * beam.gain(d); }));
     for (const double tolerance : tolerances) {
       const Echo echo = integrate_echo(history, {int(beams.size()), beam_of_tube}, {0.1, 0.01, 1500},
-                                       EchoLaw{mu, material, 0, &patterns, tolerance});
+                                       EchoModel{mu, material, 0, &patterns, tolerance});
       for (int b = 0; b < echo.beams; ++b) {
         double sum = 0;
         for (int k = 0; k < echo.samples; ++k) sum += echo.at(b, k);

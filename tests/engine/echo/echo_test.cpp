@@ -9,8 +9,8 @@
 #include <numbers>
 #include <numeric>
 
-#include "engine/law/lambert.hpp"
-#include "engine/law/radial_law.hpp"
+#include "engine/scattering/lambert.hpp"
+#include "engine/scattering/radial_model.hpp"
 #include "fixtures/geometry/plane_polygons.hpp"
 #include "fixtures/world/histories.hpp"
 
@@ -51,7 +51,7 @@ Echo echo_of(const History& history, const RangeSamples& samples, double absorpt
   const std::vector<double> material_mu{mu};
   const std::vector<std::uint32_t> beam_of_tube{0};
   return integrate_echo(history, {1, beam_of_tube}, samples,
-                        EchoLaw{material_mu, one_facet, absorption_db_per_m});
+                        EchoModel{material_mu, one_facet, absorption_db_per_m});
 }
 
 double total(const Echo& echo) { return std::accumulate(echo.energy.begin(), echo.energy.end(), 0.0); }
@@ -62,7 +62,7 @@ TEST(Lambert, ParameterAndCrossSection) {
   EXPECT_NEAR(lambert_cross_section(0.1, pi / 6), 0.025, 1e-16);
 }
 
-TEST(RadialLaw, PrintedIntegralsFromTenToTwentyMetres) {
+TEST(RadialModel, PrintedIntegralsFromTenToTwentyMetres) {
   const struct {
     double absorption_db_per_m, integral;
   } cases[] = {{0.0615, 1.650881e-5}, {0.42368, 2.243191e-6}};
@@ -240,16 +240,16 @@ TEST(Echo, BadInputIsRefused) {
   add_footprint(history, 1, 0, flat_bed(height), {wedge(slice, 5, 60)});
   const std::vector<double> material_mu{0.001};
   const std::vector<std::uint32_t> beams{0, 0}, too_few{0}, too_far{0, 7};
-  const EchoLaw law{material_mu, one_facet, 0};
+  const EchoModel model{material_mu, one_facet, 0};
   const RangeSamples samples{20, 1, 4};
-  EXPECT_NO_THROW(integrate_echo(history, {1, beams}, samples, law));
-  EXPECT_THROW(integrate_echo(history, {1, too_few}, samples, law), std::invalid_argument);
-  EXPECT_THROW(integrate_echo(history, {1, too_far}, samples, law), std::invalid_argument);
-  EXPECT_THROW(integrate_echo(history, {-1, beams}, samples, law), std::invalid_argument);
-  EXPECT_THROW(integrate_echo(history, {1, beams}, {20, 1, 0}, law), std::invalid_argument);
-  EXPECT_THROW(integrate_echo(history, {1, beams}, {20, 0, 3}, law), std::invalid_argument);
-  EXPECT_THROW(integrate_echo(history, {1, beams}, {-20, 1, 3}, law), std::invalid_argument);
-  EXPECT_THROW(integrate_echo(history, {1, beams}, {20, std::nan(""), 3}, law), std::invalid_argument);
+  EXPECT_NO_THROW(integrate_echo(history, {1, beams}, samples, model));
+  EXPECT_THROW(integrate_echo(history, {1, too_few}, samples, model), std::invalid_argument);
+  EXPECT_THROW(integrate_echo(history, {1, too_far}, samples, model), std::invalid_argument);
+  EXPECT_THROW(integrate_echo(history, {-1, beams}, samples, model), std::invalid_argument);
+  EXPECT_THROW(integrate_echo(history, {1, beams}, {20, 1, 0}, model), std::invalid_argument);
+  EXPECT_THROW(integrate_echo(history, {1, beams}, {20, 0, 3}, model), std::invalid_argument);
+  EXPECT_THROW(integrate_echo(history, {1, beams}, {-20, 1, 3}, model), std::invalid_argument);
+  EXPECT_THROW(integrate_echo(history, {1, beams}, {20, std::nan(""), 3}, model), std::invalid_argument);
   EXPECT_THROW(integrate_echo(history, {1, beams}, samples, {material_mu, one_facet, -1}),
                std::invalid_argument);
   EXPECT_THROW(integrate_echo(history, {1, beams}, samples, {material_mu, one_facet, std::nan("")}),

@@ -35,7 +35,7 @@ class LitEchoes : public testing::Test {
   History history(GridPoint apex) const {
     return TubeEngine(mesh, tree, unit, {}).trace(test::forward_tubes(apex, 6, 1, 50, 30, 20));
   }
-  EchoLaw law() const { return {material_mu, mesh.material, 0.1}; }
+  EchoModel model() const { return {material_mu, mesh.material, 0.1}; }
   FacetMesh mesh;
   SceneTree tree;
 };
@@ -46,9 +46,9 @@ TEST_F(LitEchoes, AreTheSameInMemoryOfOthers) {
     const History seen = history({0, 300000 * k, 200000 * k});
     // Of other sizes, too: what is left over is 0 again.
     const RangeSamples own{2, 0.0625 / (1 + k % 3), 300 * (1 + k % 3)};
-    const Echo expected = integrate_echo(seen, {6, beams}, own, law());
+    const Echo expected = integrate_echo(seen, {6, beams}, own, model());
     ASSERT_FALSE(all_zero(expected.energy));
-    LitEcho made = integrate_lit_echo(seen, {6, beams}, own, law(), {}, std::move(room));
+    LitEcho made = integrate_lit_echo(seen, {6, beams}, own, model(), {}, std::move(room));
     EXPECT_TRUE(same(made.echo.energy, expected.energy)) << k;
     EXPECT_EQ(made.echo.beams, 6);
     EXPECT_EQ(made.echo.samples, own.count);
@@ -59,7 +59,7 @@ TEST_F(LitEchoes, AreTheSameInMemoryOfOthers) {
 
 TEST_F(LitEchoes, AreZeroOutsideOfWhatIsLit) {
   const History seen = history({0, 0, 0});
-  const LitEcho made = integrate_lit_echo(seen, {6, beams}, samples, law(), {}, {});
+  const LitEcho made = integrate_lit_echo(seen, {6, beams}, samples, model(), {}, {});
   ASSERT_EQ(made.lit.size(), 6u);
   for (std::size_t row = 0; row < 6; ++row) {
     const auto [first, end] = made.lit[row];
@@ -77,7 +77,7 @@ TEST_F(LitEchoes, AreZeroOutsideOfWhatIsLit) {
 TEST_F(LitEchoes, SayNothingWhereAllMayBeLit) {
   const History seen = history({0, 0, 0});
   for (const Binning binning : {Binning::spread, Binning::centroid}) {
-    LitEcho made = integrate_lit_echo(seen, {6, beams}, samples, law(), binning, {});
+    LitEcho made = integrate_lit_echo(seen, {6, beams}, samples, model(), binning, {});
     EXPECT_TRUE(made.lit.empty());
     EXPECT_FALSE(all_zero(made.echo.energy));
     EXPECT_TRUE(all_zero(cleared_room(std::move(made))));
@@ -87,7 +87,7 @@ TEST_F(LitEchoes, SayNothingWhereAllMayBeLit) {
   hit.grid_unit_m = seen.grid_unit_m;
   hit.hits.push_back(
       {.facet = 0, .tube = 2, .slant_range_m = 9, .sine_grazing = 0.4, .solid_angle_sr = 0.01});
-  LitEcho made = integrate_lit_echo(hit, {6, beams}, samples, law(), {}, {});
+  LitEcho made = integrate_lit_echo(hit, {6, beams}, samples, model(), {}, {});
   EXPECT_TRUE(made.lit.empty());
   EXPECT_FALSE(all_zero(made.echo.energy));
   EXPECT_TRUE(all_zero(cleared_room(std::move(made))));

@@ -11,7 +11,7 @@
 
 #include "engine/echo/echo.hpp"
 #include "engine/echo/receiver_pair_echo.hpp"
-#include "engine/law/layered_reflectivity.hpp"
+#include "engine/scattering/layered_reflectivity.hpp"
 #include "fixtures/geometry/plane_polygons.hpp"
 #include "fixtures/world/histories.hpp"
 #include "fixtures/world/textures.hpp"
@@ -57,8 +57,8 @@ Echo echo_of(const History& history, const Field& texture, const Settings& s = {
   const std::vector<Field> reflectivity{texture};
   const int beams = s.patterns != nullptr ? int(s.patterns->receive.size()) : 1;
   return integrate_echo(history, {beams, beam_of_tube}, s.samples,
-                        EchoLaw{material_mu, material, s.absorption_db_per_m, s.patterns, s.tolerance,
-                                reflectivity, Path{Leg{s.apex_m}}},
+                        EchoModel{material_mu, material, s.absorption_db_per_m, s.patterns, s.tolerance,
+                                  reflectivity, Path{Leg{s.apex_m}}},
                         s.binning);
 }
 
@@ -255,11 +255,11 @@ TEST(MicroTexture, AnEvenMaterialBesideATexturedOneKeepsEveryBit) {
                               {{0, 1}, {1, 2}}};
   for (const BeamPatterns* p : {static_cast<const BeamPatterns*>(nullptr), &patterns}) {
     const RangeSamples samples{0, 0.1, 120};
-    EchoLaw law{material_mu, material, 0.2, p};
-    const Echo even = integrate_echo(history, {2, beam_of_tube}, samples, law);
-    law.reflectivity = one;
-    law.path.tx.apex_m = apex;
-    const Echo echo = integrate_echo(history, {2, beam_of_tube}, samples, law);
+    EchoModel model{material_mu, material, 0.2, p};
+    const Echo even = integrate_echo(history, {2, beam_of_tube}, samples, model);
+    model.reflectivity = one;
+    model.path.tx.apex_m = apex;
+    const Echo echo = integrate_echo(history, {2, beam_of_tube}, samples, model);
     double differ = 0;
     for (int k = 0; k < samples.count; ++k) {
       EXPECT_EQ(echo.at(0, k), even.at(0, k)) << k;
@@ -357,11 +357,11 @@ TEST(MicroTexture, TwoReceiversOfAPairAgreeWithBruteForce) {
     const std::vector<Field> fields{texture};
     const std::vector<double> material_mu{mu};
     const std::vector<std::uint16_t> one_facet{0};
-    EchoLaw law{material_mu, one_facet, 0.2, &patterns};
-    law.reflectivity = fields;
-    law.path.tx.apex_m = apex;
+    EchoModel model{material_mu, one_facet, 0.2, &patterns};
+    model.reflectivity = fields;
+    model.path.tx.apex_m = apex;
     const ReceiverPairEcho echo =
-        integrate_receiver_pair_echo(history, receiver_pair, 0, 0, {0.1, 100, 1}, law);
+        integrate_receiver_pair_echo(history, receiver_pair, 0, 0, {0.1, 100, 1}, model);
     // quadrature() has the law of one apex: what is more by way of a receiver.
     const auto further = [&](glm::dvec3 p, glm::dvec3 receiver) {
       const double height = glm::dot(bed.normal, receiver - p), range = glm::distance(p, receiver);
@@ -432,10 +432,10 @@ TEST(MicroTexture, RefusesTexturesOfOtherMaterials) {
   const std::vector<std::uint16_t> material{0};
   const std::vector<std::uint32_t> beam_of_tube{0};
   const std::vector<Field> two{perlin(1), perlin(2)};
-  EchoLaw law{material_mu, material};
-  law.reflectivity = two;
-  EXPECT_THROW(integrate_echo(history, {1, beam_of_tube}, {0, 1, 10}, law), std::invalid_argument);
-  EXPECT_THROW(integrate_echo(BistaticHistory{}, {1, {}}, {0, 1, 10}, law), std::invalid_argument);
+  EchoModel model{material_mu, material};
+  model.reflectivity = two;
+  EXPECT_THROW(integrate_echo(history, {1, beam_of_tube}, {0, 1, 10}, model), std::invalid_argument);
+  EXPECT_THROW(integrate_echo(BistaticHistory{}, {1, {}}, {0, 1, 10}, model), std::invalid_argument);
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ Echo echo_of(const History& history, const RangeSamples& samples, const BeamPatt
   const std::vector<std::uint16_t> one_facet{0};
   const std::vector<std::uint32_t> beam_of_tube{0};
   return integrate_echo(history, {1, beam_of_tube}, samples,
-                        EchoLaw{material_mu, one_facet, 0, &patterns, 1e-11}, binning);
+                        EchoModel{material_mu, one_facet, 0, &patterns, 1e-11}, binning);
 }
 
 BeamPatterns one_beam(const ReceiverBaseline& baseline, const Directivity& transmit = {},

@@ -9,7 +9,7 @@
 #include <numeric>
 
 #include "engine/echo/echo.hpp"
-#include "engine/law/perlin_reflectivity.hpp"
+#include "engine/scattering/perlin_reflectivity.hpp"
 #include "engine/visibility/tube_engine.hpp"
 
 namespace tubefoot {
@@ -99,10 +99,10 @@ struct Scenery {
   Echo echo(const BistaticHistory& of, const RangeSamples& samples) const {
     const std::vector<std::uint32_t> beam(of.receive.tubes.size(), 0);
     const std::vector<std::shared_ptr<const ReflectivityField>> textures{texture};
-    EchoLaw law{material_mu, material, absorption, nullptr};
-    if (texture) law.reflectivity = textures;
-    law.path.tx.apex_m = grid.to_metres(of.transmit.apex);
-    return integrate_echo(of, {1, beam}, samples, law);
+    EchoModel model{material_mu, material, absorption, nullptr};
+    if (texture) model.reflectivity = textures;
+    model.path.tx.apex_m = grid.to_metres(of.transmit.apex);
+    return integrate_echo(of, {1, beam}, samples, model);
   }
   mutable std::vector<std::uint16_t> material{};
 };
@@ -238,12 +238,12 @@ TEST(RefractedBistatic, InOnePlaceItIsTheMonostaticEcho) {
   const ApparentSurface ground =
       map_apparent(base, all, grid, ApparentMap(water, transmitter, surface_m, {}, 1500), 0, {.gap_m = gap});
   const FacetMesh& mesh = ground.refined.mesh;
-  EchoLaw law{material_mu, mesh.material, 0, nullptr};
-  law.path.facet_factor = ground.facet_factor;
+  EchoModel model{material_mu, mesh.material, 0, nullptr};
+  model.path.facet_factor = ground.facet_factor;
   const std::vector<std::uint32_t> beam(tubes.tubes.size(), 0);
   const SceneTree tree(mesh);
   const Echo one =
-      integrate_echo(TubeEngine(mesh, tree, grid.unit_m(), {}).trace(tubes), {1, beam}, samples, law);
+      integrate_echo(TubeEngine(mesh, tree, grid.unit_m(), {}).trace(tubes), {1, beam}, samples, model);
   int lit = 0;
   for (std::size_t k = 0; k < one.energy.size(); ++k) {
     EXPECT_NEAR(apart.energy[k], one.energy[k], 1e-3 * one.energy[k]) << k;

@@ -11,7 +11,7 @@
 #include <random>
 
 #include "engine/echo/echo.hpp"
-#include "engine/law/sediment.hpp"
+#include "engine/scattering/sediment.hpp"
 #include "fixtures/geometry/plane_polygons.hpp"
 #include "fixtures/world/histories.hpp"
 
@@ -25,17 +25,17 @@ using test::Polygon2;
 
 constexpr double pi = std::numbers::pi, degree = pi / 180;
 constexpr double mu = 0.004;
-using Law = std::shared_ptr<const ScatteringLaw>;
+using Law = std::shared_ptr<const ScatteringModel>;
 using test::add_footprint;
 using test::one_beam;
 using test::total;
 
-Law shared(ScatteringLaw law) { return std::make_shared<const ScatteringLaw>(std::move(law)); }
-Law lambert_as_gsab() { return shared(ScatteringLaw::gsab({.oblique = mu, .oblique_exponent = 2})); }
-Law three_terms() { return shared(ScatteringLaw::gsab({0.4, 4 * degree, 0.01, 1.7, 0.03, 22 * degree})); }
+Law shared(ScatteringModel model) { return std::make_shared<const ScatteringModel>(std::move(model)); }
+Law lambert_as_gsab() { return shared(ScatteringModel::gsab({.oblique = mu, .oblique_exponent = 2})); }
+Law three_terms() { return shared(ScatteringModel::gsab({0.4, 4 * degree, 0.01, 1.7, 0.03, 22 * degree})); }
 Law medium_sand() {
   return shared(
-      ScatteringLaw::table(sediment_grazing_deg, sediment_backscatter("medium sand", 20).strength_db));
+      ScatteringModel::table(sediment_grazing_deg, sediment_backscatter("medium sand", 20).strength_db));
 }
 
 History history_of(const FacetPlane& plane, const Polygon2& polygon) {
@@ -46,16 +46,16 @@ History history_of(const FacetPlane& plane, const Polygon2& polygon) {
 }
 
 /// With a null law: Lambert's with mu.
-Echo echo_of(const History& history, const RangeSamples& samples, const Law& law, double absorption = 0,
+Echo echo_of(const History& history, const RangeSamples& samples, const Law& model, double absorption = 0,
              const BeamPatterns* patterns = nullptr, Binning binning = Binning::exact,
              double pattern_tolerance = 1e-11) {
   const std::vector<double> material_mu{mu};
   const std::vector<std::uint16_t> one_facet{0};
   const std::vector<std::uint32_t> beam_of_tube{0};
-  const std::vector<Law> laws{law};
-  EchoLaw echo_law{material_mu, one_facet, absorption, patterns, pattern_tolerance};
-  echo_law.scattering = laws;
-  return integrate_echo(history, {1, beam_of_tube}, samples, echo_law, binning);
+  const std::vector<Law> models{model};
+  EchoModel echo_model{material_mu, one_facet, absorption, patterns, pattern_tolerance};
+  echo_model.scattering = models;
+  return integrate_echo(history, {1, beam_of_tube}, samples, echo_model, binning);
 }
 
 /// A tube between two vertical planes that meet below the apex; straight walls near and far.
@@ -65,11 +65,11 @@ Polygon2 wedge(double dphi, double far) {
 
 /// What a fan of azimuth dphi returns from a bed at distance h between two ranges, by quadrature between the
 /// ranges at which the law changes.
-double fan_by_quadrature(const ScatteringLaw& law, double h, double dphi, double from, double to,
+double fan_by_quadrature(const ScatteringModel& model, double h, double dphi, double from, double to,
                          double absorption) {
   const double beta = 2 * absorption * std::numbers::ln10 / 10;
   std::vector<double> ends{std::max(from, h), to};
-  for (const auto& piece : law.pieces())
+  for (const auto& piece : model.pieces())
     if (const double r = h / std::cos(piece.to); r > ends.front() && r < to) ends.push_back(r);
   std::sort(ends.begin(), ends.end());
   double sum = 0;
@@ -79,7 +79,7 @@ double fan_by_quadrature(const ScatteringLaw& law, double h, double dphi, double
     sum += gauss_kronrod<double, 31>::integrate(
         [&](double x) {
           const double r = std::hypot(h, x);
-          return dphi * x * law.cross_section(h / r, x / r) * std::pow(r, -4) * std::exp(-beta * r);
+          return dphi * x * model.cross_section(h / r, x / r) * std::pow(r, -4) * std::exp(-beta * r);
         },
         rho(ends[k]), rho(ends[k + 1]), 12, 1e-14);
   }
@@ -101,7 +101,7 @@ TEST(ScatteringEcho, GsabWithTheObliqueTermAloneIsLambertInEveryIntegrator) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> along(-15, 15), size(0.01, 8), distance(0.5, 12);
   const BeamPatterns patterns = one_beam(line(20), line(12));
-  const Law law = lambert_as_gsab();
+  const Law model = lambert_as_gsab();
   for (int run = 0; run < 60; ++run) {
     const glm::dvec2 centre = run % 5 == 0 ? glm::dvec2(0) : glm::dvec2{along(random), along(random)};
     const History history = history_of(test::random_plane(random, distance(random)),
@@ -109,12 +109,12 @@ TEST(ScatteringEcho, GsabWithTheObliqueTermAloneIsLambertInEveryIntegrator) {
     const RangeSamples samples{1, 0.37, 80};
     for (const double absorption : {0.0, 0.4}) {
       for (const Binning binning : {Binning::exact, Binning::spread, Binning::centroid}) {
-        const Echo a = echo_of(history, samples, law, absorption, nullptr, binning),
+        const Echo a = echo_of(history, samples, model, absorption, nullptr, binning),
                    b = echo_of(history, samples, nullptr, absorption, nullptr, binning);
         for (int k = 0; k < samples.count; ++k)
           ASSERT_NEAR(a.at(0, k), b.at(0, k), 1e-12 * b.at(0, k) + 1e-15 * total(b)) << run << ' ' << k;
       }
-      const Echo a = echo_of(history, samples, law, absorption, &patterns),
+      const Echo a = echo_of(history, samples, model, absorption, &patterns),
                  b = echo_of(history, samples, nullptr, absorption, &patterns);
       for (int k = 0; k < samples.count; ++k)
         ASSERT_NEAR(a.at(0, k), b.at(0, k), 1e-12 * b.at(0, k) + 1e-15 * total(b)) << run << ' ' << k;
@@ -126,13 +126,13 @@ TEST(ScatteringEcho, WholePlaneOfAPowerOfTheSineInClosedForm) {
   // C (D / r)^p r^-4 over r dr dphi from D on: 2 pi C / ((2 + p) D^2).
   for (const double p : {0.0, 0.5, 1.0, 2.0, 3.7, 9.0})
     for (const double distance : {0.3, 10.0}) {
-      const Law law = shared(ScatteringLaw::gsab({.oblique = 0.02, .oblique_exponent = p}));
+      const Law model = shared(ScatteringModel::gsab({.oblique = 0.02, .oblique_exponent = p}));
       const double far = 1e7 * distance;
       const History history =
           history_of(flat_bed(distance), {{-far, -far}, {far, -far}, {far, far}, {-far, far}});
       const double expected = 2 * pi * 0.02 / ((2 + p) * distance * distance);
-      EXPECT_NEAR(total(echo_of(history, {0, 2 * far, 1}, law)), expected, 1e-11 * expected) << p;
-      EXPECT_NEAR(total(echo_of(history, {distance / 2, distance, 40}, law)),
+      EXPECT_NEAR(total(echo_of(history, {0, 2 * far, 1}, model)), expected, 1e-11 * expected) << p;
+      EXPECT_NEAR(total(echo_of(history, {distance / 2, distance, 40}, model)),
                   expected * (1 - std::pow(40.5, -2 - p)), 1e-11 * expected)
           << p;
     }
@@ -140,19 +140,19 @@ TEST(ScatteringEcho, WholePlaneOfAPowerOfTheSineInClosedForm) {
 
 TEST(ScatteringEcho, EverySampleOfAFanIsASingleIntegral) {
   const double h = 10, dphi = 1.5 * degree;
-  const std::vector<Law> laws{
+  const std::vector<Law> models{
       three_terms(), medium_sand(),
-      shared(ScatteringLaw::gsab({.specular = 1, .specular_width_rad = degree})),
-      shared(ScatteringLaw::gsab({.oblique = 0.1, .oblique_exponent = 0})),
-      shared(ScatteringLaw::table(std::vector{3.0, 50.0, 90.0}, std::vector{-50.0, -20.0, 3.0}))};
+      shared(ScatteringModel::gsab({.specular = 1, .specular_width_rad = degree})),
+      shared(ScatteringModel::gsab({.oblique = 0.1, .oblique_exponent = 0})),
+      shared(ScatteringModel::table(std::vector{3.0, 50.0, 90.0}, std::vector{-50.0, -20.0, 3.0}))};
   const History history = history_of(flat_bed(h), wedge(dphi, 300));
-  for (std::size_t l = 0; l < laws.size(); ++l)
+  for (std::size_t l = 0; l < models.size(); ++l)
     for (const auto& [samples, absorption] :
          {std::pair{RangeSamples{9.9, 0.25, 200}, 0.0}, {RangeSamples{5, 7, 12}, 0.1}}) {
-      const Echo echo = echo_of(history, samples, laws[l], absorption);
+      const Echo echo = echo_of(history, samples, models[l], absorption);
       for (int k = 0; k < samples.count; ++k) {
         const double from = samples.first_m + k * samples.step_m, to = from + samples.step_m;
-        const double expected = to > h ? fan_by_quadrature(*laws[l], h, dphi, from, to, absorption) : 0;
+        const double expected = to > h ? fan_by_quadrature(*models[l], h, dphi, from, to, absorption) : 0;
         ASSERT_NEAR(echo.at(0, k), expected, 2e-11 * expected + 1e-15 * total(echo))
             << "law " << l << ", sample " << k;
       }
@@ -170,8 +170,8 @@ TEST(ScatteringEcho, LambertAsATableConvergesToLambert) {
       angle.push_back(grazing);
       level.push_back(10 * std::log10(mu * std::pow(std::sin(grazing * degree), 2)));
     }
-    error[fine] =
-        std::abs(total(echo_of(history, samples, shared(ScatteringLaw::table(angle, level)))) / lambert - 1);
+    error[fine] = std::abs(
+        total(echo_of(history, samples, shared(ScatteringModel::table(angle, level)))) / lambert - 1);
   }
   EXPECT_LT(error[0], 1e-3);
   EXPECT_NEAR(error[0] / error[1], 4, 0.3);
@@ -180,7 +180,8 @@ TEST(ScatteringEcho, LambertAsATableConvergesToLambert) {
 /// What each sample's energy changes by if the polygon's outline moves by `moved_m`: the law where the sample
 /// begins, on a strip that wide along all of it.
 std::vector<double> energy_of_a_moved_outline(const History& history, const RangeSamples& samples,
-                                              const ScatteringLaw& law, double absorption, double moved_m) {
+                                              const ScatteringModel& model, double absorption,
+                                              double moved_m) {
   const std::vector<glm::dvec3>& corners = history.footprints.corners_m;
   const double h = history.footprints.footprints.front().plane_distance_m;
   double outline_m = 0;
@@ -189,7 +190,7 @@ std::vector<double> energy_of_a_moved_outline(const History& history, const Rang
   std::vector<double> energy;
   for (int k = 0; k < samples.count; ++k) {
     const double r = std::max(h, samples.first_m + k * samples.step_m), sine = h / r;
-    energy.push_back(outline_m * moved_m * law.cross_section(sine, std::sqrt((1 - sine) * (1 + sine))) *
+    energy.push_back(outline_m * moved_m * model.cross_section(sine, std::sqrt((1 - sine) * (1 + sine))) *
                      std::pow(r, -4) * std::pow(10, -0.2 * absorption * r));
   }
   return energy;
@@ -203,8 +204,8 @@ TEST(ScatteringEcho, PatternsOfOneAgreeWithNoPatterns) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> along(-20, 20), size(0.05, 8), distance(0.3, 12);
   const BeamPatterns patterns = one_beam({}, {});
-  const std::vector<Law> laws{three_terms(), medium_sand(),
-                              shared(ScatteringLaw::gsab({.oblique = 0.1, .oblique_exponent = 9}))};
+  const std::vector<Law> models{three_terms(), medium_sand(),
+                                shared(ScatteringModel::gsab({.oblique = 0.1, .oblique_exponent = 9}))};
   const double absorption = 0.05, rounded_m = 5e-13;
   for (int run = 0; run < 2000; ++run) {
     const glm::dvec2 centre = run % 4 == 0 ? glm::dvec2(0) : glm::dvec2{along(random), along(random)};
@@ -212,11 +213,11 @@ TEST(ScatteringEcho, PatternsOfOneAgreeWithNoPatterns) {
     const FacetPlane plane = test::random_plane(random, distance(random));
     const History history = history_of(plane, test::random_convex(random, centre, a, b));
     const RangeSamples samples{0.25, 0.8, 45};
-    const Law& law = laws[std::size_t(run) % laws.size()];
-    const Echo plain = echo_of(history, samples, law, absorption),
-               weighed = echo_of(history, samples, law, absorption, &patterns, Binning::exact, 1e-12);
+    const Law& model = models[std::size_t(run) % models.size()];
+    const Echo plain = echo_of(history, samples, model, absorption),
+               weighed = echo_of(history, samples, model, absorption, &patterns, Binning::exact, 1e-12);
     const std::vector<double> moved =
-        energy_of_a_moved_outline(history, samples, *law, absorption, rounded_m);
+        energy_of_a_moved_outline(history, samples, *model, absorption, rounded_m);
     for (int k = 0; k < samples.count; ++k)
       ASSERT_NEAR(weighed.at(0, k), plain.at(0, k), 2e-10 * plain.at(0, k) + moved[std::size_t(k)])
           << run << ' ' << k;
@@ -229,7 +230,7 @@ TEST(ScatteringEcho, WithPatternsAPolygonIsABruteForceSum) {
   const Polygon2 polygon{{-1, -2}, {5, -1}, {4, 3}, {0, 2}};
   const History history = history_of(plane, polygon);
   const BeamPatterns patterns = one_beam(line(4), line(3));
-  for (const Law& law : {three_terms(), medium_sand()}) {
+  for (const Law& model : {three_terms(), medium_sand()}) {
     // Midpoints of a fine grid: second order, but for the corners of a table.
     constexpr int n = 1200;
     double sum = 0;
@@ -245,10 +246,10 @@ TEST(ScatteringEcho, WithPatternsAPolygonIsABruteForceSum) {
         const glm::dvec3 place = -plane.distance_m * plane.normal + p.x * frame.u + p.y * frame.v;
         const double r = glm::length(place);
         const glm::dvec3 d = place / r;
-        sum += law->cross_section(std::asin(plane.distance_m / r)) * std::pow(r, -4) * line(4).gain(d) *
+        sum += model->cross_section(std::asin(plane.distance_m / r)) * std::pow(r, -4) * line(4).gain(d) *
                line(3).gain(d) * 30 / n / n;
       }
-    const double energy = total(echo_of(history, {5.9, 0.5, 20}, law, 0, &patterns));
+    const double energy = total(echo_of(history, {5.9, 0.5, 20}, model, 0, &patterns));
     EXPECT_NEAR(energy, sum, 1e-3 * sum);
   }
 }
@@ -257,19 +258,20 @@ TEST(ScatteringEcho, WholeFootprintsScatterByTheirCentroidsAngle) {
   const FacetPlane plane = flat_bed(5);
   const History history = history_of(plane, {{2, 1}, {2.02, 1}, {2.02, 1.03}, {2, 1.03}});
   const Footprint& f = history.footprints.footprints.front();
-  for (const Law& law : {three_terms(), medium_sand()}) {
-    const double r = glm::length(f.centroid_m), sigma = law->cross_section(std::asin(5 / r));
+  for (const Law& model : {three_terms(), medium_sand()}) {
+    const double r = glm::length(f.centroid_m), sigma = model->cross_section(std::asin(5 / r));
     for (const Binning binning : {Binning::spread, Binning::centroid})
-      EXPECT_NEAR(total(echo_of(history, {1, 1, 20}, law, 0, nullptr, binning)),
+      EXPECT_NEAR(total(echo_of(history, {1, 1, 20}, model, 0, nullptr, binning)),
                   sigma * f.area_m2 * std::pow(r, -4), 1e-12 * sigma);
-    EXPECT_NEAR(total(echo_of(history, {1, 1, 20}, law)), sigma * f.area_m2 * std::pow(r, -4), 1e-8 * sigma);
+    EXPECT_NEAR(total(echo_of(history, {1, 1, 20}, model)), sigma * f.area_m2 * std::pow(r, -4),
+                1e-8 * sigma);
   }
 }
 
 TEST(ScatteringEcho, RaysConvergeToTheTubes) {
   // Rays at the middles of equal solid angles, over a fan from straight below to 20 degrees above the bed.
   const double h = 4, dphi = 0.2, highest = std::sin(20 * degree);
-  for (const Law& law : {three_terms(), medium_sand()}) {
+  for (const Law& model : {three_terms(), medium_sand()}) {
     const double far = h / highest * std::cos(20 * degree);
     double error[2];
     for (const int fine : {0, 1}) {
@@ -282,8 +284,8 @@ TEST(ScatteringEcho, RaysConvergeToTheTubes) {
         hit.solid_angle_sr = dphi * (1 - highest) / n;
         rays.hits.push_back(hit);
       }
-      const double truth = fan_by_quadrature(*law, h, dphi, h, std::hypot(h, far), 0);
-      error[fine] = std::abs(total(echo_of(rays, {3, 20, 1}, law)) / truth - 1);
+      const double truth = fan_by_quadrature(*model, h, dphi, h, std::hypot(h, far), 0);
+      error[fine] = std::abs(total(echo_of(rays, {3, 20, 1}, model)) / truth - 1);
     }
     EXPECT_LT(error[0], 1e-3);
     EXPECT_LT(error[1], error[0] / 30);
@@ -292,15 +294,15 @@ TEST(ScatteringEcho, RaysConvergeToTheTubes) {
 
 // --- transmitter and separate receiver
 
-Echo bistatic_echo(const BistaticHistory& history, const RangeSamples& samples, const Law& law,
+Echo bistatic_echo(const BistaticHistory& history, const RangeSamples& samples, const Law& model,
                    double absorption = 0, const BeamPatterns* patterns = nullptr) {
   const std::vector<double> material_mu{mu};
   const std::vector<std::uint16_t> material{0};
   const std::vector<std::uint32_t> beam{0};
-  const std::vector<Law> laws{law};
-  EchoLaw echo_law{material_mu, material, absorption, patterns};
-  echo_law.scattering = laws;
-  return integrate_echo(history, {1, beam}, samples, echo_law);
+  const std::vector<Law> models{model};
+  EchoModel echo_model{material_mu, material, absorption, patterns};
+  echo_model.scattering = models;
+  return integrate_echo(history, {1, beam}, samples, echo_model);
 }
 
 TEST(ScatteringBistatic, LambertAndOneApexAreWhatTheyWere) {
@@ -315,11 +317,11 @@ TEST(ScatteringBistatic, LambertAndOneApexAreWhatTheyWere) {
   const BistaticHistory together = piece_on(plane, polygon, {0, 0, 0});
   const History history = history_of(plane, polygon);
   const BeamPatterns patterns = one_beam(line(4), line(3));
-  for (const auto& [law, tolerance] :
+  for (const auto& [model, tolerance] :
        {std::pair{three_terms(), 1e-9}, {medium_sand(), 1e-5}, {lambert_as_gsab(), 1e-9}})
     for (const BeamPatterns* p : {(const BeamPatterns*)nullptr, &patterns}) {
-      const Echo two = bistatic_echo(together, samples, law, 0.1, p),
-                 one = echo_of(history, samples, law, 0.1, p);
+      const Echo two = bistatic_echo(together, samples, model, 0.1, p),
+                 one = echo_of(history, samples, model, 0.1, p);
       for (int k = 0; k < samples.count; ++k)
         EXPECT_NEAR(two.at(0, k), one.at(0, k), tolerance * one.at(0, k) + tolerance * 1e-3 * total(one))
             << k;
@@ -336,8 +338,8 @@ TEST(ScatteringBistatic, IsReciprocal) {
   const BistaticHistory there = piece_on(plane, polygon, receiver),
                         back = piece_on(other, test::shifted(polygon, -foot), -receiver);
   const RangeSamples samples{5, 0.3, 25};
-  for (const auto& [law, tolerance] : {std::pair{three_terms(), 1e-9}, {medium_sand(), 1e-5}}) {
-    const Echo a = bistatic_echo(there, samples, law, 0.1), b = bistatic_echo(back, samples, law, 0.1);
+  for (const auto& [model, tolerance] : {std::pair{three_terms(), 1e-9}, {medium_sand(), 1e-5}}) {
+    const Echo a = bistatic_echo(there, samples, model, 0.1), b = bistatic_echo(back, samples, model, 0.1);
     EXPECT_GT(total(a), 0);
     for (int k = 0; k < samples.count; ++k)
       EXPECT_NEAR(a.at(0, k), b.at(0, k), tolerance * a.at(0, k) + tolerance * 1e-3 * total(a)) << k;
@@ -347,12 +349,12 @@ TEST(ScatteringBistatic, IsReciprocal) {
 TEST(ScatteringBistatic, OneApexAboveTheOtherIsASingleIntegral) {
   const double h1 = 7, h2 = 4;
   const Polygon2 endless{{-1e4, -1e4}, {1e4, -1e4}, {1e4, 1e4}, {-1e4, 1e4}};
-  for (const auto& [law, tolerance] : {std::pair{three_terms(), 1e-8}, {medium_sand(), 3e-5}}) {
+  for (const auto& [model, tolerance] : {std::pair{three_terms(), 1e-8}, {medium_sand(), 3e-5}}) {
     double expected = 0;
     for (int k = 0; k < 400; ++k) {  // rho from 0 to far out
       const auto rho = [](int i) { return i * 0.05 * std::exp(i * 0.012); };
       expected += gauss_kronrod<double, 31>::integrate(
-          [&, &sand = law](double x) {
+          [&, &sand = model](double x) {
             const double r1 = std::hypot(h1, x), r2 = std::hypot(h2, x);
             return 2 * pi * x *
                    std::sqrt(sand->cross_section(h1 / r1, x / r1) * sand->cross_section(h2 / r2, x / r2)) /
@@ -361,7 +363,7 @@ TEST(ScatteringBistatic, OneApexAboveTheOtherIsASingleIntegral) {
           rho(k), rho(k + 1), 5, 1e-12);
     }
     const double energy =
-        total(bistatic_echo(piece_on(flat_bed(h1), endless, {0, 0, h2 - h1}), {5, 10, 140}, law));
+        total(bistatic_echo(piece_on(flat_bed(h1), endless, {0, 0, h2 - h1}), {5, 10, 140}, model));
     EXPECT_NEAR(energy, expected, tolerance * expected);
   }
 }
@@ -371,12 +373,12 @@ TEST(ScatteringEcho, RefusesLawsThatDoNotFitTheMaterials) {
   const std::vector<double> material_mu{mu};
   const std::vector<std::uint16_t> one_facet{0};
   const std::vector<std::uint32_t> beam_of_tube{0};
-  const std::vector<Law> laws{three_terms(), nullptr};
-  EchoLaw law{material_mu, one_facet, 0};
-  law.scattering = laws;
-  EXPECT_THROW(integrate_echo(history, {1, beam_of_tube}, {1, 1, 30}, law), std::invalid_argument);
+  const std::vector<Law> models{three_terms(), nullptr};
+  EchoModel model{material_mu, one_facet, 0};
+  model.scattering = models;
+  EXPECT_THROW(integrate_echo(history, {1, beam_of_tube}, {1, 1, 30}, model), std::invalid_argument);
   EXPECT_THROW(
-      integrate_echo(piece_on(flat_bed(5), wedge(0.1, 20), {0, 0, 1}), {1, beam_of_tube}, {1, 1, 30}, law),
+      integrate_echo(piece_on(flat_bed(5), wedge(0.1, 20), {0, 0, 1}), {1, beam_of_tube}, {1, 1, 30}, model),
       std::invalid_argument);
 }
 

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "engine/echo/echo.hpp"
-#include "engine/law/density.hpp"
+#include "engine/scattering/density.hpp"
 #include "engine/visibility/path_footprints.hpp"
 #include "engine/visibility/tube_engine.hpp"
 #include "fixtures/geometry/grid_scenes.hpp"
@@ -81,7 +81,7 @@ class Sinks : public testing::Test {
       for (const CommonVisibility& visibility : {CommonVisibility(alone), CommonVisibility(apart)}) {
         SCOPED_TRACE(testing::Message() << (visibility.one_apex() ? "one apex" : "two apexes")
                                         << (patterns ? ", patterns" : ""));
-        take(visibility, EchoLaw{material_mu, bed.mesh.material, 0.1, patterns, 1e-12});
+        take(visibility, EchoModel{material_mu, bed.mesh.material, 0.1, patterns, 1e-12});
       }
   }
 
@@ -92,16 +92,16 @@ class Sinks : public testing::Test {
 
 TEST_F(Sinks, PartsByOwnerSumToTheEcho) {
   for (const Binning binning : {Binning::exact, Binning::spread, Binning::centroid})
-    for_all([&](const CommonVisibility& visibility, const EchoLaw& law) {
+    for_all([&](const CommonVisibility& visibility, const EchoModel& model) {
       SCOPED_TRACE(name_of(binning));
       Quadrature owned(binning);
-      const Echo echo = integrate_echo(visibility, {6, beams}, samples, law, owned);
+      const Echo echo = integrate_echo(visibility, {6, beams}, samples, model, owned);
       const double peak = *std::max_element(echo.energy.begin(), echo.energy.end());
       ASSERT_GT(peak, 0);
       std::vector<double> sum(echo.energy.size());
       owned.by_owner = true;
       std::map<std::uint32_t, int> owners;
-      integrate(visibility, {6, beams}, samples, law, owned, [&](const Part<double>& part) {
+      integrate(visibility, {6, beams}, samples, model, owned, [&](const Part<double>& part) {
         ASSERT_LT(part.seen, visibility.end());
         ++owners[part.seen];
         sum[part.beam * 300 + part.sample] += part.value;
@@ -113,11 +113,11 @@ TEST_F(Sinks, PartsByOwnerSumToTheEcho) {
 }
 
 TEST_F(Sinks, ContributionsSumToTheEchoAndAreEachOnce) {
-  for_all([&](const CommonVisibility& visibility, const EchoLaw& law) {
-    const Echo echo = integrate_echo(visibility, {6, beams}, samples, law);
+  for_all([&](const CommonVisibility& visibility, const EchoModel& model) {
+    const Echo echo = integrate_echo(visibility, {6, beams}, samples, model);
     const double peak = *std::max_element(echo.energy.begin(), echo.energy.end());
     std::vector<double> sum(echo.energy.size());
-    const auto all = contributions(visibility, {6, beams}, samples, law, {}, echo);
+    const auto all = contributions(visibility, {6, beams}, samples, model, {}, echo);
     for (std::size_t k = 0; k < all.size(); ++k) {
       sum[all[k].beam * 300 + all[k].sample] += all[k].energy_j;
       if (k == 0) continue;
@@ -130,14 +130,14 @@ TEST_F(Sinks, ContributionsSumToTheEchoAndAreEachOnce) {
 }
 
 TEST_F(Sinks, EnergiesOfFootprintsSumToTheEcho) {
-  for_all([&](const CommonVisibility& visibility, const EchoLaw& law) {
-    const Echo echo = integrate_echo(visibility, {6, beams}, samples, law);
+  for_all([&](const CommonVisibility& visibility, const EchoModel& model) {
+    const Echo echo = integrate_echo(visibility, {6, beams}, samples, model);
     const double whole = std::accumulate(echo.energy.begin(), echo.energy.end(), 0.0);
     const PathFootprints pairs = visibility.one_apex() ? PathFootprints{} : path_footprints(apart);
     const FootprintSet& footprints = visibility.one_apex() ? alone.footprints : pairs.footprints;
     const FootprintEnergies energies =
         footprint_energies(footprints, visibility.one_apex() ? visibility : CommonVisibility(pairs.history),
-                           beams, {6, beams}, samples, law);
+                           beams, {6, beams}, samples, model);
     ASSERT_EQ(energies.all_beams.size(), footprints.footprints.size());
     EXPECT_NEAR(std::accumulate(energies.all_beams.begin(), energies.all_beams.end(), 0.0) / whole, 1, 1e-10);
     for (std::size_t k = 0; k < energies.all_beams.size(); ++k)
@@ -146,11 +146,11 @@ TEST_F(Sinks, EnergiesOfFootprintsSumToTheEcho) {
 }
 
 TEST_F(Sinks, PartsOfAVisibilityAddUp) {
-  for_all([&](const CommonVisibility& visibility, const EchoLaw& law) {
-    const Echo echo = integrate_echo(visibility, {6, beams}, samples, law);
+  for_all([&](const CommonVisibility& visibility, const EchoModel& model) {
+    const Echo echo = integrate_echo(visibility, {6, beams}, samples, model);
     std::vector<double> sum(echo.energy.size());
     for (std::size_t first = 0; first < visibility.end(); first += 7) {
-      const Echo part = integrate_echo(visibility.within(first, first + 7), {6, beams}, samples, law);
+      const Echo part = integrate_echo(visibility.within(first, first + 7), {6, beams}, samples, model);
       for (std::size_t bin = 0; bin < sum.size(); ++bin) sum[bin] += part.energy[bin];
     }
     const double peak = *std::max_element(echo.energy.begin(), echo.energy.end());
@@ -160,20 +160,20 @@ TEST_F(Sinks, PartsOfAVisibilityAddUp) {
 }
 
 TEST_F(Sinks, LegsThatDoNotFitAreRefused) {
-  EchoLaw law{material_mu, bed.mesh.material, 0.1};
-  law.path.tx.loss.factor = 0.5;
-  EXPECT_THROW(integrate_echo(alone, {6, beams}, samples, law), std::invalid_argument);
-  EXPECT_NO_THROW(integrate_echo(apart, {6, beams}, samples, law));
+  EchoModel model{material_mu, bed.mesh.material, 0.1};
+  model.path.tx.loss.factor = 0.5;
+  EXPECT_THROW(integrate_echo(alone, {6, beams}, samples, model), std::invalid_argument);
+  EXPECT_NO_THROW(integrate_echo(apart, {6, beams}, samples, model));
 }
 
 TEST_F(Sinks, MirrorsOnEitherLegTakeTheirPart) {
   for (const Binning binning : {Binning::exact, Binning::spread, Binning::centroid}) {
-    EchoLaw law{material_mu, bed.mesh.material, 0.1};
-    const Echo whole = integrate_echo(apart, {6, beams}, samples, law, binning);
-    law.path.tx.loss.factor = 0.5;
-    law.path.rx = Leg{};
-    law.path.rx->loss.factor = 0.25;
-    const Echo lost = integrate_echo(apart, {6, beams}, samples, law, binning);
+    EchoModel model{material_mu, bed.mesh.material, 0.1};
+    const Echo whole = integrate_echo(apart, {6, beams}, samples, model, binning);
+    model.path.tx.loss.factor = 0.5;
+    model.path.rx = Leg{};
+    model.path.rx->loss.factor = 0.25;
+    const Echo lost = integrate_echo(apart, {6, beams}, samples, model, binning);
     for (std::size_t bin = 0; bin < whole.energy.size(); ++bin)
       ASSERT_NEAR(lost.energy[bin], whole.energy[bin] / 8, 1e-12 * whole.energy[bin]) << bin;
   }

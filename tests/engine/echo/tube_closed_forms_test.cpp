@@ -30,12 +30,12 @@ struct Site {
   };
   Sum run(const TubeSet& set, const RangeSamples& samples, double tolerance) const {
     const std::vector<double> material_mu{mu};
-    const EchoLaw law{material_mu, mesh.material, 0, nullptr};
+    const EchoModel model{material_mu, mesh.material, 0, nullptr};
     const std::vector<std::uint32_t> beams(set.tubes.size(), 0);
     const History history = TubeEngine(mesh, *tree, 0x1p-20, {}).trace(set);
-    const Echo ordinary = integrate_echo(history, {1, beams}, samples, law);
+    const Echo ordinary = integrate_echo(history, {1, beams}, samples, model);
     const CertifiedEcho certified =
-        certify_echo(mesh, *tree, history, {}, beams, samples, law, ordinary, tolerance);
+        certify_echo(mesh, *tree, history, {}, beams, samples, model, ordinary, tolerance);
     EXPECT_EQ(certified.bins_over, 0u);
     Sum sum;
     for (std::size_t k = 0; k < certified.bound.size(); ++k) {

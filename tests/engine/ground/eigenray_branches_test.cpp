@@ -81,11 +81,11 @@ Seen see(const FacetMesh& bed, const TubeSet& tubes, const RangeSamples& samples
   const SceneTree tree(mesh, SceneTree::Sheets::ignored);
   seen.history = TubeEngine(mesh, tree, 0x1p-20, {}).trace(tubes);
   const std::vector<double> material_mu{mu};
-  EchoLaw law{material_mu, mesh.material, 0, nullptr};
-  law.path.facet_factor = seen.ground.facet_factor;
+  EchoModel model{material_mu, mesh.material, 0, nullptr};
+  model.path.facet_factor = seen.ground.facet_factor;
   std::vector<std::uint32_t> beams(tubes.tubes.size());
   std::iota(beams.begin(), beams.end(), 0u);
-  seen.echo = integrate_echo(seen.history, {int(beams.size()), beams}, samples, law);
+  seen.echo = integrate_echo(seen.history, {int(beams.size()), beams}, samples, model);
   return seen;
 }
 
@@ -179,8 +179,8 @@ TEST(EigenrayBranches, MixedEigenraysAreThoseBetweenAllRaysToAPlace) {
   int histories = 0;
   trace_mixed_eigenrays(seen.ground, tree, WorldGrid(20, glm::dvec3(0)), {}, tubes,
                         [&](const BistaticHistory& history) {
-                          const EchoLaw law{material_mu, seen.ground.part_material, 0, nullptr};
-                          const Echo echo = integrate_echo(history, {int(beams), own}, samples, law);
+                          const EchoModel model{material_mu, seen.ground.part_material, 0, nullptr};
+                          const Echo echo = integrate_echo(history, {int(beams), own}, samples, model);
                           for (std::size_t k = 0; k < found.size(); ++k) found[k] += echo.energy[k];
                           ++histories;
                         });

@@ -61,15 +61,15 @@ Reception hear(const FacetMesh& mesh, std::span<const double> factor, const Rang
                double absorption = 0, double tolerance = 0) {
   const SceneTree tree(mesh);
   const std::vector<double> material_mu{mu};
-  EchoLaw law{material_mu, mesh.material, absorption, nullptr};
-  law.path.facet_factor = factor;
+  EchoModel model{material_mu, mesh.material, absorption, nullptr};
+  model.path.facet_factor = factor;
   const TubeSet tubes = fan();
   const std::vector<std::uint32_t> beams(tubes.tubes.size(), 0);
   const History history = TubeEngine(mesh, tree, 0x1p-20, {}).trace(tubes);
-  Reception received{integrate_echo(history, {1, beams}, samples, law), {}};
+  Reception received{integrate_echo(history, {1, beams}, samples, model), {}};
   if (tolerance > 0) {
     const CertifiedEcho certified =
-        certify_echo(mesh, tree, history, {}, beams, samples, law, received.echo, tolerance);
+        certify_echo(mesh, tree, history, {}, beams, samples, model, received.echo, tolerance);
     received.bound = certified.bound;
     for (std::size_t k = 0; k < received.bound.size(); ++k)
       EXPECT_LE(std::abs(received.echo.energy[k] - certified.echo.energy[k]),
@@ -270,11 +270,11 @@ TEST(RefractedGround, OtherLawsScatterAtTrueGrazingAngles) {
   std::iota(all.begin(), all.end(), 0u);
   const WaterColumn water = gradient(-0.5);
   const ApparentMap apparent_map(water, glm::dvec3(0), Site::apex_depth_m);
-  const std::vector<std::shared_ptr<const ScatteringLaw>> laws{
-      std::make_shared<const ScatteringLaw>(ScatteringLaw::gsab({.oblique = 0.1, .oblique_exponent = 5}))};
+  const std::vector<std::shared_ptr<const ScatteringModel>> models{std::make_shared<const ScatteringModel>(
+      ScatteringModel::gsab({.oblique = 0.1, .oblique_exponent = 5}))};
   const ApparentSurface lambert = site.ground(water, 1);
   const ApparentSurface other =
-      map_apparent(site.base, all, site.grid, apparent_map, 0, {.gap_m = 1}, {}, laws);
+      map_apparent(site.base, all, site.grid, apparent_map, 0, {.gap_m = 1}, {}, models);
   ASSERT_EQ(lambert.facet_factor.size(), other.facet_factor.size());
   for (std::size_t f = 0; f < all.size(); ++f) {
     glm::dvec3 lies(0), seen(0), corner[3];
@@ -304,16 +304,16 @@ TEST(RefractedGround, FactorsAreReadByEveryIntegrator) {
   hear(site.base, factor, {25, 5, 6}, 0.02, 1e-4);  // holds the ordinary integral inside the bound
   // A ray's hit.
   const std::vector<double> material_mu{mu};
-  EchoLaw law{material_mu, site.base.material, 0, nullptr};
-  law.path.facet_factor = factor;
+  EchoModel model{material_mu, site.base.material, 0, nullptr};
+  model.path.facet_factor = factor;
   History history;
   history.hits.push_back(
       {.facet = 3, .tube = 0, .slant_range_m = 27, .sine_grazing = 0.5, .solid_angle_sr = 0.1});
   const std::vector<std::uint32_t> beams{0};
-  EXPECT_NEAR(integrate_echo(history, {1, beams}, {25, 5, 6}, law).energy[0], 4 * mu * 0.5 * 0.1 / 27 / 27,
+  EXPECT_NEAR(integrate_echo(history, {1, beams}, {25, 5, 6}, model).energy[0], 4 * mu * 0.5 * 0.1 / 27 / 27,
               1e-18);
-  law.path.facet_factor = std::span(factor).first(2);
-  EXPECT_THROW(integrate_echo(history, {1, beams}, {25, 5, 6}, law), std::invalid_argument);
+  model.path.facet_factor = std::span(factor).first(2);
+  EXPECT_THROW(integrate_echo(history, {1, beams}, {25, 5, 6}, model), std::invalid_argument);
 }
 
 TEST(RefractedGround, RefusesGapsThatAreNone) {

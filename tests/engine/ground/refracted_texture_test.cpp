@@ -57,18 +57,18 @@ std::vector<double> hear(const FacetMesh& mesh, const ApparentSurface* ground, c
   const std::vector<double> material_mu{mu};
   const std::vector<Field> textures{texture};
   std::vector<FacetMap> maps;
-  EchoLaw law{material_mu, mesh.material, 0, nullptr, tolerance};
-  if (texture) law.reflectivity = textures;
+  EchoModel model{material_mu, mesh.material, 0, nullptr, tolerance};
+  if (texture) model.reflectivity = textures;
   if (ground != nullptr) {
-    law.path.facet_factor = ground->facet_factor;
+    model.path.facet_factor = ground->facet_factor;
     maps = ground->facet_maps(glm::dvec3(0), grid);
-    law.path.tx.facet_map = maps;
+    model.path.tx.facet_map = maps;
   }
   const TubeSet tubes = fan();
   std::vector<std::uint32_t> beams(tubes.tubes.size(), 0);
   if (!one_beam) std::iota(beams.begin(), beams.end(), 0u);
   const History history = TubeEngine(mesh, tree, grid.unit_m(), {}).trace(tubes, nullptr, true);
-  return integrate_echo(history, {one_beam ? 1 : int(beams.size()), beams}, range_samples, law, binning)
+  return integrate_echo(history, {one_beam ? 1 : int(beams.size()), beams}, range_samples, model, binning)
       .energy;
 }
 
@@ -182,9 +182,9 @@ TEST(RefractedTexture, HitsAndCentroidsLieThereToo) {
       lies[3]{{120, 7, -20}, {130, 8, -20}, {121, 19, -21}};
   const std::vector<FacetMap> maps{facet_map(seen, lies)};
   for (int k = 0; k < 3; ++k) EXPECT_LT(glm::distance(maps[0].at(seen[k]), lies[k]), 1e-12);
-  EchoLaw law{material_mu, material, 0, nullptr};
-  law.reflectivity = textures;
-  law.path.tx.facet_map = maps;
+  EchoModel model{material_mu, material, 0, nullptr};
+  model.reflectivity = textures;
+  model.path.tx.facet_map = maps;
   const glm::dvec3 at(24, 3, -10), place = lies[0] + 0.4 * (lies[1] - lies[0]) + 0.3 * (lies[2] - lies[0]);
   History hit;
   hit.hits.push_back({.facet = 0,
@@ -195,7 +195,7 @@ TEST(RefractedTexture, HitsAndCentroidsLieThereToo) {
                       .direction = glm::normalize(glm::vec3(at))});
   const RangeSamples samples{20, 5, 4};
   const auto sum = [&](const History& history, Binning binning) {
-    const std::vector<double> energy = integrate_echo(history, {1, beams}, samples, law, binning).energy;
+    const std::vector<double> energy = integrate_echo(history, {1, beams}, samples, model, binning).energy;
     return std::accumulate(energy.begin(), energy.end(), 0.0);
   };
   EXPECT_NEAR(sum(hit, Binning::exact), mu * 0.5 * 0.1 / glm::dot(at, at) * texture->factor(place), 1e-11);
@@ -209,7 +209,7 @@ TEST(RefractedTexture, HitsAndCentroidsLieThereToo) {
   f.slant_range_min_m = f.slant_range_max_m = glm::length(at);
   const double even = mu * 0.25 * 100 / std::pow(glm::length(at), 6);
   EXPECT_NEAR(sum(footprint, Binning::centroid) / even, texture->factor(place), 1e-12);
-  law.path.tx.facet_map = std::span(maps).first(0);
+  model.path.tx.facet_map = std::span(maps).first(0);
   EXPECT_NEAR(sum(footprint, Binning::centroid) / even, texture->factor(at), 1e-12);
 }
 

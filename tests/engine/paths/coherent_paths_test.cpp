@@ -25,7 +25,7 @@ constexpr double c = 1500;
 /// A setting's images, and the law between its apexes.
 struct Mirrored {
   explicit Mirrored(const Setting& setting, std::vector<Complex> of_materials = {})
-      : s(setting), phase(std::move(of_materials)), tree(s.mesh), law(s.law(s.transmit)) {
+      : s(setting), phase(std::move(of_materials)), tree(s.mesh), model(s.model(s.transmit)) {
     s.reflection.resize(s.mu.size());
     settings = s.paths;
     settings.mirrors.reflection = s.reflection;
@@ -38,7 +38,7 @@ struct Mirrored {
   Setting s;
   std::vector<Complex> phase;
   SceneTree tree;
-  EchoLaw law;
+  EchoModel model;
   PathSettings settings;
   std::unique_ptr<PathImages> images;
 };
@@ -112,13 +112,13 @@ std::vector<Complex> returned(const LoneScatterer& one, double mu, const std::ve
 }
 
 ChannelSignals all_signals(const Mirrored& m, const CoherentReceiver& receiver, const GroundField& field) {
-  ChannelSignals sum = mirrored_signals(*m.images, receiver, m.law, field);
+  ChannelSignals sum = mirrored_signals(*m.images, receiver, m.model, field);
   if (m.images->one_place()) {
     const History history = TubeEngine(m.s.mesh, m.tree, unit, {}).trace(m.s.transmit);
-    superpose(element_signals(seen_patches(history, m.law), receiver, m.law, field), 1, sum);
+    superpose(element_signals(seen_patches(history, m.model), receiver, m.model, field), 1, sum);
   } else {
     const BistaticHistory history = trace_bistatic(m.s.mesh, m.tree, unit, {}, m.s.transmit, m.s.receive);
-    superpose(element_signals(seen_patches(history, m.law), receiver, m.law, field), 1, sum);
+    superpose(element_signals(seen_patches(history, m.model), receiver, m.model, field), 1, sum);
   }
   return sum;
 }
@@ -299,11 +299,11 @@ TEST(CoherentPaths, TheirVariancesAreEnergies) {
     for (std::uint32_t n = 0; n < receiver.times.count; ++n) samples.push_back({0, n});
     std::vector<double> by_order(4);
     std::size_t paths = 0;
-    for_coherent_paths(*m.images, m.law, receiver.channels, [&](const CoherentPath& path) {
+    for_coherent_paths(*m.images, m.model, receiver.channels, [&](const CoherentPath& path) {
       ++paths;
       CoherentReceiver own = receiver;
       own.channels = path.channels;
-      const CovarianceMatrix r = signal_covariances(path.patches, own, samples, path.law, 1e-5);
+      const CovarianceMatrix r = signal_covariances(path.patches, own, samples, path.model, 1e-5);
       for (std::size_t n = 0; n < samples.size(); ++n)
         by_order[path.order] += r.at(n, n).real() / receiver.times.rate_hz;
       EXPECT_NEAR(std::abs(path.phase), 1, 1e-15);
@@ -332,13 +332,13 @@ TEST(CoherentPaths, OverGroundsTheyAddUpAsEnergiesButForWaysRoundThatAreOne) {
     ChannelSignals sum{2, receiver.times.count, {}};
     sum.value.assign(sum.channels * sum.samples, 0);
     CoherentReceiver own = receiver;
-    for_coherent_paths(*m.images, m.law, receiver.channels, [&](const CoherentPath& path) {
+    for_coherent_paths(*m.images, m.model, receiver.channels, [&](const CoherentPath& path) {
       // Out or home straight, by the surface the other way.
       if (path.order != 2 ||
           path.sent->leg.loss.rough_normals.size() + path.received->leg.loss.rough_normals.size() != 1)
         return;
       own.channels = path.channels;
-      const ChannelSignals y = element_signals(path.patches, own, path.law, field);
+      const ChannelSignals y = element_signals(path.patches, own, path.model, field);
       for (std::size_t n = 0; n < y.value.size(); ++n) alone[n / y.samples] += std::norm(y.value[n]);
       superpose(y, path.phase, sum);
     });
@@ -365,12 +365,12 @@ TEST(CoherentPaths, ResolveWhatARoughSurfaceLeaves) {
   const glm::dvec3 at = metres(s.transmit.apex);
   CoherentReceiver receiver = receiver_of({{at, at}}, 3e3, 3e-3, {0, 2e3, 120});
   std::size_t paths = 0;
-  for_coherent_paths(*m.images, m.law, receiver.channels, [&](const CoherentPath& path) {
+  for_coherent_paths(*m.images, m.model, receiver.channels, [&](const CoherentPath& path) {
     ++paths;
     receiver.channels = path.channels;
     const GroundField field{7, 0.05};
-    const ChannelSignals fine = element_signals(path.patches, receiver, path.law, field, 1e-8),
-                         coarse = element_signals(path.patches, receiver, path.law, field, 1e-3);
+    const ChannelSignals fine = element_signals(path.patches, receiver, path.model, field, 1e-8),
+                         coarse = element_signals(path.patches, receiver, path.model, field, 1e-3);
     expect_near(coarse, 0, fine.value, 1e-3);
   });
   EXPECT_EQ(paths, 3u);
@@ -399,10 +399,10 @@ TEST(CoherentPaths, ASmoothPlateOverAWallIsThatOfTheImage) {
   const SmoothSurface rigid;
   Complex p = 0;
   int told = 0;
-  EchoLaw law{s.mu, s.mesh.material};
-  law.path.tx.apex_m = {-0.2, 0.05, 1};
+  EchoModel model{s.mu, s.mesh.material};
+  model.path.tx.apex_m = {-0.2, 0.05, 1};
   const std::array<SignalChannel, 1> channel{{{{-0.2, 0.05, 1}, {0.1, -0.1, 0.8}}}};
-  for_coherent_paths(images, law, channel, [&](const CoherentPath& path) {
+  for_coherent_paths(images, model, channel, [&](const CoherentPath& path) {
     if (path.received->mirrors == 0) return;
     ++told;
     EXPECT_LT(glm::distance(path.channels[0].receive_m, glm::dvec3(0.3, -0.1, 0.8)), 1e-7);
@@ -439,7 +439,7 @@ TEST(CoherentArrivals, OfAChannelAreTheImageSeries) {
   ChannelSignals y{2, receiver.times.count, {}};
   y.value.assign(2 * receiver.times.count, 0);
   std::size_t arrivals = 0;
-  for_coherent_arrivals(*m.images, m.law, receiver.channels, [&](const CoherentArrival& arrival) {
+  for_coherent_arrivals(*m.images, m.model, receiver.channels, [&](const CoherentArrival& arrival) {
     ++arrivals;
     EXPECT_EQ(arrival.order, arrival.sent->mirrors);
     add_arrival(arrival, receiver, y);
@@ -471,7 +471,7 @@ TEST(CoherentArrivals, OfAChannelAreTheImageSeries) {
     expect_near(y, channel, expected, 2e-5);
   }
   // Mirrored signals hold them, too.
-  const ChannelSignals all = mirrored_signals(*m.images, receiver, m.law, {1, 5});
+  const ChannelSignals all = mirrored_signals(*m.images, receiver, m.model, {1, 5});
   for (std::size_t n = 0; n < y.value.size(); ++n) EXPECT_NEAR(std::abs(all.value[n] - y.value[n]), 0, 1e-12);
 }
 
@@ -481,7 +481,7 @@ TEST(CoherentArrivals, OneSonarReceivesTheSurfaceAboveIt) {
   const Mirrored m(s);
   const std::array<SignalChannel, 2> channels{{{{1, 2, -5}, {1, 2, -5}}, {{1, 2, -5}, {1.3, 2.4, -5}}}};
   int told = 0;
-  for_coherent_arrivals(*m.images, m.law, channels, [&](const CoherentArrival& arrival) {
+  for_coherent_arrivals(*m.images, m.model, channels, [&](const CoherentArrival& arrival) {
     ++told;
     EXPECT_NEAR(arrival.waves[0].way_m, 10, 1e-12);
     EXPECT_LT(std::abs(arrival.waves[0].amplitude + std::sqrt(0.6) / 10), 1e-12);
@@ -523,7 +523,7 @@ TEST(CoherentPaths, AreTheSameForAnyNumberOfThreads) {
   const Corner corner(3, 1.5);
   const auto signals = [&] {
     return mirrored_signals(*Mirrored(corner.s, {1, corner.wall}).images, corner.receiver(),
-                            corner.s.law(corner.s.transmit), corner.one.field);
+                            corner.s.model(corner.s.transmit), corner.one.field);
   };
   std::vector<Complex> one;
   {
@@ -548,18 +548,18 @@ TEST(CoherentPaths, SayWhatTheyCannotDo) {
   const Mirrored m(corner.s);
   const CoherentReceiver receiver = corner.receiver();
   const auto nothing = [](const auto&) {};
-  expect_refusal([&] { for_coherent_paths(*m.images, m.law, {}, nothing); }, "channel");
+  expect_refusal([&] { for_coherent_paths(*m.images, m.model, {}, nothing); }, "channel");
   const std::array<SignalChannel, 1> same{{{{1, 1, -3}, {1, 1, -3}}}};
-  expect_refusal([&] { for_coherent_arrivals(*m.images, m.law, same, nothing); }, "channel 0");
+  expect_refusal([&] { for_coherent_arrivals(*m.images, m.model, same, nothing); }, "channel 0");
   ChannelSignals other{2, 10, std::vector<Complex>(20)};
   expect_refusal([&] { add_arrival({1, nullptr, {{3, 1}}}, receiver, other); }, "do not fit");
   expect_refusal([&] { superpose({1, 20, std::vector<Complex>(20)}, 1, other); }, "added");
-  for_coherent_paths(*m.images, m.law, receiver.channels, [&](const CoherentPath& path) {
+  for_coherent_paths(*m.images, m.model, receiver.channels, [&](const CoherentPath& path) {
     const BistaticHistory seen = m.images->history(*path.sent, *path.received);
-    expect_refusal([&] { seen_patches(seen, path.law); }, "for_coherent_paths");
+    expect_refusal([&] { seen_patches(seen, path.model); }, "for_coherent_paths");
     expect_refusal(
         [&] {
-          gated_covariances(path.patches, path.channels[0], path.channels[1], {0, 1, 5}, 10, path.law);
+          gated_covariances(path.patches, path.channels[0], path.channels[1], {0, 1, 5}, 10, path.model);
         },
         "mirrors");
   });
@@ -572,9 +572,9 @@ TEST(CoherentPaths, SayWhatTheyCannotDo) {
   settings.mirrors.reflection = refracted.reflection;
   const PathImages images(refracted.mesh, tree, unit, {}, refracted.transmit, refracted.receive, settings, 0,
                           &water);
-  expect_refusal([&] { for_coherent_paths(images, refracted.law(refracted.transmit), same, nothing); },
+  expect_refusal([&] { for_coherent_paths(images, refracted.model(refracted.transmit), same, nothing); },
                  "refracting");
-  expect_refusal([&] { for_coherent_arrivals(images, refracted.law(refracted.transmit), same, nothing); },
+  expect_refusal([&] { for_coherent_arrivals(images, refracted.model(refracted.transmit), same, nothing); },
                  "refracting");
 }
 

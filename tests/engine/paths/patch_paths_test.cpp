@@ -25,13 +25,13 @@ using namespace test;
 TEST(PatchPaths, TwoScatteringsByAnyLawAgreeWithTheDoubleSum) {
   Setting s = plates(false);
   s.paths.patch_m = 0.15;
-  const std::shared_ptr<const ScatteringLaw>
-      gsab = std::make_shared<ScatteringLaw>(
-          ScatteringLaw::gsab({.specular = 0.1, .specular_width_rad = 0.3, .oblique = 0.02})),
-      table = std::make_shared<ScatteringLaw>(
-          ScatteringLaw::table(std::vector<double>{10, 40, 70}, std::vector<double>{-30, -12, -9}));
+  const std::shared_ptr<const ScatteringModel>
+      gsab = std::make_shared<ScatteringModel>(
+          ScatteringModel::gsab({.specular = 0.1, .specular_width_rad = 0.3, .oblique = 0.02})),
+      table = std::make_shared<ScatteringModel>(
+          ScatteringModel::table(std::vector<double>{10, 40, 70}, std::vector<double>{-30, -12, -9}));
   for (const auto& [first, second] : {std::pair(gsab, table), std::pair(table, gsab),
-                                      std::pair(gsab, std::shared_ptr<const ScatteringLaw>())}) {
+                                      std::pair(gsab, std::shared_ptr<const ScatteringModel>())}) {
     s.scattering = {first, second};
     expect_near(s.run().by_order[2], PointSum(s, 16, std::nullopt).scattered_twice(), 0.005, 0.01, "laws");
   }

@@ -98,9 +98,9 @@ TEST(PathBounds, AMirrorIsTheImageScene) {
     const TubeSet there = around(tx, -89, -1, 2, 60, 4), back = around(rx, -89, -1, 2, 60, 4);
     const BistaticHistory history = trace_bistatic(s.mesh, tree, unit, {}, there, back);
     const std::vector<std::uint32_t> beam(back.tubes.size(), 0);
-    const EchoLaw law = s.law(there);
-    const Echo ordinary = integrate_echo(history, {1, beam}, s.samples, law);
-    const CertifiedEcho found = certify_echo(s.mesh, history, {1, beam}, s.samples, law, ordinary, 1e-5);
+    const EchoModel model = s.model(there);
+    const Echo ordinary = integrate_echo(history, {1, beam}, s.samples, model);
+    const CertifiedEcho found = certify_echo(s.mesh, history, {1, beam}, s.samples, model, ordinary, 1e-5);
     for (std::size_t k = 0; k < energy.size(); ++k) {
       energy[k] += 0.5 * found.echo.energy[k];
       bound[k] += 0.5 * found.bound[k];

@@ -168,7 +168,7 @@ TEST(PathLaws, TransmitterAndReceiverMayChangePlaces) {
   }
 }
 
-constexpr ScatteringLaw::Gsab hard_bed{.specular = 0.05, .specular_width_rad = 0.4, .oblique = 0.01};
+constexpr ScatteringModel::Gsab hard_bed{.specular = 0.05, .specular_width_rad = 0.4, .oblique = 0.01};
 
 /// 1 + sin(k . place) / 2.
 class Waves : public ReflectivityField {
@@ -200,7 +200,7 @@ TEST(PathLaws, OverAMirrorTheBedHasItsTextureAndItsLaw) {
     if (textured)
       s.texture = {std::make_shared<Waves>()};
     else
-      s.scattering = {std::make_shared<ScatteringLaw>(ScatteringLaw::gsab(hard_bed))};
+      s.scattering = {std::make_shared<ScatteringModel>(ScatteringModel::gsab(hard_bed))};
     const TubeSet above = around({1.5, -2, 5}, -88, 88, 6, 120);
     const Echo image = s.first_order(above, above);
     const PathEcho paths = s.run();

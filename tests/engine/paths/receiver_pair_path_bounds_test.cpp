@@ -30,7 +30,7 @@ ReceiverPairPathEcho run(const Setting& s, const ReceiverBaseline& receiver_pair
   PathSettings settings = s.paths;
   settings.mirrors.reflection = s.reflection.empty() ? none : s.reflection;
   return receiver_pair_path_echo(s.mesh, tree, unit, {}, {s.transmit, s.receive, receiver_pair}, s.samples,
-                                 s.law(s.transmit, &patterns), settings);
+                                 s.model(s.transmit, &patterns), settings);
 }
 
 /// A sloping bed with a plate on it that mirrors, below a rough surface at z = 0.
@@ -123,10 +123,10 @@ TEST(ReceiverPairPathBounds, AMirrorIsTheImageScene) {
     const TubeSet there = around(tx, -89, -1, 2, 40, 4), back = around(rx, -89, -1, 2, 40, 4);
     const ReceiverPairHistory history = trace_receiver_pair(s.mesh, tree, unit, {}, there, back, of);
     const BeamPatterns own = even_patterns(back);
-    const EchoLaw law = s.law(there, &own);
-    const ReceiverPairEcho ordinary = integrate_receiver_pair_echo(history, of, 0, 0, s.samples, law);
+    const EchoModel model = s.model(there, &own);
+    const ReceiverPairEcho ordinary = integrate_receiver_pair_echo(history, of, 0, 0, s.samples, model);
     const CertifiedEcho found =
-        certify_receiver_pair_echo(s.mesh, history, unit, of, s.samples, law, ordinary, 1e-4);
+        certify_receiver_pair_echo(s.mesh, history, unit, of, s.samples, model, ordinary, 1e-4);
     for (std::size_t k = 0; k < energy.size(); ++k) {
       energy[k] += 0.5 * found.echo.energy[k];
       bound[k] += 0.5 * found.bound[k];

@@ -29,7 +29,7 @@ std::array<ReceiverPairEcho, 3> by_mirrors(const Setting& s, const ReceiverBasel
   ReceiverPairPathEcho paths = received_by_receiver_pair(s, receiver_pair);
   return {integrate_receiver_pair_echo(
               trace_receiver_pair(s.mesh, tree, unit, {}, s.transmit, s.receive, receiver_pair),
-              receiver_pair, 0, 0, s.samples, s.law(s.transmit, &patterns)),
+              receiver_pair, 0, 0, s.samples, s.model(s.transmit, &patterns)),
           std::move(paths.by_order[2]), std::move(paths.by_order[3])};
 }
 
@@ -264,7 +264,7 @@ TEST(ReceiverPairPaths, AReceiverPairInTheSurfaceIsItsImage) {
   const BeamPatterns patterns = even_patterns(tubes);
   const ReceiverPairEcho expected =
       integrate_receiver_pair_echo(trace_receiver_pair(s.mesh, tree, unit, {}, down, down, image), image, 0,
-                                   0, s.samples, s.law(down, &patterns));
+                                   0, s.samples, s.model(down, &patterns));
   double turned = 0;
   for (std::size_t k = 0; k < 40; ++k) {
     const double scale = 1e-6 * (expected.upper_j[k] + expected.upper_j[k > 0 ? k - 1 : 0]) + 1e-20;

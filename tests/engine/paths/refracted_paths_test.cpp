@@ -240,11 +240,11 @@ TEST(RefractedPaths, ASurfaceIsItsImage) {
   const ApparentMap apparent_map(mirrored, {0, 0, -5}, 60, {}, c_ref);
   const ApparentSurface ground = map_apparent(above, all, grid, apparent_map, 0, {.gap_m = 2e-4});
   const std::vector<std::uint32_t> beam(s.transmit.tubes.size(), 0);
-  EchoLaw law{s.mu, ground.refined.mesh.material, 0, nullptr};
-  law.path.facet_factor = ground.facet_factor;
+  EchoModel model{s.mu, ground.refined.mesh.material, 0, nullptr};
+  model.path.facet_factor = ground.facet_factor;
   const SceneTree tree(ground.refined.mesh);
   const History history = TubeEngine(ground.refined.mesh, tree, unit, {}).trace(s.transmit);
-  const Echo direct = integrate_echo(history, {1, beam}, s.samples, law);
+  const Echo direct = integrate_echo(history, {1, beam}, s.samples, model);
   for (int k = 0; k < s.samples.count; ++k)
     EXPECT_NEAR(paths.by_order[3].at(0, k), 0.36 * direct.at(0, k), 3e-4 * 0.36 * direct.at(0, k)) << k;
 }

@@ -130,7 +130,7 @@ TEST(RayEngine, EnergyOfEverySampleConvergesToTheExactFootprint) {
   const std::vector<double> material_mu{0.002};
   const std::vector<std::uint16_t> material{0, 0};
   const std::vector<std::uint32_t> beam_of_tube{0};
-  const EchoLaw law{material_mu, material, 0.1};
+  const EchoModel model{material_mu, material, 0.1};
 
   History exact;
   Footprint footprint;
@@ -146,13 +146,13 @@ TEST(RayEngine, EnergyOfEverySampleConvergesToTheExactFootprint) {
   measure(exact.footprints);
   EXPECT_NEAR(exact.footprints.footprints[0].solid_angle_sr, corner_solid_angle(tubes, tubes.tubes[0]),
               1e-14);
-  const Echo expected = integrate_echo(exact, {1, beam_of_tube}, samples, law);
+  const Echo expected = integrate_echo(exact, {1, beam_of_tube}, samples, model);
 
   for (const std::int64_t rays : {1, 16, 2500}) {  // one ray: the density inside a wide cell
     std::vector<Statistics> statistics(8);
     for (std::uint64_t seed = 0; seed < (rays < 100 ? 4000u : 60u); ++seed) {
       const Echo echo = integrate_echo(trace_rays(scene, tubes, grid.unit_m(), stratified(rays, seed)),
-                                       {1, beam_of_tube}, samples, law);
+                                       {1, beam_of_tube}, samples, model);
       for (int k = 0; k < 8; ++k) statistics[k].add(echo.at(0, k));
     }
     for (int k = 0; k < 8; ++k)

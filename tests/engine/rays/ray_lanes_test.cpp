@@ -101,7 +101,7 @@ TEST(RayLanes, EchoesOfHitsTogetherAreThoseOfHitsAlone) {
   const std::vector<std::uint32_t> beam_of_tube{0, 1, 0};
   const RangeSamples samples{2, 0.7, 9};
   for (const double absorption : {0.0, 0.3}) {
-    const EchoLaw law{mu, material, absorption};
+    const EchoModel model{mu, material, absorption};
     for (const int count : {0, 1, 15, 16, 17, 100}) {
       History history;
       history.tubes.tubes.resize(3);
@@ -122,13 +122,13 @@ TEST(RayLanes, EchoesOfHitsTogetherAreThoseOfHitsAlone) {
           expected[beam_of_tube[hit.tube] * 9 + std::size_t(sample)] +=
               mu[material[hit.facet]] * sine * std::exp(-2 * beta * r) / (r * r) * hit.solid_angle_sr;
       }
-      const Echo echo = integrate_echo(history, {2, beam_of_tube}, samples, law);
+      const Echo echo = integrate_echo(history, {2, beam_of_tube}, samples, model);
       std::vector<double> alone(18);
       for (const RayHit& hit : history.hits) {
         History one;
         one.tubes = history.tubes;
         one.hits = {hit};
-        const Echo own = integrate_echo(one, {2, beam_of_tube}, samples, law);
+        const Echo own = integrate_echo(one, {2, beam_of_tube}, samples, model);
         for (std::size_t k = 0; k < 18; ++k) alone[k] += own.energy[k];
       }
       for (std::size_t k = 0; k < 18; ++k) {
@@ -186,12 +186,12 @@ TEST(RayLanes, BordersOfSamplesDecide) {
 TEST(RayLanes, MaterialsOfOtherLawsStandAmongEvenOnes) {
   const std::vector<std::uint16_t> material{0, 1};
   const std::vector<double> mu{0.002, 0.5};
-  const std::vector<std::shared_ptr<const ScatteringLaw>> laws{
-      nullptr,
-      std::make_shared<const ScatteringLaw>(ScatteringLaw::gsab({.oblique = 1e-3, .oblique_exponent = 1}))};
+  const std::vector<std::shared_ptr<const ScatteringModel>> models{
+      nullptr, std::make_shared<const ScatteringModel>(
+                   ScatteringModel::gsab({.oblique = 1e-3, .oblique_exponent = 1}))};
   const std::vector<std::uint32_t> beam_of_tube{0};
-  EchoLaw law{mu, material, 0.1};
-  law.scattering = laws;
+  EchoModel model{mu, material, 0.1};
+  model.scattering = models;
   History history;
   history.tubes.tubes.resize(1);
   double expected = 0;
@@ -207,7 +207,7 @@ TEST(RayLanes, MaterialsOfOtherLawsStandAmongEvenOnes) {
     expected += sigma * std::exp(-2 * 0.01 * std::log(10.0) * hit.slant_range_m) * 1e-5 /
                 (hit.sine_grazing * hit.slant_range_m * hit.slant_range_m);
   }
-  const Echo echo = integrate_echo(history, {1, beam_of_tube}, {1, 19, 1}, law);
+  const Echo echo = integrate_echo(history, {1, beam_of_tube}, {1, 19, 1}, model);
   EXPECT_NEAR(echo.energy[0] / expected, 1, 1e-13);
 }
 

@@ -13,7 +13,7 @@
 
 #include "engine/echo/echo.hpp"
 #include "engine/ground/bistatic_facet.hpp"
-#include "engine/law/perlin_reflectivity.hpp"
+#include "engine/scattering/perlin_reflectivity.hpp"
 #include "fixtures/world/ray_scenes.hpp"
 
 namespace tubefoot {
@@ -62,7 +62,7 @@ struct Apart {
   std::vector<std::uint32_t> beam, fan_sent{0, 1}, fan_received;
   std::vector<double> mu{0.002};
   std::vector<std::shared_ptr<const ReflectivityField>> texture;
-  std::vector<std::shared_ptr<const ScatteringLaw>> law;
+  std::vector<std::shared_ptr<const ScatteringModel>> model;
   BeamPatterns patterns;
   const BeamPatterns* weighed = nullptr;
   RangeSamples samples{3, 1.5, 8};
@@ -84,11 +84,11 @@ struct Apart {
     weighed = &patterns;
   }
   Echo echo(const BistaticHistory& history) const {
-    EchoLaw law_of{mu, mesh.material, 0.1, weighed};
-    law_of.reflectivity = texture;
-    law_of.scattering = law;
-    law_of.path.tx.apex_m = grid.to_metres(sent.apex);
-    return integrate_echo(history, {6, beam, fan_sent, fan_received}, samples, law_of);
+    EchoModel model_of{mu, mesh.material, 0.1, weighed};
+    model_of.reflectivity = texture;
+    model_of.scattering = model;
+    model_of.path.tx.apex_m = grid.to_metres(sent.apex);
+    return integrate_echo(history, {6, beam, fan_sent, fan_received}, samples, model_of);
   }
   Echo exact() const { return echo(trace_bistatic(mesh, tree, grid.unit_m(), {}, sent, received)); }
   BistaticHistory rays(const RaySettings& settings) const {
@@ -137,7 +137,7 @@ TEST(SharedHits, WithPatternsLawAndTexture) {
   apart.weigh();
   apart.texture = {std::make_shared<const PerlinReflectivity>(
       PerlinReflectivity::Settings{.wavelength_m = 2, .octaves = 1, .depth = 0.8, .seed = 4})};
-  apart.law = {std::make_shared<const ScatteringLaw>(ScatteringLaw::lambert(0.01))};
+  apart.model = {std::make_shared<const ScatteringModel>(ScatteringModel::lambert(0.01))};
   expect_mean(apart.exact(), 30, 0.05,
               [&](std::uint64_t seed) { return apart.echo(apart.rays(stratified(6000, seed))); });
 }
@@ -172,10 +172,10 @@ TEST(SharedHits, InOnePlaceTheyAreTheHitsOfOneApex) {
   ASSERT_GT(history.hits.size(), 10000u);
   EXPECT_EQ(both.hits.size(), history.hits.size());
   for (const SharedHit& hit : both.hits) ASSERT_EQ(hit.transmit_tube, hit.receive_tube);
-  EchoLaw law{apart.mu, apart.mesh.material, 0.1};
+  EchoModel model{apart.mu, apart.mesh.material, 0.1};
   const RangeSamples one{0, 1000, 1};
-  const Echo alone = integrate_echo(history, {2, apart.beam}, one, law),
-             same = integrate_echo(both, {2, apart.beam}, one, law);
+  const Echo alone = integrate_echo(history, {2, apart.beam}, one, model),
+             same = integrate_echo(both, {2, apart.beam}, one, model);
   for (int b = 0; b < 2; ++b) EXPECT_NEAR(same.at(b, 0), alone.at(b, 0), 1e-5 * alone.at(b, 0));
 }
 

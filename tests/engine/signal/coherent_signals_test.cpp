@@ -153,11 +153,11 @@ TEST(SignalCovariances, OverAllTimeTheyAreEnergies) {
   receiver.times = {0, 25e3, 600};
   std::vector<SignalSample> samples;
   for (std::uint32_t k = 0; k < receiver.times.count; ++k) samples.push_back({0, k});
-  const CovarianceMatrix r = signal_covariances(view.patches(), receiver, samples, view.law, 1e-8);
+  const CovarianceMatrix r = signal_covariances(view.patches(), receiver, samples, view.model, 1e-8);
   double sum = 0;
   for (std::size_t k = 0; k < samples.size(); ++k) sum += r.at(k, k).real() / receiver.times.rate_hz;
   const std::vector<std::uint32_t> beams(view.history.tubes.tubes.size(), 0);
-  const double energy = test::total(integrate_echo(view.history, {1, beams}, {1, 20, 1}, view.law));
+  const double energy = test::total(integrate_echo(view.history, {1, beams}, {1, 20, 1}, view.model));
   EXPECT_NEAR(sum, energy, 1e-7 * energy);
 }
 
@@ -174,12 +174,12 @@ TEST(SignalCovariances, AreHermitianPositiveAndAsExactAsRequested) {
     for (std::uint32_t c = 0; c < 5; ++c)
       for (std::uint32_t k = 5; k < 40; k += 5) samples.push_back({c, k});
     const SeenPatches seen = view.patches();
-    const CovarianceMatrix fine = signal_covariances(seen, receiver, samples, view.law, 1e-11);
+    const CovarianceMatrix fine = signal_covariances(seen, receiver, samples, view.model, 1e-11);
     double loudest = 0;
     for (std::size_t k = 0; k < samples.size(); ++k) loudest = std::max(loudest, fine.at(k, k).real());
     ASSERT_GT(loudest, 0);
     for (const double tolerance : {1e-3, 1e-5, 1e-7}) {
-      const CovarianceMatrix r = signal_covariances(seen, receiver, samples, view.law, tolerance);
+      const CovarianceMatrix r = signal_covariances(seen, receiver, samples, view.model, tolerance);
       double worst = 0;
       for (std::size_t a = 0; a < samples.size(); ++a)
         for (std::size_t b = 0; b < samples.size(); ++b) {
@@ -216,8 +216,8 @@ TEST(SignalCovariances, OfPolygonsInPartsAddUp) {
       fans.patches.push_back(part);
     }
   }
-  const CovarianceMatrix whole = signal_covariances(seen, receiver, samples, view.law, 1e-9),
-                         parts = signal_covariances(fans, receiver, samples, view.law, 1e-9);
+  const CovarianceMatrix whole = signal_covariances(seen, receiver, samples, view.model, 1e-9),
+                         parts = signal_covariances(fans, receiver, samples, view.model, 1e-9);
   double loudest = 0;
   for (std::size_t k = 0; k < samples.size(); ++k) loudest = std::max(loudest, whole.at(k, k).real());
   for (std::size_t k = 0; k < whole.value.size(); ++k)
@@ -272,7 +272,7 @@ TEST(LowRankFactor, AnArraysRankIsItsSpaceBandwidthProduct) {
 
 /// The direct sum over the field's scatterers.
 ChannelSignals by_every_scatterer(const SeenPatches& seen, const CoherentReceiver& receiver,
-                                  const EchoLaw& law, const GroundField& field) {
+                                  const EchoModel& model, const GroundField& field) {
   ChannelSignals all{receiver.channels.size(), receiver.times.count, {}};
   all.value.assign(all.channels * all.samples, 0);
   const double k = 2 * pi * receiver.carrier_hz / receiver.sound_speed_m_s;
@@ -282,7 +282,7 @@ ChannelSignals by_every_scatterer(const SeenPatches& seen, const CoherentReceive
     field.for_scatterers(corners, patch.normal, [&](glm::dvec3 place, Complex z) {
       for (std::size_t c = 0; c < all.channels; ++c) {
         const ChannelOnPatch::Reception received =
-            ChannelOnPatch(receiver.channels[c], seen, patch, law).at(place - seen.origin_m);
+            ChannelOnPatch(receiver.channels[c], seen, patch, model).at(place - seen.origin_m);
         for (std::size_t n = 0; n < all.samples; ++n)
           all.value[c * all.samples + n] +=
               z * std::polar(received.amplitude, k * received.path_m) *
@@ -312,15 +312,15 @@ TEST(ElementSignals, AreTheSumOverAllScatterersOfTheField) {
     receiver.times.count = 50;
     receiver.channels[1].receive = {Directivity::Kind::line, {1, 0, 0}, false, 0, 3};
     const GroundField field{7, 0.015};
-    EchoLaw law = view.law;
-    law.absorption_db_per_m = 0.1;
+    EchoModel model = view.model;
+    model.absorption_db_per_m = 0.1;
     const SeenPatches seen = view.patches();
-    const ChannelSignals direct = by_every_scatterer(seen, receiver, law, field);
+    const ChannelSignals direct = by_every_scatterer(seen, receiver, model, field);
     const double loudest = loudest_of(direct);
     ASSERT_GT(loudest, 0);
     double before = 1;
     for (const double tolerance : {1e-2, 1e-4, 1e-6}) {
-      const double worst = worst_of(element_signals(seen, receiver, law, field, tolerance), direct);
+      const double worst = worst_of(element_signals(seen, receiver, model, field, tolerance), direct);
       EXPECT_LT(worst, 3 * std::max(tolerance, 1e-6) * loudest) << scene.name << ' ' << tolerance;
       EXPECT_LT(worst, before);
       before = std::max(worst, 1e-6 * loudest);
@@ -346,11 +346,11 @@ TEST(ElementSignals, AreThatSumForFlanksOfAnyLength) {
       receiver.times = {5e-3, 40e3, 130};
       const GroundField field{7, 0.03};
       const SeenPatches seen = view.patches();
-      const ChannelSignals direct = by_every_scatterer(seen, receiver, view.law, field);
+      const ChannelSignals direct = by_every_scatterer(seen, receiver, view.model, field);
       const double loudest = loudest_of(direct);
       ASSERT_GT(loudest, 0);
       for (const double tolerance : {1e-2, 1e-3, 1e-5})
-        EXPECT_LT(worst_of(element_signals(seen, receiver, view.law, field, tolerance), direct),
+        EXPECT_LT(worst_of(element_signals(seen, receiver, view.model, field, tolerance), direct),
                   3 * tolerance * loudest)
             << sweep_hz << ' ' << taper << ' ' << tolerance;
     }
@@ -361,15 +361,15 @@ TEST(ElementSignals, TheSamePoseHasTheSameBitsForAnyThreads) {
   const SignalView view(scene, {0.0, 0.0, 0.0}), again(scene, {0.0, 0.0, 0.0});
   const CoherentReceiver receiver = receiver_at(view.apex_m);
   const GroundField field{9, 0.02};
-  const ChannelSignals one = element_signals(view.patches(), receiver, view.law, field);
+  const ChannelSignals one = element_signals(view.patches(), receiver, view.model, field);
   const tbb::global_control alone(tbb::global_control::max_allowed_parallelism, 1);
-  EXPECT_EQ(one.value, element_signals(again.patches(), receiver, again.law, field).value);
+  EXPECT_EQ(one.value, element_signals(again.patches(), receiver, again.model, field).value);
   GroundField other = field;
   other.seed = 10;
-  const ChannelSignals two = element_signals(view.patches(), receiver, view.law, other);
+  const ChannelSignals two = element_signals(view.patches(), receiver, view.model, other);
   EXPECT_GT(worst_of(one, two), 0.1 * loudest_of(one));
-  EXPECT_EQ(drawn_signals(view.patches(), receiver, view.law, 1, 0).value,
-            drawn_signals(again.patches(), receiver, again.law, 1, 0).value);
+  EXPECT_EQ(drawn_signals(view.patches(), receiver, view.model, 1, 0).value,
+            drawn_signals(again.patches(), receiver, again.model, 1, 0).value);
 }
 
 /// Covariances of draws against those expected, in units of their own statistical errors.
@@ -413,7 +413,7 @@ TEST(ElementSignals, FieldRulesAndFactorsDrawTheSameCovariances) {
   for (std::uint32_t c = 0; c < 4; ++c)
     for (std::uint32_t k = 0; k < 8; k += 2) samples.push_back({c, k});
   const SeenPatches seen = view.patches();
-  const CovarianceMatrix expected = signal_covariances(seen, receiver, samples, view.law, 1e-8);
+  const CovarianceMatrix expected = signal_covariances(seen, receiver, samples, view.model, 1e-8);
   const LowRankFactor factor = low_rank_factor(expected, 1e-10);
   constexpr int draws = 250;
   DrawnCovariances by_field(samples.size()), by_rule(samples.size()), by_factor(samples.size());
@@ -424,8 +424,9 @@ TEST(ElementSignals, FieldRulesAndFactorsDrawTheSameCovariances) {
   };
   const double spacing = 0.06;
   for (int n = 0; n < draws; ++n) {
-    by_field.add(picked(element_signals(seen, receiver, view.law, {seed + std::uint64_t(n), spacing}, 1e-3)));
-    by_rule.add(picked(drawn_signals(seen, receiver, view.law, seed, std::uint32_t(n), 1e-3)));
+    by_field.add(
+        picked(element_signals(seen, receiver, view.model, {seed + std::uint64_t(n), spacing}, 1e-3)));
+    by_rule.add(picked(drawn_signals(seen, receiver, view.model, seed, std::uint32_t(n), 1e-3)));
     by_factor.add(drawn_samples(factor, seed, std::uint32_t(n)));
   }
   // |difference|^2 draws / (R_aa R_bb) is exponential with mean 1 (a = b: chi squared of 1): 256 of them.
@@ -458,11 +459,11 @@ TEST(ElementSignals, AnotherPoseSeesTheSameGround) {
   std::vector<SignalSample> all;
   for (std::uint32_t c = 0; c < 2; ++c)
     for (std::uint32_t k = 0; k < 36; k += 9) all.push_back({c, k});
-  CovarianceMatrix expected = signal_covariances(common, both, all, here.law, 1e-8);
+  CovarianceMatrix expected = signal_covariances(common, both, all, here.model, 1e-8);
   const auto own = [&](const SeenPatches& seen, const CoherentReceiver& receiver, std::size_t first) {
     std::vector<SignalSample> samples;
     for (std::uint32_t k = 0; k < 36; k += 9) samples.push_back({0, k});
-    const CovarianceMatrix r = signal_covariances(seen, receiver, samples, here.law, 1e-8);
+    const CovarianceMatrix r = signal_covariances(seen, receiver, samples, here.model, 1e-8);
     for (std::size_t x = 0; x < 4; ++x)
       for (std::size_t y = 0; y < 4; ++y) expected.at(first + x, first + y) = r.at(x, y);
   };
@@ -471,8 +472,8 @@ TEST(ElementSignals, AnotherPoseSeesTheSameGround) {
   DrawnCovariances drawn(8);
   for (int n = 0; n < draws; ++n) {
     const GroundField field{seed + std::uint64_t(n), 0.06};
-    const ChannelSignals y = element_signals(seen_here, a, here.law, field, 1e-3),
-                         z = element_signals(seen_there, b, there.law, field, 1e-3);
+    const ChannelSignals y = element_signals(seen_here, a, here.model, field, 1e-3),
+                         z = element_signals(seen_there, b, there.model, field, 1e-3);
     std::vector<Complex> row;
     for (std::size_t k = 0; k < 36; k += 9) row.push_back(y.at(0, k));
     for (std::size_t k = 0; k < 36; k += 9) row.push_back(z.at(0, k));
@@ -497,12 +498,12 @@ TEST(ElementSignals, OfNothingAreSilence) {
   const SignalView view(scene, {0.0, 0.0, 0.0});
   CoherentReceiver early = receiver_at(view.apex_m);
   early.times = {0, 25e3, 20};
-  for (const Complex& v : element_signals(view.patches(), early, view.law, {1, 0.02}).value)
+  for (const Complex& v : element_signals(view.patches(), early, view.model, {1, 0.02}).value)
     EXPECT_EQ(v, 0.0);
   const CoherentReceiver below = receiver_at({0, 4.5, -20});
   SeenPatches bed = view.patches();
   std::erase_if(bed.patches, [](const SeenPatch& patch) { return patch.normal.z < 0.9; });
-  for (const Complex& v : element_signals(bed, below, view.law, {1, 0.05}).value) EXPECT_EQ(v, 0.0);
+  for (const Complex& v : element_signals(bed, below, view.model, {1, 0.05}).value) EXPECT_EQ(v, 0.0);
 }
 
 TEST(ElementSignals, RefuseWhatIsNone) {
@@ -514,7 +515,7 @@ TEST(ElementSignals, RefuseWhatIsNone) {
     CoherentReceiver receiver = receiver_at(view.apex_m);
     GroundField its = field;
     change(receiver, its);
-    EXPECT_THROW(element_signals(seen, receiver, view.law, its), std::invalid_argument);
+    EXPECT_THROW(element_signals(seen, receiver, view.model, its), std::invalid_argument);
   };
   refuses([](CoherentReceiver& r, GroundField&) { r.channels.clear(); });
   refuses([](CoherentReceiver& r, GroundField&) { r.carrier_hz = 0; });
@@ -529,8 +530,8 @@ TEST(ElementSignals, RefuseWhatIsNone) {
     f.shape = -1;
   });
   const std::vector<SignalSample> beyond{{9, 0}};
-  EXPECT_THROW(signal_covariances(seen, receiver_at(view.apex_m), beyond, view.law), std::invalid_argument);
-  EXPECT_THROW(signal_covariances(seen, receiver_at(view.apex_m), {}, view.law, 2), std::invalid_argument);
+  EXPECT_THROW(signal_covariances(seen, receiver_at(view.apex_m), beyond, view.model), std::invalid_argument);
+  EXPECT_THROW(signal_covariances(seen, receiver_at(view.apex_m), {}, view.model, 2), std::invalid_argument);
   EXPECT_THROW(gaussian_pulse(0), std::invalid_argument);
 }
 

@@ -101,12 +101,12 @@ TEST(FalseEdges, AreAsLoudAsTrueOnes) {
       const double plane = echo.at(2 * scene.height_m), false_edge = echo.at(2 * scene.to_border_m()),
                    true_edge = echo.at(2 * scene.to_edge_m()), r = scene.to_border_m();
       EXPECT_NEAR(plane, 1 / (2 * scene.height_m), 1e-3);
-      const double law = edge_factor(2 * scene.angle_rad, k) / std::sqrt(2 * r * r * r);
-      EXPECT_NEAR(db(false_edge / law), 0, 0.1) << k;
+      const double model = edge_factor(2 * scene.angle_rad, k) / std::sqrt(2 * r * r * r);
+      EXPECT_NEAR(db(false_edge / model), 0, 0.1) << k;
       EXPECT_NEAR(
-          law / plane,
+          model / plane,
           std::pow(std::cos(scene.angle_rad), 2) / (2 * std::sin(scene.angle_rad) * std::sqrt(pi * k * r)),
-          1e-2 * law / plane);
+          1e-2 * model / plane);
       EXPECT_NEAR(false_edge / true_edge, std::pow(scene.to_edge_m() / scene.to_border_m(), 1.5), 0.02);
     }
 }
@@ -134,14 +134,14 @@ TEST(FalseEdges, AreByTheEdgeAndThePlaneInSecondOrder) {
       return std::abs(sum) / weights;
     };
     const double tx = scene.to_edge_m(), rx = scene.rx_m();
-    const double law =
+    const double model =
         edge_factor(scene.angle_rad + scene.rx_angle_rad(), k0) / std::sqrt(tx * rx * (tx + rx));
-    EXPECT_NEAR(db(at(tx + rx) / law), 0, 0.15);
-    EXPECT_LT(db(at(2 * scene.to_border_m()) / law), -50);  // nothing at the false edge's time
+    EXPECT_NEAR(db(at(tx + rx) / model), 0, 0.15);
+    EXPECT_LT(db(at(2 * scene.to_border_m()) / model), -50);  // nothing at the false edge's time
     // It comes twice, and is louder than what stands for it.
     const double border = scene.to_border_m(),
                  false_edge = edge_factor(2 * scene.angle_rad, k0) / std::sqrt(2 * std::pow(border, 3));
-    EXPECT_GT(db(2 * law / false_edge), 6);
+    EXPECT_GT(db(2 * model / false_edge), 6);
   }
 }
 

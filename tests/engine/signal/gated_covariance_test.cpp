@@ -8,7 +8,7 @@
 #include <random>
 
 #include "engine/echo/receiver_pair_echo.hpp"
-#include "engine/law/perlin_reflectivity.hpp"
+#include "engine/scattering/perlin_reflectivity.hpp"
 #include "fixtures/geometry/plane_polygons.hpp"
 #include "fixtures/world/histories.hpp"
 #include "fixtures/world/signal_scenes.hpp"
@@ -25,7 +25,7 @@ constexpr double pi = std::numbers::pi;
 const std::vector<double> one_mu{0.1};
 const std::vector<std::uint16_t> one_material{0};
 
-EchoLaw even_law() { return {one_mu, one_material}; }
+EchoModel isovelocity_model() { return {one_mu, one_material}; }
 
 /// A polygon on the plane z = -height, in (x, y).
 SeenPatches on_bed(double height, const Polygon2& polygon) {
@@ -45,12 +45,12 @@ TEST(GatedCovariance, OneChannelWithItselfIsTodaysEnergy) {
     const SignalView view(scene, {0.0, 0.0, 0.0});
     const RangeSamples samples{3, 0.2, 20};
     const std::vector<std::uint32_t> beams(view.history.tubes.tubes.size(), 0);
-    EchoLaw law = view.law;
-    law.absorption_db_per_m = 0.2;
-    const Echo echo = integrate_echo(view.history, {1, beams}, samples, law);
+    EchoModel model = view.model;
+    model.absorption_db_per_m = 0.2;
+    const Echo echo = integrate_echo(view.history, {1, beams}, samples, model);
     const SignalChannel channel{view.apex_m, view.apex_m};
     const SampleCovariances own =
-        gated_covariances(view.patches(), channel, channel, samples, 100, law, 1e-14);
+        gated_covariances(view.patches(), channel, channel, samples, 100, model, 1e-14);
     ASSERT_GT(test::total(echo), 0);
     for (int k = 0; k < samples.count; ++k) {
       EXPECT_NEAR(own.at(k, k).real(), echo.at(0, k), 1e-12 * echo.at(0, k)) << scene.name << ' ' << k;
@@ -60,7 +60,7 @@ TEST(GatedCovariance, OneChannelWithItselfIsTodaysEnergy) {
     // So is the limit of two channels.
     const SignalChannel other{view.apex_m, view.apex_m + glm::dvec3(1e-13, 0, 0)};
     const SampleCovariances both =
-        gated_covariances(view.patches(), channel, other, samples, 100, law, 1e-13);
+        gated_covariances(view.patches(), channel, other, samples, 100, model, 1e-13);
     for (int k = 0; k < samples.count; ++k)
       EXPECT_NEAR(std::abs(both.at(k, k)), echo.at(0, k), 1e-10 * echo.at(0, k)) << scene.name << ' ' << k;
   }
@@ -76,11 +76,12 @@ TEST(GatedCovariance, WithPatternsItIsTodaysEnergyToo) {
   const std::size_t tubes = view.history.tubes.tubes.size();
   const std::vector<std::uint32_t> beams(tubes, 0);
   const BeamPatterns patterns = patterns_of_fan({{channel.transmit}, {channel.receive}, {}, {}}, 0, tubes);
-  EchoLaw law = view.law;
-  law.patterns = &patterns;
-  law.pattern_tolerance = 1e-12;
-  const Echo echo = integrate_echo(view.history, {1, beams}, samples, law);
-  const SampleCovariances own = gated_covariances(view.patches(), channel, channel, samples, 100, law, 1e-13);
+  EchoModel model = view.model;
+  model.patterns = &patterns;
+  model.pattern_tolerance = 1e-12;
+  const Echo echo = integrate_echo(view.history, {1, beams}, samples, model);
+  const SampleCovariances own =
+      gated_covariances(view.patches(), channel, channel, samples, 100, model, 1e-13);
   double loudest = 0;
   for (int k = 0; k < samples.count; ++k) loudest = std::max(loudest, echo.at(0, k));
   for (int k = 0; k < samples.count; ++k)
@@ -93,27 +94,28 @@ TEST(GatedCovariance, BetweenTwoApexesItIsTodaysEnergyWithLawsAndTextures) {
   const SceneTree tree(scene.mesh);
   const BistaticHistory history = trace_bistatic(scene.mesh, tree, test::signal_grid().unit_m(), {},
                                                  view.history.tubes, other.history.tubes);
-  const std::vector<std::shared_ptr<const ScatteringLaw>> laws{
-      nullptr, std::make_shared<const ScatteringLaw>(ScatteringLaw::gsab({0.1, 0.2, 0.02, 2, 0.01, 0.4}))};
+  const std::vector<std::shared_ptr<const ScatteringModel>> models{
+      nullptr,
+      std::make_shared<const ScatteringModel>(ScatteringModel::gsab({0.1, 0.2, 0.02, 2, 0.01, 0.4}))};
   const std::vector<std::shared_ptr<const ReflectivityField>> textures{
       std::make_shared<const PerlinReflectivity>(PerlinReflectivity::Settings{}), nullptr};
-  EchoLaw law = view.law;
-  law.absorption_db_per_m = 0.1;
+  EchoModel model = view.model;
+  model.absorption_db_per_m = 0.1;
   const RangeSamples samples{3, 0.2, 20};
   const std::vector<std::uint32_t> beams(other.history.tubes.tubes.size(), 0);
   const auto check = [&](double tolerance) {
-    const Echo echo = integrate_echo(history, {1, beams}, samples, law, Quadrature(Binning::exact, 1e-13));
+    const Echo echo = integrate_echo(history, {1, beams}, samples, model, Quadrature(Binning::exact, 1e-13));
     const SignalChannel channel{view.apex_m, other.apex_m};
     const SampleCovariances own =
-        gated_covariances(seen_patches(history, law), channel, channel, samples, 100, law, 1e-13);
+        gated_covariances(seen_patches(history, model), channel, channel, samples, 100, model, 1e-13);
     ASSERT_GT(test::total(echo), 0);
     for (int k = 0; k < samples.count; ++k)
       EXPECT_NEAR(own.at(k, k).real(), echo.at(0, k), tolerance * echo.at(0, k)) << k;
   };
   check(1e-12);
-  law.scattering = laws;
+  model.scattering = models;
   check(1e-12);
-  law.reflectivity = textures;
+  model.reflectivity = textures;
   check(1e-12);
 }
 
@@ -130,12 +132,12 @@ TEST(GatedCovariance, ReceiversOfAReceiverPairAreItsEcho) {
   history.by_upper.facets = {facet};
   history.by_lower = history.by_upper;
   const BeamPatterns patterns{{Directivity()}, {Directivity()}, {0}, {{0, 1}}, {receiver_pair}};
-  EchoLaw law = even_law();
-  law.patterns = &patterns;
-  const ReceiverPairEcho echo = integrate_receiver_pair_echo(history, receiver_pair, 0, 0, samples, law);
+  EchoModel model = isovelocity_model();
+  model.patterns = &patterns;
+  const ReceiverPairEcho echo = integrate_receiver_pair_echo(history, receiver_pair, 0, 0, samples, model);
   const glm::dvec3 end = receiver_pair.baseline_m / 2 * receiver_pair.axis;
   const SampleCovariances both = gated_covariances(seen, {glm::dvec3(0), end}, {glm::dvec3(0), -end}, samples,
-                                                   receiver_pair.wavenumber_rad_m, law);
+                                                   receiver_pair.wavenumber_rad_m, model);
   for (int k = 0; k < samples.count; ++k) {
     const auto n = std::size_t(k);
     const Complex expected(echo.cross_real_j[n], echo.cross_imag_j[n]);
@@ -148,19 +150,19 @@ TEST(GatedCovariance, ReceiversOfAReceiverPairAreItsEcho) {
 TEST(GatedCovariance, FootprintsThatAreShiftedDecorrelate) {
   const double step = 0.075, baseline = 0.06, range = 30, k = 2 * pi * 250e3 / 1500;
   const SeenPatches strip = on_bed(10, rectangle(5, 40, -5e-4, 5e-4));
-  const EchoLaw law = even_law();
+  const EchoModel model = isovelocity_model();
   const glm::dvec3 receiver_pair = baseline * glm::dvec3(0.5, 0, std::sqrt(0.75));
   const auto coherence = [&](glm::dvec3 one_end, glm::dvec3 other_end, double first_m) {
     const RangeSamples samples{first_m, step, 1};
     const SignalChannel one{{}, one_end}, other{{}, other_end};
-    const double size = std::sqrt(gated_covariances(strip, one, one, samples, k, law).at(0, 0).real() *
-                                  gated_covariances(strip, other, other, samples, k, law).at(0, 0).real());
-    return std::abs(gated_covariances(strip, one, other, samples, k, law).at(0, 0)) / size;
+    const double size = std::sqrt(gated_covariances(strip, one, one, samples, k, model).at(0, 0).real() *
+                                  gated_covariances(strip, other, other, samples, k, model).at(0, 0).real());
+    return std::abs(gated_covariances(strip, one, other, samples, k, model).at(0, 0)) / size;
   };
   // The spread of phases alone: what gates shift out of one sample is in its neighbours.
   const RangeSamples three{range - step, step, 3};
   const auto all = [&](double wavenumber) {
-    const SampleCovariances r = gated_covariances(strip, {{}, receiver_pair}, {}, three, wavenumber, law);
+    const SampleCovariances r = gated_covariances(strip, {{}, receiver_pair}, {}, three, wavenumber, model);
     return std::abs(r.at(1, 0) + r.at(1, 1) + r.at(1, 2));
   };
   EXPECT_NEAR(all(k) / all(0), 0.999875684, 2e-8);
@@ -192,10 +194,10 @@ TEST(GatedCovariance, AnEvenFootprintsCoherenceIsASinc) {
   const SeenPatches strip = on_bed(r, rectangle(-a / 2, a / 2, -1e-5, 1e-5));
   const SignalChannel over{}, beside{{}, {apart, 0, 0}};
   const RangeSamples whole{19, 3, 1};
-  const EchoLaw law = even_law();
-  const double one = gated_covariances(strip, over, over, whole, k, law).at(0, 0).real(),
-               other = gated_covariances(strip, beside, beside, whole, k, law).at(0, 0).real(),
-               both = std::abs(gated_covariances(strip, over, beside, whole, k, law).at(0, 0)),
+  const EchoModel model = isovelocity_model();
+  const double one = gated_covariances(strip, over, over, whole, k, model).at(0, 0).real(),
+               other = gated_covariances(strip, beside, beside, whole, k, model).at(0, 0).real(),
+               both = std::abs(gated_covariances(strip, over, beside, whole, k, model).at(0, 0)),
                size = std::sqrt(one * other);
   const auto weight = [&](double x, double power,
                           double of_other) {  // of the ranges, transmitter over the middle
@@ -211,7 +213,7 @@ TEST(GatedCovariance, AnEvenFootprintsCoherenceIsASinc) {
   // First zero at lambda r / a.
   const double zero = 2 * pi / k * r / a;
   const SignalChannel far_left{{}, {-zero / 2, 0, 0}}, far_right{{}, {zero / 2, 0, 0}};
-  EXPECT_LT(std::abs(gated_covariances(strip, far_left, far_right, whole, k, law).at(0, 0)) / size, 2e-4);
+  EXPECT_LT(std::abs(gated_covariances(strip, far_left, far_right, whole, k, model).at(0, 0)) / size, 2e-4);
 }
 
 TEST(GatedCovariance, DisplacedPhaseCentresFollowABSpline) {
@@ -224,7 +226,7 @@ TEST(GatedCovariance, DisplacedPhaseCentresFollowABSpline) {
   EXPECT_EQ(b3(1) / b3(0), 0.25);
   const double wavelength = 0.01, k = 2 * pi / wavelength, r = 1000;
   const RangeSamples whole{r / 2, r, 1};
-  const EchoLaw law = even_law();
+  const EchoModel model = isovelocity_model();
   const auto strip_for = [&](double length) {  // six side lobes
     const double half = 7 * wavelength / length * r;
     return on_bed(r, rectangle(-half, half, -1e-5, 1e-5));
@@ -233,11 +235,12 @@ TEST(GatedCovariance, DisplacedPhaseCentresFollowABSpline) {
     const SeenPatches strip = strip_for(length);
     const Directivity line{Directivity::Kind::line, {1, 0, 0}, false, 0, length / wavelength};
     const auto channel = [&](double x) { return SignalChannel{{x, 0, 0}, {x, 0, 0}, line, line}; };
-    const double size = gated_covariances(strip, channel(0), channel(0), whole, k, law, 1e-7).at(0, 0).real();
+    const double size =
+        gated_covariances(strip, channel(0), channel(0), whole, k, model, 1e-7).at(0, 0).real();
     for (const double share : {0.125, 0.5}) {
       const double d = share * length;
       const Complex both =
-          gated_covariances(strip, channel(-d / 2), channel(d / 2), whole, k, law, 1e-7).at(0, 0);
+          gated_covariances(strip, channel(-d / 2), channel(d / 2), whole, k, model, 1e-7).at(0, 0);
       EXPECT_NEAR(both.real() / size, b3(2 * share) / b3(0), 0.15 * std::pow(wavelength / length, 2))
           << length << ' ' << share;
       EXPECT_LT(std::abs(both.imag()), 1e-5 * size);
@@ -248,8 +251,9 @@ TEST(GatedCovariance, DisplacedPhaseCentresFollowABSpline) {
   const SeenPatches strip = strip_for(length / 2);  // side lobes fall off as their square only
   const Directivity line{Directivity::Kind::line, {1, 0, 0}, false, 0, length / wavelength};
   const auto channel = [&](double x) { return SignalChannel{{x, 0, 0}, {x, 0, 0}, line, {}}; };
-  const double size = gated_covariances(strip, channel(0), channel(0), whole, k, law, 1e-7).at(0, 0).real();
-  const Complex both = gated_covariances(strip, channel(-0.05), channel(0.05), whole, k, law, 1e-7).at(0, 0);
+  const double size = gated_covariances(strip, channel(0), channel(0), whole, k, model, 1e-7).at(0, 0).real();
+  const Complex both =
+      gated_covariances(strip, channel(-0.05), channel(0.05), whole, k, model, 1e-7).at(0, 0);
   EXPECT_NEAR(both.real() / size, 1 - 2 * 0.1 / length, 8e-3);
 }
 
@@ -268,11 +272,11 @@ TEST(GatedCovariance, DisplacedTransmittersAgreeWithSumsOverPoints) {
     const SignalChannel a{near(), near()}, b{near(), near()};
     const RangeSamples samples{1.5, 0.11, 25};
     const double k = 30;
-    const EchoLaw law = even_law();
-    const SampleCovariances both = gated_covariances(seen, a, b, samples, k, law),
-                            swapped = gated_covariances(seen, b, a, samples, k, law),
+    const EchoModel model = isovelocity_model();
+    const SampleCovariances both = gated_covariances(seen, a, b, samples, k, model),
+                            swapped = gated_covariances(seen, b, a, samples, k, model),
                             turned = gated_covariances(seen, {a.receive_m, a.transmit_m},
-                                                       {b.receive_m, b.transmit_m}, samples, k, law);
+                                                       {b.receive_m, b.transmit_m}, samples, k, model);
     ASSERT_GT(both.reach, 0);
     std::vector<Complex> sum(both.value.size());
     glm::dvec2 low = polygon[0], high = low;
@@ -327,9 +331,9 @@ TEST(GatedCovariance, OfAPathAndTheSamePathBackIsItsEnergy) {
   const SeenPatches seen = on_bed(3, {{-1, 0.5}, {2, 1}, {1.5, 3}, {-0.5, 2.5}});
   const glm::dvec3 here(0.2, -0.1, 0.3), there(-0.4, 0.3, -0.2);
   const RangeSamples samples{2.5, 0.13, 20};
-  const EchoLaw law = even_law();
-  const SampleCovariances both = gated_covariances(seen, {here, there}, {there, here}, samples, 200, law),
-                          own = gated_covariances(seen, {here, there}, {here, there}, samples, 200, law);
+  const EchoModel model = isovelocity_model();
+  const SampleCovariances both = gated_covariances(seen, {here, there}, {there, here}, samples, 200, model),
+                          own = gated_covariances(seen, {here, there}, {here, there}, samples, 200, model);
   double all = 0;
   for (int k = 0; k < samples.count; ++k) all += own.at(k, k).real();
   ASSERT_GT(all, 0);
@@ -347,12 +351,12 @@ TEST(GatedCovariance, PartsAddUp) {
       b{view.apex_m + glm::dvec3(0.02, 0.01, 0), view.apex_m - glm::dvec3(0.05, 0, 0)};
   const RangeSamples samples{3, 0.3, 14};
   const double k = 80;
-  const SampleCovariances all = gated_covariances(seen, a, b, samples, k, view.law);
+  const SampleCovariances all = gated_covariances(seen, a, b, samples, k, view.model);
   std::vector<Complex> by_tube(all.value.size()), halves(all.value.size());
   for (std::uint32_t tube = 0; tube < 6; ++tube) {
     SeenPatches part = seen;
     std::erase_if(part.patches, [&](const SeenPatch& p) { return p.rx_tube != tube; });
-    const SampleCovariances own = gated_covariances(part, a, b, samples, k, view.law);
+    const SampleCovariances own = gated_covariances(part, a, b, samples, k, view.model);
     for (std::size_t n = 0; n < own.value.size(); ++n) by_tube[n] += own.value[n];
   }
   for (const int half : {0, 1}) {
@@ -377,7 +381,7 @@ TEST(GatedCovariance, PartsAddUp) {
       one.corner_count = std::uint32_t(part.corners_m.size()) - one.first_corner;
       part.patches.push_back(one);
     }
-    const SampleCovariances own = gated_covariances(part, a, b, samples, k, view.law);
+    const SampleCovariances own = gated_covariances(part, a, b, samples, k, view.model);
     for (std::size_t n = 0; n < own.value.size(); ++n) halves[n] += own.value[n];
   }
   double loudest = 0;
@@ -390,14 +394,14 @@ TEST(GatedCovariance, PartsAddUp) {
 
 TEST(GatedCovariance, RefusesWhatIsNone) {
   const SeenPatches bed = on_bed(5, rectangle(-1, 1, -1, 1));
-  const EchoLaw law = even_law();
-  EXPECT_THROW(gated_covariances(bed, {}, {}, {1, 0, 3}, 1, law), std::invalid_argument);
-  EXPECT_THROW(gated_covariances(bed, {}, {}, {1, 1, 0}, 1, law), std::invalid_argument);
-  EXPECT_THROW(gated_covariances(bed, {}, {}, {1, 1, 3}, -1, law), std::invalid_argument);
-  EXPECT_THROW(gated_covariances(bed, {}, {}, {1, 1, 3}, 1, law, 0), std::invalid_argument);
+  const EchoModel model = isovelocity_model();
+  EXPECT_THROW(gated_covariances(bed, {}, {}, {1, 0, 3}, 1, model), std::invalid_argument);
+  EXPECT_THROW(gated_covariances(bed, {}, {}, {1, 1, 0}, 1, model), std::invalid_argument);
+  EXPECT_THROW(gated_covariances(bed, {}, {}, {1, 1, 3}, -1, model), std::invalid_argument);
+  EXPECT_THROW(gated_covariances(bed, {}, {}, {1, 1, 3}, 1, model, 0), std::invalid_argument);
   const BistaticHistory apart = test::piece_on(test::flat_bed(5), rectangle(-1, 1, -1, 1), {0, 0, 1});
-  EXPECT_EQ(seen_patches(apart, law).patches.size(), 1u);
-  EchoLaw by_mirror = law;
+  EXPECT_EQ(seen_patches(apart, model).patches.size(), 1u);
+  EchoModel by_mirror = model;
   by_mirror.path.tx.loss.factor = 0.5;
   EXPECT_THROW(seen_patches(apart, by_mirror), std::invalid_argument);
 }

@@ -193,11 +193,11 @@ TEST(GroundField, GammaTexturesMakeIntensitiesOfTheKLaw) {
   const auto exponential = [](double x) { return std::exp(-x); };
   EXPECT_LT(distance(GroundTexture::none, 1, exponential), one_in_a_thousand);
   for (const double nu : {0.5, 1.0, 4.0}) {
-    const auto k_law = [nu](double x) {
+    const auto k_model = [nu](double x) {
       const double root = std::sqrt(nu * x);
       return 2 / std::tgamma(nu) * std::pow(root, nu) * boost::math::cyl_bessel_k(nu, 2 * root);
     };
-    EXPECT_LT(distance(GroundTexture::gamma, nu, k_law), one_in_a_thousand) << nu;
+    EXPECT_LT(distance(GroundTexture::gamma, nu, k_model), one_in_a_thousand) << nu;
     EXPECT_GT(distance(GroundTexture::gamma, nu, exponential), 2 * one_in_a_thousand) << nu;
   }
 }

@@ -72,14 +72,14 @@ double amplitude_of(glm::dvec3 x, glm::dvec3 normal, double mu, double db_per_m,
 
 /// Every scatterer to every channel and sample.
 ChannelSignals by_every_scatterer(const SeenPatches& seen, const CoherentReceiver& receiver,
-                                  const EchoLaw& law, const GroundField& field) {
+                                  const EchoModel& model, const GroundField& field) {
   ChannelSignals all{receiver.channels.size(), receiver.times.count, {}};
   all.value.assign(all.channels * all.samples, 0);
   const double k = 2 * pi * receiver.carrier_hz / c;
   for (const SeenPatch& patch : seen.patches) {
     std::vector<glm::dvec3> corners;
     for (const glm::dvec3& corner : seen.corners(patch)) corners.push_back(corner + seen.origin_m);
-    const double mu = law.material_mu[law.material[patch.facet]];
+    const double mu = model.material_mu[model.material[patch.facet]];
     field.for_scatterers(corners, patch.normal, [&](glm::dvec3 x, Complex z) {
       for (std::size_t n = 0; n < all.channels; ++n) {
         const SignalChannel& channel = receiver.channels[n];
@@ -97,7 +97,7 @@ ChannelSignals by_every_scatterer(const SeenPatches& seen, const CoherentReceive
           const glm::dvec3 from = transmit(s), to = receive(t);
           all.value[n * all.samples + m] +=
               z * g *
-              std::polar(amplitude_of(x, patch.normal, mu, law.absorption_db_per_m, from, to, channel),
+              std::polar(amplitude_of(x, patch.normal, mu, model.absorption_db_per_m, from, to, channel),
                          k * (glm::distance(x, from) + glm::distance(x, to)));
         }
       }
@@ -153,20 +153,20 @@ TEST(MovingEnds, HearTheSumOverAllScatterersOfTheField) {
     const test::SignalScene scene = test::signal_scenes()[number];
     const SignalView view(scene, {0.0, 0.0, 0.0});
     const SeenPatches seen = view.patches();
-    EchoLaw law = view.law;
-    law.absorption_db_per_m = 0.1;
+    EchoModel model = view.model;
+    model.absorption_db_per_m = 0.1;
     const GroundField field{7, number == 0 ? 0.035 : 0.06};
     for (std::size_t k = 0; k < 4; ++k) {
       const CoherentReceiver receiver = receiver_on(view.apex_m, motions[k]);
-      const ChannelSignals direct = by_every_scatterer(seen, receiver, law, field);
+      const ChannelSignals direct = by_every_scatterer(seen, receiver, model, field);
       const double loudest = loudest_of(direct);
       ASSERT_GT(loudest, 0);
       // They are not those of ends at rest.
-      EXPECT_GT(worst_of(element_signals(seen, receiver_on(view.apex_m, {}), law, field), direct),
+      EXPECT_GT(worst_of(element_signals(seen, receiver_on(view.apex_m, {}), model, field), direct),
                 0.03 * loudest);
       double before = 1;
       for (const double tolerance : {1e-2, 1e-4, 1e-6}) {
-        const double worst = worst_of(element_signals(seen, receiver, law, field, tolerance), direct);
+        const double worst = worst_of(element_signals(seen, receiver, model, field, tolerance), direct);
         EXPECT_LT(worst, 3 * std::max(tolerance, 1e-6) * loudest)
             << scene.name << ", way " << k << ' ' << tolerance;
         EXPECT_LT(worst, before);
@@ -184,11 +184,11 @@ TEST(MovingEnds, OneEndMayMoveAndTheOtherRest) {
   CoherentReceiver receiver = receiver_on(view.apex_m, {});
   receiver.channels[0].transmit_motion = straight(view.apex_m, {0, 9, -3});
   receiver.channels[1].receive_motion = turning(view.apex_m, {3, 0, 0}, 2, {0, 0.5, 0});
-  const ChannelSignals direct = by_every_scatterer(seen, receiver, view.law, field);
-  const ChannelSignals moving = element_signals(seen, receiver, view.law, field, 1e-6);
+  const ChannelSignals direct = by_every_scatterer(seen, receiver, view.model, field);
+  const ChannelSignals moving = element_signals(seen, receiver, view.model, field, 1e-6);
   EXPECT_LT(worst_of(moving, direct), 3e-6 * loudest_of(direct));
   // Channel 2 is at rest beside them: the same as if all were, to what tables of pulses leave.
-  const ChannelSignals fixed = element_signals(seen, receiver_on(view.apex_m, {}), view.law, field, 1e-6);
+  const ChannelSignals fixed = element_signals(seen, receiver_on(view.apex_m, {}), view.model, field, 1e-6);
   for (std::size_t n = 0; n < fixed.samples; ++n)
     EXPECT_LT(std::abs(fixed.at(2, n) - moving.at(2, n)), 5e-6 * loudest_of(direct));
 }
@@ -203,13 +203,14 @@ TEST(MovingEnds, AtRestHearTheSameBits) {
                          creeping = receiver_on(view.apex_m, [](glm::dvec3 p) {
                            return straight(p, {1e-7, 2e-7, 0});
                          });
-  const ChannelSignals at_rest = element_signals(seen, fixed, view.law, field),
-                       drawn = drawn_signals(seen, fixed, view.law, 1, 0);
-  EXPECT_EQ(at_rest.value, element_signals(seen, still, view.law, field).value);
-  EXPECT_EQ(drawn.value, drawn_signals(seen, still, view.law, 1, 0).value);
+  const ChannelSignals at_rest = element_signals(seen, fixed, view.model, field),
+                       drawn = drawn_signals(seen, fixed, view.model, 1, 0);
+  EXPECT_EQ(at_rest.value, element_signals(seen, still, view.model, field).value);
+  EXPECT_EQ(drawn.value, drawn_signals(seen, still, view.model, 1, 0).value);
   // A tenth of a micrometre a second goes the other way through the program.
-  EXPECT_LT(worst_of(at_rest, element_signals(seen, creeping, view.law, field)), 5e-6 * loudest_of(at_rest));
-  EXPECT_LT(worst_of(drawn, drawn_signals(seen, creeping, view.law, 1, 0)), 5e-6 * loudest_of(drawn));
+  EXPECT_LT(worst_of(at_rest, element_signals(seen, creeping, view.model, field)),
+            5e-6 * loudest_of(at_rest));
+  EXPECT_LT(worst_of(drawn, drawn_signals(seen, creeping, view.model, 1, 0)), 5e-6 * loudest_of(drawn));
 }
 
 TEST(MovingEnds, HaveTheSameBitsForAnyThreads) {
@@ -220,11 +221,11 @@ TEST(MovingEnds, HaveTheSameBitsForAnyThreads) {
   const CoherentReceiver receiver = receiver_on(view.apex_m, [](glm::dvec3 p) {
     return refracted(p, {1, 2, 0}, 7e-4);
   });
-  const ChannelSignals one = element_signals(seen, receiver, view.law, field),
-                       two = drawn_signals(seen, receiver, view.law, 1, 0);
+  const ChannelSignals one = element_signals(seen, receiver, view.model, field),
+                       two = drawn_signals(seen, receiver, view.model, 1, 0);
   const tbb::global_control alone(tbb::global_control::max_allowed_parallelism, 1);
-  EXPECT_EQ(one.value, element_signals(seen, receiver, view.law, field).value);
-  EXPECT_EQ(two.value, drawn_signals(seen, receiver, view.law, 1, 0).value);
+  EXPECT_EQ(one.value, element_signals(seen, receiver, view.model, field).value);
+  EXPECT_EQ(two.value, drawn_signals(seen, receiver, view.model, 1, 0).value);
 }
 
 /// One scatterer: a patch below the field's spacing, facing up.
@@ -246,8 +247,8 @@ struct OnePlace {
       if (count == 1) return;
     }
   }
-  EchoLaw law() const {
-    EchoLaw its;
+  EchoModel model() const {
+    EchoModel its;
     its.material_mu = mu;
     its.material = material;
     return its;
@@ -289,7 +290,7 @@ TEST(MovingEnds, KeepPhasesToABillionthOfAWavelength) {
         receiver.times.count = std::size_t((duration_s + 0.006) * receiver.times.rate_hz);
         receiver.carrier_hz = carrier_hz;
         const ChannelSignals received =
-            element_signals(place.seen, receiver, place.law(), place.field, 1e-12);
+            element_signals(place.seen, receiver, place.model(), place.field, 1e-12);
         int echoes = 0;
         double worst = 0;
         for (std::size_t n = 0; n < receiver.times.count; ++n) {
@@ -327,7 +328,7 @@ TEST(MovingEnds, ShiftFrequenciesAsDopplerSays) {
       receiver.pulse = even_pulse(duration_s);
       receiver.times = {0.039, 20e3, 520};
       receiver.carrier_hz = carrier_hz;
-      const ChannelSignals received = element_signals(place.seen, receiver, place.law(), place.field);
+      const ChannelSignals received = element_signals(place.seen, receiver, place.model(), place.field);
       const auto power = [&](double frequency_hz) {
         Complex sum = 0;
         // e^{-i omega t}: what is higher turns the other way.
@@ -361,7 +362,7 @@ TEST(MovingEnds, AreReciprocalBackwardsInTime) {
   receiver.carrier_hz = 200e3;
   for (const double t : {0.0130, 0.0134, 0.0138}) {
     receiver.times = {t, 40e3, 1};
-    const Complex there = element_signals(place.seen, receiver, place.law(), place.field, 1e-12).value[0];
+    const Complex there = element_signals(place.seen, receiver, place.model(), place.field, 1e-12).value[0];
     const double s = sent_at(t, place.x, a, b);
     ASSERT_GT(s, 0);
     ASSERT_LT(s, 2e-3);
@@ -371,7 +372,7 @@ TEST(MovingEnds, AreReciprocalBackwardsInTime) {
     back.channels[0].transmit_motion = [=](double time) { return b(zero - time); };
     back.channels[0].receive_motion = [=](double time) { return a(zero - time); };
     back.times.first_s = zero - s;
-    const Complex rx = element_signals(place.seen, back, place.law(), place.field, 1e-12).value[0];
+    const Complex rx = element_signals(place.seen, back, place.model(), place.field, 1e-12).value[0];
     EXPECT_GT(std::abs(there), 0);
     EXPECT_LT(std::abs(there - rx), 2 * pi * 1e-9 * std::abs(there)) << t;
   }
@@ -394,7 +395,7 @@ TEST(MovingEnds, PhasesChangeOverPiecesByLessThanTheirBounds) {
     SignalExtent extent;
     extent.products = false;
     extent.wavenumber_rad_m = 3000;  // so that phases count
-    MovingChannels channels(ends, seen, view.law, extent, 1e-3);
+    MovingChannels channels(ends, seen, view.model, extent, 1e-3);
     for (const SeenPatch& patch : seen.patches) {
       if (!channels.look_at(patch)) continue;
       const SignalExtent its = channels.extent();
@@ -435,11 +436,11 @@ TEST(MovingEnds, RefuseWaysThatAreNone) {
   const auto refuses = [&](const PlatformMotion& motion, const std::string& what) {
     CoherentReceiver receiver = receiver_on(view.apex_m, {});
     receiver.channels[1].receive_motion = motion;
-    expect_refused([&] { element_signals(seen, receiver, view.law, {1, 0.05}); }, what);
-    expect_refused([&] { drawn_signals(seen, receiver, view.law, 1, 0); }, what);
+    expect_refused([&] { element_signals(seen, receiver, view.model, {1, 0.05}); }, what);
+    expect_refused([&] { drawn_signals(seen, receiver, view.model, 1, 0); }, what);
     receiver.channels[1].receive_motion = nullptr;
     receiver.channels[2].transmit_motion = motion;
-    EXPECT_THROW(element_signals(seen, receiver, view.law, {1, 0.05}), std::invalid_argument);
+    EXPECT_THROW(element_signals(seen, receiver, view.model, {1, 0.05}), std::invalid_argument);
   };
   refuses(straight({}, {c, 0, 0}), "the receiver of channel 1 moves at");
   refuses(straight({}, {0, -4000, 0}), "as fast as sound");
@@ -449,7 +450,7 @@ TEST(MovingEnds, RefuseWaysThatAreNone) {
   refuses([](double t) { return glm::dvec3(std::floor(t * 3e3), 0, 0); }, "as fast as sound");
   CoherentReceiver moving = receiver_on(view.apex_m, [](glm::dvec3 p) { return straight(p, {1, 0, 0}); });
   const std::vector<SignalSample> samples{{0, 1}};
-  expect_refused([&] { signal_covariances(seen, moving, samples, view.law); }, "ends at rest");
+  expect_refused([&] { signal_covariances(seen, moving, samples, view.model); }, "ends at rest");
 }
 
 }  // namespace

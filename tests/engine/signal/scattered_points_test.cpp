@@ -118,8 +118,8 @@ TEST(ScatteredPoints, HaveTheCovariancesOfThePolygonsTheyLieOn) {
     }
     EXPECT_GT(double(hidden), 0.01 * double(in_sector)) << scene.name << " has no shadow";
 
-    EchoLaw law = view.law;
-    law.absorption_db_per_m = absorption_db_per_m;
+    EchoModel model = view.model;
+    model.absorption_db_per_m = absorption_db_per_m;
     const auto compare = [&](const Draws& drawn, std::size_t a, std::size_t b, Complex expected,
                              double loudest) {
       if (std::sqrt(drawn.power(a) * drawn.power(b)) < 1e-3 * loudest) return;
@@ -138,7 +138,7 @@ TEST(ScatteredPoints, HaveTheCovariancesOfThePolygonsTheyLieOn) {
     for (std::size_t c = 0; c < channels.size(); ++c)
       for (std::size_t d = 0; d <= c; ++d) {
         const SampleCovariances r =
-            gated_covariances(seen, channels[c], channels[d], gates, wavenumber, law, 1e-8);
+            gated_covariances(seen, channels[c], channels[d], gates, wavenumber, model, 1e-8);
         for (std::size_t k = 0; k < count; ++k)
           for (std::size_t j = 0; j < count; ++j)
             if (c * count + k >= d * count + j)
@@ -152,7 +152,7 @@ TEST(ScatteredPoints, HaveTheCovariancesOfThePolygonsTheyLieOn) {
     std::vector<SignalSample> samples;
     for (std::uint32_t c = 0; c < channels.size(); ++c)
       for (std::uint32_t t = 0; t < times; ++t) samples.push_back({c, 16 * t});
-    const CovarianceMatrix r = signal_covariances(seen, receiver, samples, law);
+    const CovarianceMatrix r = signal_covariances(seen, receiver, samples, model);
     for (std::size_t a = 0; a < timed; ++a)
       for (std::size_t b = 0; b <= a; ++b) compare(by_time, a, b, r.at(a, b), loudest(by_time, timed));
   }

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <random>
 
-#include "engine/law/reflection.hpp"
+#include "engine/scattering/reflection.hpp"
 #include "engine/visibility/tube_engine.hpp"
 #include "fixtures/geometry/plane_polygons.hpp"
 #include "geometry/integrals/polygon_transform.hpp"

@@ -135,7 +135,7 @@ TEST(SmoothSignals, AreThePulseAlongTheEdges) {
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(0, 1);
-  const EchoLaw law;
+  const EchoModel model;
   for (int n = 0; n < 8; ++n) {
     const double size = std::pow(10, -2.3 + 2.3 * unit(random)),
                  height = 0.7 + (n % 3 == 0 ? 20 : 3) * unit(random),
@@ -151,7 +151,7 @@ TEST(SmoothSignals, AreThePulseAlongTheEdges) {
     const std::vector<Complex> exact = by_edges(seen, receiver, gaussian_wave(sigma, receiver.carrier_hz));
     const double most = most_of(seen, receiver) * std::abs(receiver.pulse.at(0));
     for (const double tolerance : {1e-2, 1e-4, 1e-6}) {
-      const ChannelSignals signals = smooth_signals(seen, receiver, law, all_rigid, tolerance);
+      const ChannelSignals signals = smooth_signals(seen, receiver, model, all_rigid, tolerance);
       const double off = largest_difference(signals, exact);
       EXPECT_LE(off, (tolerance + 3e-6) * most) << size << ' ' << height;
       // What interferes away has no error either.
@@ -171,11 +171,11 @@ TEST(SmoothSignals, OfALargePlaneAreItsImage) {
     receiver.times.first_s = 1.2e-3 + receiver.pulse.begin_s;
     receiver.times.count = std::size_t(1.8e-3 * receiver.times.rate_hz);
     const double k = 2 * pi * receiver.carrier_hz / sound_speed;
-    EchoLaw law;
-    law.absorption_db_per_m = 0.05;
+    EchoModel model;
+    model.absorption_db_per_m = 0.05;
     for (const double tolerance : {1e-2, 1e-3}) {
       const ChannelSignals signals = smooth_signals(
-          seen, receiver, law, [&](FacetId) { return &surface; }, tolerance);
+          seen, receiver, model, [&](FacetId) { return &surface; }, tolerance);
       double worst = 0;
       for (std::size_t n = 0; n < signals.samples; ++n)
         worst =
@@ -216,13 +216,13 @@ TEST(SmoothSignals, OfASphereOfManyFacetsAreItsTargetStrength) {
                      glm::dmat3(glm::dvec3(0, 1, 0), glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 1))};
   append_tubes(tubes, angles);
   const History history = TubeEngine(ball, tree, grid.unit_m(), {}).trace(tubes);
-  EchoLaw law;
-  law.path.tx.apex_m = grid.to_metres(tubes.apex);
-  const SeenPatches seen = seen_patches(history, law);
+  EchoModel model;
+  model.path.tx.apex_m = grid.to_metres(tubes.apex);
+  const SeenPatches seen = seen_patches(history, model);
   const double k = 20 / radius;
   CoherentReceiver receiver = receiver_of({{glm::dvec3(0), glm::dvec3(0)}}, 4e-4, k * sound_speed / (2 * pi));
   listen(receiver, seen);
-  const Complex received = at_carrier(smooth_signals(seen, receiver, law, all_rigid), receiver);
+  const Complex received = at_carrier(smooth_signals(seen, receiver, model, all_rigid), receiver);
   EXPECT_NEAR(20 * std::log10(std::abs(received) * glm::dot(centre, centre) / (0.491128297 * radius)), 0,
               0.25);
   SmoothAmplitude amplitudes(std::span(&k, 1), 0);
@@ -241,10 +241,10 @@ TEST(SmoothSignals, OfPolygonsInPartsAddUp) {
     add_patch(parts, FacetId(k), plane, {polygon[k], polygon[(k + 1) % 4], {0.21, 0.13}});
   CoherentReceiver receiver = receiver_of({{glm::dvec3(0), glm::dvec3(0.1, 0, 0.2)}});
   listen(receiver, whole);
-  const EchoLaw law;
+  const EchoModel model;
   for (const double tolerance : {1e-4, 1e-8}) {
-    const ChannelSignals one = smooth_signals(whole, receiver, law, all_rigid, tolerance),
-                         sum = smooth_signals(parts, receiver, law, all_rigid, tolerance);
+    const ChannelSignals one = smooth_signals(whole, receiver, model, all_rigid, tolerance),
+                         sum = smooth_signals(parts, receiver, model, all_rigid, tolerance);
     EXPECT_LT(largest_difference(sum, one.value), (10 * tolerance + 3e-6) * peak_of(one)) << tolerance;
   }
 }
@@ -258,11 +258,11 @@ TEST(SmoothSignals, EndsMayBeExchanged) {
   const glm::dvec3 a(0.1, 0.2, 0.3), b(-0.3, 0.1, -0.1);
   CoherentReceiver receiver = receiver_of({{a, b, line, {}}, {b, a, {}, line}});
   listen(receiver, seen);
-  EchoLaw law;
-  law.absorption_db_per_m = 0.1;
+  EchoModel model;
+  model.absorption_db_per_m = 0.1;
   const SmoothSurface bottom{.fluid = fluid_sediment(1.8, 1.1, 0.5), .roughness_m = 1e-3};
   const ChannelSignals signals = smooth_signals(
-      seen, receiver, law, [&](FacetId) { return &bottom; }, 1e-7);
+      seen, receiver, model, [&](FacetId) { return &bottom; }, 1e-7);
   double worst = 0;
   for (std::size_t k = 0; k < signals.samples; ++k)
     worst = std::max(worst, std::abs(signals.at(0, k) - signals.at(1, k)));

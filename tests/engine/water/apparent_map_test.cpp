@@ -117,10 +117,10 @@ TEST(ApparentMap, FacetFactorReturnsTheEnergyOfTheCurvedTubes) {
   const glm::dvec3 middle = (seen[0] + seen[1] + seen[2]) / 3.0 - apex;
   const double r = glm::length(middle), area = glm::length(area2) / 2;
   const double sine_seen = std::abs(glm::dot(glm::normalize(area2), middle)) / r;
-  const double straight_law =
+  const double straight_model =
       sine_seen * sine_seen * area / std::pow(r, 4) * std::pow(10, -2 * absorption * r / 10);
   const double factor = *factor_of(straight, corners, absorption);
-  EXPECT_NEAR(factor * straight_law / energy, 1, 2e-3);
+  EXPECT_NEAR(factor * straight_model / energy, 1, 2e-3);
   EXPECT_GT(std::abs(factor - 1), 0.02);
 }
 
@@ -150,13 +150,13 @@ TEST(ApparentMap, ReferenceSpeedScalesImagesAndNotEnergies) {
     seen[1][i] = other.apparent(corners[i])->at_m - apex;
     EXPECT_NEAR(glm::distance(seen[1][i], seen[0][i] * 1400.0 / 1517.0), 0, 1e-11);
   }
-  const auto straight_law = [](const glm::dvec3(&s)[3]) {  // Lambert: sine^2 area / r^4
+  const auto straight_model = [](const glm::dvec3(&s)[3]) {  // Lambert: sine^2 area / r^4
     const glm::dvec3 n = glm::cross(s[1] - s[0], s[2] - s[0]), c = (s[0] + s[1] + s[2]) / 3.0;
     const double r = glm::length(c), sine = glm::dot(n, c) / glm::length(n) / r;
     return sine * sine * glm::length(n) / std::pow(r, 4);
   };
-  EXPECT_NEAR(*factor_of(own, corners, 0) * straight_law(seen[0]) /
-                  (*factor_of(other, corners, 0) * straight_law(seen[1])),
+  EXPECT_NEAR(*factor_of(own, corners, 0) * straight_model(seen[0]) /
+                  (*factor_of(other, corners, 0) * straight_model(seen[1])),
               1, 1e-9);
 }
 

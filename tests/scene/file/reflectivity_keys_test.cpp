@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "engine/law/perlin_reflectivity.hpp"
+#include "engine/scattering/perlin_reflectivity.hpp"
 #include "fixtures/world/read_scenes.hpp"
 #include "scene/beds/reflectivity.hpp"
 #include "scene/scene.hpp"

@@ -26,13 +26,13 @@ std::string scene_with(std::string_view keys) {
 
 /// The only material's law, and what loading warns of.
 struct Loaded {
-  std::shared_ptr<const ScatteringLaw> law;
+  std::shared_ptr<const ScatteringModel> model;
   std::vector<std::string> warnings;
-  double db(double grazing_deg) const { return 10 * std::log10(law->cross_section(grazing_deg * degree)); }
+  double db(double grazing_deg) const { return 10 * std::log10(model->cross_section(grazing_deg * degree)); }
 };
 Loaded load(const TestFolder& folder, std::string_view keys) {
   Loaded loaded;
-  loaded.law = load_scattering(read_scene(folder, scene_with(keys)), loaded.warnings).at(0);
+  loaded.model = load_scattering(read_scene(folder, scene_with(keys)), loaded.warnings).at(0);
   return loaded;
 }
 
@@ -49,7 +49,7 @@ TEST(ScatteringKeys, AllAreRead) {
   const TestFolder folder;
   folder.write("measured.csv", "10, -30\n");
   const MaterialDescription lambert = read_scene(folder, smallest_scene).materials.at(0);
-  EXPECT_EQ(lambert.law, "lambert");
+  EXPECT_EQ(lambert.model, "lambert");
   EXPECT_FALSE(lambert.unbounded);
   const MaterialDescription gsab =
       read_scene(folder,
@@ -57,7 +57,7 @@ TEST(ScatteringKeys, AllAreRead) {
                             "oblique_exponent = 1.5\ntransition_db = -14\ntransition_width_deg = 25\n"
                             "unbounded = true"))
           .materials.at(0);
-  EXPECT_EQ(gsab.law, "gsab");
+  EXPECT_EQ(gsab.model, "gsab");
   EXPECT_EQ(gsab.specular_db, -3);
   EXPECT_EQ(gsab.specular_width_deg, 4);
   EXPECT_EQ(gsab.oblique_db, -17);
@@ -83,7 +83,7 @@ TEST(ScatteringKeys, AllAreRead) {
 
 TEST(ScatteringKeys, LawsScatterAsTheKeysSay) {
   const TestFolder folder;
-  EXPECT_EQ(load(folder, "lambert_db = -20").law, nullptr);
+  EXPECT_EQ(load(folder, "lambert_db = -20").model, nullptr);
   const Loaded gsab = load(folder,
                            "law = \"gsab\"\nspecular_db = -3\nspecular_width_deg = 4\noblique_db = -17\n"
                            "transition_db = -14\ntransition_width_deg = 18");

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "engine/law/reflection.hpp"
+#include "engine/scattering/reflection.hpp"
 #include "fixtures/world/read_scenes.hpp"
 #include "scene/beds/smooth_materials.hpp"
 #include "scene/scene.hpp"

@@ -27,7 +27,7 @@ std::vector<double> some_energies(int beams) {
 ReceiverDescription everything() {
   ReceiverDescription description;
   description.noise_level_db = 60;
-  description.speckle = {SpeckleLaw::k, 2, 3};
+  description.speckle = {SpeckleModel::k, 2, 3};
   description.tvg = TimeVariedGain{};
   description.seed = 11;
   return description;
@@ -142,7 +142,7 @@ TEST(ReceiverChain, DependsOnSeedAndPlaceAlone) {
 
 TEST(ReceiverChain, NeighboursAreIndependent) {
   ReceiverDescription description;
-  description.speckle.law = SpeckleLaw::rayleigh;
+  description.speckle.model = SpeckleModel::rayleigh;
   description.seed = 20261121;
   SCOPED_TRACE(testing::Message() << "seed " << description.seed);
   const std::size_t n = 200000;

@@ -26,7 +26,7 @@ std::vector<double> draw(const Speckle& speckle, double mean_j, double noise_j, 
 
 /// Distance to the law, and counts beyond some of its quantiles by exact binomial tails.
 template <typename Distribution>
-void expect_law(const std::vector<double>& energies, Distribution distribution) {
+void expect_model(const std::vector<double>& energies, Distribution distribution) {
   EXPECT_LT(statistics::kolmogorov_distance(energies, distribution),
             statistics::kolmogorov_limit(energies.size()));
   for (const double threshold : {0.01, 0.1, 1.0, 3.0, 6.0, 9.0}) {
@@ -47,13 +47,13 @@ double k_distribution(double nu, double x) {
 TEST(Speckle, OffReturnsTheVeryBits) {
   for (const double energy : {0.0, 5e-324, 1e-300, 0.1, 1 / 3.0, 1.7e308})
     EXPECT_EQ(received_energy(SampleRandom(1, 2, 3, 4), {}, energy, 0), energy);
-  EXPECT_EQ(received_energy(SampleRandom(1, 2, 3, 4), {SpeckleLaw::k, 0.5, 1}, 0, 0), 0);
+  EXPECT_EQ(received_energy(SampleRandom(1, 2, 3, 4), {SpeckleModel::k, 0.5, 1}, 0, 0), 0);
 }
 
 TEST(Speckle, RayleighIsTheExponentialLaw) {
   SCOPED_TRACE(testing::Message() << "seed " << seed);
-  const auto energies = draw({SpeckleLaw::rayleigh, 1, 1}, 1, 0, 400000);
-  expect_law(energies, [](double x) { return -std::expm1(-x); });
+  const auto energies = draw({SpeckleModel::rayleigh, 1, 1}, 1, 0, 400000);
+  expect_model(energies, [](double x) { return -std::expm1(-x); });
   const double sigma = 1 / std::sqrt(400000.0);  // of the mean; the other limits are 6 sigma as well
   EXPECT_NEAR(statistics::mean(energies), 1, 6 * sigma);
   EXPECT_NEAR(statistics::scintillation(energies), 2, 6 * 2 * sigma);  // variance of the estimate: 4/n
@@ -73,9 +73,9 @@ TEST(Speckle, LooksMakeTheGammaLaw) {
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   for (const int looks : {2, 3, 4, 9}) {
     SCOPED_TRACE(testing::Message() << looks << " looks");
-    const auto energies = draw({SpeckleLaw::rayleigh, 1, looks}, 1, 0, 200000);
-    const boost::math::gamma_distribution<> law(looks, 1.0 / looks);
-    expect_law(energies, [&](double x) { return cdf(law, x); });
+    const auto energies = draw({SpeckleModel::rayleigh, 1, looks}, 1, 0, 200000);
+    const boost::math::gamma_distribution<> model(looks, 1.0 / looks);
+    expect_model(energies, [&](double x) { return cdf(model, x); });
     EXPECT_NEAR(std::sqrt(statistics::variance(energies)), 1 / std::sqrt(looks), 0.02);
   }
 }
@@ -88,8 +88,8 @@ TEST(Speckle, KLawOverFourShapes) {
   for (const auto& [shape, amplitude] : cases) {
     SCOPED_TRACE(testing::Message() << "shape " << shape);
     const std::uint32_t n = 400000;
-    const auto energies = draw({SpeckleLaw::k, shape, 1}, 1, 0, n);
-    expect_law(energies, [shape = shape](double x) { return k_distribution(shape, x); });
+    const auto energies = draw({SpeckleModel::k, shape, 1}, 1, 0, n);
+    expect_model(energies, [shape = shape](double x) { return k_distribution(shape, x); });
     // Moments <I^m> = m! (1 + 1/nu) ... (1 + (m-1)/nu) give the spread of the estimates.
     const double second = 2 * (1 + 1 / shape), third = 3 * second * (1 + 2 / shape),
                  fourth = 4 * third * (1 + 3 / shape);
@@ -107,7 +107,7 @@ TEST(Speckle, LooksShareTheTextureOfTheirCell) {
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   const double shape = 2;
   const int looks = 4;
-  const auto energies = draw({SpeckleLaw::k, shape, looks}, 1, 0, 200000);
+  const auto energies = draw({SpeckleModel::k, shape, looks}, 1, 0, 200000);
   EXPECT_NEAR(statistics::scintillation(energies), (1 + 1 / shape) * (1 + 1.0 / looks), 0.04);
 }
 
@@ -115,19 +115,19 @@ TEST(Speckle, NoiseAddsItsMeanUnderEveryLaw) {
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   const double echo = 2, noise = 3;
   const std::uint32_t n = 200000;
-  for (const SpeckleLaw law : {SpeckleLaw::none, SpeckleLaw::rayleigh, SpeckleLaw::k})
-    EXPECT_NEAR(statistics::mean(draw({law, 1.5, 1}, echo, noise, n)), echo + noise, 0.08);
+  for (const SpeckleModel model : {SpeckleModel::none, SpeckleModel::rayleigh, SpeckleModel::k})
+    EXPECT_NEAR(statistics::mean(draw({model, 1.5, 1}, echo, noise, n)), echo + noise, 0.08);
   // Speckled echo in noise: one complex Gaussian.
-  auto energies = draw({SpeckleLaw::rayleigh, 1, 1}, echo, noise, n);
-  expect_law(energies, [&](double x) { return -std::expm1(-x / (echo + noise)); });
+  auto energies = draw({SpeckleModel::rayleigh, 1, 1}, echo, noise, n);
+  expect_model(energies, [&](double x) { return -std::expm1(-x / (echo + noise)); });
   // A steady echo in noise: a non-central chi-squared law, two degrees of freedom a look.
   for (const int looks : {1, 3}) {
-    energies = draw({SpeckleLaw::none, 1, looks}, echo, noise, n);
-    const boost::math::non_central_chi_squared law(2 * looks, 2 * looks * echo / noise);
-    expect_law(energies, [&](double x) { return cdf(law, 2 * looks * x / noise); });
+    energies = draw({SpeckleModel::none, 1, looks}, echo, noise, n);
+    const boost::math::non_central_chi_squared model(2 * looks, 2 * looks * echo / noise);
+    expect_model(energies, [&](double x) { return cdf(model, 2 * looks * x / noise); });
   }
   // Noise alone is speckle.
-  expect_law(draw({}, 0, 1, n), [](double x) { return -std::expm1(-x); });
+  expect_model(draw({}, 0, 1, n), [](double x) { return -std::expm1(-x); });
 }
 
 TEST(Speckle, FirstValuesAreTheSameEverywhere) {
@@ -135,8 +135,8 @@ TEST(Speckle, FirstValuesAreTheSameEverywhere) {
   const double first = (double(0xe169c58d6627e8d5 >> 12) + 0.5) / double(1ull << 52);
   const double second = (double(0x9b00dbd8bc57ac4c >> 12) + 0.5) / double(1ull << 52);
   const SampleRandom random(0, 0, 0, 0);
-  EXPECT_DOUBLE_EQ(received_energy(random, {SpeckleLaw::rayleigh, 1, 1}, 3, 0), -3 * std::log(first));
-  EXPECT_DOUBLE_EQ(received_energy(random, {SpeckleLaw::rayleigh, 1, 2}, 3, 0),
+  EXPECT_DOUBLE_EQ(received_energy(random, {SpeckleModel::rayleigh, 1, 1}, 3, 0), -3 * std::log(first));
+  EXPECT_DOUBLE_EQ(received_energy(random, {SpeckleModel::rayleigh, 1, 2}, 3, 0),
                    -1.5 * std::log(first * second));
 }
 

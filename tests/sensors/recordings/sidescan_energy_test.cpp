@@ -9,7 +9,7 @@
 #include <glm/geometric.hpp>
 #include <numeric>
 
-#include "engine/law/lambert.hpp"
+#include "engine/scattering/lambert.hpp"
 #include "engine/visibility/tube_engine.hpp"
 #include "fixtures/world/recordings.hpp"
 #include "scene/scene.hpp"
@@ -21,7 +21,7 @@ namespace {
 constexpr double absorption_db_per_m = 0.11;
 
 /// Lambert's law, spreading and absorption both ways, per area at a place relative to the apex.
-double law(glm::dvec3 place, glm::dvec3 normal, double mu) {
+double model(glm::dvec3 place, glm::dvec3 normal, double mu) {
   const double range = glm::length(place), sine = std::abs(glm::dot(place, normal)) / range;
   return mu * sine * sine * std::pow(range, -4) * std::pow(10, -2 * absorption_db_per_m * range / 10);
 }
@@ -36,11 +36,11 @@ double over_triangle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, glm::dvec3 normal
            over_triangle(ca, bc, c, normal, mu, depth + 1) + over_triangle(ab, bc, ca, normal, mu, depth + 1);
   }
   const double root = std::sqrt(15.0), near = (6 - root) / 21, far = (6 + root) / 21;
-  double mean = 0.225 * law((a + b + c) / 3.0, normal, mu);
+  double mean = 0.225 * model((a + b + c) / 3.0, normal, mu);
   for (const auto& [s, weight] : {std::pair{near, (155 - root) / 1200}, std::pair{far, (155 + root) / 1200}})
     for (const auto& p :
          {std::array{1 - 2 * s, s, s}, std::array{s, 1 - 2 * s, s}, std::array{s, s, 1 - 2 * s}})
-      mean += weight * law(p[0] * a + p[1] * b + p[2] * c, normal, mu);
+      mean += weight * model(p[0] * a + p[1] * b + p[2] * c, normal, mu);
   return mean * glm::length(glm::cross(b - a, c - a)) / 2;
 }
 
@@ -95,8 +95,8 @@ samples = 1180
   TubeEngine engine(scene.mesh, tree, scene.grid.unit_m(), {});
   const Pose pose = sensor->pose_on(scene.trajectories.front().at(0));
   const History history = engine.trace(sensor->tubes(pose, scene.grid));
-  const EchoLaw echo_law{scene.material_mu, scene.mesh.material, absorption_db_per_m};
-  const Echo echo = integrate_echo(history, {2, sensor->beam_of_tube()}, sensor->samples(), echo_law);
+  const EchoModel echo_model{scene.material_mu, scene.mesh.material, absorption_db_per_m};
+  const Echo echo = integrate_echo(history, {2, sensor->beam_of_tube()}, sensor->samples(), echo_model);
 
   std::array<double, 2> expected{};
   for (const Footprint& footprint : history.footprints.footprints)

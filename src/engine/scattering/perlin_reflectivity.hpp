@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/scattering/perlin.hpp"
+#include "engine/scattering/reflectivity_field.hpp"
+
+namespace tubefoot {
+
+/// Octaves of improved Perlin noise:
+///     factor = 1 + depth sum_i persistence^i noise(2^i place / wavelength) / sum_i persistence^i.
+/// Over 256 of the longest wavelengths along the frame's x, y or z the mean is 1 (perlin.hpp: the gradients
+/// there are all of the table's, once each); one octave's standard deviation is 0.2704 depth.
+class PerlinReflectivity : public ReflectivityField {
+ public:
+  struct Settings {
+    double wavelength_m = 0.5;
+    int octaves = 1;
+    double persistence = 0.5;  ///< an octave's amplitude over that of the octave twice as long
+    double depth = 0.25;       ///< 0 to 1 / PerlinLattice::largest: no factor is negative
+    std::uint64_t seed = 1;
+  };
+  static constexpr int most_octaves = 16;
+
+  /// Throws std::invalid_argument for a wavelength that is not above 0 and finite, no octave or more than
+  /// most_octaves, a persistence outside of [0, 1], a depth that would make factors negative.
+  explicit PerlinReflectivity(const Settings& settings);
+
+  const Settings& settings() const { return settings_; }
+  const PerlinLattice& lattice() const { return lattice_; }
+
+  double factor(glm::dvec3 place_m) const override;
+  double largest() const override;
+  double finest_m() const override;
+  std::span<const CellPlanes> cells() const override { return cells_; }
+  double change(double away_m) const override;
+
+ private:
+  Settings settings_;
+  PerlinLattice lattice_;
+  struct Octave {
+    double per_m, amplitude;
+  };
+  std::vector<Octave> octaves_;
+  std::vector<CellPlanes> cells_;
+};
+
+}  // namespace tubefoot

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/scattering/radial_model.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <list>
+#include <mutex>
+#include <tuple>
+
+#include "engine/scattering/density.hpp"
+#include "engine/scattering/echo_model.hpp"
+
+namespace tubefoot {
+namespace {
+
+RadialIntegral made(const RangeSamples& samples, double absorption_db_per_m) {
+  const double beta = absorption_per_m(absorption_db_per_m);
+  return RadialIntegral(sample_borders_m(samples),
+                        [beta](double r) { return lambert_density(TwoWayRange<double>::of(r), beta); });
+}
+
+/// What was asked for last, that first.
+class Kept {
+ public:
+  std::shared_ptr<const RadialIntegral> get(const RangeSamples& samples, double absorption_db_per_m) {
+    // By bits: what is equal but not the same, as two zeros are, need not give the same.
+    const auto bits = [](double x) { return std::bit_cast<std::uint64_t>(x); };
+    const Key key{bits(samples.first_m), bits(samples.step_m), samples.count, bits(absorption_db_per_m)};
+    if (auto found = find(key)) return found;
+    // No lock meanwhile: two threads that ask at once make the same twice.
+    auto fresh = std::make_shared<const RadialIntegral>(made(samples, absorption_db_per_m));
+    put(key, fresh);
+    return fresh;
+  }
+
+ private:
+  using Key = std::tuple<std::uint64_t, std::uint64_t, int, std::uint64_t>;
+  struct Entry {
+    Key key;
+    std::shared_ptr<const RadialIntegral> radial;
+  };
+
+  std::shared_ptr<const RadialIntegral> find(const Key& key) {
+    const std::lock_guard lock(mutex_);
+    const auto found = std::ranges::find(entries_, key, &Entry::key);
+    if (found == entries_.end()) return nullptr;
+    entries_.splice(entries_.begin(), entries_, found);
+    return found->radial;
+  }
+
+  void put(const Key& key, std::shared_ptr<const RadialIntegral> radial) {
+    const std::lock_guard lock(mutex_);
+    entries_.push_front({key, std::move(radial)});
+    std::size_t cells = 0;
+    for (auto entry = std::next(entries_.begin()); entry != entries_.end();) {
+      if (entry->key != key) cells += entry->radial->cells().size();
+      entry = entry->key == key || cells > most_cells_kept ? entries_.erase(entry) : std::next(entry);
+    }
+  }
+
+  std::mutex mutex_;
+  std::list<Entry> entries_;
+};
+
+}  // namespace
+
+std::shared_ptr<const RadialIntegral> lambert_radial_integral(const RangeSamples& samples,
+                                                              double absorption_db_per_m) {
+  static Kept kept;
+  return kept.get(samples, absorption_db_per_m);
+}
+
+}  // namespace tubefoot
