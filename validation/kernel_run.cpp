@@ -35,8 +35,9 @@ CommonVisibility look(const Case& scene, Arithmetic arithmetic, double tolerance
   options.tolerance = tolerance;
   options.open_water = audited == Audit::yes;
   const bool absolute = arithmetic == Arithmetic::plain_double && scene.origin_m != glm::dvec3(0);
-  // An engine of doubles proves no height sheets.
-  const SceneTree tree = absolute ? SceneTree(scene.mesh, SceneTree::Sheets::ignored) : SceneTree(scene.mesh);
+  // An engine of doubles proves no height fields.
+  const SceneTree tree =
+      absolute ? SceneTree(scene.mesh, SceneTree::HeightFieldSearch::ignored) : SceneTree(scene.mesh);
   VisibilityScratch scratch;
   Gathering gathering;
   VisibilitySolver<AbsoluteDouble> absolute_solver;

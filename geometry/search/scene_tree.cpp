@@ -6,7 +6,7 @@
 #include <numeric>
 #include <type_traits>
 
-#include "geometry/search/height_sheets.hpp"
+#include "geometry/search/height_fields.hpp"
 #include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
@@ -72,7 +72,8 @@ SceneTree::Fan::Fan(std::span<const HalfSpace> half_spaces)
               std::max(spread.z, std::abs(h.z - middle.z))};
 }
 
-SceneTree::SceneTree(const FacetMesh& mesh, Sheets sheets) : mesh_(&mesh), order_(mesh.facets.size()) {
+SceneTree::SceneTree(const FacetMesh& mesh, HeightFieldSearch height_fields)
+    : mesh_(&mesh), order_(mesh.facets.size()) {
   std::iota(order_.begin(), order_.end(), 0u);
   if (order_.empty()) return;
   // Three times the centroid, in single precision: it only decides the tree's shape.
@@ -130,14 +131,14 @@ SceneTree::SceneTree(const FacetMesh& mesh, Sheets sheets) : mesh_(&mesh), order
   };
   build(build, 0, static_cast<std::uint32_t>(order_.size()));
   nodes_.shrink_to_fit();
-  if (sheets == Sheets::proven)
-    if (auto found = std::make_shared<const HeightSheets>(mesh); found->count() > 0)
-      sheets_ = std::move(found);
+  if (height_fields == HeightFieldSearch::proven)
+    if (auto found = std::make_shared<const HeightFields>(mesh); found->count() > 0)
+      height_fields_ = std::move(found);
 }
 
 std::size_t SceneTree::bytes() const {
   return nodes_.capacity() * sizeof(Node) + order_.capacity() * sizeof(FacetId) +
-         (sheets_ ? sheets_->bytes() : 0);
+         (height_fields_ ? height_fields_->bytes() : 0);
 }
 
 void SceneTree::query(GridPoint apex, std::span<const HalfSpace> half_spaces, double reach,

@@ -12,7 +12,7 @@
 
 namespace tubefoot {
 
-class HeightSheets;
+class HeightFields;
 
 /// Bounding-box tree over the facets of a mesh, asked for the facets that may meet a pyramid of planes
 /// through an apex, within a reach. 32 bytes a node, eight facets a leaf. (CGAL's AABB_tree holds points and
@@ -20,10 +20,10 @@ class HeightSheets;
 /// docs/visibility.md.) Of many copies of a facet it may hold only the first, which wins their ties.
 class SceneTree {
  public:
-  enum class Sheets { proven, ignored };
+  enum class HeightFieldSearch { proven, ignored };
 
-  /// `sheets`: whether to look for height sheets too.
-  explicit SceneTree(const FacetMesh& mesh, Sheets sheets = Sheets::proven);
+  /// `height_fields`: whether to look for height fields too.
+  explicit SceneTree(const FacetMesh& mesh, HeightFieldSearch height_fields = HeightFieldSearch::proven);
 
   /// A half-space through the apex: directions d with normal . d >= 0 (to within rounding: a filter, not a
   /// verdict).
@@ -61,7 +61,7 @@ class SceneTree {
              std::vector<FacetId>& out) const;
 
   /// Null if there are none.
-  const HeightSheets* sheets() const { return sheets_.get(); }
+  const HeightFields* height_fields() const { return height_fields_.get(); }
 
   std::size_t bytes() const;
 
@@ -83,7 +83,7 @@ class SceneTree {
   const FacetMesh* mesh_;
   std::vector<Node> nodes_;
   std::vector<FacetId> order_;
-  std::shared_ptr<const HeightSheets> sheets_;
+  std::shared_ptr<const HeightFields> height_fields_;
 };
 
 }  // namespace tubefoot

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "geometry/search/height_sheets.hpp"
+#include "geometry/search/height_fields.hpp"
 #include "geometry/search/scene_tree.hpp"
 #include "geometry/tubes/tube.hpp"
 #include "geometry/visibility/edge_rings.hpp"
@@ -28,7 +28,7 @@ class Gathering {
   };
 
   /// Gathers for tubes [first, end). False if they had better be gathered apart (a single tube never is):
-  /// they look at very many facets, or not all of them may see a height sheet from above.
+  /// they look at very many facets, or not all of them may see a height fields from above.
   bool gather(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes, std::uint32_t first,
               std::uint32_t end);
 
@@ -58,7 +58,7 @@ class Gathering {
   EdgeRings rings_;
   std::vector<FacetId> candidates_, hidden_;
   std::array<std::vector<SceneTree::HalfSpace>, 4> walls_;  ///< wall k of each tube
-  HeightSheets::View sheets_;
+  HeightFields::View sheets_;
 };
 
 }  // namespace tubefoot

@@ -18,7 +18,7 @@ std::shared_ptr<const PartedBed> bed_of(const TransmissionEnd& end) {
   if (end.refined == nullptr) return nullptr;
   auto bed = std::make_shared<PartedBed>();
   bed->mesh = end.refined->mesh;
-  bed->tree = std::make_unique<const SceneTree>(bed->mesh, SceneTree::Sheets::ignored);
+  bed->tree = std::make_unique<const SceneTree>(bed->mesh, SceneTree::HeightFieldSearch::ignored);
   bed->base = end.refined->parent;
   bed->weights = end.refined->weights;
   bed->name.resize(bed->base.size());
@@ -92,7 +92,7 @@ class ImageBeds {
                                                std::vector<PartWeights> weights, std::vector<FacetId> name) {
     auto bed = std::make_shared<PartedBed>();
     bed->mesh = mesh;
-    bed->tree = std::make_unique<const SceneTree>(bed->mesh, SceneTree::Sheets::ignored);
+    bed->tree = std::make_unique<const SceneTree>(bed->mesh, SceneTree::HeightFieldSearch::ignored);
     bed->base = std::move(base);
     bed->weights = std::move(weights);
     bed->name = std::move(name);

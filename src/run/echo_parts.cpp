@@ -177,7 +177,7 @@ void add_refracted_separate_receiver(const Transmission& transmission, PingSums&
   if (transmission.loaded_scene().ground) sums.counts.refined_facets += mesh.facets.size();
   const auto keep_misfit = [&](const std::vector<BistaticFacet>& facets) {
     for (const BistaticFacet& facet : facets)
-      counts.largest_gap_m = std::max(counts.largest_gap_m, facet.misfit_m);
+      counts.largest_travel_path_error_m = std::max(counts.largest_travel_path_error_m, facet.misfit_m);
   };
   const std::size_t s = transmission.first();
   if (transmission.sensor(s).has_receiver_pair()) {

@@ -53,7 +53,7 @@ void count_paths(const Transmission& transmission, const auto& paths, PingSums& 
   ApparentMapCounts& counts = sums.counts.refraction;
   add_counts(counts, paths.seen_by_patches, transmission);
   for (const ApparentSurface& apparent : paths.grounds) add_counts(counts, apparent, transmission);
-  counts.largest_gap_m = std::max(counts.largest_gap_m, paths.largest_misfit_m);
+  counts.largest_travel_path_error_m = std::max(counts.largest_travel_path_error_m, paths.largest_misfit_m);
   sums.counts.images += paths.images;
   sums.counts.arrivals += paths.arrivals;
   sums.counts.pieces += paths.shared_pieces;

@@ -75,7 +75,7 @@ void add_looks(const Transmission& transmission, std::size_t s, const PathSettin
     return;
   }
   const RefinedMesh mirrors = mirrors_about(transmission, apexes.front().reach * unit_m);
-  const SceneTree tree(mirrors.mesh, SceneTree::Sheets::ignored);
+  const SceneTree tree(mirrors.mesh, SceneTree::HeightFieldSearch::ignored);
   const ImageFinder finder(mirrors.mesh, tree, transmission.request().visibility, settings.mirrors,
                            settings.least(), settings.most_images);
   for (TubeSet& tubes : apexes) {

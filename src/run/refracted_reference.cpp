@@ -70,8 +70,8 @@ RefractedPairTransmission certify(const Transmission& transmission, const PairAp
   RefractedPairTransmission found{std::move(pair), {}, {}, false};
   const ApparentPair& own = found.pair.apparent;
   found.history = trace_both(transmission, found.pair);
-  const SceneTree tx_tree(own.transmit.refined.mesh, SceneTree::Sheets::ignored),
-      rx_tree(own.receive.refined.mesh, SceneTree::Sheets::ignored);
+  const SceneTree tx_tree(own.transmit.refined.mesh, SceneTree::HeightFieldSearch::ignored),
+      rx_tree(own.receive.refined.mesh, SceneTree::HeightFieldSearch::ignored);
   const RayEnclosure tx_rays(found.pair.transmit_water, eigenray_options(transmission.loaded_scene())),
       rx_rays(found.pair.receive_water, eigenray_options(transmission.loaded_scene()));
   const BistaticBed bed{own.mesh,
@@ -119,7 +119,7 @@ RefractedReceiverPairTransmission certify(const Transmission& transmission, cons
   std::vector<SceneTree> trees;
   std::vector<RayEnclosure> rays;
   for (std::size_t end = 0; end < 3; ++end) {
-    trees.emplace_back(own.seen[end].refined.mesh, SceneTree::Sheets::ignored);
+    trees.emplace_back(own.seen[end].refined.mesh, SceneTree::HeightFieldSearch::ignored);
     rays.emplace_back(ends.water(end), eigenray_options(transmission.loaded_scene()));
   }
   const auto end_of = [&](std::size_t end) {
@@ -184,7 +184,8 @@ ApparentMapSettings first_settings(const Transmission& transmission, double reac
   // The scene's own keys are for ordinary runs. What is left between straight and curved shrinks with the
   // gap, and the change of a factor over a facet with its edges. The first ground is coarse: how many facets
   // a tolerance takes is known only from what it has.
-  settings.gap_m = std::min(settings.gap_m, std::max(first * sample / 16, 2 * unit));
+  settings.travel_path_error_m =
+      std::min(settings.travel_path_error_m, std::max(first * sample / 16, 2 * unit));
   settings.tolerance_db = std::min(settings.tolerance_db, 2 * first);
   settings.shortest_edge_m = std::max({sample / 16, reach_m / 20000, 64 * unit});
   return settings;
@@ -193,12 +194,16 @@ ApparentMapSettings first_settings(const Transmission& transmission, double reac
 std::size_t facets_of(const ApparentSurface& ground) { return ground.refined.mesh.facets.size(); }
 std::size_t facets_of(const RefractedPair& pair) { return pair.apparent.mesh.facets.size(); }
 std::size_t facets_of(const CommonApparentSurfaces& grounds) { return grounds.bed.mesh.facets.size(); }
-double largest_gap_m(const CommonApparentSurfaces& grounds) {
-  return std::ranges::max(grounds.seen, {}, &ApparentSurface::largest_gap_m).largest_gap_m;
+double largest_travel_path_error_m(const CommonApparentSurfaces& grounds) {
+  return std::ranges::max(grounds.seen, {}, &ApparentSurface::largest_travel_path_error_m)
+      .largest_travel_path_error_m;
 }
-double largest_gap_m(const ApparentSurface& ground) { return ground.largest_gap_m; }
-double largest_gap_m(const RefractedPair& pair) {
-  return std::max(pair.apparent.transmit.largest_gap_m, pair.apparent.receive.largest_gap_m);
+double largest_travel_path_error_m(const ApparentSurface& ground) {
+  return ground.largest_travel_path_error_m;
+}
+double largest_travel_path_error_m(const RefractedPair& pair) {
+  return std::max(pair.apparent.transmit.largest_travel_path_error_m,
+                  pair.apparent.receive.largest_travel_path_error_m);
 }
 
 /// Ever finer. `ground(settings)`: mapped so, for certify().
@@ -219,7 +224,7 @@ auto certify_ever_finer(const Transmission& transmission, double reach_m, const 
     if (room < least_worth || tries == most_tries) break;
     const double finer = quality.finer(room);
     const auto finer_ground = [&](double by) {
-      settings.gap_m = std::max(settings.gap_m / by, 2 * unit);
+      settings.travel_path_error_m = std::max(settings.travel_path_error_m / by, 2 * unit);
       settings.tolerance_db /= by;
       return ground_of(settings);
     };
@@ -234,7 +239,9 @@ auto certify_ever_finer(const Transmission& transmission, double reach_m, const 
     const std::size_t facets = facets_of(*ground);
     // Where it was about as fine as that already, the next one is to be finer than it is.
     const bool hardly_finer = hardly_grown();
-    if (hardly_finer) settings.gap_m = std::min(settings.gap_m, std::max(largest_gap_m(*ground), 2 * unit));
+    if (hardly_finer)
+      settings.travel_path_error_m =
+          std::min(settings.travel_path_error_m, std::max(largest_travel_path_error_m(*ground), 2 * unit));
     const bool as_it_was = facets == facets_before;
     facets_before = facets;
     if (as_it_was && !quality.is_wide()) break;
@@ -325,8 +332,8 @@ RefractedPathsTransmission certify_refracted_paths(const Transmission& transmiss
     const double room = std::sqrt(most_facets_of_paths / std::max(double(best.facets()), 1.0));
     if (room < least_worth || tries == most_tries) break;
     const double by = halvings > 0 ? std::exp2(std::min(halvings, 3)) : quality.finer(room);
-    finer.apparent_map.gap_m =
-        std::max(finer.apparent_map.gap_m / by, 2 * transmission.scene().grid.unit_m());
+    finer.apparent_map.travel_path_error_m =
+        std::max(finer.apparent_map.travel_path_error_m / by, 2 * transmission.scene().grid.unit_m());
     finer.apparent_map.tolerance_db /= by;
     RefractedPathsTransmission next = certified();
     const Quality found = quality_of(next.orders);

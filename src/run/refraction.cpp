@@ -78,7 +78,7 @@ double gap_of_phases_m(const Transmission& transmission) {
       transmission.has_separate_receiver()
           ? glm::distance(transmission.pose().position_m, transmission.receiver_pose().position_m) / 2
           : 0;
-  double gap_m = std::numeric_limits<double>::infinity();
+  double travel_path_error_m = std::numeric_limits<double>::infinity();
   for (const std::size_t s : transmission.group().sensors) {
     const Sensor& sensor = transmission.sensor(s);
     if (!sensor.has_receiver_pair()) continue;
@@ -86,9 +86,10 @@ double gap_of_phases_m(const Transmission& transmission) {
                      transmission.survey().sensors[s].sound_speed_m_s / (1e3 * sensor.frequency_khz()),
                  baseline_m = sensor.receiver_pair().baseline_m,
                  nearest_m = std::max(sensor.samples().first_m - between_m, baseline_m / 2);
-    gap_m = std::min(gap_m, phase_error_rad * wavelength_m / (2 * std::numbers::pi) * nearest_m / baseline_m);
+    travel_path_error_m = std::min(travel_path_error_m, phase_error_rad * wavelength_m /
+                                                            (2 * std::numbers::pi) * nearest_m / baseline_m);
   }
-  return std::max(gap_m, 2 * transmission.scene().grid.unit_m());
+  return std::max(travel_path_error_m, 2 * transmission.scene().grid.unit_m());
 }
 
 nlohmann::ordered_json place_json(const std::array<double, 3>& place) {
@@ -184,7 +185,8 @@ ApparentMapSettings apparent_map_settings(const Transmission& transmission, doub
   const WaterDescription& keys = transmission.scene().description.water;
   const double sample = transmission.sample_length_m();
   ApparentMapSettings settings;
-  settings.gap_m = keys.refraction_gap_m.value_or(std::min(sample / 4, gap_of_phases_m(transmission)));
+  settings.travel_path_error_m =
+      keys.travel_path_error_m.value_or(std::min(sample / 4, gap_of_phases_m(transmission)));
   settings.tolerance_db = keys.refraction_tolerance_db.value_or(0.1);
   // Caustics and the borders of shadows take no more edges than a sector is wide.
   settings.shortest_edge_m = std::max({sample, reach_m / 2000, 16 * transmission.scene().grid.unit_m()});
@@ -192,10 +194,10 @@ ApparentMapSettings apparent_map_settings(const Transmission& transmission, doub
   // A gap that is asked for, or that phases need, is kept where rays do not cross: of an edge it is no more
   // than g / c a quarter of its square.
   const double bend_per_m = transmission.scene().water->profile().largest_bend_per_m();
-  if ((keys.refraction_gap_m || settings.gap_m < sample / 4) && bend_per_m > 0)
+  if ((keys.travel_path_error_m || settings.travel_path_error_m < sample / 4) && bend_per_m > 0)
     settings.shortest_edge_m =
-        std::min(settings.shortest_edge_m,
-                 std::max(std::sqrt(settings.gap_m / bend_per_m), 16 * transmission.scene().grid.unit_m()));
+        std::min(settings.shortest_edge_m, std::max(std::sqrt(settings.travel_path_error_m / bend_per_m),
+                                                    16 * transmission.scene().grid.unit_m()));
   return settings;
 }
 
@@ -206,7 +208,7 @@ LyingBed::LyingBed(const Transmission& transmission, std::span<const TubeSet> tu
   std::vector<Look> looks = transmission.looks(tubes);
   for (std::size_t k = 0; k < looks.size(); ++k) looks[k].view_bounds = &all_view_bounds[k];
   relief_ = relief_seen_by(transmission, looks, weights);
-  tree_ = std::make_unique<SceneTree>(relief_.mesh, SceneTree::Sheets::ignored);
+  tree_ = std::make_unique<SceneTree>(relief_.mesh, SceneTree::HeightFieldSearch::ignored);
 }
 
 const FacetMesh& LyingBed::mesh() const { return tree_ ? relief_.mesh : loaded_scene_.scene.mesh; }
@@ -400,13 +402,13 @@ void add_counts(ApparentMapCounts& counts, const ApparentSurface& ground, const 
   add_counts(
       counts,
       GroundCounts{ground.refined.mesh.facets.size(), ground.facets_in_shadow, ground.facets_of_several,
-                   ground.facets_folded, ground.largest_gap_m, ground.unclear},
+                   ground.facets_folded, ground.largest_travel_path_error_m, ground.unclear},
       transmission);
 }
 
 void add_counts(ApparentMapCounts& counts, const GroundCounts& grounds, const Transmission& transmission) {
   ApparentMapCounts own{grounds.facets, grounds.in_shadow, grounds.of_several, grounds.folded,
-                        grounds.largest_gap_m};
+                        grounds.largest_travel_path_error_m};
   const glm::dvec3 apex = transmission.pose().position_m;
   const auto keep = [&](const UnclearPlace& place, std::array<double, 3>& kept) {
     if (kept[2] == 0) kept = polar(place.direction, glm::distance(place.at_m, apex));
@@ -425,7 +427,8 @@ void add_counts(ApparentMapCounts& sum, const ApparentMapCounts& more) {
   sum.folded += more.folded;
   sum.unbounded += more.unbounded;
   sum.at_limit += more.at_limit;
-  sum.largest_gap_m = std::max(sum.largest_gap_m, more.largest_gap_m);
+  sum.largest_travel_path_error_m =
+      std::max(sum.largest_travel_path_error_m, more.largest_travel_path_error_m);
 }
 
 nlohmann::ordered_json refraction_json(const Survey& survey, bool reference, const SimulationStats& stats) {
@@ -438,7 +441,7 @@ nlohmann::ordered_json refraction_json(const Survey& survey, bool reference, con
        fmt::format("{}, with {}", left_out.empty() ? "every ray, out and home along any two" : left_out,
                    turning_points(survey))},
       {"apparent_facets", counts.facets},
-      {"largest_gap_m", counts.largest_gap_m},
+      {"largest_gap_m", counts.largest_travel_path_error_m},
       {"facets_in_shadow", counts.in_shadow},
       {"facets_of_several_rays", counts.of_several},
       {"facets_folded", counts.folded}};
@@ -482,12 +485,12 @@ std::vector<std::string> refraction_warnings(const Survey& survey, bool referenc
         "{}: {} bins have no bound (energy_bound is infinite): facets to which it is not proven that "
         "exactly one ray leads may be heard in them, or hide what is",
         where, counts.unbounded));
-  const std::optional<double> requested_m = survey.scene.description.water.refraction_gap_m;
-  if (requested_m && counts.largest_gap_m > *requested_m)
+  const std::optional<double> requested_m = survey.scene.description.water.travel_path_error_m;
+  if (requested_m && counts.largest_travel_path_error_m > *requested_m)
     warnings.push_back(fmt::format(
         "{}: 'refraction_gap_m' asks for {:.3g} m, {:.3g} m is kept: edges next to a caustic or a "
         "shadow, or as short as the grid allows, are not cut further",
-        where, *requested_m, counts.largest_gap_m));
+        where, *requested_m, counts.largest_travel_path_error_m));
   if (counts.at_limit > 0)
     warnings.push_back(
         fmt::format("{}: bounds of {} shots are true but wider than asked: narrower ones take more apparent "

@@ -15,7 +15,7 @@ namespace tubefoot {
 
 struct SimulationStats;
 
-/// Speed of sound where a sensor is first; the scene's, in even water.
+/// Speed of sound where a sensor is first; the scene's, in isovelocity water.
 double sound_speed_at(const Scene& scene, const SensorDescription& sensor, const Trajectory& trajectory);
 
 /// Gives each sensor its water, where that refracts. Throws InputError for a sensor above the surface.

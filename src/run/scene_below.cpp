@@ -20,7 +20,7 @@ const LoadedScene& SceneBelow::in_line_with(glm::dvec3 place_m) {
   if (!part_ || choice != choice_) {
     choice_ = std::move(choice);
     part_ = loaded_with(loaded_scene_, choice_);
-    part_->tree = std::make_unique<SceneTree>(part_->scene.mesh, SceneTree::Sheets::ignored);
+    part_->tree = std::make_unique<SceneTree>(part_->scene.mesh, SceneTree::HeightFieldSearch::ignored);
   }
   return *part_;
 }

@@ -19,7 +19,7 @@ struct SensorPings {
   std::vector<Pose> poses;               ///< at the pings' times
   std::vector<Pose> transmission_poses;  ///< [ping][transmission], each at its own time
   std::vector<Pose> receiver_poses;      ///< [ping][transmission], of a receiver that is apart; else empty
-  /// At its first place; the scene's, in even water. Travel times times this are slant ranges.
+  /// At its first place; the scene's, in isovelocity water. Travel times times this are slant ranges.
   double sound_speed_m_s = 1500;
   std::shared_ptr<const WaterColumn>
       water;                        ///< with absorption at its frequency; null: even, rays are straight

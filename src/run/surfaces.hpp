@@ -9,8 +9,8 @@
 
 namespace tubefoot {
 
-/// Whether it can be said where the beams of a sensor have no surface any more: in even water, where receiver
-/// and transmitter are in one place and all of the terrain is in memory.
+/// Whether it can be said where the beams of a sensor have no surface any more: in isovelocity water, where
+/// receiver and transmitter are in one place and all of the terrain is in memory.
 bool surfaces_are_known(const Survey& survey, std::size_t sensor);
 
 /// Of each beam of a ping, how many range samples from the first on may hold a surface: up to the farthest

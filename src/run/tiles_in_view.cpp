@@ -51,8 +51,8 @@ TilesInView::TilesInView(const LoadedScene& loaded_scene)
       for (std::uint32_t k = 0; k < tiles.size(); ++k)
         if (tiles[k].facets > 0) boxes.add(k, scene.grid, tiles[k].lo_m, tiles[k].hi_m);
     }
-    boxes.tree = std::make_unique<SceneTree>(boxes.mesh, SceneTree::Sheets::ignored);
-    boxes.column_tree = std::make_unique<SceneTree>(boxes.columns, SceneTree::Sheets::ignored);
+    boxes.tree = std::make_unique<SceneTree>(boxes.mesh, SceneTree::HeightFieldSearch::ignored);
+    boxes.column_tree = std::make_unique<SceneTree>(boxes.columns, SceneTree::HeightFieldSearch::ignored);
   }
 }
 
@@ -76,7 +76,7 @@ void TilesInView::finish(TileChoice& choice) const {
     const TerrainTiles& terrain = *loaded_scene_.scene.tiled[boxes.component].tiles;
     std::vector<std::uint32_t>& list = choice[boxes.component];
     in_order(list);
-    // An island between holes is a height sheet or not by its size: none may be cut small.
+    // An island between holes is a height fields or not by its size: none may be cut small.
     std::vector<std::uint32_t> more;
     for (const std::uint32_t tile : list) {
       if (!terrain.tiles()[tile].has_holes) continue;

@@ -99,7 +99,7 @@ class Transmission {
   History trace(std::size_t* candidates = nullptr, bool measured = true,
                 const std::vector<bool>& wanted = {}) const;
   History trace(TubeSet tubes, std::size_t* candidates = nullptr, bool measured = true) const;
-  /// What transmitter and receiver, apart, both see in even water.
+  /// What transmitter and receiver, apart, both see in isovelocity water.
   BistaticHistory trace_both() const;
   /// The same by rays, in portions.
   void trace_rays_of_both(const RayScene& scene, const RaySettings& settings,

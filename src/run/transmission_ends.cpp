@@ -16,7 +16,8 @@ TransmissionEnds::TransmissionEnds(const Transmission& transmission, std::size_t
     const auto add = [&](const TubeSet& tubes, const ApparentSurface& ground,
                          const std::vector<FacetId>& origin) {
       for (std::size_t k = 0; k < origin.size(); ++k) pair_parent_[origin[k]] = ground.refined.parent[k];
-      trees_.push_back(std::make_unique<SceneTree>(ground.refined.mesh, SceneTree::Sheets::ignored));
+      trees_.push_back(
+          std::make_unique<SceneTree>(ground.refined.mesh, SceneTree::HeightFieldSearch::ignored));
       ends_.push_back({tubes, &ground.refined.mesh, trees_.back().get(), &ground.refined, &ground, origin});
     };
     add(pair_->transmit_tubes, pair.transmit, pair.transmit_origin);

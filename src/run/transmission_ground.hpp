@@ -20,13 +20,13 @@ class TransmissionGround {
   TransmissionGround(const LoadedScene& loaded_scene, RefinedMesh refined)
       : loaded_scene_(&loaded_scene),
         refined_(std::make_unique<RefinedMesh>(std::move(refined))),
-        tree_(std::make_unique<SceneTree>(refined_->mesh, SceneTree::Sheets::ignored)) {}
+        tree_(std::make_unique<SceneTree>(refined_->mesh, SceneTree::HeightFieldSearch::ignored)) {}
 
   /// As the sonar sees it through refracting water.
   TransmissionGround(const LoadedScene& loaded_scene, ApparentSurface apparent)
       : loaded_scene_(&loaded_scene),
         apparent_(std::make_unique<ApparentSurface>(std::move(apparent))),
-        tree_(std::make_unique<SceneTree>(apparent_->refined.mesh, SceneTree::Sheets::ignored)) {}
+        tree_(std::make_unique<SceneTree>(apparent_->refined.mesh, SceneTree::HeightFieldSearch::ignored)) {}
 
   const FacetMesh& mesh() const { return is_own() ? own().mesh : loaded_scene_->scene.mesh; }
   const SceneTree& tree() const { return is_own() ? *tree_ : *loaded_scene_->tree; }

@@ -66,7 +66,7 @@ struct Scene {
   /// By material, what a reflection at it makes of a signal besides its loss: of modulus 1, at all angles.
   std::vector<std::complex<double>> mirror_phase;
   std::shared_ptr<const SceneWater> water;
-  double sound_speed_m_s = 1500;               ///< of even water; else at the depth that [water] names
+  double sound_speed_m_s = 1500;               ///< of isovelocity water; else at the depth that [water] names
   std::vector<Trajectory> trajectories;        ///< as in the description
   std::vector<std::size_t> sensor_trajectory;  ///< per sensor: index of its trajectory
   std::vector<TiledTerrain> tiled;             ///< by component; empty: the mesh holds all of the scene

@@ -8,7 +8,7 @@
 
 namespace tubefoot {
 
-/// One-way absorption of even water at a frequency, dB/km, as the description says.
+/// One-way absorption of isovelocity water at a frequency, dB/km, as the description says.
 double absorption_db_per_km(const WaterDescription& water, double frequency_khz);
 
 /// A scene's water: the sound-speed profile, and the absorption of each of its layers.

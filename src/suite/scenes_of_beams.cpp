@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where beams are: even in angle, even in tangent, anywhere; and what they receive beside themselves.
+// Where beams are: even in angle, equidistant, anywhere; and what they receive beside themselves.
 #include <fmt/format.h>
 
 #include "suite/scene_text.hpp"
@@ -40,11 +40,11 @@ SuiteFan wide_fan() {
 
 }  // namespace
 
-SuiteScene even_angles_scene(Draw& draw) {
+SuiteScene equiangular_scene(Draw& draw) {
   return posts(draw, "Posts before beams that are even in angle", wide_fan(), 38);
 }
 
-SuiteScene even_tangents_scene(Draw& draw) {
+SuiteScene equidistant_scene(Draw& draw) {
   SuiteFan fan = wide_fan();
   fan.spacing = "distance";
   return posts(draw, "Posts before beams that are even in tangent", fan, 38);

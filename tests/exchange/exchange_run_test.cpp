@@ -179,7 +179,7 @@ void without_own_sonar(const fs::path& file) {
 }
 
 /// The words that another engine reads mean the same sonar: what has an exact word there comes back with the
-/// same energies. (Not so: a fan of Stonefish's, whose beams are even in tangent; sides of a sidescan in
+/// same energies. (Not so: a fan of Stonefish's, whose beams are equidistant; sides of a sidescan in
 /// SDF.)
 TEST_F(Exchange, MeansTheSameInTheEnginesOwnWords) {
   for (const auto& [kind, format] : {std::pair("imaging", "sdf"), std::pair("sidescan", "stonefish"),

@@ -76,7 +76,7 @@ tilt_deg = 15
 struct Reference {
   TestFolder folder;
   std::string scene, file, tangent;
-  Echoes echoes, even_in_tangent;
+  Echoes echoes, equidistant;
 
   Reference() {
     scene = folder.write("scene.toml", scene_with("")).string();
@@ -89,7 +89,7 @@ struct Reference {
     file = run(scene, "even");
     tangent = run(folder.write("tangent.toml", scene_with("spacing = \"distance\"\n")).string(), "tangent");
     echoes = read_echoes(file);
-    even_in_tangent = read_echoes(tangent);
+    equidistant = read_echoes(tangent);
   }
 };
 
@@ -328,11 +328,11 @@ TEST_F(Import, RangesByTheirEdgesAreFound) {
   EXPECT_THAT(outcome.err, AllOf(HasSubstr("+0.5"), HasSubstr("half a sample"), HasSubstr("--ranges 1.9")));
 }
 
-TEST_F(Import, BeamsEvenInTangentAreFound) {
-  const Picture picture(reference().even_in_tangent);
+TEST_F(Import, EquidistantBeamsAreFound) {
+  const Picture picture(reference().equidistant);
   const Outcome wrong = import_file("picture.npy", picture.npy(), {"--scale", "energy"});
   EXPECT_THAT(wrong.err, HasSubstr("--azimuths tangent"));
-  // Declared, its axes are those of a scene whose beams are even in tangent.
+  // Declared, its axes are those of a scene whose beams are equidistant.
   const Outcome right = import_file("picture.npy", picture.npy(),
                                     {"--scale", "energy", "--azimuths", "tangent"}, reference().tangent);
   EXPECT_EQ(right.exit_code, 0) << right.err;
@@ -359,7 +359,7 @@ TEST_F(Import, ProfilesHoldOrAreRefuted) {
   EXPECT_EQ(attribute("engine"), "oceansim");
   EXPECT_EQ(attribute("import_unit"), "none");
   expect_truth(Picture(truth).flip_range().npy(), {"--profile", "stonefish", "--azimuths", "even"}, 1e-12);
-  const Outcome tangent = import_file("picture.npy", Picture(reference().even_in_tangent).flip_range().npy(),
+  const Outcome tangent = import_file("picture.npy", Picture(reference().equidistant).flip_range().npy(),
                                       {"--profile", "stonefish"}, reference().tangent);
   EXPECT_THAT(tangent.err, Not(HasSubstr("warning")));
   EXPECT_EQ(run_program({"compare", reference().tangent, out, "--fit", "gain", "--within", "1e-9"}).exit_code,
@@ -372,7 +372,7 @@ TEST_F(Import, ProfilesHoldOrAreRefuted) {
   refuted("holoocean", Picture(truth).flip_beams().npy(), "use --flip-beams");
   refuted("dave", Picture(truth).each(amplitude).npy(), "use --no-flip-beams");
   refuted("oceansim", Picture(truth).npy(), "use --no-flip-beams");
-  refuted("stonefish", Picture(reference().even_in_tangent).npy(), "use --no-flip-range");
+  refuted("stonefish", Picture(reference().equidistant).npy(), "use --no-flip-range");
   EXPECT_THAT(run_program({"import", "x", "--like", reference().file, "-o", out, "--profile", "other"}).err,
               HasSubstr("holoocean"));
 }

@@ -146,7 +146,7 @@ TEST(BistaticRun, RefractingWaterBendsBothWays) {
   EXPECT_GT(difference / 40, 0.03);
 }
 
-// By rays, by fast binnings and by plain doubles, in even water and in water that bends.
+// By rays, by fast binnings and by plain doubles, in isovelocity water and in water that bends.
 TEST(BistaticRun, TheCheaperSettingsHearTheSame) {
   std::string layered = scene("receiver_arm_m = [3, 0, 0]");
   layered.replace(layered.find("sound_speed_m_s = 1500"), 22,

@@ -386,7 +386,7 @@ TEST(InterferometricRun, ATransmitterBesideItsReceiverPairByNothingIsInItsMiddle
   }
 }
 
-TEST(InterferometricRun, ATransmitterBesideItsReceiverPairInEvenWaterThatIsReportedAsLayers) {
+TEST(InterferometricRun, ATransmitterBesideItsReceiverPairInIsovelocityWaterThatIsReportedAsLayers) {
   const std::string receiver_pair =
       "baseline_m = 0.02\nstaff_tilt_deg = 20\nreceiver_arm_m = [0.5, 0.2, -0.8]\n";
   expect_near(Channels(short_scene("interferometric", gradient(1e-7), receiver_pair)),

@@ -157,7 +157,7 @@ std::string refracted(std::string text, double g, const std::string& how = finel
                                   1500 - 5 * g, g, how));
 }
 
-// Patches are cut otherwise than in even water: as far apart as their size makes it.
+// Patches are cut otherwise than in isovelocity water: as far apart as their size makes it.
 TEST(PathsRun, ScatteringsInRefractingWater) {
   const double even = echoes_of(hollow(2, 8)).total(),
                almost = echoes_of(refracted(hollow(2, 8), 1e-6, "")).total(),
@@ -261,8 +261,8 @@ TEST(PathsRun, AnUpwardLookThroughRefractingWater) {
 }
 
 // A law, a texture, a separate receiver, a rough surface and a level plate at once, to order 4: in water that
-// hardly refracts as in even water.
-TEST(PathsRun, EverythingAtOnceInAlmostEvenWater) {
+// hardly refracts as in isovelocity water.
+TEST(PathsRun, EverythingAtOnceInAlmostIsovelocityWater) {
   const TestFolder folder;
   folder.write("plate.obj", "v -4 2 -17\nv 4 2 -17\nv 4 9 -17\nv -4 9 -17\nf 1 2 3\nf 1 3 4\n");
   const std::string text =

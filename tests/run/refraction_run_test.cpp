@@ -83,7 +83,7 @@ TEST(RefractionRun, TotalsAreNotBiasedByTheTolerance) {
   }
 }
 
-double largest_gap_m(const TestFolder& folder, const std::string& scene) {
+double largest_travel_path_error_m(const TestFolder& folder, const std::string& scene) {
   const auto out = folder / "out";
   const Outcome run =
       run_program({"run", folder.write("scene.toml", scene).string(), "-o", out.string(), "--quiet"});
@@ -97,7 +97,7 @@ TEST(RefractionRun, TheGapThatIsRequestedIsKept) {
     const std::string requested =
         replaced(scene_in(gradient(-1, 0, fmt::format("refraction_gap_m = {}\n", gap))), "samples = 128",
                  "samples = 8");
-    EXPECT_LE(largest_gap_m(folder, requested), gap);
+    EXPECT_LE(largest_travel_path_error_m(folder, requested), gap);
     const Outcome check = run_program({"check", (folder / "scene.toml").string()});
     EXPECT_EQ(check.exit_code, 0) << check.err;
     EXPECT_THAT(check.out, HasSubstr("of where they are seen, asked: "));
@@ -155,10 +155,10 @@ TEST(RefractionRun, FirstEchoComesWithTheSteepestRay) {
   }
 }
 
-TEST(RefractionRun, AlmostEvenWaterIsTheStraightRun) {
+TEST(RefractionRun, AlmostIsovelocityWaterIsTheStraightRun) {
   const Echoes straight = echoes_of(replaced(scene_in("sound_speed_m_s = 1500\nabsorption_db_per_km = 200"),
                                              "surface_height_m = 20\n", ""));
-  // [water] in even water has no surface.
+  // [water] in isovelocity water has no surface.
   const Echoes refracted = echoes_of(scene_in(gradient(1e-8, 200)));
   EXPECT_LT(largest_relative_difference(straight, refracted), 1e-6);
 }

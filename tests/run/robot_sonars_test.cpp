@@ -44,7 +44,7 @@ TEST(ListedBeams, ShareOutTheSameEnergy) {
   EXPECT_GT(listed.beam_total(0, 2), 1.05 * even.beam_total(0, 2)) << "12 degrees wide, not 10";
 }
 
-TEST(ListedBeams, OfEvenAnglesAreAnEvenFan) {
+TEST(ListedBeams, OfEqualAnglesAreAnEquiangularFan) {
   const std::string fan = "tilt_deg = 15\ncone_tolerance = 1e-7\n";
   EXPECT_LT(largest_relative_difference(
                 echoes_of(scene("kind = \"imaging\"\nbeams = 4\nhorizontal_deg = 8\n" + fan)),

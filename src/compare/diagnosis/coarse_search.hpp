@@ -6,7 +6,7 @@
 namespace tubefoot {
 
 /// What is found by trying, on blurred pictures: the order of the beams and a shift, then scales of range and
-/// azimuth and beams even in tangent. Each must be clearly better than what is without it.
+/// azimuth and beams equidistant. Each must be clearly better than what is without it.
 Warp coarse_warp(const Pictures& pictures);
 
 /// How a picture is seen: rows over their levels, up to twice the level as it is, so that noise of sampling

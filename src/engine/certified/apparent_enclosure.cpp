@@ -88,12 +88,12 @@ class Encloser {
     const auto gap = [&](double bend) {
       return ((flat.radius_m * flat.radius_m / 2 + beyond) * bend + 1.1 * off_m) * (1 + slack);
     };
-    facet.gap_m = gap(best.bends.all);
-    if (!std::isfinite(facet.gap_m)) return facet;
+    facet.travel_path_error_m = gap(best.bends.all);
+    if (!std::isfinite(facet.travel_path_error_m)) return facet;
     const double across_m = gap(best.bends.across);
     facet.seen = seen;
-    facet.nearest_m = std::max(nearest_of(seen) - facet.gap_m, 0.0);
-    facet.farthest_m = farthest_of(seen) + facet.gap_m;
+    facet.nearest_m = std::max(nearest_of(seen) - facet.travel_path_error_m, 0.0);
+    facet.farthest_m = farthest_of(seen) + facet.travel_path_error_m;
     facet.most_per_sr = surface.most * best.per_sr.hi;
     facet.most = surface.most * best.per_area.hi * flat.area_m2 * (1 + 100 * pad_m / flat.height_m);
     facet.state = FacetEnclosure::State::loose;
@@ -101,7 +101,7 @@ class Encloser {
     const double sine = facet.plane_m / facet.farthest_m;
     facet.shift_m = sine > 0 ? across_m / sine * (1 + slack) : infinite;
     // A ray that meets the image beside the facet's own part of it has to do so within the margin.
-    const double drift_m = facet.gap_m / sine / least_stretch(flat, seen);
+    const double drift_m = facet.travel_path_error_m / sine / least_stretch(flat, seen);
     const bool within = drift_m <= flat.margin_m;
     // FacetCorners beside the plane, and the rounding of a map between triangles as thin as this one.
     facet.place_off_m =
@@ -183,7 +183,7 @@ class Encloser {
     return {seen.v, seen.a, seen.b, ratio(lies.a, rays.slowness_s_per_m.a, height.a),
             ratio(lies.b, rays.slowness_s_per_m.b, height.b)};
   }
-  /// Sine of the grazing angle on the true facet times the distance: that of the plane, in even water.
+  /// Sine of the grazing angle on the true facet times the distance: that of the plane, in isovelocity water.
   static Jet sine_of(const FlatFacet& flat, const RayJets& rays, const std::array<Jet, 2>& at) {
     const glm::dvec3& n = flat.normal;
     return rays.arrival_across * (Jet(n.x) * at[0] + Jet(n.y) * at[1]) - Jet(n.z) * rays.arrival_down_m;

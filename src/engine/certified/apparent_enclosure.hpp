@@ -29,7 +29,7 @@ struct FacetEnclosure {
   std::array<glm::dvec3, 3> seen{};  ///< corners of the apparent facet; of an unproven one, of the true facet
   glm::dvec3 normal{0};              ///< unit, of the apparent facet's plane, away from the apex
   double plane_m = 0;                ///< distance of that plane
-  double gap_m = 0;                  ///< no image is farther from its place on the apparent facet
+  double travel_path_error_m = 0;    ///< no image is farther from its place on the apparent facet
   double shift_m = 0;                ///< no range along a ray differs by more, of rays that meet both
   double nearest_m = 0, farthest_m = 0;  ///< ranges of the image
   /// What the facet returns along a ray over what the straight law makes of the apparent facet.

@@ -269,7 +269,7 @@ class BistaticEncloser {
         gap = interpolated(flat, all.bends[e].all) + off,
                  across = interpolated(flat, all.bends[e].across) + off;
     if (!std::isfinite(gap)) return;
-    facet.gap_m = gap;
+    facet.travel_path_error_m = gap;
     facet.seen = seen;
     const glm::dvec3 normal = glm::normalize(glm::cross(seen[1] - seen[0], seen[2] - seen[0]));
     const double facing = glm::dot(normal, seen[0]);
@@ -480,7 +480,7 @@ class BistaticEncloser {
 
   static void take_directions(const FlatFacet& flat, const Flattened& flattened, const FacetCorners& seen,
                               const FacetEnclosure& facet, std::size_t e, BistaticEnclosure& pair) {
-    pair.turn_rad[e] = 1.1 * facet.gap_m / facet.nearest_m + slack * slack;
+    pair.turn_rad[e] = 1.1 * facet.travel_path_error_m / facet.nearest_m + slack * slack;
     // The squares of distances where it is seen and of those laid out differ by a function of second degree.
     const glm::dvec2 p = flat.at[1] - flat.at[0], q = flat.at[2] - flat.at[0];
     const glm::dvec3 s = seen[1] - seen[0], t = seen[2] - seen[0];

@@ -104,7 +104,8 @@ class BistaticReference {
     enclosures_ = enclose(bed_, shared_.facets, bistatic_, model_);
     for (std::size_t e = 0; e < 2; ++e)
       for (FacetEnclosure& facet : enclosures_.ends[e].facets)
-        if (facet.state == State::proven && 4 * facet.gap_m > margin_m_) facet.state = State::loose;
+        if (facet.state == State::proven && 4 * facet.travel_path_error_m > margin_m_)
+          facet.state = State::loose;
   }
 
   /// All of them after enclose_shared(). `beside`: a receiver whose energies doubts are reported with, too.
@@ -280,7 +281,7 @@ class BistaticReference {
     for (const glm::dvec3& p : doubt.part_m) elsewhere.push_back(map.at(p));
     // Where nothing is seen through windows something may be, beside them.
     const auto beside = [&](std::size_t end, const FacetEnclosure& seen) {
-      return seen.gap_m + 2 * off_rad_[end] * seen.farthest_m;
+      return seen.travel_path_error_m + 2 * off_rad_[end] * seen.farthest_m;
     };
     std::array<About, 2> about{About(doubt.part_m, beside(e, here)), About(elsewhere, beside(1 - e, *there))};
     const double nearest = std::max(doubt.nearest_m, about[0].nearest_m),
@@ -345,7 +346,7 @@ class BistaticReference {
     // Its ball may be stretched.
     const glm::dmat3& m = map.linear;
     const double stretch = std::sqrt(glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2]));
-    moved.radius_m = about.radius_m * stretch * (1 + slack) + there->gap_m;
+    moved.radius_m = about.radius_m * stretch * (1 + slack) + there->travel_path_error_m;
     return moved;
   }
 

@@ -39,8 +39,8 @@ struct EnclosedRay {
 /// None where it is not proven that there is one.
 std::optional<EnclosedRay> enclose_ray(const ApparentMap& water, const RayEnclosure& rays,
                                        const glm::dvec3& place_m);
-/// What comes along it; `sure`: or nothing does. Of `arrival` the way and what is about even water are not
-/// read.
+/// What comes along it; `sure`: or nothing does. Of `arrival` the way and what is about isovelocity water are
+/// not read.
 void certify_arrival(const EnclosedRay& ray, const Arrival& arrival, bool sure, const RangeSamples& samples,
                      const TakeArrival& take);
 

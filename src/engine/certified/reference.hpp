@@ -54,9 +54,9 @@ CertifiedEcho certify_echo(const FacetMesh& mesh, const SceneTree& tree, const H
                            const RangeSamples& samples, const EchoModel& model, const Echo& ordinary,
                            double tolerance);
 
-/// The same of what two apexes share, in even water, or two images of them (law.path): corners rounded as
-/// FootprintSharer rounds them, ellipses of one path length and integrals in ball arithmetic. `mesh`: of the
-/// history's facets. `ordinary` is integrate_echo()'s of the same arguments.
+/// The same of what two apexes share, in isovelocity water, or two images of them (law.path): corners rounded
+/// as FootprintSharer rounds them, ellipses of one path length and integrals in ball arithmetic. `mesh`: of
+/// the history's facets. `ordinary` is integrate_echo()'s of the same arguments.
 CertifiedEcho certify_echo(const FacetMesh& mesh, const BistaticHistory& history, const ReceiveBeams& beams,
                            const RangeSamples& samples, const EchoModel& model, const Echo& ordinary,
                            double tolerance);

@@ -24,21 +24,23 @@ Looked::Looked(std::span<const FacetEnclosure> facets) : facets_(facets), balls_
   for (FacetId f = 0; f < facets.size(); ++f) {
     const FacetEnclosure& facet = facets[f];
     if (facet.state == State::unproven) continue;
-    gaps.push_back(facet.gap_m);
+    gaps.push_back(facet.travel_path_error_m);
     const glm::dvec3 centre = (facet.seen[0] + facet.seen[1] + facet.seen[2]) / 3.0;
     double radius = 0;
     for (const glm::dvec3& c : facet.seen) radius = std::max(radius, glm::distance(c, centre));
-    balls_[f] = {centre, radius * (1 + slack) + facet.gap_m};
+    balls_[f] = {centre, radius * (1 + slack) + facet.travel_path_error_m};
   }
   std::ranges::sort(gaps);
   // The tree is asked for those that move little; the others are looked at one by one.
-  if (!gaps.empty()) usual_gap_m_ = 4 * gaps[gaps.size() / 2], most_gap_m_ = gaps.back();
+  if (!gaps.empty())
+    usual_travel_path_error_m_ = 4 * gaps[gaps.size() / 2], most_travel_path_error_m_ = gaps.back();
   for (FacetId f = 0; f < facets.size(); ++f)
-    if (facets[f].state != State::unproven && facets[f].gap_m > usual_gap_m_) wide_.push_back(f);
+    if (facets[f].state != State::unproven && facets[f].travel_path_error_m > usual_travel_path_error_m_)
+      wide_.push_back(f);
 }
 
 std::vector<FacetId> Looked::in(const Sector& tube, const SceneTree& tree, double beside_rad) const {
-  std::vector<FacetId> seen = tube.facets(tree, usual_gap_m_ + beside_rad * tube.reach_m());
+  std::vector<FacetId> seen = tube.facets(tree, usual_travel_path_error_m_ + beside_rad * tube.reach_m());
   seen.insert(seen.end(), wide_.begin(), wide_.end());
   std::erase_if(seen, [&](FacetId f) {
     return facets_[f].state == State::unproven ||

@@ -88,7 +88,7 @@ RefractedReference reference_of(CertifiedEcho echo, const std::function<void(Cer
 class Looked {
  public:
   explicit Looked(std::span<const FacetEnclosure> facets);
-  double most_gap_m() const { return most_gap_m_; }
+  double most_gap_m() const { return most_travel_path_error_m_; }
 
   /// By increasing id; and in directions beside the tube, within reach.
   std::vector<FacetId> in(const Sector& tube, const SceneTree& tree, double beside_rad = 0) const;
@@ -97,7 +97,7 @@ class Looked {
   std::span<const FacetEnclosure> facets_;
   std::vector<std::pair<glm::dvec3, double>> balls_;  // about each image
   std::vector<FacetId> wide_;
-  double usual_gap_m_ = 0, most_gap_m_ = 0;
+  double usual_travel_path_error_m_ = 0, most_travel_path_error_m_ = 0;
 };
 
 /// Where the facets without a proven ray may be seen in a tube, and how soon.

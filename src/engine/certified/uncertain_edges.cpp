@@ -79,7 +79,9 @@ bool may_meet(const Cone& a, const Cone& b, double beyond_rad) {
 }
 
 /// How far from where its apparent facet is an image may be seen.
-double beyond_rad(const FacetEnclosure& facet) { return facet.gap_m / facet.nearest_m * 1.1 + slack; }
+double beyond_rad(const FacetEnclosure& facet) {
+  return facet.travel_path_error_m / facet.nearest_m * 1.1 + slack;
+}
 
 }  // namespace
 
@@ -105,7 +107,7 @@ UncertainEdges::UncertainEdges(const FacetMesh& apparent, std::span<const FacetI
       EdgeOf& edge = edges_[key_of(mesh_.facets[f][k], mesh_.facets[f][(k + 1) % 3])];
       if (edge.count < 2) edge.facet[edge.count] = f;
       ++edge.count;
-      edge.widest_rad = std::max(edge.widest_rad, facet.gap_m / facet.nearest_m);
+      edge.widest_rad = std::max(edge.widest_rad, facet.travel_path_error_m / facet.nearest_m);
     }
   }
 }
@@ -210,7 +212,7 @@ void UncertainEdges::strip(const glm::dvec3& from, const glm::dvec3& to, double 
           (f == edge->facet[0] || (edge->count == 2 && f == edge->facet[1])))
         return;
       const FacetEnclosure& facet = enclosures_.facets[f];
-      const double beyond = facet.gap_m / facet.nearest_m * 1.01, wide = (w + beyond) * 1.02;
+      const double beyond = facet.travel_path_error_m / facet.nearest_m * 1.01, wide = (w + beyond) * 1.02;
       Polygon part(facet.seen.begin(), facet.seen.end());
       const double lean = wide / std::max(glm::dot(middle, a) - wide, 0.1);
       part = clipped(part, across + lean * middle);
@@ -223,7 +225,8 @@ void UncertainEdges::strip(const glm::dvec3& from, const glm::dvec3& to, double 
       // edge, a place beside wherever it is seen from there.
       const double about = of_ == DoubtsOf::directions ? w : wide,
                    angle_sr = (1.01 * half + 2 * about) * 2 * about * 1.01;
-      sink({nearest - facet.shift_m - facet.gap_m, farthest + facet.shift_m + facet.gap_m,
+      sink({nearest - facet.shift_m - facet.travel_path_error_m,
+            farthest + facet.shift_m + facet.travel_path_error_m,
             std::min(facet.most_per_sr * angle_sr, facet.most), f, part});
     });
   }
@@ -234,7 +237,7 @@ void UncertainEdges::clash(const DoubtedPiece& piece, FacetId other, const Doubt
   const double off = one.shift_m + two.shift_m;
   Polygon part = piece.corners_m;
   // The other facet, or a little beside it.
-  const double beside = two.gap_m / two.nearest_m * 1.02 + 1e-12;
+  const double beside = two.travel_path_error_m / two.nearest_m * 1.02 + 1e-12;
   const Cone whole = cone_of(part);
   const auto give = [&](double beyond_m) {
     const auto [nearest, farthest] = ranges_of(part, one.plane_m);

@@ -107,7 +107,7 @@ bool Images::cuts_by_any_ray(double length, const ApparentImage& from, const App
   }
   for (std::size_t i = 0; i < a.size(); ++i) {
     if (!may_show(m[i].at_m, glm::distance(a[i].at_m, b[i].at_m))) continue;
-    const double gap = edge_gap_m(a[i].at_m, b[i].at_m, m[i].at_m);
+    const double gap = edge_travel_path_error_m(a[i].at_m, b[i].at_m, m[i].at_m);
     if (a[i].is_wide() && b[i].is_wide() && m[i].is_wide()) {
       if (!is_fine(length, gap, a[i], b[i], m[i])) return true;
       continue;
@@ -115,7 +115,7 @@ bool Images::cuts_by_any_ray(double length, const ApparentImage& from, const App
     const glm::dvec3 off = m[i].at_m - (a[i].at_m + b[i].at_m) / 2.0;
     const double along = std::abs(glm::dot(off, glm::normalize(m[i].at_m - apparent_map_.apex_m())));
     const auto [least, most] = std::minmax({a[i].level_db, b[i].level_db, m[i].level_db});
-    if (along > settings_.gap_m || gap > sideways * settings_.gap_m) return true;
+    if (along > settings_.travel_path_error_m || gap > sideways * settings_.travel_path_error_m) return true;
     if (!((most - least) / 2 <= beside_caustics * settings_.tolerance_db)) return true;
   }
   return false;

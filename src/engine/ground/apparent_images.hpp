@@ -62,10 +62,10 @@ class Images {
   ApparentImage make(const glm::dvec3& point_m) const;
 
   /// The gap of an edge, metres. Straight lines are seen curved about as much as rays are, at most g / c per
-  /// metre, where rays spread about as in even water: of a short edge there, twice that is as good.
-  double gap_m(const glm::dvec3& a, const glm::dvec3& b, const ApparentImage& from, const ApparentImage& to,
-               const ApparentImage* middle = nullptr) const {
-    if (middle != nullptr) return edge_gap_m(from.at_m, to.at_m, middle->at_m);
+  /// metre, where rays spread about as in isovelocity water: of a short edge there, twice that is as good.
+  double travel_path_error_m(const glm::dvec3& a, const glm::dvec3& b, const ApparentImage& from,
+                             const ApparentImage& to, const ApparentImage* middle = nullptr) const {
+    if (middle != nullptr) return edge_travel_path_error_m(from.at_m, to.at_m, middle->at_m);
     const glm::dvec3 edge = b - a;
     return from.regular() && to.regular() ? bend_per_m_ * glm::dot(edge, edge) / 4
                                           : std::numeric_limits<double>::infinity();
@@ -76,11 +76,11 @@ class Images {
     return 4 * length < std::min(from.range_m, to.range_m);
   }
 
-  /// Whether the bound of gap_m() will do, and the images of the ends are enough.
+  /// Whether the bound of travel_path_error_m() will do, and the images of the ends are enough.
   bool surely_whole(const glm::dvec3& a, const glm::dvec3& b, const ApparentImage& from,
                     const ApparentImage& to) const {
     const double length = glm::distance(a, b);
-    return is_short(length, from, to) && is_fine(length, gap_m(a, b, from, to), from, to, to);
+    return is_short(length, from, to) && is_fine(length, travel_path_error_m(a, b, from, to), from, to, to);
   }
 
   /// Whether an edge is long for how near it is to an apex on the bed: facets that hold the apex, or nearly,
@@ -103,7 +103,7 @@ class Images {
     // Shadows and caustics are cut evenly, in and beside them: a border narrowed down between long edges
     // would not end.
     if (!from.regular() || !to.regular() || !middle.regular()) return length > settings_.shadow_edge_m;
-    return !is_fine(length, gap_m(a, b, from, to, &middle), from, to, middle);
+    return !is_fine(length, travel_path_error_m(a, b, from, to, &middle), from, to, middle);
   }
 
   /// Whether what lies about an edge is asked for: the ball of EdgeRule about it, and of that, where only one
@@ -131,7 +131,7 @@ class Images {
   bool is_fine(double length, double gap, const SeenPoint& from, const SeenPoint& to,
                const SeenPoint& middle) const {
     const auto [least, most] = std::minmax({from.level_db, to.level_db, middle.level_db});
-    return gap <= settings_.gap_m &&
+    return gap <= settings_.travel_path_error_m &&
            db_per_relative * 4 * gap / length + (most - least) / 2 <= settings_.tolerance_db;
   }
   bool cuts_by_any_ray(double length, const ApparentImage& from, const ApparentImage& to,

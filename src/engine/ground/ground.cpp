@@ -101,7 +101,7 @@ Ground::Ground(const FacetMesh& base, const WorldGrid& grid,
       relief_(relief.begin(), relief.end()),
       settings_(settings),
       omitted_(relief, settings.cell_m),
-      tree_(base, SceneTree::Sheets::ignored) {
+      tree_(base, SceneTree::HeightFieldSearch::ignored) {
   find_borders();
   find_normals();
 }

@@ -158,7 +158,7 @@ void thin_out(std::vector<UnclearPlace>& unclear) {
 }
 
 void check(const ApparentMapSettings& settings) {
-  if (!(settings.gap_m > 0 && settings.shortest_edge_m > 0 && settings.shadow_edge_m > 0 &&
+  if (!(settings.travel_path_error_m > 0 && settings.shortest_edge_m > 0 && settings.shadow_edge_m > 0 &&
         settings.tolerance_db > 0))
     throw std::invalid_argument("the lengths and the tolerance of straightening must be above 0");
 }
@@ -218,12 +218,13 @@ ApparentSurface seen_of(FineFacets fine, const Images& images, const WorldGrid& 
     for (int i = 0; i < 3; ++i) {
       const int k = (i + 1) % 3;
       const ApparentImage &a = fine.image[from.facets[f][i]], &b = fine.image[from.facets[f][k]];
-      double gap = images.gap_m(corners[i], corners[k], a, b);
-      if (!(gap <= settings.gap_m) || !regular) {
+      double gap = images.travel_path_error_m(corners[i], corners[k], a, b);
+      if (!(gap <= settings.travel_path_error_m) || !regular) {
         const ApparentImage between = images.make((corners[i] + corners[k]) / 2.0);
-        if (between.seen()) gap = images.gap_m(corners[i], corners[k], a, b, &between);
+        if (between.seen()) gap = images.travel_path_error_m(corners[i], corners[k], a, b, &between);
       }
-      if (std::isfinite(gap)) ground.largest_gap_m = std::max(ground.largest_gap_m, gap);
+      if (std::isfinite(gap))
+        ground.largest_travel_path_error_m = std::max(ground.largest_travel_path_error_m, gap);
     }
     const glm::dvec3 towards = returns[0].arrival + returns[1].arrival + returns[2].arrival;
     ground.facets_folded +=

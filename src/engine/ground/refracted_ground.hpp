@@ -19,7 +19,7 @@ namespace tubefoot {
 
 struct ApparentMapSettings {
   /// Edges are cut until the image of their middle is as close as this to the middle of their ends' images.
-  double gap_m = 1e-3;
+  double travel_path_error_m = 1e-3;
   /// And until what that and the change of spreading between their ends do to the density of energy is at
   /// most this, one way and the other.
   double tolerance_db = std::numeric_limits<double>::infinity();
@@ -58,11 +58,11 @@ struct RayOfPart {
 struct ApparentSurface {
   /// Apparent facets that have an eigenray to every corner and their centre, and the base facet of each.
   RefinedMesh refined;
-  std::vector<glm::dvec3> truth;     ///< by vertex: where it lies
-  std::vector<double> facet_factor;  ///< for EchoModel::facet_factor
-  double reference_speed_m_s = 0;    ///< by which a travel time becomes a range
-  double largest_gap_m = 0;          ///< of all edges that are left; of short ones a bound
-  std::size_t facets_in_shadow = 0;  ///< left out: they lie, wholly or in part, where no ray leads
+  std::vector<glm::dvec3> truth;           ///< by vertex: where it lies
+  std::vector<double> facet_factor;        ///< for EchoModel::facet_factor
+  double reference_speed_m_s = 0;          ///< by which a travel time becomes a range
+  double largest_travel_path_error_m = 0;  ///< of all edges that are left; of short ones a bound
+  std::size_t facets_in_shadow = 0;        ///< left out: they lie, wholly or in part, where no ray leads
   /// Facets of the bed with several eigenrays to a corner: the first to arrive stands for them, or each shows
   /// the facet.
   std::size_t facets_of_several = 0;

@@ -33,7 +33,8 @@ Spread spread_of(const FacetEnclosure& facet) {
   const double range = glm::length(centre);
   spread.axis = range > 0 ? centre / range : glm::dvec3(0, 0, 1);
   spread.spread_rad = radius < range ? std::asin(radius / range) * (1 + slack) + slack : infinite;
-  spread.beyond_rad = facet.nearest_m > 0 ? 1.1 * facet.gap_m / facet.nearest_m + slack : infinite;
+  spread.beyond_rad =
+      facet.nearest_m > 0 ? 1.1 * facet.travel_path_error_m / facet.nearest_m + slack : infinite;
   return spread;
 }
 double angle_between(const glm::dvec3& a, const glm::dvec3& b) {

@@ -45,7 +45,7 @@ struct Image {
   std::vector<std::uint32_t> own_tube;  ///< by window: the true apex's tube that it belongs to
   Leg leg;                              ///< from it, but for its place
   double largest = 1;                   ///< of the loss over all windows, at least
-  std::complex<double> phase = 1;       ///< in even water: product of its mirrors' phases
+  std::complex<double> phase = 1;       ///< in isovelocity water: product of its mirrors' phases
   /// Of what its parent sees of the last mirror and windows were made of: steradians, and summed lengths of
   /// the borders, radians.
   double mirror_sr = 0, border_rad = 0;
@@ -74,7 +74,7 @@ void add_to_mirror(Image& image, std::span<const glm::dvec3> corners);
 constexpr double window_border_rad = 4e-9;
 
 /// Whether what an image sends comes to a place unhindered: that lies in front of its last mirror, and no
-/// facet in between. Windows are not asked. In even water.
+/// facet in between. Windows are not asked. In isovelocity water.
 bool reaches(const Image& image, GridPoint place);
 
 /// Finds the images of apexes over one mesh. Thread-safe; results do not depend on the threads.

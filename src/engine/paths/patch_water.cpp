@@ -31,7 +31,7 @@ void GroundCounts::add(const GroundCounts& more) {
   in_shadow += more.in_shadow;
   of_several += more.of_several;
   folded += more.folded;
-  largest_gap_m = std::max(largest_gap_m, more.largest_gap_m);
+  largest_travel_path_error_m = std::max(largest_travel_path_error_m, more.largest_travel_path_error_m);
   for (const UnclearPlace& place : more.unclear)
     if (std::ranges::none_of(unclear, [&](const UnclearPlace& known) {
           return (known.eigenrays == 0) == (place.eigenrays == 0);
@@ -44,7 +44,7 @@ GroundCounts counts_from(const ApparentSurface& ground, const ApparentMap& water
   GroundCounts counts;
   counts.facets = ground.refined.mesh.facets.size();
   counts.of_several = ground.facets_of_several;
-  counts.largest_gap_m = ground.largest_gap_m;
+  counts.largest_travel_path_error_m = ground.largest_travel_path_error_m;
   const glm::dvec3 apex_m = water.apex_m();
   for (const auto& corners : ground.left_out_m) {
     const bool lies_before =

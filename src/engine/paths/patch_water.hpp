@@ -17,7 +17,7 @@ WaterColumn continued_below(const WaterColumn& water, double depth_m, double fur
 /// What came of several apparent maps, counted (ApparentSurface).
 struct GroundCounts {
   std::size_t facets = 0, in_shadow = 0, of_several = 0, folded = 0;
-  double largest_gap_m = 0;
+  double largest_travel_path_error_m = 0;
   std::vector<UnclearPlace> unclear{};  ///< the first without a ray, and the first with several
 
   void add(const GroundCounts& more);

@@ -32,8 +32,8 @@ struct PathAudit {
   std::vector<SharedAudit> shared;
 };
 
-/// `images`: made with open water; `label` tells transmissions apart in the hash. In even water the apexes'
-/// own tubes are left out: they are the transmission's.
+/// `images`: made with open water; `label` tells transmissions apart in the hash. In isovelocity water the
+/// apexes' own tubes are left out: they are the transmission's.
 PathAudit audit_paths(const PathImages& images, std::uint64_t label);
 
 }  // namespace tubefoot

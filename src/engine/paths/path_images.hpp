@@ -46,8 +46,8 @@ class PathImages {
                      refracted_ ? &bed() : nullptr);
   }
   /// Facets that an image sees as parts of those of the mesh: of which, where they lie on it, and what all
-  /// images that see the same (in even water, a part of the same) call it. Empty where it sees the mesh
-  /// itself. In refracting water of a PathWater whose limits want weights.
+  /// images that see the same (in isovelocity water, a part of the same) call it. Empty where it sees the
+  /// mesh itself. In refracting water of a PathWater whose limits want weights.
   struct Parts {
     std::vector<FacetId> of, name;
     std::vector<PartWeights> weights;
@@ -56,7 +56,7 @@ class PathImages {
   FootprintSharer sharer(const Image& sent, const Image& received) const;
   /// Images in up to `settings.order` mirrors from which what is sent comes to the receiver without
   /// scattering, and with `settings.direct` the transmitter that a separate receiver receives; of two at one
-  /// place the first. None without `settings.arrivals`. In even water.
+  /// place the first. None without `settings.arrivals`. In isovelocity water.
   std::vector<Image> arriving() const;
   /// What both see, over the transmit leg to the one and home from the other.
   BistaticHistory history(const Image& sent, const Image& received) const;

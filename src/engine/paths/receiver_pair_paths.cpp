@@ -128,7 +128,7 @@ class ReceiverPairTracer {
     return glm::transpose(receiver.leg.to_true) * receiver_pair_.axis;
   }
 
-  /// What tells chains of mirrors apart, in even water or in water that refracts.
+  /// What tells chains of mirrors apart, in isovelocity water or in water that refracts.
   using Chain = std::pair<std::vector<MirrorPlane>, std::size_t>;
   static Chain chain_of(const Image& image) { return {image.chain, image.way}; }
 

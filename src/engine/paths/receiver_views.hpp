@@ -117,7 +117,7 @@ class OverFacet {
   glm::dvec2 foot_{0};  // its foot point
   const RefractedFacet* refracted_ = nullptr;
   LyingPlane seen_;  // where the plane's points are seen, from here
-  LyingPlane lies_;  // where they lie; in even water from the foot point on
+  LyingPlane lies_;  // where they lie; in isovelocity water from the foot point on
   double steepest_ = 1;
 };
 

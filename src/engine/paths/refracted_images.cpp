@@ -195,7 +195,7 @@ void RefractedImages::map_apparent_paths() {
                                  water_.apparent_map, water_.limits, all_view_bounds);
   for (std::size_t k = 0; k < mirror_paths_.size(); ++k)
     mirror_paths_[k].tree =
-        std::make_unique<SceneTree>(alike_.seen[k].refined.mesh, SceneTree::Sheets::ignored);
+        std::make_unique<SceneTree>(alike_.seen[k].refined.mesh, SceneTree::HeightFieldSearch::ignored);
 }
 
 void RefractedImages::find_levels(const FacetMesh& mesh) {
@@ -409,8 +409,8 @@ BistaticBed RefractedImages::bed_between(const Image& sent, const Image& receive
         map_apparent_together(*mesh_, mirror_path.view_bounds.facets(*mesh_, *tree_, water_.grid),
                               water_.grid, std::array{&mirror_path.apparent_map}, absorption_db_per_m_,
                               water_.apparent_map, water_.limits, std::array{&mirror_path.view_bounds}));
-    mirror_path.tree =
-        std::make_unique<SceneTree>(mirror_path.alone->seen[0].refined.mesh, SceneTree::Sheets::ignored);
+    mirror_path.tree = std::make_unique<SceneTree>(mirror_path.alone->seen[0].refined.mesh,
+                                                   SceneTree::HeightFieldSearch::ignored);
   }
   const auto end = [&](const Image& image) {
     const MirrorPath& mirror_path = mirror_paths_[image.mirror_path];
@@ -494,7 +494,7 @@ bool RefractedImages::is_hidden(const Image& image, const GridPoint& from, const
       map_apparent(*mesh_, mirror_path.view_bounds.facets(*mesh_, *tree_, water_.grid), water_.grid,
                    mirror_path.apparent_map, absorption_db_per_m_, water_.apparent_map, water_.limits, {},
                    &mirror_path.view_bounds);
-  const SceneTree tree(ground.refined.mesh, SceneTree::Sheets::ignored);
+  const SceneTree tree(ground.refined.mesh, SceneTree::HeightFieldSearch::ignored);
   return !in_view(ground.refined.mesh, tree, from, to);
 }
 

@@ -46,8 +46,8 @@ struct SplitPatches {
 /// Each patch goes to one of both, in the order in which they are.
 SplitPatches split_patches(const SeenPatches& patches, const std::function<bool(FacetId)>& is_smooth);
 
-/// The same of what an apex or its image sees together with another's, both in even water: what channels make
-/// of it has to be told by their images over the same mirrors. `tx_m`: of the transmit leg.
+/// The same of what an apex or its image sees together with another's, both in isovelocity water: what
+/// channels make of it has to be told by their images over the same mirrors. `tx_m`: of the transmit leg.
 SeenPatches patches_between(const BistaticHistory& images, glm::dvec3 tx_m);
 
 /// What two sights share: the intersections of their polygons on each facet, in doubles. Origin and tubes are

@@ -47,7 +47,7 @@ class SmoothAmplitude {
            std::span<std::complex<double>> out);
 
   /// Adds all that both ends of a path see. `surface_of`: of a facet; null: it is rough, without an
-  /// amplitude. Facets lie where they are seen (even water); losses of mirrors and absorption are the
+  /// amplitude. Facets lie where they are seen (isovelocity water); losses of mirrors and absorption are the
   /// caller's.
   void add(const CommonVisibility& visibility, const std::function<const SmoothSurface*(FacetId)>& surface_of,
            std::span<std::complex<double>> out);

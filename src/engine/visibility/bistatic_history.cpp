@@ -50,8 +50,8 @@ BistaticHistory trace_bistatic(const ApparentPair& pair, const WorldGrid& grid,
                                double reference_absorption_db_per_m) {
   BistaticHistory history{std::move(transmit), std::move(receive), grid.unit_m(), {}};
   const FacetMesh &sent_to = pair.transmit.refined.mesh, &received_from = pair.receive.refined.mesh;
-  const SceneTree sent_tree(sent_to, SceneTree::Sheets::ignored),
-      received_tree(received_from, SceneTree::Sheets::ignored);
+  const SceneTree sent_tree(sent_to, SceneTree::HeightFieldSearch::ignored),
+      received_tree(received_from, SceneTree::HeightFieldSearch::ignored);
   const auto sent = look(sent_to, sent_tree, history.transmit, options),
              received = look(received_from, received_tree, history.receive, options);
   history.shared = shared_by_all(

@@ -25,7 +25,7 @@ struct BistaticHistory {
   TubeSet transmit, receive;
   double grid_unit_m = 1;   ///< metres per grid unit of both
   SharedFootprints shared;  ///< of hits: their facets, without pieces
-  /// In refracting water: by shared facet, where else it is seen and lies; empty: in even water.
+  /// In refracting water: by shared facet, where else it is seen and lies; empty: in isovelocity water.
   std::vector<BistaticFacet> bistatic{};
   std::vector<SharedHit> hits{};  ///< filled by the ray engine
 };

@@ -94,7 +94,7 @@ FarView far_view(std::span<const glm::dvec3> points_m,
   builder.add(mapped, {triangles.begin(), triangles.end()}, 0, 0);
   MeshReport report;
   const FacetMesh mesh = builder.finish(report);
-  const SceneTree tree(mesh, SceneTree::Sheets::ignored);
+  const SceneTree tree(mesh, SceneTree::HeightFieldSearch::ignored);
   constexpr double margin = 1e-6;  // far beyond the grid's unit
   const History history =
       TubeEngine(mesh, tree, grid.unit_m(), {})

@@ -95,8 +95,8 @@ void trace_mixed_eigenrays(const ApparentSurface& ground, const SceneTree& tree,
   const auto in_mirror = [&]() -> const View& {
     if (!mirror) {
       mirror.emplace(View{mirrored(tubes), mirrored(mesh), {}});
-      mirror->seen =
-          look(mirror->mesh, SceneTree(mirror->mesh, SceneTree::Sheets::ignored), mirror->tubes, options);
+      mirror->seen = look(mirror->mesh, SceneTree(mirror->mesh, SceneTree::HeightFieldSearch::ignored),
+                          mirror->tubes, options);
     }
     return *mirror;
   };

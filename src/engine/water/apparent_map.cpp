@@ -105,7 +105,7 @@ double ApparentMap::return_area_m2_per_sr(glm::dvec3 point_m, const Eigenray& ra
   return ray.tube_area_m2_per_sr * speeds * speeds;
 }
 
-double edge_gap_m(glm::dvec3 a, glm::dvec3 b, glm::dvec3 middle) {
+double edge_travel_path_error_m(glm::dvec3 a, glm::dvec3 b, glm::dvec3 middle) {
   return glm::length(middle - (a + b) / 2.0);
 }
 

@@ -94,7 +94,7 @@ class ApparentMap {
 
 /// The second-order gap of an edge: how far the image of its middle lies from the middle of its ends' images.
 /// `a`, `b`, `middle` are apparent points.
-double edge_gap_m(glm::dvec3 a, glm::dvec3 b, glm::dvec3 middle);
+double edge_travel_path_error_m(glm::dvec3 a, glm::dvec3 b, glm::dvec3 middle);
 
 /// What the echo of a facet's corner, or of its centre, needs of its ray.
 struct CornerReturn {

@@ -10,8 +10,8 @@
 namespace tubefoot {
 
 /// Derivatives of what a ray through layers makes of a place, by its Snell parameter k and by the depth h
-/// that it passes, as differences of squared sound speeds: what is alike in even water cancels before it is
-/// enclosed, and in water that hardly refracts next to nothing is left.
+/// that it passes, as differences of squared sound speeds: what is alike in isovelocity water cancels before
+/// it is enclosed, and in water that hardly refracts next to nothing is left.
 ///
 /// With sums over layers R = sum c / s dz (range over the ray parameter p), T = sum dz / (c s) (time), D =
 /// sum c / s^3 dz (dx / dp), s = sqrt(1 - k c^2) the sine of the grazing angle, d^2 = k R^2 + h^2 the

@@ -15,8 +15,8 @@ namespace tubefoot {
 struct RayJets {
   std::array<Jet, 3> image;  ///< apparent point, relative to the apex
   Jet time_s;
-  /// With d the straight distance of the point, so that what is alike in even water cancels before it is
-  /// enclosed:
+  /// With d the straight distance of the point, so that what is alike in isovelocity water cancels before it
+  /// is enclosed:
   Jet slowness_s_per_m;  ///< time / d
   Jet arrival_across;    ///< d cos(arrival) / range
   Jet arrival_down_m;    ///< d sin(arrival)

@@ -296,7 +296,7 @@ class SdfReader {
     parts_.add_sensor(node, std::move(sensor), {placed.position_m, placed.turn * middle});
   }
 
-  /// DAVE's older plugin: a depth camera's columns are beams, even in tangent.
+  /// DAVE's older plugin: a depth camera's columns are beams, equidistant.
   void raster(pugi::xml_node node, pugi::xml_node plugin, pugi::xml_node camera, const Placement& placed) {
     const double near = xml_.child_number(camera.child("clip"), "near", 0),
                  far = xml_.child_number(camera.child("clip"), "far", 0);

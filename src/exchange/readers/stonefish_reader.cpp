@@ -113,7 +113,7 @@ class StonefishReader {
     }
   }
 
-  /// An FLS draws views of at most 20 degrees side by side, in each of which beams are even in tangent.
+  /// An FLS draws views of at most 20 degrees side by side, in each of which beams are equidistant.
   void fan(pugi::xml_node node, ImportedSensor& sonar, double beams, double width_deg) {
     constexpr double widest_view_deg = 20, most_beams = 4096;
     const double views = std::ceil(width_deg / widest_view_deg), of_view = beams / views;

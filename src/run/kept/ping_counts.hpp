@@ -11,7 +11,7 @@ namespace tubefoot {
 /// local frame.
 struct ApparentMapCounts {
   std::uint64_t facets = 0, in_shadow = 0, of_several = 0, folded = 0;
-  double largest_gap_m = 0;
+  double largest_travel_path_error_m = 0;
   std::array<double, 3> shadow{}, several{};  ///< the first of each
   std::uint64_t unbounded = 0;                ///< of a reference: bins whose bound is infinite
   std::uint64_t at_limit = 0;  ///< transmissions that would need a finer ground than is worth it

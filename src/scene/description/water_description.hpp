@@ -27,7 +27,7 @@ struct WaterDescription {
   std::optional<double> gradient_per_s;
   std::optional<double> munk_axis_m, munk_scale_m, munk_epsilon;
   std::optional<double> profile_error_m_s, profile_step_m;  ///< of sampling a curved profile
-  std::optional<double> refraction_gap_m;                   ///< else as docs/refraction.md says
+  std::optional<double> travel_path_error_m;                ///< else as docs/refraction.md says
   std::optional<double> refraction_tolerance_db;            ///< else 0.1
   int refraction_turns = 1;                                 ///< most turning points of rays that are followed
 };

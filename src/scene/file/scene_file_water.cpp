@@ -128,7 +128,7 @@ const TomlSection<WaterDescription>& water_section() {
                field("profile_error_m_s", &W::profile_error_m_s,
                      {.ranges = {{.lo = 0.0001, .hi = 10}}, .default_value = "0.01"}),
                field("profile_step_m", &W::profile_step_m, {.ranges = {{.lo = 0.01, .hi = 1000}}}),
-               field("refraction_gap_m", &W::refraction_gap_m, {.ranges = {{.lo = 0.00001, .hi = 1000}}}),
+               field("refraction_gap_m", &W::travel_path_error_m, {.ranges = {{.lo = 0.00001, .hi = 1000}}}),
                field("refraction_tolerance_db", &W::refraction_tolerance_db,
                      {.ranges = {{.lo = 0.001, .hi = 10}}, .default_value = "0.1"}),
                field("refraction_turns", &W::refraction_turns, {.ranges = {{.lo = 0, .hi = 16}}})})

@@ -46,8 +46,8 @@ struct Bistatic {
     const Echo ordinary = integrate_echo(
         trace_bistatic(pair, site.grid, {}, sent, received, tx, rx, absorption), {1, beams}, samples, model);
     const RayEnclosure tx_rays(tx, options), rx_rays(rx, options);
-    const SceneTree tx_tree(alike.seen[0].refined.mesh, SceneTree::Sheets::ignored),
-        rx_tree(alike.seen[1].refined.mesh, SceneTree::Sheets::ignored);
+    const SceneTree tx_tree(alike.seen[0].refined.mesh, SceneTree::HeightFieldSearch::ignored),
+        rx_tree(alike.seen[1].refined.mesh, SceneTree::HeightFieldSearch::ignored);
     const BistaticBed bed{alike.bed.mesh,
                           alike.bed.parent,
                           site.base,
@@ -86,7 +86,7 @@ TEST(BistaticReference, HoldsTheClosedFormOfOneGradient) {
       double before = 2, closest = 0;
       for (const double gap : {2e-2, 2e-3}) {
         SCOPED_TRACE(fmt::format("g {} gap {} weighed {}", g, gap, weighed));
-        const RefractedReference found = pair.certified({.gap_m = gap}, samples, 1e-2);
+        const RefractedReference found = pair.certified({.travel_path_error_m = gap}, samples, 1e-2);
         EXPECT_EQ(found.unbounded, 0u);
         double bounds = 0, energies = 0;
         for (std::size_t k = 0; k < truth.size(); ++k) {
@@ -118,7 +118,7 @@ void expect_agree(const CertifiedEcho& a, const CertifiedEcho& b, double scale =
   EXPECT_GT(lit, double(a.bound.size()) / 3);
 }
 
-TEST(BistaticReference, EvenWaterIsTheStraightReference) {
+TEST(BistaticReference, IsovelocityWaterIsTheStraightReference) {
   const WaterColumn even{SoundSpeedProfile({{0, 1500}, {50, 1500}}), {}};
   const RangeSamples samples{24, 2, 3};
   for (int kind = 0; kind < 4; ++kind) {
@@ -129,7 +129,7 @@ TEST(BistaticReference, EvenWaterIsTheStraightReference) {
     Bistatic pair{bed, even, at(bed_fan(40), bed.grid, transmitter), at(bed_fan(40), bed.grid, receiver)};
     const BeamPatterns patterns = patterns_for(pair.received);
     if (kind == 3) pair.patterns = &patterns;
-    const RefractedReference found = pair.certified({.gap_m = 1}, samples, 1e-4);
+    const RefractedReference found = pair.certified({.travel_path_error_m = 1}, samples, 1e-4);
     EXPECT_EQ(found.unbounded, 0u);
     expect_agree(found.certified, pair.straight(samples, 1e-7));
     double bounds = 0, energies = 0;
@@ -149,8 +149,8 @@ TEST(BistaticReference, InOnePlaceItIsTheReferenceOfOneApex) {
     const WaterColumn water = bed_gradient(-0.4, 0.05);
     const TubeSet tubes = bed_fan(40);
     const Bistatic pair{bed, water, tubes, tubes, 0.05};
-    expect_agree(pair.certified({.gap_m = 2e-3}, samples, 1e-2).certified,
-                 bed.certified(water, tubes, {.gap_m = 2e-3}, samples, 0.05, 1e-2).certified);
+    expect_agree(pair.certified({.travel_path_error_m = 2e-3}, samples, 1e-2).certified,
+                 bed.certified(water, tubes, {.travel_path_error_m = 2e-3}, samples, 0.05, 1e-2).certified);
   }
 }
 
@@ -163,10 +163,12 @@ TEST(BistaticReference, ExchangeAndCoarserGroundsAgree) {
   bed.models = {lobed(), nullptr};
   const WaterColumn water = bed_gradient(g);
   const TubeSet a = at(bed_fan(40), bed.grid, transmitter), b = at(bed_fan(40), bed.grid, receiver);
-  const CertifiedEcho there = Bistatic{bed, water, a, b}.certified({.gap_m = 2e-3}, samples, 1e-2).certified,
-                      back = Bistatic{bed, water, b, a}.certified({.gap_m = 2e-3}, samples, 1e-2).certified;
+  const CertifiedEcho
+      there = Bistatic{bed, water, a, b}.certified({.travel_path_error_m = 2e-3}, samples, 1e-2).certified,
+      back = Bistatic{bed, water, b, a}.certified({.travel_path_error_m = 2e-3}, samples, 1e-2).certified;
   expect_agree(back, there, std::pow((1500 - g * receiver.z) / 1500, 2));
-  const CertifiedEcho coarse = Bistatic{bed, water, a, b}.certified({.gap_m = 2e-2}, samples, 1e-2).certified;
+  const CertifiedEcho coarse =
+      Bistatic{bed, water, a, b}.certified({.travel_path_error_m = 2e-2}, samples, 1e-2).certified;
   for (std::size_t k = 0; k < coarse.bound.size(); ++k)
     EXPECT_LE(std::abs(coarse.echo.energy[k] - there.echo.energy[k]), coarse.bound[k] + there.bound[k]) << k;
 }
@@ -199,8 +201,8 @@ TEST(BistaticReference, EnclosuresHoldWhatRaysToPlacesSay) {
         rx(water, apexes[1], GradientBed::apex_depth_m, options, 1500);
     const std::vector<FacetId> facets{FacetId(site.base.facets.size() - 1)};
     const CommonApparentSurfaces alike =
-        map_apparent_together(site.base, facets, site.grid, std::array{&tx, &rx}, absorption, {.gap_m = 1e9},
-                              {}, std::array<const ViewBounds*, 2>{});
+        map_apparent_together(site.base, facets, site.grid, std::array{&tx, &rx}, absorption,
+                              {.travel_path_error_m = 1e9}, {}, std::array<const ViewBounds*, 2>{});
     const FacetMesh& mesh = alike.bed.mesh;
     if (alike.origin[0].size() != 1 || alike.origin[1].size() != 1) continue;
     SharedFootprints shared;

@@ -49,8 +49,9 @@ TEST(CertifiedRefraction, HoldsTheClosedFormOfOneGradientAndNotFarInside) {
     const RangeSamples samples{26, 0.1 + 0.5 * unit(random), 80};
     const double gap = std::pow(10, -1.5 - 2 * unit(random)), width_deg = 2 + 8 * unit(random);
     SCOPED_TRACE(fmt::format("seed {} trial {}: g {} absorption {} gap {}", seed, trial, g, absorption, gap));
-    const RefractedReference found = GradientBed().certified(bed_gradient(g, absorption), bed_fan(width_deg),
-                                                             {.gap_m = gap}, samples, absorption, 1e-2);
+    const RefractedReference found =
+        GradientBed().certified(bed_gradient(g, absorption), bed_fan(width_deg), {.travel_path_error_m = gap},
+                                samples, absorption, 1e-2);
     EXPECT_EQ(found.unbounded, 0u);
     for (int k = 0; k < samples.count; ++k) {
       const double from = samples.first_m + k * samples.step_m;
@@ -69,8 +70,8 @@ TEST(CertifiedRefraction, BoundsShrinkWithTheGapToAnyTolerance) {
   const RangeSamples samples{26, 1, 30};
   double before = 1;
   for (const double gap : {1e-2, 1e-3, 1e-4}) {
-    const RefractedReference found =
-        GradientBed().certified(bed_gradient(-0.2), bed_fan(2), {.gap_m = gap}, samples, 0, 1e-3);
+    const RefractedReference found = GradientBed().certified(bed_gradient(-0.2), bed_fan(2),
+                                                             {.travel_path_error_m = gap}, samples, 0, 1e-3);
     double worst = 0;
     for (std::size_t k = 0; k < found.certified.bound.size(); ++k)
       worst = std::max(worst, found.certified.bound[k] / found.certified.echo.energy[k]);
@@ -81,12 +82,12 @@ TEST(CertifiedRefraction, BoundsShrinkWithTheGapToAnyTolerance) {
   EXPECT_LT(before, 2e-3);
 }
 
-TEST(CertifiedRefraction, EvenWaterIsTheStraightReference) {
+TEST(CertifiedRefraction, IsovelocityWaterIsTheStraightReference) {
   const GradientBed site;
   const TubeSet tubes = bed_fan(10);
   const RangeSamples samples{26, 2, 20};
   const WaterColumn even{SoundSpeedProfile({{0, 1500}, {50, 1500}}), {}};
-  const RefractedReference found = site.certified(even, tubes, {.gap_m = 1}, samples, 0, 1e-6);
+  const RefractedReference found = site.certified(even, tubes, {.travel_path_error_m = 1}, samples, 0, 1e-6);
   const CertifiedEcho straight = site.straight(tubes, samples, 1e-9);
   for (std::size_t k = 0; k < straight.bound.size(); ++k) {
     EXPECT_LE(std::abs(found.certified.echo.energy[k] - straight.echo.energy[k]),
@@ -116,7 +117,8 @@ TEST(CertifiedRefraction, HoldsFinerGroundsBehindObjects) {
     const double g = trial % 2 ? 0.5 : -0.8;
     const auto run = [&](double gap) {
       return site
-          .certified(bed_gradient(g), bed_fan(8), {.gap_m = gap, .shortest_edge_m = 0.01}, samples, 0, 1e-2)
+          .certified(bed_gradient(g), bed_fan(8), {.travel_path_error_m = gap, .shortest_edge_m = 0.01},
+                     samples, 0, 1e-2)
           .certified;
     };
     const CertifiedEcho fine = run(2e-4), coarse = run(3e-2);
@@ -139,7 +141,8 @@ TEST(CertifiedRefraction, HoldsShadowsOfLongEdges) {
   const RangeSamples samples{43, 0.003, 1500};
   const auto run = [&](double gap) {
     return site
-        .certified(bed_gradient(-1), bed_fan(6), {.gap_m = gap, .shortest_edge_m = 0.01}, samples, 0, 1e-2)
+        .certified(bed_gradient(-1), bed_fan(6), {.travel_path_error_m = gap, .shortest_edge_m = 0.01},
+                   samples, 0, 1e-2)
         .certified;
   };
   const CertifiedEcho fine = run(1e-4), coarse = run(1);
@@ -159,7 +162,7 @@ struct EnclosuresAgainstRays {
     const ApparentMap apparent_map(water, glm::dvec3(0), GradientBed::apex_depth_m, options);
     std::vector<FacetId> facets{FacetId(site.base.facets.size() - 1)};
     const ApparentSurface ground =
-        map_apparent(site.base, facets, site.grid, apparent_map, absorption, {.gap_m = 1e9});
+        map_apparent(site.base, facets, site.grid, apparent_map, absorption, {.travel_path_error_m = 1e9});
     const RayEnclosure rays(apparent_map, options);
     const SceneTree tree(ground.refined.mesh);
     const EchoModel model = site.model(ground.refined.mesh, absorption);
@@ -182,8 +185,8 @@ struct EnclosuresAgainstRays {
         const glm::dvec3 flat =
             facet.seen[0] + a * (facet.seen[1] - facet.seen[0]) + b * (facet.seen[2] - facet.seen[0]);
         const double gap = glm::distance(image->at_m, flat);
-        EXPECT_LE(gap, facet.gap_m);
-        closest_gap = std::max(closest_gap, gap / facet.gap_m);
+        EXPECT_LE(gap, facet.travel_path_error_m);
+        closest_gap = std::max(closest_gap, gap / facet.travel_path_error_m);
         // Along the ray to the apparent facet's plane.
         const glm::dvec3 direction = glm::normalize(image->at_m);
         const double range = glm::length(image->at_m), sine = glm::dot(direction, facet.normal),
@@ -242,7 +245,7 @@ TEST(CertifiedRefraction, FacetsAtTheSonarsDepthAreProven) {
   };
   const std::vector<WaterColumn> waters{
       bed_gradient(-0.01, 0.1), bed_gradient(0.01, 0.1), bed_gradient(-0.5, 0.1),
-      // The sonar in the gradient between two others, and in even water above one.
+      // The sonar in the gradient between two others, and in isovelocity water above one.
       water_of({{0, 1530}, {5, 1520}, {15, 1500}, {30, 1490}}),
       water_of({{0, 1490}, {6, 1490}, {14, 1500}, {30, 1502}}),
       water_of({{0, 1500}, {15, 1500}, {30, 1480}})};
@@ -255,7 +258,7 @@ TEST(CertifiedRefraction, FacetsAtTheSonarsDepthAreProven) {
       compared.add(GradientBed({ahead}), waters[k], 0.1, random);
     }
     EXPECT_EQ(compared.unproven, 0u) << "water " << k;
-    if (k + 1 < waters.size()) {  // in even water images are the facet itself
+    if (k + 1 < waters.size()) {  // in isovelocity water images are the facet itself
       EXPECT_GT(compared.closest_gap, 0.1) << "water " << k;
     }
   }
@@ -267,7 +270,7 @@ TEST(CertifiedRefraction, WhereNoRayIsProvenNothingIsClaimed) {
   const double g = 6, cr = 1500 + 20 * g;
   const double last_m = 1500 * std::atanh(std::sqrt((cr - 1500) * (cr + 1500)) / cr) / g;
   const RefractedReference found = GradientBed().certified(
-      bed_gradient(g), bed_fan(4), {.gap_m = 1e-2, .shortest_edge_m = 0.1}, samples, 0, 1e-2);
+      bed_gradient(g), bed_fan(4), {.travel_path_error_m = 1e-2, .shortest_edge_m = 0.1}, samples, 0, 1e-2);
   EXPECT_GT(found.unbounded, 0u);
   std::size_t infinite = 0;
   for (int k = 0; k < samples.count; ++k) {

@@ -88,7 +88,7 @@ TEST(RefractedBed, HoldsTheClosedFormOfEveryLaw) {
       GradientBed bed;
       bed.models = {shared(model.model), nullptr};
       const RefractedReference found = bed.certified(bed_gradient(g, absorption), bed_fan(width_deg, 89.5),
-                                                     {.gap_m = gap}, samples, absorption, 1e-2);
+                                                     {.travel_path_error_m = gap}, samples, absorption, 1e-2);
       EXPECT_EQ(found.unbounded, 0u);
       for (int k = 0; k < samples.count; ++k) {
         const double from = samples.first_m + k * samples.step_m;
@@ -114,7 +114,7 @@ TEST(RefractedBed, BoundsOfLawsShrinkWithTheGap) {
     double before = 1;
     for (const double gap : {1e-2, 1e-3, 1e-4}) {
       const RefractedReference found =
-          bed.certified(bed_gradient(-0.2), bed_fan(2, 89.5), {.gap_m = gap}, samples, 0, 1e-3);
+          bed.certified(bed_gradient(-0.2), bed_fan(2, 89.5), {.travel_path_error_m = gap}, samples, 0, 1e-3);
       double bounds = 0, energies = 0;
       for (std::size_t k = 0; k < found.certified.bound.size(); ++k) {
         bounds += found.certified.bound[k] / found.certified.echo.energy[k];
@@ -127,7 +127,7 @@ TEST(RefractedBed, BoundsOfLawsShrinkWithTheGap) {
   }
 }
 
-TEST(RefractedBed, EvenWaterIsTheStraightReference) {
+TEST(RefractedBed, IsovelocityWaterIsTheStraightReference) {
   const WaterColumn even{SoundSpeedProfile({{0, 1500}, {50, 1500}}), {}};
   const TubeSet tubes = bed_fan(4, 89.5);
   const RangeSamples samples{21, 2, 12};
@@ -140,7 +140,8 @@ TEST(RefractedBed, EvenWaterIsTheStraightReference) {
   beds[textured + 2].textures = {test::perlin(3, 2, 0.5, 9), nullptr};
   for (std::size_t b = 0; b < beds.size(); ++b) {
     SCOPED_TRACE(b);
-    const RefractedReference found = beds[b].certified(even, tubes, {.gap_m = 1}, samples, 0, 1e-6);
+    const RefractedReference found =
+        beds[b].certified(even, tubes, {.travel_path_error_m = 1}, samples, 0, 1e-6);
     const CertifiedEcho straight = beds[b].straight(tubes, samples, 1e-7);
     for (std::size_t k = 0; k < straight.bound.size(); ++k) {
       EXPECT_LE(std::abs(found.certified.echo.energy[k] - straight.echo.energy[k]),
@@ -187,7 +188,8 @@ TEST(RefractedBed, HoldsMicroTextureWhereTheBedLies) {
         GradientBed bed;
         bed.textures = {texture, nullptr};
         const CertifiedEcho found =
-            bed.certified(bed_gradient(g), bed_fan(6), {.gap_m = gap}, samples, 0, 1e-2).certified;
+            bed.certified(bed_gradient(g), bed_fan(6), {.travel_path_error_m = gap}, samples, 0, 1e-2)
+                .certified;
         double bounds = 0, energies = 0;
         for (int k = 0; k < samples.count; ++k) {
           const double from = samples.first_m + k * samples.step_m;
@@ -217,7 +219,8 @@ TEST(RefractedBed, WhatIsFinerThanPlacesAreKnownIsInTheBound) {
   for (const double gap : {1e-2, 1e-3}) {
     const auto bound = [&](const GradientBed& bed) {
       const CertifiedEcho found =
-          bed.certified(bed_gradient(-1), bed_fan(1), {.gap_m = gap}, samples, 0, 1e-2).certified;
+          bed.certified(bed_gradient(-1), bed_fan(1), {.travel_path_error_m = gap}, samples, 0, 1e-2)
+              .certified;
       return found.bound[0] / found.echo.energy[0];
     };
     // Places are known to within about the gap, and the noise changes by up to some 3 in a wavelength.
@@ -260,7 +263,7 @@ TEST(RefractedBed, EnclosuresHoldWhatRaysToPlacesOnFacetsSay) {
     const ApparentMap apparent_map(water, glm::dvec3(0), GradientBed::apex_depth_m, options);
     std::vector<FacetId> facets{FacetId(site.base.facets.size() - 1)};
     const ApparentSurface ground =
-        map_apparent(site.base, facets, site.grid, apparent_map, absorption, {.gap_m = 1e9});
+        map_apparent(site.base, facets, site.grid, apparent_map, absorption, {.travel_path_error_m = 1e9});
     const RayEnclosure rays(apparent_map, options);
     const SceneTree tree(ground.refined.mesh);
     const ApparentEnclosures all = enclose({ground, tree, site.base, ground.refined.parent, site.grid}, rays,
@@ -317,8 +320,9 @@ TEST(RefractedBed, WhatCannotBeEnclosedIsRefused) {
   };
   GradientBed bed;
   bed.textures = {std::make_shared<const Ones>(), nullptr};
-  EXPECT_THROW(bed.certified(bed_gradient(0.4), bed_fan(2), {.gap_m = 0.1}, {24, 1, 4}, 0, 1e-2),
-               std::invalid_argument);
+  EXPECT_THROW(
+      bed.certified(bed_gradient(0.4), bed_fan(2), {.travel_path_error_m = 0.1}, {24, 1, 4}, 0, 1e-2),
+      std::invalid_argument);
 }
 
 }  // namespace

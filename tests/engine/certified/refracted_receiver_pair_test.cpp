@@ -67,7 +67,7 @@ struct Staffed {
     const RayEnclosure tx_rays(tx, options), upper_rays(upper, options), lower_rays(lower, options);
     std::vector<SceneTree> trees;
     for (const ApparentSurface& ground : alike.seen)
-      trees.emplace_back(ground.refined.mesh, SceneTree::Sheets::ignored);
+      trees.emplace_back(ground.refined.mesh, SceneTree::HeightFieldSearch::ignored);
     const std::array<ApparentMap const*, 2> waters{&upper, &lower};
     const std::array<RayEnclosure const*, 2> rays{&upper_rays, &lower_rays};
     std::array<Echo, 2> ordinary;
@@ -193,7 +193,7 @@ TEST(RefractedReceiverPair, HoldsTheClosedFormOfOneGradient) {
       double before = 2, closest[2]{};
       for (const double gap : {2e-2, 2e-3}) {
         SCOPED_TRACE(fmt::format("apart {} g {} gap {}", apart, g, gap));
-        const RefractedReference found = scene.certified({.gap_m = gap}, 1e-2);
+        const RefractedReference found = scene.certified({.travel_path_error_m = gap}, 1e-2);
         EXPECT_EQ(found.unbounded, 0u);
         double turned = 0;
         for (std::size_t k = 0; k < truth.size(); ++k) {
@@ -232,7 +232,7 @@ void expect_agree(const CertifiedEcho& a, const CertifiedEcho& b) {
 }
 
 // Of laws, textures, patterns and a board that hides some of it from each.
-TEST(RefractedReceiverPair, EvenWaterIsTheStraightReference) {
+TEST(RefractedReceiverPair, IsovelocityWaterIsTheStraightReference) {
   const WaterColumn even{SoundSpeedProfile({{0, 1500}, {50, 1500}}), {}};
   for (int kind = 0; kind < 4; ++kind)
     for (const glm::dvec3 middle : {transmitter, receiver}) {
@@ -250,7 +250,7 @@ TEST(RefractedReceiverPair, EvenWaterIsTheStraightReference) {
       if (kind == 3)
         scene.patterns.receive = {Directivity{
             .kind = Directivity::Kind::gaussian, .axis = {0.8, 0, -0.6}, .from_axis = true, .size = 0.7}};
-      const RefractedReference found = scene.certified({.gap_m = 1}, 1e-4);
+      const RefractedReference found = scene.certified({.travel_path_error_m = 1}, 1e-4);
       EXPECT_EQ(found.unbounded, 0u);
       expect_agree(found.certified, scene.straight(1e-4));
       EXPECT_LT(share(found), 6e-3);
@@ -258,7 +258,7 @@ TEST(RefractedReceiverPair, EvenWaterIsTheStraightReference) {
 }
 
 // What a gradient changes shrinks with it, in the first order.
-TEST(RefractedReceiverPair, AGradientThatGoesToZeroLeavesEvenWater) {
+TEST(RefractedReceiverPair, AGradientThatGoesToZeroLeavesIsovelocityWater) {
   const GradientBed bed = plate(from, to);
   const WaterColumn even{SoundSpeedProfile({{-10, 1500}, {60, 1500}}), {}};
   Staffed scene{.site = bed, .water = even, .receiver_pair = receiver_pair_of(0.12, 0.03)};
@@ -267,7 +267,7 @@ TEST(RefractedReceiverPair, AGradientThatGoesToZeroLeavesEvenWater) {
   for (int k = 0; k < 2; ++k) {
     const WaterColumn water = bed_gradient(k == 0 ? 0.6 : 0.3);
     Staffed refracted{.site = bed, .water = water, .receiver_pair = scene.receiver_pair};
-    const CertifiedEcho found = refracted.certified({.gap_m = 1e-3}, 1e-2).certified;
+    const CertifiedEcho found = refracted.certified({.travel_path_error_m = 1e-3}, 1e-2).certified;
     changed[k] = 0;
     double bounds = 0;
     for (std::size_t bin = 0; bin < found.bound.size(); ++bin) {
@@ -279,7 +279,7 @@ TEST(RefractedReceiverPair, AGradientThatGoesToZeroLeavesEvenWater) {
   EXPECT_NEAR(changed[0] / changed[1], 2, 0.2);
   const WaterColumn hardly = bed_gradient(1e-6);
   expect_agree(Staffed{.site = bed, .water = hardly, .receiver_pair = scene.receiver_pair}
-                   .certified({.gap_m = 1e-2}, 1e-2)
+                   .certified({.travel_path_error_m = 1e-2}, 1e-2)
                    .certified,
                straight);
 }
@@ -294,15 +294,15 @@ TEST(RefractedReceiverPair, SwappedReceiversAreConjugateAndNoBaselineIsOneReceiv
                   .receiver_pair = receiver_pair_of(0.1, 0.03),
                   .samples = {24, 2, 4},
                   .width_deg = 40};
-    const CertifiedEcho there = scene.certified({.gap_m = 5e-3}, 1e-2).certified;
+    const CertifiedEcho there = scene.certified({.travel_path_error_m = 5e-3}, 1e-2).certified;
     scene.receiver_pair.axis = -scene.receiver_pair.axis;
-    const CertifiedEcho back = scene.certified({.gap_m = 5e-3}, 1e-2).certified;
+    const CertifiedEcho back = scene.certified({.travel_path_error_m = 5e-3}, 1e-2).certified;
     expect_agree(there, 0, back, 1);
     expect_agree(there, 1, back, 0);
     expect_agree(there, 2, back, 2);
     expect_agree(there, 3, back, 3, -1);
     scene.receiver_pair.baseline_m = 0;
-    const CertifiedEcho one = scene.certified({.gap_m = 5e-3}, 1e-2).certified;
+    const CertifiedEcho one = scene.certified({.travel_path_error_m = 5e-3}, 1e-2).certified;
     expect_agree(one, 0, one, 1);
     expect_agree(one, 2, one, 0);
     expect_agree(one, 3, one, 3, -1);
@@ -321,7 +321,7 @@ TEST(RefractedReceiverPair, PartsOfTheBedAddUp) {
   const auto of = [&](const GradientBed& bed) {
     return Staffed{
         .site = bed, .water = water, .middle_m = receiver, .receiver_pair = receiver_pair_of(0.12, 0.03)}
-        .certified({.gap_m = 4e-3}, 1e-2)
+        .certified({.travel_path_error_m = 4e-3}, 1e-2)
         .certified;
   };
   const CertifiedEcho all = of(whole);
@@ -352,8 +352,9 @@ TEST(RefractedReceiverPair, OrdinaryEnergiesAndProductsLieWithin) {
                   .samples = {24, 2, 4},
                   .width_deg = 40};
     const std::vector<double> ordinary =
-        rows_of(scene.ordinary({.gap_m = 2e-3, .tolerance_db = 0.002})).energy;
-    const RefractedReference found = scene.certified({.gap_m = 2e-3, .tolerance_db = 0.05}, 1e-2);
+        rows_of(scene.ordinary({.travel_path_error_m = 2e-3, .tolerance_db = 0.002})).energy;
+    const RefractedReference found =
+        scene.certified({.travel_path_error_m = 2e-3, .tolerance_db = 0.05}, 1e-2);
     EXPECT_EQ(found.unbounded, 0u);
     for (std::size_t bin = 0; bin < ordinary.size(); ++bin) {
       const double value = found.certified.echo.energy[bin], bound = found.certified.bound[bin],

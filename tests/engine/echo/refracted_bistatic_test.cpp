@@ -78,7 +78,7 @@ TubeSet tubes_at(glm::dvec3 apex_m, bool fine = false) {
 struct Scenery {
   FacetMesh base;
   const WaterColumn& water;
-  double gap_m = 0.01;
+  double travel_path_error_m = 0.01;
   std::shared_ptr<const ReflectivityField> texture;
   double absorption = 0;
 
@@ -87,8 +87,8 @@ struct Scenery {
         receive(water, grid.to_metres(received.apex), surface_m, {}, 1500);
     std::vector<FacetId> all(base.facets.size());
     std::iota(all.begin(), all.end(), 0u);
-    const ApparentPair pair =
-        map_apparent_pair(base, all, grid, transmit, receive, absorption, {.gap_m = gap_m});
+    const ApparentPair pair = map_apparent_pair(base, all, grid, transmit, receive, absorption,
+                                                {.travel_path_error_m = travel_path_error_m});
     material = pair.mesh.material;
     return trace_bistatic(pair, grid, {}, sent, received, transmit, receive, absorption);
   }
@@ -109,7 +109,7 @@ struct Scenery {
 
 double total(const Echo& echo) { return std::accumulate(echo.energy.begin(), echo.energy.end(), 0.0); }
 
-TEST(RefractedBistatic, EvenWaterIsTheStraightEngine) {
+TEST(RefractedBistatic, IsovelocityWaterIsTheStraightEngine) {
   const WaterColumn water{SoundSpeedProfile({{0, 1500}, {60, 1500}}), {0.02, 0.02}};
   const auto texture = std::make_shared<const PerlinReflectivity>(
       PerlinReflectivity::Settings{.wavelength_m = 2, .octaves = 1, .depth = 0.8, .seed = 4});
@@ -235,8 +235,8 @@ TEST(RefractedBistatic, InOnePlaceItIsTheMonostaticEcho) {
   const Echo apart = scenery.echo(scenery.history(tubes, tubes), samples);
   std::vector<FacetId> all(base.facets.size());
   std::iota(all.begin(), all.end(), 0u);
-  const ApparentSurface ground =
-      map_apparent(base, all, grid, ApparentMap(water, transmitter, surface_m, {}, 1500), 0, {.gap_m = gap});
+  const ApparentSurface ground = map_apparent(
+      base, all, grid, ApparentMap(water, transmitter, surface_m, {}, 1500), 0, {.travel_path_error_m = gap});
   const FacetMesh& mesh = ground.refined.mesh;
   EchoModel model{material_mu, mesh.material, 0, nullptr};
   model.path.facet_factor = ground.facet_factor;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Several rays to the bed: under a thermocline that turns rays back down every place beyond some 310 m is
-// reached by three. One gradient above the sonar and even water below it leave all in closed form by launch
-// angle; rays are fanned out over that and binned by where and when they land.
+// reached by three. One gradient above the sonar and isovelocity water below it leave all in closed form by
+// launch angle; rays are fanned out over that and binned by where and when they land.
 #include "engine/ground/eigenray_branches.hpp"
 
 #include <gtest/gtest.h>
@@ -54,7 +54,7 @@ TubeSet tubes_of(const std::vector<double>& elevations_deg) {
 }
 
 ApparentMapSettings fine(double shortest_m = 0.25) {
-  return {.gap_m = 0.02,
+  return {.travel_path_error_m = 0.02,
           .tolerance_db = 0.1,
           .shortest_edge_m = shortest_m,
           .shadow_edge_m = 8,
@@ -78,7 +78,7 @@ Seen see(const FacetMesh& bed, const TubeSet& tubes, const RangeSamples& samples
   std::iota(all.begin(), all.end(), 0u);
   Seen seen{map_apparent(bed, all, WorldGrid(20, glm::dvec3(0)), apparent_map, 0, settings), {}, {}};
   const FacetMesh& mesh = seen.ground.refined.mesh;
-  const SceneTree tree(mesh, SceneTree::Sheets::ignored);
+  const SceneTree tree(mesh, SceneTree::HeightFieldSearch::ignored);
   seen.history = TubeEngine(mesh, tree, 0x1p-20, {}).trace(tubes);
   const std::vector<double> material_mu{mu};
   EchoModel model{material_mu, mesh.material, 0, nullptr};
@@ -172,7 +172,7 @@ TEST(EigenrayBranches, MixedEigenraysAreThoseBetweenAllRaysToAPlace) {
   const Seen seen = see(bed, tubes, samples, fine());
   const std::size_t beams = tubes.tubes.size(), count = std::size_t(samples.count);
   std::vector<double> found(beams * count, 0.0), wanted(beams * count, 0.0);
-  const SceneTree tree(seen.ground.refined.mesh, SceneTree::Sheets::ignored);
+  const SceneTree tree(seen.ground.refined.mesh, SceneTree::HeightFieldSearch::ignored);
   const std::vector<double> material_mu{mu};
   std::vector<std::uint32_t> own(beams);
   std::iota(own.begin(), own.end(), 0u);
@@ -298,7 +298,7 @@ TEST(EigenrayBranches, AWallAcrossAChannelIsSeenByManyTurns) {
   std::vector<double> edges;
   for (int e = -8; e <= 8; ++e) edges.push_back(e);
   Seen seen{ground, {}, {}};
-  const SceneTree tree(ground.refined.mesh, SceneTree::Sheets::ignored);
+  const SceneTree tree(ground.refined.mesh, SceneTree::HeightFieldSearch::ignored);
   seen.history = TubeEngine(ground.refined.mesh, tree, 0x1p-20, {}).trace(tubes_of(edges));
   const std::vector<double> found = solid_angles(seen);
   for (std::size_t k = 0; k + 1 < edges.size(); ++k)

@@ -94,7 +94,7 @@ struct Transmission {
 
 Transmission fired(const RefinedMesh& ground, const TubeSet& tubes) {
   Transmission transmission{ground, {}, {}};
-  const SceneTree tree(transmission.ground.mesh, SceneTree::Sheets::ignored);
+  const SceneTree tree(transmission.ground.mesh, SceneTree::HeightFieldSearch::ignored);
   const TubeEngine engine(transmission.ground.mesh, tree, grid.unit_m(), {});
   transmission.history = engine.trace(tubes);
   std::vector<std::uint32_t> beams(tubes.tubes.size());
@@ -174,7 +174,7 @@ TEST(Ground, IsWatertightWhateverItsLevels) {
     std::array<Look, 1> looks{look_of(tubes)};
     looks[0].first_m = tolerance;  // near ranges finer or not
     const RefinedMesh seen = Ground(base, grid, fields, cells(0.04, tolerance)).seen_by(looks, {});
-    const SceneTree tree(seen.mesh, SceneTree::Sheets::ignored);
+    const SceneTree tree(seen.mesh, SceneTree::HeightFieldSearch::ignored);
     const TubeEngine engine(seen.mesh, tree, grid.unit_m(), {});
     for (const TubeAudit& audit : engine.audit(tubes, 0)) EXPECT_TRUE(audit.closes);
     VisibilityOptions options;

@@ -33,11 +33,12 @@ struct Site {
     base = builder.finish(report);
   }
 
-  ApparentSurface ground(const WaterColumn& water, double gap_m, double absorption = 0) const {
+  ApparentSurface ground(const WaterColumn& water, double travel_path_error_m, double absorption = 0) const {
     std::vector<FacetId> all(base.facets.size());
     std::iota(all.begin(), all.end(), 0u);
     const ApparentMap apparent_map(water, glm::dvec3(0), apex_depth_m);
-    return map_apparent(base, all, grid, apparent_map, absorption, {.gap_m = gap_m});
+    return map_apparent(base, all, grid, apparent_map, absorption,
+                        {.travel_path_error_m = travel_path_error_m});
   }
 };
 
@@ -99,7 +100,7 @@ double ring_energy(double g, double t1, double t2) {
          boost::math::quadrature::gauss_kronrod<double, 31>::integrate(density, t1, t2, 5, 1e-13);
 }
 
-TEST(RefractedGround, EvenWaterIsTheStraightEngine) {
+TEST(RefractedGround, IsovelocityWaterIsTheStraightEngine) {
   const Site site;
   const WaterColumn water{SoundSpeedProfile({{0, 1480}, {50, 1480}}), {0.05, 0.05, 0.05}};
   const ApparentSurface ground = site.ground(water, 1e-6, 0.05);
@@ -107,7 +108,7 @@ TEST(RefractedGround, EvenWaterIsTheStraightEngine) {
   EXPECT_EQ(ground.refined.mesh.facets, site.base.facets);
   EXPECT_TRUE(ground.unclear.empty());
   EXPECT_EQ(ground.reference_speed_m_s, 1480);
-  EXPECT_LT(ground.largest_gap_m, 1e-11);
+  EXPECT_LT(ground.largest_travel_path_error_m, 1e-11);
   for (const double factor : ground.facet_factor) EXPECT_NEAR(factor, 1, 1e-11);
   const Echo straight = hear(site.base, {}, range_samples, 0.05).echo;
   const Echo refracted = hear(ground.refined.mesh, ground.facet_factor, range_samples, 0.05).echo;
@@ -125,7 +126,7 @@ TEST(RefractedGround, FlatBedUnderOneGradientConvergesToTheClosedForm) {
     for (const double gap : {0.16, 0.04, 0.01}) {
       const ApparentSurface ground = site.ground(gradient(g), gap);
       EXPECT_TRUE(ground.unclear.empty());
-      EXPECT_LE(ground.largest_gap_m, gap);
+      EXPECT_LE(ground.largest_travel_path_error_m, gap);
       const Echo echo = hear(ground.refined.mesh, ground.facet_factor, range_samples).echo;
       double sum = 0, found = 0, wanted = 0;
       for (int k = 0; k < range_samples.count; ++k) {
@@ -161,11 +162,12 @@ TEST(RefractedGround, PointsConvergeAtSecondOrder) {
       for (std::size_t k = 0; k < 3; ++k) {
         const glm::dvec3 a = site.grid.to_metres(site.base.vertices[f[k]]),
                          b = site.grid.to_metres(site.base.vertices[f[(k + 1) % 3]]);
-        gap = std::max(gap, edge_gap_m(apparent_map.apparent(a)->at_m, apparent_map.apparent(b)->at_m,
-                                       apparent_map.apparent((a + b) / 2.0)->at_m));
+        gap = std::max(
+            gap, edge_travel_path_error_m(apparent_map.apparent(a)->at_m, apparent_map.apparent(b)->at_m,
+                                          apparent_map.apparent((a + b) / 2.0)->at_m));
       }
-    EXPECT_LE(gap, ground.largest_gap_m);  // a bound, where it was not measured
-    EXPECT_LT(ground.largest_gap_m, 5 * gap);
+    EXPECT_LE(gap, ground.largest_travel_path_error_m);  // a bound, where it was not measured
+    EXPECT_LT(ground.largest_travel_path_error_m, 5 * gap);
     if (before > 0) {
       EXPECT_NEAR(before / gap, 4, 1) << cell;
     }
@@ -274,7 +276,7 @@ TEST(RefractedGround, OtherLawsScatterAtTrueGrazingAngles) {
       ScatteringModel::gsab({.oblique = 0.1, .oblique_exponent = 5}))};
   const ApparentSurface lambert = site.ground(water, 1);
   const ApparentSurface other =
-      map_apparent(site.base, all, site.grid, apparent_map, 0, {.gap_m = 1}, {}, models);
+      map_apparent(site.base, all, site.grid, apparent_map, 0, {.travel_path_error_m = 1}, {}, models);
   ASSERT_EQ(lambert.facet_factor.size(), other.facet_factor.size());
   for (std::size_t f = 0; f < all.size(); ++f) {
     glm::dvec3 lies(0), seen(0), corner[3];

@@ -34,10 +34,11 @@ WaterColumn gradient(double g) {
   return {SoundSpeedProfile({{-10, 1500 - 20 * g}, {60, 1500 + 50 * g}}), {}};
 }
 
-ApparentSurface apparent(const FacetMesh& base, const WaterColumn& water, double gap_m) {
+ApparentSurface apparent(const FacetMesh& base, const WaterColumn& water, double travel_path_error_m) {
   std::vector<FacetId> all(base.facets.size());
   std::iota(all.begin(), all.end(), 0u);
-  return map_apparent(base, all, grid, ApparentMap(water, glm::dvec3(0), 10), 0, {.gap_m = gap_m});
+  return map_apparent(base, all, grid, ApparentMap(water, glm::dvec3(0), 10), 0,
+                      {.travel_path_error_m = travel_path_error_m});
 }
 
 /// A fan of 6 degrees about x; every tube is a beam of its own.
@@ -77,13 +78,13 @@ Field map_askew(std::uint64_t seed) {
   return test::random_map(9, 8, seed, {{-20, -20}, {6, 1}, {-0.7, 4}, true});
 }
 
-TEST(RefractedTexture, EvenWaterIsTheStraightEngine) {
+TEST(RefractedTexture, IsovelocityWaterIsTheStraightEngine) {
   const FacetMesh base = flat_bed(64, 8);
   const WaterColumn water{SoundSpeedProfile({{0, 1480}, {50, 1480}}), {}};
   std::vector<FacetId> all(base.facets.size());
   std::iota(all.begin(), all.end(), 0u);
   const ApparentSurface ground =
-      map_apparent(base, all, grid, ApparentMap(water, glm::dvec3(0), 10), 0, {.gap_m = 1e-6});
+      map_apparent(base, all, grid, ApparentMap(water, glm::dvec3(0), 10), 0, {.travel_path_error_m = 1e-6});
   ASSERT_EQ(ground.refined.mesh.facets, base.facets);
   for (const std::uint64_t seed : {1, 2}) {
     SCOPED_TRACE(seed);

@@ -133,7 +133,8 @@ TEST(PathRays, TheMeanOverSeedsIsWhatExactCutsGiveInRefractingWater) {
                                {0.02, 0.02, 0.02}};
       EigenrayOptions rays;
       rays.deepest_turn_m = 10;
-      const PathWater water{column, 0, rays, 1500, {.gap_m = 0.02}, {}, WorldGrid(20, glm::dvec3(0))};
+      const PathWater water{
+          column, 0, rays, 1500, {.travel_path_error_m = 0.02}, {}, WorldGrid(20, glm::dvec3(0))};
       expect_same_mean(s, &water);
       // The water is not even: what bends is seen.
       const PathEcho refracted = s.run(nullptr, &water), straight = s.run();

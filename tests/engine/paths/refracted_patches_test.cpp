@@ -45,8 +45,9 @@ TEST(RefractedPatches, ArcsAreRays) {
     }
 }
 
-// Patches by rays through even water are those by straight lines: cut otherwise, so to the error of patches.
-TEST(RefractedPatches, EvenWaterIsTheStraightEngine) {
+// Patches by rays through isovelocity water are those by straight lines: cut otherwise, so to the error of
+// patches.
+TEST(RefractedPatches, IsovelocityWaterIsTheStraightEngine) {
   const WaterColumn even{SoundSpeedProfile({{0, c_ref}, {8, c_ref}}), {0.3, 0.3, 0.3}};
   Setting s = plates(true);
   s.paths.order = s.paths.scatterings = 3;
@@ -59,7 +60,7 @@ TEST(RefractedPatches, EvenWaterIsTheStraightEngine) {
 }
 
 // To first order in the gradient.
-TEST(RefractedPatches, AGradientThatGoesToZeroLeavesEvenWater) {
+TEST(RefractedPatches, AGradientThatGoesToZeroLeavesIsovelocityWater) {
   Setting s = plates(false);
   const auto at = [&](double g) {
     const WaterColumn column = column_of({1500 - 4 * g, g, s.absorption_db_per_m});
@@ -79,7 +80,7 @@ TEST(RefractedPatches, TwoAndThreeScatteringsAgreeWithSumsOverPoints) {
     const PathEcho paths = through(through_water(column_of(arcs)), s), straight = s.run();
     const PointSum sum(s, 8, arcs, arcs);
     expect_near(paths.by_order[2], sum.scattered_twice(), 0.01, 0.01, "two");
-    // Delays that are kept in steps of a sample blur its ends, as in even water.
+    // Delays that are kept in steps of a sample blur its ends, as in isovelocity water.
     expect_near(paths.by_order[3], sum.scattered_thrice(), 0.01, 0.04, "three");
     // Which bending has its part in.
     EXPECT_GT(std::abs(total(straight.by_order[2]) / total(paths.by_order[2]) - 1), 0.05);

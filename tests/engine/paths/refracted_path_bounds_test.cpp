@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Paths over mirrors in refracting water with proven bounds: against closed forms of one gradient, the
-// certified paths of even water, ordinary energies, and exchange.
+// certified paths of isovelocity water, ordinary energies, and exchange.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -113,8 +113,8 @@ TEST(RefractedPathBounds, WhatTubesHearAddsUp) {
   }
 }
 
-// In even water they are the references of even water: images by planes.
-TEST(RefractedPathBounds, EvenWaterIsTheStraightReference) {
+// In isovelocity water they are the references of isovelocity water: images by planes.
+TEST(RefractedPathBounds, IsovelocityWaterIsTheStraightReference) {
   const WaterColumn even{SoundSpeedProfile({{0, c_ref}, {60, c_ref}}), {1e-5, 1e-5, 1e-5}};
   for (const bool apart : {false, true}) {
     SCOPED_TRACE(apart);

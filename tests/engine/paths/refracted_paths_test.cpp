@@ -17,9 +17,9 @@ namespace {
 
 using namespace test;
 
-// Images by rays through even water are the images by planes. Where a mirror's height cuts facets, corners
-// are rounded to the grid (1e-6 m), for all images or for those of this mirror.
-TEST(RefractedPaths, EvenWaterIsTheStraightEngine) {
+// Images by rays through isovelocity water are the images by planes. Where a mirror's height cuts facets,
+// corners are rounded to the grid (1e-6 m), for all images or for those of this mirror.
+TEST(RefractedPaths, IsovelocityWaterIsTheStraightEngine) {
   const WaterColumn even{SoundSpeedProfile({{0, c_ref}, {60, c_ref}}), {0.02, 0.02, 0.02}};
   for (const bool apart : {false, true}) {
     Setting s = furnished(apart);
@@ -41,8 +41,8 @@ TEST(RefractedPaths, EvenWaterIsTheStraightEngine) {
   }
 }
 
-// To first order: half of the gradient moves energies half as far from those of even water. The bed's cells
-// are small enough for all, so that all are cut alike.
+// To first order: half of the gradient moves energies half as far from those of isovelocity water. The bed's
+// cells are small enough for all, so that all are cut alike.
 TEST(RefractedPaths, AGradientThatGoesToZeroLeavesTheImageSeries) {
   Setting s = under_surface(3);
   s.mesh = FacetMesh();
@@ -238,7 +238,8 @@ TEST(RefractedPaths, ASurfaceIsItsImage) {
   for (GridPoint& v : above.vertices) v.z = -v.z;
   std::vector<FacetId> all{0, 1};
   const ApparentMap apparent_map(mirrored, {0, 0, -5}, 60, {}, c_ref);
-  const ApparentSurface ground = map_apparent(above, all, grid, apparent_map, 0, {.gap_m = 2e-4});
+  const ApparentSurface ground =
+      map_apparent(above, all, grid, apparent_map, 0, {.travel_path_error_m = 2e-4});
   const std::vector<std::uint32_t> beam(s.transmit.tubes.size(), 0);
   EchoModel model{s.mu, ground.refined.mesh.material, 0, nullptr};
   model.path.facet_factor = ground.facet_factor;

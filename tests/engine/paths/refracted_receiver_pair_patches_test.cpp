@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Two receivers on a receiver pair, and paths that are scattered more than once in refracting water: what
 // each receives and how much alike that is, against sums over points with arcs in closed form to both ends,
-// even water, one receiver, and laws.
+// isovelocity water, one receiver, and laws.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,8 +28,9 @@ Setting scattered(int times, double patch_m = 0.5) {
 const ReceiverBaseline receiver_pair{slanting_axis, 0.12, 60};
 
 ReceiverPairPathEcho received_through(const WaterColumn& column, const Setting& s,
-                                      const ReceiverBaseline& by = receiver_pair, double gap_m = 1e-2) {
-  const PathWater water = through_water(column, gap_m);
+                                      const ReceiverBaseline& by = receiver_pair,
+                                      double travel_path_error_m = 1e-2) {
+  const PathWater water = through_water(column, travel_path_error_m);
   return received_by_receiver_pair(s, by, &water);
 }
 
@@ -65,7 +66,7 @@ TEST(RefractedReceiverPairPatches, TwoAndThreeScatteringsAgreeWithSumsOverPoints
     const PointSum sum(s, 8, arcs, receiver_pair);
     const ReceiverPairSums two = sum.twice_by_receiver_pair();
     expect_sums(paths.by_order[2], two, 0.01, 0.01, "two");
-    // Delays that are kept in steps of a sample blur its ends, as in even water.
+    // Delays that are kept in steps of a sample blur its ends, as in isovelocity water.
     if (g < 0) expect_sums(paths.by_order[3], sum.thrice_by_receiver_pair(), 0.015, 0.04, "three");
     // Which bending has its part in.
     double moved = 0, energy = 0;
@@ -95,8 +96,8 @@ TEST(RefractedReceiverPairPatches, MirrorScatterScatterMirrorAgreesWithSumsOverP
               0.02, 0.02, "surface");
 }
 
-// Patches are cut otherwise than in even water: to the error of patches.
-TEST(RefractedReceiverPairPatches, EvenWaterIsTheStraightEngine) {
+// Patches are cut otherwise than in isovelocity water: to the error of patches.
+TEST(RefractedReceiverPairPatches, IsovelocityWaterIsTheStraightEngine) {
   Setting s = scattered(3);
   s.paths.mirrors.surface = SeaSurface{0, 0.7, 0.4};
   const WaterColumn even{SoundSpeedProfile({{0, c_ref}, {8, c_ref}}), {0.3, 0.3, 0.3}};
@@ -117,7 +118,7 @@ TEST(RefractedReceiverPairPatches, EvenWaterIsTheStraightEngine) {
 }
 
 // To first order: half of the gradient moves energies and products half as far.
-TEST(RefractedReceiverPairPatches, AGradientThatGoesToZeroLeavesEvenWater) {
+TEST(RefractedReceiverPairPatches, AGradientThatGoesToZeroLeavesIsovelocityWater) {
   Setting s = plates(false);
   s.samples = {1, 20, 1};
   const auto at = [&](double g) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Two receivers on a receiver pair that receive over mirrors in refracting water: against even water, rays of
-// one gradient in closed form and in steps to both ends, and a gradient that goes to zero.
+// Two receivers on a receiver pair that receive over mirrors in refracting water: against isovelocity water,
+// rays of one gradient in closed form and in steps to both ends, and a gradient that goes to zero.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace {
 
 using namespace test;
 
-TEST(RefractedReceiverPairPaths, EvenWaterIsTheStraightEngine) {
+TEST(RefractedReceiverPairPaths, IsovelocityWaterIsTheStraightEngine) {
   const WaterColumn even{SoundSpeedProfile({{0, c_ref}, {60, c_ref}}), {0.02, 0.02, 0.02}};
   const PathWater water = water_of(even);
   const ReceiverBaseline receiver_pair{slanting_axis, 0.3, 40};
@@ -50,8 +50,9 @@ TEST(RefractedReceiverPairPaths, EvenWaterIsTheStraightEngine) {
   }
 }
 
-// To first order: half of the gradient moves energies and products half as far from those of even water.
-TEST(RefractedReceiverPairPaths, AGradientThatGoesToZeroLeavesEvenWater) {
+// To first order: half of the gradient moves energies and products half as far from those of isovelocity
+// water.
+TEST(RefractedReceiverPairPaths, AGradientThatGoesToZeroLeavesIsovelocityWater) {
   Setting s = under_surface(3);
   s.mesh = FacetMesh();
   for (double x = -40; x < 40; x += 10)

@@ -229,7 +229,8 @@ TEST(SharedHits, InRefractingWaterTheMeanIsWhatTubesShare) {
       receive(water, grid.to_metres(apart.received.apex), 10, {}, 1500);
   std::vector<FacetId> all(apart.mesh.facets.size());
   std::iota(all.begin(), all.end(), 0u);
-  const ApparentPair pair = map_apparent_pair(apart.mesh, all, grid, transmit, receive, 0.1, {.gap_m = 0.01});
+  const ApparentPair pair =
+      map_apparent_pair(apart.mesh, all, grid, transmit, receive, 0.1, {.travel_path_error_m = 0.01});
   const Echo straight = apart.exact();
   apart.mesh = pair.mesh;
   const Echo exact =

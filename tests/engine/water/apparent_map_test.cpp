@@ -11,7 +11,7 @@
 namespace tubefoot {
 namespace {
 
-TEST(ApparentMap, EvenWaterLeavesPointsWhereTheyAre) {
+TEST(ApparentMap, IsovelocityWaterLeavesPointsWhereTheyAre) {
   const WaterColumn water{SoundSpeedProfile({{0, 1480}, {20, 1480}}), {}};
   const ApparentMap straight(water, {3, -4, 10}, 12);
   const unsigned seed = 5;
@@ -54,7 +54,7 @@ TEST(ApparentMap, GapOfAnEdgeIsOfSecondOrder) {
   double before = 0;
   for (double length = 16; length > 0.2; length /= 2) {
     const glm::dvec3 a(80, 30, -50), b = a + length * glm::normalize(glm::dvec3(3, 1, 0.2));
-    const double gap = edge_gap_m(at(a), at(b), at((a + b) / 2.0));
+    const double gap = edge_travel_path_error_m(at(a), at(b), at((a + b) / 2.0));
     if (before > 0) {
       EXPECT_NEAR(before / gap, 4, 0.35) << length;
     }
@@ -81,7 +81,7 @@ std::optional<double> factor_of(const ApparentMap& straight, const glm::dvec3 (&
   return facet_factor(corners, seen, returns, &between, absorption_db_per_m, lambert_sigma);
 }
 
-TEST(ApparentMap, FacetFactorIsOneInEvenWater) {
+TEST(ApparentMap, FacetFactorIsOneInIsovelocityWater) {
   const WaterColumn water{SoundSpeedProfile({{0, 1480}, {20, 1480}}), {0.06, 0.06, 0.06}};
   const ApparentMap straight(water, {0, 0, -3}, 0);
   const glm::dvec3 facet[3] = {{30, 1, -40}, {31, 1, -40}, {30, 2, -39.5}};

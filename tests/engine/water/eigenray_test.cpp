@@ -265,7 +265,7 @@ TEST(Eigenray, DoesNotDependOnHowALayerIsCut) {
   }
 }
 
-TEST(Eigenray, EvenWaterIsStraight) {
+TEST(Eigenray, IsovelocityWaterIsStraight) {
   const WaterColumn water{SoundSpeedProfile({{0, 1480}, {30, 1480}, {100, 1480}}), {}};
   const EigenrayFinder finder(water, 10);
   for (const double to : {0., 10., 20., 50., 300.}) {
@@ -356,7 +356,7 @@ TEST(Eigenray, WhereNoneCanTurnNoneIsLookedFor) {
   const EigenrayFinder finder(water, 8, {0, 25, 1});
   for (double range_m = 1; range_m < 55; range_m += 1) EXPECT_FALSE(finder.may_turn_towards(18, range_m));
   EXPECT_TRUE(finder.may_turn_towards(18, 400));
-  // Even water turns nothing; a deep channel turns rays on both sides.
+  // isovelocity water turns nothing; a deep channel turns rays on both sides.
   const WaterColumn even{SoundSpeedProfile(1500), {}};
   EXPECT_FALSE(EigenrayFinder(even, 8).may_turn_towards(18, 1e5));
 }

@@ -102,7 +102,7 @@ Tiers tiers_of(const FacetMesh& mesh, const TubeSet& tubes) {
   VisibilitySolver<Counting<A>> solver;
   VisibilityOptions options;
   options.open_water = true;
-  const SceneTree tree(mesh, SceneTree::Sheets::ignored);
+  const SceneTree tree(mesh, SceneTree::HeightFieldSearch::ignored);
   Gathering gathering;
   TubeVisibility seen;
   for (std::uint32_t t = 0; t < tubes.tubes.size(); ++t) {

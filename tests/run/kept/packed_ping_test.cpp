@@ -27,7 +27,7 @@ PingCounts counts() {
   PingCounts made;
   made.tubes = 12;
   made.echo_seconds = 0.25;
-  made.refraction.largest_gap_m = 3;
+  made.refraction.largest_travel_path_error_m = 3;
   return made;
 }
 

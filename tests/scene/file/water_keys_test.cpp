@@ -35,7 +35,7 @@ class WaterKeys : public testing::Test {
   TestFolder folder_;
 };
 
-TEST_F(WaterKeys, EvenWaterIsAsItWas) {
+TEST_F(WaterKeys, IsovelocityWaterIsAsItWas) {
   EXPECT_FALSE(water("").refracts());
   EXPECT_EQ(water("").profile().at(50), mackenzie_sound_speed_m_s(10, 35, 10));
   EXPECT_EQ(water("sound_speed_m_s = 1480").profile().at(50), 1480);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "geometry/search/height_sheets.hpp"
+#include "geometry/search/height_fields.hpp"
 
 #include <gtest/gtest.h>
 
@@ -38,8 +38,8 @@ struct Seen {
   std::size_t candidates = 0, not_closed = 0;
 };
 
-Seen see_all(const FacetMesh& mesh, const TubeSet& tubes, SceneTree::Sheets sheets) {
-  const SceneTree tree(mesh, sheets);
+Seen see_all(const FacetMesh& mesh, const TubeSet& tubes, SceneTree::HeightFieldSearch height_fields) {
+  const SceneTree tree(mesh, height_fields);
   VisibilityScratch scratch;
   TubeVisibility seen;
   VisibilityOptions options;
@@ -57,8 +57,8 @@ Seen see_all(const FacetMesh& mesh, const TubeSet& tubes, SceneTree::Sheets shee
 
 /// Facets left to look at with sheets; fails the test if anything else changes.
 std::size_t expect_same(const FacetMesh& mesh, const TubeSet& tubes, std::size_t& all) {
-  const Seen with = see_all(mesh, tubes, SceneTree::Sheets::proven),
-             without = see_all(mesh, tubes, SceneTree::Sheets::ignored);
+  const Seen with = see_all(mesh, tubes, SceneTree::HeightFieldSearch::proven),
+             without = see_all(mesh, tubes, SceneTree::HeightFieldSearch::ignored);
   EXPECT_EQ(with.hash, without.hash);
   EXPECT_EQ(with.not_closed, 0u);
   EXPECT_EQ(without.not_closed, 0u);
@@ -66,17 +66,17 @@ std::size_t expect_same(const FacetMesh& mesh, const TubeSet& tubes, std::size_t
   return with.candidates;
 }
 
-TEST(HeightSheets, ATerrainIsOneSheetEitherWayUp) {
+TEST(HeightFields, ATerrainIsOneHeightFieldEitherWayUp) {
   Random random(1);
   FacetMesh mesh = terrain(random);
   for (int way = 0; way < 2; ++way, turn_over(mesh)) {
-    const HeightSheets sheets(mesh);
-    ASSERT_EQ(sheets.count(), 1u);
-    for (FacetId f = 0; f < mesh.facets.size(); ++f) EXPECT_EQ(sheets.sheet_of(f), 0);
+    const HeightFields height_fields(mesh);
+    ASSERT_EQ(height_fields.count(), 1u);
+    for (FacetId f = 0; f < mesh.facets.size(); ++f) EXPECT_EQ(height_fields.height_field_of(f), 0);
   }
 }
 
-TEST(HeightSheets, PartsOneAboveTheOtherAreSheetsOfTheirOwn) {
+TEST(HeightFields, PartsOneAboveTheOtherAreHeightFieldsOfTheirOwn) {
   Random random(2);
   FacetMesh mesh = terrain(random);
   const auto vertices = static_cast<VertexId>(mesh.vertices.size());
@@ -90,21 +90,21 @@ TEST(HeightSheets, PartsOneAboveTheOtherAreSheetsOfTheirOwn) {
     const auto v = mesh.facets[f];
     add_facet(mesh, v[0] + vertices, v[1] + vertices, v[2] + vertices);
   }
-  const HeightSheets sheets(mesh);
-  EXPECT_EQ(sheets.count(), 2u);
-  EXPECT_NE(sheets.sheet_of(0), sheets.sheet_of(static_cast<FacetId>(facets)));
+  const HeightFields height_fields(mesh);
+  EXPECT_EQ(height_fields.count(), 2u);
+  EXPECT_NE(height_fields.height_field_of(0), height_fields.height_field_of(static_cast<FacetId>(facets)));
 }
 
-TEST(HeightSheets, HolesAndRaggedBordersAreFine) {
+TEST(HeightFields, HolesAndRaggedBordersAreFine) {
   std::size_t proven = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     Random random(seed);
     FacetMesh mesh = terrain(random, 12);
     remove_facets(mesh, random, 12);
-    const HeightSheets sheets(mesh);
+    const HeightFields height_fields(mesh);
     // Parts cut off by holes are sheets too, if they are large enough.
-    EXPECT_GE(sheets.count(), 1u) << "seed " << seed;
-    proven += sheets.count();
+    EXPECT_GE(height_fields.count(), 1u) << "seed " << seed;
+    proven += height_fields.count();
   }
   EXPECT_GE(proven, 20u);
 }
@@ -127,20 +127,20 @@ FacetMesh ramp(double turns, std::int32_t rise) {
   return mesh;
 }
 
-TEST(HeightSheets, ARampIsASheetUntilItPassesOverItself) {
-  EXPECT_EQ(HeightSheets(ramp(0.9, 1000)).count(), 1u);
-  EXPECT_EQ(HeightSheets(ramp(1.25, 1000)).count(), 0u);
+TEST(HeightFields, ARampIsAHeightFieldUntilItPassesOverItself) {
+  EXPECT_EQ(HeightFields(ramp(0.9, 1000)).count(), 1u);
+  EXPECT_EQ(HeightFields(ramp(1.25, 1000)).count(), 0u);
 }
 
 // Law H1.
-TEST(HeightSheets, ATipThatPokesOverAnotherBorderIsFound) {
+TEST(HeightFields, ATipThatPokesOverAnotherBorderIsFound) {
   FacetMesh mesh = ramp(0.9, 1000);
   GridPoint& tip = mesh.vertices.back();
   tip.x = 290000;  // past the ramp's beginning, but all midpoints of border edges stay clear of it
   tip.y = 10000;
-  EXPECT_EQ(HeightSheets(mesh).count(), 0u);
+  EXPECT_EQ(HeightFields(mesh).count(), 0u);
   tip.y = -10000;
-  EXPECT_EQ(HeightSheets(mesh).count(), 1u);
+  EXPECT_EQ(HeightFields(mesh).count(), 1u);
 }
 
 /// A large bed with a small one above it, joined crosswise along a slit of two edges: a walker who passes the
@@ -169,14 +169,14 @@ FacetMesh two_storeys(std::int32_t unit) {
 }
 
 // Law H1.
-TEST(HeightSheets, TwoStoreysJoinedAtASlitAreNone) { EXPECT_EQ(HeightSheets(two_storeys(1000)).count(), 0u); }
+TEST(HeightFields, TwoStoreysJoinedAtASlitAreNone) { EXPECT_EQ(HeightFields(two_storeys(1000)).count(), 0u); }
 
 // Law H1.
-TEST(HeightSheets, AnOverhangIsCutOutOfItsSheet) {
+TEST(HeightFields, AnOverhangIsCutOutOfItsHeightField) {
   Random random(3);
   FacetMesh mesh = terrain(random, 12);
   mesh.vertices[6 * 13 + 6].x += width / 4;  // pulled over its neighbours
-  const HeightSheets sheets(mesh);
+  const HeightFields height_fields(mesh);
   // Some facets about the vertex now turn the other way and overlap the others: the rest must not be a sheet
   // that a vertical line meets twice. Brute force over the plan decides.
   for (int trial = 0; trial < 2000; ++trial) {
@@ -190,15 +190,15 @@ TEST(HeightSheets, AnOverhangIsCutOutOfItsSheet) {
                                (std::int64_t(b.y) - a.y) * (std::int64_t(p.x) - a.x);
         turns += (s > 0) - (s < 0);
       }
-      if (std::abs(turns) == 3) ++hits[sheets.sheet_of(f)];
+      if (std::abs(turns) == 3) ++hits[height_fields.height_field_of(f)];
     }
-    hits.erase(HeightSheets::none);
-    for (const auto& [sheet, count] : hits) ASSERT_EQ(count, 1) << "sheet " << sheet;
+    hits.erase(HeightFields::none);
+    for (const auto& [height_field, count] : hits) ASSERT_EQ(count, 1) << "sheet " << height_field;
   }
 }
 
 // Law H2.
-TEST(HeightSheets, ChangeNothingThatIsSeen) {
+TEST(HeightFields, ChangeNothingThatIsSeen) {
   std::size_t left = 0, all = 0;
   for (std::uint64_t seed = 1; seed <= 60 / one_in; ++seed) {
     Random random(seed);
@@ -229,7 +229,7 @@ TEST(HeightSheets, ChangeNothingThatIsSeen) {
   EXPECT_LT(left, all);  // or nothing was tested
 }
 
-TEST(HeightSheets, FacetsThatFaceAwayAreLeftOutWhereTheTubeLooksDownOnThem) {
+TEST(HeightFields, FacetsThatFaceAwayAreLeftOutWhereTheTubeLooksDownOnThem) {
   Random random(4);
   const FacetMesh mesh = terrain(random, 16);
   const TubeSet tubes = forward_tubes({0, -width / 8, 0}, 1, 1, 30, 20, 16);
@@ -238,7 +238,7 @@ TEST(HeightSheets, FacetsThatFaceAwayAreLeftOutWhereTheTubeLooksDownOnThem) {
   EXPECT_LT(static_cast<double>(left), 0.8 * static_cast<double>(all));
 }
 
-TEST(HeightSheets, NothingIsLeftOutOfAViewFromBelow) {
+TEST(HeightFields, NothingIsLeftOutOfAViewFromBelow) {
   Random random(5);
   const FacetMesh mesh = terrain(random, 16);
   const TubeSet tubes = forward_tubes({0, -width / 8, -2 * depth}, 1, 1, 30, 20, -16);
@@ -247,14 +247,14 @@ TEST(HeightSheets, NothingIsLeftOutOfAViewFromBelow) {
   EXPECT_GT(all, 50u);
 }
 
-TEST(HeightSheets, AHoleInViewLetsItsUndersideBeSeen) {
+TEST(HeightFields, AHoleInViewLetsItsUndersideBeSeen) {
   Random random(6);
   FacetMesh mesh = terrain(random, 16);
   FacetMesh holed = mesh;
   holed.facets.erase(holed.facets.begin() + 2 * (16 * 5 + 8), holed.facets.begin() + 2 * (16 * 5 + 8) + 2);
   holed.material.pop_back();
   holed.component.pop_back();
-  ASSERT_EQ(HeightSheets(holed).count(), 1u);
+  ASSERT_EQ(HeightFields(holed).count(), 1u);
   const TubeSet at_it = forward_tubes({0, -width / 8, 0}, 1, 1, 30, 20, 25);
   std::size_t all = 0;
   EXPECT_EQ(expect_same(holed, at_it, all), all);
@@ -263,7 +263,7 @@ TEST(HeightSheets, AHoleInViewLetsItsUndersideBeSeen) {
 }
 
 // Else a part of a terrain, in memory, would be looked at otherwise than in the whole.
-TEST(HeightSheets, AHoleBeyondTheReachChangesNothing) {
+TEST(HeightFields, AHoleBeyondTheReachChangesNothing) {
   Random random(6);
   const FacetMesh mesh = terrain(random, 16);
   FacetMesh holed = mesh;
@@ -279,14 +279,14 @@ TEST(HeightSheets, AHoleBeyondTheReachChangesNothing) {
   EXPECT_EQ(expect_same(holed, tubes, all), left);
 }
 
-TEST(HeightSheets, FewFacetsAndVerticalOnesAreNone) {
+TEST(HeightFields, FewFacetsAndVerticalOnesAreNone) {
   FacetMesh mesh;
   add_plate(mesh, 1000, 8, 100, false);
-  EXPECT_EQ(HeightSheets(mesh).count(), 0u);
+  EXPECT_EQ(HeightFields(mesh).count(), 0u);
   FacetMesh box;
   add_box(box, {0, 0, 0}, 100);
-  EXPECT_EQ(HeightSheets(box).count(), 0u);
-  EXPECT_EQ(HeightSheets(FacetMesh{}).count(), 0u);
+  EXPECT_EQ(HeightFields(box).count(), 0u);
+  EXPECT_EQ(HeightFields(FacetMesh{}).count(), 0u);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "geometry/search/height_sheets.hpp"
+#include "geometry/search/height_fields.hpp"
 
 #include <CGAL/box_intersection_d.h>
 
@@ -237,7 +237,7 @@ bool enters_below(GridPoint from, GridPoint to, GridPoint apex, const std::array
 
 }  // namespace
 
-HeightSheets::HeightSheets(const FacetMesh& mesh) {
+HeightFields::HeightFields(const FacetMesh& mesh) {
   Joiner joiner(mesh);
   std::vector<std::uint32_t> size(mesh.facets.size(), 0);
   for (std::uint32_t f = 0; f < size.size(); ++f) ++size[joiner.root(f)];
@@ -249,7 +249,7 @@ HeightSheets::HeightSheets(const FacetMesh& mesh) {
     return r != s ? r < s : g < h;
   });
 
-  std::vector<std::uint16_t> sheet_of_root(mesh.facets.size(), none);
+  std::vector<std::uint16_t> height_field_of_root(mesh.facets.size(), none);
   std::vector<PlanEdge> edges;
   for (std::size_t begin = 0; begin < borders.size() && turn_.size() < none;) {
     const std::uint32_t root = joiner.root(borders[begin] / 4);
@@ -263,8 +263,8 @@ HeightSheets::HeightSheets(const FacetMesh& mesh) {
       edges.push_back(turns > 0 ? PlanEdge{a, b} : PlanEdge{b, a});
     }
     if (turns != 0 && bounds_a_graph(edges)) {
-      const auto sheet = static_cast<std::uint16_t>(turn_.size());
-      sheet_of_root[root] = sheet;
+      const auto height_field = static_cast<std::uint16_t>(turn_.size());
+      height_field_of_root[root] = height_field;
       turn_.push_back(static_cast<std::int8_t>(turns));
       for (std::size_t b = begin; b < end; ++b) {
         const auto& v = mesh.facets[borders[b] / 4];
@@ -275,20 +275,21 @@ HeightSheets::HeightSheets(const FacetMesh& mesh) {
         curtains_.vertices.insert(curtains_.vertices.end(),
                                   {from, to, {from.x, from.y, std::numeric_limits<std::int32_t>::min()}});
         curtains_.facets.push_back({first, first + 1, first + 2});
-        curtains_.component.push_back(sheet);
+        curtains_.component.push_back(height_field);
       }
     }
     begin = end;
   }
   if (turn_.empty()) return;
-  sheet_.resize(mesh.facets.size());
-  for (std::uint32_t f = 0; f < sheet_.size(); ++f) sheet_[f] = sheet_of_root[joiner.root(f)];
-  curtain_tree_ = std::make_unique<SceneTree>(curtains_, SceneTree::Sheets::ignored);
+  height_field_.resize(mesh.facets.size());
+  for (std::uint32_t f = 0; f < height_field_.size(); ++f)
+    height_field_[f] = height_field_of_root[joiner.root(f)];
+  curtain_tree_ = std::make_unique<SceneTree>(curtains_, SceneTree::HeightFieldSearch::ignored);
 }
 
-HeightSheets::~HeightSheets() = default;
+HeightFields::~HeightFields() = default;
 
-void HeightSheets::look(const FacetMesh& mesh, const SceneTree& tree, GridPoint apex,
+void HeightFields::look(const FacetMesh& mesh, const SceneTree& tree, GridPoint apex,
                         const std::array<GridPoint, 4>& rays,
                         std::span<const SceneTree::HalfSpace> half_spaces, double reach, View& view) const {
   view.from_above.assign(turn_.size(), 1);
@@ -306,7 +307,7 @@ void HeightSheets::look(const FacetMesh& mesh, const SceneTree& tree, GridPoint 
   look_down(mesh, tree, apex, view);
 }
 
-bool HeightSheets::look_over(const FacetMesh& mesh, const SceneTree& tree, GridPoint apex,
+bool HeightFields::look_over(const FacetMesh& mesh, const SceneTree& tree, GridPoint apex,
                              std::span<const SceneTree::Fan> walls, double reach, View& view) const {
   view.from_above.assign(turn_.size(), 1);
   view.found.clear();
@@ -320,17 +321,19 @@ bool HeightSheets::look_over(const FacetMesh& mesh, const SceneTree& tree, GridP
 }
 
 /// The apex has to be above every sheet, or beside it.
-void HeightSheets::look_down(const FacetMesh& mesh, const SceneTree& tree, GridPoint apex, View& view) const {
+void HeightFields::look_down(const FacetMesh& mesh, const SceneTree& tree, GridPoint apex, View& view) const {
   // One unit lower: the apex itself has to be above the sheet, not on it.
   const GridPoint below{apex.x, apex.y, apex.z - 1};
   view.found.clear();
   facets_near_vertical(tree, below, view.found);
   for (const FacetId facet : view.found)
-    if (sheet_[facet] != none && vertical_side(mesh, facet, below) > 0) view.from_above[sheet_[facet]] = 0;
+    if (height_field_[facet] != none && vertical_side(mesh, facet, below) > 0)
+      view.from_above[height_field_[facet]] = 0;
 }
 
-std::size_t HeightSheets::bytes() const {
-  return sheet_.capacity() * sizeof(sheet_[0]) + curtains_.vertices.capacity() * sizeof(GridPoint) +
+std::size_t HeightFields::bytes() const {
+  return height_field_.capacity() * sizeof(height_field_[0]) +
+         curtains_.vertices.capacity() * sizeof(GridPoint) +
          curtains_.facets.capacity() * sizeof(curtains_.facets[0]) +
          (curtain_tree_ ? curtain_tree_->bytes() : 0);
 }
