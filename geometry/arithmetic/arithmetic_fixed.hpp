@@ -87,7 +87,8 @@ struct FixedArithmetic {
       pair.rounding[k % 2] = plane.error + 4 * u * plane.size;
     }
   };
-  /// Bit k: surely inside half-space k; bit 4 + k: surely outside; neither: in doubt, or no half-space there.
+  /// Bit k: surely inside half-space k; bit 4 + k: surely outside; neither: in ambiguity, or no half-space
+  /// there.
   using FourSides = unsigned;
 
   void through(Plane& plane, GridPoint a, GridPoint b) const {

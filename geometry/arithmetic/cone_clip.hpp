@@ -81,10 +81,10 @@ void meet(const A& arithmetic, Half<A> p, Half<A> q, Half<A> edge, ClipCorner<A>
   arithmetic.meet(c.corner, p.plane->plane, q.plane->plane, p.sign * q.sign);
 }
 
-/// Sign of half . corner where a first look leaves it in doubt: zeros that follow from names are settled
+/// Sign of half . corner where a first look leaves it in ambiguity: zeros that follow from names are settled
 /// before any arithmetic.
 template <class A>
-int side_in_doubt(const A& arithmetic, const ClipCorner<A>& c, Half<A> half) {
+int ambiguous_side(const A& arithmetic, const ClipCorner<A>& c, Half<A> half) {
   if constexpr (A::uses_names) {
     if (c.point != no_point) {
       if (half.plane->name.contains(c.point)) return 0;
@@ -100,7 +100,7 @@ template <class A>
 int side(const A& arithmetic, const ClipCorner<A>& c, Half<A> half) {
   if constexpr (requires { arithmetic.double_side(c.corner, half.plane->plane); })
     if (const int s = arithmetic.double_side(c.corner, half.plane->plane)) return half.sign * s;
-  return side_in_doubt(arithmetic, c, half);
+  return ambiguous_side(arithmetic, c, half);
 }
 
 /// Appends to `buffer` the part of `piece` (sides given, one per corner, with at least one positive and one

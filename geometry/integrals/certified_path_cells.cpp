@@ -148,7 +148,7 @@ double CertifiedPathCutter::least_path(const RayFrame& frame, const Edge& edge) 
 }
 
 void CertifiedPathCutter::cut(const CertifiedPolygon& polygon, const ApexOverPlane& tx,
-                              std::span<const ApexOverPlane> homes, const std::optional<Ball>& unsure) {
+                              std::span<const ApexOverPlane> homes, const std::optional<Ball>& ambiguous) {
   frames_.clear();
   cells_.clear();
   gaps_.clear();
@@ -226,8 +226,8 @@ void CertifiedPathCutter::cut(const CertifiedPolygon& polygon, const ApexOverPla
       least = std::min(least, least_path(frame, edges.back()));
     }
     samples_from(least);
-    if (unsure) give_gap(first_, end_, *unsure);
-    if (first_ >= end_ || unsure) return;
+    if (ambiguous) give_gap(first_, end_, *ambiguous);
+    if (first_ >= end_ || ambiguous) return;
     find_rings(polygon);
     const Ball from(std::max(nearest.lo(), 0.0)), to(farthest.hi());
     reach2_ = squared(to) - squared(from);
@@ -241,8 +241,8 @@ void CertifiedPathCutter::cut(const CertifiedPolygon& polygon, const ApexOverPla
     return give_gap(first_, end_, (Ball(wide.hi()) - Ball(wide.lo())) * (Ball(high.hi()) - Ball(high.lo())));
   }
   samples_from(homes_[0].shortest.lo());
-  if (unsure) give_gap(first_, end_, *unsure);
-  if (first_ >= end_ || unsure) return;
+  if (ambiguous) give_gap(first_, end_, *ambiguous);
+  if (first_ >= end_ || ambiguous) return;
   find_rings(polygon);
   for (std::size_t i = 0; i < n; ++i) {
     stop_if_wanted();
@@ -270,13 +270,13 @@ void CertifiedPathCutter::find_rings(const CertifiedPolygon& polygon) {
     const Ball own_x = tx_.x + (rx.apex.x - tx_.x) * share, own_y = tx_.y + (rx.apex.y - tx_.y) * share;
     for (std::size_t border = first_; border <= end_; ++border) {
       const Ball path = Ball(2) * Ball(borders_[border]);
-      Ring ring = Ring::unsure;
+      Ring ring = Ring::ambiguous;
       if ((path - rx.path_at_centre).surely_positive())
         ring = Ring::holds_centre;
       else if ((path - rx.shortest).surely_negative())
         ring = Ring::nothing;
       rx.ring.push_back(ring);
-      if (ring != Ring::unsure) continue;
+      if (ring != Ring::ambiguous) continue;
       // A place is no farther from the line between the apexes' images than half the root of P^2 - l^2.
       const Ball beyond(std::max((squared(path) - squared(rx.shortest)).hi(), 0.0));
       const Ball radius = rx.shortest * root(beyond) / (Ball(2) * (tx_.height + rx.apex.height)) +

@@ -117,10 +117,10 @@ class CertifiedPathCutter {
   /// Sample k holds half paths of borders[k] .. borders[k + 1].
   explicit CertifiedPathCutter(std::span<const double> half_path_borders_m);
 
-  /// One home or two. Cells and gaps replace those of the polygon before. With `unsure` there is only a gap
-  /// of that area, somewhere in the polygon.
+  /// One home or two. Cells and gaps replace those of the polygon before. With `ambiguous` there is only a
+  /// gap of that area, somewhere in the polygon.
   void cut(const CertifiedPolygon& polygon, const ApexOverPlane& tx, std::span<const ApexOverPlane> homes,
-           const std::optional<Ball>& unsure = {});
+           const std::optional<Ball>& ambiguous = {});
   const std::vector<RayFrame>& frames() const { return frames_; }
   /// Whether the rays' centre may lie in the polygon, or on an edge: then gaps may reach there.
   bool about_centre() const { return about_centre_; }
@@ -143,7 +143,7 @@ class CertifiedPathCutter {
     long double lo, hi;
   };
   /// What of a border there is for a home.
-  enum class Ring { nothing, unsure, holds_centre };
+  enum class Ring { nothing, ambiguous, holds_centre };
   struct ReceiveEnd {
     ApexOverPlane apex;
     Ball path_at_centre, shortest;

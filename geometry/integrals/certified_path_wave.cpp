@@ -20,7 +20,7 @@ ComplexBall sinc(const ComplexBall& x) {
   return result;
 }
 
-ComplexBall either(const ComplexBall& a, const ComplexBall& b) {
+ComplexBall hull(const ComplexBall& a, const ComplexBall& b) {
   ComplexBall result;
   acb_union(result.get(), a.get(), b.get(), ball_bits);
   return result;
@@ -72,7 +72,7 @@ ComplexBall PathWave::on(const Stretch& stretch, const ComplexBall& path) const 
 
 ComplexBall PathWave::at(const Ball& path) const {
   std::optional<ComplexBall> all;
-  const auto may_be = [&](const ComplexBall& value) { all = all ? either(*all, value) : value; };
+  const auto may_be = [&](const ComplexBall& value) { all = all ? hull(*all, value) : value; };
   if (stretches.empty() || !(path - stretches.front().from).surely_positive() ||
       !(stretches.back().to - path).surely_positive())
     may_be(ComplexBall(0.0));

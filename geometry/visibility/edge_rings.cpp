@@ -7,9 +7,9 @@
 namespace tubefoot {
 
 void EdgeRings::build(const std::vector<RangedFacet>& facets) {
-  constexpr std::uint32_t nobody = 0xffffffffu;
+  constexpr std::uint32_t none = 0xffffffffu;
   const std::size_t size = std::bit_ceil(facets.size() * 4 + 1);
-  table_.assign(size, Slot{0, 0, nobody});
+  table_.assign(size, Slot{0, 0, none});
   next_.resize(3 * facets.size());
   for (std::uint32_t f = 0; f < facets.size(); ++f)
     for (std::uint32_t k = 0; k < 3; ++k) {
@@ -20,10 +20,10 @@ void EdgeRings::build(const std::vector<RangedFacet>& facets) {
       std::uint64_t h = (std::uint64_t(a) << 32 | b) * 0x9e3779b97f4a7c15u;
       h ^= h >> 29;
       std::size_t at = h & (size - 1);
-      while (table_[at].half_edge != nobody && !(table_[at].a == a && table_[at].b == b))
+      while (table_[at].half_edge != none && !(table_[at].a == a && table_[at].b == b))
         at = (at + 1) & (size - 1);
       Slot& slot = table_[at];
-      if (slot.half_edge == nobody) {
+      if (slot.half_edge == none) {
         slot = {a, b, half_edge};
         next_[half_edge] = half_edge;
       } else {

@@ -113,7 +113,7 @@ class PieceCutter {
       if (!(sure & inside) && (cutting == 0 || (any & (inside | outside)) != (inside | outside)))
         for (std::uint32_t k = 0; k < piece.count; ++k) {
           if (glances_[k] & (inside | outside)) continue;
-          const int s = side_in_doubt(arithmetic_, buffer_[piece.first + k], hidden.halves[h]);
+          const int s = ambiguous_side(arithmetic_, buffer_[piece.first + k], hidden.halves[h]);
           const unsigned found = s > 0 ? inside : s < 0 ? outside : 0;
           glances_[k] |= found;
           any |= found;

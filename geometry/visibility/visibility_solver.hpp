@@ -354,7 +354,7 @@ class VisibilitySolver : PieceCutter<A> {
   /// What no facet covers, found without regard to depth or to what else was found: the closure law's other
   /// half.
   void find_open_water() {
-    receiver_ = nobody;
+    receiver_ = none;
     list_.clear();
     for (std::uint32_t f = 0; f < facets_.size(); ++f) list_.push_back({f, Hides::where_covered});
     carve(tube_, 0, list_.size(), frame_.tube(), 0);
@@ -386,12 +386,12 @@ class VisibilitySolver : PieceCutter<A> {
           lanes = &depth_lanes_;
         }
       }
-      if (take_away({&facets_[o], halves.data(), count, lanes}) && receiver_ != nobody)
+      if (take_away({&facets_[o], halves.data(), count, lanes}) && receiver_ != none)
         out_->occluders.emplace_back(facets_[receiver_].cone.id, facets_[o].cone.id);
     }
     left_.each([this](PieceRange left) {
-      emit(receiver_ == nobody ? out_->open : out_->pieces,
-           receiver_ == nobody ? no_point : facets_[receiver_].cone.id, left);
+      emit(receiver_ == none ? out_->open : out_->pieces,
+           receiver_ == none ? no_point : facets_[receiver_].cone.id, left);
     });
   }
 
@@ -509,7 +509,7 @@ class VisibilitySolver : PieceCutter<A> {
     for (const VertexId vertex : cone.vertex) out_->corners.emplace_back().point = vertex;
   }
 
-  static constexpr std::uint32_t nobody = 0xffffffffu;
+  static constexpr std::uint32_t none = 0xffffffffu;
 
   const FacetMesh* mesh_ = nullptr;
   GridPoint apex_;
@@ -520,7 +520,7 @@ class VisibilitySolver : PieceCutter<A> {
   TubeVisibility* out_ = nullptr;
   GnomonicFrame frame_;
   PieceRange tube_;
-  std::uint32_t receiver_ = nobody;  ///< facet at hand; nobody: open water
+  std::uint32_t receiver_ = none;  ///< facet at hand; nobody: open water
   std::vector<FramedFacet> facets_;
   std::vector<WallSides> sides_of_walls_;  ///< by facet
   std::vector<std::uint32_t> gathered_;    ///< by facet: its index in the gathering (not for hidden ones)

@@ -113,13 +113,13 @@ Verdict tested(const EchoShape& shape, const BinAxes& axes, const std::vector<do
       others.push_back(fmt::format("{} {:.2f}", other.of->name, other.correlation));
   if (!others.empty()) verdict.found.push_back(fmt::format("corr otherwise: {}", fmt::join(others, ", ")));
   std::vector<double> otherwise;
-  bool scale_doubted = false;
+  bool scale_ambiguous = false;
   if (!taken.of->other_scale.empty()) otherwise = taken.of->energies_of_other_scale();
   if (!otherwise.empty()) {
     const double alike = correlation(shape, axes, truth_j, otherwise);
-    scale_doubted = better(alike, taken.correlation);
-    if (scale_doubted)
-      verdict.doubted.push_back(fmt::format(
+    scale_ambiguous = better(alike, taken.correlation);
+    if (scale_ambiguous)
+      verdict.ambiguous.push_back(fmt::format(
           "as --scale {} has it, it looks more like the truth: corr {:.2f} against {:.2f}. So do means per "
           "bin beside sums: if the numbers are means, leave the scale and compare with "
           "--output-model",
@@ -136,7 +136,7 @@ Verdict tested(const EchoShape& shape, const BinAxes& axes, const std::vector<do
   }
   // Where contrasts are another scale's, displacements are reported from the picture that looks like the
   // truth.
-  const std::vector<double>& looked_at = scale_doubted ? otherwise : taken.energies;
+  const std::vector<double>& looked_at = scale_ambiguous ? otherwise : taken.energies;
   add_displacements(
       diagnose({{shape, truth_j, looked_at, {}, axes.samples.centres}, axes.beams.centres, looked_at, {}}),
       declared, verdict);

@@ -21,9 +21,9 @@ struct Hypothesis {
 };
 
 struct Verdict {
-  std::vector<std::string> found;    ///< what holds, with figures
-  std::vector<std::string> refuted;  ///< what does not, and what to declare instead
-  std::vector<std::string> doubted;  ///< what the truth cannot decide
+  std::vector<std::string> found;      ///< what holds, with figures
+  std::vector<std::string> refuted;    ///< what does not, and what to declare instead
+  std::vector<std::string> ambiguous;  ///< what the truth cannot decide
 };
 
 /// How alike two pictures are as the eye sees them: rows at one level, highlights compressed, blurred by a

@@ -21,7 +21,7 @@ Bins even_bins(double first, double last, std::size_t count) {
   std::vector<double> edges;
   for (std::size_t k = 0; k <= count; ++k)
     edges.push_back(first + (last - first) * static_cast<double>(k) / static_cast<double>(count));
-  return bins_between(std::move(edges));
+  return bin_intervals(std::move(edges));
 }
 
 /// Bins whose axes are in the middle of equal pieces of a straight line across the fan's middle.
@@ -55,7 +55,7 @@ std::vector<double> listed_azimuths(const std::string& file) {
 Bins by_near_edges(std::vector<double> edges) {
   const std::size_t n = edges.size();
   edges.push_back(n > 1 ? 2 * edges[n - 1] - edges[n - 2] : 2 * edges[0]);
-  return bins_between(std::move(edges));
+  return bin_intervals(std::move(edges));
 }
 
 std::string window(const Bins& bins, const char* unit) {
@@ -187,7 +187,7 @@ Bins bins_about(std::vector<double> centres) {
   return bins;
 }
 
-Bins bins_between(std::vector<double> edges) {
+Bins bin_intervals(std::vector<double> edges) {
   Bins bins{{}, std::move(edges)};
   for (std::size_t k = 1; k < bins.edges.size(); ++k)
     bins.centres.push_back((bins.edges[k - 1] + bins.edges[k]) / 2);

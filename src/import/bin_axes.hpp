@@ -23,7 +23,7 @@ struct BinAxes {
 
 /// Between centres lie the edges half way.
 Bins bins_about(std::vector<double> centres);
-Bins bins_between(std::vector<double> edges);
+Bins bin_intervals(std::vector<double> edges);
 
 /// Those of a sensor of the reference.
 BinAxes axes_of(const WholeEchoFile& reference, std::size_t sensor);

@@ -204,7 +204,7 @@ class Importer {
       refuted_ = true;
       result_.warnings.push_back(std::move(words));
     }
-    for (std::string& words : verdict.doubted) result_.warnings.push_back(std::move(words));
+    for (std::string& words : verdict.ambiguous) result_.warnings.push_back(std::move(words));
     if (refuted_ && options_.strict)
       throw InputError(frames_.front().place, fmt::format("the truth refutes how it is read (--strict): {}",
                                                           fmt::join(result_.warnings, "; ")));

@@ -226,14 +226,14 @@ std::string RunPart::advice() const {
   if (done_ == 0)
     return stop_wanted() ? "nothing was written"
                          : "nothing was written: mend that, or choose another -o, and run again";
-  std::string unsure;
+  std::string ambiguous;
   try {
     file_.sync();
   } catch (const std::runtime_error& error) {
-    unsure = fmt::format(" (not on the disk yet: {})", error.what());
+    ambiguous = fmt::format(" (not on the disk yet: {})", error.what());
   }
   return fmt::format("{} of {} pings of {} are kept in '{}'{}: run the same command with --resume to go on",
-                     done_.load(), pings_, in_words(part_), path().string(), unsure);
+                     done_.load(), pings_, in_words(part_), path().string(), ambiguous);
 }
 
 RunParts::RunParts(const fs::path& output) : output_(output) {

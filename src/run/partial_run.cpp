@@ -126,14 +126,14 @@ std::string PartialRun::advice() const {
   if (done == 0)
     return stop_wanted() ? "nothing was written"
                          : "nothing was written: mend that, or choose another -o, and run again";
-  std::string unsure;
+  std::string ambiguous;
   try {
     if (store_) store_->sync();
   } catch (const std::runtime_error& error) {
-    unsure = fmt::format(" (not on the disk yet: {})", error.what());
+    ambiguous = fmt::format(" (not on the disk yet: {})", error.what());
   }
   return fmt::format("{} of {} pings are kept in '{}'{}: run the same command with --resume to go on", done,
-                     units_, file_.string(), unsure);
+                     units_, file_.string(), ambiguous);
 }
 
 void PartialRun::remove() {

@@ -208,8 +208,8 @@ double largest_travel_path_error_m(const RefractedPair& pair) {
 
 /// Ever finer. `ground(settings)`: mapped so, for certify().
 template <class Seen, class Ground>
-auto certify_ever_finer(const Transmission& transmission, double reach_m, const Seen& seen,
-                        const Ground& ground_of) {
+auto certify_until_tolerance(const Transmission& transmission, double reach_m, const Seen& seen,
+                             const Ground& ground_of) {
   const double unit = transmission.scene().grid.unit_m();
   ApparentMapSettings settings =
       first_settings(transmission, reach_m, apparent_map_settings(transmission, reach_m));
@@ -261,14 +261,15 @@ auto certify_ever_finer(const Transmission& transmission, double reach_m, const 
 
 RefractedTransmission certify_refracted_transmission(const Transmission& transmission) {
   const TransmissionApparentMap seen(transmission);
-  return certify_ever_finer(transmission, transmission.tubes().reach * transmission.scene().grid.unit_m(),
-                            seen, [&](const ApparentMapSettings& settings) { return seen.ground(settings); });
+  return certify_until_tolerance(transmission,
+                                 transmission.tubes().reach * transmission.scene().grid.unit_m(), seen,
+                                 [&](const ApparentMapSettings& settings) { return seen.ground(settings); });
 }
 
 RefractedPairTransmission certify_refracted_pair_transmission(const Transmission& transmission) {
   const PairApparentMap seen(transmission);
-  return certify_ever_finer(transmission, seen.reach_m(), seen,
-                            [&](const ApparentMapSettings& settings) { return seen.pair(settings); });
+  return certify_until_tolerance(transmission, seen.reach_m(), seen,
+                                 [&](const ApparentMapSettings& settings) { return seen.pair(settings); });
 }
 
 RefractedReceiverPairTransmission certify_refracted_receiver_pair_transmission(
@@ -300,8 +301,9 @@ RefractedReceiverPairTransmission certify_refracted_receiver_pair_transmission(
     water.push_back(apparent_map_of(transmission.loaded_scene(), pings, at_m));
   }
   const EndsApparentMap ends(transmission, std::move(tubes), std::move(water));
-  return certify_ever_finer(transmission, ends.reach_m(), ReceiverPairEnds{ends, sensor, fan, receiver_pair},
-                            [&](const ApparentMapSettings& settings) { return ends.grounds(settings); });
+  return certify_until_tolerance(transmission, ends.reach_m(),
+                                 ReceiverPairEnds{ends, sensor, fan, receiver_pair},
+                                 [&](const ApparentMapSettings& settings) { return ends.grounds(settings); });
 }
 
 std::size_t RefractedPathsTransmission::facets() const {

@@ -302,8 +302,8 @@ TEST(ImportBins, ACutHasThePicturesOwnNumbers) {
   for (int k = 0; k <= 11; ++k) edges.push_back(k * 0.1);
   for (int k = 0; k <= 8; ++k) wanted.push_back(0.3 + k * (1.1 - 0.3) / 8);
   for (int k = 0; k < 11; ++k) values.push_back(std::sqrt(k));
-  const Bins beam = bins_between({0, 1});
-  EXPECT_EQ(rebinned(values, {beam, bins_between(edges)}, {beam, bins_between(wanted)}),
+  const Bins beam = bin_intervals({0, 1});
+  EXPECT_EQ(rebinned(values, {beam, bin_intervals(edges)}, {beam, bin_intervals(wanted)}),
             std::vector<double>(values.begin() + 3, values.end()));
 }
 

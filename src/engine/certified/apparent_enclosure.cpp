@@ -96,7 +96,7 @@ class Encloser {
     facet.farthest_m = farthest_of(seen) + facet.travel_path_error_m;
     facet.most_per_sr = surface.most * best.per_sr.hi;
     facet.most = surface.most * best.per_area.hi * flat.area_m2 * (1 + 100 * pad_m / flat.height_m);
-    facet.state = FacetEnclosure::State::loose;
+    facet.state = FacetEnclosure::State::conservative;
 
     const double sine = facet.plane_m / facet.farthest_m;
     facet.shift_m = sine > 0 ? across_m / sine * (1 + slack) : infinite;

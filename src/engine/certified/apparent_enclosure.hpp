@@ -20,7 +20,7 @@ struct FacetEnclosure {
   enum class State {
     proven,
     /// Seen edge-on, or so flat that its image may fold: only what it returns at most is known.
-    loose,
+    conservative,
     /// It is not known that one ray leads to each of its points. Nothing is known but where rays to it may
     /// come from and how soon.
     unproven

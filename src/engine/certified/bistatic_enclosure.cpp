@@ -281,7 +281,7 @@ class BistaticEncloser {
       facet.most_per_sr = surface.most * all.per_sr[e];
       facet.most = surface.most * all.per_area * flat.area_m2 * (1 + 100 * pad_m / flat.height_m);
     }
-    facet.state = State::loose;
+    facet.state = State::conservative;
     const double sine = facet.plane_m / facet.farthest_m;
     // A place is seen beside where its apparent facet has it, too.
     facet.shift_m = sine > 0 ? (across + gap) / sine * (1 + slack) + gap : infinite;

@@ -67,7 +67,7 @@ struct BistaticEnclosure {
 };
 
 struct BistaticEnclosures {
-  /// As the ends' apparent facets. Their shifts are those of doubts about places: of ranges to a facet's
+  /// As the ends' apparent facets. Their shifts are those of ambiguities about places: of ranges to a facet's
   /// plane in the direction of a place; energies are those of the whole path.
   std::array<ApparentEnclosures, 2> ends;
   std::vector<BistaticEnclosure> facets;  ///< as `shared`

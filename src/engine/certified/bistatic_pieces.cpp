@@ -36,7 +36,7 @@ BistaticPieces::OnFacet BistaticPieces::on(FacetId facet, const BistaticFacet& b
 
 void BistaticPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm::dvec3 receiver_m,
                          std::uint32_t receive_tube, std::pair<std::uint32_t, std::uint32_t> beams,
-                         BinsBetween& bins) const {
+                         BinIntervals& bins) const {
   const std::uint32_t first = beams.first, end = beams.second;
   if (first == end) return;
   const BistaticFacet& bistatic = on.bistatic;
@@ -46,12 +46,12 @@ void BistaticPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm
   const CertifiedPathEnergy energy = energy_of(bistatic, on.proven, model_, on.material, beta_);
   const ApexOverPlane tx = energy.tx().over(), rx = energy.rx().over();
   const CertifiedTexture* texture = textures_[on.material].get();
-  Between range{1, 1};
+  BinInterval range{1, 1};
   if (texture != nullptr) range = {std::max(texture->range().lo(), 0.0), texture->range().hi()};
   const FacetMap lies = map_of(bistatic.lies);
   const bool cut = range.hi - range.lo > tolerance_ / 8 * range.lo;
   const std::size_t cells = cut ? cut_by_cells(polygon, *texture, lies, most_cells, {}) : 0;
-  const Between even = cells > 0 ? Between{1, 1} : range;
+  const BinInterval even = cells > 0 ? BinInterval{1, 1} : range;
   const std::size_t row = borders_.size() - 1;
   // About a border between samples all may be missing anyway.
   const auto allowance = [&](double relative, double parts) {
@@ -83,25 +83,25 @@ void BistaticPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm
   };
 
   CertifiedPathGains gains;
-  std::vector<PatternDoubt> doubts(end - first);
+  std::vector<PatternAmbiguity> ambiguities(end - first);
   if (weighed) {
     const TransmitPattern& transmit = model_.patterns->transmit[model_.patterns->fan_of_tube[receive_tube]];
     const std::span receive = std::span(model_.patterns->receive).subspan(first, end - first);
     gains = {energy.tx(), energy.rx(), transmit, receive};
-    const PatternDoubt tx_doubt(transmit, Towards::places(corners_m), on.proven);
+    const PatternAmbiguity tx_ambiguity(transmit, Towards::places(corners_m), on.proven);
     const Towards back = seen_rx(polygon, bistatic);
     for (std::size_t b = 0; b < receive.size(); ++b) {
-      doubts[b] = tx_doubt;
-      doubts[b].take_rx(receive[b], back, on.proven);
+      ambiguities[b] = tx_ambiguity;
+      ambiguities[b].take_rx(receive[b], back, on.proven);
     }
   }
-  std::map<std::size_t, std::vector<Between>> found;  // by sample, over all cells
+  std::map<std::size_t, std::vector<BinInterval>> found;  // by sample, over all cells
   const auto add_part = [&](const CertifiedPolygon& part, const CertifiedCell* cell) {
     CertifiedPathIntegrand integrand(energy, gains, cell);
     const double parts = 200 * double(std::max<std::size_t>(cells, 1)) * even.hi;
     on.integrator->add(part, tx, {&rx, 1}, integrand, allowance(tolerance_ / 8, parts),
                        [&](std::size_t sample, std::span<const Interval> values) {
-                         std::vector<Between>& sums = found[sample];
+                         std::vector<BinInterval>& sums = found[sample];
                          sums.resize(values.size());
                          for (std::size_t b = 0; b < values.size(); ++b) {
                            sums[b].lo += std::max(values[b].lo, 0.0) * even.lo;
@@ -119,11 +119,11 @@ void BistaticPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm
     for (std::size_t b = 0; b < sums.size(); ++b) {
       double off = 0;
       // A sliver's part of a cell may be lost where it is cut; no texture has more than that.
-      const double most = most_plain * range.hi * doubts[b].most_tx * doubts[b].most_rx;
+      const double most = most_plain * range.hi * ambiguities[b].most_tx * ambiguities[b].most_rx;
       if (weighed && !(sums[b].hi <= std::numeric_limits<double>::max())) sums[b].hi = most;
-      if (weighed) off += doubts[b].of(sums[b].hi, most_plain * range.hi);
+      if (weighed) off += ambiguities[b].of(sums[b].hi, most_plain * range.hi);
       if (texture_change > 0)
-        off += texture_change * most_plain * (weighed ? doubts[b].most_tx * doubts[b].most_rx : 1);
+        off += texture_change * most_plain * (weighed ? ambiguities[b].most_tx * ambiguities[b].most_rx : 1);
       on.samples.add(std::uint32_t(first + b), std::uint32_t(sample),
                      std::max(sums[b].lo - off, 0.0) * factor.lo * (1 - slack),
                      (sums[b].hi + off) * factor.hi * (1 + slack), bins);

@@ -9,7 +9,7 @@
 #include "engine/certified/bistatic_enclosure.hpp"
 #include "engine/certified/certified_path_integral.hpp"
 #include "engine/certified/certified_texture.hpp"
-#include "engine/certified/pattern_doubt.hpp"
+#include "engine/certified/pattern_ambiguity.hpp"
 #include "engine/certified/refracted_bins.hpp"
 
 // What two ends share of facets that each sees elsewhere, enclosed piece by piece. Heavy: include only in
@@ -36,7 +36,7 @@ class BistaticPieces {
   /// second).
   void add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm::dvec3 receiver_m,
            std::uint32_t receive_tube, std::pair<std::uint32_t, std::uint32_t> beams,
-           BinsBetween& bins) const;
+           BinIntervals& bins) const;
 
   /// No less than what mirrors and patterns leave of what goes out and comes home in these directions.
   double most_of(std::uint32_t transmit, std::uint32_t beam, const Towards& tx, const Towards& rx) const;

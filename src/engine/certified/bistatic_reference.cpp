@@ -105,10 +105,11 @@ class BistaticReference {
     for (std::size_t e = 0; e < 2; ++e)
       for (FacetEnclosure& facet : enclosures_.ends[e].facets)
         if (facet.state == State::proven && 4 * facet.travel_path_error_m > margin_m_)
-          facet.state = State::loose;
+          facet.state = State::conservative;
   }
 
-  /// All of them after enclose_shared(). `beside`: a receiver whose energies doubts are reported with, too.
+  /// All of them after enclose_shared(). `beside`: a receiver whose energies ambiguities are reported with,
+  /// too.
   BistaticParts parts(const BistaticReference* beside = nullptr) {
     beside_ = beside;
     const SharedFootprints& shared = shared_;
@@ -120,10 +121,10 @@ class BistaticReference {
 
     const std::size_t runs = (shared.facets.size() + facets_in_run - 1) / facets_in_run;
     BistaticParts found;
-    std::vector<BinsBetween>& bins = found.bins;
+    std::vector<BinIntervals>& bins = found.bins;
     bins.resize(runs);
     Steps steps("facets", shared.facets.size());
-    const auto add_pieces = [&](std::size_t number, BinsBetween& own) {
+    const auto add_pieces = [&](std::size_t number, BinIntervals& own) {
       if (!is_proven(number)) return;
       const SharedFacet& facet = shared.facets[number];
       BistaticPieces::OnFacet on = pieces_.on(facet.facet, bistatic_[number], enclosures_.facets[number]);
@@ -144,8 +145,8 @@ class BistaticReference {
       }
     });
     // Facets of which only the most that they return is known.
-    found.loose = bins.size();
-    BinsBetween& loose = bins.emplace_back();
+    found.conservative = bins.size();
+    BinIntervals& conservative = bins.emplace_back();
     std::vector<char> proven(bed_.mesh.facets.size(), 1);
     for (std::size_t number = 0; number < shared.facets.size(); ++number) {
       found.is_proven.push_back(is_proven(number));
@@ -155,12 +156,13 @@ class BistaticReference {
       const FacetEnclosure *tx = end_of(0, f), *rx = end_of(1, f);
       if (tx == nullptr || rx == nullptr || tx->state == State::unproven || rx->state == State::unproven)
         continue;
-      if (!proven[f] || tx->state == State::loose || rx->state == State::loose)
-        add({tx->nearest_m, tx->farthest_m, tx->most, looks_[0].apparent_of[f], tx->seen}, 0, false, loose);
+      if (!proven[f] || tx->state == State::conservative || rx->state == State::conservative)
+        add({tx->nearest_m, tx->farthest_m, tx->most, looks_[0].apparent_of[f], tx->seen}, 0, false,
+            conservative);
     }
     for (std::size_t e = 0; e < 2; ++e) {
-      found.first_doubt[e] = bins.size();
-      add_doubts_of(e, bins);
+      found.first_ambiguity[e] = bins.size();
+      add_ambiguities_of(e, bins);
     }
     found.shared = shared_;
     found.bistatic = bistatic_;
@@ -212,12 +214,12 @@ class BistaticReference {
     return walls;
   }
 
-  void add_doubts_of(std::size_t e, std::vector<BinsBetween>& bins) const {
+  void add_ambiguities_of(std::size_t e, std::vector<BinIntervals>& bins) const {
     const BistaticEnd& end = bed_.end(int(e));
     const EndLook& look = looks_[e];
     const FacetMesh& mesh = end.ground.refined.mesh;
     const ApparentEnclosures& own = enclosures_.ends[e];
-    const UncertainEdges edges(mesh, look.parent, own, DoubtsOf::places);
+    const UncertainEdges edges(mesh, look.parent, own, AmbiguitiesOf::places);
     const Unknown unknown(own.unproven, end.rays);
     const Looked looked(own.facets);
     const auto walls = walls_of(e);
@@ -225,30 +227,30 @@ class BistaticReference {
     const ApparentEnclosures& other = enclosures_.ends[1 - e];
     for (const auto* list : {&other.facets, &other.unproven})
       for (const FacetEnclosure& facet : *list) nearest_other = std::min(nearest_other, facet.nearest_m);
-    std::vector<BinsBetween> by_tube(look.tubes.tubes.size());
+    std::vector<BinIntervals> by_tube(look.tubes.tubes.size());
     Steps steps("tubes", by_tube.size());
     tbb::parallel_for(std::uint32_t{0}, std::uint32_t(by_tube.size()), [&](std::uint32_t tube) {
       steps.done();
       const TubeVisibility& seen = look.seen[tube];
       const NameContext context{mesh, look.tubes.apex, seen.rays};
-      std::vector<DoubtedPiece> pieces;
+      std::vector<AmbiguousPiece> pieces;
       for (const NamedPiece& piece : seen.pieces) {
         stop_if_wanted();
         pieces.push_back(seen_piece(piece, certified_polygon(context, seen.corners, piece, unit_m_)));
       }
       const std::vector<FacetId> nearby = looked.in(look.sectors[tube], end.tree);
-      const DoubtSink sink = [&](const Doubt& doubt) { add(doubt, e, true, by_tube[tube]); };
-      edges.add_doubts(context, seen, pieces, nearby, sink);
+      const AmbiguitySink sink = [&](const Ambiguity& ambiguity) { add(ambiguity, e, true, by_tube[tube]); };
+      edges.add_ambiguities(context, seen, pieces, nearby, sink);
       edges.add_walls(walls[tube], off_rad_[e], looked.in(look.sectors[tube], end.tree, 2 * off_rad_[e]),
                       sink);
       if (const double begins = unknown.begins_m(look.sectors[tube]); begins < infinite)
         add_unknown(e, tube, (begins + std::min(nearest_other, begins)) / 2, by_tube[tube]);
     });
-    for (BinsBetween& of_tube : by_tube) bins.push_back(std::move(of_tube));
+    for (BinIntervals& of_tube : by_tube) bins.push_back(std::move(of_tube));
   }
 
   /// All that is received of an end's tube at half paths from there on.
-  void add_unknown(std::size_t e, std::uint32_t tube, double from_m, BinsBetween& bins) const {
+  void add_unknown(std::size_t e, std::uint32_t tube, double from_m, BinIntervals& bins) const {
     for (std::uint32_t rx = 0; rx < looks_[1].tubes.tubes.size(); ++rx) {
       if (e == 1 ? rx != tube : !in_one_fan(tube, rx)) continue;
       const auto [first, end] = beams_of(rx);
@@ -268,9 +270,9 @@ class BistaticReference {
   }
 
   /// What an end is not certain of, in all beams that may receive it. `less`: it may be missing, too.
-  void add(const Doubt& doubt, std::size_t e, bool less, BinsBetween& bins) const {
-    if (!(doubt.energy_j > 0)) return;
-    const FacetId facet = bed_.end(int(e)).origin[doubt.facet];
+  void add(const Ambiguity& ambiguity, std::size_t e, bool less, BinIntervals& bins) const {
+    if (!(ambiguity.energy_j > 0)) return;
+    const FacetId facet = bed_.end(int(e)).origin[ambiguity.facet];
     const FacetEnclosure &here = *end_of(e, facet), *there = end_of(1 - e, facet);
     // What the other does not look at is not received; without a proven ray there, all is unknown.
     if (there == nullptr || there->state == State::unproven) return;
@@ -278,23 +280,24 @@ class BistaticReference {
         to[3]{there->seen[0], there->seen[1], there->seen[2]};
     const FacetMap map = facet_map(from, to);
     std::vector<glm::dvec3> elsewhere;
-    for (const glm::dvec3& p : doubt.part_m) elsewhere.push_back(map.at(p));
+    for (const glm::dvec3& p : ambiguity.part_m) elsewhere.push_back(map.at(p));
     // Where nothing is seen through windows something may be, beside them.
     const auto beside = [&](std::size_t end, const FacetEnclosure& seen) {
       return seen.travel_path_error_m + 2 * off_rad_[end] * seen.farthest_m;
     };
-    std::array<About, 2> about{About(doubt.part_m, beside(e, here)), About(elsewhere, beside(1 - e, *there))};
-    const double nearest = std::max(doubt.nearest_m, about[0].nearest_m),
-                 farthest = std::min(doubt.farthest_m, about[0].farthest_m + here.shift_m);
+    std::array<About, 2> about{About(ambiguity.part_m, beside(e, here)),
+                               About(elsewhere, beside(1 - e, *there))};
+    const double nearest = std::max(ambiguity.nearest_m, about[0].nearest_m),
+                 farthest = std::min(ambiguity.farthest_m, about[0].farthest_m + here.shift_m);
     const double half_from = (nearest + about[1].nearest_m) / 2,
                  half_to = (farthest + about[1].farthest_m) / 2;
     if (half_from > borders_.back() || half_to < borders_.front()) return;
     if (e == 1) std::swap(about[0], about[1]);
     for (const auto& [beam, weight] :
          received_of(about, received_beside(facet, about[1], e == 0 ? *there : here))) {
-      const double energy = doubt.energy_j * weight * (1 + slack);
+      const double energy = ambiguity.energy_j * weight * (1 + slack);
       each_sample(half_from, half_to, [&, beam = beam](std::size_t sample) {
-        Between& bin = bins[beam * (borders_.size() - 1) + sample];
+        BinInterval& bin = bins[beam * (borders_.size() - 1) + sample];
         if (less) bin.lo -= energy;
         bin.hi += energy;
       });
@@ -384,9 +387,9 @@ struct PatternsOfEnds {
 
 }  // namespace
 
-BinsBetween added_up(std::span<const BinsBetween> parts) {
-  BinsBetween total;
-  for (const BinsBetween& own : parts)
+BinIntervals added_up(std::span<const BinIntervals> parts) {
+  BinIntervals total;
+  for (const BinIntervals& own : parts)
     for (const auto& [bin, part] : own) {
       total[bin].lo += part.lo;
       total[bin].hi += part.hi;
@@ -405,7 +408,7 @@ RefractedReference certify_refracted_echo(const BistaticBed& bed, const Bistatic
     return bistatic_facets(shared, bed.mesh, {bed.tx.ground, bed.tx.water}, {bed.rx.ground, bed.rx.water},
                            bed.grid, model.absorption_db_per_m);
   });
-  const BinsBetween total = added_up(reference.parts().bins);
+  const BinIntervals total = added_up(reference.parts().bins);
   return reference_between({&total, 1}, ordinary, tolerance);
 }
 

@@ -48,17 +48,17 @@ struct BistaticParts {
   std::vector<BistaticEnclosure> facets;  ///< as these
   std::vector<char> is_proven;            ///< as these: the facet, and that both ends see it by one ray
   /// By runs of such facets what they surely have, a list of what loose facets may have, and from
-  /// first_doubt[end] on of what that end is not certain of.
-  std::vector<BinsBetween> bins;
-  std::size_t loose = 0;  ///< where that list of loose facets is
-  std::array<std::size_t, 2> first_doubt{};
+  /// first_ambiguity[end] on of what that end is not certain of.
+  std::vector<BinIntervals> bins;
+  std::size_t conservative = 0;  ///< where that list of loose facets is
+  std::array<std::size_t, 2> first_ambiguity{};
 };
 /// By bin, in the order of the list.
-BinsBetween added_up(std::span<const BinsBetween> parts);
+BinIntervals added_up(std::span<const BinIntervals> parts);
 
 /// Of two receivers, each beside the other (BistaticBed::beside), which receive one beam by all tubes: what
-/// is in doubt holds the energies that both receive of a place, and so the root of their product. `ordinary`,
-/// `flatten`: by receiver.
+/// is in ambiguity holds the energies that both receive of a place, and so the root of their product.
+/// `ordinary`, `flatten`: by receiver.
 std::array<BistaticParts, 2> bistatic_parts(const std::array<BistaticBed, 2>& beds,
                                             const std::array<BistaticTubes, 2>& tubes,
                                             const VisibilityOptions& options, const RangeSamples& samples,

@@ -99,21 +99,21 @@ CertifiedPathIntegrator::Element<N> CertifiedPathIntegrator::over(const Box& box
 void CertifiedPathIntegrator::add(const CertifiedPolygon& polygon, const ApexOverPlane& out,
                                   std::span<const ApexOverPlane> homes, CertifiedIntegrand& integrand,
                                   const Allowance& allowance, const Taker& take,
-                                  const std::optional<Ball>& unsure) {
+                                  const std::optional<Ball>& ambiguous) {
   std::vector<Ball> balls;
   const IntervalTaker as_balls = [&](std::size_t sample, std::span<const Interval> values) {
     balls.clear();
     for (const Interval& value : values) balls.push_back(Ball::between(value.lo, value.hi));
     take(sample, balls);
   };
-  add(polygon, out, homes, integrand, allowance, as_balls, unsure);
+  add(polygon, out, homes, integrand, allowance, as_balls, ambiguous);
 }
 
 void CertifiedPathIntegrator::add(const CertifiedPolygon& polygon, const ApexOverPlane& out,
                                   std::span<const ApexOverPlane> homes, CertifiedIntegrand& integrand,
                                   const Allowance& allowance, const IntervalTaker& take,
-                                  const std::optional<Ball>& unsure) {
-  cutter_.cut(polygon, out, homes, unsure);
+                                  const std::optional<Ball>& ambiguous) {
+  cutter_.cut(polygon, out, homes, ambiguous);
   if (cutter_.cells().empty() && cutter_.gaps().empty()) return;
   integrand_ = &integrand;
   relative_ = allowance.relative;

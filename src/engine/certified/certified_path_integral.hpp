@@ -62,13 +62,13 @@ class CertifiedPathIntegrator {
   explicit CertifiedPathIntegrator(std::span<const double> half_path_borders_m)
       : cutter_(half_path_borders_m) {}
 
-  /// With `unsure`, of a part of the polygon that is not known, but for its area.
+  /// With `ambiguous`, of a part of the polygon that is not known, but for its area.
   void add(const CertifiedPolygon& polygon, const ApexOverPlane& out, std::span<const ApexOverPlane> homes,
            CertifiedIntegrand& integrand, const Allowance& allowance, const Taker& take,
-           const std::optional<Ball>& unsure = {});
+           const std::optional<Ball>& ambiguous = {});
   void add(const CertifiedPolygon& polygon, const ApexOverPlane& out, std::span<const ApexOverPlane> homes,
            CertifiedIntegrand& integrand, const Allowance& allowance, const IntervalTaker& take,
-           const std::optional<Ball>& unsure = {});
+           const std::optional<Ball>& ambiguous = {});
 
   /// Cells that were left at the work limit, so far.
   std::size_t given_up() const { return given_up_; }

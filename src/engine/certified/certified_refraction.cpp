@@ -43,7 +43,7 @@ struct ProvenPiece {
   std::uint32_t tube, beam;
 };
 
-void add_piece(const ProvenPiece& piece, const Requested& requested, BinsBetween& bins) {
+void add_piece(const ProvenPiece& piece, const Requested& requested, BinIntervals& bins) {
   const EchoModel& model = requested.model;
   const CertifiedPolygon& polygon = piece.polygon;
   const FacetEnclosure& facet = piece.facet;
@@ -61,7 +61,7 @@ void add_piece(const ProvenPiece& piece, const Requested& requested, BinsBetween
         return std::max(requested.target[bin] / 2000 / double(cells) / size, 1e-300);
       }};
   // `times`: of a part, all that is not in its integral.
-  const auto add = [&](const CertifiedPolygon& part, const CertifiedCell* cell, const Between& times) {
+  const auto add = [&](const CertifiedPolygon& part, const CertifiedCell* cell, const BinInterval& times) {
     const auto sink = [&](const Part<Ball>& own) {
       const Ball whole = factor * own.value;
       const double hi = whole.hi() * facet.factor.hi * (1 + slack),
@@ -75,7 +75,7 @@ void add_piece(const ProvenPiece& piece, const Requested& requested, BinsBetween
   };
   const CertifiedTexture* texture = requested.textures[material].get();
   if (texture == nullptr) return add(polygon, nullptr, {1, 1});
-  const Between range{std::max(texture->range().lo(), 0.0), texture->range().hi()};
+  const BinInterval range{std::max(texture->range().lo(), 0.0), texture->range().hi()};
   const FacetMap& lies = model.path.tx.facet_map[piece.id];
   const bool worth_it = range.hi - range.lo > requested.tolerance / 8 * range.lo;
   cells = worth_it ? cut_by_cells(polygon, *texture, lies, most_cells, {}) : 0;
@@ -127,7 +127,7 @@ RefractedReference certify_refracted_echo(const MappedSeabed& bed, const RayEncl
   const Looked looked(enclosures.facets);
   tubes.reach += 2 * looked.most_gap_m() / history.grid_unit_m;
 
-  std::vector<BinsBetween> by_tube(tubes.tubes.size());
+  std::vector<BinIntervals> by_tube(tubes.tubes.size());
   struct Buffers {
     VisibilityScratch visibility;
     TubeVisibility seen;
@@ -139,7 +139,7 @@ RefractedReference certify_refracted_echo(const MappedSeabed& bed, const RayEncl
     auto& [visibility, seen] = threads.local();
     see(apparent, bed.tree, tubes, tube, options, visibility, seen);
     const NameContext context{apparent, tubes.apex, seen.rays};
-    BinsBetween& bins = by_tube[tube];
+    BinIntervals& bins = by_tube[tube];
     const auto beams = model.patterns != nullptr ? model.patterns->beams_of_tube[tube]
                                                  : std::pair(beam_of_tube[tube], beam_of_tube[tube] + 1);
     const auto each_bin = [&](double nearest_m, double farthest_m, const auto& change) {
@@ -150,8 +150,8 @@ RefractedReference certify_refracted_echo(const MappedSeabed& bed, const RayEncl
       for (std::size_t k = from; k < to; ++k)
         for (std::uint32_t beam = beams.first; beam < beams.second; ++beam) change(bins[beam * row + k]);
     };
-    const DoubtSink doubt = [&](const Doubt& d) {
-      each_bin(d.nearest_m, d.farthest_m, [&](Between& bin) {
+    const AmbiguitySink ambiguity = [&](const Ambiguity& d) {
+      each_bin(d.nearest_m, d.farthest_m, [&](BinInterval& bin) {
         bin.lo -= d.energy_j;
         bin.hi += d.energy_j;
       });
@@ -163,11 +163,11 @@ RefractedReference certify_refracted_echo(const MappedSeabed& bed, const RayEncl
     const std::vector<FacetId> nearby = looked.in(sector, bed.tree);
     for (const FacetId f : nearby) {
       const FacetEnclosure& facet = enclosures.facets[f];
-      if (facet.state == State::loose)
-        each_bin(facet.nearest_m, facet.farthest_m, [&](Between& bin) { bin.hi += facet.most; });
+      if (facet.state == State::conservative)
+        each_bin(facet.nearest_m, facet.farthest_m, [&](BinInterval& bin) { bin.hi += facet.most; });
     }
 
-    std::vector<DoubtedPiece> pieces;
+    std::vector<AmbiguousPiece> pieces;
     for (const NamedPiece& piece : seen.pieces) {
       stop_if_wanted();
       const CertifiedPolygon polygon = certified_polygon(context, seen.corners, piece, history.grid_unit_m);
@@ -176,10 +176,10 @@ RefractedReference certify_refracted_echo(const MappedSeabed& bed, const RayEncl
       if (facet.state != State::proven || polygon.edges.size() < 3) continue;
       add_piece({polygon, facet, piece.facet, tube, beam_of_tube[tube]}, requested, bins);
     }
-    edges.add_doubts(context, seen, pieces, nearby, doubt);
+    edges.add_ambiguities(context, seen, pieces, nearby, ambiguity);
 
     if (const double begins = unknown.begins_m(sector); begins < infinite)
-      each_bin(begins, infinite, [&](Between& bin) { bin.hi = infinite; });
+      each_bin(begins, infinite, [&](BinInterval& bin) { bin.hi = infinite; });
   });
 
   return reference_between(by_tube, ordinary, tolerance);

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "engine/certified/certified_path_energy.hpp"
-#include "engine/certified/pattern_doubt.hpp"
+#include "engine/certified/pattern_ambiguity.hpp"
 
 // A facet flattened between two ends (BistaticFacet), in balls. Heavy: include only in .cpp files.
 namespace tubefoot {

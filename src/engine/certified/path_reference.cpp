@@ -169,7 +169,7 @@ CertifiedEcho certify_echo(const FacetMesh& mesh, const BistaticHistory& history
     patterns = as_images_have(*model.patterns, model.path);
     own.patterns = &patterns;
   }
-  return narrowed(tolerance, [&](double working, bool& coarse) {
+  return refined_until_tolerance(tolerance, [&](double working, bool& coarse) {
     PathEncloser encloser(mesh, history, beams, samples, own, textures, ordinary, working);
     const std::vector<Ball> total = encloser.enclose(coarse);
     return enclosed_echo(ordinary, total, tolerance);

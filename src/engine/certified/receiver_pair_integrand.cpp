@@ -14,7 +14,7 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 
 /// Corners of a polygon, but for those at edges so short that their directions are hardly known: what is left
 /// is inscribed, and each that is left out takes no more than half the product of its edges.
-std::vector<CertifiedPolygon::Point> without_short_edges(const CertifiedPolygon& polygon, Ball& unsure) {
+std::vector<CertifiedPolygon::Point> without_short_edges(const CertifiedPolygon& polygon, Ball& ambiguous) {
   std::vector<CertifiedPolygon::Point> kept;
   double widest = 0;
   for (const CertifiedPolygon::Point& p : polygon.points)
@@ -23,7 +23,7 @@ std::vector<CertifiedPolygon::Point> without_short_edges(const CertifiedPolygon&
   const auto is_short = [&](const CertifiedPolygon::Point& p, const CertifiedPolygon::Point& q) {
     const double length = root(squared(q.x - p.x) + squared(q.y - p.y)).hi();
     if (length > shortest) return false;
-    unsure += Ball(length) * Ball(around);
+    ambiguous += Ball(length) * Ball(around);
     return true;
   };
   for (const CertifiedPolygon::Point& p : polygon.points)
@@ -116,14 +116,14 @@ void ReceiverPairIntegrand::log_bounds(const PlanePlace<ComplexBall>& p, std::ve
 
 std::pair<CertifiedPolygon, Ball> common_part(const CertifiedPolygon& one, const CertifiedPolygon& other) {
   CertifiedPolygon left = one;
-  Ball unsure;
-  const std::vector<CertifiedPolygon::Point> points = without_short_edges(other, unsure);
+  Ball ambiguous;
+  const std::vector<CertifiedPolygon::Point> points = without_short_edges(other, ambiguous);
   const std::size_t n = points.size();
   for (std::size_t i = 0; i < n && !left.points.empty(); ++i) {
     const CertifiedPolygon::Point &a = points[i], &b = points[i + 1 == n ? 0 : i + 1];
     const Ball dx = b.x - a.x, dy = b.y - a.y, length = root(squared(dx) + squared(dy));
     if (!length.surely_positive()) {
-      unsure += Ball(length.hi()) * one.perimeter;  // cuts off no more than it is long
+      ambiguous += Ball(length.hi()) * one.perimeter;  // cuts off no more than it is long
       continue;
     }
     std::vector<Ball> height;
@@ -133,12 +133,12 @@ std::pair<CertifiedPolygon, Ball> common_part(const CertifiedPolygon& one, const
       level = std::max(level, 2 * (height.back().hi() - height.back().lo()));
     }
     // What is nearer to the line than that is taken to be on it.
-    unsure += Ball(2 * level) * one.perimeter;
+    ambiguous += Ball(2 * level) * one.perimeter;
     auto sides = split(left.points, height, level);
     if (sides[0].empty()) continue;
     left = part_of(one, std::move(sides[1]));
   }
-  return {std::move(left), Ball(unsure.hi())};
+  return {std::move(left), Ball(ambiguous.hi())};
 }
 
 }  // namespace tubefoot

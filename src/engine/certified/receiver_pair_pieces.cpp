@@ -19,10 +19,10 @@ constexpr double whatever = 1e100;  // allowed of what is not asked for
 /// What a sample has of pieces without factors: both parts of the product, no less and no more, and upper
 /// bounds of its size and of either energy.
 struct Sums {
-  Between real, imag;
+  BinInterval real, imag;
   double size = 0, energy = 0;
 
-  void add(std::span<const Ball> values, const Between& texture) {
+  void add(std::span<const Ball> values, const BinInterval& texture) {
     size += std::max(values[0].hi(), 0.0) * texture.hi;
     if (values.size() > 3) energy += std::max({values[3].hi(), values[4].hi(), 0.0}) * texture.hi;
     take(real, values[1], values[0], texture);
@@ -30,7 +30,7 @@ struct Sums {
   }
 
  private:
-  static void take(Between& sum, const Ball& part, const Ball& size, const Between& texture) {
+  static void take(BinInterval& sum, const Ball& part, const Ball& size, const BinInterval& texture) {
     const double middle = texture.lo + (texture.hi - texture.lo) / 2,
                  off = (texture.hi - texture.lo) / 2 * std::max(size.hi(), 0.0) * (1 + slack);
     sum.lo += part.lo() * middle - off;
@@ -76,23 +76,23 @@ void ReceiverPairPieces::add(OnFacet& on, const Seen& upper, const Seen& lower, 
   const std::span both = std::span(homes).first(phase.growth > 0 ? 2 : 1);
   // Either energy of an even bed without patterns: the root of their product is no more than their mean.
   CertifiedPathIntegrand plain[2]{{by_upper.energy, {}, nullptr}, {by_lower.energy, {}, nullptr}};
-  PatternDoubt doubt;
+  PatternAmbiguity ambiguity;
   if (weighed) {
     const std::span receive = std::span(model_.patterns->receive).first(1);
     const TransmitPattern& transmit = model_.patterns->transmit.front();
-    doubt = PatternDoubt(transmit, Towards::places(upper.corners_m), on.upper.proven);
+    ambiguity = PatternAmbiguity(transmit, Towards::places(upper.corners_m), on.upper.proven);
     for (const auto& [two_way, by, polygon] :
          {std::tuple(&by_upper, &on.upper, &seen), {&by_lower, &on.lower, &other}}) {
       two_way->gains = {two_way->energy.tx(), two_way->energy.rx(), transmit, receive};
-      doubt.take_rx(receive.front(), seen_rx(*polygon, by->bistatic), by->proven);
+      ambiguity.take_rx(receive.front(), seen_rx(*polygon, by->bistatic), by->proven);
     }
   }
   const CertifiedTexture* texture = textures_[on.material].get();
-  Between range{1, 1};
+  BinInterval range{1, 1};
   if (texture != nullptr) range = {std::max(texture->range().lo(), 0.0), texture->range().hi()};
   const Interval factor(std::sqrt(on.upper.proven.factor.lo * on.lower.proven.factor.lo) * (1 - slack),
                         std::sqrt(on.upper.proven.factor.hi * on.lower.proven.factor.hi) * (1 + slack));
-  const double largest = factor.hi * range.hi * doubt.most_tx * doubt.most_rx * (1 + slack);
+  const double largest = factor.hi * range.hi * ambiguity.most_tx * ambiguity.most_rx * (1 + slack);
   const auto allowance = [&](double relative, double parts, int which) {
     return CertifiedPathIntegrator::Allowance{
         relative, [this, parts, which](std::size_t value, std::size_t sample) {
@@ -103,26 +103,26 @@ void ReceiverPairPieces::add(OnFacet& on, const Seen& upper, const Seen& lower, 
 
   // Of places that one receiver receives next to a border, and of those that may or may not be common to
   // both.
-  const auto add_unsure = [&](std::size_t sample, std::span<const Ball> values) {
-    on.samples.add(0, std::uint32_t(sample), 0, std::max(values[0].hi(), 0.0) / 2 * largest, found.unsure);
+  const auto add_ambiguous = [&](std::size_t sample, std::span<const Ball> values) {
+    on.samples.add(0, std::uint32_t(sample), 0, std::max(values[0].hi(), 0.0) / 2 * largest, found.ambiguous);
   };
   if (uncertain.hi() > 0)
     for (CertifiedPathIntegrand& energy : plain)
-      on.integrator->add(seen, tx, both.first(1), energy, allowance(1, 1, 2), add_unsure, uncertain);
+      on.integrator->add(seen, tx, both.first(1), energy, allowance(1, 1, 2), add_ambiguous, uncertain);
   if (!is_any) return;
   const bool wide = on.samples.too_wide();
   for (const ApexOverPlane& rx : both.first(wide ? 1 : both.size()))
     for (CertifiedPathIntegrand& energy : plain)
       on.integrator->add(part, tx, {&rx, 1}, energy, allowance(0.1, 8, wide ? -1 : 0),
                          [&](std::size_t sample, std::span<const Ball> values) {
-                           if (wide || sample % 2 == 0) add_unsure(sample, values);
+                           if (wide || sample % 2 == 0) add_ambiguous(sample, values);
                          });
   if (wide) return;
 
   const FacetMap lies = map_of(on.upper.bistatic.lies);
   const bool cut = range.hi - range.lo > tolerance_ / 8 * range.lo;
   const std::size_t cells = cut ? cut_by_cells(part, *texture, lies, most_cells, {}) : 0;
-  const Between even = cells > 0 ? Between{1, 1} : range;
+  const BinInterval even = cells > 0 ? BinInterval{1, 1} : range;
   const double change = cells > 0 ? change_of(*texture, on.upper.proven.place_off_m) : 0;
   // What changes of patterns and of texture are reported by.
   std::map<std::size_t, double> alone[2];
@@ -153,13 +153,13 @@ void ReceiverPairPieces::add(OnFacet& on, const Seen& upper, const Seen& lower, 
     double off = 0;
     if (weighed || change > 0) {
       const double most = std::max(alone[0][sample], alone[1][sample]);
-      if (weighed) off += doubt.of(std::max(own.energy, own.size), most * range.hi);
-      off += change * most * doubt.most_tx * doubt.most_rx;
+      if (weighed) off += ambiguity.of(std::max(own.energy, own.size), most * range.hi);
+      off += change * most * ambiguity.most_tx * ambiguity.most_rx;
     }
     const double middle = factor.middle(),
                  apart = ((factor.hi - factor.lo) / 2 + factor.hi * turn) * own.size + factor.hi * off;
     for (const auto& [beam, sum] : {std::pair(0u, own.real), {1u, own.imag}}) {
-      Between& bin = found.sure[beam * row + sample / 2];
+      BinInterval& bin = found.sure[beam * row + sample / 2];
       bin.lo += sum.lo * middle - apart * (1 + slack);
       bin.hi += sum.hi * middle + apart * (1 + slack);
     }

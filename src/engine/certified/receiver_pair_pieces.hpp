@@ -24,10 +24,10 @@ class ReceiverPairPieces {
   ReceiverPairPieces(const EchoModel& model, double wavenumber_rad_m, std::span<const double> borders_m,
                      double step_m, std::vector<double> target, double tolerance);
 
-  /// By sample (beam 0), and of the second beam the imaginary part. `unsure.hi`: either part may have so much
-  /// more or less besides.
+  /// By sample (beam 0), and of the second beam the imaginary part. `ambiguous.hi`: either part may have so
+  /// much more or less besides.
   struct Products {
-    BinsBetween sure, unsure;
+    BinIntervals sure, ambiguous;
   };
   struct By {
     const BistaticFacet& bistatic;

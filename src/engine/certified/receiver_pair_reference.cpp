@@ -93,10 +93,10 @@ class ReceiverPairEncloser {
         if (two.transmit_tube != one.transmit_tube) continue;
         stop_if_wanted();
         const CertifiedPolygon seen = polygon(history_.by_upper, one);
-        const auto [part, unsure] = common_part(seen, polygon(history_.by_lower, two));
+        const auto [part, ambiguous] = common_part(seen, polygon(history_.by_lower, two));
         if (!faces(0, seen) || !faces(1, seen)) continue;
         add_product(facet, part, integrator, bins);
-        add_unsure(facet, seen, unsure, integrator, bins);
+        add_ambiguous(facet, seen, ambiguous, integrator, bins);
       }
     }
   }
@@ -174,8 +174,8 @@ class ReceiverPairEncloser {
   }
 
   /// What may or may not be common to both, of what the upper one sees.
-  void add_unsure(FacetId facet, const CertifiedPolygon& polygon, const Ball& unsure,
-                  CertifiedPathIntegrator& integrator, Bins& bins) {
+  void add_ambiguous(FacetId facet, const CertifiedPolygon& polygon, const Ball& ambiguous,
+                     CertifiedPathIntegrator& integrator, Bins& bins) {
     const CertifiedTexture* texture = textures_[models_[0]->material[facet]].get();
     const ReceiverPairPath upper = ends(0, facet, polygon), lower = ends(1, facet, polygon);
     ReceiverPairIntegrand integrand({upper.energy, upper.gains}, {lower.energy, lower.gains},
@@ -184,7 +184,7 @@ class ReceiverPairEncloser {
     const ApexOverPlane rx = upper.energy.rx().over();
     integrator.add(polygon, upper.energy.tx().over(), {&rx, 1}, integrand,
                    {0, [](std::size_t, std::size_t) { return least_allowed; }},
-                   taker(texture == nullptr ? Ball(1) : texture->range(), bins), unsure);
+                   taker(texture == nullptr ? Ball(1) : texture->range(), bins), ambiguous);
   }
 
   CertifiedPathIntegrator::Taker taker(const Ball& even, Bins& bins) const {
@@ -215,7 +215,7 @@ CertifiedEcho enclosed(const FacetMesh& mesh, const ReceiverPairHistory& history
   if (!history.bistatic_upper.empty() || !history.bistatic_lower.empty())
     throw std::invalid_argument("facets that two apexes see elsewhere are not enclosed");
   const auto textures = certified_textures(*models[0]);
-  return narrowed(tolerance, [&](double working, bool& coarse) {
+  return refined_until_tolerance(tolerance, [&](double working, bool& coarse) {
     const std::vector<double> target = receiver_pair_targets(ordinary.upper_j, ordinary.lower_j, working);
     ReceiverPairEncloser encloser(mesh, history, grid_unit_m, receiver_pair, samples, models, textures,
                                   target, working);

@@ -233,7 +233,7 @@ CertifiedEcho certify_echo(const FacetMesh& mesh, const SceneTree& tree, const H
   if (!model.path.tx.facet_map.empty())
     throw std::invalid_argument("textures of facets that lie elsewhere than they are seen are not enclosed");
   const std::vector<std::shared_ptr<const CertifiedTexture>> textures = certified_textures(model);
-  return narrowed(tolerance, [&](double working, bool& coarse) {
+  return refined_until_tolerance(tolerance, [&](double working, bool& coarse) {
     return enclose_echo(mesh, tree, history, options, beam_of_tube, samples, model, ordinary, tolerance,
                         working, textures, coarse);
   });

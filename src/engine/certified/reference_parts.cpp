@@ -25,7 +25,8 @@ CertifiedEcho enclosed_echo(const Echo& ordinary, const std::vector<Ball>& total
   return certified;
 }
 
-CertifiedEcho narrowed(double tolerance, const std::function<CertifiedEcho(double, bool&)>& enclose) {
+CertifiedEcho refined_until_tolerance(double tolerance,
+                                      const std::function<CertifiedEcho(double, bool&)>& enclose) {
   constexpr int most_tries = 3;
   double working = tolerance;
   for (int tries = 1;; ++tries) {

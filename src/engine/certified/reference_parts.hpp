@@ -46,6 +46,7 @@ CertifiedEcho enclosed_echo(const Echo& ordinary, const std::vector<Ball>& total
 /// How a bin's tolerance is shared out among its parts is a guess, which a bin of very many small parts may
 /// prove wrong: then all of them are done again, as much narrower as that bin needs, at most twice.
 /// `enclose(working, coarse)`: parts enclosed to `working`; `coarse`: no narrower try would help.
-CertifiedEcho narrowed(double tolerance, const std::function<CertifiedEcho(double, bool&)>& enclose);
+CertifiedEcho refined_until_tolerance(double tolerance,
+                                      const std::function<CertifiedEcho(double, bool&)>& enclose);
 
 }  // namespace tubefoot

@@ -97,10 +97,10 @@ bool Unknown::may_be_seen(const Around& ball, const Sector& tube) const {
   return rays_.least_stretch() * range <= tube.reach_m() * (1 + slack) && tube.may_meet(ball.launch);
 }
 
-RefractedReference reference_between(std::span<const BinsBetween> parts, const Echo& ordinary,
+RefractedReference reference_between(std::span<const BinIntervals> parts, const Echo& ordinary,
                                      double tolerance) {
-  std::vector<Between> total(ordinary.energy.size());
-  for (const BinsBetween& bins : parts)  // in order, so that the result does not depend on the threads
+  std::vector<BinInterval> total(ordinary.energy.size());
+  for (const BinIntervals& bins : parts)  // in order, so that the result does not depend on the threads
     for (const auto& [bin, part] : bins) {
       total[bin].lo += std::max(part.lo, 0.0);
       total[bin].hi += part.hi;

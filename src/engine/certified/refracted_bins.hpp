@@ -27,10 +27,10 @@ struct RefractedReference {
 };
 
 /// Of a bin: no less, no more.
-struct Between {
+struct BinInterval {
   double lo = 0, hi = 0;
 };
-using BinsBetween = std::map<std::size_t, Between>;
+using BinIntervals = std::map<std::size_t, BinInterval>;
 
 /// Samples that are cut `shift_m` before and after each border: number 2 k + 1 is surely of sample k, and 2 k
 /// lies about the border between k - 1 and k.
@@ -50,7 +50,7 @@ class ShiftedSamples {
   bool too_wide() const { return shift_m_ > most_shift_m_; }
 
   /// What a part of these samples has, from `lo` to `hi`, to the beam's bins.
-  void add(std::uint32_t beam, std::uint32_t sample, double lo, double hi, BinsBetween& bins) const {
+  void add(std::uint32_t beam, std::uint32_t sample, double lo, double hi, BinIntervals& bins) const {
     const std::size_t row = borders_.size() - 1, first = beam * row;
     if (too_wide()) {
       const double from = about_[sample] - shift_m_ - most_shift_m_,
@@ -58,7 +58,7 @@ class ShiftedSamples {
       for (std::size_t k = 0; k < row; ++k)
         if (borders_[k] <= to && borders_[k + 1] >= from) bins[first + k].hi += hi;
     } else if (sample % 2 == 1) {
-      Between& bin = bins[first + sample / 2];
+      BinInterval& bin = bins[first + sample / 2];
       bin.lo += lo;
       bin.hi += hi;
     } else {
@@ -76,7 +76,7 @@ class ShiftedSamples {
 /// What keeps its bounds from being as narrow as asked.
 RefractedReference reference_of(CertifiedEcho echo, double tolerance);
 /// What bins hold, added up in the order of the list.
-RefractedReference reference_between(std::span<const BinsBetween> parts, const Echo& ordinary,
+RefractedReference reference_between(std::span<const BinIntervals> parts, const Echo& ordinary,
                                      double tolerance);
 
 /// An echo whose bounds are infinite where nothing is known. `hold`: against what is asked; `targets_of`:

@@ -87,29 +87,30 @@ RefractedReference certify_refracted_receiver_pair(const std::array<BistaticBed,
   const ReceiverPairPieces pieces(
       model, receiver_pair.wavenumber_rad_m, borders, samples.step_m,
       {targets.begin() + std::ptrdiff_t(2 * row), targets.begin() + std::ptrdiff_t(3 * row)}, tolerance);
-  std::vector<Between> total(4 * row);
-  std::vector<double> unsure(row, 0);
-  const auto take_unsure = [&](const BinsBetween& bins) {
-    for (const auto& [bin, part] : bins) unsure[bin] += part.hi;
+  std::vector<BinInterval> total(4 * row);
+  std::vector<double> ambiguous(row, 0);
+  const auto take_ambiguous = [&](const BinIntervals& bins) {
+    for (const auto& [bin, part] : bins) ambiguous[bin] += part.hi;
   };
   for (std::size_t e = 0; e < 2; ++e) {
     const std::span all(parts[e].bins);
     for (const auto& [bin, part] : added_up(all)) total[e * row + bin] = {std::max(part.lo, 0.0), part.hi};
-    take_unsure(all[parts[e].loose]);
+    take_ambiguous(all[parts[e].conservative]);
     // What the transmitter is not certain of is that of both.
-    for (const BinsBetween& bins : all.subspan(parts[e].first_doubt[e == 0 ? 0 : 1])) take_unsure(bins);
+    for (const BinIntervals& bins : all.subspan(parts[e].first_ambiguity[e == 0 ? 0 : 1]))
+      take_ambiguous(bins);
   }
   for (const ReceiverPairPieces::Products& of : products_of(parts, pieces)) {
     for (const auto& [bin, part] : of.sure) {
       total[2 * row + bin].lo += part.lo;
       total[2 * row + bin].hi += part.hi;
     }
-    take_unsure(of.unsure);
+    take_ambiguous(of.ambiguous);
   }
 
   CertifiedEcho certified{Echo{4, int(row), std::vector<double>(4 * row)}, std::vector<double>(4 * row)};
   for (std::size_t bin = 0; bin < total.size(); ++bin) {
-    const double more = bin < 2 * row ? 0 : unsure[bin % row] * (1 + slack), lo = total[bin].lo - more,
+    const double more = bin < 2 * row ? 0 : ambiguous[bin % row] * (1 + slack), lo = total[bin].lo - more,
                  hi = total[bin].hi + more;
     if (!std::isfinite(hi)) {
       certified.echo.energy[bin] = bin < 2 * row ? ordinary[bin / row].energy[bin % row] : 0;

@@ -85,8 +85,8 @@ double beyond_rad(const FacetEnclosure& facet) {
 
 }  // namespace
 
-DoubtedPiece seen_piece(const NamedPiece& piece, const CertifiedPolygon& polygon) {
-  DoubtedPiece seen{piece.facet, {}};
+AmbiguousPiece seen_piece(const NamedPiece& piece, const CertifiedPolygon& polygon) {
+  AmbiguousPiece seen{piece.facet, {}};
   const auto vector = [](const std::array<Ball, 3>& v) {
     return glm::dvec3(v[0].middle(), v[1].middle(), v[2].middle());
   };
@@ -98,7 +98,7 @@ DoubtedPiece seen_piece(const NamedPiece& piece, const CertifiedPolygon& polygon
 }
 
 UncertainEdges::UncertainEdges(const FacetMesh& apparent, std::span<const FacetId> parent,
-                               const ApparentEnclosures& enclosures, DoubtsOf of)
+                               const ApparentEnclosures& enclosures, AmbiguitiesOf of)
     : mesh_(apparent), parent_(parent), enclosures_(enclosures), of_(of), cones_(apparent.facets.size()) {
   for (FacetId f = 0; f < mesh_.facets.size(); ++f) {
     const FacetEnclosure& facet = enclosures_.facets[f];
@@ -151,7 +151,7 @@ bool UncertainEdges::is_smooth(VertexId a, VertexId b) const {
   if (enclosures_.facets[f].state != State::proven || enclosures_.facets[g].state != State::proven)
     return false;
   if (parent_[f] == parent_[g]) return true;
-  if (of_ == DoubtsOf::directions) return false;
+  if (of_ == AmbiguitiesOf::directions) return false;
   glm::dvec3 edge[2]{};
   double side[2]{};
   for (const int which : {0, 1}) {
@@ -186,7 +186,7 @@ double UncertainEdges::half_width(VertexId a, VertexId b) const {
 }
 
 void UncertainEdges::strip(const glm::dvec3& from, const glm::dvec3& to, double half_width_rad,
-                           const Nearby& nearby, const DoubtSink& sink, const EdgeOf* edge) const {
+                           const Nearby& nearby, const AmbiguitySink& sink, const EdgeOf* edge) const {
   const glm::dvec3 start = glm::normalize(from), end = glm::normalize(to);
   const double length = glm::distance(start, end);
   if (!(length > 0) || !(half_width_rad < 0.1)) {
@@ -221,9 +221,9 @@ void UncertainEdges::strip(const glm::dvec3& from, const glm::dvec3& to, double 
       part = clipped(part, glm::cross(b, across) + lean * middle);
       if (part.empty()) return;
       const auto [nearest, farthest] = ranges_of(part, facet.plane_m);
-      // An arc of no more than 1.01 times its chord, and all around it. A direction is in doubt beside the
-      // edge, a place beside wherever it is seen from there.
-      const double about = of_ == DoubtsOf::directions ? w : wide,
+      // An arc of no more than 1.01 times its chord, and all around it. A direction is in ambiguity beside
+      // the edge, a place beside wherever it is seen from there.
+      const double about = of_ == AmbiguitiesOf::directions ? w : wide,
                    angle_sr = (1.01 * half + 2 * about) * 2 * about * 1.01;
       sink({nearest - facet.shift_m - facet.travel_path_error_m,
             farthest + facet.shift_m + facet.travel_path_error_m,
@@ -232,7 +232,7 @@ void UncertainEdges::strip(const glm::dvec3& from, const glm::dvec3& to, double 
   }
 }
 
-void UncertainEdges::clash(const DoubtedPiece& piece, FacetId other, const DoubtSink& sink) const {
+void UncertainEdges::clash(const AmbiguousPiece& piece, FacetId other, const AmbiguitySink& sink) const {
   const FacetEnclosure &one = enclosures_.facets[piece.facet], &two = enclosures_.facets[other];
   const double off = one.shift_m + two.shift_m;
   Polygon part = piece.corners_m;
@@ -242,7 +242,8 @@ void UncertainEdges::clash(const DoubtedPiece& piece, FacetId other, const Doubt
   const auto give = [&](double beyond_m) {
     const auto [nearest, farthest] = ranges_of(part, one.plane_m);
     const double from = nearest - beyond_m, to = farthest + beyond_m, angle_sr = solid_angle_of(part);
-    if (of_ == DoubtsOf::directions) return sink({from, to, (one.most_per_sr + two.most_per_sr) * angle_sr});
+    if (of_ == AmbiguitiesOf::directions)
+      return sink({from, to, (one.most_per_sr + two.most_per_sr) * angle_sr});
     sink({from, to, one.most_per_sr * angle_sr, piece.facet, part});
     // The other's places may lie beside it: all of it may.
     sink({std::min(from, two.nearest_m), std::max(to, two.farthest_m), two.most_per_sr * angle_sr, other,
@@ -267,21 +268,21 @@ void UncertainEdges::clash(const DoubtedPiece& piece, FacetId other, const Doubt
 }
 
 void UncertainEdges::add_walls(std::span<const Wall> walls, double off_rad, std::span<const FacetId> nearby,
-                               const DoubtSink& sink) const {
+                               const AmbiguitySink& sink) const {
   if (walls.empty()) return;
   const Nearby near = nearby_of(nearby);
   // Rays are rounded.
   for (const Wall& wall : walls) strip(wall.first, wall.second, off_rad + 1e-9, near, sink);
 }
 
-void UncertainEdges::add_doubts(const NameContext& context, const TubeVisibility& seen,
-                                std::span<const DoubtedPiece> pieces, std::span<const FacetId> nearby,
-                                const DoubtSink& sink) const {
+void UncertainEdges::add_ambiguities(const NameContext& context, const TubeVisibility& seen,
+                                     std::span<const AmbiguousPiece> pieces, std::span<const FacetId> nearby,
+                                     const AmbiguitySink& sink) const {
   const Nearby near = nearby_of(nearby);
   for (std::size_t p = 0; p < pieces.size(); ++p) {
     stop_if_wanted();
     const NamedPiece& named = seen.pieces[p];
-    const DoubtedPiece& piece = pieces[p];
+    const AmbiguousPiece& piece = pieces[p];
     // What bounds the piece: of the planes that two neighbouring corners share, those through mesh edges.
     for (std::uint32_t k = 0; k < named.count; ++k) {
       const CornerName &c = seen.corners[named.first + k],
@@ -308,14 +309,14 @@ void UncertainEdges::add_doubts(const NameContext& context, const TubeVisibility
         if (plane.depth || ((plane.a | plane.b) & ray_bit) || is_smooth(plane.a, plane.b)) continue;
         const auto edge = edges_.find(key_of(plane.a, plane.b));
         strip(direction(c), direction(d), half_width(plane.a, plane.b), near, sink,
-              of_ == DoubtsOf::places && edge != edges_.end() ? &edge->second : nullptr);
+              of_ == AmbiguitiesOf::places && edge != edges_.end() ? &edge->second : nullptr);
       }
     }
     if (enclosures_.facets[piece.facet].state != State::proven || piece.corners_m.size() < 3) continue;
     const FacetEnclosure& one = enclosures_.facets[piece.facet];
     each_within(near, cone_of(piece.corners_m), [&](FacetId f) {
       const FacetEnclosure& two = enclosures_.facets[f];
-      if (of_ == DoubtsOf::places && is_smooth_between(piece.facet, f)) return;
+      if (of_ == AmbiguitiesOf::places && is_smooth_between(piece.facet, f)) return;
       if (parent_[f] != parent_[piece.facet] && two.nearest_m - two.shift_m <= one.farthest_m + one.shift_m &&
           two.farthest_m + two.shift_m >= one.nearest_m - one.shift_m)
         clash(piece, f, sink);

@@ -15,13 +15,13 @@
 namespace tubefoot {
 
 /// Up to `energy_j` more or less than the visible pieces' own, from ranges between these.
-struct Doubt {
+struct Ambiguity {
   double nearest_m = 0, farthest_m = 0, energy_j = 0;
   FacetId facet = 0;  ///< with places: whose they are
-  /// And on its apparent facet, those in doubt.
+  /// And on its apparent facet, those in ambiguity.
   std::span<const glm::dvec3> part_m{};
 };
-using DoubtSink = std::function<void(const Doubt& doubt)>;
+using AmbiguitySink = std::function<void(const Ambiguity& ambiguity)>;
 
 /// Directions about an axis.
 struct Cone {
@@ -29,34 +29,34 @@ struct Cone {
   double spread_rad = 0;
 };
 
-/// A visible piece as doubts need it.
-struct DoubtedPiece {
+/// A visible piece as ambiguities need it.
+struct AmbiguousPiece {
   FacetId facet = 0;
   std::vector<glm::dvec3> corners_m;
 };
-DoubtedPiece seen_piece(const NamedPiece& piece, const CertifiedPolygon& polygon);
+AmbiguousPiece seen_piece(const NamedPiece& piece, const CertifiedPolygon& polygon);
 
 /// What a direction decides, or a place: pieces of one apex are what is seen in a direction, met exactly by
 /// the walls of tubes, and at every edge between base facets another of them may be seen in it. Of pieces
 /// that are reported by places, facets' own edges are certain as long as neighbours lie on either side of
 /// them; which tube sees a place next to a wall is not.
-enum class DoubtsOf { directions, places };
+enum class AmbiguitiesOf { directions, places };
 
 class UncertainEdges {
  public:
   /// All outlive this.
   UncertainEdges(const FacetMesh& apparent, std::span<const FacetId> parent,
-                 const ApparentEnclosures& enclosures, DoubtsOf of = DoubtsOf::directions);
+                 const ApparentEnclosures& enclosures, AmbiguitiesOf of = AmbiguitiesOf::directions);
 
   /// Of the pieces of one tube; `nearby`: all facets that may be in it.
-  void add_doubts(const NameContext& context, const TubeVisibility& seen,
-                  std::span<const DoubtedPiece> pieces, std::span<const FacetId> nearby,
-                  const DoubtSink& sink) const;
+  void add_ambiguities(const NameContext& context, const TubeVisibility& seen,
+                       std::span<const AmbiguousPiece> pieces, std::span<const FacetId> nearby,
+                       const AmbiguitySink& sink) const;
 
   using Wall = std::pair<glm::dvec3, glm::dvec3>;
   /// Of places, on whichever facets: next to walls, each between two directions and off by that at most.
   void add_walls(std::span<const Wall> walls, double off_rad, std::span<const FacetId> nearby,
-                 const DoubtSink& sink) const;
+                 const AmbiguitySink& sink) const;
 
  private:
   struct EdgeOf {
@@ -79,13 +79,13 @@ class UncertainEdges {
   bool is_smooth_between(FacetId f, FacetId g) const;
   double half_width(VertexId a, VertexId b) const;
   void strip(const glm::dvec3& from, const glm::dvec3& to, double half_width_rad, const Nearby& nearby,
-             const DoubtSink& sink, const EdgeOf* edge = nullptr) const;
-  void clash(const DoubtedPiece& piece, FacetId other, const DoubtSink& sink) const;
+             const AmbiguitySink& sink, const EdgeOf* edge = nullptr) const;
+  void clash(const AmbiguousPiece& piece, FacetId other, const AmbiguitySink& sink) const;
 
   const FacetMesh& mesh_;
   std::span<const FacetId> parent_;
   const ApparentEnclosures& enclosures_;
-  DoubtsOf of_;
+  AmbiguitiesOf of_;
   std::unordered_map<std::uint64_t, EdgeOf> edges_;
   std::vector<Cone> cones_;  // by facet, of those that are proven
 };

@@ -24,7 +24,7 @@
 namespace tubefoot {
 namespace {
 
-constexpr std::uint32_t nowhere = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t no_tube = std::numeric_limits<std::uint32_t>::max();
 
 /// Beams that receive what is in their own tubes, all of it alike.
 BeamPatterns ideal_beams(const ReceiveBeams& beams) {
@@ -255,7 +255,7 @@ class OneApex {
     const std::vector<double> even_mu = mu_of_even_materials();
     const LaneSums sums(visibility_.hits(), energy_);
     alignas(64) HitBlock::Lanes<double> mu;
-    std::uint32_t tube = nowhere;
+    std::uint32_t tube = no_tube;
     std::size_t row = 0;
     for (const HitBlock& block : visibility_.hits()) {
       if (even_mu.empty()) {

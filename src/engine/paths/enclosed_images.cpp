@@ -17,7 +17,7 @@ namespace {
 
 constexpr double slack = enclosure_slack;
 constexpr double infinite = std::numeric_limits<double>::infinity();
-constexpr double most_off_rad = 0.2;  // from here on all is in doubt (UncertainEdges)
+constexpr double most_off_rad = 0.2;  // from here on all is in ambiguity (UncertainEdges)
 using State = FacetEnclosure::State;
 
 /// Directions in which an image of a facet may be seen.

@@ -116,7 +116,7 @@ TUBEFOOT_VECTOR_CLONES
 void meet_planes(const RayPlane* planes, const std::array<FacetId, RayPacket::size>& facet,
                  const glm::dvec3& place, double place_length, const RayPacket& rays,
                  const float* embree_range_m, MetPlanes& met) {
-  // A hundred times what rounding can do to the offset; beyond, the exact sign is not in doubt.
+  // A hundred times what rounding can do to the offset; beyond, the exact sign is not in ambiguity.
   constexpr double uncertain_offset = 1e-13;
   // Below, a ray may meet the plane away from the facet, where Embree's float saw a hit.
   constexpr double grazing_sine = 0.01, uncertain_range = 1e-6;

@@ -20,8 +20,8 @@ class RayPlanes {
 
   /// Sets range and grazing angle of `hit`, which has its facet already; false if its plane holds the apex.
   bool meet(GridPoint apex, glm::dvec3 direction, double embree_range_m, RayHit& hit) const;
-  /// The same of a packet, but for rays that are in doubt: those have to be asked for alone. Of lanes that
-  /// met nothing, `facet` must be the number of some facet all the same.
+  /// The same of a packet, but for rays that are in ambiguity: those have to be asked for alone. Of lanes
+  /// that met nothing, `facet` must be the number of some facet all the same.
   void meet(GridPoint apex, const RayPacket& rays, const std::array<FacetId, RayPacket::size>& facet,
             const float* embree_range_m, MetPlanes& met) const;
 

@@ -17,7 +17,7 @@ namespace {
 
 /// Hits that one task takes. No result depends on it.
 constexpr std::size_t hits_per_task = 1 << 12;
-constexpr std::uint32_t nowhere = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t no_tube = std::numeric_limits<std::uint32_t>::max();
 
 glm::dvec3 metres(GridPoint p, double unit_m) { return unit_m * glm::dvec3(p.x, p.y, p.z); }
 
@@ -38,7 +38,7 @@ struct LitFacet {
   SharedFacet shared;
   FacetId received = 0;  // where the receiver looks, in ApparentFacets
   Carried carried;
-  std::uint32_t number = nowhere;  // among those with hits that both see
+  std::uint32_t number = no_tube;  // among those with hits that both see
 };
 
 class Sharing {
@@ -60,14 +60,14 @@ class Sharing {
       stop_if_wanted();
       const std::size_t end = std::min((task + 1) * hits_per_task, hits_.size());
       for (std::size_t k = task * hits_per_task; k < end; ++k)
-        if (lit_by_[k] != nowhere) look_at(hits_[k], lit_by_[k], parts[task]);
+        if (lit_by_[k] != no_tube) look_at(hits_[k], lit_by_[k], parts[task]);
     });
     BistaticHistory found{sent_.tubes, received_.tubes, unit_m_, {}};
     found.shared.receiver_m = receiver_m_;
     for (const auto& part : parts)
       for (SharedHit hit : part) {
         LitFacet& facet = facets_[hit.seen];
-        if (facet.number == nowhere) {
+        if (facet.number == no_tube) {
           facet.number = std::uint32_t(found.shared.facets.size());
           found.shared.facets.push_back(facet.shared);
         }
@@ -82,12 +82,12 @@ class Sharing {
   void light() {
     std::unordered_map<FacetId, std::uint32_t> known;
     FacetId last = no_point;
-    std::uint32_t number = nowhere;
+    std::uint32_t number = no_tube;
     lit_by_.reserve(hits_.size());
     for (const RayHit& hit : hits_) {
       if (hit.facet != last) {
         last = hit.facet;
-        const auto [at, is_new] = known.try_emplace(hit.facet, nowhere);
+        const auto [at, is_new] = known.try_emplace(hit.facet, no_tube);
         if (is_new) at->second = add(hit.facet);
         number = at->second;
       }
@@ -103,7 +103,7 @@ class Sharing {
     facet.received = origin;
     if (apparent_ != nullptr) {
       facet.received = apparent_->received[origin];
-      if (facet.received == ApparentFacets::none) return nowhere;
+      if (facet.received == ApparentFacets::none) return no_tube;
       here = &sent_.scene.mesh();
       there = &received_.scene.mesh();
       facet_here = seen;
@@ -112,7 +112,7 @@ class Sharing {
     if (!FacetCone::make(*here, facet_here, sent_.tubes.apex, from_transmitter) ||
         !FacetCone::make(*there, facet.received, received_.tubes.apex, from_receiver) ||
         from_transmitter.reversed != from_receiver.reversed)
-      return nowhere;
+      return no_tube;
     facet.shared = facet_between(from_transmitter, from_receiver, unit_m_);
     facet.shared.facet = origin;
     for (std::size_t k = 0; k < 3; ++k) {

@@ -12,7 +12,7 @@ namespace {
 
 using Point = CertifiedPolygon::Point;
 
-Ball either(const Ball& a, const Ball& b) {
+Ball hull(const Ball& a, const Ball& b) {
   return Ball::between(std::min(a.lo(), b.lo()), std::max(a.hi(), b.hi()));
 }
 
@@ -70,7 +70,7 @@ Ball certified_mean_sine(std::span<const Point> points, const Ball& height, cons
   for (const Candidate& candidate : candidates) {
     if (candidate.distance2.lo() > nearest) continue;
     const Ball there = sine_at(candidate.at);
-    sine = sine ? either(*sine, there) : there;
+    sine = sine ? hull(*sine, there) : there;
   }
   return *sine;
 }

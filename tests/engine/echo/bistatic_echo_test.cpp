@@ -207,7 +207,7 @@ TEST(BistaticEcho, InOnePlaceItIsTheMonostaticEcho) {
   }
 }
 
-// Plain doubles name the same corners, where none is in doubt.
+// Plain doubles name the same corners, where none is in ambiguity.
 TEST(BistaticEcho, DoublesSeeTheSameWhereNothingIsDegenerate) {
   const Scenery run(terrain_with_box());
   const TubeSet a = test::forward_tubes({-1000000, 0, 0}, 4, 2, 70, 40, 20),

@@ -50,8 +50,8 @@ void expect_agree(const PathEcho& a, const PathEcho& b, double scale = 1, double
 /// one rises past the sonar's depth, so that no ray to it is proven.
 Setting few(bool apart) {
   Setting s = furnished(apart);
-  constexpr std::size_t loose = 2;
-  s.mesh.facets.resize(s.mesh.facets.size() - loose);
+  constexpr std::size_t conservative = 2;
+  s.mesh.facets.resize(s.mesh.facets.size() - conservative);
   s.mesh.material.resize(s.mesh.facets.size());
   s.mesh.component.resize(s.mesh.facets.size());
   s.transmit = around({0, 0, -5}, -86, 86, 2, 90);

@@ -366,7 +366,7 @@ TEST(Arithmetic, ErrorBoundsHold) {
 TEST(Arithmetic, FourHalfSpacesAtOnceSayWhatEachSays) {
   Random random(10);
   const Fixed kernel;
-  std::size_t sure = 0, in_doubt = 0;
+  std::size_t sure = 0, in_ambiguity = 0;
   for (int k = 0; k < 20000; ++k) {
     SCOPED_TRACE(testing::Message() << "seed 10, case " << k);
     const TestFacets facets = random_facets(random);
@@ -391,13 +391,13 @@ TEST(Arithmetic, FourHalfSpacesAtOnceSayWhatEachSays) {
       for (std::size_t h = 0; h < 4; ++h) {
         const int single = turned[h] * kernel.double_side(corner, planes[h]);
         EXPECT_EQ(sign_in(kernel.double_sides(corner, halves), h), single);
-        if (h < count) ++(single != 0 ? sure : in_doubt);
+        if (h < count) ++(single != 0 ? sure : in_ambiguity);
       }
     EXPECT_EQ(kernel.double_sides(p, halves), kernel.double_sides(corners[1], halves));
     ASSERT_FALSE(HasFailure());
   }
   EXPECT_GT(sure, 10000u);
-  EXPECT_GT(in_doubt, 10000u);
+  EXPECT_GT(in_ambiguity, 10000u);
 }
 
 TEST(Arithmetic, PlainDoubleIsWrongOnPlantedZerosWhereFixedIsRight) {

@@ -68,7 +68,7 @@ struct Counting : A {
     return settled(A::exact_nearer(f, p), false);
   }
 
-  // The first tier by itself: what it leaves in doubt is asked for once more, if no name tells.
+  // The first tier by itself: what it leaves in ambiguity is asked for once more, if no name tells.
   int double_side(const typename A::Corner& corner,
                   const typename A::Plane& plane) const requires std::is_same_v<A, FixedArithmetic> {
     const int s = A::double_side(corner, plane);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/certified/pattern_doubt.hpp"
+#include "engine/certified/pattern_ambiguity.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -74,20 +74,21 @@ double most_of(const MirrorLoss& loss, const Towards& towards) {
   return loss.factor * std::exp(-loss.roughness * exponent) * (1 + slack);
 }
 
-PatternDoubt::PatternDoubt(const TransmitPattern& transmit, const Towards& there,
-                           const BistaticEnclosure& proven)
+PatternAmbiguity::PatternAmbiguity(const TransmitPattern& transmit, const Towards& there,
+                                   const BistaticEnclosure& proven)
     : tx_beams(double(transmit.beams.size())), most_tx(tubefoot::most_of(transmit, there)) {
   for (const Directivity& beam : transmit.beams)
     tx_change = std::max(tx_change, root_change(beam, proven.turn_rad[0], proven.stretch[0], there));
 }
 
-void PatternDoubt::take_rx(const Directivity& receive, const Towards& back, const BistaticEnclosure& proven) {
+void PatternAmbiguity::take_rx(const Directivity& receive, const Towards& back,
+                               const BistaticEnclosure& proven) {
   most_rx = std::max(taken_ ? most_rx : 0.0, tubefoot::most_of(receive, back));
   rx_change = std::max(rx_change, root_change(receive, proven.turn_rad[1], proven.stretch[1], back));
   taken_ = true;
 }
 
-double PatternDoubt::of(double energy, double plain) const {
+double PatternAmbiguity::of(double energy, double plain) const {
   const double t = tx_change, n = tx_beams, r = rx_change, tx = plain * most_tx, rx = plain * most_rx,
                root_n = std::sqrt(n);
   return (2 * t * root_n * std::sqrt(energy * rx) + n * t * t * rx + 2 * r * std::sqrt(energy * tx) +

@@ -28,13 +28,13 @@ double most_of(const MirrorLoss& loss, const Towards& towards);
 /// What patterns in slightly other directions make of an energy, which would be `plain` without patterns.
 /// With a^2 and b^2 the patterns there and back, integrals of a times others are bounded by Cauchy's and
 /// Schwarz's inequality.
-struct PatternDoubt {
+struct PatternAmbiguity {
   double tx_change = 0, tx_beams = 1, most_tx = 1;
   double rx_change = 0, most_rx = 1;
 
   /// of the transmit leg; the receive leg is taken after that, of one receiver or the worst of several.
-  PatternDoubt() = default;
-  PatternDoubt(const TransmitPattern& transmit, const Towards& there, const BistaticEnclosure& proven);
+  PatternAmbiguity() = default;
+  PatternAmbiguity(const TransmitPattern& transmit, const Towards& there, const BistaticEnclosure& proven);
   void take_rx(const Directivity& receive, const Towards& back, const BistaticEnclosure& proven);
 
   double of(double energy, double plain) const;
