@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # cmake -DSOURCE=... -DOUTPUT=... -DREST=... -P built_from.cmake: writes the C++ file that says what a build was made from
-# (src/run/kept/build_identity.hpp), if it says something else than what is there. No times and no places: equal builds
+# (src/run/checkpoint/build_identity.hpp), if it says something else than what is there. No times and no places: equal builds
 # stay equal. The sources that decide bits are known by their hash, in a checkout, with changes or from an archive;
 # the revision, where there is one, is for people.
 file(GLOB_RECURSE files RELATIVE ${SOURCE} ${SOURCE}/geometry/* ${SOURCE}/sensors/* ${SOURCE}/src/* ${SOURCE}/cmake/*)

@@ -13,17 +13,17 @@ double unit_m(const Case& scene) { return std::ldexp(1.0, -scene.grid_exponent);
 
 /// As see(), in the coordinates of an engine that subtracts no origin.
 void see_absolutely(const Case& scene, const SceneTree& tree, std::uint32_t tube,
-                    const VisibilityOptions& options, Gathering& gathering,
+                    const VisibilityOptions& options, CandidateFacets& candidate_facets,
                     VisibilitySolver<AbsoluteDouble>& solver, TubeVisibility& out) {
   out.clear();
   for (const std::uint32_t ray : scene.tubes.tubes.at(tube)) out.rays.push_back(scene.tubes.rays[ray]);
-  gathering.gather(scene.mesh, tree, scene.tubes, tube, tube + 1);
+  candidate_facets.gather(scene.mesh, tree, scene.tubes, tube, tube + 1);
   AbsoluteDouble arithmetic;
   arithmetic.tolerance = options.tolerance;
   arithmetic.unit_m = unit_m(scene);
   const GridPoint apex = scene.tubes.apex;
   arithmetic.apex_m = scene.origin_m + arithmetic.unit_m * glm::dvec3(apex.x, apex.y, apex.z);
-  solver.begin(scene.mesh, apex, gathering);
+  solver.begin(scene.mesh, apex, candidate_facets);
   solver.run(arithmetic, options, out);
 }
 
@@ -39,13 +39,13 @@ CommonVisibility look(const Case& scene, Arithmetic arithmetic, double tolerance
   const SceneTree tree =
       absolute ? SceneTree(scene.mesh, SceneTree::HeightFieldSearch::ignored) : SceneTree(scene.mesh);
   VisibilityScratch scratch;
-  Gathering gathering;
+  CandidateFacets candidate_facets;
   VisibilitySolver<AbsoluteDouble> absolute_solver;
   TubeVisibility seen;
   CommonVisibility visibility;
   for (std::uint32_t t = 0; t < scene.tubes.tubes.size(); ++t) {
     if (absolute)
-      see_absolutely(scene, tree, t, options, gathering, absolute_solver, seen);
+      see_absolutely(scene, tree, t, options, candidate_facets, absolute_solver, seen);
     else
       see(scene.mesh, tree, scene.tubes, t, options, scratch, seen);
     CommonVisibility::OfTube& tube = visibility.tubes.emplace_back();

@@ -44,7 +44,7 @@ std::unique_ptr<TubeSolver> make_solver(Arithmetic arithmetic) {
 
 struct VisibilityScratch::State {
   std::array<std::unique_ptr<TubeSolver>, arithmetic_names.size()> solvers;
-  Gathering gathering;
+  CandidateFacets candidate_facets;
 };
 
 VisibilityScratch::VisibilityScratch() : state_(std::make_unique<State>()) {}
@@ -111,14 +111,14 @@ void see_run(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes,
              const VisibilityOptions& options, VisibilityScratch& scratch, TubeVisibility& out,
              const std::function<void(std::uint32_t)>& take) {
   VisibilityScratch::State& state = scratch.state();
-  if (!state.gathering.gather(mesh, tree, tubes, run.first, run.end)) {
+  if (!state.candidate_facets.gather(mesh, tree, tubes, run.first, run.end)) {
     const std::uint32_t middle = run.first + (run.end - run.first) / 2;
     see_run(mesh, tree, tubes, {run.first, middle}, options, scratch, out, take);
     see_run(mesh, tree, tubes, {middle, run.end}, options, scratch, out, take);
     return;
   }
   TubeSolver& solver = solver_of(state, options.arithmetic);
-  solver.begin(mesh, tubes.apex, state.gathering);
+  solver.begin(mesh, tubes.apex, state.candidate_facets);
   for (std::uint32_t tube = run.first; tube < run.end; ++tube) {
     see_gathered(tubes, tube, options, solver, out);
     take(tube);

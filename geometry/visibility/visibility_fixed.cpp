@@ -8,8 +8,8 @@ namespace {
 
 class FixedSolver final : public TubeSolver {
  public:
-  void begin(const FacetMesh& mesh, GridPoint apex, const Gathering& gathering) override {
-    solver_.begin(mesh, apex, gathering);
+  void begin(const FacetMesh& mesh, GridPoint apex, const CandidateFacets& candidate_facets) override {
+    solver_.begin(mesh, apex, candidate_facets);
   }
   void run(const VisibilityOptions& options, TubeVisibility& out) override {
     solver_.run(FixedArithmetic{}, options, out);

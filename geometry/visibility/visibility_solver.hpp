@@ -11,7 +11,7 @@
 #include "geometry/mesh/facet_cone.hpp"
 #include "geometry/steps/reused_list.hpp"
 #include "geometry/steps/stop.hpp"
-#include "geometry/visibility/gathering.hpp"
+#include "geometry/visibility/candidate_facets.hpp"
 #include "geometry/visibility/gnomonic_frame.hpp"
 #include "geometry/visibility/layer_grid.hpp"
 #include "geometry/visibility/piece_cutter.hpp"
@@ -24,14 +24,14 @@ namespace tubefoot {
 template <class A>
 class VisibilitySolver : PieceCutter<A> {
  public:
-  /// One thread's work on the tubes that `gathering` was made for, which must outlive it. The solver is
-  /// reused from tube to tube and keeps its buffers.
-  void begin(const FacetMesh& mesh, GridPoint apex, const Gathering& gathering) {
+  /// One thread's work on the tubes that `candidate_facets` was made for, which must outlive it. The solver
+  /// is reused from tube to tube and keeps its buffers.
+  void begin(const FacetMesh& mesh, GridPoint apex, const CandidateFacets& candidate_facets) {
     mesh_ = &mesh;
     apex_ = apex;
-    gathering_ = &gathering;
-    place_.assign(gathering.facets().size(), absent);
-    folds_.assign(3 * gathering.facets().size(), Fold::unknown);
+    candidate_facets_ = &candidate_facets;
+    place_.assign(candidate_facets.facets().size(), absent);
+    folds_.assign(3 * candidate_facets.facets().size(), Fold::unknown);
   }
 
   /// One tube.
@@ -128,14 +128,14 @@ class VisibilitySolver : PieceCutter<A> {
   /// The tube's own of the facets gathered.
   void gather() {
     const auto& rays = out_->rays;
-    const auto inwards = [&](int k) { return Gathering::Wall(cross(rays[k], rays[(k + 1) % 4])); };
-    const std::array<Gathering::Wall, 4> walls{inwards(0), inwards(1), inwards(2), inwards(3)};
+    const auto inwards = [&](int k) { return CandidateFacets::Wall(cross(rays[k], rays[(k + 1) % 4])); };
+    const std::array<CandidateFacets::Wall, 4> walls{inwards(0), inwards(1), inwards(2), inwards(3)};
     facets_.clear();
     gathered_.clear();
     sides_of_walls_.clear();
-    const std::vector<RangedFacet>& all = gathering_->facets();
+    const std::vector<RangedFacet>& all = candidate_facets_->facets();
     for (std::uint32_t f = 0; f < all.size(); ++f)
-      if (WallSides sides; gathering_->admits(f, walls) && enters_tube(all[f].cone, sides)) {
+      if (WallSides sides; candidate_facets_->admits(f, walls) && enters_tube(all[f].cone, sides)) {
         gathered_.push_back(f);
         add_facet(all[f], sides);
       }
@@ -146,7 +146,7 @@ class VisibilitySolver : PieceCutter<A> {
 
   void gather_hidden() {
     RangedFacet facet;
-    for (const FacetId id : gathering_->hidden())
+    for (const FacetId id : candidate_facets_->hidden())
       if (WallSides sides; FacetCone::make(*mesh_, id, apex_, facet.cone) && enters_tube(facet.cone, sides)) {
         facet.measure_ranges();
         add_facet(facet, sides);
@@ -211,7 +211,7 @@ class VisibilitySolver : PieceCutter<A> {
 
   void find_layers() {
     const auto count = static_cast<std::uint32_t>(facets_.size());
-    const EdgeRings& rings = gathering_->rings();
+    const EdgeRings& rings = candidate_facets_->rings();
     neighbours_.assign(count, Neighbours{silhouette, silhouette, silhouette});
     crowded_.assign(count, 0);
     for (std::uint32_t f = 0; f < count; ++f) place_[gathered_[f]] = f;
@@ -246,15 +246,15 @@ class VisibilitySolver : PieceCutter<A> {
 
   /// Whether the facets of two half-edges of one edge lie on opposite sides of its plane. Exact.
   bool unfolded(std::uint32_t half_edge, std::uint32_t mate) {
-    if (folds_[half_edge] == Fold::unknown || gathering_->rings().next(mate) != half_edge)
+    if (folds_[half_edge] == Fold::unknown || candidate_facets_->rings().next(mate) != half_edge)
       folds_[half_edge] = are_unfolded(half_edge, mate) ? Fold::no : Fold::yes;
     return folds_[half_edge] == Fold::no;
   }
 
   bool are_unfolded(std::uint32_t half_edge, std::uint32_t mate) const {
     // The first facet lies on the positive side of its edge's plane; the other one must lie on the negative.
-    const FacetCone &cone = gathering_->facets()[half_edge / 3].cone,
-                    &other = gathering_->facets()[mate / 3].cone;
+    const FacetCone &cone = candidate_facets_->facets()[half_edge / 3].cone,
+                    &other = candidate_facets_->facets()[mate / 3].cone;
     const std::uint32_t k = half_edge % 3, next = (k + 1) % 3;
     typename A::Plane plane;
     arithmetic_.through(plane, cone.point[k], cone.point[next]);
@@ -513,7 +513,7 @@ class VisibilitySolver : PieceCutter<A> {
 
   const FacetMesh* mesh_ = nullptr;
   GridPoint apex_;
-  const Gathering* gathering_ = nullptr;
+  const CandidateFacets* candidate_facets_ = nullptr;
   std::vector<std::uint32_t> place_;  ///< by gathered facet: its index in facets_, or absent
   std::vector<Fold> folds_;           ///< by half-edge of the gathering
   VisibilityOptions options_;

@@ -8,8 +8,8 @@
 #include "bindings.hpp"
 #include "files/file_hash.hpp"
 #include "run/no_return.hpp"
+#include "run/placement.hpp"
 #include "run/run_steps.hpp"
-#include "run/standing.hpp"
 #include "scene.hpp"
 #include "sensors/kinds/scene_file.hpp"
 
@@ -86,8 +86,8 @@ std::vector<std::pair<std::string, bool>> warnings_of(const Survey& survey) {
   };
   add(survey.scene.report.warnings);
   add(files_left_out(survey));
-  for (const Standing& standing : standings(survey))
-    if (!standing.warning.empty()) add({standing.warning});
+  for (const SeabedPlacement& placement : placements(survey))
+    if (!placement.warning.empty()) add({placement.warning});
   add(vast_windows(survey));
   for (const NoReturn& no_return : expected_no_returns(survey, request_of(survey.scene.description.run)))
     all.emplace_back(no_return.warning, true);

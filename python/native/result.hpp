@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "run/kept/ping_store.hpp"
+#include "run/checkpoint/ping_store.hpp"
 #include "run/survey.hpp"
 #include "sensors/recordings/label_recording.hpp"
 #include "sensors/recordings/read_recording.hpp"

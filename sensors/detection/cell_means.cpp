@@ -12,7 +12,7 @@
 #include <string>
 
 #include "files/checked_file.hpp"
-#include "files/gdal_door.hpp"
+#include "files/gdal_access.hpp"
 #include "files/gdal_messages.hpp"
 
 namespace tubefoot {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "files/checked_file.hpp"
-#include "files/gdal_door.hpp"
+#include "files/gdal_access.hpp"
 #include "files/gdal_messages.hpp"
 #include "files/streamed_file.hpp"
 

@@ -18,12 +18,12 @@
 #include "run/console/progress.hpp"
 #include "run/console/say.hpp"
 #include "run/no_return.hpp"
+#include "run/placement.hpp"
 #include "run/run_request.hpp"
 #include "run/run_steps.hpp"
 #include "run/settings.hpp"
 #include "run/signals.hpp"
 #include "run/simulation.hpp"
-#include "run/standing.hpp"
 #include "run/survey.hpp"
 #include "run/tiles_in_view.hpp"
 #include "run/transmission.hpp"
@@ -60,12 +60,12 @@ void print_frame(const Scene& scene) {
 }
 
 /// How objects stand to the bed.
-void print_standings(const std::vector<Standing>& standings) {
+void print_standings(const std::vector<SeabedPlacement>& placements) {
   constexpr std::size_t most_listed = 50;
-  if (!standings.empty()) tell("\n{:<24} how it stands to the bed\n", "object");
-  for (std::size_t i = 0; i < std::min(standings.size(), most_listed); ++i)
-    tell("{:<24} {}\n", shown_line(standings[i].object), standings[i].words);
-  if (standings.size() > most_listed) tell("and {} more objects\n", standings.size() - most_listed);
+  if (!placements.empty()) tell("\n{:<24} how it stands to the bed\n", "object");
+  for (std::size_t i = 0; i < std::min(placements.size(), most_listed); ++i)
+    tell("{:<24} {}\n", shown_line(placements[i].object), placements[i].words);
+  if (placements.size() > most_listed) tell("and {} more objects\n", placements.size() - most_listed);
 }
 
 /// Where a sensor pings, in time and space.
@@ -247,14 +247,14 @@ int check_command(const CheckOptions& options) {
   require_able_to_run(*survey, request);
   print_warnings(scene.report.warnings, options.quiet);
   print_warnings(files_left_out(*survey), options.quiet);
-  const std::vector<Standing> standings = tubefoot::standings(*survey);
-  for (const Standing& standing : standings)
-    if (!standing.warning.empty()) print_warnings({standing.warning}, options.quiet);
+  const std::vector<SeabedPlacement> placements = tubefoot::placements(*survey);
+  for (const SeabedPlacement& placement : placements)
+    if (!placement.warning.empty()) print_warnings({placement.warning}, options.quiet);
   print_warnings(vast_windows(*survey), options.quiet);
   for (const NoReturn& no_return : expected_no_returns(*survey, request))
     print_warnings({no_return.warning}, options.quiet);
   if (picture) {
-    write_scene_picture(picture->path(), *survey, standings);
+    write_scene_picture(picture->path(), *survey, placements);
     picture->commit();
   }
 
@@ -265,7 +265,7 @@ int check_command(const CheckOptions& options) {
   tell("\n");
   print_components(scene);
   print_fineness(scene);
-  print_standings(standings);
+  print_standings(placements);
   print_materials(scene);
   print_mesh_names(scene);
   std::size_t refused = 0;

@@ -29,10 +29,10 @@
 #include "files/usage_error.hpp"
 #include "files/words.hpp"
 #include "geometry/steps/stop.hpp"
+#include "run/checkpoint/build_identity.hpp"
 #include "run/console/exhausted.hpp"
 #include "run/console/interrupt.hpp"
 #include "run/console/say.hpp"
-#include "run/kept/build_identity.hpp"
 #include "run/ranks/rank_link.hpp"
 
 namespace tubefoot {

@@ -6,8 +6,8 @@
 namespace tubefoot {
 
 /// The libraries that results do not hang on, or only by their version's promise, a line each: what
-/// `--version` says below the build (run/kept/build_identity.hpp has those that decide bits). As they are at
-/// hand now, where a library tells; else as it was compiled.
+/// `--version` says below the build (run/checkpoint/build_identity.hpp has those that decide bits). As they
+/// are at hand now, where a library tells; else as it was compiled.
 std::string library_versions();
 
 }  // namespace tubefoot

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "files/atomic_output.hpp"
-#include "run/kept/ping_store.hpp"
+#include "run/checkpoint/ping_store.hpp"
 #include "run/options.hpp"
 #include "run/run_request.hpp"
 #include "run/run_warnings.hpp"

@@ -116,7 +116,7 @@ void refuse_turned_over(const fs::path& part, GDALDataset& source,
 /// What a coordinate reference system names that is a file of corrections, as GDAL and PROJ understand its
 /// text, whatever its spelling in the file: the file, or the word for it; empty: nothing. All of them are
 /// looked at, because GDAL may be asked for any of them later.
-std::string named_by_crs(GDALDataset& dataset, const GdalDoor& door) {
+std::string named_by_crs(GDALDataset& dataset, const GdalAccess& access) {
   GridWords words;
   const auto look_at = [&](const OGRSpatialReference* crs) {
     if (crs == nullptr) return;
@@ -134,14 +134,14 @@ std::string named_by_crs(GDALDataset& dataset, const GdalDoor& door) {
   for (OGRLayer* layer : dataset.GetLayers())
     for (int field = 0; field < layer->GetLayerDefn()->GetGeomFieldCount(); ++field)
       look_at(layer->GetLayerDefn()->GetGeomFieldDefn(field)->GetSpatialRef());
-  return door.rejected_by_proj().empty() ? std::string(words.met()) : door.rejected_by_proj();
+  return access.rejected_by_proj().empty() ? std::string(words.met()) : access.rejected_by_proj();
 }
 
 /// Throws InputError for a virtual raster with a source that cannot be read, or is stored in blocks that are
 /// too large: its own blocks say nothing of theirs.
 void check_sources(const fs::path& vrt, const std::vector<fs::path>& companions) {
   const GdalMessages messages;
-  const GdalDoor door(companions);
+  const GdalAccess access(companions);
   const auto fail = [&](const std::string& what) {
     throw InputError({vrt.string(), 0, 0}, what + messages.in_brackets());
   };
@@ -154,7 +154,7 @@ void check_sources(const fs::path& vrt, const std::vector<fs::path>& companions)
                        name_of(format)));
     if (sends_elsewhere(*source))
       fail(fmt::format("is a virtual raster of '{}', which {}", part.string(), elsewhere(part)));
-    if (const std::string named = named_by_crs(*source, door); !named.empty())
+    if (const std::string named = named_by_crs(*source, access); !named.empty())
       fail(fmt::format("is a virtual raster of '{}', which {}", part.string(), names_grids(named)));
     if (format == FileFormat::bag && has_bag_refinements(part))
       fail(fmt::format("is a virtual raster of '{}', which {}", part.string(), overview(part, *source)));
@@ -206,7 +206,7 @@ std::string crs_text(const OGRSpatialReference* crs) {
 }
 
 GdalInput::GdalInput(const fs::path& file, std::initializer_list<FileFormat> expected, Variable variable)
-    : place_{file.string(), 0, 0}, door_(with_companions(file)) {
+    : place_{file.string(), 0, 0}, access_(with_companions(file)) {
   const FileFormat format = format_of(file);
   if (std::ranges::find(expected, format) == expected.end())
     fail(fmt::format("cannot be read as {}: it is {}; {} converts many formats", list_of(expected),
@@ -219,7 +219,7 @@ GdalInput::GdalInput(const fs::path& file, std::initializer_list<FileFormat> exp
   if (dataset_ == nullptr)
     fail(fmt::format("cannot be read as {}: it is cut off or corrupt", name_of(format)));
   if (sends_elsewhere(*dataset_)) fail(elsewhere(file));
-  if (const std::string named = named_by_crs(*dataset_, door_); !named.empty()) fail(names_grids(named));
+  if (const std::string named = named_by_crs(*dataset_, access_); !named.empty()) fail(names_grids(named));
   variable_resolution_ = format == FileFormat::bag && has_bag_refinements(file);
   if (variable == Variable::refused && variable_resolution_) fail(overview(file, *dataset_));
   if (is_netcdf(format) && dataset_->GetRasterCount() > 0) {
@@ -330,7 +330,7 @@ void GdalInput::read_row(GDALRasterBand& band, int row, int column, int columns,
   stop_if_wanted();
   if (const auto problem = too_large_block(band, advised(in_tiles))) fail(*problem);
   const CPLErr read = band.RasterIO(GF_Read, column, row, columns, 1, out, columns, 1, type, 0, 0, nullptr);
-  if (const std::string& named = door_.rejected_by_proj(); !named.empty()) fail(names_grids(named));
+  if (const std::string& named = access_.rejected_by_proj(); !named.empty()) fail(names_grids(named));
   if (read == CE_None) return;
   // GDAL's last word names the file, which may be one of many in a virtual raster.
   const auto& told = messages_.failures();

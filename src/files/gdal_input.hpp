@@ -10,7 +10,7 @@
 #include <string>
 
 #include "files/file_format.hpp"
-#include "files/gdal_door.hpp"
+#include "files/gdal_access.hpp"
 #include "files/gdal_messages.hpp"
 #include "files/input_error.hpp"
 #include "files/netcdf_grid.hpp"
@@ -25,7 +25,7 @@ std::string crs_text(const OGRSpatialReference* crs);
 inline constexpr const char* warp_heights = "-r bilinear -ot Float64 -dstnodata nan";
 inline constexpr const char* warp_classes = "-r near -ot Float64 -dstnodata nan";
 
-/// A raster or vector file that GDAL reads, open, with what companions_of() it and nothing else (GdalDoor).
+/// A raster or vector file that GDAL reads, open, with what companions_of() it and nothing else (GdalAccess).
 /// Used by the thread that made it; while it lives, GDAL's messages on that thread go to messages(). All
 /// errors are InputErrors at the file, with GDAL's own words.
 class GdalInput {
@@ -74,7 +74,7 @@ class GdalInput {
  private:
   SourcePlace place_;
   GdalMessages messages_;
-  GdalDoor door_;
+  GdalAccess access_;
   GDALDatasetUniquePtr dataset_;
   bool variable_resolution_ = false, in_degrees_ = false;
   std::optional<NetcdfGrid> netcdf_;  ///< of a netCDF variable that GDAL has no geotransform of

@@ -13,7 +13,7 @@
 
 #include "files/checked_file.hpp"
 #include "files/csv_file.hpp"
-#include "files/gdal_door.hpp"
+#include "files/gdal_access.hpp"
 #include "files/gdal_messages.hpp"
 #include "footprints/plan_shape.hpp"
 

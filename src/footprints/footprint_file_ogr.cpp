@@ -7,7 +7,7 @@
 #include <array>
 
 #include "files/checked_file.hpp"
-#include "files/gdal_door.hpp"
+#include "files/gdal_access.hpp"
 #include "files/gdal_messages.hpp"
 #include "footprints/footprint_file.hpp"
 #include "footprints/footprint_place.hpp"

@@ -106,7 +106,7 @@ TrackMark track_of(const Trajectory& trajectory, const SensorPings& pings) {
 
 }  // namespace
 
-SceneMarks marks_of(const Survey& survey, std::span<const Standing> standings) {
+SceneMarks marks_of(const Survey& survey, std::span<const SeabedPlacement> placements) {
   const Scene& scene = survey.scene;
   SceneMarks marks;
   marks.terrain = extent_of(scene, Components::terrains);
@@ -114,7 +114,7 @@ SceneMarks marks_of(const Survey& survey, std::span<const Standing> standings) {
   for (std::size_t i = terrains; i < scene.report.components.size(); ++i) {
     const ComponentReport& object = scene.report.components[i];
     if (object.facets == 0) continue;
-    const bool buried = i - terrains < standings.size() && standings[i - terrains].is_buried;
+    const bool buried = i - terrains < placements.size() && placements[i - terrains].is_buried;
     marks.objects.push_back({object.name, i, {object.lo_m, object.hi_m}, buried});
   }
   add_sectors(survey, marks.sectors);

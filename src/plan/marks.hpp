@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "plan/bed.hpp"
-#include "run/standing.hpp"
+#include "run/placement.hpp"
 #include "run/survey.hpp"
 #include "scene/extent.hpp"
 
@@ -65,9 +65,9 @@ struct SceneMarks {
   Extent terrain;
 };
 
-/// Of the pings of each sensor first, middle and last, and headings at some more. `standings`: of the
+/// Of the pings of each sensor first, middle and last, and headings at some more. `placements`: of the
 /// objects, if they are known.
-SceneMarks marks_of(const Survey& survey, std::span<const Standing> standings);
+SceneMarks marks_of(const Survey& survey, std::span<const SeabedPlacement> placements);
 
 /// Looks along each direction of a sector, where it meets the bed or the sea surface.
 void look_for_bed(SectorMark& sector, const PlanHeights& bed, std::optional<double> surface_m);

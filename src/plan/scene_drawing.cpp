@@ -153,8 +153,8 @@ Scope scope_of(const SceneMarks& marks) {
 
 class Drawing {
  public:
-  Drawing(const Survey& survey, std::span<const Standing> standings)
-      : survey_(survey), marks_(marks_of(survey, standings)), painter_(survey_, marks_, sheet_) {
+  Drawing(const Survey& survey, std::span<const SeabedPlacement> placements)
+      : survey_(survey), marks_(marks_of(survey, placements)), painter_(survey_, marks_, sheet_) {
     look_for_bed(survey, marks_);
     scope_ = scope_of(marks_);
   }
@@ -297,21 +297,21 @@ class Drawing {
 
 }  // namespace
 
-std::string scene_drawing(const Survey& survey, std::span<const Standing> standings) {
-  return Drawing(survey, standings).svg();
+std::string scene_drawing(const Survey& survey, std::span<const SeabedPlacement> placements) {
+  return Drawing(survey, placements).svg();
 }
 
 void write_scene_picture(const std::filesystem::path& file, const Survey& survey,
-                         std::span<const Standing> standings) {
+                         std::span<const SeabedPlacement> placements) {
   // Where less is left librsvg, or a library below it, ends the program instead of saying so.
   constexpr double needed_bytes = 100e6;
   if (memory_at_hand() < needed_bytes) throw std::bad_alloc();
-  write_png_of_svg(scene_drawing(survey, standings), file);
+  write_png_of_svg(scene_drawing(survey, placements), file);
 }
 
 void write_scene_picture(const std::filesystem::path& file, const Survey& survey) {
   const bool soon = !survey.loaded_scene->has_ground_per_transmission() && !survey.loaded_scene->is_tiled();
-  write_scene_picture(file, survey, soon ? standings(survey) : std::vector<Standing>());
+  write_scene_picture(file, survey, soon ? placements(survey) : std::vector<SeabedPlacement>());
 }
 
 }  // namespace tubefoot

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "run/kept/part_file.hpp"
+#include "run/checkpoint/part_file.hpp"
 #include "run/options.hpp"
 #include "run/run_request.hpp"
 #include "run/survey.hpp"

@@ -11,8 +11,8 @@
 #include "files/input_error.hpp"
 #include "files/usage_error.hpp"
 #include "geometry/steps/stop.hpp"
+#include "run/checkpoint/build_identity.hpp"
 #include "run/console/exhausted.hpp"
-#include "run/kept/build_identity.hpp"
 
 namespace tubefoot {
 namespace {
@@ -29,7 +29,7 @@ fs::path beside(const fs::path& output, const std::string& suffix) {
   return file += suffix;
 }
 
-void refuse_other_request(const Json& kept, const Json& requested, const KeptWords& words) {
+void refuse_other_request(const Json& kept, const Json& requested, const CheckpointMessages& words) {
   for (const auto& [key, value] : requested.items()) {
     const Json before = kept.contains(key) ? kept.at(key) : Json();
     if (before == value) continue;

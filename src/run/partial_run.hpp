@@ -10,7 +10,7 @@
 #include <string>
 
 #include "geometry/steps/stop.hpp"
-#include "run/kept/ping_store.hpp"
+#include "run/checkpoint/ping_store.hpp"
 #include "run/run_request.hpp"
 
 namespace tubefoot {
@@ -23,7 +23,7 @@ std::filesystem::path beside(const std::filesystem::path& output, const std::str
 void keep_through(const std::function<std::string()>& advice, const std::function<void()>& work);
 
 /// How to speak of a run whose pings are kept, and of what to do where they are not what is asked for.
-struct KeptWords {
+struct CheckpointMessages {
   std::string run = "the run that --resume would go on with";
   std::string anew = "delete the .partial file to begin anew";
 };
@@ -73,7 +73,7 @@ class PartialRun {
 /// Throws UsageError naming the first thing that differs between what a kept run was asked and what this one
 /// is.
 void refuse_other_request(const nlohmann::ordered_json& kept, const nlohmann::ordered_json& requested,
-                          const KeptWords& words = {});
+                          const CheckpointMessages& words = {});
 
 /// The settings of a kept run, if it was asked what this one is. Throws UsageError naming the first thing
 /// that differs, or saying that what was kept is damaged.

@@ -11,7 +11,7 @@
 #include "engine/certified/reference.hpp"
 #include "engine/echo/finer_relief.hpp"
 #include "engine/echo/lit_echo.hpp"
-#include "run/kept/ping_store.hpp"
+#include "run/checkpoint/ping_store.hpp"
 #include "run/transmission.hpp"
 
 namespace tubefoot {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/paths/path_echo.hpp"
-#include "run/kept/ping_store.hpp"
+#include "run/checkpoint/ping_store.hpp"
 #include "run/transmission.hpp"
 
 // Sonars in water that refracts (docs/refraction.md).

@@ -11,7 +11,7 @@
 #include <string>
 
 #include "engine/ground/ground.hpp"
-#include "run/kept/build_identity.hpp"
+#include "run/checkpoint/build_identity.hpp"
 #include "run/refraction.hpp"
 #include "run/run_steps.hpp"
 

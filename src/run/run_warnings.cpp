@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "run/open_signals.hpp"
+#include "run/placement.hpp"
 #include "run/refraction.hpp"
-#include "run/standing.hpp"
 
 namespace tubefoot {
 

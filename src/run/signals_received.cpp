@@ -31,9 +31,9 @@ constexpr double most_scatterers = 1e10;
 constexpr double signal_floor = 1e-3;
 
 /// Throws std::invalid_argument for a field that has too many scatterers on what is seen.
-void check_number(const SeenPatches& seen, const GroundField& field) {
+void check_number(const VisiblePolygons& seen, const GroundField& field) {
   double count = 0;
-  for (const SeenPatch& patch : seen.patches) {
+  for (const VisiblePolygon& patch : seen.patches) {
     const std::span<const glm::dvec3> corners = seen.corners(patch);
     glm::dvec3 twice(0);
     for (std::size_t k = 2; k < corners.size(); ++k)
@@ -177,7 +177,7 @@ class TransmissionSignals {
     ChannelSignals all = silence_of({});
     for_views(history, [&](const CommonVisibility& visibility, const std::vector<SignalChannel>& channels) {
       const ChannelSignals its =
-          of(seen_patches(visibility, echo_model_.echo_model), channels, echo_model_.echo_model);
+          of(visible_polygons(visibility, echo_model_.echo_model), channels, echo_model_.echo_model);
       all.channels += its.channels;
       all.value.insert(all.value.end(), its.value.begin(), its.value.end());
     });
@@ -237,11 +237,11 @@ class TransmissionSignals {
                ? nullptr
                : surface_of(facet, echo_model);
   }
-  ChannelSignals of(const SeenPatches& seen, std::vector<SignalChannel> channels,
+  ChannelSignals of(const VisiblePolygons& seen, std::vector<SignalChannel> channels,
                     const EchoModel& echo_model) const {
     const CoherentReceiver receiver = receiver_with(std::move(channels));
-    const SplitPatches patches =
-        split_patches(seen, [&](FacetId facet) { return surface_of(facet, echo_model) != nullptr; });
+    const SplitPolygons patches =
+        split_polygons(seen, [&](FacetId facet) { return surface_of(facet, echo_model) != nullptr; });
     check_number(patches.rough, field_);
     ChannelSignals all = element_signals(patches.rough, receiver, echo_model, field_, model_.tolerance);
     if (!patches.smooth.patches.empty())
@@ -254,8 +254,8 @@ class TransmissionSignals {
   CertifiedSignals certified(const CommonVisibility& visibility, const std::vector<SignalChannel>& channels,
                              double tolerance) const {
     const EchoModel& echo_model = echo_model_.echo_model;
-    const SplitPatches patches =  // those with a bound first
-        split_patches(seen_patches(visibility, echo_model), [&](FacetId facet) {
+    const SplitPolygons patches =  // those with a bound first
+        split_polygons(visible_polygons(visibility, echo_model), [&](FacetId facet) {
           const SmoothSurface* surface = surface_of(facet, echo_model);
           return surface != nullptr && std::ranges::all_of(channels, [&](const SignalChannel& channel) {
                    return CertifiedSmoothSignals::can_bound(*surface, channel, echo_model.path);

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "run/checkpoint/ping_store.hpp"
 #include "run/console/progress.hpp"
 #include "run/echo_parts.hpp"
-#include "run/kept/ping_store.hpp"
 #include "run/ping_order.hpp"
 #include "run/transmission.hpp"
 #include "sensors/recordings/recording.hpp"

@@ -5,7 +5,7 @@
 #include <memory>
 #include <span>
 
-#include "run/kept/ping_store.hpp"
+#include "run/checkpoint/ping_store.hpp"
 #include "sensors/recordings/ping_energies.hpp"
 
 // A store's pings, as recordings read them.

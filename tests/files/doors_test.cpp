@@ -32,8 +32,8 @@ std::vector<std::string> lines_with(const fs::path& file, const std::regex& patt
 }
 
 /// In all code of the program and the Python module but src/files and the files named.
-std::vector<std::string> outside_of_the_doors(const std::string& pattern,
-                                              const std::vector<std::string>& allowed = {}) {
+std::vector<std::string> outside_of_gdal_access(const std::string& pattern,
+                                                const std::vector<std::string>& allowed = {}) {
   std::vector<std::string> found;
   const std::regex words(pattern);
   for (const char* folder : {"geometry", "sensors", "src", "python/native"})
@@ -52,25 +52,25 @@ using testing::IsEmpty;
 
 TEST(Doors, FilesAreReadThroughTheInputRegistry) {
   EXPECT_THAT(
-      outside_of_the_doors(R"(\bifstream\b|\bfstream\b|\bfopen\s*\(|\bfreopen\s*\(|H5Fopen|sqlite3_open)"),
+      outside_of_gdal_access(R"(\bifstream\b|\bfstream\b|\bfopen\s*\(|\bfreopen\s*\(|H5Fopen|sqlite3_open)"),
       IsEmpty());
-  EXPECT_THAT(outside_of_the_doors(R"(\bnc_open\s*\()", {"sensors/recordings/netcdf_group.hpp",
-                                                         "sensors/formats/netcdf_stream.cpp"}),
+  EXPECT_THAT(outside_of_gdal_access(R"(\bnc_open\s*\()", {"sensors/recordings/netcdf_group.hpp",
+                                                           "sensors/formats/netcdf_stream.cpp"}),
               IsEmpty());
   EXPECT_THAT(
-      outside_of_the_doors(R"(GDALDataset::Open|\bGDALOpen|\bOGROpen|GDALAllRegister|ImageInput::open)",
-                           {"src/footprints/footprint_file_ogr.cpp"}),  // looks at what it wrote
+      outside_of_gdal_access(R"(GDALDataset::Open|\bGDALOpen|\bOGROpen|GDALAllRegister|ImageInput::open)",
+                             {"src/footprints/footprint_file_ogr.cpp"}),  // looks at what it wrote
       IsEmpty());
-  EXPECT_THAT(outside_of_the_doors(R"(parse_file\s*\(|CPLParseXMLFile|VSIFOpen)"), IsEmpty());
+  EXPECT_THAT(outside_of_gdal_access(R"(parse_file\s*\(|CPLParseXMLFile|VSIFOpen)"), IsEmpty());
 }
 
 TEST(Doors, FilesAreWrittenThroughTheAtomicOutput) {
-  EXPECT_THAT(outside_of_the_doors(R"(\bofstream\b|\bmkstemp|\bmkdtemp|\btmpfile\s*\()"), IsEmpty());
+  EXPECT_THAT(outside_of_gdal_access(R"(\bofstream\b|\bmkstemp|\bmkdtemp|\btmpfile\s*\()"), IsEmpty());
   EXPECT_THAT(
-      outside_of_the_doors(
+      outside_of_gdal_access(
           R"((fs::|filesystem::|std::|::)(rename|copy_file|create_directory|create_directories)\s*\()"),
       IsEmpty());
-  EXPECT_THAT(outside_of_the_doors(R"(\b(renameat|renameat2|unlinkat|symlink|linkat)\s*\()"), IsEmpty());
+  EXPECT_THAT(outside_of_gdal_access(R"(\b(renameat|renameat2|unlinkat|symlink|linkat)\s*\()"), IsEmpty());
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 
 #include "files/usage_error.hpp"
 #include "fuzz.hpp"
-#include "run/kept/part_file.hpp"
+#include "run/checkpoint/part_file.hpp"
 #include "run/partial_run.hpp"
 #include "run/refined_bed_file.hpp"
 #include "sensors/kinds/scene_file.hpp"

@@ -5,7 +5,7 @@
 
 #include "fixtures/geometry/exact_oracles.hpp"
 #include "fixtures/geometry/layered_scenes.hpp"
-#include "geometry/visibility/gathering.hpp"
+#include "geometry/visibility/candidate_facets.hpp"
 #include "geometry/visibility/gnomonic_frame.hpp"
 
 // What doubles say surely is so, in rationals.
@@ -84,22 +84,23 @@ TEST(GnomonicFilters, WhatIsSureIsSo) {
 }
 
 // Law G1.
-TEST(Gathering, RefusesOnlyFacetsThatAWallHasNoVertexOf) {
+TEST(CandidateFacets, RefusesOnlyFacetsThatAWallHasNoVertexOf) {
   std::size_t admitted = 0, refused = 0;
-  Gathering gathering;
+  CandidateFacets candidate_facets;
   for (std::uint64_t seed = 11; seed <= 16; ++seed)
     for (const Scene& scene : all_scenes(seed)) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << scene.name);
       const SceneTree tree(scene.mesh);
       const auto tubes = static_cast<std::uint32_t>(scene.tubes.tubes.size());
-      if (!gathering.gather(scene.mesh, tree, scene.tubes, 0, tubes)) continue;
+      if (!candidate_facets.gather(scene.mesh, tree, scene.tubes, 0, tubes)) continue;
       for (std::uint32_t t = 0; t < tubes; ++t) {
         const std::array<GridPoint, 4> rays = rays_of(scene.tubes, t);
         const auto normal = [&](std::size_t k) { return cross(rays[k], rays[(k + 1) % 4]); };
-        const std::array<Gathering::Wall, 4> walls{Gathering::Wall(normal(0)), Gathering::Wall(normal(1)),
-                                                   Gathering::Wall(normal(2)), Gathering::Wall(normal(3))};
-        for (std::size_t f = 0; f < gathering.facets().size(); ++f) {
-          if (gathering.admits(f, walls)) {
+        const std::array<CandidateFacets::Wall, 4> walls{
+            CandidateFacets::Wall(normal(0)), CandidateFacets::Wall(normal(1)),
+            CandidateFacets::Wall(normal(2)), CandidateFacets::Wall(normal(3))};
+        for (std::size_t f = 0; f < candidate_facets.facets().size(); ++f) {
+          if (candidate_facets.admits(f, walls)) {
             ++admitted;
             continue;
           }
@@ -107,7 +108,8 @@ TEST(Gathering, RefusesOnlyFacetsThatAWallHasNoVertexOf) {
           bool outside = false;  // of one wall, whole
           for (std::size_t k = 0; k < 4; ++k) {
             bool none = true;
-            for (const GridPoint& p : gathering.facets()[f].cone.point) none = none && dot(normal(k), p) <= 0;
+            for (const GridPoint& p : candidate_facets.facets()[f].cone.point)
+              none = none && dot(normal(k), p) <= 0;
             outside = outside || none;
           }
           EXPECT_TRUE(outside) << "tube " << t;

@@ -32,7 +32,7 @@ using testing::Not;
 
 std::string drawing_of(const std::string& scene) {
   const auto survey = open_survey(read_scene_text(scene, "scene.toml"));
-  return scene_drawing(*survey, standings(*survey));
+  return scene_drawing(*survey, placements(*survey));
 }
 
 using Texts = std::vector<std::tuple<double, double, std::string>>;

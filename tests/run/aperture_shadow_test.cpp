@@ -11,7 +11,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
-#include "engine/signal/seen_patches.hpp"
+#include "engine/signal/visible_polygons.hpp"
 #include "fixtures/test_folder.hpp"
 #include "run/simulation.hpp"
 #include "run/survey.hpp"
@@ -63,15 +63,15 @@ struct ApertureShadow : testing::Test {
                             {ApertureWindow::Law::hann});
   }
   /// What a ping sees of the scene that was read last.
-  SeenPatches seen_at(std::size_t ping) const {
+  VisiblePolygons seen_at(std::size_t ping) const {
     const Transmissions transmissions(*survey, request);
     const Transmission transmission = transmissions.of(survey->transmissions.at(0), ping, 0);
-    return seen_patches(transmission.trace(), transmission.model(0).model);
+    return visible_polygons(transmission.trace(), transmission.model(0).model);
   }
 };
 
 /// Whether a place of the bed lies in a polygon, whichever way its corners go.
-bool holds(const SeenPatches& seen, glm::dvec2 place) {
+bool holds(const VisiblePolygons& seen, glm::dvec2 place) {
   return std::any_of(seen.patches.begin(), seen.patches.end(), [&](const SeenPatch& patch) {
     const auto corners = seen.corners(patch);
     bool left = true, right = true;
@@ -108,7 +108,7 @@ TEST_F(ApertureShadow, IsWhereTheFootprintsSay) {
   // strangers to each other, so they count as the beam's power.
   std::vector<double> share(pixels), all(pixels);
   for (std::size_t ping = 0; ping < survey->sensors[0].times_s.size(); ++ping) {
-    const SeenPatches seen = seen_at(ping);
+    const VisiblePolygons seen = seen_at(ping);
     const glm::dvec3 from = survey->sensors[0].transmission_pose(ping, 0).position_m;
     for (std::size_t k = 0; k < pixels; ++k) {
       const glm::dvec3 place = plane.at(k % plane.columns, k / plane.columns), way = place - from;

@@ -12,8 +12,8 @@
 
 #include "fixtures/scene_texts.hpp"
 #include "fixtures/test_folder.hpp"
+#include "run/placement.hpp"
 #include "run/simulation.hpp"
-#include "run/standing.hpp"
 #include "sensors/kinds/scene_file.hpp"
 
 namespace tubefoot {
@@ -97,7 +97,7 @@ TEST(NoReturn, IsNotExpectedUnderAMirror) {
             1U);
 }
 
-TEST(Standing, IsWhereThingsWerePut) {
+TEST(SeabedPlacement, IsWhereThingsWerePut) {
   // Cubes of a metre over a bed at -7 m: height of their middle over it, and what is said.
   const std::vector<std::pair<double, std::string>> cubes{
       {-2, "buried: its top is 1.5 m below the bed"},
@@ -110,7 +110,7 @@ TEST(Standing, IsWhereThingsWerePut) {
     text += fmt::format("[[objects]]\nname = \"cube {}\"\nshape = \"box\"\nposition_m = [{}, 1.3, {}]\n", k,
                         95 + 2.0 * static_cast<double>(k), cubes[k].first - 7);
   text += fixed_at(100, 0, 0) + "[[sensors]]\nname = \"eye\"\nkind = \"imaging\"\ntilt_deg = 60\n";
-  const std::vector<Standing> found = standings(*survey_of(text));
+  const std::vector<SeabedPlacement> found = placements(*survey_of(text));
   ASSERT_EQ(found.size(), cubes.size());
   for (std::size_t k = 0; k < cubes.size(); ++k) {
     EXPECT_EQ(found[k].words, cubes[k].second);
@@ -160,7 +160,7 @@ TEST(NoReturn, IsExpectedOverEveryKindOfGround) {
     const auto far = expected_no_returns(*survey(water, relief, more, 40, 40), request);
     ASSERT_EQ(far.size(), 1U);
     EXPECT_THAT(far.front().warning, HasSubstr("its range window is 40 to 50 m"));
-    const std::vector<Standing> box = standings(*survey(water, relief, more, 40, 4));
+    const std::vector<SeabedPlacement> box = placements(*survey(water, relief, more, 40, 4));
     ASSERT_EQ(box.size(), 1U);
     EXPECT_THAT(box.front().words, HasSubstr("in the bed: from 0.2"));
   }

@@ -25,7 +25,7 @@ TEST(RefractedReferenceRun, HoldsTheClosedFormWithinTheTolerance) {
     SCOPED_TRACE(g);
     const double absorption = 0, tolerance = 2e-3;
     const std::string scene = scene_in(gradient(g, absorption));
-    const KeptRun run(scene, {"--reference", "--tolerance", "2e-3"});
+    const Checkpoint run(scene, {"--reference", "--tolerance", "2e-3"});
     ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
     EXPECT_THAT(run.outcome.out, HasSubstr("every energy within 0.002"));
     EXPECT_EQ(run.stats.at("reference").at("bins_over_tolerance"), 0);
@@ -44,8 +44,8 @@ TEST(RefractedReferenceRun, HoldsTheClosedFormWithinTheTolerance) {
 }
 
 TEST(RefractedReferenceRun, SaysWhereItHasNoBound) {
-  const KeptRun run(replaced(scene_in(gradient(10)), "window_length_m = 32", "window_length_m = 62"),
-                    {"--reference", "--tolerance", "1e-2"});
+  const Checkpoint run(replaced(scene_in(gradient(10)), "window_length_m = 32", "window_length_m = 62"),
+                       {"--reference", "--tolerance", "1e-2"});
   ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
   EXPECT_THAT(run.outcome.err, HasSubstr("have no bound"));
   const Echoes echoes = read_echoes(run.folder / "out/echoes.nc");
@@ -63,7 +63,7 @@ TEST(RefractedReferenceRun, CountsBinsWithoutABoundOfTheChosenBeams) {
   scene = replaced(replaced(scene, "beams = 1", "beams = 3"), "horizontal_deg = 1.5", "horizontal_deg = 4.5");
   scene = replaced(replaced(scene, "samples = 128", "samples = 32"), "width_m = 256\nlength_m = 256",
                    "width_m = 100\nlength_m = 100");
-  const KeptRun run(scene, {"--reference", "--tolerance", "1e-1", "--beam", "1"});
+  const Checkpoint run(scene, {"--reference", "--tolerance", "1e-1", "--beam", "1"});
   ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
   const Echoes echoes = read_echoes(run.folder / "out/echoes.nc");
   EXPECT_EQ(echoes.energy_bound.size(), echoes.samples);
@@ -101,7 +101,7 @@ TEST(RefractedReferenceRun, BoundsEveryBinOfATriangleAtTheSonarsDepth) {
     SCOPED_TRACE(fmt::format("{} {} {}", c.gradient_per_s, c.above_m, c.more));
     const TriangleAhead at(c.above_m, "surface_height_m = 20\n" + gradient(c.gradient_per_s), c.more),
         even(c.above_m, "sound_speed_m_s = 1500\nabsorption_db_per_km = 0\n", c.more);
-    const KeptRun run(at.scene, {"--reference", "--tolerance", "2e-3"});
+    const Checkpoint run(at.scene, {"--reference", "--tolerance", "2e-3"});
     ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
     EXPECT_FALSE(run.stats.at("refraction").contains("bins_without_bound"));
     EXPECT_EQ(run.stats.at("reference").at("bins_over_tolerance"), 0);
@@ -144,7 +144,7 @@ TEST(RefractedReferenceRun, HoldsTheClosedFormOfALawWithinTheTolerance) {
   };
   for (const double g : {-0.5, 0.3}) {
     SCOPED_TRACE(g);
-    const KeptRun run(scene_of(gsab, gradient(g, 200)), {"--reference", "--tolerance", "5e-3"});
+    const Checkpoint run(scene_of(gsab, gradient(g, 200)), {"--reference", "--tolerance", "5e-3"});
     ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
     EXPECT_EQ(run.stats.at("reference").at("bins_over_tolerance"), 0);
     const Echoes echoes = read_echoes(run.folder / "out/echoes.nc");
@@ -163,7 +163,7 @@ TEST(RefractedReferenceRun, HoldsFineOrdinaryRunsOfTextureAndRelief) {
     const std::string online =
         bed == relief ? "[relief]\nmode = \"online\"\ncell_m = 0.4\ntolerance = 0.3\n" : "";
     SCOPED_TRACE(bed);
-    const KeptRun run(online + scene_of(bed, gradient(-0.5)), {"--reference", "--tolerance", "1e-2"});
+    const Checkpoint run(online + scene_of(bed, gradient(-0.5)), {"--reference", "--tolerance", "1e-2"});
     ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
     const Echoes echoes = read_echoes(run.folder / "out/echoes.nc"),
                  ordinary = echoes_of(online + scene_of(bed, gradient(-0.5, 0,
@@ -200,7 +200,7 @@ TEST(RefractedReferenceRun, HoldsFineOrdinaryRunsOfSeparateReceivers) {
                       "window_length_m = 14", "window_length_m = 7") +
              more;
     };
-    const KeptRun run(scene(""), {"--reference", "--tolerance", "3e-2"});
+    const Checkpoint run(scene(""), {"--reference", "--tolerance", "3e-2"});
     ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
     const Echoes echoes = read_echoes(run.folder / "out/echoes.nc"),
                  ordinary = echoes_of(scene("refraction_tolerance_db = 0.002\nrefraction_gap_m = 0.0001\n"));
@@ -228,7 +228,7 @@ TEST(RefractedReferenceRun, HoldsOrdinaryRunsOverMirrors) {
   scene = replaced(replaced(scene, "heading_deg = 37", "heading_deg = 0"), "samples = 128", "samples = 4");
   scene =
       replaced(scene, "window_start_m = 8\nwindow_length_m = 32", "window_start_m = 31\nwindow_length_m = 8");
-  const KeptRun run(scene, {"--reference", "--tolerance", "1e-1"});
+  const Checkpoint run(scene, {"--reference", "--tolerance", "1e-1"});
   ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
   EXPECT_EQ(run.stats.at("reference").at("bins_over_tolerance"), 0);
   const Echoes echoes = read_echoes(run.folder / "out/echoes.nc"), ordinary = echoes_of(scene);
@@ -245,7 +245,7 @@ TEST(RefractedReferenceRun, HoldsOrdinaryRunsOverMirrors) {
 TEST(RefractedReferenceRun, ReliefOfEachTransmissionIsThatOfAllTransmissions) {
   const std::string scene = scene_of(relief, gradient(-0.5));
   const std::vector<std::string> requested{"--reference", "--tolerance", "2e-2"};
-  const KeptRun online("[relief]\nmode = \"online\"\ncell_m = 0.4\ntolerance = 0\n" + scene, requested),
+  const Checkpoint online("[relief]\nmode = \"online\"\ncell_m = 0.4\ntolerance = 0\n" + scene, requested),
       offline("[relief]\nmode = \"offline\"\ncell_m = 0.4\n" + scene, requested);
   ASSERT_EQ(online.outcome.exit_code, 0) << online.outcome.err;
   ASSERT_EQ(offline.outcome.exit_code, 0) << offline.outcome.err;
@@ -279,14 +279,14 @@ TEST(RefractedReferenceRun, TighterTolerancesHaveNoWiderBounds) {
       "kind = \"imaging\"\nbeams = 1\nhorizontal_deg = 2\nvertical_deg = 10\ntilt_deg = 50\n"
       "receiver_arm_m = [0, 1, 0]\nrange_min_m = 7\nrange_max_m = 12\nsamples = 4\n";
   for (const char* tolerance : {"9e-3", "7e-3", "3e-3", "1e-3"}) {
-    const KeptRun run(scene, {"--reference", "--tolerance", tolerance});
+    const Checkpoint run(scene, {"--reference", "--tolerance", tolerance});
     ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
     EXPECT_EQ(run.stats.at("reference").at("bins_over_tolerance"), 0) << tolerance;
   }
 }
 
 TEST(RefractedReferenceRun, SaysThatOneRayAloneIsFollowed) {
-  const KeptRun run(scene_of(texture, gradient(-0.5)), {"--reference", "--tolerance", "3e-2"});
+  const Checkpoint run(scene_of(texture, gradient(-0.5)), {"--reference", "--tolerance", "3e-2"});
   ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
   EXPECT_THAT(run.stats.at("refraction").at("branches").get<std::string>(),
               HasSubstr("in references only the first to arrive"));

@@ -239,7 +239,7 @@ TEST(RefractionRun, SeveralLayersAgreeWithRaysIntegratedApart) {
 TEST(RefractionRun, ShadowsAreLeftOutAndTold) {
   // Sound bends up from the bed; the last ray to touch it is level there.
   const double g = 10, cr = c_sonar + g * above_bed_m;
-  const KeptRun run(replaced(scene_in(gradient(g)), "window_length_m = 32", "window_length_m = 62"));
+  const Checkpoint run(replaced(scene_in(gradient(g)), "window_length_m = 32", "window_length_m = 62"));
   ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
   EXPECT_THAT(run.outcome.err, HasSubstr("shadow zone"));
   const nlohmann::json& refraction = run.stats.at("refraction");
@@ -254,7 +254,7 @@ TEST(RefractionRun, ShadowsAreLeftOutAndTold) {
 }
 
 TEST(RefractionRun, WithoutShadowsNothingIsWarned) {
-  const KeptRun run(scene_in(gradient(-0.3)));
+  const Checkpoint run(scene_in(gradient(-0.3)));
   ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
   EXPECT_EQ(run.outcome.err.find("apparent facets"), std::string::npos) << run.outcome.err;
   const nlohmann::json& refraction = run.stats.at("refraction");
@@ -324,7 +324,7 @@ TEST(RefractionRun, CheckAndPatternsKnowTheSpeedAtTheSonar) {
 TEST(RefractionRun, WhatCannotBeHadIsRefused) {
   const auto refused = [](const std::string& scene, const std::string& words,
                           const std::vector<std::string>& more = {}) {
-    const KeptRun run(scene, more);
+    const Checkpoint run(scene, more);
     EXPECT_NE(run.outcome.exit_code, 0);
     EXPECT_THAT(run.outcome.err, HasSubstr(words));
   };

@@ -11,7 +11,7 @@
 #include "fixtures/mpirun.hpp"
 #include "fixtures/netcdf_reader.hpp"
 #include "fixtures/program.hpp"
-#include "run/kept/ping_store.hpp"
+#include "run/checkpoint/ping_store.hpp"
 
 namespace tubefoot {
 namespace {

@@ -13,7 +13,7 @@
 #include "fixtures/mpirun.hpp"
 #include "fixtures/program.hpp"
 #include "fixtures/scene_texts.hpp"
-#include "run/kept/ping_store.hpp"
+#include "run/checkpoint/ping_store.hpp"
 #include "run/region_plan.hpp"
 #include "run/simulation.hpp"
 #include "run/survey.hpp"

@@ -67,7 +67,7 @@ CoherentReceiver on_the_way(CoherentReceiver receiver, double speed_m_s, double 
 }
 
 struct Place {
-  SeenPatches seen;
+  VisiblePolygons seen;
   EchoModel model;
 };
 
@@ -144,7 +144,7 @@ void run(double reach_m, int most_elements, bool direct) {
   place.model.material_mu = scene.material_mu;
   place.model.material = scene.mesh.material;
   place.model.path.tx.apex_m = apex;
-  place.seen = seen_patches(history, place.model);
+  place.seen = visible_polygons(history, place.model);
   fmt::print("survey scene, {} m: {} polygons, {:.0f} m2, {:.2f} s for the sight\n", reach_m,
              place.seen.patches.size(), place.seen.area_m2(), visibility_s);
 

@@ -33,7 +33,7 @@ double seconds(const Run& run) {
 
 const SmoothSurface rigid;
 
-void measure(const char* what, SeenPatches seen, int elements, int exact_elements) {
+void measure(const char* what, VisiblePolygons seen, int elements, int exact_elements) {
   const double sigma = std::sqrt(-2 * std::log(1e-3)) / (pi * bandwidth_hz);
   CoherentReceiver receiver;
   for (int k = 0; k < elements; ++k)
@@ -111,13 +111,13 @@ void run(int elements, int exact_elements) {
   const History history = TubeEngine(scene.mesh, tree, scene.grid.unit_m(), {}).trace(tubes);
   EchoModel model;
   model.path.tx.apex_m = scene.grid.to_metres(tubes.apex);
-  const SplitPatches split = split_patches(seen_patches(history, model), [&](FacetId facet) {
+  const SplitPatches split = split_patches(visible_polygons(history, model), [&](FacetId facet) {
     return scene.description.materials[scene.mesh.material[facet]].name == "steel";
   });
   measure("wreck", split.smooth, elements, exact_elements);
 
   // A sphere of radius 0.5 m, 10 m off: its rows of facets towards the sonar.
-  SeenPatches ball;
+  VisiblePolygons ball;
   const int rows = 24;
   const glm::dvec3 centre(0, 10, 0);
   const auto at = [&](int i, int j) {

@@ -13,7 +13,7 @@
 #include "files/usage_error.hpp"
 #include "fixtures/every_feature.hpp"
 #include "fixtures/test_folder.hpp"
-#include "run/kept/ping_store.hpp"
+#include "run/checkpoint/ping_store.hpp"
 #include "run/simulation.hpp"
 #include "run/survey.hpp"
 #include "sensors/kinds/scene_file.hpp"

@@ -12,7 +12,7 @@ import time
 import numpy
 
 SCENES = pathlib.Path(__file__).resolve().parents[2] / "scenes"
-# src/run/kept/ping_store.hpp: a unit is a checksum, a place, a length and PingCounts; the seconds stand behind five
+# src/run/checkpoint/ping_store.hpp: a unit is a checksum, a place, a length and PingCounts; the seconds stand behind five
 # counts.
 UNIT_BYTES, SECONDS_AT, PAGE = 328, 64, 4096
 
@@ -32,7 +32,7 @@ def ping_seconds(store, stats):
     """Visibility and echo seconds, [ping][2], of all pings of an open store: they are kept with each ping's energies."""
     data = store.read()
     if data[:16] != b"tubefoot pings 4":
-        raise RuntimeError(f"{store.name}: not the store that this script reads (src/run/kept/ping_store.cpp)")
+        raise RuntimeError(f"{store.name}: not the store that this script reads (src/run/checkpoint/ping_store.cpp)")
     identity, units = (int.from_bytes(data[k:k + 8], "little") for k in (16, 32))
     first = -(-(48 + identity) // PAGE) * PAGE
     rows = numpy.frombuffer(data, numpy.uint8, units * UNIT_BYTES, first).reshape(units, UNIT_BYTES)
@@ -40,7 +40,7 @@ def ping_seconds(store, stats):
     told = [stats["seconds"][k] for k in ("visibility_of_all_pings", "echo_of_all_pings")]
     if not numpy.allclose(seconds.sum(axis=0), told, rtol=1e-6):
         raise RuntimeError(f"{store.name}: the pings' seconds do not add up to those of stats.json; "
-                           "has PingCounts changed (src/run/kept/ping_store.hpp)?")
+                           "has PingCounts changed (src/run/checkpoint/ping_store.hpp)?")
     return seconds
 
 

@@ -25,15 +25,15 @@ glm::dvec3 image_of_place(glm::dvec3 place_m, std::span<const MirrorPlane> chain
 struct CoherentPath {
   std::size_t order = 0;  ///< interactions: reflections and the scattering
   const Image *sent = nullptr, *received = nullptr;
-  SeenPatches patches;
+  VisiblePolygons patches;
   std::vector<SignalChannel> channels;  ///< as they were given, but images
   EchoModel model;
   std::complex<double> phase = 1;  ///< of modulus 1: of all reflections
 };
 
-/// Calls `take` for all pairs of images, straight ways from apex to apex aside (those are seen_patches()').
-/// At one place the two ways round, out over the one chain and home over the other or the other way about,
-/// are two signals: both are reported.
+/// Calls `take` for all pairs of images, straight ways from apex to apex aside (those are
+/// visible_polygons()'). At one place the two ways round, out over the one chain and home over the other or
+/// the other way about, are two signals: both are reported.
 ///
 /// `model`: of the ways between the apexes; its patterns are not read, channels have theirs. Channels see
 /// what the apexes of `images`, which they are near to, and their images see. Law Y6 (images): the channels'

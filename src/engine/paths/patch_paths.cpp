@@ -47,7 +47,7 @@ struct Source {
 /// From a source to a patch of the next generation.
 struct Link {
   int interactions = 0;
-  Patch patch;
+  RadiosityPatch patch;
   GridPoint seen_from;
   double way_m = 0, gain = 0;
 };
@@ -232,7 +232,7 @@ class PatchPaths {
   glm::dvec3 from_apex(GridPoint p) const { return scene_.from_apex(p); }
 
   /// What a patch scatters along its normal of 1 J that comes in (mu / 1 J if that is Lambert's).
-  double scattered_by(GridPoint from, const Patch& patch) const {
+  double scattered_by(GridPoint from, const RadiosityPatch& patch) const {
     const double range = glm::length(patch.from_apex_m), sine = patch.sine;
     if (!(sine > 0)) return 0;
     const ScatteringModel* scattering = before_.model_of(patch.facet);
@@ -252,8 +252,8 @@ class PatchPaths {
       for (const std::uint32_t tube : image.own_tube)
         fan_of_window.push_back(scene_.beams.fan_of_transmit_tube[tube]);
     const GridPoint apex = image.windows.apex;
-    for (const Patch& patch : patches_of(scene_.mesh, apex, scene_.seen_by(image), scene_.unit_m,
-                                         scene_.settings.patch_m, fan_of_window)) {
+    for (const RadiosityPatch& patch : patches_of(scene_.mesh, apex, scene_.seen_by(image), scene_.unit_m,
+                                                  scene_.settings.patch_m, fan_of_window)) {
       const double range = glm::length(patch.from_apex_m);
       if (range / 2 >= scene_.samples.first_m + scene_.samples.step_m * scene_.samples.count) continue;
       const glm::dvec3 direction = patch.from_apex_m / range;
@@ -321,8 +321,8 @@ class PatchPaths {
           hear(source, seen, point, received, std::size_t(order), sent);
       }
       if (!again || interactions >= scene_.settings.order) continue;
-      for (const Patch& patch : patches_of(scene_.mesh, image.windows.apex, seen, scene_.unit_m,
-                                           scene_.settings.patch_m, {}, point.axis)) {
+      for (const RadiosityPatch& patch : patches_of(scene_.mesh, image.windows.apex, seen, scene_.unit_m,
+                                                    scene_.settings.patch_m, {}, point.axis)) {
         const double range = glm::length(patch.from_apex_m);
         const glm::dvec3 direction = patch.from_apex_m / range;
         const double sine = glm::dot(direction, point.axis);

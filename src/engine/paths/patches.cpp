@@ -74,9 +74,9 @@ GridPoint in_front(const FacetMesh& mesh, FacetId facet, GridPoint apex, glm::dv
   }
 }
 
-std::vector<Patch> patches_of(const FacetMesh& mesh, GridPoint apex, const SeenBed& bed, double unit_m,
-                              double longest_m, std::span<const std::uint32_t> label_of_tube,
-                              glm::dvec3 axis) {
+std::vector<RadiosityPatch> patches_of(const FacetMesh& mesh, GridPoint apex, const SeenBed& bed,
+                                       double unit_m, double longest_m,
+                                       std::span<const std::uint32_t> label_of_tube, glm::dvec3 axis) {
   const SharedFootprints& seen = bed.shared;
   double about = 0;
   for (const SharedPiece& piece : seen.pieces)
@@ -91,14 +91,14 @@ std::vector<Patch> patches_of(const FacetMesh& mesh, GridPoint apex, const SeenB
     throw std::length_error(
         fmt::format("patches of {:.3g} m: about {:.2g} of them, more than {:.2g}; make them larger",
                     longest_m, about, most_patches));
-  std::vector<Patch> patches;
+  std::vector<RadiosityPatch> patches;
   std::vector<Triangle> left;
   // Each tube that sees a facet has an entry for it.
   std::vector<const SharedFacet*> by_facet;
   for (const SharedFacet& facet : seen.facets) by_facet.push_back(&facet);
   std::stable_sort(by_facet.begin(), by_facet.end(),
                    [](const SharedFacet* a, const SharedFacet* b) { return a->facet < b->facet; });
-  std::map<std::array<std::int64_t, 5>, Patch> gathered;  // by side, label and cube
+  std::map<std::array<std::int64_t, 5>, RadiosityPatch> gathered;  // by side, label and cube
   for (auto first = by_facet.begin(), end = first; first != by_facet.end(); first = end) {
     const FacetId id = (*first)->facet;
     std::vector<std::pair<const SharedFacet*, const SharedPiece*>> pieces;
@@ -145,8 +145,8 @@ std::vector<Patch> patches_of(const FacetMesh& mesh, GridPoint apex, const SeenB
                          lies = refracted != nullptr ? refracted->lies.at(middle) : middle,
                          cube = glm::floor((lies - corner) * (2 / longest_m) + 1e-3);
         const std::int64_t label = label_of_tube.empty() ? 0 : label_of_tube[piece.transmit_tube];
-        Patch& patch = gathered[{std::int64_t(other_side), label, std::int64_t(cube.x), std::int64_t(cube.y),
-                                 std::int64_t(cube.z)}];
+        RadiosityPatch& patch = gathered[{std::int64_t(other_side), label, std::int64_t(cube.x),
+                                          std::int64_t(cube.y), std::int64_t(cube.z)}];
         patch.cube = {std::int64_t(cube.x), std::int64_t(cube.y), std::int64_t(cube.z)};
         patch.tube = piece.transmit_tube;
         if (patch.area_m2 == 0) patch.absorbed = 0;

@@ -13,7 +13,7 @@
 namespace tubefoot {
 
 /// Some triangles of footprints, close together on a facet.
-struct Patch {
+struct RadiosityPatch {
   FacetId facet = 0;
   std::array<std::int64_t, 3> cube{};
   std::uint32_t tube = 0;     ///< one of the apex's that see it
@@ -33,9 +33,10 @@ struct Patch {
 /// same from wherever it is seen. Labels may be empty: all tubes have the same. Throws std::length_error if
 /// that would be more than a hundred million patches. `axis` (unit, or 0): that of Patch::projected_sr; all
 /// that is seen lies on its side.
-std::vector<Patch> patches_of(const FacetMesh& mesh, GridPoint apex, const SeenBed& bed, double unit_m,
-                              double longest_m, std::span<const std::uint32_t> label_of_tube,
-                              glm::dvec3 axis = glm::dvec3(0));
+std::vector<RadiosityPatch> patches_of(const FacetMesh& mesh, GridPoint apex, const SeenBed& bed,
+                                       double unit_m, double longest_m,
+                                       std::span<const std::uint32_t> label_of_tube,
+                                       glm::dvec3 axis = glm::dvec3(0));
 
 /// The grid point next to a place on a facet (grid units from `apex`) that is on the side of its plane that
 /// `normal` points to, and no nearer to that than `least` units.

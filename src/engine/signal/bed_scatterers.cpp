@@ -29,7 +29,7 @@ double gauss_error(int nodes, double change_rad) {
   return error;
 }
 
-std::vector<BedScatterer> bed_scatterers(const SeenPatches& seen, const SignalExtent& extent,
+std::vector<BedScatterer> bed_scatterers(const VisiblePolygons& seen, const SignalExtent& extent,
                                          double tolerance) {
   if (!(tolerance > 0 && tolerance < 1))
     throw std::invalid_argument(fmt::format("a tolerance must be between 0 and 1, not {}", tolerance));

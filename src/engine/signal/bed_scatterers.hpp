@@ -23,7 +23,7 @@ struct BedScatterer {
 /// Law Y2 (moments): their weights add up to the patches' areas.
 /// Law Y3 (covariance): sum of weight sigma h_a h_b* over them is R_ab, and so Hermitian and positive
 /// semi-definite whatever their number.
-std::vector<BedScatterer> bed_scatterers(const SeenPatches& seen, const SignalExtent& extent,
+std::vector<BedScatterer> bed_scatterers(const VisiblePolygons& seen, const SignalExtent& extent,
                                          double tolerance);
 
 /// Error of Gauss-Legendre's rule of n nodes for the mean of e^{i change x} over -1 .. 1, at most.

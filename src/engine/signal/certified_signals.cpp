@@ -112,7 +112,7 @@ struct ReceivedPolygon {
 };
 /// None where one of them is surely on the other side.
 std::optional<ReceivedPolygon> received_polygon(const CertifiedSmoothSignals::Seen& seen,
-                                                const SeenPatches& patches, const SeenPatch& patch,
+                                                const VisiblePolygons& patches, const VisiblePolygon& patch,
                                                 const SignalChannel& channel) {
   FacetCone cone;
   FacetCone::make(seen.mesh, patch.facet, seen.apex, cone);
@@ -128,7 +128,7 @@ std::optional<ReceivedPolygon> received_polygon(const CertifiedSmoothSignals::Se
 }
 
 /// Bounds of a patch's paths, in doubles but for their rounding.
-std::pair<double, double> paths_of(const SeenPatches& patches, const SeenPatch& patch,
+std::pair<double, double> paths_of(const VisiblePolygons& patches, const VisiblePolygon& patch,
                                    const SignalChannel& channel) {
   const auto corners = patches.corners(patch);
   const glm::dvec3 tx = channel.transmit_m - patches.origin_m, rx = channel.receive_m - patches.origin_m;
@@ -157,7 +157,7 @@ bool CertifiedSmoothSignals::can_bound(const SmoothSurface& surface, const Signa
          channel.receive.kind == Directivity::Kind::uniform;
 }
 
-CertifiedSignals CertifiedSmoothSignals::of(const SeenPatches& patches,
+CertifiedSignals CertifiedSmoothSignals::of(const VisiblePolygons& patches,
                                             const std::vector<SignalChannel>& channels,
                                             double absorption_db_per_m,
                                             const std::function<const SmoothSurface*(FacetId)>& surface_of,
@@ -167,12 +167,12 @@ CertifiedSignals CertifiedSmoothSignals::of(const SeenPatches& patches,
   all.bound.assign(all.signals.value.size(), 0);
   const PulseWaves waves(pulse_, baseband_hz_, sound_speed_, absorption_db_per_m);
   std::size_t edges = 0;
-  for (const SeenPatch& patch : patches.patches) edges += patch.corner_count;
+  for (const VisiblePolygon& patch : patches.patches) edges += patch.corner_count;
   struct Part {
     std::vector<ComplexBall> sum;
     std::vector<std::uint8_t> open;  ///< by sample: something in it has no bound, and is not in the sum
   };
-  const auto add_patch = [&](const SeenPatch& patch, std::size_t c, Part& part) {
+  const auto add_patch = [&](const VisiblePolygon& patch, std::size_t c, Part& part) {
     stop_if_wanted();
     const SmoothSurface* surface = surface_of(patch.facet);
     if (surface == nullptr || surface->reflection == 0.0) return;
@@ -230,11 +230,11 @@ CertifiedSignals CertifiedSmoothSignals::of(const SeenPatches& patches,
   return all;
 }
 
-void CertifiedSmoothSignals::leave_open(const SeenPatches& patches,
+void CertifiedSmoothSignals::leave_open(const VisiblePolygons& patches,
                                         const std::vector<SignalChannel>& channels,
                                         std::span<std::complex<double>> bound) const {
   for (std::size_t c = 0; c < channels.size(); ++c)
-    for (const SeenPatch& patch : patches.patches) {
+    for (const VisiblePolygon& patch : patches.patches) {
       const auto [shortest, longest] = paths_of(patches, patch, channels[c]);
       const auto [first, end] = channels[c].has_path()
                                     ? std::pair(std::size_t(0), times_.count)

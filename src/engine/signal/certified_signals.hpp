@@ -52,14 +52,14 @@ class CertifiedSmoothSignals {
   /// Positions, surfaces, pulse, times and sound speed are taken as the doubles that they are. The same bits
   /// for any number of threads.
   /// Law Q12 (certain signals): exact arithmetic's signals lie within the bounds.
-  CertifiedSignals of(const SeenPatches& patches, const std::vector<SignalChannel>& channels,
+  CertifiedSignals of(const VisiblePolygons& patches, const std::vector<SignalChannel>& channels,
                       double absorption_db_per_m,
                       const std::function<const SmoothSurface*(FacetId)>& surface_of,
                       std::span<const double> allowed) const;
 
   /// The bounds of samples that may hold something of patches that have none become infinite; the others are
   /// surely silent of them.
-  void leave_open(const SeenPatches& patches, const std::vector<SignalChannel>& channels,
+  void leave_open(const VisiblePolygons& patches, const std::vector<SignalChannel>& channels,
                   std::span<std::complex<double>> bound) const;
 
  private:

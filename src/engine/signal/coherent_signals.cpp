@@ -68,13 +68,13 @@ SignalExtent extent_of(const CoherentReceiver& receiver, const Path& path, bool 
 }
 
 /// All channels on the patch at hand.
-class ChannelsOnPatch {
+class ChannelsOnPolygon {
  public:
-  ChannelsOnPatch(const SeenPatches& seen, const CoherentReceiver& receiver, const EchoModel& model)
+  ChannelsOnPolygon(const VisiblePolygons& seen, const CoherentReceiver& receiver, const EchoModel& model)
       : seen_(seen), receiver_(receiver), model_(model), wavenumber_(wavenumber(receiver)) {}
 
   /// False where nothing comes back from.
-  bool look_at(const SeenPatch& patch) {
+  bool look_at(const VisiblePolygon& patch) {
     on_.clear();
     bool any = false;
     for (const SignalChannel& channel : receiver_.channels) {
@@ -91,18 +91,18 @@ class ChannelsOnPatch {
   void hear(glm::dvec3 place_m, std::complex<double> strength, double less_m, const Take& take) const {
     for (std::size_t c = 0; c < on_.size(); ++c) {
       if (!on_[c].faces()) continue;
-      const ChannelOnPatch::Reception received = on_[c].at(place_m);
+      const ChannelOnPolygon::Reception received = on_[c].at(place_m);
       take(c, std::polar(received.amplitude, wavenumber_ * (received.path_m - less_m)) * strength,
            received.path_m / receiver_.sound_speed_m_s);
     }
   }
 
  private:
-  const SeenPatches& seen_;
+  const VisiblePolygons& seen_;
   const CoherentReceiver& receiver_;
   const EchoModel& model_;
   double wavenumber_;
-  std::vector<ChannelOnPatch> on_;
+  std::vector<ChannelOnPolygon> on_;
   FacetBed bed_;
 };
 
@@ -132,10 +132,10 @@ void in_tasks(std::size_t count, std::size_t per_task, Values& all, const Make& 
 }
 
 /// The field's scatterers on one patch after the other, as channels are reported of them.
-class ScatterersOnPatch {
+class ScatterersOnPolygon {
  public:
-  ScatterersOnPatch(const SeenPatches& patches, const CoherentReceiver& receiver, const GroundField& field,
-                    const ChebyshevNodes& nodes)
+  ScatterersOnPolygon(const VisiblePolygons& patches, const CoherentReceiver& receiver,
+                      const GroundField& field, const ChebyshevNodes& nodes)
       : patches_(patches),
         field_(field),
         wavenumber_(wavenumber(receiver)),
@@ -146,7 +146,7 @@ class ScatterersOnPatch {
 
   /// Calls receive(place, strength, less): channels' phases are those of their ways less the last [m].
   template <class Hear>
-  void tell(const SeenPatch& patch, const FacetBed& bed, const SignalExtent& extent,
+  void tell(const VisiblePolygon& patch, const FacetBed& bed, const SignalExtent& extent,
             const SmoothPieces& pieces, const Hear& hear) {
     const glm::dvec3 tx = extent.transmit_m[0] - patches_.origin_m,
                      rx = extent.receive_m[0] - patches_.origin_m;
@@ -177,7 +177,7 @@ class ScatterersOnPatch {
   }
 
  private:
-  const SeenPatches& patches_;
+  const VisiblePolygons& patches_;
   const GroundField& field_;
   double wavenumber_, first_m_, last_m_;
   ChebyshevMoments moments_;
@@ -185,7 +185,7 @@ class ScatterersOnPatch {
   std::vector<glm::dvec3> corners_;
 };
 
-ChannelSignals moving_signals(const SeenPatches& patches, const MovingEnds& ends, const EchoModel& model,
+ChannelSignals moving_signals(const VisiblePolygons& patches, const MovingEnds& ends, const EchoModel& model,
                               const GroundField& field, double tolerance) {
   const CoherentReceiver& receiver = ends.held();
   const SignalExtent extent = extent_of(receiver, model.path, false, tolerance);
@@ -194,10 +194,10 @@ ChannelSignals moving_signals(const SeenPatches& patches, const MovingEnds& ends
   in_tasks(patches.patches.size(), patches_per_task, signals.value,
            [&](std::size_t begin, std::size_t end, Values& part) {
              MovingChannels channels(ends, patches, model, extent, tolerance);
-             ScatterersOnPatch scatterers(patches, receiver, field, nodes);
+             ScatterersOnPolygon scatterers(patches, receiver, field, nodes);
              for (std::size_t number = begin; number < end; ++number) {
                stop_if_wanted();
-               const SeenPatch& patch = patches.patches[number];
+               const VisiblePolygon& patch = patches.patches[number];
                if (!channels.look_at(patch)) continue;
                // Pieces about the ends where they are while the patch is received.
                const SmoothPieces pieces(channels.extent(), nodes.most_change());
@@ -227,7 +227,7 @@ void check(const CoherentReceiver& receiver, const EchoModel& model) {
                     receiver.carrier_hz, receiver.sound_speed_m_s));
 }
 
-ChannelSignals element_signals(const SeenPatches& patches, const CoherentReceiver& receiver,
+ChannelSignals element_signals(const VisiblePolygons& patches, const CoherentReceiver& receiver,
                                const EchoModel& model, const GroundField& field, double tolerance) {
   check(receiver, model);
   check(field);
@@ -243,14 +243,14 @@ ChannelSignals element_signals(const SeenPatches& patches, const CoherentReceive
   ChannelSignals signals = no_return(receiver);
   in_tasks(patches.patches.size(), patches_per_task, signals.value,
            [&](std::size_t begin, std::size_t end, Values& part) {
-             ChannelsOnPatch channels(patches, receiver, model);
-             ScatterersOnPatch scatterers(patches, receiver, field, nodes);
+             ChannelsOnPolygon channels(patches, receiver, model);
+             ScatterersOnPolygon scatterers(patches, receiver, field, nodes);
              const auto take = [&](std::size_t c, std::complex<double> amplitude, double delay) {
                table.add(amplitude, delay, &part[c * receiver.times.count]);
              };
              for (std::size_t number = begin; number < end; ++number) {
                stop_if_wanted();
-               const SeenPatch& patch = patches.patches[number];
+               const VisiblePolygon& patch = patches.patches[number];
                if (!channels.look_at(patch)) continue;
                scatterers.tell(patch, channels.bed(), extent, pieces,
                                [&](glm::dvec3 at, std::complex<double> strength, double less_m) {
@@ -261,7 +261,7 @@ ChannelSignals element_signals(const SeenPatches& patches, const CoherentReceive
   return signals;
 }
 
-ChannelSignals drawn_signals(const SeenPatches& patches, const CoherentReceiver& receiver,
+ChannelSignals drawn_signals(const VisiblePolygons& patches, const CoherentReceiver& receiver,
                              const EchoModel& model, std::uint64_t seed, std::uint32_t ping,
                              double tolerance) {
   check(receiver, model);
@@ -293,7 +293,7 @@ ChannelSignals drawn_signals(const SeenPatches& patches, const CoherentReceiver&
                }
                return;
              }
-             ChannelsOnPatch channels(patches, receiver, model);
+             ChannelsOnPolygon channels(patches, receiver, model);
              for (std::size_t n = begin; n < end; ++n) {
                if (patch != bed[n].patch)
                  received = channels.look_at(patches.patches[*(patch = bed[n].patch)]);
@@ -307,7 +307,7 @@ ChannelSignals drawn_signals(const SeenPatches& patches, const CoherentReceiver&
   return signals;
 }
 
-CovarianceMatrix signal_covariances(const SeenPatches& patches, const CoherentReceiver& receiver,
+CovarianceMatrix signal_covariances(const VisiblePolygons& patches, const CoherentReceiver& receiver,
                                     std::span<const SignalSample> samples, const EchoModel& model,
                                     double tolerance) {
   check(receiver, model);
@@ -328,7 +328,7 @@ CovarianceMatrix signal_covariances(const SeenPatches& patches, const CoherentRe
   CovarianceMatrix matrix{samples.size(), Values(samples.size() * samples.size())};
   in_tasks(bed.size(), scatterers_per_task, matrix.value,
            [&](std::size_t begin, std::size_t end, Values& part) {
-             ChannelsOnPatch channels(patches, receiver, model);
+             ChannelsOnPolygon channels(patches, receiver, model);
              std::optional<std::uint32_t> patch;
              bool received = false;
              std::vector<std::pair<std::size_t, std::complex<double>>> h;

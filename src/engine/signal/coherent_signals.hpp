@@ -9,8 +9,8 @@
 #include "engine/signal/baseband_pulse.hpp"
 #include "engine/signal/ground_field.hpp"
 #include "engine/signal/low_rank.hpp"
-#include "engine/signal/seen_patches.hpp"
 #include "engine/signal/signal_channel.hpp"
+#include "engine/signal/visible_polygons.hpp"
 
 namespace tubefoot {
 
@@ -47,12 +47,12 @@ void check(const CoherentReceiver& receiver, const EchoModel& model);
 /// pieces of the bed on which channels are polynomials but for a phase that all have, so that a scatterer
 /// costs the same for any number of channels and samples. A scatterer's own echo is right to about
 /// `tolerance` of its size. The same bits for any number of threads.
-ChannelSignals element_signals(const SeenPatches& patches, const CoherentReceiver& receiver,
+ChannelSignals element_signals(const VisiblePolygons& patches, const CoherentReceiver& receiver,
                                const EchoModel& model, const GroundField& field, double tolerance = 1e-3);
 
 /// Channels with the same covariances, of a bed that nobody sees twice: from nodes of Gauss rules, each with
 /// a random amplitude of its own. Far fewer are needed than a field has scatterers. `ping` tells draws apart.
-ChannelSignals drawn_signals(const SeenPatches& patches, const CoherentReceiver& receiver,
+ChannelSignals drawn_signals(const VisiblePolygons& patches, const CoherentReceiver& receiver,
                              const EchoModel& model, std::uint64_t seed, std::uint32_t ping,
                              double tolerance = 1e-3);
 
@@ -63,7 +63,7 @@ struct SignalSample {
 /// Covariances E[y y*] of samples, Hermitian and positive semi-definite by what they are: sums over the nodes
 /// of bed_scatterers(). Work grows as the number of nodes times the square of how many of the samples receive
 /// a node.
-CovarianceMatrix signal_covariances(const SeenPatches& patches, const CoherentReceiver& receiver,
+CovarianceMatrix signal_covariances(const VisiblePolygons& patches, const CoherentReceiver& receiver,
                                     std::span<const SignalSample> samples, const EchoModel& model,
                                     double tolerance = 1e-6);
 

@@ -30,7 +30,7 @@ bool same(const SignalChannel& a, const SignalChannel& b) {
 /// Sums up the patches of a task.
 class GatedIntegral {
  public:
-  GatedIntegral(const SeenPatches& seen, const SignalChannel& a, const SignalChannel& b,
+  GatedIntegral(const VisiblePolygons& seen, const SignalChannel& a, const SignalChannel& b,
                 std::span<const double> borders, double step_m, int reach, double wavenumber,
                 const EchoModel& model, double tolerance)
       : seen_(seen),
@@ -52,8 +52,8 @@ class GatedIntegral {
     for (auto& sum : sums_) sum.assign(std::size_t(samples_) * values(), 0);
   }
 
-  void add(const SeenPatch& patch) {
-    const ChannelOnPatch a(a_, seen_, patch, model_), b(b_, seen_, patch, model_);
+  void add(const VisiblePolygon& patch) {
+    const ChannelOnPolygon a(a_, seen_, patch, model_), b(b_, seen_, patch, model_);
     if (!a.faces() || !b.faces() || is_silent(a.path().bed)) return;
     corners_.clear();
     for (const glm::dvec3& corner : seen_.corners(patch)) corners_.push_back(corner - a.transmit_m());
@@ -77,7 +77,7 @@ class GatedIntegral {
  private:
   std::size_t values() const { return one_ ? 1 : 3; }
 
-  void add(const PlanarPolygon& polygon, const ChannelOnPatch& a, const ChannelOnPatch& b) {
+  void add(const PlanarPolygon& polygon, const ChannelOnPolygon& a, const ChannelOnPolygon& b) {
     stop_if_wanted();
     Smoothness smooth = patterns_;
     smooth.take(a.path().bed);
@@ -86,7 +86,7 @@ class GatedIntegral {
     work.resolution_rad = std::min(work.resolution_rad, phase_rad_);
     work.from_second = !one_;
     const glm::dvec3 foot = -a.plane().distance_m * a.plane().normal;
-    const auto pattern = [](const ChannelOnPatch& on, glm::dvec3 there, glm::dvec3 back) {
+    const auto pattern = [](const ChannelOnPolygon& on, glm::dvec3 there, glm::dvec3 back) {
       return amplitude_pattern(on.channel().transmit, there) * amplitude_pattern(on.channel().receive, back);
     };
     const PathCutter::Receiver& rx = a.path().rx.over;
@@ -135,13 +135,13 @@ class GatedIntegral {
     }
   }
 
-  double texture(const ChannelOnPatch& a, glm::dvec2 p) const {
+  double texture(const ChannelOnPolygon& a, glm::dvec2 p) const {
     if (a.path().bed.texture == nullptr) return 1;
     return a.path().bed.texture->factor(a_.transmit_m - a.plane().distance_m * a.plane().normal +
                                         p.x * a.frame().u + p.y * a.frame().v);
   }
 
-  const SeenPatches& seen_;
+  const VisiblePolygons& seen_;
   const SignalChannel &a_, &b_;
   int samples_, reach_;
   double step_m_, wavenumber_;
@@ -159,7 +159,7 @@ class GatedIntegral {
 
 }  // namespace
 
-SampleCovariances gated_covariances(const SeenPatches& patches, const SignalChannel& a,
+SampleCovariances gated_covariances(const VisiblePolygons& patches, const SignalChannel& a,
                                     const SignalChannel& b, const RangeSamples& samples,
                                     double wavenumber_rad_m, const EchoModel& model, double tolerance) {
   check(model);

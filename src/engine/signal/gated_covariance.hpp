@@ -30,10 +30,10 @@ struct SampleCovariances {
 /// ways from first + k step on, of each channel its own. One channel with itself: the energies of
 /// integrate().
 ///
-/// `patches`: what both channels see (seen_patches(), common_patches()). `tolerance`: of an integral over a
-/// patch, relative to what it would be without interference; 1e-6 at best with laws that have corners.
+/// `patches`: what both channels see (visible_polygons(), common_patches()). `tolerance`: of an integral over
+/// a patch, relative to what it would be without interference; 1e-6 at best with laws that have corners.
 /// Throws std::invalid_argument for samples that have no extent or a wavenumber that is negative.
-SampleCovariances gated_covariances(const SeenPatches& patches, const SignalChannel& a,
+SampleCovariances gated_covariances(const VisiblePolygons& patches, const SignalChannel& a,
                                     const SignalChannel& b, const RangeSamples& samples,
                                     double wavenumber_rad_m, const EchoModel& model,
                                     double tolerance = 1e-10);

@@ -73,7 +73,7 @@ void MovingEnds::widen(SignalExtent& extent) const {
   extent.speed_share = transmit_bounds_.speed_m_s / (held_.sound_speed_m_s - transmit_bounds_.speed_m_s);
 }
 
-MovingChannels::MovingChannels(const MovingEnds& ends, const SeenPatches& seen, const EchoModel& model,
+MovingChannels::MovingChannels(const MovingEnds& ends, const VisiblePolygons& seen, const EchoModel& model,
                                const SignalExtent& extent, double tolerance)
     : ends_(ends),
       seen_(seen),
@@ -85,7 +85,7 @@ MovingChannels::MovingChannels(const MovingEnds& ends, const SeenPatches& seen, 
   ends_.widen(extent_);
 }
 
-bool MovingChannels::look_at(const SeenPatch& patch) {
+bool MovingChannels::look_at(const VisiblePolygon& patch) {
   const MovingPulse& pulse = ends_.pulse_;
   const SignalTimes& times = ends_.held_.times;
   const double c = ends_.held_.sound_speed_m_s, v_tx = ends_.transmit_bounds_.speed_m_s,

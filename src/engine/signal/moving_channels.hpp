@@ -40,11 +40,11 @@ class MovingEnds {
 class MovingChannels {
  public:
   /// `extent`: of `ends.held()`; `tolerance`: of amplitudes.
-  MovingChannels(const MovingEnds& ends, const SeenPatches& seen, const EchoModel& model,
+  MovingChannels(const MovingEnds& ends, const VisiblePolygons& seen, const EchoModel& model,
                  const SignalExtent& extent, double tolerance);
 
   /// False where nothing comes back from while there are samples.
-  bool look_at(const SeenPatch& patch);
+  bool look_at(const VisiblePolygon& patch);
   const FacetBed& bed() const { return on_.front().path().bed; }
   /// The ends where they are when the patch is received; the first ones are the middle of all.
   const SignalExtent& extent() const { return extent_; }
@@ -53,12 +53,12 @@ class MovingChannels {
 
  private:
   const MovingEnds& ends_;
-  const SeenPatches& seen_;
+  const VisiblePolygons& seen_;
   const EchoModel& model_;
   SignalExtent extent_;
   double tolerance_;
   std::vector<SignalChannel> placed_;
-  std::vector<ChannelOnPatch> on_;
+  std::vector<ChannelOnPolygon> on_;
   std::vector<char> faces_;                    // by channel: some time
   std::vector<MovingPulse::Passing> passing_;  // by transmitter's way
   std::vector<glm::dvec3> near_m_;             // by receiver's way, when the patch is received

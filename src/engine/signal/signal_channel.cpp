@@ -28,8 +28,8 @@ double amplitude_pattern(const Directivity& pattern, glm::dvec3 direction) {
   return size;
 }
 
-ChannelOnPatch::ChannelOnPatch(const SignalChannel& channel, const SeenPatches& seen, const SeenPatch& patch,
-                               const EchoModel& model)
+ChannelOnPolygon::ChannelOnPolygon(const SignalChannel& channel, const VisiblePolygons& seen,
+                                   const VisiblePolygon& patch, const EchoModel& model)
     : channel_(&channel),
       transmit_m_(channel.transmit_m - seen.origin_m),
       receive_m_(channel.receive_m - seen.origin_m),
@@ -40,8 +40,8 @@ ChannelOnPatch::ChannelOnPatch(const SignalChannel& channel, const SeenPatches& 
       weighed_(channel.transmit.kind != Directivity::Kind::uniform ||
                channel.receive.kind != Directivity::Kind::uniform) {}
 
-double ChannelOnPatch::amplitude_from(glm::dvec3 place_m, glm::dvec3 transmit_m, glm::dvec3 receive_m,
-                                      double tx_m, double rx_m) const {
+double ChannelOnPolygon::amplitude_from(glm::dvec3 place_m, glm::dvec3 transmit_m, glm::dvec3 receive_m,
+                                        double tx_m, double rx_m) const {
   const double above_tx = transmit_.distance_m + glm::dot(transmit_.normal, transmit_m - transmit_m_),
                above_rx = receive_distance_m_ + glm::dot(transmit_.normal, receive_m - receive_m_);
   if (!(above_tx > 0 && above_rx > 0)) return 0;

@@ -9,7 +9,7 @@
 #include "engine/echo/path_on_facet.hpp"
 #include "engine/scattering/beam_pattern.hpp"
 #include "engine/signal/platform_motion.hpp"
-#include "engine/signal/seen_patches.hpp"
+#include "engine/signal/visible_polygons.hpp"
 
 // Signals are analytic with the time factor e^{-i omega t}; a way of length L has the phase e^{+ikL}.
 namespace tubefoot {
@@ -32,10 +32,10 @@ struct SignalChannel {
 double amplitude_pattern(const Directivity& pattern, glm::dvec3 direction);
 
 /// A channel on the plane of one patch.
-class ChannelOnPatch {
+class ChannelOnPolygon {
  public:
-  ChannelOnPatch(const SignalChannel& channel, const SeenPatches& seen, const SeenPatch& patch,
-                 const EchoModel& model);
+  ChannelOnPolygon(const SignalChannel& channel, const VisiblePolygons& seen, const VisiblePolygon& patch,
+                   const EchoModel& model);
 
   /// Both ends are on the side that is seen; else the channel receives nothing of the patch.
   bool faces() const { return transmit_.distance_m > 0 && receive_distance_m_ > 0; }
@@ -80,7 +80,7 @@ class ChannelOnPatch {
 };
 
 /// The texture of a patch at a place relative to the patches' origin; 1: even.
-inline double texture_at(const FacetBed& bed, const SeenPatches& seen, glm::dvec3 place_m) {
+inline double texture_at(const FacetBed& bed, const VisiblePolygons& seen, glm::dvec3 place_m) {
   return bed.texture == nullptr ? 1 : bed.texture->factor(seen.origin_m + place_m);
 }
 

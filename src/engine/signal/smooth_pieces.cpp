@@ -83,7 +83,8 @@ std::vector<glm::dvec2> cut_at(std::span<const glm::dvec2> polygon, int axis, do
 SmoothPieces::SmoothPieces(const SignalExtent& extent, double most_change)
     : extent_(extent), most_change_(most_change) {}
 
-void SmoothPieces::cut(const SeenPatches& seen, const SeenPatch& patch, std::vector<Chunk>& chunks) const {
+void SmoothPieces::cut(const VisiblePolygons& seen, const VisiblePolygon& patch,
+                       std::vector<Chunk>& chunks) const {
   const FacetPlane plane{patch.normal, patch.distance_m};
   const PlaneFrame frame(plane);
   OnPlane on{-plane.distance_m * plane.normal, frame.u, frame.v, patch.normal, {}, {}};

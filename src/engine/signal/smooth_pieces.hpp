@@ -9,7 +9,7 @@
 
 #include "engine/scattering/beam_pattern.hpp"
 #include "engine/scattering/path.hpp"
-#include "engine/signal/seen_patches.hpp"
+#include "engine/signal/visible_polygons.hpp"
 
 // Patches cut so small that signals, but for a phase that all of them have, are smooth over each piece.
 namespace tubefoot {
@@ -58,7 +58,7 @@ class SmoothPieces {
   SmoothPieces(const SignalExtent& extent, double most_change);
 
   /// The chunks of a patch, polygons by (u, v) of their own axes.
-  void cut(const SeenPatches& seen, const SeenPatch& patch, std::vector<Chunk>& chunks) const;
+  void cut(const VisiblePolygons& seen, const VisiblePolygon& patch, std::vector<Chunk>& chunks) const;
   /// What of a chunk lies in each of its rectangles. Calls take(i, j, polygon, whole): corners as in
   /// Chunk::polygon; `whole`: it is the rectangle.
   template <class Take>

@@ -118,7 +118,7 @@ class ChannelOfSmooth {
               receiver.sound_speed_m_s;
   }
 
-  void add(const SeenPatches& seen, const SeenPatch& patch, const SmoothSurface& surface,
+  void add(const VisiblePolygons& seen, const VisiblePolygon& patch, const SmoothSurface& surface,
            std::complex<double>* out) {
     const glm::dvec3 transmit = channel_.transmit_m - seen.origin_m,
                      receive = channel_.receive_m - seen.origin_m;
@@ -395,7 +395,7 @@ class ChannelOfSmooth {
 
 }  // namespace
 
-ChannelSignals smooth_signals(const SeenPatches& patches, const CoherentReceiver& receiver,
+ChannelSignals smooth_signals(const VisiblePolygons& patches, const CoherentReceiver& receiver,
                               const EchoModel& model,
                               const std::function<const SmoothSurface*(FacetId)>& surface_of,
                               double tolerance) {
@@ -407,8 +407,8 @@ ChannelSignals smooth_signals(const SeenPatches& patches, const CoherentReceiver
         "a band of {} Hz about {} Hz reaches down to frequency 0: take a pulse of less than twice the "
         "carrier",
         receiver.pulse.bandwidth_hz, receiver.carrier_hz));
-  std::vector<std::pair<const SeenPatch*, const SmoothSurface*>> smooth;
-  for (const SeenPatch& patch : patches.patches)
+  std::vector<std::pair<const VisiblePolygon*, const SmoothSurface*>> smooth;
+  for (const VisiblePolygon& patch : patches.patches)
     if (const SmoothSurface* surface = surface_of(patch.facet)) smooth.emplace_back(&patch, surface);
   ChannelSignals signals{receiver.channels.size(), receiver.times.count, {}};
   signals.value.assign(signals.channels * signals.samples, 0);

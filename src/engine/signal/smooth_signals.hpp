@@ -20,7 +20,7 @@ namespace tubefoot {
 /// its area and place can have; from 1e-9 to 0.1. A band must not reach down to frequency 0.
 /// Law Q8 (pulses): the signal is add_pulse_echo()'s. Throws as the functions of coherent_signals.hpp do. The
 /// same bits for any number of threads.
-ChannelSignals smooth_signals(const SeenPatches& patches, const CoherentReceiver& receiver,
+ChannelSignals smooth_signals(const VisiblePolygons& patches, const CoherentReceiver& receiver,
                               const EchoModel& model,
                               const std::function<const SmoothSurface*(FacetId)>& surface_of,
                               double tolerance = 1e-3);

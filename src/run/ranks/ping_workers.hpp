@@ -13,7 +13,7 @@
 #include <span>
 #include <thread>
 
-#include "run/kept/packed_ping.hpp"
+#include "run/checkpoint/packed_ping.hpp"
 
 namespace tubefoot {
 

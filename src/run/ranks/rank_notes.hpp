@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "run/kept/ping_store.hpp"
+#include "run/checkpoint/ping_store.hpp"
 #include "run/ranks/ping_workers.hpp"
 
 // What ranks tell each other (docs/cluster.md): a letter, then what belongs to it.

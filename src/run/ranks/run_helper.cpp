@@ -7,8 +7,8 @@
 
 #include "files/usage_error.hpp"
 #include "geometry/steps/stop.hpp"
-#include "run/kept/build_identity.hpp"
-#include "run/kept/ping_store.hpp"
+#include "run/checkpoint/build_identity.hpp"
+#include "run/checkpoint/ping_store.hpp"
 #include "run/ranks/ping_workers.hpp"
 #include "run/ranks/rank_notes.hpp"
 #include "run/ranks/run_ranks.hpp"

@@ -4,8 +4,8 @@
 #include <thread>
 
 #include "geometry/steps/stop.hpp"
+#include "run/checkpoint/ping_store.hpp"
 #include "run/console/progress.hpp"
-#include "run/kept/ping_store.hpp"
 #include "run/ranks/ping_workers.hpp"
 #include "run/ranks/rank_notes.hpp"
 #include "run/ranks/run_ranks.hpp"

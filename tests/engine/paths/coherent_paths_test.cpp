@@ -115,10 +115,10 @@ ChannelSignals all_signals(const Mirrored& m, const CoherentReceiver& receiver, 
   ChannelSignals sum = mirrored_signals(*m.images, receiver, m.model, field);
   if (m.images->one_place()) {
     const History history = TubeEngine(m.s.mesh, m.tree, unit, {}).trace(m.s.transmit);
-    superpose(element_signals(seen_patches(history, m.model), receiver, m.model, field), 1, sum);
+    superpose(element_signals(visible_polygons(history, m.model), receiver, m.model, field), 1, sum);
   } else {
     const BistaticHistory history = trace_bistatic(m.s.mesh, m.tree, unit, {}, m.s.transmit, m.s.receive);
-    superpose(element_signals(seen_patches(history, m.model), receiver, m.model, field), 1, sum);
+    superpose(element_signals(visible_polygons(history, m.model), receiver, m.model, field), 1, sum);
   }
   return sum;
 }
@@ -556,7 +556,7 @@ TEST(CoherentPaths, SayWhatTheyCannotDo) {
   expect_refusal([&] { superpose({1, 20, std::vector<Complex>(20)}, 1, other); }, "added");
   for_coherent_paths(*m.images, m.model, receiver.channels, [&](const CoherentPath& path) {
     const BistaticHistory seen = m.images->history(*path.sent, *path.received);
-    expect_refusal([&] { seen_patches(seen, path.model); }, "for_coherent_paths");
+    expect_refusal([&] { visible_polygons(seen, path.model); }, "for_coherent_paths");
     expect_refusal(
         [&] {
           gated_covariances(path.patches, path.channels[0], path.channels[1], {0, 1, 5}, 10, path.model);

@@ -201,7 +201,7 @@ TEST(RefractedPatches, AllThatLambertsLawSendsArrivesOnce) {
       ASSERT_EQ(images.size(), 1u);
       const SeenBed seen = from.seen_by(images[0]);
       double sum = 0, own = 0;
-      for (const Patch& patch : patches_of(from.base(), apex, seen, unit, 0.5, {}, normal)) {
+      for (const RadiosityPatch& patch : patches_of(from.base(), apex, seen, unit, 0.5, {}, normal)) {
         sum += patch.projected_sr;
         if (patch.facet / 2 == facet / 2) own += patch.projected_sr;
       }

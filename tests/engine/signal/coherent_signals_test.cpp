@@ -87,7 +87,7 @@ TEST(SmoothPieces, PhasesChangeByLessThanTheirBounds) {
   double tightest = 0;
   for (const test::SignalScene& scene : test::signal_scenes()) {
     const SignalView view(scene, {0.0, 0.0, 0.0});
-    const SeenPatches seen = view.patches();
+    const VisiblePolygons seen = view.patches();
     SignalExtent extent;
     for (int k = 0; k < 4; ++k) {
       extent.transmit_m.push_back(0.2 * glm::dvec3(share(random), share(random), share(random)));
@@ -96,7 +96,7 @@ TEST(SmoothPieces, PhasesChangeByLessThanTheirBounds) {
     extent.wavenumber_rad_m = 300;
     extent.band_rad_m = 20;
     std::vector<SmoothPieces::Chunk> chunks;
-    for (const SeenPatch& patch : seen.patches) SmoothPieces(extent, 1.5).cut(seen, patch, chunks);
+    for (const VisiblePolygon& patch : seen.patches) SmoothPieces(extent, 1.5).cut(seen, patch, chunks);
     for (const SmoothPieces::Chunk& chunk : chunks) {
       ASSERT_LE(chunk.change_u, 1.5 + 1e-9);
       ASSERT_LE(chunk.change_v, 1.5 + 1e-9);
@@ -127,7 +127,7 @@ TEST(SmoothPieces, PhasesChangeByLessThanTheirBounds) {
 TEST(BedScatterers, TheirWeightsAreThePatchesAreas) {
   for (const test::SignalScene& scene : test::signal_scenes()) {
     const SignalView view(scene, {0.0, 0.0, 0.0});
-    const SeenPatches seen = view.patches();
+    const VisiblePolygons seen = view.patches();
     SignalExtent extent;
     extent.transmit_m = extent.receive_m = {glm::dvec3(-0.1), glm::dvec3(0.1)};
     for (const double k : {0.0, 100.0, 400.0}) {
@@ -136,7 +136,7 @@ TEST(BedScatterers, TheirWeightsAreThePatchesAreas) {
       double sum = 0;
       for (const BedScatterer& s : bed_scatterers(seen, extent, 1e-6)) {
         sum += s.weight_m2;
-        const SeenPatch& patch = seen.patches[s.patch];
+        const VisiblePolygon& patch = seen.patches[s.patch];
         ASSERT_NEAR(glm::dot(s.place_m, patch.normal), -patch.distance_m, 1e-12);
       }
       EXPECT_NEAR(sum, seen.area_m2(), 1e-11 * seen.area_m2()) << scene.name;
@@ -173,7 +173,7 @@ TEST(SignalCovariances, AreHermitianPositiveAndAsExactAsRequested) {
     std::vector<SignalSample> samples;
     for (std::uint32_t c = 0; c < 5; ++c)
       for (std::uint32_t k = 5; k < 40; k += 5) samples.push_back({c, k});
-    const SeenPatches seen = view.patches();
+    const VisiblePolygons seen = view.patches();
     const CovarianceMatrix fine = signal_covariances(seen, receiver, samples, view.model, 1e-11);
     double loudest = 0;
     for (std::size_t k = 0; k < samples.size(); ++k) loudest = std::max(loudest, fine.at(k, k).real());
@@ -199,16 +199,16 @@ TEST(SignalCovariances, OfPolygonsInPartsAddUp) {
   std::vector<SignalSample> samples;
   for (std::uint32_t c = 0; c < 4; ++c)
     for (std::uint32_t k = 5; k < 40; k += 7) samples.push_back({c, k});
-  const SeenPatches seen = view.patches();
-  SeenPatches fans = seen;  // triangles about a point within each polygon
+  const VisiblePolygons seen = view.patches();
+  VisiblePolygons fans = seen;  // triangles about a point within each polygon
   fans.patches.clear();
   fans.corners_m.clear();
-  for (const SeenPatch& patch : seen.patches) {
+  for (const VisiblePolygon& patch : seen.patches) {
     const auto corners = seen.corners(patch);
     glm::dvec3 middle(0);
     for (const glm::dvec3& c : corners) middle += c / double(corners.size());
     for (std::size_t k = 0; k < corners.size(); ++k) {
-      SeenPatch part = patch;
+      VisiblePolygon part = patch;
       part.first_corner = std::uint32_t(fans.corners_m.size());
       part.corner_count = 3;
       for (const glm::dvec3& c : {corners[k], corners[(k + 1) % corners.size()], middle})
@@ -250,7 +250,7 @@ TEST(LowRankFactor, GivesBackTheMatrixAndRefusesOthers) {
 // 16 elements at 2 wavelengths see +-0.2 rad: 30 wavelengths times 0.4 are 12.
 TEST(LowRankFactor, AnArraysRankIsItsSpaceBandwidthProduct) {
   const double wavelength = 0.01, range = 20;
-  SeenPatches sector;  // a strip across under the sonar
+  VisiblePolygons sector;  // a strip across under the sonar
   const double half = range * std::tan(0.2);
   sector.corners_m = {
       {-half, 0.01, -range}, {half, 0.01, -range}, {half, -0.01, -range}, {-half, -0.01, -range}};
@@ -271,18 +271,18 @@ TEST(LowRankFactor, AnArraysRankIsItsSpaceBandwidthProduct) {
 }
 
 /// The direct sum over the field's scatterers.
-ChannelSignals by_every_scatterer(const SeenPatches& seen, const CoherentReceiver& receiver,
+ChannelSignals by_every_scatterer(const VisiblePolygons& seen, const CoherentReceiver& receiver,
                                   const EchoModel& model, const GroundField& field) {
   ChannelSignals all{receiver.channels.size(), receiver.times.count, {}};
   all.value.assign(all.channels * all.samples, 0);
   const double k = 2 * pi * receiver.carrier_hz / receiver.sound_speed_m_s;
-  for (const SeenPatch& patch : seen.patches) {
+  for (const VisiblePolygon& patch : seen.patches) {
     std::vector<glm::dvec3> corners;
     for (const glm::dvec3& c : seen.corners(patch)) corners.push_back(c + seen.origin_m);
     field.for_scatterers(corners, patch.normal, [&](glm::dvec3 place, Complex z) {
       for (std::size_t c = 0; c < all.channels; ++c) {
-        const ChannelOnPatch::Reception received =
-            ChannelOnPatch(receiver.channels[c], seen, patch, model).at(place - seen.origin_m);
+        const ChannelOnPolygon::Reception received =
+            ChannelOnPolygon(receiver.channels[c], seen, patch, model).at(place - seen.origin_m);
         for (std::size_t n = 0; n < all.samples; ++n)
           all.value[c * all.samples + n] +=
               z * std::polar(received.amplitude, k * received.path_m) *
@@ -314,7 +314,7 @@ TEST(ElementSignals, AreTheSumOverAllScatterersOfTheField) {
     const GroundField field{7, 0.015};
     EchoModel model = view.model;
     model.absorption_db_per_m = 0.1;
-    const SeenPatches seen = view.patches();
+    const VisiblePolygons seen = view.patches();
     const ChannelSignals direct = by_every_scatterer(seen, receiver, model, field);
     const double loudest = loudest_of(direct);
     ASSERT_GT(loudest, 0);
@@ -345,7 +345,7 @@ TEST(ElementSignals, AreThatSumForFlanksOfAnyLength) {
       set_flanks(receiver.pulse, taper, sweep_hz);
       receiver.times = {5e-3, 40e3, 130};
       const GroundField field{7, 0.03};
-      const SeenPatches seen = view.patches();
+      const VisiblePolygons seen = view.patches();
       const ChannelSignals direct = by_every_scatterer(seen, receiver, view.model, field);
       const double loudest = loudest_of(direct);
       ASSERT_GT(loudest, 0);
@@ -412,7 +412,7 @@ TEST(ElementSignals, FieldRulesAndFactorsDrawTheSameCovariances) {
   std::vector<SignalSample> samples;
   for (std::uint32_t c = 0; c < 4; ++c)
     for (std::uint32_t k = 0; k < 8; k += 2) samples.push_back({c, k});
-  const SeenPatches seen = view.patches();
+  const VisiblePolygons seen = view.patches();
   const CovarianceMatrix expected = signal_covariances(seen, receiver, samples, view.model, 1e-8);
   const LowRankFactor factor = low_rank_factor(expected, 1e-10);
   constexpr int draws = 250;
@@ -451,8 +451,8 @@ TEST(ElementSignals, AnotherPoseSeesTheSameGround) {
   const CoherentReceiver a = pose(here), b = pose(there);
   CoherentReceiver both = a;
   both.channels.push_back(b.channels[0]);
-  const SeenPatches seen_here = here.patches(), seen_there = there.patches();
-  const SeenPatches common = common_patches(seen_here, seen_there);
+  const VisiblePolygons seen_here = here.patches(), seen_there = there.patches();
+  const VisiblePolygons common = common_patches(seen_here, seen_there);
   EXPECT_LT(common.area_m2(), seen_here.area_m2());
   EXPECT_GT(common.area_m2(), 0.9 * seen_here.area_m2());
   constexpr int draws = 400;
@@ -460,7 +460,7 @@ TEST(ElementSignals, AnotherPoseSeesTheSameGround) {
   for (std::uint32_t c = 0; c < 2; ++c)
     for (std::uint32_t k = 0; k < 36; k += 9) all.push_back({c, k});
   CovarianceMatrix expected = signal_covariances(common, both, all, here.model, 1e-8);
-  const auto own = [&](const SeenPatches& seen, const CoherentReceiver& receiver, std::size_t first) {
+  const auto own = [&](const VisiblePolygons& seen, const CoherentReceiver& receiver, std::size_t first) {
     std::vector<SignalSample> samples;
     for (std::uint32_t k = 0; k < 36; k += 9) samples.push_back({0, k});
     const CovarianceMatrix r = signal_covariances(seen, receiver, samples, here.model, 1e-8);
@@ -501,15 +501,15 @@ TEST(ElementSignals, OfNothingAreSilence) {
   for (const Complex& v : element_signals(view.patches(), early, view.model, {1, 0.02}).value)
     EXPECT_EQ(v, 0.0);
   const CoherentReceiver below = receiver_at({0, 4.5, -20});
-  SeenPatches bed = view.patches();
-  std::erase_if(bed.patches, [](const SeenPatch& patch) { return patch.normal.z < 0.9; });
+  VisiblePolygons bed = view.patches();
+  std::erase_if(bed.patches, [](const VisiblePolygon& patch) { return patch.normal.z < 0.9; });
   for (const Complex& v : element_signals(bed, below, view.model, {1, 0.05}).value) EXPECT_EQ(v, 0.0);
 }
 
 TEST(ElementSignals, RefuseWhatIsNone) {
   const test::SignalScene scene = test::signal_scenes()[0];
   const SignalView view(scene, {0.0, 0.0, 0.0});
-  const SeenPatches seen = view.patches();
+  const VisiblePolygons seen = view.patches();
   const GroundField field;
   const auto refuses = [&](const auto& change) {
     CoherentReceiver receiver = receiver_at(view.apex_m);

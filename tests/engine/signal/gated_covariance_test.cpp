@@ -28,8 +28,8 @@ const std::vector<std::uint16_t> one_material{0};
 EchoModel isovelocity_model() { return {one_mu, one_material}; }
 
 /// A polygon on the plane z = -height, in (x, y).
-SeenPatches on_bed(double height, const Polygon2& polygon) {
-  SeenPatches seen;
+VisiblePolygons on_bed(double height, const Polygon2& polygon) {
+  VisiblePolygons seen;
   for (const glm::dvec2 p : polygon) seen.corners_m.push_back({p, -height});
   std::reverse(seen.corners_m.begin(), seen.corners_m.end());  // clockwise from above
   seen.patches = {{0, {0, 0, 1}, height, 0, std::uint32_t(polygon.size()), 0, 0}};
@@ -107,7 +107,7 @@ TEST(GatedCovariance, BetweenTwoApexesItIsTodaysEnergyWithLawsAndTextures) {
     const Echo echo = integrate_echo(history, {1, beams}, samples, model, Quadrature(Binning::exact, 1e-13));
     const SignalChannel channel{view.apex_m, other.apex_m};
     const SampleCovariances own =
-        gated_covariances(seen_patches(history, model), channel, channel, samples, 100, model, 1e-13);
+        gated_covariances(visible_polygons(history, model), channel, channel, samples, 100, model, 1e-13);
     ASSERT_GT(test::total(echo), 0);
     for (int k = 0; k < samples.count; ++k)
       EXPECT_NEAR(own.at(k, k).real(), echo.at(0, k), tolerance * echo.at(0, k)) << k;
@@ -125,7 +125,7 @@ TEST(GatedCovariance, ReceiversOfAReceiverPairAreItsEcho) {
   const Polygon2 polygon{{3, -2}, {8, -1}, {7, 3}, {4, 2}};
   ReceiverPairHistory history;
   history.transmit.tubes = history.upper.tubes = history.lower.tubes = {Tube{}};
-  const SeenPatches seen = on_bed(5, polygon);
+  const VisiblePolygons seen = on_bed(5, polygon);
   SharedFacet facet{0, 0, 1, {0, 0, 1}, 5, 5};
   history.by_upper.corners_m = seen.corners_m;
   history.by_upper.pieces = {{0, 0, 0, 4}};
@@ -149,7 +149,7 @@ TEST(GatedCovariance, ReceiversOfAReceiverPairAreItsEcho) {
 // the sample of 75 mm from 30 m on.
 TEST(GatedCovariance, FootprintsThatAreShiftedDecorrelate) {
   const double step = 0.075, baseline = 0.06, range = 30, k = 2 * pi * 250e3 / 1500;
-  const SeenPatches strip = on_bed(10, rectangle(5, 40, -5e-4, 5e-4));
+  const VisiblePolygons strip = on_bed(10, rectangle(5, 40, -5e-4, 5e-4));
   const EchoModel model = isovelocity_model();
   const glm::dvec3 receiver_pair = baseline * glm::dvec3(0.5, 0, std::sqrt(0.75));
   const auto coherence = [&](glm::dvec3 one_end, glm::dvec3 other_end, double first_m) {
@@ -191,7 +191,7 @@ TEST(GatedCovariance, AnEvenFootprintsCoherenceIsASinc) {
                          mean([&](double x) { return std::sin(k * further(x)); })),
               0.962592637, 5e-10);
   // A thin strip under the sonar, with what ranges and grazing angles make of its amplitudes.
-  const SeenPatches strip = on_bed(r, rectangle(-a / 2, a / 2, -1e-5, 1e-5));
+  const VisiblePolygons strip = on_bed(r, rectangle(-a / 2, a / 2, -1e-5, 1e-5));
   const SignalChannel over{}, beside{{}, {apart, 0, 0}};
   const RangeSamples whole{19, 3, 1};
   const EchoModel model = isovelocity_model();
@@ -232,7 +232,7 @@ TEST(GatedCovariance, DisplacedPhaseCentresFollowABSpline) {
     return on_bed(r, rectangle(-half, half, -1e-5, 1e-5));
   };
   for (const double length : {0.2, 0.4}) {
-    const SeenPatches strip = strip_for(length);
+    const VisiblePolygons strip = strip_for(length);
     const Directivity line{Directivity::Kind::line, {1, 0, 0}, false, 0, length / wavelength};
     const auto channel = [&](double x) { return SignalChannel{{x, 0, 0}, {x, 0, 0}, line, line}; };
     const double size =
@@ -248,7 +248,7 @@ TEST(GatedCovariance, DisplacedPhaseCentresFollowABSpline) {
   }
   // The pattern on one side only: a triangle.
   const double length = 0.4;
-  const SeenPatches strip = strip_for(length / 2);  // side lobes fall off as their square only
+  const VisiblePolygons strip = strip_for(length / 2);  // side lobes fall off as their square only
   const Directivity line{Directivity::Kind::line, {1, 0, 0}, false, 0, length / wavelength};
   const auto channel = [&](double x) { return SignalChannel{{x, 0, 0}, {x, 0, 0}, line, {}}; };
   const double size = gated_covariances(strip, channel(0), channel(0), whole, k, model, 1e-7).at(0, 0).real();
@@ -267,7 +267,7 @@ TEST(GatedCovariance, DisplacedTransmittersAgreeWithSumsOverPoints) {
     const double height = 2 + share(random);
     const Polygon2 polygon = test::random_convex(random, {share(random) * 3, share(random) * 3}, 1.5, 0.9);
     if (polygon.size() < 3) continue;
-    const SeenPatches seen = on_bed(height, polygon);
+    const VisiblePolygons seen = on_bed(height, polygon);
     const auto near = [&] { return glm::dvec3(share(random), share(random), share(random)); };
     const SignalChannel a{near(), near()}, b{near(), near()};
     const RangeSamples samples{1.5, 0.11, 25};
@@ -328,7 +328,7 @@ TEST(GatedCovariance, DisplacedTransmittersAgreeWithSumsOverPoints) {
 
 // Transmitter and receiver in each other's place: all ellipses of the one are ellipses of the other.
 TEST(GatedCovariance, OfAPathAndTheSamePathBackIsItsEnergy) {
-  const SeenPatches seen = on_bed(3, {{-1, 0.5}, {2, 1}, {1.5, 3}, {-0.5, 2.5}});
+  const VisiblePolygons seen = on_bed(3, {{-1, 0.5}, {2, 1}, {1.5, 3}, {-0.5, 2.5}});
   const glm::dvec3 here(0.2, -0.1, 0.3), there(-0.4, 0.3, -0.2);
   const RangeSamples samples{2.5, 0.13, 20};
   const EchoModel model = isovelocity_model();
@@ -346,7 +346,7 @@ TEST(GatedCovariance, OfAPathAndTheSamePathBackIsItsEnergy) {
 TEST(GatedCovariance, PartsAddUp) {
   const test::SignalScene scene = test::signal_scenes()[0];
   const SignalView view(scene, {0.0, 0.0, 0.0});
-  const SeenPatches seen = view.patches();
+  const VisiblePolygons seen = view.patches();
   const SignalChannel a{view.apex_m, view.apex_m + glm::dvec3(0.05, 0, 0)},
       b{view.apex_m + glm::dvec3(0.02, 0.01, 0), view.apex_m - glm::dvec3(0.05, 0, 0)};
   const RangeSamples samples{3, 0.3, 14};
@@ -354,20 +354,20 @@ TEST(GatedCovariance, PartsAddUp) {
   const SampleCovariances all = gated_covariances(seen, a, b, samples, k, view.model);
   std::vector<Complex> by_tube(all.value.size()), halves(all.value.size());
   for (std::uint32_t tube = 0; tube < 6; ++tube) {
-    SeenPatches part = seen;
-    std::erase_if(part.patches, [&](const SeenPatch& p) { return p.rx_tube != tube; });
+    VisiblePolygons part = seen;
+    std::erase_if(part.patches, [&](const VisiblePolygon& p) { return p.rx_tube != tube; });
     const SampleCovariances own = gated_covariances(part, a, b, samples, k, view.model);
     for (std::size_t n = 0; n < own.value.size(); ++n) by_tube[n] += own.value[n];
   }
   for (const int half : {0, 1}) {
-    SeenPatches part;
+    VisiblePolygons part;
     part.origin_m = seen.origin_m;
-    for (const SeenPatch& patch : seen.patches) {
+    for (const VisiblePolygon& patch : seen.patches) {
       const auto corners = seen.corners(patch);
       const std::size_t n = corners.size();
       const glm::dvec3 p = (corners[0] + corners[1]) / 2.0,
                        q = (corners[n / 2] + corners[(n / 2 + 1) % n]) / 2.0;
-      SeenPatch one = patch;
+      VisiblePolygon one = patch;
       one.first_corner = std::uint32_t(part.corners_m.size());
       if (half == 0) {
         part.corners_m.push_back(p);
@@ -393,17 +393,17 @@ TEST(GatedCovariance, PartsAddUp) {
 }
 
 TEST(GatedCovariance, RefusesWhatIsNone) {
-  const SeenPatches bed = on_bed(5, rectangle(-1, 1, -1, 1));
+  const VisiblePolygons bed = on_bed(5, rectangle(-1, 1, -1, 1));
   const EchoModel model = isovelocity_model();
   EXPECT_THROW(gated_covariances(bed, {}, {}, {1, 0, 3}, 1, model), std::invalid_argument);
   EXPECT_THROW(gated_covariances(bed, {}, {}, {1, 1, 0}, 1, model), std::invalid_argument);
   EXPECT_THROW(gated_covariances(bed, {}, {}, {1, 1, 3}, -1, model), std::invalid_argument);
   EXPECT_THROW(gated_covariances(bed, {}, {}, {1, 1, 3}, 1, model, 0), std::invalid_argument);
   const BistaticHistory apart = test::piece_on(test::flat_bed(5), rectangle(-1, 1, -1, 1), {0, 0, 1});
-  EXPECT_EQ(seen_patches(apart, model).patches.size(), 1u);
+  EXPECT_EQ(visible_polygons(apart, model).patches.size(), 1u);
   EchoModel by_mirror = model;
   by_mirror.path.tx.loss.factor = 0.5;
-  EXPECT_THROW(seen_patches(apart, by_mirror), std::invalid_argument);
+  EXPECT_THROW(visible_polygons(apart, by_mirror), std::invalid_argument);
 }
 
 }  // namespace

@@ -71,12 +71,12 @@ double amplitude_of(glm::dvec3 x, glm::dvec3 normal, double mu, double db_per_m,
 }
 
 /// Every scatterer to every channel and sample.
-ChannelSignals by_every_scatterer(const SeenPatches& seen, const CoherentReceiver& receiver,
+ChannelSignals by_every_scatterer(const VisiblePolygons& seen, const CoherentReceiver& receiver,
                                   const EchoModel& model, const GroundField& field) {
   ChannelSignals all{receiver.channels.size(), receiver.times.count, {}};
   all.value.assign(all.channels * all.samples, 0);
   const double k = 2 * pi * receiver.carrier_hz / c;
-  for (const SeenPatch& patch : seen.patches) {
+  for (const VisiblePolygon& patch : seen.patches) {
     std::vector<glm::dvec3> corners;
     for (const glm::dvec3& corner : seen.corners(patch)) corners.push_back(corner + seen.origin_m);
     const double mu = model.material_mu[model.material[patch.facet]];
@@ -152,7 +152,7 @@ TEST(MovingEnds, HearTheSumOverAllScatterersOfTheField) {
   for (const std::size_t number : {0u, 1u, 4u}) {
     const test::SignalScene scene = test::signal_scenes()[number];
     const SignalView view(scene, {0.0, 0.0, 0.0});
-    const SeenPatches seen = view.patches();
+    const VisiblePolygons seen = view.patches();
     EchoModel model = view.model;
     model.absorption_db_per_m = 0.1;
     const GroundField field{7, number == 0 ? 0.035 : 0.06};
@@ -179,7 +179,7 @@ TEST(MovingEnds, HearTheSumOverAllScatterersOfTheField) {
 TEST(MovingEnds, OneEndMayMoveAndTheOtherRest) {
   const test::SignalScene scene = test::signal_scenes()[1];
   const SignalView view(scene, {0.0, 0.0, 0.0});
-  const SeenPatches seen = view.patches();
+  const VisiblePolygons seen = view.patches();
   const GroundField field{3, 0.06};
   CoherentReceiver receiver = receiver_on(view.apex_m, {});
   receiver.channels[0].transmit_motion = straight(view.apex_m, {0, 9, -3});
@@ -196,7 +196,7 @@ TEST(MovingEnds, OneEndMayMoveAndTheOtherRest) {
 TEST(MovingEnds, AtRestHearTheSameBits) {
   const test::SignalScene scene = test::signal_scenes()[1];
   const SignalView view(scene, {0.0, 0.0, 0.0});
-  const SeenPatches seen = view.patches();
+  const VisiblePolygons seen = view.patches();
   const GroundField field{9, 0.02};
   const CoherentReceiver fixed = receiver_on(view.apex_m, {}),
                          still = receiver_on(view.apex_m, [](glm::dvec3 p) { return straight(p, {}); }),
@@ -216,7 +216,7 @@ TEST(MovingEnds, AtRestHearTheSameBits) {
 TEST(MovingEnds, HaveTheSameBitsForAnyThreads) {
   const test::SignalScene scene = test::signal_scenes()[2];
   const SignalView view(scene, {0.0, 0.0, 0.0});
-  const SeenPatches seen = view.patches();
+  const VisiblePolygons seen = view.patches();
   const GroundField field{9, 0.03};
   const CoherentReceiver receiver = receiver_on(view.apex_m, [](glm::dvec3 p) {
     return refracted(p, {1, 2, 0}, 7e-4);
@@ -255,7 +255,7 @@ struct OnePlace {
   }
   static constexpr std::array<double, 1> mu{0.1};
   static constexpr std::array<std::uint16_t, 1> material{0};
-  SeenPatches seen;
+  VisiblePolygons seen;
   GroundField field;
   glm::dvec3 x{0};
   Complex z;
@@ -387,7 +387,7 @@ TEST(MovingEnds, PhasesChangeOverPiecesByLessThanTheirBounds) {
   double tightest = 0;
   for (const test::SignalScene& scene : test::signal_scenes()) {
     const SignalView view(scene, {0.0, 0.0, 0.0});
-    const SeenPatches seen = view.patches();
+    const VisiblePolygons seen = view.patches();
     const CoherentReceiver receiver = receiver_on(view.apex_m, [](glm::dvec3 p) {
       return turning(p, {8, 14, 3}, 3, {0.4, -0.3, 0.1});
     });
@@ -396,7 +396,7 @@ TEST(MovingEnds, PhasesChangeOverPiecesByLessThanTheirBounds) {
     extent.products = false;
     extent.wavenumber_rad_m = 3000;  // so that phases count
     MovingChannels channels(ends, seen, view.model, extent, 1e-3);
-    for (const SeenPatch& patch : seen.patches) {
+    for (const VisiblePolygon& patch : seen.patches) {
       if (!channels.look_at(patch)) continue;
       const SignalExtent its = channels.extent();
       std::vector<SmoothPieces::Chunk> chunks;
@@ -432,7 +432,7 @@ TEST(MovingEnds, PhasesChangeOverPiecesByLessThanTheirBounds) {
 TEST(MovingEnds, RefuseWaysThatAreNone) {
   const test::SignalScene scene = test::signal_scenes()[0];
   const SignalView view(scene, {0.0, 0.0, 0.0});
-  const SeenPatches seen = view.patches();
+  const VisiblePolygons seen = view.patches();
   const auto refuses = [&](const PlatformMotion& motion, const std::string& what) {
     CoherentReceiver receiver = receiver_on(view.apex_m, {});
     receiver.channels[1].receive_motion = motion;

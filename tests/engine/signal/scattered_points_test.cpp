@@ -72,7 +72,7 @@ TEST(ScatteredPoints, HaveTheCovariancesOfThePolygonsTheyLieOn) {
   int compared = 0, over_three = 0;
   for (const test::SignalScene& scene : test::signal_scenes()) {
     const SignalView view(scene, {0.0, 0.0, 0.0});
-    const SeenPatches seen = view.patches();
+    const VisiblePolygons seen = view.patches();
     const std::vector<SignalChannel> channels{{view.apex_m, view.apex_m + glm::dvec3(0.02, 0, 0)},
                                               {view.apex_m, view.apex_m - glm::dvec3(0.02, 0, 0.01)},
                                               {view.apex_m + glm::dvec3(0.02, 0, 0.03), view.apex_m}};

@@ -24,16 +24,16 @@ using test::Polygon2;
 constexpr double pi = std::numbers::pi, sound_speed = 1500;
 
 /// Adds a polygon of a plane that the patches' origin sees, as test::on_plane() has it.
-void add_patch(SeenPatches& seen, FacetId facet, const FacetPlane& plane, const Polygon2& polygon) {
-  SeenPatch patch{facet, plane.normal, plane.distance_m};
+void add_patch(VisiblePolygons& seen, FacetId facet, const FacetPlane& plane, const Polygon2& polygon) {
+  VisiblePolygon patch{facet, plane.normal, plane.distance_m};
   patch.first_corner = std::uint32_t(seen.corners_m.size());
   patch.corner_count = std::uint32_t(polygon.size());
   for (const glm::dvec3& corner : test::on_plane(plane, polygon)) seen.corners_m.push_back(corner);
   seen.patches.push_back(patch);
 }
 
-SeenPatches patches_of(const FacetPlane& plane, const Polygon2& polygon) {
-  SeenPatches seen;
+VisiblePolygons patches_of(const FacetPlane& plane, const Polygon2& polygon) {
+  VisiblePolygons seen;
   add_patch(seen, 0, plane, polygon);
   return seen;
 }
@@ -50,7 +50,7 @@ CoherentReceiver receiver_of(const std::vector<SignalChannel>& channels, double 
 }
 
 /// Times that hold all echoes of patches, for the first channel.
-void listen(CoherentReceiver& receiver, const SeenPatches& seen) {
+void listen(CoherentReceiver& receiver, const VisiblePolygons& seen) {
   double shortest = 1e9, longest = 0;
   for (const SignalChannel& channel : receiver.channels)
     for (const glm::dvec3& corner : seen.corners_m) {
@@ -68,8 +68,8 @@ void listen(CoherentReceiver& receiver, const SeenPatches& seen) {
 const SmoothSurface rigid;
 const SmoothSurface* all_rigid(FacetId) { return &rigid; }
 
-PlanarPolygon polygon_of(const SeenPatches& seen, const SeenPatch& patch, const SignalChannel& channel,
-                         PathCutter::Receiver& rx) {
+PlanarPolygon polygon_of(const VisiblePolygons& seen, const VisiblePolygon& patch,
+                         const SignalChannel& channel, PathCutter::Receiver& rx) {
   const glm::dvec3 transmit = channel.transmit_m - seen.origin_m, receive = channel.receive_m - seen.origin_m;
   const FacetPlane plane{patch.normal, patch.distance_m + glm::dot(patch.normal, transmit)};
   const PlaneFrame frame(plane);
@@ -82,12 +82,12 @@ PlanarPolygon polygon_of(const SeenPatches& seen, const SeenPatch& patch, const 
 }
 
 /// By add_pulse_echo(), rigid, of the first channel. `wave`: entire, of the pulse at the carrier.
-std::vector<Complex> by_edges(const SeenPatches& seen, const CoherentReceiver& receiver,
+std::vector<Complex> by_edges(const VisiblePolygons& seen, const CoherentReceiver& receiver,
                               const TransmittedPulse& wave) {
   std::vector<double> times;
   for (std::size_t k = 0; k < receiver.times.count; ++k) times.push_back(receiver.times.time_s(k));
   std::vector<Complex> sum(times.size());
-  for (const SeenPatch& patch : seen.patches) {
+  for (const VisiblePolygon& patch : seen.patches) {
     PathCutter::Receiver rx;
     const PlanarPolygon polygon = polygon_of(seen, patch, receiver.channels[0], rx);
     add_pulse_echo(polygon, rx, wave, receiver.sound_speed_m_s, times, sum);
@@ -106,9 +106,9 @@ TransmittedPulse gaussian_wave(double sigma_s, double carrier_hz, double sweep_h
           omega + 8 * (1 / sigma_s + 2 * pi * std::abs(sweep_hz_s) * sigma_s)};
 }
 
-double most_of(const SeenPatches& seen, const CoherentReceiver& receiver) {
+double most_of(const VisiblePolygons& seen, const CoherentReceiver& receiver) {
   double sum = 0;
-  for (const SeenPatch& patch : seen.patches) {
+  for (const VisiblePolygon& patch : seen.patches) {
     PathCutter::Receiver rx;
     const PlanarPolygon polygon = polygon_of(seen, patch, receiver.channels[0], rx);
     sum += far_amplitude(polygon, rx, 2 * pi * receiver.carrier_hz / receiver.sound_speed_m_s).most;
@@ -141,7 +141,7 @@ TEST(SmoothSignals, AreThePulseAlongTheEdges) {
                  height = 0.7 + (n % 3 == 0 ? 20 : 3) * unit(random),
                  sigma = std::pow(10, -4.8 + unit(random));
     const FacetPlane plane = test::random_plane(random, height);
-    const SeenPatches seen = patches_of(
+    const VisiblePolygons seen = patches_of(
         plane,
         test::random_convex(random, {2 * unit(random) - 1, 2 * unit(random) - 1}, size, size * unit(random)));
     const glm::dvec3 apart =
@@ -163,7 +163,7 @@ TEST(SmoothSignals, AreThePulseAlongTheEdges) {
 // The edges come later than the image.
 TEST(SmoothSignals, OfALargePlaneAreItsImage) {
   const double height = 1.5, sigma = 3e-5;
-  const SeenPatches seen = patches_of(test::flat_bed(height), {{-2, -2}, {2, -2}, {2, 2}, {-2, 2}});
+  const VisiblePolygons seen = patches_of(test::flat_bed(height), {{-2, -2}, {2, -2}, {2, 2}, {-2, 2}});
   SmoothSurface surface{.reflection = {-0.6, 0.2}};
   for (const glm::dvec3 rx : {glm::dvec3(0), glm::dvec3(0.4, 0.1, -0.5)}) {
     CoherentReceiver receiver = receiver_of({{glm::dvec3(0), rx}}, sigma);
@@ -218,7 +218,7 @@ TEST(SmoothSignals, OfASphereOfManyFacetsAreItsTargetStrength) {
   const History history = TubeEngine(ball, tree, grid.unit_m(), {}).trace(tubes);
   EchoModel model;
   model.path.tx.apex_m = grid.to_metres(tubes.apex);
-  const SeenPatches seen = seen_patches(history, model);
+  const VisiblePolygons seen = visible_polygons(history, model);
   const double k = 20 / radius;
   CoherentReceiver receiver = receiver_of({{glm::dvec3(0), glm::dvec3(0)}}, 4e-4, k * sound_speed / (2 * pi));
   listen(receiver, seen);
@@ -235,8 +235,8 @@ TEST(SmoothSignals, OfASphereOfManyFacetsAreItsTargetStrength) {
 TEST(SmoothSignals, OfPolygonsInPartsAddUp) {
   const FacetPlane plane{glm::normalize(glm::dvec3(0.2, -0.3, 1)), 2};
   const Polygon2 polygon{{-0.2, -0.1}, {0.5, -0.3}, {0.7, 0.4}, {0.1, 0.6}};
-  const SeenPatches whole = patches_of(plane, polygon);
-  SeenPatches parts;
+  const VisiblePolygons whole = patches_of(plane, polygon);
+  VisiblePolygons parts;
   for (std::size_t k = 0; k < 4; ++k)
     add_patch(parts, FacetId(k), plane, {polygon[k], polygon[(k + 1) % 4], {0.21, 0.13}});
   CoherentReceiver receiver = receiver_of({{glm::dvec3(0), glm::dvec3(0.1, 0, 0.2)}});
@@ -251,7 +251,7 @@ TEST(SmoothSignals, OfPolygonsInPartsAddUp) {
 
 // Law Q5.
 TEST(SmoothSignals, EndsMayBeExchanged) {
-  SeenPatches seen =
+  VisiblePolygons seen =
       patches_of({glm::normalize(glm::dvec3(0.2, -0.3, 1)), 2}, {{-0.2, -0.1}, {0.5, -0.3}, {0.7, 0.4}});
   add_patch(seen, 1, test::flat_bed(3), {{1, 1}, {1.02, 1}, {1.01, 1.03}});
   const Directivity line{Directivity::Kind::line, {1, 0, 0}, false, 0, 1.5};
@@ -273,7 +273,7 @@ TEST(SmoothSignals, EndsMayBeExchanged) {
 TEST(SmoothSignals, HaveTheSameBitsForAnyNumberOfThreads) {
   std::mt19937_64 random(4);
   std::uniform_real_distribution<double> unit(-1, 1);
-  SeenPatches seen;
+  VisiblePolygons seen;
   for (FacetId n = 0; n < 600; ++n)
     add_patch(seen, n, test::random_plane(random, 3 + unit(random)),
               test::random_convex(random, {unit(random), unit(random)}, 0.1, 0.05));
@@ -292,7 +292,7 @@ TEST(SmoothSignals, HaveTheSameBitsForAnyNumberOfThreads) {
 // A sweep as it is sent, against the edges; and its matched filter finds the plate where it is.
 TEST(SmoothSignals, OfASweepAreCompressedByItsFilter) {
   const double sigma = 3e-4, sweep = 1.5e7, height = 3;
-  const SeenPatches seen = patches_of(test::flat_bed(height), {{0.6, -0.4}, {1.1, -0.3}, {0.8, 0.5}});
+  const VisiblePolygons seen = patches_of(test::flat_bed(height), {{0.6, -0.4}, {1.1, -0.3}, {0.8, 0.5}});
   CoherentReceiver receiver = receiver_of({{glm::dvec3(0), glm::dvec3(0.1)}}, sigma);
   const TransmittedPulse wave = gaussian_wave(sigma, receiver.carrier_hz, sweep);
   receiver.pulse.envelope = [=, carrier = receiver.carrier_hz](double t) {
@@ -305,7 +305,7 @@ TEST(SmoothSignals, OfASweepAreCompressedByItsFilter) {
   EXPECT_LT(largest_difference(signals, by_edges(seen, receiver, wave)), 5e-5 * peak_of(signals));
 
   const double far = 20;
-  const SeenPatches plate =
+  const VisiblePolygons plate =
       patches_of(test::flat_bed(far), {{-.05, -.03}, {.05, -.03}, {.05, .03}, {-.05, .03}});
   receiver.channels = {{glm::dvec3(0), glm::dvec3(0)}};
   listen(receiver, plate);
@@ -325,7 +325,7 @@ TEST(SmoothSignals, OfASweepAreCompressedByItsFilter) {
 }
 
 TEST(SmoothSignals, OfRoughFacetsAreSilent) {
-  SeenPatches seen = patches_of(test::flat_bed(3), {{1, 1}, {1.5, 1}, {1.3, 1.7}});
+  VisiblePolygons seen = patches_of(test::flat_bed(3), {{1, 1}, {1.5, 1}, {1.3, 1.7}});
   add_patch(seen, 1, test::flat_bed(2), {{-1, -1}, {-0.7, -1}, {-0.9, -0.7}});
   CoherentReceiver receiver = receiver_of({{glm::dvec3(0), glm::dvec3(0)}});
   listen(receiver, seen);
@@ -334,7 +334,7 @@ TEST(SmoothSignals, OfRoughFacetsAreSilent) {
   EXPECT_EQ(peak_of(none), 0);
   EXPECT_EQ(none.value.size(), receiver.times.count);
   const auto second = [](FacetId facet) { return facet == 1 ? &rigid : nullptr; };
-  const SplitPatches split = split_patches(seen, [&](FacetId facet) { return second(facet) != nullptr; });
+  const SplitPolygons split = split_polygons(seen, [&](FacetId facet) { return second(facet) != nullptr; });
   ASSERT_EQ(split.smooth.patches.size(), 1u);
   ASSERT_EQ(split.rough.patches.size(), 1u);
   EXPECT_EQ(split.smooth.patches[0].facet, 1u);
@@ -350,7 +350,7 @@ TEST(SmoothSignals, OfRoughFacetsAreSilent) {
 // borders.
 TEST(SmoothSignals, PatternsWeighTheImage) {
   const double height = 1.5;
-  const SeenPatches seen = patches_of(test::flat_bed(height), {{-2, -2}, {2, -2}, {2, 2}, {-2, 2}});
+  const VisiblePolygons seen = patches_of(test::flat_bed(height), {{-2, -2}, {2, -2}, {2, 2}, {-2, 2}});
   const Directivity line{Directivity::Kind::line, {1, 0, 0}, false, 0, 3};
   const glm::dvec3 rx(0.6, 0.3, 0);
   CoherentReceiver receiver = receiver_of({{glm::dvec3(0), rx, line, {}}}, 3e-5);
@@ -369,7 +369,7 @@ TEST(SmoothSignals, PatternsWeighTheImage) {
 }
 
 TEST(SmoothSignals, RefuseWhatIsNone) {
-  const SeenPatches seen = patches_of(test::flat_bed(3), {{1, 1}, {1.5, 1}, {1.3, 1.7}});
+  const VisiblePolygons seen = patches_of(test::flat_bed(3), {{1, 1}, {1.5, 1}, {1.3, 1.7}});
   CoherentReceiver receiver = receiver_of({{glm::dvec3(0), glm::dvec3(0)}});
   for (const double tolerance : {0.0, -1e-3, 0.5, double(NAN)})
     EXPECT_THROW(smooth_signals(seen, receiver, {}, all_rigid, tolerance), std::invalid_argument);

@@ -103,13 +103,13 @@ Tiers tiers_of(const FacetMesh& mesh, const TubeSet& tubes) {
   VisibilityOptions options;
   options.open_water = true;
   const SceneTree tree(mesh, SceneTree::HeightFieldSearch::ignored);
-  Gathering gathering;
+  CandidateFacets candidate_facets;
   TubeVisibility seen;
   for (std::uint32_t t = 0; t < tubes.tubes.size(); ++t) {
     seen.clear();
     for (const std::uint32_t ray : tubes.tubes[t]) seen.rays.push_back(tubes.rays[ray]);
-    EXPECT_TRUE(gathering.gather(mesh, tree, tubes, t, t + 1)) << "a single tube always gathers";
-    solver.begin(mesh, tubes.apex, gathering);
+    EXPECT_TRUE(candidate_facets.gather(mesh, tree, tubes, t, t + 1)) << "a single tube always gathers";
+    solver.begin(mesh, tubes.apex, candidate_facets);
     if constexpr (std::is_same_v<A, FilteredArithmetic>) {
       const FilteredArithmetic::Guard guard;
       solver.run(arithmetic, options, seen);

@@ -12,7 +12,7 @@
 
 #include "fixtures/mpirun.hpp"
 #include "fixtures/world/long_run.hpp"
-#include "run/kept/ping_store.hpp"
+#include "run/checkpoint/ping_store.hpp"
 
 namespace tubefoot {
 namespace {

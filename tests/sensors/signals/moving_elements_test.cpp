@@ -20,7 +20,7 @@ TEST(MovingElements, HearAScattererOfTheGroundAsAPoint) {
   EchoLaw law;
   law.material_mu = mu;
   law.material = material;
-  SeenPatches seen;
+  VisiblePolygons seen;
   seen.corners_m = {{3, 14, -9}, {3, 14.04, -9}, {3.04, 14.04, -9}, {3.04, 14, -9}};
   seen.patches = {{0, {0, 0, 1}, 9, 0, 4, 0, 0}};
   GroundField field{1, 0.05};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/signal/seen_patches.hpp"
+#include "engine/signal/visible_polygons.hpp"
 
 #include <algorithm>
 #include <glm/geometric.hpp>
@@ -31,10 +31,10 @@ bool apart(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b, glm::dv
   return false;
 }
 
-SeenPatches patches_of(const CommonVisibility& visibility, glm::dvec3 origin_m) {
+VisiblePolygons patches_of(const CommonVisibility& visibility, glm::dvec3 origin_m) {
   if (!visibility.hits().empty() || !visibility.shared_hits().empty())
     throw std::invalid_argument("signals come from visible polygons: what rays met are points");
-  SeenPatches seen;
+  VisiblePolygons seen;
   seen.origin_m = origin_m;
   for (std::size_t number = visibility.first(); number < visibility.end(); ++number) {
     if (visibility.bistatic(number) != nullptr)
@@ -54,10 +54,10 @@ SeenPatches patches_of(const CommonVisibility& visibility, glm::dvec3 origin_m) 
 
 }  // namespace
 
-double SeenPatches::area_m2() const {
+double VisiblePolygons::area_m2() const {
   double sum = 0;
   PlanarPolygon polygon;
-  for (const SeenPatch& patch : patches) {
+  for (const VisiblePolygon& patch : patches) {
     const FacetPlane plane{patch.normal, patch.distance_m};
     polygon.assign(corners(patch), plane, PlaneFrame(plane));
     sum += area(polygon);
@@ -65,7 +65,7 @@ double SeenPatches::area_m2() const {
   return sum;
 }
 
-SeenPatches seen_patches(const CommonVisibility& visibility, const EchoModel& model) {
+VisiblePolygons visible_polygons(const CommonVisibility& visibility, const EchoModel& model) {
   const Path& path = model.path;
   if (!path.tx.facet_map.empty() || !path.facet_factor.empty())
     throw std::invalid_argument(
@@ -76,15 +76,15 @@ SeenPatches seen_patches(const CommonVisibility& visibility, const EchoModel& mo
   return patches_of(visibility, path.tx.apex_m);
 }
 
-SeenPatches patches_between(const BistaticHistory& images, glm::dvec3 tx_m) {
+VisiblePolygons patches_between(const BistaticHistory& images, glm::dvec3 tx_m) {
   return patches_of(images, tx_m);
 }
 
-SplitPatches split_patches(const SeenPatches& patches, const std::function<bool(FacetId)>& is_smooth) {
-  SplitPatches split;
+SplitPolygons split_polygons(const VisiblePolygons& patches, const std::function<bool(FacetId)>& is_smooth) {
+  SplitPolygons split;
   split.smooth.origin_m = split.rough.origin_m = patches.origin_m;
-  for (const SeenPatch& patch : patches.patches) {
-    SeenPatches& part = is_smooth(patch.facet) ? split.smooth : split.rough;
+  for (const VisiblePolygon& patch : patches.patches) {
+    VisiblePolygons& part = is_smooth(patch.facet) ? split.smooth : split.rough;
     const auto corners = patches.corners(patch);
     part.patches.push_back(patch);
     part.patches.back().first_corner = std::uint32_t(part.corners_m.size());
@@ -93,18 +93,18 @@ SplitPatches split_patches(const SeenPatches& patches, const std::function<bool(
   return split;
 }
 
-SeenPatches common_patches(const SeenPatches& first, const SeenPatches& second) {
+VisiblePolygons common_patches(const VisiblePolygons& first, const VisiblePolygons& second) {
   std::vector<std::uint32_t> by_facet(second.patches.size());
   std::iota(by_facet.begin(), by_facet.end(), 0u);
   std::stable_sort(by_facet.begin(), by_facet.end(), [&](std::uint32_t a, std::uint32_t b) {
     return second.patches[a].facet < second.patches[b].facet;
   });
   const glm::dvec3 further = second.origin_m - first.origin_m;
-  SeenPatches common;
+  VisiblePolygons common;
   common.origin_m = first.origin_m;
   PlanarPolygon polygon, other;
   std::vector<glm::dvec3> moved;
-  for (const SeenPatch& patch : first.patches) {
+  for (const VisiblePolygon& patch : first.patches) {
     stop_if_wanted();
     const FacetPlane plane{patch.normal, patch.distance_m};
     const PlaneFrame frame(plane);
@@ -112,7 +112,7 @@ SeenPatches common_patches(const SeenPatches& first, const SeenPatches& second) 
              by_facet.begin(), by_facet.end(), patch.facet,
              [&](std::uint32_t number, FacetId facet) { return second.patches[number].facet < facet; });
          k != by_facet.end() && second.patches[*k].facet == patch.facet; ++k) {
-      const SeenPatch& its = second.patches[*k];
+      const VisiblePolygon& its = second.patches[*k];
       const auto corners = second.corners(its);
       if (!(glm::dot(its.normal, patch.normal) > 0) || apart(first.corners(patch), corners, further))
         continue;
@@ -121,7 +121,7 @@ SeenPatches common_patches(const SeenPatches& first, const SeenPatches& second) 
       polygon.assign(first.corners(patch), plane, frame);
       other.assign(moved, plane, frame);
       if (!clip_convex(polygon, other)) continue;
-      SeenPatch both = patch;
+      VisiblePolygon both = patch;
       both.first_corner = std::uint32_t(common.corners_m.size());
       both.corner_count = std::uint32_t(polygon.offsets.size());
       for (std::size_t i = 0; i < polygon.offsets.size(); ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "run/kept/packed_ping.hpp"
+#include "run/checkpoint/packed_ping.hpp"
 
 #include <libdeflate.h>
 

@@ -15,7 +15,7 @@ namespace tubefoot {
 /// The facets that a run of neighbouring tubes may look at, gathered once for all of them, with what does not
 /// depend on the tube: cones, distances, shared edges. Each tube then takes its own (admits()). What a tube
 /// takes does not depend on the run that it was gathered with. Reused from run to run.
-class Gathering {
+class CandidateFacets {
  public:
   /// A facet's box relative to the apex, in single precision, rounded outwards: {low x, y, z, high x, y, z}.
   using ReachBox = std::array<float, 6>;

@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "files/descriptor.hpp"
-#include "run/kept/packed_ping.hpp"
-#include "run/kept/ping_counts.hpp"
-#include "run/kept/ping_values.hpp"
+#include "run/checkpoint/packed_ping.hpp"
+#include "run/checkpoint/ping_counts.hpp"
+#include "run/checkpoint/ping_values.hpp"
 
 namespace tubefoot {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Builds that may compute other bits do not work together. The other build is a copy of the program in which
 // the hash of its sources is another, as if a line of them were.
-#include "run/kept/build_identity.hpp"
+#include "run/checkpoint/build_identity.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 
 #include "fixtures/mpirun.hpp"
 #include "fixtures/world/long_run.hpp"
-#include "run/kept/ping_store.hpp"
+#include "run/checkpoint/ping_store.hpp"
 
 namespace tubefoot {
 namespace {

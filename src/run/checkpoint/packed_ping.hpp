@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "run/kept/ping_counts.hpp"
-#include "run/kept/ping_values.hpp"
+#include "run/checkpoint/ping_counts.hpp"
+#include "run/checkpoint/ping_values.hpp"
 
 // A finished ping in few bytes, in one form for all who carry pings about: a run keeps it until its files are
 // written, ranks send it to each other, parts of a run keep it in their files. Each channel of each sensor is

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "geometry/visibility/gathering.hpp"
+#include "geometry/visibility/candidate_facets.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,7 @@ float below(std::int32_t x) {
              : std::nextafterf(rounded, -std::numeric_limits<float>::infinity());
 }
 
-Gathering::ReachBox box_of(const FacetCone& cone) {
+CandidateFacets::ReachBox box_of(const FacetCone& cone) {
   const auto& [a, b, c] = cone.point;
   const auto high = [](std::int32_t x, std::int32_t y, std::int32_t z) {
     return -below(-std::max({x, y, z}));
@@ -48,15 +48,15 @@ bool within_reach(const FacetMesh& mesh, FacetId facet, const TubeSet& tubes) {
 
 }  // namespace
 
-Gathering::Wall::Wall(const Vec64& n) {
+CandidateFacets::Wall::Wall(const Vec64& n) {
   const double x = static_cast<double>(n.x), y = static_cast<double>(n.y), z = static_cast<double>(n.z);
   const double length = std::sqrt(x * x + y * y + z * z);
   normal = {x / length, y / length, z / length};
   for (std::size_t k = 0; k < 3; ++k) inner[k] = static_cast<std::uint8_t>(normal[k] > 0 ? k + 3 : k);
 }
 
-bool Gathering::gather(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes,
-                       std::uint32_t first, std::uint32_t end) {
+bool CandidateFacets::gather(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes,
+                             std::uint32_t first, std::uint32_t end) {
   const std::size_t count = end - first;
   for (auto& walls : walls_) walls.clear();
   for (std::uint32_t tube = first; tube < end; ++tube) {

@@ -10,7 +10,7 @@
 namespace tubefoot {
 
 /// How an object stands to the bed.
-struct Standing {
+struct SeabedPlacement {
   std::string object;
   std::string words;    ///< "in the bed: from 0.5 m below it to 0.5 m above"
   std::string warning;  ///< empty where that is nothing odd
@@ -19,7 +19,7 @@ struct Standing {
 
 /// Of each object of a scene with terrain, by some of its vertices: what lies between them may differ. Throws
 /// InputError for a raster that can no longer be read.
-std::vector<Standing> standings(const Survey& survey);
+std::vector<SeabedPlacement> placements(const Survey& survey);
 
 /// Warnings of sensors whose range window reaches far beyond all that there is.
 std::vector<std::string> vast_windows(const Survey& survey);

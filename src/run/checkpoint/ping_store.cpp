@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "run/kept/ping_store.hpp"
+#include "run/checkpoint/ping_store.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -13,7 +13,7 @@
 namespace tubefoot {
 
 /// A convex visible polygon of the bed, where it lies.
-struct SeenPatch {
+struct VisiblePolygon {
   FacetId facet = 0;
   glm::dvec3 normal{0, 0, 1};  ///< unit, towards the side that is seen
   double distance_m = 0;       ///< of the origin from the plane, positive on that side
@@ -22,12 +22,12 @@ struct SeenPatch {
 };
 
 /// What one or several signals come from: polygons with disjoint interiors.
-struct SeenPatches {
+struct VisiblePolygons {
   glm::dvec3 origin_m{0};  ///< local frame; corners are relative to it
-  std::vector<SeenPatch> patches;
+  std::vector<VisiblePolygon> patches;
   std::vector<glm::dvec3> corners_m;
 
-  std::span<const glm::dvec3> corners(const SeenPatch& patch) const {
+  std::span<const glm::dvec3> corners(const VisiblePolygon& patch) const {
     return std::span(corners_m).subspan(patch.first_corner, patch.corner_count);
   }
   double area_m2() const;
@@ -37,21 +37,21 @@ struct SeenPatches {
 /// for_coherent_paths() (engine/paths/coherent_paths.hpp), whose channels are images, too. Throws
 /// std::invalid_argument for a bed that is seen elsewhere than it lies (refracting water), for ways over
 /// mirrors, and for what rays met: none of them has polygons whose points have straight ways to any channel.
-SeenPatches seen_patches(const CommonVisibility& visibility, const EchoModel& model);
+VisiblePolygons visible_polygons(const CommonVisibility& visibility, const EchoModel& model);
 
 /// Patches of smooth facets and those of rough ones, which return signals of their own.
-struct SplitPatches {
-  SeenPatches smooth, rough;
+struct SplitPolygons {
+  VisiblePolygons smooth, rough;
 };
 /// Each patch goes to one of both, in the order in which they are.
-SplitPatches split_patches(const SeenPatches& patches, const std::function<bool(FacetId)>& is_smooth);
+SplitPolygons split_polygons(const VisiblePolygons& patches, const std::function<bool(FacetId)>& is_smooth);
 
 /// The same of what an apex or its image sees together with another's, both in isovelocity water: what
 /// channels make of it has to be told by their images over the same mirrors. `tx_m`: of the transmit leg.
-SeenPatches patches_between(const BistaticHistory& images, glm::dvec3 tx_m);
+VisiblePolygons patches_between(const BistaticHistory& images, glm::dvec3 tx_m);
 
 /// What two sights share: the intersections of their polygons on each facet, in doubles. Origin and tubes are
 /// those of the first one. Facets have the same numbers in both.
-SeenPatches common_patches(const SeenPatches& first, const SeenPatches& second);
+VisiblePolygons common_patches(const VisiblePolygons& first, const VisiblePolygons& second);
 
 }  // namespace tubefoot

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Pings in few bytes: the same values back, and no bytes of a stranger's are taken for a ping.
-#include "run/kept/packed_ping.hpp"
+#include "run/checkpoint/packed_ping.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -15,12 +15,12 @@ namespace tubefoot {
 ///
 /// PROJ, which opens files past GDAL, is confined as well. Other libraries under GDAL that open files
 /// themselves (netCDF, SQLite) get names that GdalInput has looked at before.
-class GdalDoor {
+class GdalAccess {
  public:
-  explicit GdalDoor(const std::vector<std::filesystem::path>& admitted);
-  ~GdalDoor();
-  GdalDoor(const GdalDoor&) = delete;
-  GdalDoor& operator=(const GdalDoor&) = delete;
+  explicit GdalAccess(const std::vector<std::filesystem::path>& admitted);
+  ~GdalAccess();
+  GdalAccess(const GdalAccess&) = delete;
+  GdalAccess& operator=(const GdalAccess&) = delete;
 
   /// An existing file that a coordinate reference system names, which PROJ was not allowed to open; empty:
   /// there was none.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "files/gdal_door.hpp"
+#include "files/gdal_access.hpp"
 
 #include <cpl_conv.h>
 #include <cpl_http.h>
@@ -167,7 +167,7 @@ CPLHTTPResult* no_network(const char*, CSLConstList, GDALProgressFunc, void*, CP
 
 }  // namespace
 
-GdalDoor::GdalDoor(const std::vector<fs::path>& admitted) {
+GdalAccess::GdalAccess(const std::vector<fs::path>& admitted) {
   static std::once_flag once;
   std::call_once(once, put_guards);
   keep_libraries_to_themselves();
@@ -176,7 +176,7 @@ GdalDoor::GdalDoor(const std::vector<fs::path>& admitted) {
   CPLHTTPPushFetchCallback(no_network, nullptr);
 }
 
-GdalDoor::~GdalDoor() {
+GdalAccess::~GdalAccess() {
   CPLHTTPPopFetchCallback();
   admitted_here.pop_back();
 }

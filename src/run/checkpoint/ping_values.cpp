@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "run/kept/ping_values.hpp"
+#include "run/checkpoint/ping_values.hpp"
 
 #include <algorithm>
 #include <cstddef>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "run/kept/build_identity.hpp"
+#include "run/checkpoint/build_identity.hpp"
 
 #include <fmt/format.h>
 #include <gdal.h>

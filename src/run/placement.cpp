@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "run/standing.hpp"
+#include "run/placement.hpp"
 
 #include <fmt/format.h>
 
@@ -75,27 +75,27 @@ struct Heights {
   std::size_t over_terrain = 0, places = 0;
 };
 
-Standing told(const std::string& name, const Extent& object, const Extent& terrain, const Heights& heights,
-              const std::string& place) {
-  Standing standing{name, {}, {}, false};
+SeabedPlacement told(const std::string& name, const Extent& object, const Extent& terrain,
+                     const Heights& heights, const std::string& place) {
+  SeabedPlacement placement{name, {}, {}, false};
   const auto warn = [&](const std::string& what) {
-    standing.warning = fmt::format("{}: object '{}' {}", place, name, what);
+    placement.warning = fmt::format("{}: object '{}' {}", place, name, what);
   };
   constexpr double far_larger = 4;
   if (const double times = largest_side_m(object) / largest_side_m(terrain); times > far_larger) {
-    standing.words = fmt::format("{:.3g} times as wide as the terrain", times);
+    placement.words = fmt::format("{:.3g} times as wide as the terrain", times);
     warn(fmt::format("is {:.4g} m wide, {:.3g} times the terrain, which covers {}: {}",
                      largest_side_m(object), times, to_text(terrain),
                      largest_side_m(terrain) < 1 ? "are the terrain's coordinates degrees or kilometres?"
                                                  : "is its size in other units (unit_m, scale)?"));
-    return standing;
+    return placement;
   }
   if (heights.places == 0) {
-    standing.words = "has no facet in the water";
+    placement.words = "has no facet in the water";
     warn("has no facet in the water: it is above the sea surface");
   } else if (heights.over_terrain == 0) {
     const double travel_path_error_m = terrain.distance_in_plan_m((object.lo_m + object.hi_m) / 2.0);
-    standing.words =
+    placement.words =
         travel_path_error_m > 0
             ? fmt::format("beside the terrain, {:.4g} m from it to its middle", travel_path_error_m)
             : std::string("over a hole of the terrain, or beside it");
@@ -104,36 +104,36 @@ Standing told(const std::string& name, const Extent& object, const Extent& terra
       warn(fmt::format("lies beside the terrain, which covers {}: {}", to_text(terrain),
                        frames.empty() ? "move it there, if that is not meant" : frames));
   } else if (heights.highest_m < 0) {
-    standing.is_buried = true;
-    standing.words = fmt::format("buried: its top is {:.4g} m below the bed", -heights.highest_m);
+    placement.is_buried = true;
+    placement.words = fmt::format("buried: its top is {:.4g} m below the bed", -heights.highest_m);
     warn(
         fmt::format("is buried: its top is {:.4g} m below the bed, and it cannot be seen; on_terrain_m = 0 "
                     "would put it on the bed",
                     -heights.highest_m));
   } else if (heights.lowest_m > 1e-3) {
-    standing.words = fmt::format("{:.4g} m above the bed", heights.lowest_m);
+    placement.words = fmt::format("{:.4g} m above the bed", heights.lowest_m);
   } else if (heights.lowest_m > -1e-3) {
-    standing.words = "on the bed";
+    placement.words = "on the bed";
   } else {
-    standing.words = fmt::format("in the bed: from {:.4g} m below it to {:.4g} m above", -heights.lowest_m,
-                                 heights.highest_m);
+    placement.words = fmt::format("in the bed: from {:.4g} m below it to {:.4g} m above", -heights.lowest_m,
+                                  heights.highest_m);
   }
   constexpr double tiny_m = 0.01;
   if (const glm::dvec3 size_m = object.hi_m - object.lo_m;
-      standing.warning.empty() && std::max({size_m.x, size_m.y, size_m.z}) < tiny_m)
+      placement.warning.empty() && std::max({size_m.x, size_m.y, size_m.z}) < tiny_m)
     warn(fmt::format("is only {:.3g} x {:.3g} x {:.3g} m large: is its size in other units (unit_m, scale)?",
                      size_m.x, size_m.y, size_m.z));
   if (heights.over_terrain > 0 && heights.over_terrain < heights.places)
-    standing.words += "; partly beside the terrain";
-  return standing;
+    placement.words += "; partly beside the terrain";
+  return placement;
 }
 
 }  // namespace
 
-std::vector<Standing> standings(const Survey& survey) {
+std::vector<SeabedPlacement> placements(const Survey& survey) {
   const Scene& scene = survey.scene;
   const Extent terrain = extent_of(scene, Components::terrains);
-  std::vector<Standing> all;
+  std::vector<SeabedPlacement> all;
   if (terrain.empty()) return all;
   const std::size_t terrains = scene.description.terrains.size();
   // Each place of a tiled terrain, or of one with relief, is loaded or made.

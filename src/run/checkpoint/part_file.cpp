@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "run/kept/part_file.hpp"
+#include "run/checkpoint/part_file.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "files/descriptor.hpp"
-#include "run/kept/packed_ping.hpp"
-#include "run/kept/ping_store.hpp"
+#include "run/checkpoint/packed_ping.hpp"
+#include "run/checkpoint/ping_store.hpp"
 
 namespace tubefoot {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The file of a part of a run: what was finished is kept, and nothing else is taken for a ping.
-#include "run/kept/part_file.hpp"
+#include "run/checkpoint/part_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -2,8 +2,8 @@
 # Flags of our own code, per target, so that no library's headers have to obey them.
 # Other compilers have other warnings: only CI stops at them.
 option(TUBEFOOT_WARNINGS_AS_ERRORS "Stop the build at a compiler's warning" OFF)
-add_library(tubefoot_house INTERFACE)
-target_compile_options(tubefoot_house INTERFACE
+add_library(tubefoot_project INTERFACE)
+target_compile_options(tubefoot_project INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
   $<$<BOOL:${TUBEFOOT_WARNINGS_AS_ERRORS}>:-Werror>
   # A contracted multiply-add would break every floating-point error bound (docs/visibility.md).
@@ -18,9 +18,9 @@ elseif(TUBEFOOT_SANITIZE)
   message(FATAL_ERROR "TUBEFOOT_SANITIZE is address or thread, not ${TUBEFOOT_SANITIZE}")
 endif()
 if(TUBEFOOT_SANITIZE)
-  target_compile_definitions(tubefoot_house INTERFACE TUBEFOOT_SANITIZED)  # tests do less: tests/geometry
-  target_compile_options(tubefoot_house INTERFACE -fsanitize=${sanitizers} -fno-sanitize-recover=all -fno-omit-frame-pointer)
-  target_link_options(tubefoot_house INTERFACE -fsanitize=${sanitizers})
+  target_compile_definitions(tubefoot_project INTERFACE TUBEFOOT_SANITIZED)  # tests do less: tests/geometry
+  target_compile_options(tubefoot_project INTERFACE -fsanitize=${sanitizers} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(tubefoot_project INTERFACE -fsanitize=${sanitizers})
 endif()
 
 # What nearly every file includes is parsed once (docs/performance.md has what that saves): tubefoot_headers(NAME
@@ -37,9 +37,9 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND NOT CMAKE_CXX_COMPILER_LAUNCHER AND NO
 endif()
 function(tubefoot_headers name)
   if(TUBEFOOT_PRECOMPILED)
-    file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/${name}.cpp CONTENT "// Carries precompiled headers: cmake/house.cmake.\n")
+    file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/${name}.cpp CONTENT "// Carries precompiled headers: cmake/project.cmake.\n")
     add_library(${name} OBJECT ${PROJECT_BINARY_DIR}/${name}.cpp)
-    target_link_libraries(${name} PRIVATE tubefoot_house fmt::fmt)
+    target_link_libraries(${name} PRIVATE tubefoot_project fmt::fmt)
     target_compile_options(${name} PRIVATE -pthread)
     target_precompile_headers(${name} PRIVATE ${TUBEFOOT_COMMON_HEADERS} ${ARGN})
   endif()
@@ -61,7 +61,7 @@ function(tubefoot_library name)
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   list(REMOVE_ITEM sources ${CMAKE_CURRENT_SOURCE_DIR}/main.cpp)
   add_library(${name} STATIC ${sources})
-  target_link_libraries(${name} PUBLIC $<BUILD_INTERFACE:tubefoot_house> ${ARGN} tubefoot_mathematics)
+  target_link_libraries(${name} PUBLIC $<BUILD_INTERFACE:tubefoot_project> ${ARGN} tubefoot_mathematics)
   target_include_directories(${name} PUBLIC
     "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR};${PROJECT_SOURCE_DIR}/src>" $<INSTALL_INTERFACE:include/tubefoot>)
   if(ARGN)  # else it is without fmt, which is among the common headers

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A ping begins with zeros, whatever the one before it has left in the memory.
-#include "run/kept/ping_values.hpp"
+#include "run/checkpoint/ping_values.hpp"
 
 #include <gtest/gtest.h>
 
