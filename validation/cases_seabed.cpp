@@ -9,12 +9,12 @@ namespace {
 
 constexpr std::int32_t metre = 1 << 20, millimetre = metre / 1000;
 
-/// A bed of 20 m x 20 m with a ball sunk in it and a ramp of coplanar panels that meet in T-junctions, from 3
-/// m above one edge.
-void add_harbour_bed(Case& c, std::uint64_t seed, Size size) {
+/// A seabed of 20 m x 20 m with a ball sunk in it and a ramp of coplanar panels that meet in T-junctions,
+/// from 3 m above one edge.
+void add_harbour_seabed(Case& c, std::uint64_t seed, Size size) {
   Random random(seed);
   const int n = size == Size::page ? 40 : 12;
-  add_bed(random, c.mesh, n, 20 * metre, -3 * metre, metre / 3, 20 * 20 * metre / n / 100);
+  add_seabed(random, c.mesh, n, 20 * metre, -3 * metre, metre / 3, 20 * 20 * metre / n / 100);
   add_sphere(c.mesh, {metre, 8 * metre, -3 * metre}, 3 * metre / 2, size == Size::page ? 3 : 2);
   const auto ramp = [](int a, int b) {
     return GridPoint{-4 * metre + 33331 * a + 3007 * b, 6 * metre + 9973 * a + 71993 * b,
@@ -62,7 +62,7 @@ Case utm_offset(Size size) {
       "Float rounds a northing of 4.6e6 m to half a metre, here the size of a cell: an engine that does not "
       "subtract "
       "an origin sees steps.";
-  add_harbour_bed(c, 301, size);
+  add_harbour_seabed(c, 301, size);
   c.origin_m = {500123.25, 4649776.5, -31.0};
   return c;
 }
@@ -72,7 +72,7 @@ Case ecef_offset(Size size) {
   c.name = "ecef-offset";
   c.title = "scene at an ECEF offset";
   c.why = "Earth-centred coordinates, 6.4e6 m from the origin in all: as with UTM, but in height too.";
-  add_harbour_bed(c, 302, size);
+  add_harbour_seabed(c, 302, size);
   c.origin_m = {3904172.5, 711913.25, 4979471.75};
   return c;
 }
@@ -87,7 +87,7 @@ Case small_facets(Size size) {
       "between "
       "them counts.";
   const int n = size == Size::page ? 70 : 14;
-  add_bed(random, c.mesh, n, 8 * metre, -2 * metre, metre / 5, 8 * 20 * metre / n / 100);
+  add_seabed(random, c.mesh, n, 8 * metre, -2 * metre, metre / 5, 8 * 20 * metre / n / 100);
   c.tubes = parallelogram_tubes({0, -metre, 0}, {-375 * metre, 800 * metre, -450 * metre},
                                 {750 * metre, 0, 0}, {0, 80 * metre, 330 * metre});
   return c;
@@ -103,7 +103,7 @@ Case grazing_terrain(Size size) {
       "partly hidden, "
       "and shadows are many cells long.";
   const int n = size == Size::page ? 50 : 12;
-  add_bed(random, c.mesh, n, 60 * metre, -50 * millimetre, 8 * millimetre, 3 * millimetre);
+  add_seabed(random, c.mesh, n, 60 * metre, -50 * millimetre, 8 * millimetre, 3 * millimetre);
   c.tubes = parallelogram_tubes({0, -metre / 10, 0}, {-100 * metre, 500 * metre, -3 * metre},
                                 {200 * metre, 0, 0}, {0, 0, 3 * metre + metre / 4});
   return c;

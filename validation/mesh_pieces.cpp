@@ -67,8 +67,8 @@ void add_sphere(FacetMesh& mesh, GridPoint centre, std::int32_t radius, int time
   for (const auto& [a, b, c] : sphere.facets) add_facet(mesh, a + first, b + first, c + first);
 }
 
-void add_bed(Random& random, FacetMesh& mesh, int n, std::int32_t width, std::int32_t z, std::int32_t swell,
-             std::int32_t roughness) {
+void add_seabed(Random& random, FacetMesh& mesh, int n, std::int32_t width, std::int32_t z,
+                std::int32_t swell, std::int32_t roughness) {
   add_sheet(mesh, n, n, [&](int u, int v) {
     const double s = double(u) / n, t = double(v) / n;
     const double smooth = swell * (std::sin(7 * s + 3 * t) * std::cos(9 * t - 2 * s));

@@ -38,8 +38,8 @@ void add_sphere(FacetMesh& mesh, GridPoint centre, std::int32_t radius, int time
 
 /// A height field of 2 n^2 facets over [-width / 2, width / 2] x [0, width] about the height z, smooth relief
 /// of `swell` and white roughness of `roughness`.
-void add_bed(Random& random, FacetMesh& mesh, int n, std::int32_t width, std::int32_t z, std::int32_t swell,
-             std::int32_t roughness);
+void add_seabed(Random& random, FacetMesh& mesh, int n, std::int32_t width, std::int32_t z,
+                std::int32_t swell, std::int32_t roughness);
 
 /// Gives vertices at the same grid point the same id, as loading does.
 void weld(FacetMesh& mesh);

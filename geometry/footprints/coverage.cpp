@@ -167,7 +167,7 @@ Coverage::Coverage(const FacetMesh& mesh, const SceneTree& tree, std::span<const
   // Of a facet that a ping sees all of, nothing lies in a shadow.
   std::vector<char> seen_whole(mesh.facets.size(), 0);
   for (std::uint32_t l = 0; l < looks.size(); ++l) {
-    parted_ = parted_ || looks[l].tx.bed || (looks[l].rx && looks[l].rx->bed);
+    parted_ = parted_ || looks[l].tx.seabed || (looks[l].rx && looks[l].rx->seabed);
     add_seen(l, false, seen_whole);
     if (looks[l].rx) add_seen(l, true, seen_whole);
   }
@@ -184,14 +184,14 @@ Coverage::Coverage(const FacetMesh& mesh, const SceneTree& tree, std::span<const
 void Coverage::add_seen(std::uint32_t l, bool rx, std::vector<char>& seen_whole) {
   const CoverageLook& look = looks_[l];
   const CoverageEnd& end = rx ? *look.rx : look.tx;
-  const FacetMesh& mesh = end.bed ? end.bed->mesh : mesh_;
+  const FacetMesh& mesh = end.seabed ? end.seabed->mesh : mesh_;
   for (std::uint32_t tube = 0; tube < end.seen.size(); ++tube) {
     stop_if_wanted();
     const TubeVisibility& seen = end.seen[tube];
     for (std::uint32_t k = 0; k < seen.pieces.size(); ++k) {
       const FacetId own = seen.pieces[k].facet, facet = end.base_of(own);
       seen_.push_back({facet, l, end.name_of(own), rx, own, tube, k});
-      if (!look.rx && !end.bed && !seen_whole[facet] && is_whole_facet(mesh, seen, seen.pieces[k]) &&
+      if (!look.rx && !end.seabed && !seen_whole[facet] && is_whole_facet(mesh, seen, seen.pieces[k]) &&
           surely_in_window(look, mesh, own, mesh, own))
         seen_whole[facet] = 1;
     }
@@ -202,11 +202,11 @@ void Coverage::add_within(std::uint32_t l, bool rx, const std::vector<char>& see
                           std::vector<Part>& to) const {
   const CoverageLook& look = looks_[l];
   const CoverageEnd& end = rx ? *look.rx : look.tx;
-  const FacetMesh& mesh = end.bed ? end.bed->mesh : mesh_;
-  const SceneTree& tree = end.bed ? *end.bed->tree : tree_;
+  const FacetMesh& mesh = end.seabed ? end.seabed->mesh : mesh_;
+  const SceneTree& tree = end.seabed ? *end.seabed->tree : tree_;
   // Parts that the look itself sees whole; with one end that is enough.
   std::vector<char> part_whole;
-  if (end.bed && !look.rx) {
+  if (end.seabed && !look.rx) {
     part_whole.resize(mesh.facets.size(), 0);
     for (const TubeVisibility& seen : end.seen)
       for (const NamedPiece& piece : seen.pieces)
@@ -253,8 +253,8 @@ void Coverage::index() {
   }
 }
 
-/// Which facets of an end's bed these are of: one, unless the end calls several alike, as images in mirrors
-/// do that cut a facet.
+/// Which facets of an end's seabed these are of: one, unless the end calls several alike, as images in
+/// mirrors do that cut a facet.
 std::vector<FacetId> Coverage::own_parts(std::span<const Part> parts) {
   std::vector<FacetId> own;
   for (const Part& part : parts)
@@ -371,24 +371,24 @@ FacetId Coverage::occluder(const FacetCoverage& of, const CoverageCell& cell) co
     return glm::dvec3(p.x, p.y, p.z);
   };
   const auto hides = [&](const CoverageEnd& end, FacetId own) {
-    if (!end.bed) return first_in_the_way(mesh_, tree_, end.tubes.apex, middle);
-    // Where it lies between the part's corners, it is in the bed.
+    if (!end.seabed) return first_in_the_way(mesh_, tree_, end.tubes.apex, middle);
+    // Where it lies between the part's corners, it is in the seabed.
     const glm::dvec3 origin = corner(mesh_, of.facet, 0), along = corner(mesh_, of.facet, 1) - origin,
                      across = corner(mesh_, of.facet, 2) - origin, n = glm::cross(along, across);
     const double area2 = glm::dot(n, n) / static_cast<double>(whole_weight);
     const glm::dvec2 at{glm::dot(n, glm::cross(middle - origin, across)) / area2,
                         glm::dot(n, glm::cross(along, middle - origin)) / area2};
-    const PartWeights& w = end.bed->weights[own];
+    const PartWeights& w = end.seabed->weights[own];
     const auto edge = [&](std::size_t k) { return glm::dvec2(w[k][0] - w[0][0], w[k][1] - w[0][1]); };
     const auto cross = [](glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; };
     const glm::dvec2 from = at - glm::dvec2(w[0][0], w[0][1]);
     const double whole = cross(edge(1), edge(2));
-    const glm::dvec3 first = corner(end.bed->mesh, own, 0);
+    const glm::dvec3 first = corner(end.seabed->mesh, own, 0);
     const FacetId own_occluder =
-        first_in_the_way(end.bed->mesh, *end.bed->tree, end.tubes.apex,
-                         first + (corner(end.bed->mesh, own, 1) - first) * (cross(from, edge(2)) / whole) +
-                             (corner(end.bed->mesh, own, 2) - first) * (cross(edge(1), from) / whole));
-    return own_occluder == no_facet ? no_facet : end.bed->base[own_occluder];
+        first_in_the_way(end.seabed->mesh, *end.seabed->tree, end.tubes.apex,
+                         first + (corner(end.seabed->mesh, own, 1) - first) * (cross(from, edge(2)) / whole) +
+                             (corner(end.seabed->mesh, own, 2) - first) * (cross(edge(1), from) / whole));
+    return own_occluder == no_facet ? no_facet : end.seabed->base[own_occluder];
   };
   const CoverageLook& look = looks_[cell.first_look];
   const FacetId tx = hides(look.tx, cell.first_parts[0]);

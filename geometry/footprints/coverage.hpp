@@ -26,24 +26,24 @@ inline constexpr FacetId no_facet = std::numeric_limits<FacetId>::max();
 /// Facets of a look's own: parts of the covered mesh's facets, or images of parts, which may lie and seem
 /// anywhere. A point of a part is that of its facet which lies as it does between corners. Parts of a facet
 /// have no common area.
-struct PartedBed {
+struct SurfaceParts {
   FacetMesh mesh;
   std::unique_ptr<const SceneTree> tree;  ///< of this mesh
   std::vector<FacetId> base;              ///< by facet: the covered one
   std::vector<PartWeights> weights;       ///< by facet
-  /// By facet: facets of two ends' beds of the same name are the same part; or, where each end's mirrors cut
-  /// facets for themselves and all is seen where it lies, parts of the same.
+  /// By facet: facets of two ends' seabeds of the same name are the same part; or, where each end's mirrors
+  /// cut facets for themselves and all is seen where it lies, parts of the same.
   std::vector<FacetId> name;
 };
 
 /// What one end of a ping's paths sees.
 struct CoverageEnd {
   TubeSet tubes;
-  std::vector<TubeVisibility> seen;           ///< per tube, by an exact arithmetic
-  std::shared_ptr<const PartedBed> bed = {};  ///< what it looks at; null: the covered mesh
+  std::vector<TubeVisibility> seen;                 ///< per tube, by an exact arithmetic
+  std::shared_ptr<const SurfaceParts> seabed = {};  ///< what it looks at; null: the covered mesh
 
-  FacetId base_of(FacetId facet) const { return bed ? bed->base[facet] : facet; }
-  FacetId name_of(FacetId facet) const { return bed ? bed->name[facet] : facet; }
+  FacetId base_of(FacetId facet) const { return seabed ? seabed->base[facet] : facet; }
+  FacetId name_of(FacetId facet) const { return seabed ? seabed->name[facet] : facet; }
 };
 
 /// What one transmission of a ping sees.
@@ -69,7 +69,7 @@ struct CoverageCell {
   std::uint32_t pings = 0;       ///< that see it
   std::uint32_t in_sector = 0;   ///< where none sees it: pings in whose tubes and window it lies, hidden
   std::uint32_t first_look = 0;  ///< where it lies hidden: the first look that has it in its tubes
-  std::array<FacetId, 2> first_parts{};  ///< and which facets of its ends' beds lie there
+  std::array<FacetId, 2> first_parts{};  ///< and which facets of its ends' seabeds lie there
   std::uint32_t first = 0, count = 0;    ///< corners, counter-clockwise about the facet's normal
 };
 
@@ -87,7 +87,7 @@ struct FacetCoverage {
 /// Overlays what many looks see, facet by facet.
 /// Law O1 (coverage): shares by number of pings are those of inclusion and exclusion in rationals.
 /// Law O2 (order): neither the order of pings nor how tubes are split changes them.
-/// Law O3 (parts): nor how the looks' own beds part its facets.
+/// Law O3 (parts): nor how the looks' own seabeds part its facets.
 /// Law O4 (ends): nor which of two ends is the transmit leg; both in one place see what one does.
 class Coverage {
  public:
@@ -114,7 +114,7 @@ class Coverage {
     std::uint32_t look = 0;
     FacetId name = 0;
     bool rx = false;
-    FacetId own = 0;                    ///< in the end's bed
+    FacetId own = 0;                    ///< in the end's seabed
     std::uint32_t tube = 0, piece = 0;  ///< piece: no_piece for the tube itself
   };
   struct Group {
@@ -132,7 +132,7 @@ class Coverage {
   std::span<const CoverageLook> looks_;
   std::vector<Part> seen_, within_;  ///< by facet, then look, tube and piece
   std::vector<Group> groups_;
-  bool parted_ = false;  ///< some look has a bed of its own
+  bool parted_ = false;  ///< some look has a seabed of its own
 };
 
 /// The facet that the line from an apex to a point meets first, before the point; `no_facet` if there is

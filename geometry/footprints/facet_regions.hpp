@@ -45,14 +45,14 @@ bool split_off(LinePolygon& polygon, std::span<const PlaneLine* const> lines, Li
 /// A convex part of a facet: inside these lines, those of the facet's own edges left out.
 struct FacetRegion {
   std::uint32_t ping = 0, look = 0;
-  std::array<FacetId, 2> parts{};  ///< of the beds of the look's ends
+  std::array<FacetId, 2> parts{};  ///< of the seabeds of the look's ends
   bool hidden_too = false;         ///< all of the tube's share of the facet, not only what is seen
   std::vector<const PlaneLine*> lines;
   ChartBox box;
 };
 
-/// One facet and its regions. Its chart is the facet's own (FacetChart), or, where looks have beds of their
-/// own, that of the weights of its second and third corner.
+/// One facet and its regions. Its chart is the facet's own (FacetChart), or, where looks have seabeds of
+/// their own, that of the weights of its second and third corner.
 class FacetRegions {
  public:
   /// `facet` has an area.
@@ -61,10 +61,10 @@ class FacetRegions {
   /// The facet, or a part of it, as an end has it.
   struct Aspect {
     const CoverageEnd* end = nullptr;
-    FacetId facet = 0;  ///< of the end's bed
+    FacetId facet = 0;  ///< of the end's seabed
     bool edge_on = false;
     FacetCone seen;                      ///< under its names
-    std::array<GridPoint, 3> corners{};  ///< relative to the apex, in the bed's order
+    std::array<GridPoint, 3> corners{};  ///< relative to the apex, in the seabed's order
     ChartCorners on_chart{};             ///< where they lie
     LinePolygon place;                   ///< all of the part
   };

@@ -294,7 +294,7 @@ class VisibilitySolver : PieceCutter<A> {
     if (!whole && !facet_in_tube(f, piece)) return;
     find_occluders(f);
     if (whole) {
-      // Most facets of a bed, of which no plane is needed.
+      // Most facets of a seabed, of which no plane is needed.
       if (list_.empty()) return emit_whole(facets_[f].cone);
       facet_in_tube(f, piece);
     }

@@ -75,7 +75,7 @@ struct Detection {
 ///
 /// The samples that count are one echo or several: their widest gap parts them if it is longer than what
 /// counts on the lesser side of it, in samples, and so on in the part that is kept. So a shadow or a null of
-/// the speckle within an echo parts nothing, and the water between a target and the bed does. Kept is what
+/// the speckle within an echo parts nothing, and the water between a target and the seabed does. Kept is what
 /// holds the first return or the maximum; for a centroid the part of more energy, the nearer of equal ones. A
 /// centroid rests on its echo alone; where it falls into a gap of that, the range is the nearest border of a
 /// sample that counts.

@@ -44,7 +44,7 @@ class ReceiverPairPing {
 };
 
 /// The soundings of a ping, by beam and range. Of the angles that a wrapped phase may stand for, the one is
-/// taken that is nearest in phase to a bed as deep as the samples before found it (a running mean of about
+/// taken that is nearest in phase to a seabed as deep as the samples before found it (a running mean of about
 /// five, weighed by the square of their coherence); the first of a side: as deep as the altitude, or, where
 /// that is not known, as the nearest echo is far. Samples without a common signal have no sounding. Angles
 /// follow from the sound speed at the sensor, places from the rays of the run's water.

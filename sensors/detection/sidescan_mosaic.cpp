@@ -40,8 +40,8 @@ Place place_of(const Pose& pose) {
   return {track, {heading.y, -heading.x}};
 }
 
-/// Where a sample lies on the bed, from the track outwards, and in how many steps it is filled.
-struct OnBed {
+/// Where a sample lies on the seabed, from the track outwards, and in how many steps it is filled.
+struct SurfaceApex {
   std::size_t sample = 0;
   double near_m = 0, far_m = 0;
   int steps = 0;
@@ -58,7 +58,8 @@ class Strips {
     for (std::size_t k = 0; k < std::max(ping.port.size(), ping.starboard.size()); ++k) {
       const double slant_m = ping.first_m + static_cast<double>(k) * ping.step_m;
       const double near_m = ground_range(slant_m), far_m = ground_range(slant_m + ping.step_m);
-      if (far_m > near_m) on_bed_.push_back({k, near_m, far_m, steps_over(far_m - near_m)});  // else water
+      if (far_m > near_m)
+        surface_apex_.push_back({k, near_m, far_m, steps_over(far_m - near_m)});  // else water
     }
   }
 
@@ -83,19 +84,19 @@ class Strips {
   }
 
   void fill_side(double side, std::span<const float> samples, const Place& other, double way) {
-    for (const OnBed& bed : on_bed_) {
-      if (bed.sample >= samples.size()) break;
-      const float value = samples[bed.sample];
+    for (const SurfaceApex& seabed : surface_apex_) {
+      if (seabed.sample >= samples.size()) break;
+      const float value = samples[seabed.sample];
       if (!std::isfinite(value)) continue;
-      const double across_m = bed.far_m - bed.near_m;
-      for (int a = 0; a < bed.steps; ++a) {
-        const double tx_m = bed.near_m + across_m * (a + 0.5) / bed.steps;
+      const double across_m = seabed.far_m - seabed.near_m;
+      for (int a = 0; a < seabed.steps; ++a) {
+        const double tx_m = seabed.near_m + across_m * (a + 0.5) / seabed.steps;
         const glm::dvec2 from = own_.track + side * tx_m * own_.starboard;
         const glm::dvec2 to = from + way * (other.track + side * tx_m * other.starboard - from);
         const double length_m = glm::distance(from, to);
         const int along = steps_over(length_m);
         constexpr double thread_m = 1e-9;  // width of a ping that has no neighbour
-        const double area_m2 = across_m / bed.steps * std::max(length_m, thread_m) / along;
+        const double area_m2 = across_m / seabed.steps * std::max(length_m, thread_m) / along;
         for (int p = 0; p < along; ++p) {
           const glm::dvec2 at = from + (to - from) * ((p + 0.5) / along);
           sums_.add(at.x, at.y, value, area_m2);
@@ -107,7 +108,7 @@ class Strips {
   const SidescanPing& ping_;
   Place own_;
   double spacing_m_;
-  std::vector<OnBed> on_bed_;
+  std::vector<SurfaceApex> surface_apex_;
   CellSums sums_;
 };
 

@@ -8,7 +8,7 @@
 
 namespace tubefoot {
 
-/// A place of the bed that a beam found.
+/// A place of the seabed that a beam found.
 struct Sounding {
   std::uint32_t ping = 0, beam = 0;  ///< counted from 0
   double time_s = 0;                 ///< of the transmission, on the scene's clock

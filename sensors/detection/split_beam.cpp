@@ -63,7 +63,7 @@ struct LineSums {
 
 }  // namespace
 
-double level_bed_bend(double range_m, double sine, double step_m) {
+double level_seabed_bend(double range_m, double sine, double step_m) {
   // s = sqrt(1 - h^2 / r^2): half of s'' / s'. Straight below there is no line.
   constexpr double least_sine = 0.05;
   const double cosine2 = 1 - sine * sine, bounded = std::max(sine, least_sine);

@@ -17,9 +17,9 @@ struct SplitBeamSearch {
   double samples_a_look = 1;  ///< sampling rate over bandwidth: how many samples are one independent look
 };
 
-/// Of a level bed the line is a bow: sines of angles do not grow evenly with range.
+/// Of a level seabed the line is a bow: sines of angles do not grow evenly with range.
 /// SplitBeamSearch::bend of one that is met at a sine across (0 to 1), by samples of that length.
-double level_bed_bend(double range_m, double sine, double step_m);
+double level_seabed_bend(double range_m, double sine, double step_m);
 
 struct SplitBeamDetection {
   double sample = 0;        ///< where the phase is zero
@@ -29,11 +29,11 @@ struct SplitBeamDetection {
 };
 
 /// The sample at which what arrives comes from a beam's axis. The halves of an array, both steered along the
-/// axis, receive what comes from beside it with phases of opposite signs: over a slanting bed the phase of
+/// axis, receive what comes from beside it with phases of opposite signs: over a slanting seabed the phase of
 /// `product`, one half's signal times the other's conjugate, goes through zero evenly. The first line is
 /// the one with which the product adds up best, which no wrapping disturbs; then least squares, weighed by
 /// the product's modulus, within the main lobe. The standard deviation is that of the line's residuals. None
-/// where fewer than four independent looks are within the lobe (at nadir the bed comes from all of it at
+/// where fewer than four independent looks are within the lobe (at nadir the seabed comes from all of it at
 /// once), where the phase turns by less than half a radian, or turns to zero outside of the window.
 std::optional<SplitBeamDetection> split_beam_zero(std::span<const std::complex<double>> product,
                                                   const SplitBeamSearch& search);

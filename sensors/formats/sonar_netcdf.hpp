@@ -49,7 +49,7 @@ struct SonarNetcdfHeader {
   double chirp_start_hz = 0, chirp_stop_hz = 0;
 };
 
-/// What a beam found of the bed.
+/// What a beam found of the seabed.
 struct SonarDetection {
   static constexpr double none = std::numeric_limits<double>::quiet_NaN();
   bool found = false;                       ///< if not, only the beam's angle is looked at

@@ -49,7 +49,7 @@ DepthRange range_of(const CellMeans& cells) {
   return range;
 }
 
-/// Of a cell under a light from the north-west, 45 degrees high: 1 on a level bed. Slopes by central
+/// Of a cell under a light from the north-west, 45 degrees high: 1 on a level seabed. Slopes by central
 /// differences, one-sided at the rim.
 double shade(const CellMeans& cells, std::int64_t column, std::int64_t row) {
   const double here = cells.mean(column, row);

@@ -23,7 +23,7 @@ namespace {
 constexpr int margin = 28, header_height = 2 * margin + 50, panel_gap = 36, caption_height = 34, widest = 460,
               highest = 560, entry_height = 26, most_entries = 14, swatch = 16, points = 3;
 
-/// Of an object or a material, by its number; the first is often the bed. They go round, paler each time.
+/// Of an object or a material, by its number; the first is often the seabed. They go round, paler each time.
 Colour label_colour(std::size_t label) {
   constexpr std::array<Colour, 9> hues{{{0.62f, 0.55f, 0.43f},
                                         {0.90f, 0.38f, 0.00f},

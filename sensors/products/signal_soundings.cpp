@@ -90,12 +90,12 @@ struct Detector {
   glm::dvec3 axis_of(double angle_rad) const {
     return signals.motion.ping_pose(0).attitude * glm::dvec3(std::sin(angle_rad), 0, -std::cos(angle_rad));
   }
-  /// Sine of the angle from straight below at which a beam meets a level bed.
+  /// Sine of the angle from straight below at which a beam meets a level seabed.
   double across_sine(double angle_rad) const {
     const double z = axis_of(angle_rad).z;
     return std::sqrt(std::max(0.0, 1 - z * z));
   }
-  /// Slant ranges either side of one at which a level bed lies in the main lobe.
+  /// Slant ranges either side of one at which a level seabed lies in the main lobe.
   double lobe_m(double angle_rad, double range_m) const {
     constexpr double least_cosine = 0.02;
     const double down = std::max(least_cosine, -axis_of(angle_rad).z), level = across_sine(angle_rad);
@@ -132,7 +132,7 @@ void detect(SignalSoundings& found, const Detector& detector, std::size_t beam, 
   search.edge_rad = detector.edge_rad;
   search.samples_a_look = detector.look;
   const double sine = detector.across_sine(angle_rad);
-  if (amplitude->range_m > 0) search.bend = level_bed_bend(amplitude->range_m, sine, ranges.step_m);
+  if (amplitude->range_m > 0) search.bend = level_seabed_bend(amplitude->range_m, sine, ranges.step_m);
   // A bow that is as bent as that at its end is none of second order any more.
   search.bend = std::clamp(search.bend, -0.25 / search.half_window, 0.25 / search.half_window);
   const std::optional<SplitBeamDetection> zero = split_beam_zero(product, search);

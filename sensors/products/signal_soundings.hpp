@@ -23,9 +23,9 @@ struct SignalSoundings {
   std::optional<Sounding> best(std::size_t beam) const;
 };
 
-/// Beams of the fan, and the bed in them: amplitudes after the gain r^2 as of other multibeams
+/// Beams of the fan, and the seabed in them: amplitudes after the gain r^2 as of other multibeams
 /// (BottomFinder), phases between beams of the receivers' two halves to port and to starboard
-/// (split_beam_zero), about the range of the amplitude, as far as a level bed is in the main lobe.
+/// (split_beam_zero), about the range of the amplitude, as far as a level seabed is in the main lobe.
 /// `compressed`: one ping. Numbers of pings are 0.
 SignalSoundings signal_soundings(const ElementSignals& compressed, const SignalMultibeam& multibeam,
                                  const SignalInterpolator& interpolator);

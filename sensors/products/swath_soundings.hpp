@@ -24,10 +24,10 @@ struct SoundedPing {
 };
 
 /// Detects the bottom in the pings of a fan across the track. Energies are looked at after the gain 20 log10
-/// R + 2 alpha R: a level Lambert bed, whatever its slope across the track, then has the mean range, weighed
-/// by energy, of its beam's axis, but for a part of width^2 / 24 of it. A receiver with a time-varied gain of
-/// its own (tvg_spreading) is taken as it is. What does not stand out of the receiver's noise does not count.
-/// Soundings lie where the ray of the beam's axis ends (SoundingPlacer).
+/// R + 2 alpha R: a level Lambert seabed, whatever its slope across the track, then has the mean range,
+/// weighed by energy, of its beam's axis, but for a part of width^2 / 24 of it. A receiver with a time-varied
+/// gain of its own (tvg_spreading) is taken as it is. What does not stand out of the receiver's noise does
+/// not count. Soundings lie where the ray of the beam's axis ends (SoundingPlacer).
 class BottomFinder {
  public:
   /// The recording must outlive this.

@@ -158,8 +158,8 @@ OIIO::ImageSpec waterfall_spec(const Recording& recording, double white_upa) {
   return spec;
 }
 
-/// Whether a ping has a place on the map: the bed lies below it, and it has a heading, which looking straight
-/// up or down it has not.
+/// Whether a ping has a place on the map: the seabed lies below it, and it has a heading, which looking
+/// straight up or down it has not.
 bool is_on_the_map(const Recording& recording, std::size_t ping) {
   constexpr double upright = 1e-3;
   const glm::dvec3 forward = recording.ping_pose[ping].attitude * glm::dvec3(0, 1, 0);
@@ -196,8 +196,8 @@ struct Map {
   }
 };
 
-/// Whether all pings of a line cover the same strip of the bed, which has no area: the sensor neither moves
-/// nor turns between them, or there is one.
+/// Whether all pings of a line cover the same strip of the seabed, which has no area: the sensor neither
+/// moves nor turns between them, or there is one.
 bool at_rest(const Recording& recording, const PingSpan& line) {
   const RangeSamples& samples = recording.sensor->samples();
   const double far_m = samples.first_m + samples.count * samples.step_m;
@@ -228,7 +228,7 @@ std::optional<std::string> why_no_mosaic(const Recording& recording) {
   return no_mosaic_at_rest(recording.sensor->description().name, recording.pings());
 }
 
-/// <name>-mosaic.tif and .png; nothing, and a warning, where nothing lies on the bed.
+/// <name>-mosaic.tif and .png; nothing, and a warning, where nothing lies on the seabed.
 std::vector<fs::path> write_map(const fs::path& folder, const Recording& recording, const RunContext& run,
                                 const Map& map, std::vector<std::string>& warnings) {
   const fs::path file = map.name + "-mosaic.tif", picture = map.name + "-mosaic.png";

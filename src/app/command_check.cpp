@@ -59,7 +59,7 @@ void print_frame(const Scene& scene) {
   tell("frame          origin at latitude {:.6f}, longitude {:.6f}\n", origin.y, origin.x);
 }
 
-/// How objects stand to the bed.
+/// How objects stand to the seabed.
 void print_standings(const std::vector<SeabedPlacement>& placements) {
   constexpr std::size_t most_listed = 50;
   if (!placements.empty()) tell("\n{:<24} how it stands to the bed\n", "object");
@@ -93,7 +93,7 @@ void print_fineness(const Scene& scene) {
            length_text(c.fineness.chord_error_m), c.fineness.from);
 }
 
-/// What the bed and the objects are of. Areas are the facets' own, not as seen from above.
+/// What the seabed and the objects are of. Areas are the facets' own, not as seen from above.
 void print_materials(const Scene& scene) {
   std::vector<std::size_t> facets(scene.description.materials.size());
   std::vector<double> area_m2(facets.size());

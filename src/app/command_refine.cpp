@@ -6,7 +6,7 @@
 #include "app/commands.hpp"
 #include "files/atomic_output.hpp"
 #include "run/console/say.hpp"
-#include "run/refined_bed_file.hpp"
+#include "run/refined_surface_file.hpp"
 #include "run/settings.hpp"
 #include "run/transmission_ground.hpp"
 
@@ -23,10 +23,10 @@ int refine_command(const RefineOptions& options) {
   const Scene scene = loaded.tiled.empty() ? std::move(loaded) : with_tiles(loaded, all_tiles(loaded));
   print_warnings(scene.report.warnings, options.quiet);
   const std::unique_ptr<Ground> ground = relief_ground(scene);
-  const RefinedMesh bed = refined_bed(scene, *ground);
-  write_refined_bed(output.path(), bed, scene, *ground);
+  const RefinedMesh seabed = refined_seabed(scene, *ground);
+  write_refined_seabed(output.path(), seabed, scene, *ground);
   output.commit();
-  tell("wrote {} ({} facets of {})\n", options.output.string(), bed.mesh.facets.size(),
+  tell("wrote {} ({} facets of {})\n", options.output.string(), seabed.mesh.facets.size(),
        scene.mesh.facets.size());
   return 0;
 }

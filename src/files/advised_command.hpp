@@ -10,8 +10,8 @@ namespace tubefoot {
 /// A name as a shell reads it, quoted where it has to be.
 std::string shell_word(const std::filesystem::path& file);
 
-/// A name beside `file` at which there is nothing yet: "bed.nc" gives "bed_new.tif", or "bed_new2.tif" where
-/// the first is taken.
+/// A name beside `file` at which there is nothing yet: "seabed.nc" gives "seabed_new.tif", or
+/// "seabed_new2.tif" where the first is taken.
 std::filesystem::path new_file_beside(const std::filesystem::path& file, std::string_view extension,
                                       int first = 1);
 

@@ -14,21 +14,21 @@ namespace tubefoot {
 namespace {
 
 /// What an end saw, as parts of the scene's facets.
-std::shared_ptr<const PartedBed> bed_of(const TransmissionEnd& end) {
+std::shared_ptr<const SurfaceParts> seabed_of(const TransmissionEnd& end) {
   if (end.refined == nullptr) return nullptr;
-  auto bed = std::make_shared<PartedBed>();
-  bed->mesh = end.refined->mesh;
-  bed->tree = std::make_unique<const SceneTree>(bed->mesh, SceneTree::HeightFieldSearch::ignored);
-  bed->base = end.refined->parent;
-  bed->weights = end.refined->weights;
-  bed->name.resize(bed->base.size());
-  for (FacetId f = 0; f < bed->name.size(); ++f) bed->name[f] = end.name_of(f);
-  return bed;
+  auto seabed = std::make_shared<SurfaceParts>();
+  seabed->mesh = end.refined->mesh;
+  seabed->tree = std::make_unique<const SceneTree>(seabed->mesh, SceneTree::HeightFieldSearch::ignored);
+  seabed->base = end.refined->parent;
+  seabed->weights = end.refined->weights;
+  seabed->name.resize(seabed->base.size());
+  for (FacetId f = 0; f < seabed->name.size(); ++f) seabed->name[f] = end.name_of(f);
+  return seabed;
 }
 
-CoverageEnd seen_by(const TransmissionEnd& end, std::shared_ptr<const PartedBed> bed,
+CoverageEnd seen_by(const TransmissionEnd& end, std::shared_ptr<const SurfaceParts> seabed,
                     const VisibilityOptions& options) {
-  CoverageEnd result{end.tubes, look(*end.mesh, *end.tree, end.tubes, options), std::move(bed)};
+  CoverageEnd result{end.tubes, look(*end.mesh, *end.tree, end.tubes, options), std::move(seabed)};
   for (TubeVisibility& seen : result.seen) seen.occluders = {};  // many looks are kept
   return result;
 }
@@ -37,7 +37,7 @@ CoverageEnd seen_by(const TransmissionEnd& end, std::shared_ptr<const PartedBed>
 void add_by_fans(const CoverageLook& all, std::span<const std::uint32_t> fan_of_tx,
                  std::span<const std::uint32_t> fan_of_rx, std::vector<CoverageLook>& looks) {
   const auto of_fan = [](const CoverageEnd& end, std::span<const std::uint32_t> fans, std::uint32_t fan) {
-    CoverageEnd own{tubes_of_fan(end.tubes, fans, fan), {}, end.bed};
+    CoverageEnd own{tubes_of_fan(end.tubes, fans, fan), {}, end.seabed};
     for (std::size_t tube = 0; tube < fans.size(); ++tube)
       if (fans[tube] == fan) own.seen.push_back(end.seen[tube]);
     return own;
@@ -52,23 +52,23 @@ void add_straight(const Transmission& transmission, std::size_t sensor, std::uin
                   std::vector<CoverageLook>& looks) {
   const TransmissionEnds ends(transmission, sensor, true);
   const VisibilityOptions& options = transmission.request().visibility;
-  const auto bed = bed_of(ends.tx());
-  CoverageLook look{ping, seen_by(ends.tx(), bed, options),
+  const auto seabed = seabed_of(ends.tx());
+  CoverageLook look{ping, seen_by(ends.tx(), seabed, options),
                     transmission.sensor(sensor).samples().first_m / transmission.scene().grid.unit_m(),
                     transmission.sensor(sensor).reach(transmission.scene().grid)};
   if (!ends.are_two()) {
     looks.push_back(std::move(look));
     return;
   }
-  look.rx = seen_by(ends.rx(), ends.apparent_pair() != nullptr ? bed_of(ends.rx()) : bed, options);
+  look.rx = seen_by(ends.rx(), ends.apparent_pair() != nullptr ? seabed_of(ends.rx()) : seabed, options);
   const std::vector<std::uint32_t> fans = transmission.sensor(sensor).fan_of_tube(transmission.number());
   add_by_fans(look, fans, fans, looks);
 }
 
 /// What images see, as parts of the scene's facets.
-class ImageBeds {
+class ImageSeabeds {
  public:
-  explicit ImageBeds(const TransmissionImages& of) : of_(of) {
+  explicit ImageSeabeds(const TransmissionImages& of) : of_(of) {
     const RefinedMesh* own = of.ground().refined();
     if (own != nullptr) whole_ = made(own->mesh, own->parent, own->weights, {});
   }
@@ -83,35 +83,36 @@ class ImageBeds {
         weights[f] = rounded_part_of_part(own->weights[base[f]], weights[f]);
         base[f] = own->parent[base[f]];
       }
-    end.bed = made(*image.mesh, std::move(base), std::move(weights), parts.name);
+    end.seabed = made(*image.mesh, std::move(base), std::move(weights), parts.name);
     return end;
   }
 
  private:
-  static std::shared_ptr<const PartedBed> made(const FacetMesh& mesh, std::vector<FacetId> base,
-                                               std::vector<PartWeights> weights, std::vector<FacetId> name) {
-    auto bed = std::make_shared<PartedBed>();
-    bed->mesh = mesh;
-    bed->tree = std::make_unique<const SceneTree>(bed->mesh, SceneTree::HeightFieldSearch::ignored);
-    bed->base = std::move(base);
-    bed->weights = std::move(weights);
-    bed->name = std::move(name);
-    if (bed->name.empty()) {
-      bed->name.resize(bed->base.size());
-      std::iota(bed->name.begin(), bed->name.end(), FacetId{0});
+  static std::shared_ptr<const SurfaceParts> made(const FacetMesh& mesh, std::vector<FacetId> base,
+                                                  std::vector<PartWeights> weights,
+                                                  std::vector<FacetId> name) {
+    auto seabed = std::make_shared<SurfaceParts>();
+    seabed->mesh = mesh;
+    seabed->tree = std::make_unique<const SceneTree>(seabed->mesh, SceneTree::HeightFieldSearch::ignored);
+    seabed->base = std::move(base);
+    seabed->weights = std::move(weights);
+    seabed->name = std::move(name);
+    if (seabed->name.empty()) {
+      seabed->name.resize(seabed->base.size());
+      std::iota(seabed->name.begin(), seabed->name.end(), FacetId{0});
     }
-    return bed;
+    return seabed;
   }
 
   const TransmissionImages& of_;
-  std::shared_ptr<const PartedBed> whole_;  // null: the scene's own facets
+  std::shared_ptr<const SurfaceParts> whole_;  // null: the scene's own facets
 };
 
 void add_over_mirrors(const Transmission& transmission, std::size_t sensor, const PathSettings& settings,
                       std::uint32_t ping, std::vector<CoverageLook>& looks) {
   const TransmissionImages of(transmission, sensor, settings, PathEnds(transmission, sensor), false, true);
   const PathImages& images = of.images();
-  const ImageBeds beds(of);
+  const ImageSeabeds seabeds(of);
   const std::vector<std::uint32_t> fan_of_tube =
       transmission.sensor(sensor).fan_of_tube(transmission.number());
   const auto fans_of = [&](const Image& image) {
@@ -120,9 +121,9 @@ void add_over_mirrors(const Transmission& transmission, std::size_t sensor, cons
     return fans;
   };
   std::vector<CoverageEnd> sent, received;
-  for (const Image& image : images.sent()) sent.push_back(beds.end_of(image));
+  for (const Image& image : images.sent()) sent.push_back(seabeds.end_of(image));
   if (!images.one_place())
-    for (const Image& image : images.received()) received.push_back(beds.end_of(image));
+    for (const Image& image : images.received()) received.push_back(seabeds.end_of(image));
   for (const auto& [i, j] : images.pairs()) {
     if (!is_order_wanted(transmission.scene(), images.sent()[i].mirrors + images.received()[j].mirrors + 1))
       continue;

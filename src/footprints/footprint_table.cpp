@@ -267,7 +267,7 @@ class PathRows {
       footprint.tube = sent.own_tube[window];
       rows_.add(
           footprint, seen.footprints, receive_tube, number_of(footprint.facet),
-          images_.ground().base_facet(images.uncut(footprint.facet)), images.bed(), seen.area_m2(k),
+          images_.ground().base_facet(images.uncut(footprint.facet)), images.seabed(), seen.area_m2(k),
           energies.all_beams[k], energies.own_beam[k],
           of_either(tx_[pair.sent], window, rx, seen.receive_tube[k], footprint.facet),
           [&](glm::dvec3 corner) { return seen.place(k, corner, apex); }, path);

@@ -14,7 +14,7 @@ namespace tubefoot {
 /// Footprints of a sensor as columns, whatever they are written to (docs/footprints.md): each column has one
 /// element a footprint. Rows are ordered by ping, transmission, path, tube and facet.
 struct FootprintTable {
-  /// Of the bed: several rays lead to them, and these rows are of the first that arrives. Echoes have all.
+  /// Of the seabed: several rays lead to them, and these rows are of the first that arrives. Echoes have all.
   std::size_t facets_of_several_rays = 0;
   std::vector<std::uint32_t> ping, transmission;
   std::vector<std::uint32_t> beam;  ///< of the sensor, that the receive tube belongs to

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "plan/bed.hpp"
+#include "plan/seabed.hpp"
 #include "sensors/recordings/sensor_kind.hpp"
 #include "study/diagram.hpp"
 
@@ -109,7 +109,7 @@ void add_meanings(Column& column, const SceneMarks& marks) {
   }
 }
 
-void add_bed(Column& column, const SceneMarks& marks, bool is_coarse) {
+void add_seabed(Column& column, const SceneMarks& marks, bool is_coarse) {
   Sheet& sheet = column.sheet();
   if (marks.terrain.empty()) {
     column.words("The scene has no terrain.", faint);
@@ -123,7 +123,7 @@ void add_bed(Column& column, const SceneMarks& marks, bool is_coarse) {
   const int drawn = hi > lo ? steps : 2;
   for (int k = 0; k < drawn; ++k) {
     const Box box{column.mark().left, top + k * height, column.mark().right, top + (k + 1) * height};
-    sheet.rectangle(box, fmt::format("fill=\"{}\"", bed_colour(hi > lo ? 1 - (k + 0.5) / steps : 0.5)));
+    sheet.rectangle(box, fmt::format("fill=\"{}\"", seabed_colour(hi > lo ? 1 - (k + 0.5) / steps : 0.5)));
   }
   const int decimals =
       std::clamp(2 - static_cast<int>(std::floor(std::log10(std::max(hi - lo, 1e-3)))), 0, 3);
@@ -138,13 +138,13 @@ void add_bed(Column& column, const SceneMarks& marks, bool is_coarse) {
 }  // namespace
 
 double draw_legend(Sheet& sheet, glm::dvec2 top_left, const Survey& survey, const SceneMarks& marks,
-                   bool is_bed_coarse) {
+                   bool is_seabed_coarse) {
   Column column(sheet, top_left);
   add_sensors(column, survey);
   column.skip(6);
   add_meanings(column, marks);
   column.skip(6);
-  add_bed(column, marks, is_bed_coarse);
+  add_seabed(column, marks, is_seabed_coarse);
   if (survey.scene.water->refracts())
     column.words("The water refracts: sectors are", faint), column.words("drawn as if it did not.", faint);
   return column.bottom();

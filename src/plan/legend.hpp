@@ -9,10 +9,10 @@
 
 namespace tubefoot {
 
-/// What the colours and lines of a drawing mean: sensors with their windows, bed by height, and the rest as
-/// far as the scene has it. Returns how far down it reaches.
+/// What the colours and lines of a drawing mean: sensors with their windows, seabed by height, and the rest
+/// as far as the scene has it. Returns how far down it reaches.
 double draw_legend(Sheet& sheet, glm::dvec2 top_left, const Survey& survey, const SceneMarks& marks,
-                   bool is_bed_coarse);
+                   bool is_seabed_coarse);
 
 /// What the drawing's numbers count from.
 std::string frame_words(const Scene& scene);

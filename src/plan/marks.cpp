@@ -129,11 +129,11 @@ SceneMarks marks_of(const Survey& survey, std::span<const SeabedPlacement> place
   return marks;
 }
 
-void look_for_bed(SectorMark& sector, const PlanHeights& bed, std::optional<double> surface_m) {
+void look_for_seabed(SectorMark& sector, const PlanHeights& seabed, std::optional<double> surface_m) {
   for (SectorCell& cell : sector.cells)
     for (std::size_t k = 0; k < 4; ++k) {
       double& end_m = cell.recorded_to_m[k];
-      end_m = bed.distance_m(cell.apex_m, cell.directions[k], sector.last_m).value_or(sector.last_m);
+      end_m = seabed.distance_m(cell.apex_m, cell.directions[k], sector.last_m).value_or(sector.last_m);
       if (surface_m && cell.directions[k].z > 0 && cell.apex_m.z <= *surface_m)
         end_m = std::min(end_m, (*surface_m - cell.apex_m.z) / cell.directions[k].z);
     }

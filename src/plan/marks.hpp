@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "plan/bed.hpp"
+#include "plan/seabed.hpp"
 #include "run/placement.hpp"
 #include "run/survey.hpp"
 #include "scene/extent.hpp"
@@ -22,7 +22,7 @@ struct SectorCell {
   glm::dvec3 apex_m{0};
   std::array<glm::dvec3, 4> directions;  ///< unit vectors, in turn
   std::array<double, 4>
-      recorded_to_m{};  ///< along each: to the bed, the sea surface or the end of the range window
+      recorded_to_m{};  ///< along each: to the seabed, the sea surface or the end of the range window
 
   bool is_received(double from_m) const {
     return std::ranges::any_of(recorded_to_m, [&](double end_m) { return end_m > from_m; });
@@ -69,8 +69,8 @@ struct SceneMarks {
 /// objects, if they are known.
 SceneMarks marks_of(const Survey& survey, std::span<const SeabedPlacement> placements);
 
-/// Looks along each direction of a sector, where it meets the bed or the sea surface.
-void look_for_bed(SectorMark& sector, const PlanHeights& bed, std::optional<double> surface_m);
+/// Looks along each direction of a sector, where it meets the seabed or the sea surface.
+void look_for_seabed(SectorMark& sector, const PlanHeights& seabed, std::optional<double> surface_m);
 
 /// The horizontal direction in which a section through a sector shows most of it: where it looks; of one that
 /// looks down, along its wider side, to starboard, or ahead where it has none.

@@ -84,7 +84,7 @@ void Painter::draw_plan(const Panel& panel, std::span<const Cut> cuts, bool near
   Labels labels(panel.box());
   sheet_.rectangle(panel.box(), "fill=\"#f3f5f7\"");
   sheet_.begin_clip(panel.box());
-  draw_bed(panel);
+  draw_seabed(panel);
   draw_sectors(panel, near);
   for (const Cut& cut : cuts) draw_cut(panel, cut);
   draw_tracks(panel, true, labels);
@@ -122,7 +122,7 @@ void Painter::draw_section(const Panel& panel, const Extent& about) {
   sheet_.end_clip();
 }
 
-void Painter::draw_bed(const Panel& panel) {
+void Painter::draw_seabed(const Panel& panel) {
   if (marks_.terrain.empty()) return;
   constexpr double pixels_a_cell = 1.25;
   const Window& window = panel.window();
@@ -217,18 +217,18 @@ void Painter::draw_sectors(const Panel& panel, bool near) {
     const Box box = grown(panel.box(), 3);
     Silhouette nearer(box), window(box), received(box);
     for (const SectorCell& cell : sector.cells) {
-      std::vector<glm::dvec2> to_window{panel.at(cell.apex_m)}, to_end, to_bed;
+      std::vector<glm::dvec2> to_window{panel.at(cell.apex_m)}, to_end, to_seabed;
       for (std::size_t k = 0; k < 4; ++k) {
         const glm::dvec2 first = panel.at(cell.at(k, sector.first_m));
         to_window.push_back(first);
         to_end.push_back(first);
         to_end.push_back(panel.at(cell.at(k, sector.last_m)));
-        to_bed.push_back(panel.at(cell.at(k, std::min(sector.first_m, cell.recorded_to_m[k]))));
-        to_bed.push_back(panel.at(cell.at(k, cell.recorded_to_m[k])));
+        to_seabed.push_back(panel.at(cell.at(k, std::min(sector.first_m, cell.recorded_to_m[k]))));
+        to_seabed.push_back(panel.at(cell.at(k, cell.recorded_to_m[k])));
       }
       nearer.add(to_window);
       window.add(to_end);
-      if (cell.is_received(sector.first_m)) received.add(to_bed);
+      if (cell.is_received(sector.first_m)) received.add(to_seabed);
     }
     const std::string colour = series_colour(sector.sensor);
     const double weight = sector.chosen ? 1 : 0.55;

@@ -23,16 +23,16 @@ class Painter {
   };
   /// From above. `near`: only the pings that are drawn large.
   void draw_plan(const Panel& panel, std::span<const Cut> cuts, bool near);
-  /// From the side: bed from the lowest to the highest before and behind.
+  /// From the side: seabed from the lowest to the highest before and behind.
   void draw_side(const Panel& panel);
-  /// The bed where the panel's plane cuts it, and objects that come into `about` seen from above.
+  /// The seabed where the panel's plane cuts it, and objects that come into `about` seen from above.
   void draw_section(const Panel& panel, const Extent& about);
 
-  /// Whether some of the bed was drawn coarsely.
+  /// Whether some of the seabed was drawn coarsely.
   bool was_coarse() const { return coarse_; }
 
  private:
-  void draw_bed(const Panel& panel);
+  void draw_seabed(const Panel& panel);
   void draw_terrain_mark(const Panel& panel, Labels& labels);
   void draw_profile(const Panel& panel, bool cut);
   void draw_surface(const Panel& panel, Labels& labels);

@@ -5,7 +5,7 @@
 #include <glm/vec3.hpp>
 #include <string>
 
-#include "plan/bed.hpp"
+#include "plan/seabed.hpp"
 #include "plan/sheet.hpp"
 
 namespace tubefoot {

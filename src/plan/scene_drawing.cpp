@@ -74,8 +74,8 @@ void add_reach(const SectorMark& sector, Places& places) {
     }
 }
 
-/// Sectors find the bed on maps of it, fine enough for each.
-void look_for_bed(const Survey& survey, SceneMarks& marks) {
+/// Sectors find the seabed on maps of it, fine enough for each.
+void look_for_seabed(const Survey& survey, SceneMarks& marks) {
   constexpr int cells = 360;
   const std::optional<SeaSurfaceDescription>& sea = survey.scene.description.sea_surface;
   const std::optional<double> surface_m = sea ? std::optional(sea->height_m) : std::nullopt;
@@ -90,7 +90,7 @@ void look_for_bed(const Survey& survey, SceneMarks& marks) {
   std::optional<PlanHeights> coarse;
   for (SectorMark& sector : marks.sectors) {
     if (marks.terrain.empty()) {
-      look_for_bed(sector, PlanHeights({{0, 0}, {1, 1}}, 1), surface_m);
+      look_for_seabed(sector, PlanHeights({{0, 0}, {1, 1}}, 1), surface_m);
       continue;
     }
     Extent reach;
@@ -103,11 +103,11 @@ void look_for_bed(const Survey& survey, SceneMarks& marks) {
     constexpr double much_smaller = 0.12;
     if (sector.chosen && size.x > 0 && size.y > 0 &&
         std::max(size.x, size.y) < much_smaller * largest_side_m(marks.terrain)) {
-      look_for_bed(sector, map_of(window), surface_m);
+      look_for_seabed(sector, map_of(window), surface_m);
       continue;
     }
     if (!coarse) coarse.emplace(map_of(terrain));
-    look_for_bed(sector, *coarse, surface_m);
+    look_for_seabed(sector, *coarse, surface_m);
   }
 }
 
@@ -155,7 +155,7 @@ class Drawing {
  public:
   Drawing(const Survey& survey, std::span<const SeabedPlacement> placements)
       : survey_(survey), marks_(marks_of(survey, placements)), painter_(survey_, marks_, sheet_) {
-    look_for_bed(survey, marks_);
+    look_for_seabed(survey, marks_);
     scope_ = scope_of(marks_);
   }
 
@@ -195,15 +195,15 @@ class Drawing {
 
   void draw_section(const Box& box, const Painter::Cut& cut, const Places& places, const Extent& about) {
     Window window = places.window(cut.view);
-    include_bed(cut.view, window);
+    include_seabed(cut.view, window);
     const double stretch = stretch_of(window.hi_m - window.lo_m, box.width(), box.height());
     const Panel panel(box, cut.view, window, stretch);
     painter_.draw_section(panel, about);
     panel.draw_axes(sheet_, stretched("Section " + path_words(cut), stretch), "from the sensor", "up");
   }
 
-  /// The bed within the section's window, however deep it lies.
-  void include_bed(const View& view, Window& window) {
+  /// The seabed within the section's window, however deep it lies.
+  void include_seabed(const View& view, Window& window) {
     Profile profile(window.lo_m.x, window.hi_m.x, 100);
     const glm::dvec3 a = view.zero_m + window.lo_m.x * view.right,
                      b = view.zero_m + window.hi_m.x * view.right;

@@ -10,10 +10,11 @@
 
 namespace tubefoot {
 
-/// A scene as a drawing (SVG): plan and side views with axes in metres, bed, objects, tracks with headings,
-/// and where sensors look at their first, middle and last pings; a plan and a section near the first sensor,
-/// where all of the scene is much larger. `placements`: of the objects, if they are known. Computes no ping.
-/// Throws InputError for a raster that can no longer be read, Interrupted when somebody wants to stop.
+/// A scene as a drawing (SVG): plan and side views with axes in metres, seabed, objects, tracks with
+/// headings, and where sensors look at their first, middle and last pings; a plan and a section near the
+/// first sensor, where all of the scene is much larger. `placements`: of the objects, if they are known.
+/// Computes no ping. Throws InputError for a raster that can no longer be read, Interrupted when somebody
+/// wants to stop.
 std::string scene_drawing(const Survey& survey, std::span<const SeabedPlacement> placements);
 
 /// The name of that drawing in a result folder.

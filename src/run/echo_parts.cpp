@@ -78,13 +78,13 @@ void add_refracted_receiver_pair_reference(const Transmission& transmission, Pin
       for (const ApparentSurface& ground : found.apparent.seen)
         add_counts(counts.refraction, ground, transmission);
       if (transmission.loaded_scene().ground) counts.refined_facets += found.facets();
-      sums.add_finer_relief(transmission, found.history, found.apparent.bed.mesh,
+      sums.add_finer_relief(transmission, found.history, found.apparent.seabed.mesh,
                             transmission.sensor(s).samples().step_m);
       counts.tubes += 3 * found.history.transmit.tubes.size();
       counts.footprints += 2 * found.history.shared.facets.size();
       counts.pieces += 2 * found.history.shared.pieces.size();
       rows.set(fan, found.sensors.front().certified);
-      add_labels_of_receiver_pair(transmission, s, fan, found.apparent.bed.mesh, found.history, sums);
+      add_labels_of_receiver_pair(transmission, s, fan, found.apparent.seabed.mesh, found.history, sums);
     }
     rows.add_to(sums, transmission, s, 1);
   }

@@ -11,7 +11,7 @@
 #include "geometry/tubes/mirror.hpp"
 #include "run/loaded_scene.hpp"
 #include "run/transmission_ground.hpp"
-#include "scene/beds/material_map.hpp"
+#include "scene/surfaces/material_map.hpp"
 
 namespace tubefoot {
 
@@ -96,10 +96,10 @@ void FacetNumbering::count_refined(const LoadedScene& loaded_scene, std::size_t 
     names.push_back(numbers[f]);
   }
   if (facets.empty()) return;
-  RefinedMesh bed = refined_part(loaded_scene, part, facets, names);
-  if (loaded_scene.is_cut) cut_at_surface(part, bed.mesh, bed.parent);
+  RefinedMesh seabed = refined_part(loaded_scene, part, facets, names);
+  if (loaded_scene.is_cut) cut_at_surface(part, seabed.mesh, seabed.parent);
   for (const FacetId name : names) pieces[name - first] = 0;
-  for (const FacetId facet : bed.parent) ++pieces[numbers[facet] - first];
+  for (const FacetId facet : seabed.parent) ++pieces[numbers[facet] - first];
 }
 
 std::vector<std::uint64_t> FacetNumbering::pieces_of(std::size_t component,

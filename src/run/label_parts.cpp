@@ -89,11 +89,11 @@ void add_labels_of_paths(const Transmission& transmission, std::size_t s, const 
                          const EchoModel& model, PathSettings settings, PingSums& sums,
                          const PathRows& rows_of) {
   if (transmission.labels() == nullptr) return;
-  const OwnedBed bed(transmission, mesh);
+  const LabelledSurface seabed(transmission, mesh);
   const LabelModels models(transmission, s, model, mesh);
   const EchoModel whole = models.whole();
   settings.reference_tolerance.reset();
-  settings.mirrors.reflection = bed.reflection;
+  settings.mirrors.reflection = seabed.reflection;
   settings.before = &whole;
   settings.arrivals = false;
   std::vector<double> least_received;
@@ -102,12 +102,12 @@ void add_labels_of_paths(const Transmission& transmission, std::size_t s, const 
   models.add(sums, [&](const EchoModel& one) {
     PathSettings of_one = settings;
     if (one.patterns != nullptr && !one.patterns->least.empty()) of_one.least_received = least_received;
-    return rows_of(bed.mesh(), one, of_one);
+    return rows_of(seabed.mesh(), one, of_one);
   });
   settings.arrivals = true;
   settings.scatterings = 1;
   sums.add_labels(transmission, s, transmission.labels()->unscattered(),
-                  rows_of(bed.mesh(), models.silent(), settings));
+                  rows_of(seabed.mesh(), models.silent(), settings));
 }
 
 std::vector<double> wanted_orders(const Transmission& transmission, const PathEcho& paths) {

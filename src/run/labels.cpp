@@ -239,7 +239,7 @@ void LabelModels::add(PingSums& sums, const EchoBy& echo_by) const {
   sums.add_labels(transmission_, sensor_, labels_.range(), ranges);
 }
 
-OwnedBed::OwnedBed(const Transmission& transmission, const FacetMesh& mesh) {
+LabelledSurface::LabelledSurface(const Transmission& transmission, const FacetMesh& mesh) {
   const LabelChannels& labels = *transmission.labels();
   if (&mesh == &labels.scene_mesh()) {
     loaded_scene = &labels.owned_scene_mesh();

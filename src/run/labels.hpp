@@ -75,7 +75,7 @@ class LabelModels {
   using EchoBy = std::function<std::vector<double>(const EchoModel&)>;
   /// Adds what is scattered.
   void add(PingSums& sums, const EchoBy& echo_by) const;
-  /// The law itself, with owners for materials, and that of a bed that scatters nothing.
+  /// The law itself, with owners for materials, and that of a seabed that scatters nothing.
   EchoModel whole() const;
   EchoModel silent() const;
 
@@ -98,10 +98,10 @@ class LabelModels {
 
 /// A mesh with owners for materials, and what of the scene is by material, by owner: for paths, that make
 /// meshes of their own of it.
-struct OwnedBed {
-  OwnedBed(const Transmission& transmission, const FacetMesh& mesh);
-  OwnedBed(const OwnedBed&) = delete;
-  OwnedBed& operator=(const OwnedBed&) = delete;
+struct LabelledSurface {
+  LabelledSurface(const Transmission& transmission, const FacetMesh& mesh);
+  LabelledSurface(const LabelledSurface&) = delete;
+  LabelledSurface& operator=(const LabelledSurface&) = delete;
   const FacetMesh& mesh() const { return own ? *own : *loaded_scene; }
 
   std::vector<double> reflection;

@@ -18,7 +18,7 @@ class FacetNumbering;
 class Ground;
 class OmittedRelief;
 class RayScene;
-class RefinedBedFile;
+class RefinedSurfaceFile;
 
 /// How relief is in a scene's facets; nothing of it without relief.
 struct SceneRelief {
@@ -27,8 +27,8 @@ struct SceneRelief {
   std::vector<FacetId> parent;  ///< offline: by facet of the scene, the unrefined one; of a part, the part's
   std::shared_ptr<const OmittedRelief> omitted;
   // Of a tiled site, offline, whose tiles are refined when they are loaded:
-  std::uint64_t parts_a_facet = 1;             ///< into how many facets one may be cut, about
-  std::shared_ptr<const RefinedBedFile> file;  ///< that they come from; null: they are made
+  std::uint64_t parts_a_facet = 1;                 ///< into how many facets one may be cut, about
+  std::shared_ptr<const RefinedSurfaceFile> file;  ///< that they come from; null: they are made
 };
 
 /// What was made of a loaded scene's facets that no sonar tells apart (coarsening.hpp). Bounds of the map

@@ -18,11 +18,11 @@
 namespace tubefoot {
 namespace {
 
-/// The bed that a sensor's paths meet where it lies: in refracting water images make apparent grounds of
+/// The seabed that a sensor's paths meet where it lies: in refracting water images make apparent grounds of
 /// their own.
-class PathBed {
+class PathSeabed {
  public:
-  PathBed(const Transmission& transmission, std::size_t s, const PathEnds& ends)
+  PathSeabed(const Transmission& transmission, std::size_t s, const PathEnds& ends)
       : transmission_(transmission) {
     if (!transmission.scene().water->refracts()) return;
     lying_.emplace(lying_ground_of(transmission));
@@ -66,26 +66,26 @@ void add_paths_of(const Transmission& transmission, std::size_t s, const PathSet
   settings.binning = transmission.request().binning;
   const PathEnds ends(transmission, s);
   const std::vector<std::uint32_t> fans = sensor.fan_of_tube(transmission.number());
-  const PathBed bed(transmission, s, ends);
-  const SensorModel model(transmission, *bed, s);
+  const PathSeabed seabed(transmission, s, ends);
+  const SensorModel model(transmission, *seabed, s);
   std::optional<RayGround> rays;
   if (transmission.request().engine == Engine::ray)
-    settings.sampled = SampledPaths{bed.water() != nullptr ? nullptr : &*rays.emplace(transmission),
+    settings.sampled = SampledPaths{seabed.water() != nullptr ? nullptr : &*rays.emplace(transmission),
                                     transmission.scene().grid, rays_of(transmission),
                                     sensor.beam_of_tube(transmission.number()), guide_of(transmission)};
   const auto trace_by = [&](const FacetMesh& mesh, const EchoModel& by, const PathSettings& how,
                             const PathWater* water) {
-    return path_echo(mesh, (*bed).tree(), transmission.scene().grid.unit_m(),
+    return path_echo(mesh, (*seabed).tree(), transmission.scene().grid.unit_m(),
                      transmission.request().visibility, ends.transmit, ends.receive,
                      transmission.beams_by_fans(s, fans), sensor.samples(), by, how, water);
   };
   const auto trace = [&](const PathWater* water) {
-    return trace_by((*bed).mesh(), model.model, settings, water);
+    return trace_by((*seabed).mesh(), model.model, settings, water);
   };
-  const bool own_grounds = settings.reference_tolerance && bed.water() != nullptr;
+  const bool own_grounds = settings.reference_tolerance && seabed.water() != nullptr;
   RefractedPathsTransmission found = as_seen_by(transmission, [&] {
-    if (!own_grounds) return RefractedPathsTransmission{trace(bed.water()), {}, false};
-    return certify_refracted_paths(transmission, *bed.water(),
+    if (!own_grounds) return RefractedPathsTransmission{trace(seabed.water()), {}, false};
+    return certify_refracted_paths(transmission, *seabed.water(),
                                    ends.transmit.reach * transmission.scene().grid.unit_m(),
                                    [&](const PathWater& water) { return trace(&water); });
   });
@@ -107,10 +107,10 @@ void add_paths_of(const Transmission& transmission, std::size_t s, const PathSet
   }
   sums.counts.hits += paths.hits;
   count_paths(transmission, paths, sums);
-  add_labels_of_paths(transmission, s, (*bed).mesh(), model.model, settings, sums,
+  add_labels_of_paths(transmission, s, (*seabed).mesh(), model.model, settings, sums,
                       [&](const FacetMesh& mesh, const EchoModel& by, const PathSettings& how) {
                         return wanted_orders(transmission, as_seen_by(transmission, [&] {
-                                               return trace_by(mesh, by, how, bed.water());
+                                               return trace_by(mesh, by, how, seabed.water());
                                              }));
                       });
 }
@@ -120,8 +120,8 @@ void add_receiver_pair_paths_of(const Transmission& transmission, std::size_t s,
   const Sensor& sensor = transmission.sensor(s);
   const PathEnds ends(transmission, s);
   const std::vector<std::uint32_t> fans = sensor.fan_of_tube(transmission.number());
-  const PathBed bed(transmission, s, ends);
-  const SensorModel model(transmission, *bed, s);
+  const PathSeabed seabed(transmission, s, ends);
+  const SensorModel model(transmission, *seabed, s);
   std::vector<ReceiverPairRows> by_order(std::size_t(settings.order) + 1, ReceiverPairRows(transmission, s));
   for (std::uint32_t fan = 0; fan < model.patterns.baselines.size(); ++fan) {
     const TubeSet transmit = tubes_of_fan(ends.transmit, fans, fan),
@@ -132,11 +132,11 @@ void add_receiver_pair_paths_of(const Transmission& transmission, std::size_t s,
     const auto trace = [&](const FacetMesh& mesh, const EchoModel& by, const PathSettings& how) {
       return as_seen_by(transmission, [&] {
         return receiver_pair_path_echo(
-            mesh, (*bed).tree(), transmission.scene().grid.unit_m(), transmission.request().visibility,
-            {transmit, receive, model.patterns.baselines[fan]}, sensor.samples(), by, how, bed.water());
+            mesh, (*seabed).tree(), transmission.scene().grid.unit_m(), transmission.request().visibility,
+            {transmit, receive, model.patterns.baselines[fan]}, sensor.samples(), by, how, seabed.water());
       });
     };
-    const ReceiverPairPathEcho paths = trace((*bed).mesh(), own, settings);
+    const ReceiverPairPathEcho paths = trace((*seabed).mesh(), own, settings);
     for (std::size_t order = 0; order < paths.by_order.size(); ++order) {
       if (!settings.reference_tolerance) {
         by_order[order].set(fan, paths.by_order[order]);
@@ -147,7 +147,7 @@ void add_receiver_pair_paths_of(const Transmission& transmission, std::size_t s,
       by_order[order].set(fan, certified);
     }
     count_paths(transmission, paths, sums);
-    add_labels_of_paths(transmission, s, (*bed).mesh(), own, settings, sums,
+    add_labels_of_paths(transmission, s, (*seabed).mesh(), own, settings, sums,
                         [&](const FacetMesh& mesh, const EchoModel& by, const PathSettings& how) {
                           return row_of_fan(transmission, s, fan,
                                             wanted_orders(transmission, trace(mesh, by, how)));

@@ -18,10 +18,10 @@
 namespace tubefoot {
 namespace {
 
-/// The bed over and under one place after the other.
-class Bed {
+/// The seabed over and under one place after the other.
+class Seabed {
  public:
-  explicit Bed(const LoadedScene& loaded_scene) : below_(loaded_scene) {}
+  explicit Seabed(const LoadedScene& loaded_scene) : below_(loaded_scene) {}
 
   /// How high a place is above the highest terrain there, less than 0 below it; nothing beside all terrain.
   std::optional<double> height_over_m(glm::dvec3 place_m) {
@@ -140,13 +140,13 @@ std::vector<SeabedPlacement> placements(const Survey& survey) {
   const std::size_t most = survey.loaded_scene->is_tiled()                      ? 4
                            : survey.loaded_scene->has_ground_per_transmission() ? 30
                                                                                 : 300;
-  Bed bed(*survey.loaded_scene);
+  Seabed seabed(*survey.loaded_scene);
   for (std::size_t i = terrains; i < scene.report.components.size(); ++i) {
     const ComponentReport& object = scene.report.components[i];
     Heights heights;
     for (const glm::dvec3& place_m : places_of(scene, i, most)) {
       ++heights.places;
-      const std::optional<double> over_m = bed.height_over_m(place_m);
+      const std::optional<double> over_m = seabed.height_over_m(place_m);
       if (!over_m) continue;
       ++heights.over_terrain;
       heights.lowest_m = std::min(heights.lowest_m, *over_m);

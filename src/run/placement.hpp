@@ -9,10 +9,10 @@
 
 namespace tubefoot {
 
-/// How an object stands to the bed.
+/// How an object stands to the seabed.
 struct SeabedPlacement {
   std::string object;
-  std::string words;    ///< "in the bed: from 0.5 m below it to 0.5 m above"
+  std::string words;    ///< "in the seabed: from 0.5 m below it to 0.5 m above"
   std::string warning;  ///< empty where that is nothing odd
   bool is_buried = false;
 };

@@ -30,12 +30,12 @@ RefractedTransmission certify(const Transmission& transmission, const Transmissi
   const Scene& scene = transmission.scene();
   const VisibilityOptions& options = transmission.request().visibility;
   const std::vector<FacetId> parent = apparent.refined.parent;
-  seen.bed().name_by_scene(apparent);
+  seen.seabed().name_by_scene(apparent);
   RefractedTransmission found{
       TransmissionGround(transmission.loaded_scene(), std::move(apparent)), {}, 0, {}, false};
   const FacetMesh& mesh = found.ground.mesh();
-  const MappedSeabed bed{*found.ground.apparent(), found.ground.tree(), seen.bed().mesh(), parent,
-                         scene.grid};
+  const MappedSeabed seabed{*found.ground.apparent(), found.ground.tree(), seen.seabed().mesh(), parent,
+                            scene.grid};
   const TubeEngine engine(mesh, found.ground.tree(), scene.grid.unit_m(), options);
   found.history = engine.trace(transmission.tubes(), &found.candidates, false);
   const glm::dvec3 apex = scene.grid.to_metres(found.history.tubes.apex);
@@ -51,7 +51,7 @@ RefractedTransmission certify(const Transmission& transmission, const Transmissi
     const EchoModel& model = sensor_model.model;
     const Sensor& sensor = transmission.sensor(s);
     found.sensors.push_back(certify_refracted_echo(
-        bed, rays, found.history, options, sensor.beam_of_tube(transmission.number()), sensor.samples(),
+        seabed, rays, found.history, options, sensor.beam_of_tube(transmission.number()), sensor.samples(),
         model, transmission.echo(found.history, s, model), *transmission.request().reference_tolerance));
   }
   return found;
@@ -74,21 +74,22 @@ RefractedPairTransmission certify(const Transmission& transmission, const PairAp
       rx_tree(own.receive.refined.mesh, SceneTree::HeightFieldSearch::ignored);
   const RayEnclosure tx_rays(found.pair.transmit_water, eigenray_options(transmission.loaded_scene())),
       rx_rays(found.pair.receive_water, eigenray_options(transmission.loaded_scene()));
-  const BistaticBed bed{own.mesh,
-                        parent,
-                        seen.bed().mesh(),
-                        transmission.scene().grid,
-                        {own.transmit, tx_tree, own.transmit_origin, found.pair.transmit_water, tx_rays},
-                        {own.receive, rx_tree, own.receive_origin, found.pair.receive_water, rx_rays}};
+  const BistaticSurface seabed{
+      own.mesh,
+      parent,
+      seen.seabed().mesh(),
+      transmission.scene().grid,
+      {own.transmit, tx_tree, own.transmit_origin, found.pair.transmit_water, tx_rays},
+      {own.receive, rx_tree, own.receive_origin, found.pair.receive_water, rx_rays}};
   SensorModel model(transmission, TransmissionGround(transmission.loaded_scene()), s);
   model.model.material = own.mesh.material;
   const std::vector<std::uint32_t> fans = transmission.sensor(s).fan_of_tube(transmission.number());
   found.sensors.push_back(certify_refracted_echo(
-      bed, {found.pair.transmit_tubes, found.pair.receive_tubes}, transmission.request().visibility,
+      seabed, {found.pair.transmit_tubes, found.pair.receive_tubes}, transmission.request().visibility,
       transmission.beams_by_fans(s, fans), transmission.sensor(s).samples(), model.model,
       transmission.echo(found.history, s, model.model), *transmission.request().reference_tolerance));
-  seen.bed().name_by_scene(found.pair.apparent.transmit);
-  seen.bed().name_by_scene(found.pair.apparent.receive);
+  seen.seabed().name_by_scene(found.pair.apparent.transmit);
+  seen.seabed().name_by_scene(found.pair.apparent.receive);
   return found;
 }
 
@@ -109,7 +110,7 @@ RefractedReceiverPairTransmission certify(const Transmission& transmission, cons
   const VisibilityOptions& options = transmission.request().visibility;
   RefractedReceiverPairTransmission found{std::move(grounds), {}, {}, false};
   const CommonApparentSurfaces& own = found.apparent;
-  const FacetMesh& mesh = own.bed.mesh;
+  const FacetMesh& mesh = own.seabed.mesh;
   SensorModel model(transmission, TransmissionGround(transmission.loaded_scene()), seen.sensor);
   const BeamPatterns patterns = patterns_of_fan(model.patterns, seen.fan, ends.tubes(1).tubes.size());
   model.model.material = mesh.material;
@@ -125,8 +126,8 @@ RefractedReceiverPairTransmission certify(const Transmission& transmission, cons
   const auto end_of = [&](std::size_t end) {
     return BistaticEnd{own.seen[end], trees[end], own.origin[end], ends.water(end), rays[end]};
   };
-  const auto bed_of = [&](std::size_t end) {
-    return BistaticBed{mesh, own.bed.parent, seen.ends.bed().mesh(), grid, end_of(0), end_of(end)};
+  const auto seabed_of = [&](std::size_t end) {
+    return BistaticSurface{mesh, own.seabed.parent, seen.ends.seabed().mesh(), grid, end_of(0), end_of(end)};
   };
   std::array<Echo, 2> ordinary;
   for (const std::size_t e : {1, 0}) {
@@ -136,11 +137,11 @@ RefractedReceiverPairTransmission certify(const Transmission& transmission, cons
     ordinary[e] = integrate_echo(found.history, {1, of_tube}, sensor.samples(), model.model);
   }
   found.sensors.push_back(certify_refracted_receiver_pair(
-      {bed_of(1), bed_of(2)},
+      {seabed_of(1), seabed_of(2)},
       {BistaticTubes{ends.tubes(0), ends.tubes(1)}, BistaticTubes{ends.tubes(0), ends.tubes(2)}}, options,
       seen.receiver_pair, sensor.samples(), model.model, ordinary,
       *transmission.request().reference_tolerance));
-  for (ApparentSurface& ground : found.apparent.seen) ends.bed().name_by_scene(ground);
+  for (ApparentSurface& ground : found.apparent.seen) ends.seabed().name_by_scene(ground);
   return found;
 }
 
@@ -193,7 +194,7 @@ ApparentMapSettings first_settings(const Transmission& transmission, double reac
 
 std::size_t facets_of(const ApparentSurface& ground) { return ground.refined.mesh.facets.size(); }
 std::size_t facets_of(const RefractedPair& pair) { return pair.apparent.mesh.facets.size(); }
-std::size_t facets_of(const CommonApparentSurfaces& grounds) { return grounds.bed.mesh.facets.size(); }
+std::size_t facets_of(const CommonApparentSurfaces& grounds) { return grounds.seabed.mesh.facets.size(); }
 double largest_travel_path_error_m(const CommonApparentSurfaces& grounds) {
   return std::ranges::max(grounds.seen, {}, &ApparentSurface::largest_travel_path_error_m)
       .largest_travel_path_error_m;

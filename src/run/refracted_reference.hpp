@@ -38,7 +38,7 @@ struct RefractedReceiverPairTransmission {
   std::vector<RefractedReference> sensors;  ///< one, by rows (certify_refracted_receiver_pair())
   bool at_limit = false;
 
-  std::size_t facets() const { return apparent.bed.mesh.facets.size(); }
+  std::size_t facets() const { return apparent.seabed.mesh.facets.size(); }
 };
 
 /// Straightens the ground of a transmission ever finer, until all but a two-hundredth of the bounds that are

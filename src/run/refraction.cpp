@@ -201,8 +201,8 @@ ApparentMapSettings apparent_map_settings(const Transmission& transmission, doub
   return settings;
 }
 
-LyingBed::LyingBed(const Transmission& transmission, std::span<const TubeSet> tubes,
-                   std::span<const ViewBounds> all_view_bounds, bool weights)
+TrueSurface::TrueSurface(const Transmission& transmission, std::span<const TubeSet> tubes,
+                         std::span<const ViewBounds> all_view_bounds, bool weights)
     : loaded_scene_(transmission.loaded_scene()) {
   if (!loaded_scene_.ground) return;
   std::vector<Look> looks = transmission.looks(tubes);
@@ -211,9 +211,9 @@ LyingBed::LyingBed(const Transmission& transmission, std::span<const TubeSet> tu
   tree_ = std::make_unique<SceneTree>(relief_.mesh, SceneTree::HeightFieldSearch::ignored);
 }
 
-const FacetMesh& LyingBed::mesh() const { return tree_ ? relief_.mesh : loaded_scene_.scene.mesh; }
+const FacetMesh& TrueSurface::mesh() const { return tree_ ? relief_.mesh : loaded_scene_.scene.mesh; }
 
-std::vector<FacetId> LyingBed::facets(std::span<const ViewBounds> all_view_bounds) const {
+std::vector<FacetId> TrueSurface::facets(std::span<const ViewBounds> all_view_bounds) const {
   std::vector<FacetId> all;
   for (const ViewBounds& view_bounds : all_view_bounds) {
     const std::vector<FacetId> some =
@@ -225,7 +225,7 @@ std::vector<FacetId> LyingBed::facets(std::span<const ViewBounds> all_view_bound
   return all;
 }
 
-void LyingBed::name_by_scene(ApparentSurface& ground) const {
+void TrueSurface::name_by_scene(ApparentSurface& ground) const {
   if (!tree_) return;
   for (std::size_t k = 0; k < ground.refined.parent.size(); ++k) {
     FacetId& facet = ground.refined.parent[k];
@@ -243,13 +243,13 @@ TransmissionApparentMap::TransmissionApparentMap(const Transmission& transmissio
       apparent_map_(apparent_map_of(transmission.loaded_scene(), transmission.pings(),
                                     transmission.scene().grid.to_metres(tubes_.apex))),
       view_bounds_(tubes_, transmission.scene().grid.unit_m(), apparent_map_),
-      bed_(transmission, {&tubes_, 1}, {&view_bounds_, 1}, weights),
-      facets_(bed_.facets({&view_bounds_, 1})) {}
+      seabed_(transmission, {&tubes_, 1}, {&view_bounds_, 1}, weights),
+      facets_(seabed_.facets({&view_bounds_, 1})) {}
 
 ApparentSurface TransmissionApparentMap::ground(const ApparentMapSettings& settings) const {
   const Scene& scene = transmission_.scene();
   return made_for(transmission_, [&] {
-    return map_apparent(bed_.mesh(), facets_, scene.grid, apparent_map_,
+    return map_apparent(seabed_.mesh(), facets_, scene.grid, apparent_map_,
                         absorption_db_per_m(scene, *transmission_.pings().sensor), settings,
                         {most_per_transmission.facets, weights_}, scene.scattering, &view_bounds_);
   });
@@ -261,7 +261,7 @@ TransmissionGround refracted_ground_of(const Transmission& transmission, bool we
       apparent_map_settings(transmission, transmission.tubes().reach * transmission.scene().grid.unit_m());
   settings.later_arrivals = true;
   ApparentSurface ground = seen.ground(settings);
-  seen.bed().name_by_scene(ground);
+  seen.seabed().name_by_scene(ground);
   return TransmissionGround(transmission.loaded_scene(), std::move(ground));
 }
 
@@ -270,9 +270,9 @@ EndsApparentMap::EndsApparentMap(const Transmission& transmission, std::vector<T
     : transmission_(transmission), weights_(weights), tubes_(std::move(tubes)), water_(std::move(water)) {
   for (std::size_t end = 0; end < tubes_.size(); ++end)
     all_view_bounds_.emplace_back(tubes_[end], transmission.scene().grid.unit_m(), water_[end]);
-  bed_.emplace(transmission, tubes_, all_view_bounds_, weights);
+  seabed_.emplace(transmission, tubes_, all_view_bounds_, weights);
   // What any may see: what hides from one need not be seen by another.
-  facets_ = bed_->facets(all_view_bounds_);
+  facets_ = seabed_->facets(all_view_bounds_);
 }
 
 double EndsApparentMap::absorption_db_per_m() const {
@@ -291,7 +291,7 @@ CommonApparentSurfaces EndsApparentMap::grounds(const ApparentMapSettings& setti
     all_view_bounds.push_back(&all_view_bounds_[end]);
   }
   return made_for(transmission_, [&] {
-    return map_apparent_together(bed_->mesh(), facets_, transmission_.scene().grid, ways,
+    return map_apparent_together(seabed_->mesh(), facets_, transmission_.scene().grid, ways,
                                  absorption_db_per_m(), settings, {most_per_transmission.facets, weights_},
                                  all_view_bounds);
   });
@@ -320,15 +320,15 @@ RefractedPair PairApparentMap::pair(const ApparentMapSettings& settings) const {
           ends_.water(0),
           ends_.water(1),
           ends_.absorption_db_per_m(),
-          {std::move(grounds.bed.mesh), std::move(grounds.seen[0]), std::move(grounds.seen[1]),
+          {std::move(grounds.seabed.mesh), std::move(grounds.seen[0]), std::move(grounds.seen[1]),
            std::move(grounds.origin[0]), std::move(grounds.origin[1])}};
 }
 
 RefractedPair refracted_pair_of(const Transmission& transmission, bool weights) {
   const PairApparentMap both(transmission, weights);
   RefractedPair pair = both.pair(apparent_map_settings(transmission, both.reach_m()));
-  both.bed().name_by_scene(pair.apparent.transmit);
-  both.bed().name_by_scene(pair.apparent.receive);
+  both.seabed().name_by_scene(pair.apparent.transmit);
+  both.seabed().name_by_scene(pair.apparent.receive);
   return pair;
 }
 

@@ -26,17 +26,17 @@ ApparentMap apparent_map_of(const LoadedScene& loaded_scene, const SensorPings& 
 /// As the scene asks for.
 ApparentMapSettings apparent_map_settings(const Transmission& transmission, double reach_m);
 
-/// The bed of a transmission where it lies: the scene's, or with relief as fine as bent rays need it.
-class LyingBed {
+/// The seabed of a transmission where it lies: the scene's, or with relief as fine as bent rays need it.
+class TrueSurface {
  public:
   /// `all_view_bounds`: of each set of tubes; `weights`: with RefinedMesh::weights.
-  LyingBed(const Transmission& transmission, std::span<const TubeSet> tubes,
-           std::span<const ViewBounds> all_view_bounds, bool weights = false);
+  TrueSurface(const Transmission& transmission, std::span<const TubeSet> tubes,
+              std::span<const ViewBounds> all_view_bounds, bool weights = false);
 
   const FacetMesh& mesh() const;
   /// Of any of the view bounds, by increasing id.
   std::vector<FacetId> facets(std::span<const ViewBounds> all_view_bounds) const;
-  /// From facets of this bed to the scene's.
+  /// From facets of this seabed to the scene's.
   void name_by_scene(ApparentSurface& ground) const;
 
  private:
@@ -49,14 +49,14 @@ class LyingBed {
 /// facets. Throws InputError where it takes too many.
 TransmissionGround refracted_ground_of(const Transmission& transmission, bool weights = false);
 
-/// What a transmission sees of its bed, mapped as finely as one likes; facets are named by the bed.
+/// What a transmission sees of its seabed, mapped as finely as one likes; facets are named by the seabed.
 class TransmissionApparentMap {
  public:
   /// Throws as refracted_ground_of().
   explicit TransmissionApparentMap(const Transmission& transmission, bool weights = false);
   TransmissionApparentMap(const TransmissionApparentMap&) = delete;
   TransmissionApparentMap& operator=(const TransmissionApparentMap&) = delete;
-  const LyingBed& bed() const { return bed_; }
+  const TrueSurface& seabed() const { return seabed_; }
   /// Throws as refracted_ground_of().
   ApparentSurface ground(const ApparentMapSettings& settings) const;
 
@@ -66,7 +66,7 @@ class TransmissionApparentMap {
   TubeSet tubes_;
   ApparentMap apparent_map_;
   ViewBounds view_bounds_;
-  LyingBed bed_;
+  TrueSurface seabed_;
   std::vector<FacetId> facets_;
 };
 
@@ -84,8 +84,8 @@ struct RefractedPair {
   double absorption_db_per_m;
   ApparentPair apparent;
 };
-/// What several ends of a transmission see of its bed, mapped together and as finely as one likes; facets
-/// are named by the bed.
+/// What several ends of a transmission see of its seabed, mapped together and as finely as one likes; facets
+/// are named by the seabed.
 class EndsApparentMap {
  public:
   /// Throws as refracted_ground_of().
@@ -93,7 +93,7 @@ class EndsApparentMap {
                   std::vector<ApparentMap> water, bool weights = false);
   EndsApparentMap(const EndsApparentMap&) = delete;
   EndsApparentMap& operator=(const EndsApparentMap&) = delete;
-  const LyingBed& bed() const { return *bed_; }
+  const TrueSurface& seabed() const { return *seabed_; }
   const TubeSet& tubes(std::size_t end) const { return tubes_[end]; }
   const ApparentMap& water(std::size_t end) const { return water_[end]; }
   double absorption_db_per_m() const;
@@ -107,14 +107,14 @@ class EndsApparentMap {
   std::vector<TubeSet> tubes_;
   std::vector<ApparentMap> water_;
   std::vector<ViewBounds> all_view_bounds_;
-  std::optional<LyingBed> bed_;
+  std::optional<TrueSurface> seabed_;
   std::vector<FacetId> facets_;
 };
 /// Of transmitter and receiver.
 class PairApparentMap {
  public:
   explicit PairApparentMap(const Transmission& transmission, bool weights = false);
-  const LyingBed& bed() const { return ends_.bed(); }
+  const TrueSurface& seabed() const { return ends_.seabed(); }
   double reach_m() const { return ends_.reach_m(); }
   RefractedPair pair(const ApparentMapSettings& settings) const;
 

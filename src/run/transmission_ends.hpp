@@ -13,7 +13,7 @@
 
 namespace tubefoot {
 
-/// One end of a transmission's paths: its tubes, and the bed as they see it.
+/// One end of a transmission's paths: its tubes, and the seabed as they see it.
 struct TransmissionEnd {
   TubeSet tubes;
   const FacetMesh* mesh = nullptr;

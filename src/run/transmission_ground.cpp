@@ -13,14 +13,14 @@
 #include "geometry/tubes/part_corner_weights.hpp"
 #include "run/facet_numbering.hpp"
 #include "run/paths.hpp"
-#include "run/refined_bed_file.hpp"
+#include "run/refined_surface_file.hpp"
 #include "run/refraction.hpp"
 #include "run/transmission.hpp"
 
 namespace tubefoot {
 namespace {
 
-/// A facet of a refined bed with its share of vertices and tree takes some 60 bytes.
+/// A facet of a refined seabed with its share of vertices and tree takes some 60 bytes.
 constexpr RefinementLimits most_offline{.facets = 100'000'000}, most_per_transmission{.facets = 20'000'000};
 
 std::vector<bool> mirror_materials(const Scene& scene) {
@@ -96,7 +96,7 @@ std::unique_ptr<Ground> relief_ground(const Scene& scene) {
                      keys.tolerance.value_or(GroundSettings().tolerance), mirror_materials(scene)});
 }
 
-RefinedMesh refined_bed(const Scene& scene, const Ground& ground) {
+RefinedMesh refined_seabed(const Scene& scene, const Ground& ground) {
   const std::size_t count = ground.uniform_count();
   const auto too_many = [&] {
     return InputError(scene.description.refinement.place,
@@ -119,10 +119,10 @@ RefinedMesh refined_part(const LoadedScene& whole, const Scene& part, std::span<
                          std::span<const FacetId> names) {
   const SourcePlace& place = part.description.refinement.place;
   if (whole.relief.file) {
-    RefinedMesh bed = whole.relief.file->read(names);
-    for (FacetId& facet : bed.parent)
+    RefinedMesh seabed = whole.relief.file->read(names);
+    for (FacetId& facet : seabed.parent)
       facet = facets[std::size_t(std::ranges::lower_bound(names, facet) - names.begin())];
-    return bed;
+    return seabed;
   }
   const auto at_hand = static_cast<std::size_t>(std::min(memory_at_hand() / bytes_a_facet, 1e12));
   const RefinementLimits most{.facets = std::min(most_offline.facets, at_hand)};
@@ -139,10 +139,10 @@ RefinedMesh refined_part(const LoadedScene& whole, const Scene& part, std::span<
 void refine_part(const LoadedScene& whole, const TileChoice& tiles, LoadedScene& part) {
   part.ground.reset();
   const std::vector<FacetId> facets = all_facets(part.scene.mesh);
-  RefinedMesh bed =
+  RefinedMesh seabed =
       refined_part(whole, part.scene, facets, whole.relief.file ? whole.base_numbering().of(tiles) : facets);
-  part.scene.mesh = std::move(bed.mesh);
-  part.relief.parent = std::move(bed.parent);
+  part.scene.mesh = std::move(seabed.mesh);
+  part.relief.parent = std::move(seabed.parent);
 }
 
 void lay_relief(LoadedScene& loaded_scene) {
@@ -158,10 +158,10 @@ void lay_relief(LoadedScene& loaded_scene) {
     loaded_scene.ground = std::move(ground);
     return;
   }
-  std::shared_ptr<const RefinedBedFile> file;
+  std::shared_ptr<const RefinedSurfaceFile> file;
   if (keys.file)
-    file = std::make_shared<const RefinedBedFile>(*keys.file, keys.file_place, scene,
-                                                  loaded_scene.relief.cell_m);
+    file = std::make_shared<const RefinedSurfaceFile>(*keys.file, keys.file_place, scene,
+                                                      loaded_scene.relief.cell_m);
   if (loaded_scene.is_tiled()) {
     double longest_m = 0;
     for (const TiledTerrain& terrain : scene.tiled)
@@ -171,10 +171,10 @@ void lay_relief(LoadedScene& loaded_scene) {
     loaded_scene.relief.file = std::move(file);
     return;
   }
-  RefinedMesh bed = file ? file->read(all_facets(scene.mesh)) : refined_bed(scene, *ground);
+  RefinedMesh seabed = file ? file->read(all_facets(scene.mesh)) : refined_seabed(scene, *ground);
   ground.reset();
-  scene.mesh = std::move(bed.mesh);
-  loaded_scene.relief.parent = std::move(bed.parent);
+  scene.mesh = std::move(seabed.mesh);
+  loaded_scene.relief.parent = std::move(seabed.parent);
 }
 
 namespace {
@@ -194,11 +194,11 @@ RefinedMesh refined_for(const Transmission& transmission, const Refine& refine) 
 }  // namespace
 
 RefinedMesh relief_seen_by(const Transmission& transmission, std::span<const Look> looks, bool weights) {
-  RefinedMesh bed = refined_for(transmission, [&] {
+  RefinedMesh seabed = refined_for(transmission, [&] {
     return transmission.loaded_scene().ground->seen_by(looks, {most_per_transmission.facets, weights});
   });
-  cut_at_surface(transmission.scene(), bed.mesh, bed.parent, weights ? &bed.weights : nullptr);
-  return bed;
+  cut_at_surface(transmission.scene(), seabed.mesh, seabed.parent, weights ? &seabed.weights : nullptr);
+  return seabed;
 }
 
 RefinedMesh mirrors_about(const Transmission& transmission, double distance_m) {

@@ -84,6 +84,6 @@ RefinedMesh refined_part(const LoadedScene& whole, const Scene& part, std::span<
 /// The ground that lay_relief() refines, for a scene with relief. Throws InputError.
 std::unique_ptr<Ground> relief_ground(const Scene& scene);
 /// All of it in cells. Throws InputError where those are too many.
-RefinedMesh refined_bed(const Scene& scene, const Ground& ground);
+RefinedMesh refined_seabed(const Scene& scene, const Ground& ground);
 
 }  // namespace tubefoot

@@ -12,11 +12,6 @@
 #include <utility>
 
 #include "files/memory_at_hand.hpp"
-#include "scene/beds/material_map.hpp"
-#include "scene/beds/reflectivity.hpp"
-#include "scene/beds/relief.hpp"
-#include "scene/beds/scattering.hpp"
-#include "scene/beds/smooth_materials.hpp"
 #include "scene/extent.hpp"
 #include "scene/file/scene_file_ranges.hpp"
 #include "scene/idle_relief.hpp"
@@ -31,6 +26,11 @@
 #include "scene/rasters/terrain.hpp"
 #include "scene/scene_placement.hpp"
 #include "scene/snapped_areas.hpp"
+#include "scene/surfaces/material_map.hpp"
+#include "scene/surfaces/reflectivity.hpp"
+#include "scene/surfaces/relief.hpp"
+#include "scene/surfaces/scattering.hpp"
+#include "scene/surfaces/smooth_materials.hpp"
 #include "scene/terrain_height.hpp"
 #include "scene/tracks.hpp"
 

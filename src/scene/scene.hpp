@@ -13,12 +13,12 @@
 #include "engine/signal/smooth_surface.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
 #include "geometry/numbers/world_grid.hpp"
-#include "scene/beds/facet_fineness.hpp"
 #include "scene/description/scene_description.hpp"
 #include "scene/meshes/mesh_materials.hpp"
 #include "scene/rasters/georeference.hpp"
 #include "scene/rasters/terrain_tiles.hpp"
 #include "scene/scene_water.hpp"
+#include "scene/surfaces/facet_fineness.hpp"
 #include "scene/trajectory.hpp"
 
 namespace tubefoot {

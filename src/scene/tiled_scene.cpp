@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "files/memory_at_hand.hpp"
-#include "scene/beds/material_map.hpp"
+#include "scene/surfaces/material_map.hpp"
 
 namespace tubefoot {
 namespace {

@@ -60,7 +60,7 @@ glm::dvec3 place_at(glm::dvec3 sonar_m, double range_m, double azimuth_deg, doub
   return sonar_m + range_m * glm::dvec3{std::sin(a) * std::cos(e), std::cos(a) * std::cos(e), std::sin(e)};
 }
 
-SceneText over_bed(Draw& draw, SuiteScene& scene) {
+SceneText over_seabed(Draw& draw, SuiteScene& scene) {
   scene.solids.push_back(level_plate("bed", "bed", {0, 0, 0}, 32, 32));
   SceneText text;
   text.sonar_m = {draw.among(0, -1, 1, 0.125), draw.among(-8, -8.5, -7.5, 0.125),

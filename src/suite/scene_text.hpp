@@ -36,7 +36,7 @@ void finish(SuiteScene& scene, const SceneText& text);
 /// A place at a range, azimuth and elevation from the sonar.
 glm::dvec3 place_at(glm::dvec3 sonar_m, double range_m, double azimuth_deg, double elevation_deg);
 
-/// A sonar over a level bed of 32 m at z = 0, as drawn.
-SceneText over_bed(Draw& draw, SuiteScene& scene);
+/// A sonar over a level seabed of 32 m at z = 0, as drawn.
+SceneText over_seabed(Draw& draw, SuiteScene& scene);
 
 }  // namespace tubefoot

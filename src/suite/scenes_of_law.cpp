@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What returns how much: laws of range, absorption and grazing, and a bed too large for careless arithmetic.
+// What returns how much: laws of range, absorption and grazing, and a seabed too large for careless
+// arithmetic.
 #include <fmt/format.h>
 
 #include <array>

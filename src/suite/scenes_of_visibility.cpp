@@ -12,7 +12,7 @@ namespace tubefoot {
 SuiteScene near_plane_scene(Draw& draw) {
   SuiteScene scene;
   scene.title = "A box nearer than the first sample, and its shadow on the bed";
-  const SceneText text = over_bed(draw, scene);
+  const SceneText text = over_seabed(draw, scene);
   const double azimuth = draw.among(3, -8, 8, 0.5), side = draw.among(0.3125, 0.25, 0.375, 0.03125);
   scene.solids.push_back(
       box("near-box", "target",
@@ -26,7 +26,7 @@ SuiteScene near_plane_scene(Draw& draw) {
 SuiteScene thin_wall_scene(Draw& draw) {
   SuiteScene scene;
   scene.title = "A wall four millimetres thick";
-  const SceneText text = over_bed(draw, scene);
+  const SceneText text = over_seabed(draw, scene);
   constexpr double thick_m = 4.0 / 1024, height_m = 0.75;
   scene.solids.push_back(box(
       "wall", "target", {draw.among(0.25, -0.5, 0.5, 0.125), draw.among(-0.5, -1, 0, 0.125), height_m / 2},
@@ -39,7 +39,7 @@ SuiteScene thin_wall_scene(Draw& draw) {
 SuiteScene silhouettes_scene(Draw& draw) {
   SuiteScene scene;
   scene.title = "A sphere over the bed: round edges of what is seen and of what is in shadow";
-  const SceneText text = over_bed(draw, scene);
+  const SceneText text = over_seabed(draw, scene);
   const double radius = draw.among(0.75, 0.5, 0.875, 0.0625);
   scene.solids.push_back(sphere("sphere", "target",
                                 {draw.among(0.25, -1, 1, 0.125), draw.among(-0.5, -1, 0.5, 0.125),
@@ -76,7 +76,7 @@ SuiteScene occlusion_order_scene(Draw& draw) {
 SuiteScene many_small_scene(Draw& draw) {
   SuiteScene scene;
   scene.title = "Eight hundred stones smaller than a beam";
-  const SceneText text = over_bed(draw, scene);
+  const SceneText text = over_seabed(draw, scene);
   Solid stones{"stones", "target", {}, {}};
   const auto between = [&](double least, double most) { return least + (most - least) * draw.number(); };
   for (int k = 0; k < 800; ++k) {
@@ -92,7 +92,7 @@ SuiteScene many_small_scene(Draw& draw) {
 SuiteScene terrain_scene(Draw& draw) {
   SuiteScene scene;
   scene.title = "Rough terrain at grazing angles";
-  Solid bed{"terrain", "bed", {}, {}};
+  Solid seabed{"terrain", "bed", {}, {}};
   constexpr std::uint32_t columns = 64, rows = 80;
   constexpr double cell_m = 0.125, south_m = 2;
   const double p = draw.among(0, 0, 6, 0.25), q = draw.among(1, 0, 6, 0.25), r = draw.among(0, 0, 6, 0.25);
@@ -100,7 +100,7 @@ SuiteScene terrain_scene(Draw& draw) {
   for (std::uint32_t j = 0; j <= rows; ++j)
     for (std::uint32_t i = 0; i <= columns; ++i) {
       const double x = (i - columns / 2.0) * cell_m, y = south_m + j * cell_m;
-      bed.vertices_m.emplace_back(
+      seabed.vertices_m.emplace_back(
           x, y,
           0.15 * std::sin(1.3 * x + 0.9 * y + p) + 0.12 * std::cos(1.9 * y - 0.7 * x + q) +
               0.1 * std::sin(0.5 * x - 2.7 * y + r) + rough * (2 * draw.number() - 1));
@@ -108,10 +108,10 @@ SuiteScene terrain_scene(Draw& draw) {
   for (std::uint32_t j = 0; j < rows; ++j)
     for (std::uint32_t i = 0; i < columns; ++i) {
       const std::uint32_t a = j * (columns + 1) + i;
-      bed.facets.push_back({a, a + 1, a + columns + 2});
-      bed.facets.push_back({a, a + columns + 2, a + columns + 1});
+      seabed.facets.push_back({a, a + 1, a + columns + 2});
+      seabed.facets.push_back({a, a + columns + 2, a + columns + 1});
     }
-  scene.solids.push_back(bed);
+  scene.solids.push_back(seabed);
   SceneText text;
   text.sonar_m = {0, 0, draw.among(2, 1.75, 2.25, 0.0625)};
   text.fan.tilt_deg = draw.among(14, 12, 16, 0.5);
@@ -124,7 +124,7 @@ SuiteScene terrain_scene(Draw& draw) {
 SuiteScene moving_sonar_scene(Draw& draw) {
   SuiteScene scene;
   scene.title = "Six pings on the way past a box";
-  SceneText text = over_bed(draw, scene);
+  SceneText text = over_seabed(draw, scene);
   scene.solids.push_back(box("box", "target",
                              {draw.among(0.5, -1, 1, 0.125), draw.among(-0.5, -1, 0, 0.125), 0.3125},
                              {1.25, 0.75, 0.625}, draw.among(20, 0, 45, 2.5)));

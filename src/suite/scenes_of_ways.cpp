@@ -101,7 +101,7 @@ SuiteScene two_scatterings_scene(Draw& draw) {
 SuiteScene separate_receivers_scene(Draw& draw) {
   SuiteScene scene;
   scene.title = "A receiver beside the transmitter";
-  SceneText text = over_bed(draw, scene);
+  SceneText text = over_seabed(draw, scene);
   text.fan.more = fmt::format("receiver_arm_m = [{}, 0, {}]\n", draw.among(2.5, 2, 3, 0.125),
                               draw.among(0.5, 0.25, 0.75, 0.0625));
   scene.solids.push_back(box("box", "target",

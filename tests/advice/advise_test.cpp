@@ -40,7 +40,7 @@ start_m = [-0.5, 0, 2]
 end_m = [-0.5, 1, 2]
 )" + small_camera;
 
-const std::string rough_bed =
+const std::string rough_seabed =
     lambert_material("sand", -27) +
     rough_terrain(16, 16, 0.1, "rms_height_m = 0.1\nlargest_wavelength_m = 4\nseed = 3\n") + R"([trajectory]
 kind = "line"
@@ -133,7 +133,7 @@ TEST(AdviseThroughWater, TriesTubesWhereItRefracts) {
   for (const Candidate& candidate : advice.candidates) EXPECT_TRUE(candidate.tried) << candidate.note;
 }
 
-INSTANTIATE_TEST_SUITE_P(SmallScenes, Advise, testing::Values(sphere_and_box, rough_bed),
+INSTANTIATE_TEST_SUITE_P(SmallScenes, Advise, testing::Values(sphere_and_box, rough_seabed),
                          [](const auto& run) { return run.index == 0 ? "SphereAndBox" : "RoughBed"; });
 
 /// Scenes in the repository, and what to ask of them. Those with one ping are measured from other places.

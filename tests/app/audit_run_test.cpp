@@ -62,7 +62,7 @@ ping_interval_s = 0.5
 range_max_m = 20
 )";
 
-/// Bodies that stick in each other and in the bed, no edge of one on an edge of another.
+/// Bodies that stick in each other and in the seabed, no edge of one on an edge of another.
 constexpr std::string_view interpenetrating = R"(
 [[materials]]
 name = "sand"
@@ -287,7 +287,7 @@ TEST(AuditOfRealData, PanelOnASurveyedSeabed) {
   EXPECT_EQ(audited(scene, beside_panel)["topology hash"], audited(scene, rational)["topology hash"]);
 }
 
-TEST(AuditOfRealData, LakeBed) {
+TEST(AuditOfRealData, LakeSeabed) {
   const fs::path scene = TUBEFOOT_SOURCE_DIR "/scenes/lake/scene.toml";
   for (const char* pings : {"0:2", "150"}) {
     SCOPED_TRACE(pings);

@@ -63,7 +63,7 @@ TEST(SurveyLinesRun, KeepsEveryPingAtItsAltitudeAndEveryLineByItself) {
     EXPECT_NEAR(east, 30.0 * double(ping / 7) - 30, 1e-9);
     EXPECT_NEAR(up, -20 - east * 0.1051042353 + 6, 1e-5);  // tan 6 degrees
     EXPECT_NEAR(heading[ping], ping / 7 == 1 ? 180 : 0, 1e-9);
-    // Nothing comes back before the bed, which is 6 m cos 6 degrees away; from there on it does.
+    // Nothing comes back before the seabed, which is 6 m cos 6 degrees away; from there on it does.
     for (std::size_t side = 0; side < 2; ++side) {
       for (std::size_t k = 0; k < 11; ++k) EXPECT_EQ(energy[(2 * ping + side) * 60 + k], 0);
       EXPECT_GT(energy[(2 * ping + side) * 60 + 13], 0);
@@ -121,7 +121,7 @@ ping_interval_s = 10
     const auto [pings, depth_m] = xtf_pings(stem + ".xtf");
     ASSERT_EQ(pings.size(), 4u);
     for (const unsigned ping : pings) EXPECT_EQ(ping, number++);
-    // Along the slope the carrier keeps its depth: 6 m above the bed.
+    // Along the slope the carrier keeps its depth: 6 m above the seabed.
     EXPECT_NEAR(depth_m, 20 + (15.0 * line - 45) * 0.1051042353 - 6, 1e-4);
   }
   EXPECT_EQ(number, 20u);

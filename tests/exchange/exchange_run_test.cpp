@@ -27,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-constexpr std::string_view bed = R"(title = "Box, wall & ball"
+constexpr std::string_view seabed = R"(title = "Box, wall & ball"
 [water]
 sound_speed_m_s = 1500
 absorption_db_per_km = 120
@@ -98,7 +98,7 @@ step_interval_s = 0.1
 )"}};
 
 std::string scene_with(const std::string& kind) {
-  return std::string(bed) +
+  return std::string(seabed) +
          "[trajectory]\nkind = \"fixed\"\nposition_m = [0.5, -1.25, 4]\nheading_deg = 12\n" +
          "pitch_deg = -3\nroll_deg = 4\n[[sensors]]\nname = \"sonar\"\nlever_arm_m = [0.2, 0.5, "
          "-0.1]\nyaw_deg = 5\n" +

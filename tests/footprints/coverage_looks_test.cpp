@@ -31,7 +31,7 @@ std::string ripples(double rms_m, const std::string& mode) {
 }
 const std::string flat_sand = "[[materials]]\nname = \"sand\"\n";
 
-/// Three pings of a camera that passes a box on a bed of few facets.
+/// Three pings of a camera that passes a box on a seabed of few facets.
 std::string scene(const std::string& beginning, const std::string& sensor = {}) {
   return beginning + flat_terrain(16, 16, "material = \"sand\"\n") +
          R"([[objects]]
@@ -80,7 +80,7 @@ std::string arms(const std::string& transmitter, const std::string& receiver) {
 }
 const std::string one = "[-0.6, 0, 0.2]", other = "[0.7, 0.3, -0.1]";
 
-// Pixels by transmitter and receiver are the same parts of the bed whichever sends.
+// Pixels by transmitter and receiver are the same parts of the seabed whichever sends.
 TEST_F(CoverageLooks, ASeparateReceiverAndATransmitterAreExchanged) {
   for (const std::string& where :
        {even + flat_sand, water(steep) + flat_sand, even + ripples(0.03, "online")}) {

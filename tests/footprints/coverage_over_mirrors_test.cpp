@@ -29,7 +29,8 @@ struct CoverageOverMirrors : testing::Test {
   }
 };
 
-/// A sidescan that looks up as it looks down, over a bed with a box, 3 m under the surface if there is one.
+/// A sidescan that looks up as it looks down, over a seabed with a box, 3 m under the surface if there is
+/// one.
 std::string scene(const std::string& beginning, double height_m, const std::string& sensor = {}) {
   return beginning + flat_terrain(16, 16, "material = \"sand\"\n") +
          fmt::format(R"([[objects]]
@@ -98,8 +99,8 @@ TEST_F(CoverageOverMirrors, AnOptionSaysHowFarPathsAreFollowed) {
   EXPECT_EQ(cover(mirrored, {"--threads", "1"}).table, all.table);
 }
 
-// A wall that mirrors, and a bed that goes on behind it: its plane cuts facets. Without the wall, from its
-// image, over a bed that ends there.
+// A wall that mirrors, and a seabed that goes on behind it: its plane cuts facets. Without the wall, from its
+// image, over a seabed that ends there.
 TEST_F(CoverageOverMirrors, FacetsThatAMirrorsPlaneCutsEndThere) {
   const auto camera = [](double north_m, double heading_deg) {
     return fmt::format(
@@ -108,7 +109,7 @@ TEST_F(CoverageOverMirrors, FacetsThatAMirrorsPlaneCutsEndThere) {
         "window_start_m = 2\nwindow_length_m = 28\nsamples = 20\n",
         north_m, heading_deg);
   };
-  const auto bed = [](double south_m, double north_m) {
+  const auto seabed = [](double south_m, double north_m) {
     return fmt::format(
         "[[terrain]]\nname = \"bed\"\nkind = \"flat\"\nmaterial = \"sand\"\nwidth_m = 24\nlength_m = "
         "{}\ncell_m = "
@@ -118,9 +119,9 @@ TEST_F(CoverageOverMirrors, FacetsThatAMirrorsPlaneCutsEndThere) {
   const std::string wall =
       "[[materials]]\nname = \"steel\"\nspecular_loss_db = 2\n[[objects]]\nname = \"wall\"\nshape = \"box\"\n"
       "material = \"steel\"\nsize_m = [20, 1, 12]\nposition_m = [0, 6.5, 0]\n";
-  const Covered mirrored =
-                    cover("[paths]\norder = 3\nonly_order = 3\n" + sand + wall + bed(-24, 9) + camera(0, 0)),
-                from_image = cover(sand + bed(-24, 6) + camera(12, 180));
+  const Covered mirrored = cover("[paths]\norder = 3\nonly_order = 3\n" + sand + wall + seabed(-24, 9) +
+                                 camera(0, 0)),
+                from_image = cover(sand + seabed(-24, 6) + camera(12, 180));
   EXPECT_NEAR(mirrored.seen_m2, from_image.seen_m2, 1e-5 * from_image.seen_m2);
   EXPECT_GT(mirrored.seen_m2, 10);
 }

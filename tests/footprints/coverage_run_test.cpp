@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 using Rational = boost::multiprecision::mpq_rational;
 using testing::HasSubstr;
 
-/// Five pings of a sidescan past a box on a flat bed; neighbours' beams overlap.
+/// Five pings of a sidescan past a box on a flat seabed; neighbours' beams overlap.
 constexpr std::string_view scene = R"(
 title = "Box"
 [[materials]]

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Exact corners where facets are seen elsewhere, or from two places: the polygons of the table, in rationals,
-// on the bed.
+// on the seabed.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <ogrsf_frmts.h>
@@ -123,7 +123,7 @@ TEST_P(ExactCorners, AreThoseOfTheTable) {
   const Polygons exact = read(folder / "f.txt");
   EXPECT_EQ(exact.receiver_tubes > 0, apart);
   EXPECT_EQ(exact.seen > 0, refracts);
-  std::size_t rows = 0, on_bed = 0;
+  std::size_t rows = 0, surface_apex = 0;
   GDALAllRegister();
   const std::unique_ptr<GDALDataset> data(GDALDataset::Open((folder / "f.csv").c_str(), GDAL_OF_VECTOR));
   ASSERT_TRUE(data);
@@ -132,10 +132,10 @@ TEST_P(ExactCorners, AreThoseOfTheTable) {
     const int facet = number("facet"), tube = number("tube"), rx = number("receive_tube");
     const auto found = exact.area_m2.find({facet, tube, apart ? rx : -1});
     ASSERT_NE(found, exact.area_m2.end()) << facet << ' ' << tube << ' ' << rx;
-    // The bed is the plane 0, though rays lead where it does not seem to be.
+    // The seabed is the plane 0, though rays lead where it does not seem to be.
     if (std::string(row->GetFieldAsString("material")) == "sand") {
       EXPECT_LT(exact.farthest_up_m.at(facet), 1e-9);
-      ++on_bed;
+      ++surface_apex;
     }
     const double area = row->GetFieldAsDouble("area_m2");
     EXPECT_NEAR(found->second, area, 1e-9 * area + 1e-12);
@@ -148,7 +148,7 @@ TEST_P(ExactCorners, AreThoseOfTheTable) {
     ++rows;
   }
   EXPECT_GT(rows, of_a_beam ? 6u : 20u);
-  EXPECT_GT(on_bed, of_a_beam ? 1u : 5u);
+  EXPECT_GT(surface_apex, of_a_beam ? 1u : 5u);
   std::size_t keys = 0;
   for (const auto& [key, area] : exact.area_m2) keys += !apart || std::get<2>(key) >= 0;
   EXPECT_EQ(rows, keys);

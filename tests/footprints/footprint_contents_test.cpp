@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the columns of tubefoot footprints say: energies against the echoes of a run, occluders and areas
-// against projections onto a flat bed, chosen pings and beams, and what is refused.
+// against projections onto a flat seabed, chosen pings and beams, and what is refused.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-/// A bed, rough or not, with a box on it, under a sensor with the keys given; all in the window.
+/// A seabed, rough or not, with a box on it, under a sensor with the keys given; all in the window.
 std::string box_scene(const std::string& sensor_keys, const std::string& more = {}) {
   return "[water]\nabsorption_db_per_km = 300\n" + lambert_material("sand", -27) +
          lambert_material("steel", -5) +
@@ -166,8 +166,8 @@ TEST(FootprintChoice, LeavesOutWhatFootprintsAreNot) {
   EXPECT_THAT(twice.err, HasSubstr("footprints are those of what is scattered once"));
 }
 
-// A bed in z = 0 (facets 0, 1) under a plate in z = 1 (facets 2, 3), from 5 m: what a tube and a facet are on
-// the bed's plane follows from similar triangles.
+// A seabed in z = 0 (facets 0, 1) under a plate in z = 1 (facets 2, 3), from 5 m: what a tube and a facet are
+// on the seabed's plane follows from similar triangles.
 constexpr std::string_view two_plates = R"(v -20 -20 0
 v 20 -20 0
 v 20 20 0
@@ -234,7 +234,7 @@ Polygon intersection(Polygon a, Polygon b) {
 double common_area(const Polygon& a, const Polygon& b) { return std::abs(signed_area(intersection(a, b))); }
 
 /// By number: the tube's quadrangle on the plane z = 0, from the rays in a file of exact corners.
-std::map<int, Polygon> tubes_on_the_bed(const fs::path& exact) {
+std::map<int, Polygon> tubes_on_the_seabed(const fs::path& exact) {
   std::map<int, Polygon> tubes;
   std::istringstream lines(bytes_of(exact));
   for (std::string line; std::getline(lines, line);) {
@@ -257,7 +257,7 @@ TEST(FootprintsOfTwoPlates, HaveTheAreasAndTheOccludersOfTheirProjections) {
   const fs::path exact = folder / "exact.txt";
   const Rows rows = rows_of(
       footprints(folder, std::string(plates_scene), "down", "down.gpkg", {"--rationals", exact.string()}));
-  const std::map<int, Polygon> tubes = tubes_on_the_bed(exact);
+  const std::map<int, Polygon> tubes = tubes_on_the_seabed(exact);
   const auto projected = [](std::vector<glm::dvec3> corners) {
     Polygon p;
     for (const glm::dvec3& c : corners) p.push_back(glm::dvec2(c) * (apex_up_m / (apex_up_m - c.z)));
@@ -267,7 +267,7 @@ TEST(FootprintsOfTwoPlates, HaveTheAreasAndTheOccludersOfTheirProjections) {
   const std::array<Polygon, 4> facets{projected({{-20, -20, 0}, {20, -20, 0}, {20, 20, 0}}),
                                       projected({{-20, -20, 0}, {20, 20, 0}, {-20, 20, 0}}),
                                       projected({a, b, c}), projected({a, c, d})};
-  const double to_plate = (apex_up_m - 1) / apex_up_m;  // lengths on the plate over those on the bed
+  const double to_plate = (apex_up_m - 1) / apex_up_m;  // lengths on the plate over those on the seabed
   constexpr double nothing_m2 = 1e-9;                   // the grid moves corners by half a micrometre
   std::size_t expected_rows = 0, hidden = 0, free = 0;
   for (const auto& [number, tube] : tubes)

@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-/// Two pings of a camera whose whole sector meets the bed; a box stands in it.
+/// Two pings of a camera whose whole sector meets the seabed; a box stands in it.
 const std::string scene =
     lambert_material("sand", -27) + lambert_material("steel", -27) +
     rough_terrain(40, 60, 0.5, "name = \"bed\"\nmaterial = \"sand\"\nrms_height_m = 0.05\n") + box_ahead(4) +
@@ -173,8 +173,8 @@ TEST_P(FootprintFiles, AreReadBackWholeAndConsistent) {
   EXPECT_EQ(beams.size(), 12u);
   EXPECT_EQ(*beams.rbegin(), 11);
   EXPECT_GT(cut, 0u) << "the box hides something";
-  // The bed fills the sector, 29 x 14 degrees: an azimuth-elevation sector, whose walls of constant elevation
-  // the tubes replace by planes, at most 1e-4 outwards.
+  // The seabed fills the sector, 29 x 14 degrees: an azimuth-elevation sector, whose walls of constant
+  // elevation the tubes replace by planes, at most 1e-4 outwards.
   const double sector = 29 * std::numbers::pi / 180 * 2 * std::sin(7 * std::numbers::pi / 180);
   EXPECT_GE(solid_angle, sector * (1 - 1e-8));
   EXPECT_LE(solid_angle, sector * (1 + 1e-4));

@@ -24,8 +24,8 @@ struct PathCase {
   double tolerance;
 };
 
-/// A sidescan between a rough bed with a box, and a surface that mirrors; it receives no specular return of
-/// that.
+/// A sidescan between a rough seabed with a box, and a surface that mirrors; it receives no specular return
+/// of that.
 class FootprintsOverMirrors : public testing::TestWithParam<PathCase> {
  protected:
   static std::string scene(int order, std::string_view only, double height_m = 3) {
@@ -98,8 +98,8 @@ TEST_P(FootprintsOverMirrors, SumToTheEchoesOfTheirOrder) {
   EXPECT_NEAR(all.sum("energy_j"), sum, 1e-12 * sum);
 }
 
-// The place and the half paths of a footprint are those of its image and the bed.
-TEST(FootprintsOverTheSurface, LieOnTheBedAtTheRangesOfTheImages) {
+// The place and the half paths of a footprint are those of its image and the seabed.
+TEST(FootprintsOverTheSurface, LieOnTheSeabedAtTheRangesOfTheImages) {
   const TestFolder folder;
   const std::string scene =
       "[sea_surface]\nheight_m = 3\nloss_db = 2\n[paths]\norder = 3\n" + lambert_material("sand", -27) +

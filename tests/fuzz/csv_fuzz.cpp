@@ -7,9 +7,9 @@
 
 #include "files/shown.hpp"
 #include "fuzz.hpp"
-#include "scene/beds/scattering.hpp"
 #include "scene/description/scene_description.hpp"
 #include "scene/scene_water.hpp"
+#include "scene/surfaces/scattering.hpp"
 #include "scene/waypoint_file.hpp"
 #include "sensors/model/pattern_file.hpp"
 

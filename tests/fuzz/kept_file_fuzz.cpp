@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Files that tubefoot keeps for itself and takes up again: pings of a run that did not end, refined
-// beds, parts of a run.
+// seabeds, parts of a run.
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -11,7 +11,7 @@
 #include "fuzz.hpp"
 #include "run/checkpoint/part_file.hpp"
 #include "run/partial_run.hpp"
-#include "run/refined_bed_file.hpp"
+#include "run/refined_surface_file.hpp"
 #include "sensors/kinds/scene_file.hpp"
 
 namespace tubefoot::fuzz {
@@ -150,18 +150,18 @@ void part_file(Bytes& bytes) {
   }
 }
 
-/// A bed of four facets with relief.
-struct Bed {
+/// A seabed of four facets with relief.
+struct Seabed {
   Scene scene;
   std::optional<Ground> ground;
   std::string text;
 
-  Bed() : scene(load_scene(description())) {
+  Seabed() : scene(load_scene(description())) {
     GroundSettings settings;
     settings.cell_m = 0.5;
     ground.emplace(scene.mesh, scene.grid, scene.relief, settings);
     const auto file = scratch_folder() / "made.ply";
-    write_refined_bed(file, ground->everywhere({}), scene, *ground);
+    write_refined_seabed(file, ground->everywhere({}), scene, *ground);
     std::ifstream stream(file, std::ios::binary);
     text.assign(std::istreambuf_iterator<char>(stream), {});
   }
@@ -191,19 +191,19 @@ kind = "didson"
   }
 };
 
-void refined_bed(Bytes& bytes) {
-  static const Bed good;
+void refined_seabed(Bytes& bytes) {
+  static const Seabed good;
   const auto file =
       scratch_file("bed.ply", bytes.below(4) == 0 ? std::string(bytes.rest()) : damaged(good.text, bytes));
   may_refuse([&] {
     std::vector<FacetId> all(good.scene.mesh.facets.size());
     std::iota(all.begin(), all.end(), FacetId{0});
-    const RefinedMesh bed =
-        RefinedBedFile(file, {"scene.toml", 1, 1}, good.scene, good.ground->settings().cell_m).read(all);
-    for (std::size_t f = 0; f < bed.mesh.facets.size(); ++f) {
-      for (const VertexId v : bed.mesh.facets[f])
-        if (v >= bed.mesh.vertices.size()) finding("a corner out of range");
-      if (bed.parent.at(f) >= good.scene.mesh.facets.size()) finding("a facet of no facet");
+    const RefinedMesh seabed =
+        RefinedSurfaceFile(file, {"scene.toml", 1, 1}, good.scene, good.ground->settings().cell_m).read(all);
+    for (std::size_t f = 0; f < seabed.mesh.facets.size(); ++f) {
+      for (const VertexId v : seabed.mesh.facets[f])
+        if (v >= seabed.mesh.vertices.size()) finding("a corner out of range");
+      if (seabed.parent.at(f) >= good.scene.mesh.facets.size()) finding("a facet of no facet");
     }
   });
 }
@@ -220,7 +220,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (kind == 0)
     fuzz::pings(bytes);
   else if (kind == 1)
-    fuzz::refined_bed(bytes);
+    fuzz::refined_seabed(bytes);
   else
     fuzz::part_file(bytes);
   return 0;

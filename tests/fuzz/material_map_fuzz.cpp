@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Material maps: rasters of classes and polygons, draped over a small bed. GDAL itself is not under test.
+// Material maps: rasters of classes and polygons, draped over a small seabed. GDAL itself is not under test.
 #include <array>
 #include <cmath>
 
 #include "fuzz.hpp"
 #include "gdal_is_quiet.hpp"
 #include "named_file.hpp"
-#include "scene/beds/material_map.hpp"
 #include "scene/rasters/terrain.hpp"
+#include "scene/surfaces/material_map.hpp"
 
 namespace tubefoot::fuzz {
 namespace {
@@ -91,9 +91,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     terrain.material_map->kind = fuzz::raster(file, options);
 
   static const std::vector<MaterialDescription> materials = fuzz::three_materials();
-  static const ComponentMesh bed = flat_facets({16, 25, {0, 0, -10}, 4}, {"scene.toml", 1, 1});
+  static const ComponentMesh seabed = flat_facets({16, 25, {0, 0, -10}, 4}, {"scene.toml", 1, 1});
   fuzz::may_refuse([&] {
-    ComponentMesh mesh = bed;
+    ComponentMesh mesh = seabed;
     apply_material_map(mesh, terrain, materials, (options & 1) != 0 ? fuzz::frame_on_earth() : LocalFrame());
     if (mesh.materials.size() != mesh.triangles.size()) fuzz::finding("a facet without a material");
     for (const std::uint16_t m : mesh.materials)

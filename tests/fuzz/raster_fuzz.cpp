@@ -8,9 +8,9 @@
 #include "fuzz.hpp"
 #include "gdal_is_quiet.hpp"
 #include "named_file.hpp"
-#include "scene/beds/reflectivity.hpp"
-#include "scene/beds/relief_map.hpp"
 #include "scene/rasters/raster.hpp"
+#include "scene/surfaces/reflectivity.hpp"
+#include "scene/surfaces/relief_map.hpp"
 
 namespace tubefoot::fuzz {
 namespace {

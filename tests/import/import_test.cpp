@@ -25,7 +25,7 @@ using testing::Not;
 
 using Words = std::vector<std::string>;
 
-/// A bed with a block and a ball that are no mirror image of each other, seen ahead; `keys`: more of the
+/// A seabed with a block and a ball that are no mirror image of each other, seen ahead; `keys`: more of the
 /// sonar's.
 std::string scene_with(const std::string& keys) {
   return R"(title = "Blocks"

@@ -139,7 +139,7 @@ std::string imaging(const std::string& keys) {
 }
 
 TEST(SceneDrawing, AxesTellWhereASensorIsAndHowFarItReceives) {
-  // 4 m over a flat bed, looking east, 30 degrees down, a fan of 40 x 20 degrees.
+  // 4 m over a flat seabed, looking east, 30 degrees down, a fan of 40 x 20 degrees.
   const std::string svg = drawing_of(
       ground + flat_terrain(40, 30) + fixed_at(-12, 3, 4, "heading_deg = 90\n") +
       imaging("horizontal_deg = 40\nvertical_deg = 20\ntilt_deg = 30\nrange_min_m = 2\nrange_max_m = 30\n"));
@@ -174,16 +174,16 @@ TEST(SceneDrawing, SectionsLieWhereASensorLooks) {
                 std::regex_search(svg, found, std::regex("towards ([0-9]+) degrees")));
     return found.empty() ? std::string() : found[1].str();
   };
-  const std::string bed = ground + flat_terrain(60, 60);
+  const std::string seabed = ground + flat_terrain(60, 60);
   const std::string way = fixed_at(0, 0, 5, "heading_deg = 30\n");
-  EXPECT_EQ(title(drawing_of(bed + way + imaging("tilt_deg = 25\nrange_max_m = 20\n"))), "30");
+  EXPECT_EQ(title(drawing_of(seabed + way + imaging("tilt_deg = 25\nrange_max_m = 20\n"))), "30");
   const std::string line = "[trajectory]\nkind = \"line\"\nstart_m = [0, -10, 5]\nend_m = [0, 10, 5]\n";
   for (const char* kind : {"multibeam", "sidescan"}) {
     const std::string sensor = fmt::format(
         "[[sensors]]\nname = \"fan\"\nkind = \"{}\"\nrange_max_m = 25\nsamples = 50\n"
         "ping_interval_s = 1\npings = 2\n",
         kind);
-    EXPECT_EQ(title(drawing_of(bed + line + sensor)), "90") << kind << " looks across its track";
+    EXPECT_EQ(title(drawing_of(seabed + line + sensor)), "90") << kind << " looks across its track";
   }
 }
 
@@ -206,16 +206,16 @@ TEST(SceneDrawing, ObjectsAreDrawnWhereTheyAreAndBuriedOnesAreReported) {
 }
 
 TEST(SceneDrawing, WhatIsNotReceivedIsNotDrawnAsReceived) {
-  const std::string bed = ground + flat_terrain(40, 30) + fixed_at(0, 0, 3);
+  const std::string seabed = ground + flat_terrain(40, 30) + fixed_at(0, 0, 3);
   const auto received = [](const std::string& svg) {
     for (const auto& path : elements(svg, "path"))
       if (path.contains("stroke") && path.at("stroke") == first_colour && !path.contains("stroke-dasharray"))
         return true;
     return false;
   };
-  EXPECT_TRUE(received(drawing_of(bed + imaging("tilt_deg = 25\nrange_min_m = 1\nrange_max_m = 20\n"))));
+  EXPECT_TRUE(received(drawing_of(seabed + imaging("tilt_deg = 25\nrange_min_m = 1\nrange_max_m = 20\n"))));
   EXPECT_FALSE(received(drawing_of(
-      bed +
+      seabed +
       imaging(
           "horizontal_deg = 40\nvertical_deg = 15\ntilt_deg = 25\nrange_min_m = 60\nrange_max_m = 65\n"))))
       << "a window behind the bed";

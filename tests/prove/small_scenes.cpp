@@ -360,8 +360,8 @@ SmallScene solids(Random& random) {
   return scene;
 }
 
-void add_bed(Random& random, FacetMesh& mesh, int n, std::int32_t cell, std::int32_t height,
-             std::int32_t relief) {
+void add_seabed(Random& random, FacetMesh& mesh, int n, std::int32_t cell, std::int32_t height,
+                std::int32_t relief) {
   const auto first = static_cast<VertexId>(mesh.vertices.size());
   for (int j = 0; j <= n; ++j)
     for (int i = 0; i <= n; ++i)
@@ -379,7 +379,7 @@ SmallScene grazing_terrain(Random& random) {
   SmallScene scene;
   const std::int32_t cell = 1 << random.between(4, 26);
   const std::int32_t height = std::max(1, cell >> random.between(1, 12));
-  add_bed(random, scene.mesh, 2, cell, -height, random.between(1, 2) * height / 2 + 1);
+  add_seabed(random, scene.mesh, 2, cell, -height, random.between(1, 2) * height / 2 + 1);
   scene.tubes = lattice_tubes(random, {-cell / 2, cell, -height}, cell / 2, std::max(1, height / 2),
                               random.one_in(2) ? height / 8 : 0);
   return scene;
@@ -460,8 +460,8 @@ SmallScene make_large_scene(std::uint64_t seed, int n) {
   SmallScene scene;
   constexpr std::int32_t extent = 1 << 26;
   const std::int32_t cell = extent / n;
-  add_bed(random, scene.mesh, n, cell, -extent / 6, cell / 4);
-  for (int k = 0; k < 3; ++k) {  // spires that grow out of the bed
+  add_seabed(random, scene.mesh, n, cell, -extent / 6, cell / 4);
+  for (int k = 0; k < 3; ++k) {  // spires that grow out of the seabed
     const GridPoint foot{random.between(-extent / 4, extent / 4), random.between(extent / 4, extent / 2),
                          -extent / 5};
     const VertexId tip = add_vertex(scene.mesh, sum(foot, {0, 0, extent / 6})),

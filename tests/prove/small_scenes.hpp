@@ -35,7 +35,7 @@ constexpr std::array<std::string_view, 16> generator_names{
     "T-junctions",            // vertices within edges, exactly and a unit off
     "range ends",             // coordinates of 2^25 to 2^30, the ends of the bit budget
     "solids",                 // a box and an octahedron through each other
-    "grazing terrain",        // a bed seen from close above it
+    "grazing terrain",        // a seabed seen from close above it
     "needle tubes",           // rays of length 2^30 that differ by single units
     "pencils",                // many facets about one edge, many about one vertex
 };
@@ -43,7 +43,7 @@ constexpr std::array<std::string_view, 16> generator_names{
 /// Scene number `index` of a seed: of kind index % generator_names.size().
 SmallScene make_scene(std::uint64_t seed, std::uint64_t index);
 
-/// A bed of 2 n^2 facets under three spires, looked at through 25 tubes: for what only shows among many.
+/// A seabed of 2 n^2 facets under three spires, looked at through 25 tubes: for what only shows among many.
 SmallScene make_large_scene(std::uint64_t seed, int n);
 
 }  // namespace tubefoot::prove

@@ -84,7 +84,7 @@ struct AbilitiesOf : testing::Test {
   }
 };
 
-const std::string bed =
+const std::string seabed =
     lambert_material("rock", -27) + flat_terrain(20, 20) + fixed_at(0, 0, 8) + R"([[sensors]]
 name = "sonar"
 kind = "imaging"
@@ -99,8 +99,8 @@ TEST_F(AbilitiesOf, CheckRefusesWhatRunWould) {
   for (const std::string& more :
        {std::string("[sea_surface]\nheight_m = 5\n"), std::string("[paths]\norder = 2\n")}) {
     SCOPED_TRACE(more);
-    const Outcome check = tried(bed + more, {"check"}),
-                  run = tried(bed + more, {"run", "-o", (folder / "out").string()});
+    const Outcome check = tried(seabed + more, {"check"}),
+                  run = tried(seabed + more, {"run", "-o", (folder / "out").string()});
     EXPECT_EQ(run.exit_code, 2) << run.err;
     EXPECT_EQ(check.exit_code, 2) << check.out;
     EXPECT_EQ(check.err, run.err);
@@ -110,7 +110,7 @@ TEST_F(AbilitiesOf, CheckRefusesWhatRunWould) {
 // Rays and fast binnings over mirrors, and with the separate receiver, are weighed as others are.
 TEST_F(AbilitiesOf, AdviceWeighsEverySetting) {
   for (const char* more : {"[sea_surface]\nheight_m = 20\n", "receiver_arm_m = [0, 1, 0]\n"}) {
-    const Outcome advice = tried(bed + more, {"advise", "--tolerance", "10%"});
+    const Outcome advice = tried(seabed + more, {"advise", "--tolerance", "10%"});
     EXPECT_EQ(advice.exit_code, 0) << advice.err;
     EXPECT_THAT(advice.out, AllOf(HasSubstr("rays, stratified"), HasSubstr("tubes, centroid")));
     EXPECT_THAT(advice.out, Not(HasSubstr("leave out")));

@@ -47,7 +47,7 @@ const std::vector<Requested> of_commands{
     {Feature::trial, {"advise", "--tolerance", "10%"}}};
 
 struct AbilitiesWalk : testing::Test {
-  AbilitiesWalk() { folder.write("bed.asc", bed_of_steps()); }
+  AbilitiesWalk() { folder.write("bed.asc", seabed_of_steps()); }
 
   /// Paths in the words get the test's folder. `output`: of a run.
   Outcome tried(const std::set<Feature>& features, std::vector<std::string> words,
@@ -147,7 +147,7 @@ struct AbilitiesWalk : testing::Test {
   void walk_with(const std::vector<Requested>& requested) {
     for (const InScene& one : of_scenes)
       for (const Requested& two : requested) {
-        // A bed is refined that has relief: with what tells beds apart.
+        // A seabed is refined that has relief: with what tells seabeds apart.
         if (two.feature == Feature::refine && one.feature != Feature::relief_each_transmission &&
             one.feature != Feature::tiles)
           continue;

@@ -27,7 +27,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double bed_up_m = -6, range_resolution_m = 1500.0 / (2 * 12e3);
+constexpr double seabed_up_m = -6, range_resolution_m = 1500.0 / (2 * 12e3);
 
 /// Looks to starboard from a rail northwards; the wall stands along the rail, 1 m high, and is silent.
 std::string scene(bool with_wall, int seed) {
@@ -46,7 +46,7 @@ std::string scene(bool with_wall, int seed) {
       "bandwidth_khz = 12\npulse_length_us = 4000\npulse_taper = 0.3\nrange_min_m = 7\nrange_max_m = 14.5\n"
       "horizontal_deg = 24\nvertical_deg = 40\ntransmit_pattern = \"gaussian\"\n"
       "transmit_beam_width_deg = 9\nreceivers = 1\npings = 56\nping_interval_s = 0.06\n",
-      bed_up_m, with_wall ? wall : "", seed);
+      seabed_up_m, with_wall ? wall : "", seed);
 }
 
 struct ApertureShadow : testing::Test {
@@ -70,14 +70,14 @@ struct ApertureShadow : testing::Test {
   }
 };
 
-/// Whether a place of the bed lies in a polygon, whichever way its corners go.
+/// Whether a place of the seabed lies in a polygon, whichever way its corners go.
 bool holds(const VisiblePolygons& seen, glm::dvec2 place) {
   return std::any_of(seen.patches.begin(), seen.patches.end(), [&](const SeenPatch& patch) {
     const auto corners = seen.corners(patch);
     bool left = true, right = true;
     for (std::size_t k = 0; k < corners.size() && (left || right); ++k) {
       const glm::dvec3 a = corners[k] + seen.origin_m, b = corners[(k + 1) % corners.size()] + seen.origin_m;
-      if (std::abs(a.z - bed_up_m) > 1e-3) return false;
+      if (std::abs(a.z - seabed_up_m) > 1e-3) return false;
       const double side = (b.x - a.x) * (place.y - a.y) - (b.y - a.y) * (place.x - a.x);
       left = left && side >= 0;
       right = right && side <= 0;
@@ -87,7 +87,7 @@ bool holds(const VisiblePolygons& seen, glm::dvec2 place) {
 }
 
 TEST_F(ApertureShadow, IsWhereTheFootprintsSay) {
-  const PixelPlane plane{{5.6, -1.5, bed_up_m}, {0.04, 0, 0}, {0, 0.06, 0}, 75, 51};
+  const PixelPlane plane{{5.6, -1.5, seabed_up_m}, {0.04, 0, 0}, {0, 0.06, 0}, 75, 51};
   const std::size_t pixels = plane.columns * plane.rows;
   std::vector<Complex> both(pixels);
   std::vector<double> open(pixels), walled(pixels);
@@ -180,7 +180,7 @@ TEST_F(ApertureShadow, IsWhereTheFootprintsSay) {
   }
   EXPECT_NEAR(footprint_m, border_m, plane.column_step_m.x);
   // A quarter of a cell of resolution on the ground.
-  const double slant_m = std::hypot(border_m, bed_up_m);
+  const double slant_m = std::hypot(border_m, seabed_up_m);
   EXPECT_NEAR(crossing_m, border_m, 0.25 * range_resolution_m * slant_m / border_m);
 
   // Beside the wall, where some pings see the ground and others do not, the picture has the share of those

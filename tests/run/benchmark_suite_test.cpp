@@ -84,8 +84,8 @@ TEST(BenchmarkSuite, IsOfTheScenesBesideItAndAsNarrowAsPromised) {
   }
 }
 
-// README.md: E = mu h^2 w (r0^-4 - r1^-4) / 4 on the flat bed, with w between the rounded corner rays.
-TEST(BenchmarkSuite, FlatBedHoldsItsClosedForm) {
+// README.md: E = mu h^2 w (r0^-4 - r1^-4) / 4 on the flat seabed, with w between the rounded corner rays.
+TEST(BenchmarkSuite, FlatSeabedHoldsItsClosedForm) {
   const SensorEchoes echoes = echoes_in_file(suite() / "flat-bed" / "echoes.nc");
   ASSERT_EQ(echoes.beams, 32u);
   ASSERT_EQ(echoes.samples, 256u);

@@ -15,7 +15,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Looks straight down from 5 m over a bed, in a sector so wide that its sides are not met in the window.
+/// Looks straight down from 5 m over a seabed, in a sector so wide that its sides are not met in the window.
 std::string scene(const std::string& sensor_keys, const std::string& more = {}) {
   return still_water() + lambert_material("bed", -10) + flat_terrain(200, 200) + more + fixed_at(0, 0, 5) +
          R"(
@@ -50,8 +50,8 @@ TEST(BistaticRun, AReceiverAtTheTransmitterReceivesTheSame) {
 }
 
 // Transmitter and receiver at one height h, a baseline apart: half of the shortest path is sqrt(h^2 +
-// (b/2)^2), and nothing returns from nearer; the ring of the bed between half paths l and l + dl returns mu
-// h^2 / (r_T^3 r_R^3) per area, integrated here on a fine grid of the ellipses' own coordinates.
+// (b/2)^2), and nothing returns from nearer; the ring of the seabed between half paths l and l + dl returns
+// mu h^2 / (r_T^3 r_R^3) per area, integrated here on a fine grid of the ellipses' own coordinates.
 TEST(BistaticRun, RangesAreHalfPathsAlongEllipses) {
   const double h = 5, b = 3, mu = 0.1;
   const Echoes echoes = echoes_of(scene("receiver_arm_m = [3, 0, 0]"));
@@ -62,7 +62,7 @@ TEST(BistaticRun, RangesAreHalfPathsAlongEllipses) {
       EXPECT_EQ(sum_of_sample(echoes, k), 0) << k;
       continue;
     }
-    // On the bed an ellipsoid of half path l cuts x^2 / A^2 + y^2 / B^2 = 1 - (h / B')^2 with A = l, B' =
+    // On the seabed an ellipsoid of half path l cuts x^2 / A^2 + y^2 / B^2 = 1 - (h / B')^2 with A = l, B' =
     // sqrt(l^2 - (b/2)^2): x = A s cos(t), y = B' s sin(t), s = sqrt(1 - h^2 / B'^2).
     const auto point = [&](double l, double t) {
       const double minor = std::sqrt(l * l - b * b / 4),
@@ -90,7 +90,7 @@ TEST(BistaticRun, RangesAreHalfPathsAlongEllipses) {
   }
 }
 
-// A wall between the two: neither sees the other's side of the bed.
+// A wall between the two: neither sees the other's side of the seabed.
 TEST(BistaticRun, WhatOneOfTheTwoCannotSeeIsSilent) {
   const std::string wall = R"([[objects]]
 name = "wall"
@@ -104,8 +104,8 @@ position_m = [0, 0, 2.4]
   EXPECT_EQ(shut.total(), 0);
 }
 
-// Through water of one gradient, physics sheet 2.2: the rays to a point of the bed in closed form. Points of
-// a fine grid of the bed, each in the sample of its travel times.
+// Through water of one gradient, physics sheet 2.2: the rays to a point of the seabed in closed form. Points
+// of a fine grid of the seabed, each in the sample of its travel times.
 TEST(BistaticRun, RefractingWaterBendsBothWays) {
   const double h = 5, b = 3, mu = 0.1, g = -10, cs = 1500, cr = cs + g * h;
   const std::string even = scene("receiver_arm_m = [3, 0, 0]");

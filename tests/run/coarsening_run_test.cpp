@@ -28,7 +28,7 @@ using Words = std::vector<std::string>;
 
 const std::string materials =
     "[[materials]]\nname = \"sand\"\nlambert_db = -20\n[[materials]]\nname = \"steel\"\nlambert_db = -10\n";
-const std::string rolling_bed =
+const std::string rolling_seabed =
     "[[terrain]]\nname = \"bed\"\nkind = \"fractal\"\nmaterial = \"sand\"\nwidth_m = 12\nlength_m = 12\n"
     "cell_m = 0.1\nrms_height_m = 0.05\nhurst = 0.95\nlargest_wavelength_m = 6\nseed = 3\n";
 const std::string ball =
@@ -64,7 +64,7 @@ struct CoarseningRun : testing::Test {
 };
 
 TEST_F(CoarseningRun, TellsWhatItChangesAndChangesLittle) {
-  const std::string scene = materials + rolling_bed + ball + place + camera;
+  const std::string scene = materials + rolling_seabed + ball + place + camera;
   const nlohmann::json given = stats_of(scene, {});
   EXPECT_FALSE(given.contains("coarsening"));
   const std::vector<double> sure = energies();
@@ -98,13 +98,13 @@ TEST_F(CoarseningRun, TellsWhatItChangesAndChangesLittle) {
 }
 
 TEST_F(CoarseningRun, OfNoToleranceIsTheRunItself) {
-  const std::string scene = materials + rolling_bed + ball + place + camera;
+  const std::string scene = materials + rolling_seabed + ball + place + camera;
   EXPECT_EQ(stats_of(scene, {}).at("facets"), stats_of(scene, {"--coarsen", "0"}).at("facets"));
   EXPECT_EQ(bytes_of(folder / "out1" / "echoes.nc"), bytes_of(folder / "out2" / "echoes.nc"));
 }
 
 TEST_F(CoarseningRun, IsTheSameForAnyThreadsAndInParts) {
-  const std::string scene = materials + rolling_bed + ball + place + camera;
+  const std::string scene = materials + rolling_seabed + ball + place + camera;
   stats_of(scene, {"--coarsen", "0.05", "--threads", "1"});
   stats_of(scene, {"--coarsen", "0.05", "--threads", "3"});
   EXPECT_EQ(bytes_of(folder / "out1" / "echoes.nc"), bytes_of(folder / "out2" / "echoes.nc"));
@@ -125,7 +125,7 @@ TEST_F(CoarseningRun, WhatIsReportedApartGrowsWithTheRange) {
                         "[[sensors]]\nname = \"side\"\nkind = \"sidescan\"\nrange_max_m = 6\nsamples = 40\n"
                         "ping_interval_s = 0.5\nlever_arm_m = [0.3, 0, 0]\n";
   const auto survey = open_survey(
-      read_scene_file(folder.write("scene.toml", materials + rolling_bed + line + camera + sidescan)));
+      read_scene_file(folder.write("scene.toml", materials + rolling_seabed + line + camera + sidescan)));
   const Scene& scene = survey->scene;
   const std::vector<double> apart = resolved(*survey->loaded_scene, *survey->sensor_set);
   std::size_t unreached = 0;
@@ -160,12 +160,12 @@ TEST_F(CoarseningRun, WhatIsReportedApartGrowsWithTheRange) {
   EXPECT_LT(unreached, scene.mesh.facets.size() / 14);
 }
 
-// A ball in the bed: where they cross, and near there, both keep their facets.
+// A ball in the seabed: where they cross, and near there, both keep their facets.
 TEST_F(CoarseningRun, NothingComesThroughWhatItLayBehind) {
   std::string buried = ball;
   buried.replace(buried.find("5, 2]"), 5, "5, 0.3]");
   const SceneDescription scene =
-      read_scene_file(folder.write("scene.toml", materials + rolling_bed + buried + place + camera));
+      read_scene_file(folder.write("scene.toml", materials + rolling_seabed + buried + place + camera));
   const auto given = open_survey(scene, Facets::merged), made = open_survey(scene, Facets::merged, 0.3);
   const FacetMesh &before = given->scene.mesh, &after = made->scene.mesh;
   EXPECT_LT(2 * after.facets.size(), before.facets.size());
@@ -174,7 +174,7 @@ TEST_F(CoarseningRun, NothingComesThroughWhatItLayBehind) {
   for (std::size_t f = 0; f < before.facets.size(); ++f) {
     glm::dvec3 middle(0);
     for (const VertexId v : before.facets[f]) middle += given->scene.grid.to_metres(before.vertices[v]) / 3.0;
-    // Facets of the bed whose middles lie about where the ball comes out of it.
+    // Facets of the seabed whose middles lie about where the ball comes out of it.
     const double from_centre = glm::distance(middle, glm::dvec3(0.3, 5, 0.3));
     if (before.component[f] != 0 || std::abs(from_centre - 0.8) > 0.01) continue;
     ++crossing;
@@ -184,7 +184,7 @@ TEST_F(CoarseningRun, NothingComesThroughWhatItLayBehind) {
 }
 
 TEST_F(CoarseningRun, RefusesWhatIsNoTolerance) {
-  const std::string scene = materials + rolling_bed + place + camera;
+  const std::string scene = materials + rolling_seabed + place + camera;
   for (const char* wrong : {"2", "1.0001", "-0.1", "nan", "much", "0.1x", ""}) {
     SCOPED_TRACE(wrong);
     const Outcome outcome = tried(scene, {fmt::format("--coarsen={}", wrong)});
@@ -198,7 +198,7 @@ TEST_F(CoarseningRun, RefusesWhatIsNoTolerance) {
 }
 
 TEST_F(CoarseningRun, IsRefusedWhereFacetsMatter) {
-  const std::string scene = materials + rolling_bed + place + camera;
+  const std::string scene = materials + rolling_seabed + place + camera;
   const std::string ripples =
       "[[materials.relief]]\nkind = \"ripples\"\ntile_m = 5.12\nresolution_m = 0.04\nseed = 7\n"
       "wavelength_m = 1.25\ndirection_deg = 20\nrms_height_m = 0.02\n";
@@ -217,14 +217,14 @@ TEST_F(CoarseningRun, IsRefusedWhereFacetsMatter) {
       {scene, {"--tolerance", "10%"}, "settings are held against the facets as they are given"},
       {bending + scene, {}, "rays that bend are traced facet by facet"},
       {scattering + scene, {}, "sound that scatters on comes from facets as from points"},
-      {materials + ripples + "[relief]\nmode = \"offline\"\ncell_m = 0.2\n" + rolling_bed + place + camera,
+      {materials + ripples + "[relief]\nmode = \"offline\"\ncell_m = 0.2\n" + rolling_seabed + place + camera,
        {},
        "facets that relief was refined into"},
-      {materials + ripples + "[relief]\nmode = \"online\"\ncell_m = 0.5\ntolerance = 0.5\n" + rolling_bed +
+      {materials + ripples + "[relief]\nmode = \"online\"\ncell_m = 0.5\ntolerance = 0.5\n" + rolling_seabed +
            place + camera,
        {},
        "facets that relief was refined into"},
-      {materials + rolling_bed + place +
+      {materials + rolling_seabed + place +
            "[[sensors]]\nname = \"sonar\"\nkind = \"interferometric\"\nrange_max_m = 10\nsamples = 8\n"
            "along_track_deg = 3\nfrequency_khz = 100\nbaseline_m = 0.05\n",
        {},

@@ -18,7 +18,7 @@ constexpr double degree = std::numbers::pi / 180, aperture_m = 0.1015, wavelengt
 
 double azimuth_of(std::size_t beam) { return (-14.5 + 29.0 / 96 * (double(beam) + 0.5)) * degree; }
 
-/// A ball of half a millimetre on the axis of the target's beam, 4 m off; the bed is out of reach.
+/// A ball of half a millimetre on the axis of the target's beam, 4 m off; the seabed is out of reach.
 std::string ball_scene(const std::string& patterns) {
   return fmt::format(R"([water]
 sound_speed_m_s = 1500

@@ -33,7 +33,7 @@ std::vector<std::string> examples() {
   return blocks;
 }
 
-/// A flat bed under a camera that has, by default, the example's beams and samples.
+/// A flat seabed under a camera that has, by default, the example's beams and samples.
 const std::string scene =
     replaced(smallest_scene, "kind = \"fixed\"\n", "kind = \"fixed\"\nposition_m = [0, 0, 2]\n") +
     "tilt_deg = 30\n";

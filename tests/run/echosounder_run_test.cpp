@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The whole program with an echosounder over a flat bed, whose echo through Gaussian beams is a single
+// The whole program with an echosounder over a flat seabed, whose echo through Gaussian beams is a single
 // integral.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -46,7 +46,7 @@ double closed_form(double near, double far, double ways) {
       [&](double u) { return 2 * u * ring(near + u * u); }, 0.0, std::sqrt(far - near), 8, 1e-10);
 }
 
-TEST(EchosounderRun, FlatBedThroughBothGaussians) {
+TEST(EchosounderRun, FlatSeabedThroughBothGaussians) {
   const Echoes echoes = echoes_of(scene("sector_deg = 40\n"));
   ASSERT_EQ(echoes.energy.size(), 300u);
   const double total = closed_form(11, 14, 2);
@@ -69,7 +69,7 @@ TEST(EchosounderRun, AnExplicitPatternReplacesOneWay) {
         << k;
 }
 
-TEST(EchosounderRun, DetectsTheBedAndPlacesItOnTheAxis) {
+TEST(EchosounderRun, DetectsTheSeabedAndPlacesItOnTheAxis) {
   for (const double pitch : {0.0, 4.0}) {
     const TestFolder folder;
     const auto file = folder.write("scene.toml", scene("detection = \"first_return\"\n", pitch));
@@ -79,7 +79,7 @@ TEST(EchosounderRun, DetectsTheBedAndPlacesItOnTheAxis) {
     ASSERT_EQ(rows.size(), 1u);
     const auto value = [&](const char* name) { return std::stod(rows[0].at(name)); };
     EXPECT_NEAR(value("true_altitude_m"), height, 1e-5);
-    EXPECT_NEAR(value("range_m"), height, 0.01);  // the nearest bed lies inside the beam either way
+    EXPECT_NEAR(value("range_m"), height, 0.01);  // the nearest seabed lies inside the beam either way
     // Bow up: the axis leans forwards, along heading 30.
     const double lean = value("range_m") * std::sin(pitch * degree);
     EXPECT_NEAR(value("bottom_east_m"), 3 + lean * std::sin(30 * degree), 1e-6);

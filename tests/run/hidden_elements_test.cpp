@@ -88,7 +88,7 @@ f 1 4 3 2
 
 TEST_F(HiddenElements, InTheWaterMayBeAnywhere) {
   EXPECT_EQ(said({{0, 0, 5}, {0, 0, 0.01}, {5, 5, 2.01}, {6.01, 5, 1}, {5, 3.99, 1}, {-6, 2.01, 6}}), "");
-  EXPECT_EQ(said({{100, 0, -3}}), "");  // beside the bed there is none above
+  EXPECT_EQ(said({{100, 0, -3}}), "");  // beside the seabed there is none above
 }
 
 TEST_F(HiddenElements, InABoxAreReportedWithTheirNumberAndPing) {
@@ -114,7 +114,7 @@ TEST_F(HiddenElements, BetweenTwoSpheresAreInTheOuterOne) {
   EXPECT_THAT(said({{-6, 0, 6.2}}), HasSubstr("is inside object"));
 }
 
-TEST_F(HiddenElements, BelowTheBedAreReportedHowFar) {
+TEST_F(HiddenElements, BelowTheSeabedAreReportedHowFar) {
   EXPECT_THAT(said({{0, 0, 5}, {1, 2, -0.5}}),
               AllOf(HasSubstr("receiver 1 of sensor 'tail' is 0.5 m below the seabed ('bed') at ping 3"),
                     HasSubstr("raise its trajectory or lever arm")));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// README's figure for a flat Lambert bed, for every kind of sensor: against integrals over ideal beams that
-// know no tubes, and against certified references.
+// README's figure for a flat Lambert seabed, for every kind of sensor: against integrals over ideal beams
+// that know no tubes, and against certified references.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -34,7 +34,7 @@ std::string scene(const std::string& sensor) {
 /// How far inside of an ideal beam a direction is (starboard, forward, up); negative outside.
 using Beam = std::function<double(glm::dvec3)>;
 
-/// Energy of a sample: the integral over rings of the bed, of the part of each that is in the beam.
+/// Energy of a sample: the integral over rings of the seabed, of the part of each that is in the beam.
 double expected(const Beam& beam, double from_m, double to_m, double first_turn, double last_turn) {
   const auto at = [&](double r, double turn) {
     const double rho = std::sqrt(r * r - height_m * height_m);

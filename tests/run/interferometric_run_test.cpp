@@ -22,7 +22,7 @@ constexpr double degree = pi / 180, depth = 10, slope = 0.15, step = 0.02, basel
 constexpr double wavelength = 1500 / 500e3;
 
 /// A plane that rises by `slope` to starboard (east), 10 m below the sensor.
-const char* bed = "v -80 -20 -22\nv 80 -20 2\nv 80 20 2\nv -80 20 -22\nf 1 2 3\nf 1 3 4\n";
+const char* seabed = "v -80 -20 -22\nv 80 -20 2\nv 80 20 2\nv -80 20 -22\nf 1 2 3\nf 1 3 4\n";
 
 std::string scene(const std::string& more = "") {
   return still_water() + fmt::format(R"([[materials]]
@@ -53,7 +53,7 @@ double angle_at(double range, double side) {
 struct SceneRun {
   TestFolder folder;
   explicit SceneRun(const std::string& text, const std::vector<std::string>& more = {}) {
-    folder.write("bed.obj", bed);
+    folder.write("bed.obj", seabed);
     const auto file = folder.write("scene.toml", text);
     std::vector<std::string> arguments{"run", file.string(), "-o", (folder / "out").string(), "--quiet"};
     arguments.insert(arguments.end(), more.begin(), more.end());
@@ -210,8 +210,9 @@ samples = 8
   }
 }
 
-// Half a baseline is longer than the sonar is high: one receiver would lie in the bed, and receive nothing.
-TEST(InterferometricRun, AReceiverInTheBedIsRefused) {
+// Half a baseline is longer than the sonar is high: one receiver would lie in the seabed, and receive
+// nothing.
+TEST(InterferometricRun, AReceiverInTheSeabedIsRefused) {
   const TestFolder folder;
   const auto file = folder.write("scene.toml", R"(
 [[materials]]
@@ -272,7 +273,7 @@ TEST(InterferometricRun, RaysAgreeWithFootprints) {
   }
 }
 
-/// 8 m above a bed, with a wall of a quay beside it.
+/// 8 m above a seabed, with a wall of a quay beside it.
 std::string short_scene(const std::string& kind, const std::string& water, const std::string& more = "") {
   return water + R"([[materials]]
 name = "sand"
@@ -464,7 +465,7 @@ TEST(InterferometricRun, PhasesAtAnotherDepthThanTheFirstAreThoseOfTravelTimes) 
   expect_phases_of_times(both, 780, second, second, first.speed(), 60);
 }
 
-/// 8 m above a flat bed; bins of `bin_m` from 12 m on.
+/// 8 m above a flat seabed; bins of `bin_m` from 12 m on.
 std::string long_baseline_scene(double bin_m, double gradient_per_s, const std::string& water_keys,
                                 const std::string& more) {
   return gradient(gradient_per_s) + water_keys + lambert_material("mud", -20) +

@@ -106,7 +106,7 @@ struct LabelsOf : testing::Test {
   }
 };
 
-/// A ball and a box on a bed before a camera, in three materials.
+/// A ball and a box on a seabed before a camera, in three materials.
 const std::string still_life =
     still_water() + lambert_material("sand", -27) + lambert_material("steel", -15) +
     lambert_material("rubber", -20) + flat_terrain(20, 20, "name = \"bed\"\nmaterial = \"sand\"\n") +
@@ -121,7 +121,7 @@ TEST_F(LabelsOf, AStillLifeNamesItsThings) {
   const LabelledRun t = told(still_life);
   expect_whole(t, quadrature);
   const LabelPing ping = t.labels.of(0);
-  const std::size_t bed = t.object("bed"), ball = t.object("ball"), box = t.object("box");
+  const std::size_t seabed = t.object("bed"), ball = t.object("ball"), box = t.object("box");
   std::set<int> numbers;
   for (std::size_t cell = 0; cell < t.labels.cells; ++cell) {
     const double energy = t.received(0, cell);
@@ -140,11 +140,11 @@ TEST_F(LabelsOf, AStillLifeNamesItsThings) {
     EXPECT_LE(ping.mean_range[cell], near + t.window.step_m + 1e-6);
     EXPECT_GE(ping.mean_height[cell], -1e-6);
     EXPECT_LE(ping.mean_height[cell], 0.9 + 1e-6);  // the ball's top
-    if (ping.object_share[bed * t.labels.cells + cell] > 1 - 1e-12) {
+    if (ping.object_share[seabed * t.labels.cells + cell] > 1 - 1e-12) {
       EXPECT_NEAR(ping.mean_height[cell], 0, 2e-6);
     }
   }
-  EXPECT_EQ(numbers, (std::set<int>{-1, int(bed), int(ball), int(box)}));
+  EXPECT_EQ(numbers, (std::set<int>{-1, int(seabed), int(ball), int(box)}));
 }
 
 TEST_F(LabelsOf, TheEnergiesAreTheSameToTheBit) {
@@ -160,7 +160,7 @@ TEST_F(LabelsOf, NoResultDependsOnTheThreads) {
   EXPECT_EQ(with(1), with(3));
 }
 
-// Nothing of what nobody sees: a wall before the box, and the bed below it.
+// Nothing of what nobody sees: a wall before the box, and the seabed below it.
 TEST_F(LabelsOf, WhatIsHiddenHasNoShare) {
   const LabelledRun t = told(still_life +
                              "[[objects]]\nname = \"wall\"\nshape = \"box\"\nsize_m = [6, 0.2, 6]\n"
@@ -266,7 +266,7 @@ TEST_F(LabelsOf, HeightsAndRangesOnASlopeAreThoseOfTheClosedForm) {
 
 // Whatever a scene has, and any two things together: the owners' energies are the energies.
 TEST_F(LabelsOf, EveryFeatureOfASceneKeepsTheWhole) {
-  folder.write("bed.asc", bed_of_steps());
+  folder.write("bed.asc", seabed_of_steps());
   for (std::size_t a = 0; a < of_scenes.size(); ++a)
     for (std::size_t b = 0; b <= a; ++b) {
       std::set<Feature> features{of_scenes[a].feature, of_scenes[b].feature};
@@ -443,7 +443,7 @@ TEST_F(LabelsOf, TheMainLobeOwnsTheLabelThoughASideLobeReturnsMore) {
 
 // 1000 dB below the peak is everything: whatever a scene has, the same integrals take part.
 TEST_F(LabelsOf, AllOfTheEnergyIsNearThePeakWhereTheLevelIsLow) {
-  folder.write("bed.asc", bed_of_steps());
+  folder.write("bed.asc", seabed_of_steps());
   std::vector<std::set<Feature>> scenes{{Feature::mirrors, Feature::refraction},
                                         {Feature::mirrors, Feature::separate_receiver},
                                         {Feature::mirrors, Feature::two_receivers}};
@@ -453,8 +453,8 @@ TEST_F(LabelsOf, AllOfTheEnergyIsNearThePeakWhereTheLevelIsLow) {
     if (!features.contains(Feature::signals)) scenes.push_back(features);
   }
   for (const std::set<Feature>& features : scenes) {
-    // The axis of the camera over mirrors has a depression of 20 degrees. The bed within its range gate has
-    // 37 degrees or more, where a transmit pattern of 30 degrees has lost 3.8 dB.
+    // The axis of the camera over mirrors has a depression of 20 degrees. The seabed within its range gate
+    // has 37 degrees or more, where a transmit pattern of 30 degrees has lost 3.8 dB.
     const int width_deg = features.contains(Feature::mirrors) ? 70 : 30;
     const std::string scene =
         scene_with(features) + fmt::format(
@@ -484,8 +484,9 @@ TEST_F(LabelsOf, AllOfTheEnergyIsNearThePeakWhereTheLevelIsLow) {
   }
 }
 
-/// A camera 3 m above a flat bed and 1 m below the surface. The bed returns what one reflection carries.
-std::string bed_via_the_surface(std::string_view paths) {
+/// A camera 3 m above a flat seabed and 1 m below the surface. The seabed returns what one reflection
+/// carries.
+std::string seabed_via_the_surface(std::string_view paths) {
   return still_water() + lambert_material("rock", -20) +
          flat_terrain(60, 60, "name = \"bed\"\nmaterial = \"rock\"\n") + fixed_at(0, 0, 3) +
          fmt::format(
@@ -531,7 +532,7 @@ double received_over_the_surface(double least) {
 // Each leg has its own direction at the sonar. The reference knows neither images nor visibility.
 TEST_F(LabelsOf, OverAMirrorWhatIsNearThePeakIsThatOfBothLegs) {
   constexpr double level_db = 6;
-  const LabelledRun t = told(bed_via_the_surface("order = 2\nonly_order = 2\n"),
+  const LabelledRun t = told(seabed_via_the_surface("order = 2\nonly_order = 2\n"),
                              [&](RunRequest& r) { r.label_level_db = level_db; });
   ASSERT_EQ(t.labels.owners.size(), 1u);
   ASSERT_EQ(t.labels.cells, 1u);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Several rays to the bed, through the whole program: a thermocline turns rays back down to a flat bed, and
-// all of them are received, against a fan of rays in closed form.
+// Several rays to the seabed, through the whole program: a thermocline turns rays back down to a flat seabed,
+// and all of them are received, against a fan of rays in closed form.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -57,7 +57,7 @@ std::vector<double> fan(double low_rad, double high_rad, std::size_t samples) {
 std::vector<double> crossed(std::size_t samples) {
   constexpr int places = 400'000;
   std::vector<double> energy(samples, 0.0);
-  const double a = 2 * TurningWater::c / TurningWater::g, h = TurningWater::bed_m, step = 300.0 / places;
+  const double a = 2 * TurningWater::c / TurningWater::g, h = TurningWater::seabed_m, step = 300.0 / places;
   for (int i = 0; i < places; ++i) {
     const double x = 200 + (i + 0.5) * step, root2 = x * x - 4 * a * h;
     if (!(root2 > 0)) continue;

@@ -18,7 +18,8 @@ namespace {
 
 using testing::HasSubstr;
 
-/// The south-east half of a bed of two facets, corners on the world grid; no edge of a facet lies along it.
+/// The south-east half of a seabed of two facets, corners on the world grid; no edge of a facet lies along
+/// it.
 constexpr std::string_view half = R"({"type":"FeatureCollection","features":[{"type":"Feature","properties":
 {"material":"second"},"geometry":{"type":"Polygon","coordinates":[[[-64,-48],[64,-64],[64,48],[-64,-48]]]}}]})";
 
@@ -48,7 +49,8 @@ TEST_F(MaterialMapRun, EqualMaterialsAreOneMaterial) {
   EXPECT_LT(largest_relative_difference(echoes(-27, -27), echoes(-27, -27, "")), 1e-12);
 }
 
-// The energy of both halves is linear in each one's mu: exchanging them adds up to both beds of one material.
+// The energy of both halves is linear in each one's mu: exchanging them adds up to both seabeds of one
+// material.
 TEST_F(MaterialMapRun, HalvesAddUpToTheWhole) {
   const Echoes one = echoes(-30, -20), other = echoes(-20, -30), faint = echoes(-30, -30, ""),
                loud = echoes(-20, -20, "");

@@ -18,9 +18,9 @@
 namespace tubefoot {
 namespace {
 
-/// A bed of cells of 0.25 m, and a box upon it.
-std::string fine_bed(const std::string& sensor, const std::string& more = {},
-                     const std::string& model = "lambert_db = -20\n") {
+/// A seabed of cells of 0.25 m, and a box upon it.
+std::string fine_seabed(const std::string& sensor, const std::string& more = {},
+                        const std::string& model = "lambert_db = -20\n") {
   return "[[materials]]\nname = \"sand\"\n" + model + more +
          "[[terrain]]\nname = \"bed\"\nkind = \"flat\"\nwidth_m = 30\nlength_m = 30\ncell_m = 0.25\n"
          "[[objects]]\nname = \"crate\"\nshape = \"box\"\nsize_m = [1, 1, 1]\nposition_m = [0.3, 5, 0.5]\n"
@@ -68,30 +68,30 @@ constexpr const char* sidescan =
     "kind = \"sidescan\"\nrange_max_m = 14\nsamples = 50\nping_interval_s = 1\npings = 1\n";
 
 TEST_F(MergedPlanesRun, OfLambertsLawToRounding) {
-  expect_alike(fine_bed(camera), 1e-11);
-  expect_alike(fine_bed(sidescan), 1e-11);
+  expect_alike(fine_seabed(camera), 1e-11);
+  expect_alike(fine_seabed(sidescan), 1e-11);
 }
 
 TEST_F(MergedPlanesRun, WithALawToQuadrature) {
-  expect_alike(fine_bed(camera, {},
-                        "law = \"gsab\"\nspecular_db = -5\nspecular_width_deg = 8\noblique_db = -20\n"
-                        "oblique_exponent = 1.5\n"),
+  expect_alike(fine_seabed(camera, {},
+                           "law = \"gsab\"\nspecular_db = -5\nspecular_width_deg = 8\noblique_db = -20\n"
+                           "oblique_exponent = 1.5\n"),
                1e-4);
 }
 
 TEST_F(MergedPlanesRun, WithMicroTexture) {
-  expect_alike(fine_bed(camera,
-                        "[[materials.reflectivity]]\nkind = \"perlin\"\nwavelength_m = 1\noctaves = 1\n"
-                        "depth = 0.5\nseed = 1\n"),
+  expect_alike(fine_seabed(camera,
+                           "[[materials.reflectivity]]\nkind = \"perlin\"\nwavelength_m = 1\noctaves = 1\n"
+                           "depth = 0.5\nseed = 1\n"),
                1e-4);
 }
 
 TEST_F(MergedPlanesRun, UnderAMirror) {
-  expect_alike(fine_bed(camera, "[sea_surface]\nheight_m = 6.5\n[paths]\norder = 2\n"), 1e-9);
+  expect_alike(fine_seabed(camera, "[sea_surface]\nheight_m = 6.5\n[paths]\norder = 2\n"), 1e-9);
 }
 
 TEST_F(MergedPlanesRun, RaysHitTheSamePlaces) {
-  const std::string scene = fine_bed(camera) + "[run]\nrays_per_ping = 20000\n";
+  const std::string scene = fine_seabed(camera) + "[run]\nrays_per_ping = 20000\n";
   std::size_t given = 0, merged = 0;
   const std::vector<double> truth = energies(scene, Facets::as_given, given, "ray"),
                             energy = energies(scene, Facets::merged, merged, "ray");
@@ -103,7 +103,7 @@ TEST_F(MergedPlanesRun, RaysHitTheSamePlaces) {
 }
 
 TEST_F(MergedPlanesRun, IsReportedInTheStatistics) {
-  const std::string scene = folder.write("scene.toml", fine_bed(camera)).string(),
+  const std::string scene = folder.write("scene.toml", fine_seabed(camera)).string(),
                     out = (folder / "out").string();
   const auto facets_of = [&](std::vector<std::string> more) {
     std::vector<std::string> words{"run", scene, "-o", out, "--quiet", "--pictures", "none"};
@@ -138,7 +138,7 @@ TEST_F(MergedPlanesRun, IsOfNothingWhoseFacetsMatter) {
         ripples + "[relief]\nmode = \"online\"\ncell_m = 0.5\ntolerance = 0.5\n"}) {
     SCOPED_TRACE(more);
     const auto survey =
-        open_survey(read_scene_file(folder.write("scene.toml", fine_bed(camera, more))), Facets::merged);
+        open_survey(read_scene_file(folder.write("scene.toml", fine_seabed(camera, more))), Facets::merged);
     EXPECT_EQ(survey->scene.mesh.facets.size(), 28'800u + 12u);
     EXPECT_EQ(survey->loaded_scene->facets_given, 0u);
   }

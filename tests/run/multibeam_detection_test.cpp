@@ -160,9 +160,9 @@ TEST(MultibeamRun, ABeamThatTheWindowCutsIsFlaggedInEveryFile) {
     EXPECT_EQ(gsf[head + 4 + beam], !status.contains(beam) ? 1 : status[beam] == "good" ? 0 : 9) << beam;
 }
 
-// Two crossed lines of 0.21 m: what lights the bed goes on beyond the outermost beams, and their mean echo
+// Two crossed lines of 0.21 m: what lights the seabed goes on beyond the outermost beams, and their mean echo
 // lies near the axis; no other way of detection is better (docs/sensors.md has the table).
-TEST(MultibeamRun, BeamsOfTwoCrossedLinesFindAFlatBed) {
+TEST(MultibeamRun, BeamsOfTwoCrossedLinesFindAFlatSeabed) {
   const TestFolder folder;
   std::string scene = std::regex_replace(flat_scene(""), std::regex("range_max_m = 91\nsamples = 1800"),
                                          "range_max_m = 301\nsamples = 6000\n"

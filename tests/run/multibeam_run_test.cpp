@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The multibeam through the whole program: soundings agree with the bed, and a target to port ahead is where
-// it is in every file.
+// The multibeam through the whole program: soundings agree with the seabed, and a target to port ahead is
+// where it is in every file.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ namespace {
 
 using namespace multibeam_for_tests;
 
-TEST(MultibeamRun, EveryBeamOfAFlatBedIsOnItToARangeSample) {
+TEST(MultibeamRun, EveryBeamOfAFlatSeabedIsOnItToARangeSample) {
   const TestFolder folder;
   run(folder, flat_scene("heading_deg = 37"));
   for (const char* detection : {"first_return", "energy_centroid", "maximum"}) {
@@ -42,7 +42,7 @@ TEST(MultibeamRun, EveryBeamOfAFlatBedIsOnItToARangeSample) {
         continue;
       }
       // The strongest and the first echo come from the near edge of an ideal beam, in the sample that holds
-      // it or, if that sample holds too little of the bed, in the next.
+      // it or, if that sample holds too little of the seabed, in the next.
       const double near = height_m / std::cos(std::max(std::abs(angle) - 0.75, 0.0) * degree);
       EXPECT_GT(s.range, near - step_m);
       EXPECT_LT(s.range, near + 2 * step_m);
@@ -50,7 +50,7 @@ TEST(MultibeamRun, EveryBeamOfAFlatBedIsOnItToARangeSample) {
   }
 }
 
-TEST(MultibeamRun, ARolledAndPitchedSonarFindsTheSameBed) {
+TEST(MultibeamRun, ARolledAndPitchedSonarFindsTheSameSeabed) {
   const TestFolder folder;
   run(folder, flat_scene("heading_deg = 250\nroll_deg = -6\npitch_deg = 4"));
   std::size_t seen = 0;
@@ -76,8 +76,8 @@ TEST(MultibeamRun, WithoutAPlaceOnEarthSaysWhatIsLeftOut) {
     EXPECT_FALSE(names.contains(name));
 }
 
-/// A box to port ahead, top at -24 m, on a bed at -30 m; the sonar heads east, 10 m deep, its bow 20 degrees
-/// up so that it looks ahead. Port is north, ahead is east.
+/// A box to port ahead, top at -24 m, on a seabed at -30 m; the sonar heads east, 10 m deep, its bow 20
+/// degrees up so that it looks ahead. Port is north, ahead is east.
 const char* const port_ahead = R"(
 [georeference]
 origin_lat_lon_deg = [59.0, 10.0]
@@ -149,7 +149,7 @@ TEST(MultibeamRun, ATargetToPortAheadIsToPortAheadInEveryFile) {
   run(folder, port_ahead);
   std::vector<std::size_t> beams;
   for (const CsvSounding& s : soundings_in(folder / "out/sonar-soundings.csv"))
-    if (s.up > -26) {  // the box; beams on its edge find something between it and the bed
+    if (s.up > -26) {  // the box; beams on its edge find something between it and the seabed
       EXPECT_TRUE(on_target(s.east, s.north, -10 - s.up)) << s.beam;
       EXPECT_LT(s.angle_deg, 0);
       beams.push_back(s.beam);
@@ -184,7 +184,7 @@ TEST(MultibeamRun, PingsAtTheShortestIntervalHaveTimesOfTheirOwn) {
     EXPECT_TRUE(names.contains(name)) << name;
 }
 
-// Where soundings must lie is taken from what each beam sees of the bed, not from the echo.
+// Where soundings must lie is taken from what each beam sees of the seabed, not from the echo.
 TEST(MultibeamRun, OnTheRealGridEverySoundingLiesWithinItsFootprintsDepths) {
   const std::filesystem::path data = TUBEFOOT_SOURCE_DIR "/scenes/data/jd211.bag";
   const TestFolder folder;

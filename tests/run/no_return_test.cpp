@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Sensors that receive nothing: what is expected by looking against what a run computes, at random places, in
-// random directions, with random windows; and how objects stand to the bed against where they were put.
+// random directions, with random windows; and how objects stand to the seabed against where they were put.
 #include "run/no_return.hpp"
 
 #include <fmt/format.h>
@@ -29,8 +29,9 @@ bool all_zero(const Recording& recording) {
   return std::ranges::all_of(recording.energy, [](double e) { return e == 0; });
 }
 
-/// A box and a ball in the middle of a bed of 20 x 20 m.
-const std::string bed = still_water() + lambert_material("sand", -27) + flat_terrain(20, 20) + ball_and_box();
+/// A box and a ball in the middle of a seabed of 20 x 20 m.
+const std::string seabed =
+    still_water() + lambert_material("sand", -27) + flat_terrain(20, 20) + ball_and_box();
 
 TEST(NoReturn, IsExpectedExactlyWhereARunReceivesNothing) {
   const unsigned seed = 20261123;
@@ -43,7 +44,7 @@ TEST(NoReturn, IsExpectedExactlyWhereARunReceivesNothing) {
   for (int k = 0; k < 300; ++k) {
     const double nearest = between(0.5, 8);
     const std::string text =
-        bed +
+        seabed +
         fixed_at(between(-14, 14), between(-14, 14), between(1.5, 8),
                  fmt::format("heading_deg = {}\npitch_deg = {}\n", between(-180, 180), between(-60, 10))) +
         fmt::format(
@@ -65,10 +66,10 @@ TEST(NoReturn, IsExpectedExactlyWhereARunReceivesNothing) {
   EXPECT_GT(received, 20U);
 }
 
-// One ping of thirty sees the bed: no false alarm.
+// One ping of thirty sees the seabed: no false alarm.
 TEST(NoReturn, IsNotExpectedOfATrackThatReceivesSomethingOnce) {
   const auto track = [](double north_m) {
-    return bed +
+    return seabed +
            fmt::format(
                "[trajectory]\nkind = \"line\"\nstart_m = [0, {0}, 3]\nend_m = [0, {1}, 3]\nspeed_m_s = 10\n"
                "[[sensors]]\nname = \"side\"\nkind = \"sidescan\"\npings = 30\nping_interval_s = 1\n"
@@ -84,10 +85,10 @@ TEST(NoReturn, IsNotExpectedOfATrackThatReceivesSomethingOnce) {
   EXPECT_THAT(beside.front().warning, HasSubstr("155 m beside the terrain"));
 }
 
-// What may be received over a mirror is not expected by looking at the bed.
+// What may be received over a mirror is not expected by looking at the seabed.
 TEST(NoReturn, IsNotExpectedUnderAMirror) {
   const std::string up =
-      bed + "[sea_surface]\nheight_m = 10\n[paths]\norder = 2\n" + fixed_at(0, 0, 3) +
+      seabed + "[sea_surface]\nheight_m = 10\n[paths]\norder = 2\n" + fixed_at(0, 0, 3) +
       "[[sensors]]\nname = \"eye\"\nkind = \"imaging\"\nbeams = 4\nhorizontal_deg = 8\n"
       "vertical_deg = 20\ntilt_deg = -40\nrange_min_m = 1\nrange_max_m = 25\nsamples = 20\n";
   EXPECT_TRUE(expected_no_returns(*survey_of(up), {}).empty());
@@ -98,7 +99,7 @@ TEST(NoReturn, IsNotExpectedUnderAMirror) {
 }
 
 TEST(SeabedPlacement, IsWhereThingsWerePut) {
-  // Cubes of a metre over a bed at -7 m: height of their middle over it, and what is said.
+  // Cubes of a metre over a seabed at -7 m: height of their middle over it, and what is said.
   const std::vector<std::pair<double, std::string>> cubes{
       {-2, "buried: its top is 1.5 m below the bed"},
       {-0.5 - 1e-3, "buried: its top is 0.001 m below the bed"},

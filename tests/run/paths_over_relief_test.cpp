@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Paths over mirrors with relief that each transmission refines for itself, against relief in all of the bed.
+// Paths over mirrors with relief that each transmission refines for itself, against relief in all of the
+// seabed.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,7 +17,7 @@ constexpr std::string_view ripples =
     "[[materials.relief]]\nkind = \"ripples\"\ntile_m = 12.8\nresolution_m = 0.1\nseed = 7\n"
     "wavelength_m = 1.6\ndirection_deg = 20\nrms_height_m = 0.06\n";
 
-/// 2 m below the surface, over a rippled bed 4 m below it, in view of a plate that is tilted: it mirrors
+/// 2 m below the surface, over a rippled seabed 4 m below it, in view of a plate that is tilted: it mirrors
 /// what the sonar itself does not look at.
 std::string scene(std::string_view relief, std::string_view paths, std::string_view plate_relief = {},
                   std::string_view more = {}) {
@@ -50,7 +51,7 @@ void expect_equal(const Echoes& a, const Echoes& b, double relative) {
 
 constexpr std::string_view online = "mode = \"online\"\ntolerance = 0", offline = "mode = \"offline\"";
 
-TEST(PathsOverRelief, CellsEverywhereAreTheReliefOfTheWholeBed) {
+TEST(PathsOverRelief, CellsEverywhereAreTheReliefOfTheWholeSeabed) {
   for (const int order : {2, 3}) {
     // Only what goes over mirrors.
     const std::string paths = fmt::format("order = {0}\nonly_order = {0}", order);

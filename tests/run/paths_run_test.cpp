@@ -19,7 +19,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Looks straight up from 5 m below the surface, with the bed 20 m below that, in a sector wider than the
+/// Looks straight up from 5 m below the surface, with the seabed 20 m below that, in a sector wider than the
 /// window's rings.
 std::string scene(const std::string& paths) {
   return still_water() + paths + lambert_material("bed", -10) +
@@ -38,8 +38,8 @@ window_length_m = 5
 
 const std::string surface = "[sea_surface]\nloss_db = 1\n";
 
-TEST(PathsRun, AnUpwardLookSeesTheBedInTheSurface) {
-  // Straight up there is nothing; by the surface and back, order 3, the bed is 25 m away.
+TEST(PathsRun, AnUpwardLookSeesTheSeabedInTheSurface) {
+  // Straight up there is nothing; by the surface and back, order 3, the seabed is 25 m away.
   EXPECT_EQ(echoes_of(scene(surface)).total(), 0);
   EXPECT_EQ(echoes_of(scene(surface + "[paths]\norder = 2\n")).total(), 0);
   const Echoes echoes = echoes_of(scene(surface + "[paths]\norder = 3\n"));
@@ -125,7 +125,7 @@ TEST(PathsRun, WhatIsAboveTheSurfaceIsNotReceived) {
     EXPECT_NEAR(gone.energy[k], none.energy[k], 1e-6 * none.energy[k]) << k;
 }
 
-/// A hollow of two beds of which each lights the other, by a law of its own.
+/// A hollow of two seabeds of which each lights the other, by a law of its own.
 std::string hollow(int scatterings, int patch_m) {
   std::string text =
       scene(fmt::format("[paths]\norder = {0}\nscatterings = {0}\npatch_m = {1}\nonly_order = {0}\n"
@@ -219,28 +219,28 @@ samples = 10
   EXPECT_GT(moved, 0.01 * total);
 }
 
-// Straight up, by the surface and back: rings of the bed by rays that are arcs of circles (physics
+// Straight up, by the surface and back: rings of the seabed by rays that are arcs of circles (physics
 // sheet, 2.1).
 TEST(PathsRun, AnUpwardLookThroughRefractingWater) {
   for (const double g : {-2.0, 1.5}) {
     const Echoes echoes = echoes_of(refracted(scene(surface + "[paths]\norder = 3\n"), g));
-    const double at_surface = 1500 - 5 * g, at_sonar = 1500, at_bed = at_surface + 20 * g;
+    const double at_surface = 1500 - 5 * g, at_sonar = 1500, at_seabed = at_surface + 20 * g;
     const auto sine = [&](double launch, double speed) {
       return std::sqrt(1 - std::pow(std::cos(launch) * speed / at_sonar, 2));
     };
     const auto time = [&](double launch) {
       const auto of = [&](double speed) { return std::atanh(sine(launch, speed)) / g; };
-      return std::abs(of(at_sonar) - of(at_surface)) + std::abs(of(at_surface) - of(at_bed));
+      return std::abs(of(at_sonar) - of(at_surface)) + std::abs(of(at_surface) - of(at_seabed));
     };
     const auto range = [&](double launch) {
       const auto of = [&](double speed) { return sine(launch, speed) * at_sonar / (std::cos(launch) * g); };
-      return std::abs(of(at_sonar) - of(at_surface)) + std::abs(of(at_surface) - of(at_bed));
+      return std::abs(of(at_sonar) - of(at_surface)) + std::abs(of(at_surface) - of(at_seabed));
     };
     const auto energy = [&](double launch) {  // a radian of launch angle
       const double d = 1e-4, slope = (range(launch - d) - range(launch + d)) / (2 * d);
-      const double area = range(launch) * sine(launch, at_bed) * slope / std::cos(launch);
-      return 2 * std::numbers::pi * std::cos(launch) * 0.1 * sine(launch, at_bed) *
-             std::pow(at_bed / at_sonar, 2) / area;
+      const double area = range(launch) * sine(launch, at_seabed) * slope / std::cos(launch);
+      return 2 * std::numbers::pi * std::cos(launch) * 0.1 * sine(launch, at_seabed) *
+             std::pow(at_seabed / at_sonar, 2) / area;
     };
     const auto launch_at = [&](double half_path_m) {
       double lo = 0.5, hi = std::numbers::pi / 2 - 1e-6;

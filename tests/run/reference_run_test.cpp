@@ -16,7 +16,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// One beam of 1.5 degrees, 10 m above a flat bed.
+/// One beam of 1.5 degrees, 10 m above a flat seabed.
 const std::string flat_scene = still_water(61.5) + lambert_material("bed", -27) +
                                flat_terrain(128, 128, "cell_m = 7\n") + fixed_at(0, 0, 10) +
                                downward_fan(1, 1.5, 320);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// References through refracting water, through the whole program: closed forms of one gradient, beds that are
-// not Lambert's, even and flat, and what has no bound.
+// References through refracting water, through the whole program: closed forms of one gradient, seabeds that
+// are not Lambert's, even and flat, and what has no bound.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -129,7 +129,7 @@ constexpr std::string_view relief =
     "lambert_db = -27\n[[materials.relief]]\nkind = \"ripples\"\ntile_m = 5.12\nresolution_m = 0.04\nseed = "
     "7\nwavelength_m = 0.8\ndirection_deg = 20\nrms_height_m = 0.01\n";
 
-/// 14 m in samples of 25 cm of a bed of 48 m.
+/// 14 m in samples of 25 cm of a seabed of 48 m.
 std::string scene_of(std::string_view material, const std::string& water) {
   std::string scene = replaced(scene_in(water), "lambert_db = -27\n", material);
   scene = replaced(scene, "width_m = 256\nlength_m = 256", "width_m = 48\nlength_m = 48");
@@ -159,16 +159,16 @@ TEST(RefractedReferenceRun, HoldsTheClosedFormOfALawWithinTheTolerance) {
 
 // Held against ordinary runs that are asked for more than they are asked for by default.
 TEST(RefractedReferenceRun, HoldsFineOrdinaryRunsOfTextureAndRelief) {
-  for (const std::string_view bed : {texture, relief}) {
+  for (const std::string_view seabed : {texture, relief}) {
     const std::string online =
-        bed == relief ? "[relief]\nmode = \"online\"\ncell_m = 0.4\ntolerance = 0.3\n" : "";
-    SCOPED_TRACE(bed);
-    const Checkpoint run(online + scene_of(bed, gradient(-0.5)), {"--reference", "--tolerance", "1e-2"});
+        seabed == relief ? "[relief]\nmode = \"online\"\ncell_m = 0.4\ntolerance = 0.3\n" : "";
+    SCOPED_TRACE(seabed);
+    const Checkpoint run(online + scene_of(seabed, gradient(-0.5)), {"--reference", "--tolerance", "1e-2"});
     ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
     const Echoes echoes = read_echoes(run.folder / "out/echoes.nc"),
-                 ordinary = echoes_of(online + scene_of(bed, gradient(-0.5, 0,
-                                                                      "refraction_tolerance_db = 0.002\n"
-                                                                      "refraction_gap_m = 0.0001\n")));
+                 ordinary = echoes_of(online + scene_of(seabed, gradient(-0.5, 0,
+                                                                         "refraction_tolerance_db = 0.002\n"
+                                                                         "refraction_gap_m = 0.0001\n")));
     double bounds = 0, energies = 0;
     for (std::size_t k = 0; k < echoes.samples; ++k) {
       // Its gap beside a sample, twice, and its tolerance.
@@ -183,20 +183,21 @@ TEST(RefractedReferenceRun, HoldsFineOrdinaryRunsOfTextureAndRelief) {
   }
 }
 
-// Receiver apart, of everything that a bed may have; held against ordinary runs as fine as above.
+// Receiver apart, of everything that a seabed may have; held against ordinary runs as fine as above.
 TEST(RefractedReferenceRun, HoldsFineOrdinaryRunsOfSeparateReceivers) {
   const std::string apart = "receiver_arm_m = [0, 1, 0.2]\n",
                     cells = "[relief]\nmode = \"online\"\ncell_m = 0.8\ntolerance = 0.5\n",
                     patterns =
                         "transmit_pattern = \"line\"\ntransmit_aperture_m = 0.3\n"
                         "receive_pattern = \"line\"\nreceive_aperture_m = 0.1\n";
-  for (const std::string& bed : {std::string(gsab), std::string(relief) + std::string(texture).substr(17)}) {
-    SCOPED_TRACE(bed);
-    const std::string online = bed.starts_with("law") ? "" : cells,
+  for (const std::string& seabed :
+       {std::string(gsab), std::string(relief) + std::string(texture).substr(17)}) {
+    SCOPED_TRACE(seabed);
+    const std::string online = seabed.starts_with("law") ? "" : cells,
                       more = apart + (online.empty() ? "" : patterns);
     const auto scene = [&](const std::string& keys) {
       return online +
-             replaced(replaced(scene_of(bed, gradient(-0.5, 60, keys)), "samples = 56", "samples = 14"),
+             replaced(replaced(scene_of(seabed, gradient(-0.5, 60, keys)), "samples = 56", "samples = 14"),
                       "window_length_m = 14", "window_length_m = 7") +
              more;
     };
@@ -218,8 +219,8 @@ TEST(RefractedReferenceRun, HoldsFineOrdinaryRunsOfSeparateReceivers) {
   }
 }
 
-// Down to the bed, up to the surface and down again, and straight home; as the ordinary run has it within the
-// 0.1 dB that it promises.
+// Down to the seabed, up to the surface and down again, and straight home; as the ordinary run has it within
+// the 0.1 dB that it promises.
 TEST(RefractedReferenceRun, HoldsOrdinaryRunsOverMirrors) {
   std::string scene =
       "[sea_surface]\nheight_m = 20\nloss_db = 1\n[paths]\norder = 3\n" + scene_in(gradient(-0.5, 60));
@@ -241,7 +242,7 @@ TEST(RefractedReferenceRun, HoldsOrdinaryRunsOverMirrors) {
   }
 }
 
-// Cells wherever a transmission looks are those of a bed that is refined once.
+// Cells wherever a transmission looks are those of a seabed that is refined once.
 TEST(RefractedReferenceRun, ReliefOfEachTransmissionIsThatOfAllTransmissions) {
   const std::string scene = scene_of(relief, gradient(-0.5));
   const std::vector<std::string> requested{"--reference", "--tolerance", "2e-2"};
@@ -267,14 +268,15 @@ TEST(RefractedReferenceRun, ReliefOfEachTransmissionIsThatOfAllTransmissions) {
 TEST(RefractedReferenceRun, TighterTolerancesHaveNoWiderBounds) {
   const TestFolder folder;
   constexpr std::array steps{0, 1, -8, 8, -1, -10, 6, -3, -2, 4, -5, -4, 2, 3, -6};  // cm
-  std::string bed = "ncols 24\nnrows 24\nxllcorner -12\nyllcorner -12\ncellsize 1\n";
+  std::string seabed = "ncols 24\nnrows 24\nxllcorner -12\nyllcorner -12\ncellsize 1\n";
   for (std::size_t row = 0; row < 24; ++row)
     for (std::size_t column = 0; column < 24; ++column)
-      bed += fmt::format("{}{}", 0.01 * steps[(column + 9 * row) % steps.size()], column < 23 ? " " : "\n");
+      seabed +=
+          fmt::format("{}{}", 0.01 * steps[(column + 9 * row) % steps.size()], column < 23 ? " " : "\n");
   const std::string scene =
       "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\ngradient_per_s = 0.5\nprofile_bottom_m = 40\n"
       "surface_height_m = 6.5\n[[materials]]\nname = \"rock\"\n[[terrain]]\nkind = \"raster\"\nfile = \"" +
-      folder.write("bed.asc", bed).string() +
+      folder.write("bed.asc", seabed).string() +
       "\"\n[trajectory]\nkind = \"fixed\"\nposition_m = [0, 0, 6]\n[[sensors]]\nname = \"sonar\"\n"
       "kind = \"imaging\"\nbeams = 1\nhorizontal_deg = 2\nvertical_deg = 10\ntilt_deg = 50\n"
       "receiver_arm_m = [0, 1, 0]\nrange_min_m = 7\nrange_max_m = 12\nsamples = 4\n";

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Soundings under a sound speed profile, through the whole program: a flat bed 30 m deep, a sonar 10 m deep,
-// sound that is slower by 1 m/s per metre of depth. Along straight rays the outer soundings would be 2 m
-// wrong.
+// Soundings under a sound speed profile, through the whole program: a flat seabed 30 m deep, a sonar 10 m
+// deep, sound that is slower by 1 m/s per metre of depth. Along straight rays the outer soundings would be 2
+// m wrong.
 #include <gdal_priv.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -23,10 +23,10 @@ using testing::ElementsAre;
 
 const std::string gradient =
     "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\ngradient_per_s = -1\nprofile_bottom_m = 40\n";
-constexpr double sonar_m = -10, bed_m = -30;
+constexpr double sonar_m = -10, seabed_m = -30;
 
 /// Far enough that the window cuts no beam.
-std::string over_a_flat_bed(const std::string& water, const std::string& sensor) {
+std::string over_a_flat_seabed(const std::string& water, const std::string& sensor) {
   return "[georeference]\norigin_lat_lon_deg = [59.0, 10.0]\n" + water + lambert_material("bed", -27) +
          flat_terrain(300, 300, "centre_m = [0, 0, -30]\n") +
          fixed_at(3, -2, sonar_m, "heading_deg = 37\nroll_deg = 2\n") + "[[sensors]]\nname = \"sonar\"\n" +
@@ -75,9 +75,9 @@ GsfContent gsf_in(const std::filesystem::path& path) {
   return content;
 }
 
-TEST(RefractedSoundings, OfAFlatBedLieOnItInEveryFile) {
+TEST(RefractedSoundings, OfAFlatSeabedLieOnItInEveryFile) {
   const TestFolder folder;
-  run(folder, over_a_flat_bed(gradient, fan));
+  run(folder, over_a_flat_seabed(gradient, fan));
   const auto soundings = soundings_in(folder / "out/sonar-soundings.csv");
   ASSERT_EQ(soundings.size(), 101u);
   const GsfContent gsf = gsf_in(folder / "out/sonar.gsf");
@@ -86,7 +86,7 @@ TEST(RefractedSoundings, OfAFlatBedLieOnItInEveryFile) {
   const auto down = netcdf.values("/Sonar/Beam_group1/Bathymetry", "detection_z");
   for (const CsvSounding& s : soundings) {
     SCOPED_TRACE(s.angle_deg);
-    EXPECT_NEAR(s.up, bed_m, 0.1);
+    EXPECT_NEAR(s.up, seabed_m, 0.1);
     EXPECT_NEAR(travel_time_s(s.east, s.north, s.up), s.range / 1490, 2e-7);
     EXPECT_NEAR(gsf.depth_m[s.beam], -s.up, 2e-3);
     EXPECT_NEAR(down[s.beam], sonar_m - s.up, 2e-3);
@@ -103,20 +103,20 @@ TEST(RefractedSoundings, OfAFlatBedLieOnItInEveryFile) {
   for (const float depth : depths)
     if (depth > -32768) {
       ++cells;
-      EXPECT_NEAR(depth, -bed_m, 0.1);
+      EXPECT_NEAR(depth, -seabed_m, 0.1);
     }
   EXPECT_GT(cells, 100u);
 }
 
 TEST(RefractedSoundings, SayInGsfWhatWasDoneAndByWhichProfile) {
   const TestFolder folder;
-  run(folder, over_a_flat_bed(gradient, fan));
+  run(folder, over_a_flat_seabed(gradient, fan));
   const GsfContent traced = gsf_in(folder / "out/sonar.gsf");
   EXPECT_THAT(traced.parameters, Contains("DEPTH_CALCULATION=CORRECTED"));
   EXPECT_THAT(traced.parameters, Contains("RAY_TRACING=YES"));
   EXPECT_THAT(traced.profile, ElementsAre(std::pair(0.0, 1500.0), std::pair(40.0, 1460.0)));
   std::filesystem::remove_all(folder / "out");
-  run(folder, over_a_flat_bed("[water]\nsound_speed_m_s = 1480\n", fan));
+  run(folder, over_a_flat_seabed("[water]\nsound_speed_m_s = 1480\n", fan));
   const GsfContent straight = gsf_in(folder / "out/sonar.gsf");
   EXPECT_THAT(straight.parameters, Contains("DEPTH_CALCULATION=CORRECTED"));
   EXPECT_THAT(straight.parameters, Contains("RAY_TRACING=NO"));
@@ -125,8 +125,8 @@ TEST(RefractedSoundings, SayInGsfWhatWasDoneAndByWhichProfile) {
   // A water surface 2 m above height 0, from which the file's depths count, and a profile that begins below.
   folder.write("profile.csv", "depth_m,sound_speed_m_s\n5,1500\n5.001,1500.001\n25,1490\n");
   run(folder,
-      over_a_flat_bed("[water]\nprofile = \"table\"\nprofile_file = \"profile.csv\"\nsurface_height_m = 2\n",
-                      fan));
+      over_a_flat_seabed(
+          "[water]\nprofile = \"table\"\nprofile_file = \"profile.csv\"\nsurface_height_m = 2\n", fan));
   EXPECT_THAT(gsf_in(folder / "out/sonar.gsf").profile,
               ElementsAre(std::pair(0.0, 1500.0), std::pair(3.0, 1500.0), std::pair(23.0, 1490.0)));
 }
@@ -134,31 +134,31 @@ TEST(RefractedSoundings, SayInGsfWhatWasDoneAndByWhichProfile) {
 // A beam that leans by 40 degrees, as wide as its samples are long there.
 TEST(RefractedSoundings, OfAnEchosounderLieOnTheRayOfItsAxis) {
   const TestFolder folder;
-  std::string scene = over_a_flat_bed(
+  std::string scene = over_a_flat_seabed(
       gradient, "kind = \"echosounder\"\nbeam_deg = 1\nrange_min_m = 1\nrange_max_m = 41\nsamples = 4000\n");
   scene.replace(scene.find("roll_deg = 2"), 12, "roll_deg = 40");
   run(folder, scene);
   const auto rows = csv_rows(folder / "out/sonar.csv");
   ASSERT_EQ(rows.size(), 1u);
   const auto number = [&](const char* name) { return std::stod(rows[0].at(name)); };
-  EXPECT_NEAR(number("bottom_up_m"), bed_m, 0.05);
+  EXPECT_NEAR(number("bottom_up_m"), seabed_m, 0.05);
   EXPECT_NEAR(travel_time_s(number("bottom_east_m"), number("bottom_north_m"), number("bottom_up_m")),
               number("range_m") / 1490, 2e-7);
 }
 
-TEST(RefractedSoundings, OfAnInterferometerLieOnTheBed) {
+TEST(RefractedSoundings, OfAnInterferometerLieOnTheSeabed) {
   const TestFolder folder;
-  run(folder, over_a_flat_bed(gradient,
-                              "kind = \"interferometric\"\nfrequency_khz = 100\nbaseline_m = 0.007\n"
-                              "along_track_deg = 2\ndepression_min_deg = 10\ndepression_max_deg = 70\n"
-                              "range_min_m = 24\nrange_max_m = 84\nsamples = 240\n"));
+  run(folder, over_a_flat_seabed(gradient,
+                                 "kind = \"interferometric\"\nfrequency_khz = 100\nbaseline_m = 0.007\n"
+                                 "along_track_deg = 2\ndepression_min_deg = 10\ndepression_max_deg = 70\n"
+                                 "range_min_m = 24\nrange_max_m = 84\nsamples = 240\n"));
   std::size_t seen = 0;
   for (const auto& row : csv_rows(folder / "out/sonar-soundings.csv")) {
     const auto number = [&](const char* name) { return std::stod(row.at(name)); };
     const double range_m = number("range_m");
     if (range_m < 26 || range_m > 80) continue;  // the borders of the sector cut samples
     SCOPED_TRACE(range_m);
-    EXPECT_NEAR(number("up_m"), bed_m, 0.25);
+    EXPECT_NEAR(number("up_m"), seabed_m, 0.25);
     EXPECT_NEAR(travel_time_s(number("east_m"), number("north_m"), number("up_m")), range_m / 1490, 2e-7);
     ++seen;
   }

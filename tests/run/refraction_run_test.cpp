@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Refraction through the whole program. A flat bed under one gradient has a closed form (physics.md 2.2):
+// Refraction through the whole program. A flat seabed under one gradient has a closed form (physics.md 2.2):
 // ring areas, ray-tube areas and angles; under several layers it is held against rays integrated apart.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -41,7 +41,7 @@ Errors errors_of(const Echoes& echoes, double g, double absorption_db_per_km) {
   return errors;
 }
 
-TEST(RefractionRun, FlatBedUnderOneGradientIsTheClosedForm) {
+TEST(RefractionRun, FlatSeabedUnderOneGradientIsTheClosedForm) {
   for (const double g : {-0.5, 0.4}) {
     for (const double absorption : {0.0, 400.0}) {
       SCOPED_TRACE(fmt::format("g {} absorption {}", g, absorption));
@@ -110,10 +110,10 @@ TEST(RefractionRun, RaysSeeTheSameGround) {
   EXPECT_LT(errors_of(rays, g, 0).sum, 0.015);  // of the rays' own sampling
 }
 
-// Where the bed lies, up to a metre from where it is seen: a sample's energy over an even bed's is the mean
-// of the texture over its ring.
-TEST(RefractionRun, MicroTextureIsThatOfTheTrueBed) {
-  const double g = -2, cr = c_sonar + g * above_bed_m;
+// Where the seabed lies, up to a metre from where it is seen: a sample's energy over an even seabed's is the
+// mean of the texture over its ring.
+TEST(RefractionRun, MicroTextureIsThatOfTheTrueSeabed) {
+  const double g = -2, cr = c_sonar + g * above_seabed_m;
   const std::string even =
       scene_in(gradient(g, 0, "refraction_gap_m = 0.002\nrefraction_tolerance_db = 0.02"));
   const Echoes plain = echoes_of(even),
@@ -130,7 +130,7 @@ TEST(RefractionRun, MicroTextureIsThatOfTheTrueBed) {
     for (int i = 0; i < n; ++i) {
       const double r = plain.first_m(k) + (i + 0.5) / n * (plain.last_m(k) - plain.first_m(k));
       const double x = std::sqrt(2 * c_sonar * cr / (g * g) * (std::cosh(g * r / c_sonar) - 1) -
-                                 above_bed_m * above_bed_m);
+                                 above_seabed_m * above_seabed_m);
       for (int j = 0; j < n; ++j) {
         const double heading = 37 * degree + fan_rad * ((j + 0.5) / n - 0.5);
         mean += texture.factor({x * std::sin(heading), x * std::cos(heading), 0}) / n / n;
@@ -143,11 +143,11 @@ TEST(RefractionRun, MicroTextureIsThatOfTheTrueBed) {
   EXPECT_GT(most - least, 0.5);
 }
 
-// The fan ends 85 degrees below the horizontal: when that ray touches the bed is when it starts to return.
+// The fan ends 85 degrees below the horizontal: when that ray touches the seabed is when it starts to return.
 TEST(RefractionRun, FirstEchoComesWithTheSteepestRay) {
   for (const double g : {-2.0, 2.0}) {
     const Echoes echoes = echoes_of(scene_in(gradient(g)));
-    const double cs = std::cos(85 * degree), cr = cs * (c_sonar + g * above_bed_m) / c_sonar;
+    const double cs = std::cos(85 * degree), cr = cs * (c_sonar + g * above_seabed_m) / c_sonar;
     const double t = (std::atanh(std::sqrt(1 - cs * cs)) - std::atanh(std::sqrt(1 - cr * cr))) / g;
     std::size_t first = 0;
     while (echoes.at(0, 0, first) == 0) ++first;
@@ -163,7 +163,7 @@ TEST(RefractionRun, AlmostIsovelocityWaterIsTheStraightRun) {
   EXPECT_LT(largest_relative_difference(straight, refracted), 1e-6);
 }
 
-/// Rays by Runge-Kutta through layers, from the sonar to the bed: range, time, arrival, by launch angle.
+/// Rays by Runge-Kutta through layers, from the sonar to the seabed: range, time, arrival, by launch angle.
 struct Landing {
   double range_m, time_s, arrival_rad;
 };
@@ -206,7 +206,7 @@ TEST(RefractionRun, SeveralLayersAgreeWithRaysIntegratedApart) {
   };
   const Echoes echoes = echoes_in(
       folder, scene_in("profile = \"table\"\nprofile_file = \"profile.csv\"\nabsorption_db_per_km = 0"));
-  // What lands between two launch angles: mu sin(arrival) over the area per steradian from the bed back.
+  // What lands between two launch angles: mu sin(arrival) over the area per steradian from the seabed back.
   const double cs = speed(10), cr = speed(20);
   std::vector<Landing> rays;
   std::vector<double> launch;
@@ -237,8 +237,8 @@ TEST(RefractionRun, SeveralLayersAgreeWithRaysIntegratedApart) {
 }
 
 TEST(RefractionRun, ShadowsAreLeftOutAndTold) {
-  // Sound bends up from the bed; the last ray to touch it is level there.
-  const double g = 10, cr = c_sonar + g * above_bed_m;
+  // Sound bends up from the seabed; the last ray to touch it is level there.
+  const double g = 10, cr = c_sonar + g * above_seabed_m;
   const Checkpoint run(replaced(scene_in(gradient(g)), "window_length_m = 32", "window_length_m = 62"));
   ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
   EXPECT_THAT(run.outcome.err, HasSubstr("shadow zone"));
@@ -284,7 +284,7 @@ TEST(RefractionRun, AuditClosesOnEveryTube) {
   EXPECT_THAT(outcome.out, HasSubstr("failures       0\n"));
 }
 
-TEST(RefractionRun, FootprintsLieOnTheTrueBed) {
+TEST(RefractionRun, FootprintsLieOnTheTrueSeabed) {
   const TestFolder folder;
   const auto file = folder.write("scene.toml", scene_in(gradient(-1)));
   const auto output = folder / "seen.geojson";
@@ -306,8 +306,8 @@ TEST(RefractionRun, FootprintsLieOnTheTrueBed) {
     farthest = std::max(farthest, std::hypot(row.at("centroid_east_m").get<double>(),
                                              row.at("centroid_north_m").get<double>()));
   }
-  // A wedge of the bed from under the steepest ray to the reach of 40 m, or a little beyond: footprints are
-  // whole facets' parts.
+  // A wedge of the seabed from under the steepest ray to the reach of 40 m, or a little beyond: footprints
+  // are whole facets' parts.
   EXPECT_GT(farthest, 30);
   EXPECT_GT(area, fan_rad / 2 * 38 * 38 * 0.97);
 }

@@ -14,7 +14,7 @@
 #include "fixtures/scene_texts.hpp"
 #include "fixtures/world/echoes.hpp"
 #include "fixtures/world/read_scenes.hpp"
-#include "run/refined_bed_file.hpp"
+#include "run/refined_surface_file.hpp"
 #include "scene/scene.hpp"
 
 namespace tubefoot {
@@ -109,7 +109,7 @@ TEST(ReliefRun, OnlineEqualsOfflineEqualsTheFile) {
   EXPECT_GE(told.at("change_by_finer_relief").at("largest"), told.at("change_by_finer_relief").at("rms"));
   EXPECT_THAT(online.out, HasSubstr("first-order estimates for the worst ping, not certified"));
 
-  // A bed of another scene, a damaged one, and one that is not there.
+  // A seabed of another scene, a damaged one, and one that is not there.
   const auto refused = [&](std::string_view text) {
     const Outcome outcome = run_program(
         {"run", folder.write("refused.toml", text).string(), "-o", (folder / "refused").string()});
@@ -124,8 +124,8 @@ TEST(ReliefRun, OnlineEqualsOfflineEqualsTheFile) {
   EXPECT_THAT(refused(replaced(with_file, "bed.ply", "no.ply")), HasSubstr("tubefoot refine"));
 }
 
-// A refined bed is another's where a map of its heights differs, wherever on two facets that is.
-TEST(ReliefRun, ABedIsKnownByItsHeightsAllOverFewFacets) {
+// A refined seabed is another's where a map of its heights differs, wherever on two facets that is.
+TEST(ReliefRun, ASeabedIsKnownByItsHeightsAllOverFewFacets) {
   const TestFolder folder;
   constexpr int cells = 60;
   const auto hash = [&](int bump_row, int bump_column) {
@@ -141,7 +141,7 @@ TEST(ReliefRun, ABedIsKnownByItsHeightsAllOverFewFacets) {
                             "\"map.asc\"\n[relief]\nmode = \"offline\"\ncell_m = 0.3\n[trajectory]\nkind = "
                             "\"fixed\"\n[[sensors]]\nname = \"camera\"\nkind = \"didson\"\n",
                         folder / "scene.toml"));
-    return bed_hash(loaded, 0.3);
+    return seabed_hash(loaded, 0.3);
   };
   std::set<std::string> hashes{hash(-1, -1)};
   for (int row = 0; row < 6; ++row)
@@ -311,7 +311,7 @@ TEST(ReliefRun, RefusesWhatCannotBe) {
     EXPECT_EQ(outcome.exit_code, 2) << outcome.out;
     return outcome.err;
   };
-  // Over the flat bed by 1 mm, but under a crest of the relief somewhere.
+  // Over the flat seabed by 1 mm, but under a crest of the relief somewhere.
   EXPECT_THAT(refused(replaced(replaced(scene, "[0.2, -5, 1.5]", "[0.2, -5, 0.001]"), "[0.2, 5, 1.5]",
                                "[0.2, 5, 0.001]")),
               HasSubstr("below the seabed"));

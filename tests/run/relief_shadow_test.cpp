@@ -32,8 +32,8 @@ wavelength_m = 0.4
 depth = 0.9
 )";
 
-/// A camera 1 m above the bed that looks level and north: beams are bounded by vertical planes, and from 3 to
-/// 11 m of slant range the bed, if it were flat, is met at 19 to 5 degrees.
+/// A camera 1 m above the seabed that looks level and north: beams are bounded by vertical planes, and from 3
+/// to 11 m of slant range the seabed, if it were flat, is met at 19 to 5 degrees.
 std::string scene_of(std::string_view textures, std::string_view more = "") {
   return fmt::format(R"(
 [water]

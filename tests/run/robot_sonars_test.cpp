@@ -56,7 +56,7 @@ TEST(ListedBeams, OfEqualAnglesAreAnEquiangularFan) {
             1e-9);
 }
 
-// On a flat bed a sample is a band of elevations, and a Gaussian about the horizontal falls along it.
+// On a flat seabed a sample is a band of elevations, and a Gaussian about the horizontal falls along it.
 TEST(VerticalPatterns, WeighEachElevationByTheirProduct) {
   const std::string fan =
       "kind = \"imaging\"\nbeams = 3\nhorizontal_deg = 9\nyaw_deg = 120\nvertical_deg = 120\n";

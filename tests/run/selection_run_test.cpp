@@ -23,7 +23,7 @@ using testing::HasSubstr;
 using testing::Not;
 using Words = std::vector<std::string>;
 
-/// Two cameras that share their transmissions, one that does not, and a sidescan, over a rough bed with a
+/// Two cameras that share their transmissions, one that does not, and a sidescan, over a rough seabed with a
 /// ball.
 std::string scene_with(const std::string& water, const std::string& material, const std::string& of_camera,
                        const std::string& more = "") {

@@ -60,7 +60,7 @@ void expect_refused(const std::string& text, const std::vector<std::string>& wor
   EXPECT_FALSE(std::filesystem::exists(out));
 }
 
-TEST(SensorPlace, OnABedAnEdgeOrAVertexIsRefused) {
+TEST(SensorPlace, OnASeabedAnEdgeOrAVertexIsRefused) {
   expect_refused(scene("[1, 3, 0]"),
                  {"lies exactly on a facet of 'terrain' at ping 0", "a millimetre will do"});
   expect_refused(scene("[0, 3, 0]"), {"lies exactly on an edge of 'terrain'"});
@@ -74,7 +74,7 @@ TEST(SensorPlace, OnAnObjectIsRefused) {
 }
 
 TEST(SensorPlace, OnTheWayIsReportedWithItsPing) {
-  // From above the bed down to it: the fourth ping is there.
+  // From above the seabed down to it: the fourth ping is there.
   expect_refused(
       "[[materials]]\nname = \"sand\"\n[[terrain]]\nkind = \"flat\"\nwidth_m = 20\nlength_m = 40\n"
       "[trajectory]\nkind = \"line\"\nstart_m = [1, -3, 3]\nend_m = [1, 5, -5]\nspeed_m_s = "
@@ -85,7 +85,7 @@ TEST(SensorPlace, OnTheWayIsReportedWithItsPing) {
 
 TEST(SensorPlace, InThePlaneOfAFacetButNotOnItIsAPlaceLikeAnother) {
   const TestFolder folder;
-  // Beside the bed, level with it.
+  // Beside the seabed, level with it.
   const Outcome outcome = run_program({"check", folder.write("scene.toml", scene("[15, 3, 0]")).string()});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
 }
@@ -101,7 +101,7 @@ TEST(NarrowBeams, BelowWhatDirectionsTellApartAreRefused) {
 }
 
 TEST(NarrowBeams, AreWorthWhatTheWarningSays) {
-  // The energy of a bed in a sector is proportional to its width: a hundredth of it at most is off at the
+  // The energy of a seabed in a sector is proportional to its width: a hundredth of it at most is off at the
   // limit.
   const TestFolder folder;
   const auto total = [&](const std::string& name, double width_deg, bool told) {

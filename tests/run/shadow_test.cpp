@@ -14,7 +14,7 @@ namespace {
 
 constexpr double beam_rad = 0.3 * std::numbers::pi / 180;
 
-/// One narrow beam, 5 m above the bed, that looks north; samples of 1 cm whose borders lie at odd half
+/// One narrow beam, 5 m above the seabed, that looks north; samples of 1 cm whose borders lie at odd half
 /// centimetres.
 std::string camera_scene(const std::string& rest) {
   return R"(
@@ -39,7 +39,7 @@ window_length_m = 12
 )" + rest;
 }
 
-const std::string bed = "[[terrain]]\nkind = \"flat\"\nwidth_m = 50\nlength_m = 100\n";
+const std::string seabed = "[[terrain]]\nkind = \"flat\"\nwidth_m = 50\nlength_m = 100\n";
 /// One metre high, 1 cm thick, its far side 10 m north.
 const std::string wall =
     "[[objects]]\nname = \"wall\"\nshape = \"box\"\nsize_m = [20, 0.01, 1]\nposition_m = [0, 9.995, 0.5]\n";
@@ -50,8 +50,8 @@ const std::string sphere =
 constexpr double wall_shadow_end_m = 13.462912018, sphere_first_m = 9.770329614,
                  sphere_shadow_end_m = 17.631740393;
 
-/// Energy of a bare bed between two slant ranges (physics.md 7.5).
-double bare_bed(double near_m, double far_m) {
+/// Energy of a bare seabed between two slant ranges (physics.md 7.5).
+double bare_seabed(double near_m, double far_m) {
   return std::pow(10, -2.7) * 25 * beam_rad / 4 * (std::pow(near_m, -4) - std::pow(far_m, -4));
 }
 
@@ -60,23 +60,23 @@ void expect_dark(const Echoes& echoes, std::size_t first, std::size_t last) {
 }
 
 TEST(Shadow, OfAThinWallEndsWhereHeightAndRangeSay) {
-  const Echoes echoes = echoes_of(camera_scene(bed + wall));
+  const Echoes echoes = echoes_of(camera_scene(seabed + wall));
   const std::size_t end = echoes.sample_at(wall_shadow_end_m);
-  // The wall's foot is the last of it: 9.99 m north on the bed.
+  // The wall's foot is the last of it: 9.99 m north on the seabed.
   expect_dark(echoes, echoes.sample_at(std::hypot(9.99, 5)) + 1, end - 1);
-  const double lit = bare_bed(wall_shadow_end_m, echoes.last_m(end));
+  const double lit = bare_seabed(wall_shadow_end_m, echoes.last_m(end));
   EXPECT_NEAR(echoes.at(0, 0, end) / lit, 1, 0.01);
-  // In front of the wall and behind its shadow lies the bare bed.
+  // In front of the wall and behind its shadow lies the bare seabed.
   for (const double range_m : {9.0, 10.6, 13.6, 19.9}) {
     const std::size_t k = echoes.sample_at(range_m);
-    EXPECT_NEAR(echoes.at(0, 0, k) / bare_bed(echoes.first_m(k), echoes.last_m(k)), 1, 1e-5) << range_m;
+    EXPECT_NEAR(echoes.at(0, 0, k) / bare_seabed(echoes.first_m(k), echoes.last_m(k)), 1, 1e-5) << range_m;
   }
 }
 
 TEST(Shadow, WallItselfIsSeenBeforeItsShadow) {
-  const Echoes echoes = echoes_of(camera_scene(bed + wall));
+  const Echoes echoes = echoes_of(camera_scene(seabed + wall));
   for (std::size_t k = echoes.sample_at(10.78); k < echoes.sample_at(11.16); ++k)
-    EXPECT_GT(echoes.at(0, 0, k), 3 * bare_bed(echoes.first_m(k), echoes.last_m(k))) << "sample " << k;
+    EXPECT_GT(echoes.at(0, 0, k), 3 * bare_seabed(echoes.first_m(k), echoes.last_m(k))) << "sample " << k;
 }
 
 TEST(Shadow, SphereReturnsFirstFromItsNearestPoint) {
@@ -89,12 +89,12 @@ TEST(Shadow, SphereReturnsFirstFromItsNearestPoint) {
   expect_dark(echoes, echoes.sample_at(std::sqrt(115.0) + 0.032) + 1, echoes.samples - 1);
 }
 
-TEST(Shadow, OfASphereOnTheBedEndsAtItsTangent) {
-  const Echoes echoes = echoes_of(camera_scene(bed + sphere));
+TEST(Shadow, OfASphereOnTheSeabedEndsAtItsTangent) {
+  const Echoes echoes = echoes_of(camera_scene(seabed + sphere));
   const std::size_t end = echoes.sample_at(sphere_shadow_end_m);
   expect_dark(echoes, echoes.sample_at(std::hypot(9.758731568, 5)) + 1, end - 1);
   const std::size_t lit = end + 1;
-  EXPECT_NEAR(echoes.at(0, 0, lit) / bare_bed(echoes.first_m(lit), echoes.last_m(lit)), 1, 1e-5);
+  EXPECT_NEAR(echoes.at(0, 0, lit) / bare_seabed(echoes.first_m(lit), echoes.last_m(lit)), 1, 1e-5);
 }
 
 // A sidescan's shadow lies beyond its object, away from the track, on both sides.

@@ -20,7 +20,7 @@ namespace {
 constexpr int pings = 60, samples = 400;
 constexpr double range_m = 20, spacing_m = 0.2;
 
-/// 5 m above a dark bed, 12 m long to the north, past a sphere that lies `tx_m` to starboard, 8 m from the
+/// 5 m above a dark seabed, 12 m long to the north, past a sphere that lies `tx_m` to starboard, 8 m from the
 /// start.
 std::string scene_with_target(double tx_m, bool georeferenced = true) {
   return fmt::format(R"({}[water]
@@ -153,7 +153,7 @@ TEST_P(SidescanRun, TargetAheadIsOnItsSideInEveryFile) {
   EXPECT_NEAR(echo.sample * step_m, slant_m, 0.3);
 
   for (const std::string name : {"fish-waterfall.png", "fish.exr"}) {
-    const Brightest at = brightest_of(results / name, 150);  // below the fish the bed is white, too
+    const Brightest at = brightest_of(results / name, 150);  // below the fish the seabed is white, too
     EXPECT_EQ(at.width, 2 * samples) << name;
     EXPECT_EQ(at.height, pings) << name;
     EXPECT_NEAR(at.y, target_ping, 2) << name;  // the first ping is the first row

@@ -20,7 +20,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Looks all but all round from 5 m below a rough surface, over a small bed.
+/// Looks all but all round from 5 m below a rough surface, over a small seabed.
 std::string under_the_surface(const std::string& paths, const std::string& water = still_water()) {
   return water + "[sea_surface]\nloss_db = 1.5\nrms_roughness_m = 0.03\n[paths]\n" + paths +
          lambert_material("bed", -10) + flat_terrain(16, 16, "centre_m = [0, 0, -20]\n") +
@@ -106,7 +106,7 @@ TEST(SignalPaths, AreOfTheOrdersThatAreRequested) {
   EXPECT_EQ(orders("order = 2\n", 0), (Found{"2", "2"}));
   EXPECT_EQ(orders("order = 3\n", 0), (Found{"2", "2", "3"}));
   EXPECT_EQ(orders("order = 3\nonly_order = 3\n", 0), (Found{"3"}));
-  // Upwards: the surface itself, and the bed by it.
+  // Upwards: the surface itself, and the seabed by it.
   EXPECT_EQ(orders("order = 3\n", -90), (Found{"1!", "3"}));
 }
 

@@ -34,7 +34,7 @@ using Complex = std::complex<double>;
 
 constexpr double sound_speed = 1500;
 
-/// Rigged so that all of a small bed is seen, 6 m below and ahead.
+/// Rigged so that all of a small seabed is seen, 6 m below and ahead.
 std::string scene(const std::string& sensor, const std::string& more = "", double extent_m = 1.5) {
   return fmt::format(
       "[water]\nsound_speed_m_s = 1500\nabsorption_db_per_km = 0\n"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where a beam has no surface any more: by the outline of a flat bed, whatever hides it.
+// Where a beam has no surface any more: by the outline of a flat seabed, whatever hides it.
 #include "run/surfaces.hpp"
 
 #include <OpenImageIO/imageio.h>
@@ -20,9 +20,9 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180, height_m = 2, half_width_m = 4, ahead_m = 9;
 
-/// A camera 2 m above the middle of a bed that ends 4 m to either side and 9 m ahead; level, so that its
+/// A camera 2 m above the middle of a seabed that ends 4 m to either side and 9 m ahead; level, so that its
 /// beams' walls are upright.
-std::string bed_seen(const std::string& more = {}, const std::string& keys = {}) {
+std::string seabed_seen(const std::string& more = {}, const std::string& keys = {}) {
   return lambert_material("sand", -27) +
          flat_terrain(2 * half_width_m, 2 * ahead_m, "material = \"sand\"\n") + more +
          fixed_at(0, 0, height_m) +
@@ -32,7 +32,7 @@ std::string bed_seen(const std::string& more = {}, const std::string& keys = {})
          keys;
 }
 
-/// A wall across the bed, higher than the camera.
+/// A wall across the seabed, higher than the camera.
 const std::string wall =
     "[[objects]]\nname = \"wall\"\nmaterial = \"sand\"\nshape = \"box\"\nsize_m = [30, 0.2, 8]\nposition_m = "
     "[0, 3, 4]\n";
@@ -46,7 +46,7 @@ std::vector<int> surfaces_in(const std::string& text, bool without_echoes = true
   return samples_with_surfaces(*survey, 0, 0, energy);
 }
 
-/// The farthest point of the bed between two azimuths.
+/// The farthest point of the seabed between two azimuths.
 double farthest_m(double from, double to) {
   double farthest = 0;
   for (int k = 0; k <= 10000; ++k) {
@@ -57,8 +57,8 @@ double farthest_m(double from, double to) {
   return std::hypot(farthest, height_m);
 }
 
-TEST(Surfaces, EndWhereTheBedEnds) {
-  const std::vector<int> found = surfaces_in(bed_seen());
+TEST(Surfaces, EndWhereTheSeabedEnds) {
+  const std::vector<int> found = surfaces_in(seabed_seen());
   for (std::size_t beam = 0; beam < 24; ++beam) {
     const double from = (-60 + 5 * double(beam)) * degree;
     EXPECT_NEAR(found[beam], (farthest_m(from, from + 5 * degree) - 1) / 14 * 400, 1.01) << "beam " << beam;
@@ -66,25 +66,25 @@ TEST(Surfaces, EndWhereTheBedEnds) {
 }
 
 TEST(Surfaces, AreThereInShadowToo) {
-  const std::vector<int> seen = surfaces_in(bed_seen());
-  const std::vector<int> hidden = surfaces_in(bed_seen(wall), false);
+  const std::vector<int> seen = surfaces_in(seabed_seen());
+  const std::vector<int> hidden = surfaces_in(seabed_seen(wall), false);
   const TestFolder folder;
-  const Echoes echoes = echoes_in(folder, bed_seen(wall));
-  for (std::size_t beam = 8; beam < 16; ++beam) {  // those whose bed ends ahead, behind the wall
+  const Echoes echoes = echoes_in(folder, seabed_seen(wall));
+  for (std::size_t beam = 8; beam < 16; ++beam) {  // those whose seabed ends ahead, behind the wall
     EXPECT_EQ(echoes.at(0, beam, std::size_t(seen[beam]) - 5), 0) << "the wall hides it";
     EXPECT_EQ(hidden[beam], seen[beam]) << "beam " << beam;
   }
 }
 
 TEST(Surfaces, AreAsManyWhetherOneAsksTheEchoesOrNot) {
-  EXPECT_EQ(surfaces_in(bed_seen(), false), surfaces_in(bed_seen()));
+  EXPECT_EQ(surfaces_in(seabed_seen(), false), surfaces_in(seabed_seen()));
 }
 
 TEST(Surfaces, OfABeamThatLooksAwayAreNone) {
-  const std::vector<int> up = surfaces_in(bed_seen({}, "tilt_deg = -60\n"));
+  const std::vector<int> up = surfaces_in(seabed_seen({}, "tilt_deg = -60\n"));
   EXPECT_THAT(up, testing::Each(0));
   const std::vector<int> all =
-      surfaces_in(replaced(bed_seen(), "window_length_m = 14", "window_length_m = 2"));
+      surfaces_in(replaced(seabed_seen(), "window_length_m = 14", "window_length_m = 2"));
   EXPECT_THAT(all, testing::Each(testing::Gt(0)));
 }
 
@@ -94,8 +94,8 @@ TEST(Surfaces, AreNotKnownWhereRaysBendOrTheReceiverIsApart) {
     const auto survey = open_survey(read_scene_file(folder.write("scene.toml", text)));
     return surfaces_are_known(*survey, 0);
   };
-  EXPECT_FALSE(known(bed_seen({}, "receiver_arm_m = [0.4, 0, 0]\n")));
-  EXPECT_FALSE(known(bed_seen() +
+  EXPECT_FALSE(known(seabed_seen({}, "receiver_arm_m = [0.4, 0, 0]\n")));
+  EXPECT_FALSE(known(seabed_seen() +
                      "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\ngradient_per_s = 0.5\n"
                      "profile_bottom_m = 30\nsurface_height_m = 10\n"));
 }
@@ -122,13 +122,13 @@ TEST(Surfaces, OfARunAreInItsPictures) {
     EXPECT_EQ(ran.exit_code, 0) << ran.err;
     return folder / name / "camera-0000.png";
   };
-  const auto small = drawn("small", bed_seen()), hidden = drawn("hidden", bed_seen(wall)),
-             large = drawn("large",
-                           replaced(bed_seen(), "width_m = 8\nlength_m = 18", "width_m = 80\nlength_m = 80"));
+  const auto small = drawn("small", seabed_seen()), hidden = drawn("hidden", seabed_seen(wall)),
+             large = drawn("large", replaced(seabed_seen(), "width_m = 8\nlength_m = 18",
+                                             "width_m = 80\nlength_m = 80"));
   EXPECT_GT(pixels_like(small, palette.beyond), 20'000u);
   EXPECT_EQ(pixels_like(large, palette.beyond), 0u);
   // A shadow is as dark as ever, and nothing of it is taken for open water; the wall itself reaches beyond
-  // the bed in the outer beams.
+  // the seabed in the outer beams.
   const auto open_water = static_cast<double>(pixels_like(small, palette.beyond));
   EXPECT_NEAR(static_cast<double>(pixels_like(hidden, palette.beyond)), open_water, 0.05 * open_water);
   EXPECT_GT(pixels_like(hidden, DecibelScale::at_level(0)),

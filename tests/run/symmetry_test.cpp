@@ -29,7 +29,7 @@ double bumps(double east, double north) {
          0.1 * std::sin(1.9 * east - 1.3 * north);
 }
 
-/// A sidescan 6 m above a bed, heading as told, with a box 12 m away in a compass direction.
+/// A sidescan 6 m above a seabed, heading as told, with a box 12 m away in a compass direction.
 std::string box_scene(double heading_deg, double box_bearing_deg, bool with_box) {
   const double bearing = box_bearing_deg * 3.14159265358979 / 180;
   std::string scene = lambert_material("sand", -27) + flat_terrain(90, 90) +
@@ -93,7 +93,8 @@ TEST(MirroredScene, SwapsPortAndStarboard) {
         if (a != b) worst = std::max(worst, std::abs(a - b) / std::max(a, b));
       }
     EXPECT_LT(worst, 1e-12);
-    EXPECT_GT(largest_relative_difference(there, mirrored_there), 0.01);  // the bed is not symmetric itself
+    EXPECT_GT(largest_relative_difference(there, mirrored_there),
+              0.01);  // the seabed is not symmetric itself
   }
 }
 

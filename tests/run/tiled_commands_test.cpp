@@ -216,21 +216,21 @@ TEST(TiledBlocks, HoldEachFacetOnceWithThePingsThatMaySeeIt) {
   EXPECT_EQ(seen.size(), pings.size());
 }
 
-TEST(TiledRefine, WritesTheBedOfTheWhole) {
+TEST(TiledRefine, WritesTheSeabedOfTheWhole) {
   const TestFolder folder;
   write_mosaic(folder, true);
   const std::string text =
       with_ripples(scene("", std::string(diagonal) + std::string(sidescan) + "[relief]\ncell_m = 0.3\n"));
-  std::vector<std::string> beds;
+  std::vector<std::string> seabeds;
   for (const char* load : {"whole", "tiles"}) {
     const auto file = folder.write(
         "scene.toml", replaced(text, "{}", terrain("mosaic.vrt", load, "window = [60, 50, 150, 140]\n")));
     const Outcome outcome = run_program({"refine", file.string(), "-o", (folder / load).string()});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-    beds.push_back(bytes_of(folder / load));
+    seabeds.push_back(bytes_of(folder / load));
   }
-  EXPECT_GT(beds[0].size(), 1000000u);
-  EXPECT_TRUE(beds[0] == beds[1]);
+  EXPECT_GT(seabeds[0].size(), 1000000u);
+  EXPECT_TRUE(seabeds[0] == seabeds[1]);
 }
 
 }  // namespace

@@ -118,7 +118,7 @@ std::vector<TiledCase> scenes() {
       {"ReceiverApart", scene("", line + few + "receiver_arm_m = [0.3, 0, 0]\n"), true},
       {"PathsOverTheSurface", scene("[sea_surface]\nheight_m = 0\n[paths]\norder = 2\n",
                                     line + replaced(few, "range_max_m = 22", "range_max_m = 9"))},
-      {"RefractingWaterUnderASurface",  // that alone is looked at: no sector holds the bed
+      {"RefractingWaterUnderASurface",  // that alone is looked at: no sector holds the seabed
        scene(refracting + "[sea_surface]\nheight_m = 0\n[paths]\norder = 3\n",
              line + "[[sensors]]\nname = \"up\"\nkind = \"imaging\"\nbeams = 4\nhorizontal_deg = 20\n"
                     "vertical_deg = 40\ntilt_deg = -50\nrange_min_m = 14\nrange_max_m = 26\nsamples = 20\n"
@@ -215,7 +215,7 @@ TEST(TiledTerrainFiles, CheckSaysWhatIsThereWithoutLoadingIt) {
 }
 
 // Cells that make more facets than may be held are refused before they are tried, by tiles as for the whole.
-TEST(TiledTerrainFiles, TooFineABedIsRefusedBeforeItIsMade) {
+TEST(TiledTerrainFiles, TooFineASeabedIsRefusedBeforeItIsMade) {
   const TestFolder folder;
   write_mosaic(folder, false);
   for (const char* load : {"whole", "tiles"}) {
@@ -230,8 +230,8 @@ TEST(TiledTerrainFiles, TooFineABedIsRefusedBeforeItIsMade) {
   }
 }
 
-// A bed that was refined once, for the whole or by tiles, is read back by tiles, a region at a time.
-TEST(TiledTerrainFiles, ARefinedBedIsReadByTiles) {
+// A seabed that was refined once, for the whole or by tiles, is read back by tiles, a region at a time.
+TEST(TiledTerrainFiles, ARefinedSeabedIsReadByTiles) {
   const TestFolder folder;
   write_mosaic(folder, true);
   const auto text = [&](std::string_view load, std::string_view more) {
@@ -259,7 +259,7 @@ TEST(TiledTerrainFiles, ARefinedBedIsReadByTiles) {
     EXPECT_EQ(energies("tiles", "file = \"bed.ply\"\n", 512), expected);
     EXPECT_EQ(energies("tiles", "file = \"bed.ply\"\n", 0), expected);
   }
-  // Of another bed: one height differs.
+  // Of another seabed: one height differs.
   GDALAllRegister();
   {
     const GDALDatasetUniquePtr data(GDALDataset::Open((folder / "part0.tif").c_str(), GDAL_OF_UPDATE));

@@ -79,8 +79,8 @@ std::vector<Map> maps() {
           {"a tangent plane, 4 km away", "", 0, 0, on_tangent, false, 4000, 4000.0 * 4000 / (2 * 6396970)}};
 }
 
-/// A bed 30 m below height 0; two multibeams, a sidescan, a DIDSON and an ARIS sink from 5.5 to 8.5 m while
-/// they go 20 m.
+/// A seabed 30 m below height 0; two multibeams, a sidescan, a DIDSON and an ARIS sink from 5.5 to 8.5 m
+/// while they go 20 m.
 constexpr double map_heading_deg = 36.86989764584402;
 std::string scene_on(const Map& map) {
   return fmt::format(R"(

@@ -35,7 +35,7 @@ TEST(WellHead, IsReadWholeByTheScenesThatNameIt) {
   }
 }
 
-/// Cells in the water before the bed (5.3 to 5.9 m) with an echo above -45 dB of the loudest of all.
+/// Cells in the water before the seabed (5.3 to 5.9 m) with an echo above -45 dB of the loudest of all.
 std::size_t bright_water(const char* scene) {
   const TestFolder folder;
   const Outcome outcome =

@@ -16,7 +16,7 @@
 #include "files/csv_file.hpp"
 #include "files/memory_at_hand.hpp"
 #include "geometry/mesh/plan_cut.hpp"
-#include "scene/beds/material_map.hpp"
+#include "scene/surfaces/material_map.hpp"
 
 namespace tubefoot {
 namespace {

@@ -82,7 +82,7 @@ double scattered(double mu, glm::dvec3 from, glm::dvec3 to, glm::dvec3 at, glm::
 }
 
 // README.md: E = mu H^2 w (r0^-4 - r1^-4) / 4; w between the rounded corner rays.
-TEST(SuiteAnswers, FlatBedsHoldTheirClosedForm) {
+TEST(SuiteAnswers, FlatSeabedsHoldTheirClosedForm) {
   const TestFolder folder;
   for (const std::vector<std::string>& set : {std::vector<std::string>{}, {"--seed", "flat"}}) {
     std::vector<std::string> options{"--scenes", "grazing,large-flat"};

@@ -173,8 +173,8 @@ TEST(SuiteAspects, ALawOfRangeIsNamedOnceAndTakenOffTheOthers) {
   ASSERT_EQ(results.check(), 3);
   EXPECT_THAT(results.wrong(), ElementsAre("range-law"));
   ASSERT_EQ(results.check("--relative"), 0) << results.said();
-  // Another law of grazing: sin instead of sin^2 is one power of range on a flat bed, and nothing on plates
-  // square to the sonar.
+  // Another law of grazing: sin instead of sin^2 is one power of range on a flat seabed, and nothing on
+  // plates square to the sonar.
   everywhere([](double) { return 1.0; });
   for (const std::string scene : {"grazing", "large-flat"}) results.change(scene, [](double r) { return r; });
   ASSERT_EQ(results.check(), 3);

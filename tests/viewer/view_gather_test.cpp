@@ -28,7 +28,7 @@ namespace {
 
 constexpr double most_bytes_a_footprint = 140;
 
-/// A box on a rough bed that reaches beyond the range samples on both sides.
+/// A box on a rough seabed that reaches beyond the range samples on both sides.
 std::string rough_scene(const std::string& material, const std::string& sensor) {
   return lambert_material("sand", -27) + material + "\n" + lambert_material("steel", -8) +
          rough_terrain(40, 60, 0.5, "material = \"sand\"\nrms_height_m = 0.05\n") + box_ahead(5) +
@@ -220,7 +220,7 @@ TEST(ViewedPings, AreAsManyAsFit) {
   EXPECT_THROW(view_of(*lines, 0, PingRange{0, 4}, limits), UsageError);
 }
 
-/// A flat bed of two facets seen from 2 m, with or without a cube of 1 m on it.
+/// A flat seabed of two facets seen from 2 m, with or without a cube of 1 m on it.
 std::string flat_scene(bool with_box) {
   return std::string(R"([[materials]]
 name = "sand"
@@ -243,21 +243,21 @@ window_length_m = 20
 )";
 }
 
-/// How many of a list's polygons hold a place of the bed, seen from above.
+/// How many of a list's polygons hold a place of the seabed, seen from above.
 int holding(const ViewPolygons& polygons, double x, double y) {
   int count = 0;
   std::size_t corner = 0;
   for (const std::uint16_t n : polygons.corners_of) {
-    bool left = true, right = true, on_bed = true;
+    bool left = true, right = true, surface_apex = true;
     for (std::size_t k = 0; k < n; ++k) {
       const glm::dvec3 a = polygons.corners_m[corner + k], b = polygons.corners_m[corner + (k + 1) % n];
       const double side = (b.x - a.x) * (y - a.y) - (b.y - a.y) * (x - a.x);
       left = left && side >= 0;
       right = right && side <= 0;
-      on_bed = on_bed && std::abs(a.z) < 1e-6;
+      surface_apex = surface_apex && std::abs(a.z) < 1e-6;
     }
     corner += n;
-    count += on_bed && (left || right);
+    count += surface_apex && (left || right);
   }
   return count;
 }
@@ -265,9 +265,9 @@ int holding(const ViewPolygons& polygons, double x, double y) {
 TEST(ViewedShadows, LieBehindWhatHides) {
   const TestFolder folder;
   const auto empty = open_survey(read_scene_file(folder.write("empty.toml", flat_scene(false))));
-  const ViewData bed = view_of(*empty, 0, {});
-  EXPECT_TRUE(bed.shadows.corners_of.empty()) << "nothing hides anything on a flat bed";
-  EXPECT_GT(holding(bed.shapes, 0.013, 5), 0);
+  const ViewData seabed = view_of(*empty, 0, {});
+  EXPECT_TRUE(seabed.shadows.corners_of.empty()) << "nothing hides anything on a flat bed";
+  EXPECT_GT(holding(seabed.shapes, 0.013, 5), 0);
 
   const auto survey = open_survey(read_scene_file(folder.write("cube.toml", flat_scene(true))));
   const ViewData view = view_of(*survey, 0, {});
@@ -282,7 +282,7 @@ TEST(ViewedShadows, LieBehindWhatHides) {
     EXPECT_GT(holding(view.shapes, 0.013, y) + holding(view.shadows, 0.013, y), 0) << y;
 }
 
-/// Both ends see the bed but for what the cube hides from either.
+/// Both ends see the seabed but for what the cube hides from either.
 TEST(ViewedShadows, AreThoseOfBothEndsWhereTheReceiverIsApart) {
   const TestFolder folder;
   const auto survey = open_survey(

@@ -15,8 +15,8 @@
 #include <string>
 #include <utility>
 
-#include "engine/signal/bed_scatterers.hpp"
 #include "engine/signal/coherent_signals.hpp"
+#include "engine/signal/surface_scatterers.hpp"
 #include "engine/visibility/tube_engine.hpp"
 #include "scene/scene.hpp"
 #include "sensors/kinds/scene_file.hpp"
@@ -111,8 +111,8 @@ void compare(const char* what, const ChannelSignals& signals, const ChannelSigna
   fmt::print("  {}: rms error {:.1e} of the rms signal\n", what, std::sqrt(difference / power));
 }
 
-/// Large polygons: a flat bed 10 m below.
-Place flat_bed(glm::dvec3 apex) {
+/// Large polygons: a flat seabed 10 m below.
+Place flat_seabed(glm::dvec3 apex) {
   static const std::vector<double> mu{0.01};
   static const std::vector<std::uint16_t> material{0};
   Place place;
@@ -192,7 +192,7 @@ void run(double reach_m, int most_elements, bool direct) {
     }
   };
   if (!direct) return;
-  beside_direct(flat_bed(apex), "a flat bed of 40 m x 20 m");
+  beside_direct(flat_seabed(apex), "a flat bed of 40 m x 20 m");
   // One polygon in 16: the direct sum takes as long for each.
   Place some = place;
   some.seen.patches.clear();

@@ -140,7 +140,7 @@ int main(int count, char** words) {
   }
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   const TestFolder folder;
-  folder.write("bed.asc", bed_of_steps());
+  folder.write("bed.asc", seabed_of_steps());
   const std::string text = page(folder);
   std::ofstream(words[1]) << text;
   fmt::print("{}", text);

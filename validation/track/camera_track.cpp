@@ -25,7 +25,7 @@ struct Heading {
   glm::dvec3 ahead, starboard;
 };
 
-/// The elevation, in the camera's axes, at which a beam meets the bed at a slant range; nothing if it does
+/// The elevation, in the camera's axes, at which a beam meets the seabed at a slant range; nothing if it does
 /// not.
 std::optional<double> elevation_at(const Pose& pose, double height_m, double azimuth_rad, double range_m) {
   const double level = (pose.attitude * glm::dvec3(std::sin(azimuth_rad), std::cos(azimuth_rad), 0)).z,
@@ -39,7 +39,7 @@ std::optional<double> elevation_at(const Pose& pose, double height_m, double azi
   return std::abs(one) < std::abs(other) ? one : other;
 }
 
-/// Energies over the mean of their range, less 1, where the bed fills the beam.
+/// Energies over the mean of their range, less 1, where the seabed fills the beam.
 std::vector<double> flattened(const Sensor& sensor, const Pose& pose, double height_m,
                               std::span<const double> energies) {
   constexpr double inner = 0.95;  // of the beam's height
@@ -100,7 +100,7 @@ PixelMap ground_picture(const Recording& recording, std::size_t ping, std::span<
   const Sensor& sensor = *recording.sensor;
   const Pose& pose = recording.ping_pose[ping];
   const RangeSamples& samples = sensor.samples();
-  const double height_m = pose.position_m.z - layout.bed_m,
+  const double height_m = pose.position_m.z - layout.seabed_m,
                reach_m = samples.first_m + samples.count * samples.step_m;
   if (!(height_m > 0 && reach_m > height_m)) throw std::invalid_argument("the camera sees no bed");
   const double ground_m = std::sqrt(reach_m * reach_m - height_m * height_m);
@@ -130,11 +130,11 @@ TrackStep seen_from(const Pose& pose, glm::dvec3 place_m) {
   return {glm::dot(way, heading.starboard), glm::dot(way, heading.ahead)};
 }
 
-glm::dvec3 place_seen(const Pose& pose, TrackStep there, double bed_m) {
+glm::dvec3 place_seen(const Pose& pose, TrackStep there, double seabed_m) {
   const Heading heading(pose);
   const glm::dvec3 place =
       pose.position_m + there.starboard_m * heading.starboard + there.ahead_m * heading.ahead;
-  return {place.x, place.y, bed_m};
+  return {place.x, place.y, seabed_m};
 }
 
 TrackEstimate estimate_track(const Recording& recording, const std::vector<std::vector<double>>& frames,

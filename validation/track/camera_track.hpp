@@ -8,16 +8,17 @@
 
 namespace tubefoot {
 
-/// How camera frames are laid out on a flat bed.
+/// How camera frames are laid out on a flat seabed.
 struct GroundLayout {
-  double bed_m = 0;    ///< height of the bed in the local frame
-  double pixel_m = 0;  ///< side of a pixel on the bed
+  double seabed_m = 0;  ///< height of the seabed in the local frame
+  double pixel_m = 0;   ///< side of a pixel on the seabed
 };
 
 /// A camera's frame as seen from above: columns to starboard, rows ahead of the point below the camera, in
 /// the camera's own heading. `energies`: [beam][sample]. Each range's mean over the beams is taken out, which
 /// leaves how much brighter or darker than its range a place is: spreading, grazing angle and the beams'
-/// elevation pattern are the same for all beams. Throws std::invalid_argument for a camera that sees no bed.
+/// elevation pattern are the same for all beams. Throws std::invalid_argument for a camera that sees no
+/// seabed.
 PixelMap ground_picture(const Recording& recording, std::size_t ping, std::span<const double> energies,
                         const GroundLayout& layout);
 
@@ -28,8 +29,8 @@ struct TrackStep {
 
 /// Where a place lies for somebody at a pose: to starboard and ahead in its heading, level.
 TrackStep seen_from(const Pose& pose, glm::dvec3 place_m);
-/// The place on a flat bed of height `bed_m` that lies there.
-glm::dvec3 place_seen(const Pose& pose, TrackStep there, double bed_m);
+/// The place on a flat seabed of height `seabed_m` that lies there.
+glm::dvec3 place_seen(const Pose& pose, TrackStep there, double seabed_m);
 
 /// What frames tell of the way between them.
 struct TrackEstimate {

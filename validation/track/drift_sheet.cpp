@@ -64,13 +64,13 @@ void ring(Canvas& canvas, double x, double y, double radius) {
 
 }  // namespace
 
-Canvas draw_drift(const Recording& recording, const std::vector<std::vector<double>>& frames, double bed_m,
+Canvas draw_drift(const Recording& recording, const std::vector<std::vector<double>>& frames, double seabed_m,
                   const std::string& font) {
   if (frames.size() < frames_shown) throw std::invalid_argument("a sheet of drift takes eight frames");
   std::vector<PixelMap> maps;
   for (std::size_t ping = 0; ping < frames_shown; ++ping)
-    maps.push_back(ground_picture(recording, ping, frames[ping], {bed_m, pixel_m}));
-  const glm::dvec3 place_m = place_seen(recording.ping_pose[0], brightest(maps[0]), bed_m);
+    maps.push_back(ground_picture(recording, ping, frames[ping], {seabed_m, pixel_m}));
+  const glm::dvec3 place_m = place_seen(recording.ping_pose[0], brightest(maps[0]), seabed_m);
 
   constexpr int rows = static_cast<int>(frames_shown / in_a_row), columns = static_cast<int>(in_a_row);
   Canvas canvas(columns * (side + gap) + gap, head + rows * (side + label) + gap, palette.background, font);

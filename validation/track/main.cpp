@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tubefoot_track_study SCENE TRACK FRAMES: runs the first camera of a scene twice, over its micro-texture and
-// over an even bed with speckle, and estimates the camera's way from neighbouring frames. Writes a diagram of
-// the measured and the true track, and a sheet of frames on which the texture drifts by.
+// over an even seabed with speckle, and estimates the camera's way from neighbouring frames. Writes a diagram
+// of the measured and the true track, and a sheet of frames on which the texture drifts by.
 #include <fmt/format.h>
 
 #include <exception>

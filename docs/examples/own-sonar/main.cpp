@@ -94,7 +94,7 @@ History one_ray_a_tube(const FacetMesh& mesh, TubeSet tubes, double grid_unit_m)
 }
 
 int main() {
-  // A box of 2 m on a bed of 40 m, and the sonar 1.5 m above the bed.
+  // A box of 2 m on a seabed of 40 m, and the sonar 1.5 m above the seabed.
   const WorldGrid grid = WorldGrid::fitting(glm::dvec3(-20), glm::dvec3(20));
   MeshBuilder builder(grid);
   builder.add({{-20, -20, 0}, {20, -20, 0}, {20, 20, 0}, {-20, 20, 0}}, {{0, 1, 2}, {0, 2, 3}}, 0, 0);
@@ -107,7 +107,7 @@ int main() {
 
   const ScanningSonar sonar(360, 30 * std::numbers::pi / 180, {0.5, 0.05, 300});
   const Pose pose{{0, 0, 1.5}, attitude_from_angles(0, 0, 0)};
-  const std::vector<double> mu{0.002, 0.1};  // of the bed and of the box
+  const std::vector<double> mu{0.002, 0.1};  // of the seabed and of the box
   const EchoModel model{mu, mesh.material, 0.25};
   const auto echo_of = [&](const History& history) {
     return integrate_echo(history, {static_cast<int>(sonar.beams().size()), sonar.beam_of_tube()},

@@ -127,8 +127,8 @@ class Doctor {
     return without_traces(excerpt_.shape, predicted_j, row_levels(excerpt_.shape, predicted_j));
   }
   /// The candidate's smallest step from 0, where it has some, in the unit of what is compared: the least gap
-  /// between two of its values (its smallest value may be many steps: an even bed), of amplitude if that is
-  /// even.
+  /// between two of its values (its smallest value may be many steps: an even seabed), of amplitude if that
+  /// is even.
   double step_j() const {
     if (steps_.levels == 0) return 0;
     const bool amplitude = std::string(steps_.scale) == "amplitude";

@@ -262,8 +262,8 @@ class Encloser {
 
 }  // namespace
 
-ApparentEnclosures enclose(const MappedSeabed& bed, const RayEnclosure& rays, const EchoModel& model) {
-  const FacetMesh& mesh = bed.mesh();
+ApparentEnclosures enclose(const MappedSeabed& seabed, const RayEnclosure& rays, const EchoModel& model) {
+  const FacetMesh& mesh = seabed.mesh();
   const Encloser encloser(rays, model.absorption_db_per_m);
   const glm::dvec3 apex = rays.apex_m();
   const auto textures = certified_textures(model);
@@ -281,17 +281,17 @@ ApparentEnclosures enclose(const MappedSeabed& bed, const RayEnclosure& rays, co
   tbb::parallel_for(std::size_t{0}, mesh.facets.size(), [&](std::size_t f) {
     steps.done();
     FacetCorners base, truth, seen;
-    const auto& whole = bed.base.facets[bed.parent[f]];
+    const auto& whole = seabed.base.facets[seabed.parent[f]];
     for (std::size_t k = 0; k < 3; ++k) {
-      base[k] = bed.grid.to_metres(bed.base.vertices[whole[k]]) - apex;
-      truth[k] = bed.ground.truth[mesh.facets[f][k]] - apex;
-      seen[k] = bed.grid.to_metres(mesh.vertices[mesh.facets[f][k]]) - apex;
+      base[k] = seabed.grid.to_metres(seabed.base.vertices[whole[k]]) - apex;
+      truth[k] = seabed.ground.truth[mesh.facets[f][k]] - apex;
+      seen[k] = seabed.grid.to_metres(mesh.vertices[mesh.facets[f][k]]) - apex;
     }
-    all.facets[f] = encloser.enclose(base, truth, seen, 2 * bed.grid.unit_m(), surfaces[mesh.material[f]]);
+    all.facets[f] = encloser.enclose(base, truth, seen, 2 * seabed.grid.unit_m(), surfaces[mesh.material[f]]);
   });
   for (const FacetEnclosure& facet : all.facets)
     if (facet.state == FacetEnclosure::State::unproven) all.unproven.push_back(facet);
-  for (const auto& corners : bed.ground.left_out_m) {
+  for (const auto& corners : seabed.ground.left_out_m) {
     FacetEnclosure facet;
     for (std::size_t k = 0; k < 3; ++k) facet.seen[k] = corners[k] - apex;
     facet.nearest_m = nearest_of(facet.seen) * rays.least_stretch();

@@ -59,6 +59,6 @@ struct MappedSeabed {
 };
 
 /// Encloses the facets of an apparent ground. `model`: that of apparent ranges.
-ApparentEnclosures enclose(const MappedSeabed& bed, const RayEnclosure& rays, const EchoModel& model);
+ApparentEnclosures enclose(const MappedSeabed& seabed, const RayEnclosure& rays, const EchoModel& model);
 
 }  // namespace tubefoot

@@ -47,8 +47,8 @@ struct Surface {
 
 class BistaticEncloser {
  public:
-  BistaticEncloser(const BistaticBed& bed, const EchoModel& model)
-      : bed_(bed), model_(model), beta_(outwards(std::numbers::ln10 / 10, std::numbers::ln10 / 10, 4)) {
+  BistaticEncloser(const BistaticSurface& seabed, const EchoModel& model)
+      : seabed_(seabed), model_(model), beta_(outwards(std::numbers::ln10 / 10, std::numbers::ln10 / 10, 4)) {
     const auto textures = certified_textures(model);
     for (std::size_t material = 0; material < model.material_mu.size(); ++material) {
       Surface surface{model.scattering.empty() ? nullptr : model.scattering[material].get(),
@@ -66,24 +66,24 @@ class BistaticEncloser {
   /// `sees`: which ends do; the third: the receiver beside the second.
   Found enclose(FacetId f, const std::array<bool, 3>& sees, const BistaticFacet* bistatic) const {
     Found found;
-    const std::array<VertexId, 3>& vertices = bed_.mesh.facets[f];
+    const std::array<VertexId, 3>& vertices = seabed_.mesh.facets[f];
     FacetCorners lies, base;
-    const auto& whole = bed_.base.facets[bed_.parent[f]];
+    const auto& whole = seabed_.base.facets[seabed_.parent[f]];
     bool refined = false;
     for (std::size_t k = 0; k < 3; ++k) {
-      lies[k] = bed_.grid.to_metres(bed_.mesh.vertices[vertices[k]]);
-      base[k] = bed_.grid.to_metres(bed_.base.vertices[whole[k]]);
+      lies[k] = seabed_.grid.to_metres(seabed_.mesh.vertices[vertices[k]]);
+      base[k] = seabed_.grid.to_metres(seabed_.base.vertices[whole[k]]);
     }
     for (const glm::dvec3& corner : lies) refined = refined || std::ranges::find(base, corner) == base.end();
     // Refined corners are rounded to the grid and may lie beside their base facet.
-    const double pad_m = refined ? 2 * bed_.grid.unit_m() : 0;
+    const double pad_m = refined ? 2 * seabed_.grid.unit_m() : 0;
     std::array<FacetCorners, 2> seen;
     for (int e = 0; e < 2; ++e) {
-      const BistaticEnd& end = bed_.end(e);
+      const BistaticEnd& end = seabed_.end(e);
       FacetEnclosure& facet = found.end[std::size_t(e)];
       for (std::size_t k = 0; k < 3; ++k) {
         seen[std::size_t(e)][k] =
-            bed_.grid.to_metres(end.ground.refined.mesh.vertices[vertices[k]]) - end.water.apex_m();
+            seabed_.grid.to_metres(end.ground.refined.mesh.vertices[vertices[k]]) - end.water.apex_m();
         facet.seen[k] = unproven_place(end, lies[k]);
       }
       facet.nearest_m = nearest_of(facet.seen) * end.rays.least_stretch();
@@ -94,7 +94,7 @@ class BistaticEncloser {
     std::array<std::optional<EndOfFacet>, 2> ends;
     for (std::size_t e = 0; e < 2; ++e)
       if (sees[e]) {
-        ends[e].emplace(bed_.end(int(e)), flat, lies, pad_m, seen[e]);
+        ends[e].emplace(seabed_.end(int(e)), flat, lies, pad_m, seen[e]);
         if (!ends[e]->valid()) ends[e].reset();
       }
     if (!ends[0] && !ends[1]) return found;
@@ -102,12 +102,12 @@ class BistaticEncloser {
     if (sees[2]) {
       FacetCorners seen_there;
       for (std::size_t k = 0; k < 3; ++k)
-        seen_there[k] = bed_.grid.to_metres(bed_.beside->ground.refined.mesh.vertices[vertices[k]]) -
-                        bed_.beside->water.apex_m();
-      beside.end.emplace(*bed_.beside, flat, lies, pad_m, seen_there);
+        seen_there[k] = seabed_.grid.to_metres(seabed_.beside->ground.refined.mesh.vertices[vertices[k]]) -
+                        seabed_.beside->water.apex_m();
+      beside.end.emplace(*seabed_.beside, flat, lies, pad_m, seen_there);
       if (!beside.end->valid()) beside.end.reset();
     }
-    const Surface& surface = surfaces_[bed_.mesh.material[f]];
+    const Surface& surface = surfaces_[seabed_.mesh.material[f]];
 
     // All of it in boxes; in smaller ones until each end has one ray to each box, and while that says more.
     Gathered best;
@@ -205,7 +205,7 @@ class BistaticEncloser {
     return at.sine_m.*along / at.sine_m.v + 3.0 * (rays.slowness_s_per_m.*along / rays.slowness_s_per_m.v) -
            rays.area_ratio_per_sr.*along / rays.area_ratio_per_sr.v - beta_ * beyond_db;
   }
-  double reference_speed() const { return bed_.tx.rays.reference_speed_m_s(); }
+  double reference_speed() const { return seabed_.tx.rays.reference_speed_m_s(); }
 
   /// Upper bounds of what a box returns by way of two ends: a square metre, and per steradian of either.
   struct Most {
@@ -225,8 +225,8 @@ class BistaticEncloser {
       if (!(area[e] > 0)) area[e] = 0;
       lost *= exp(-(beta_ * at.rays.absorption_db.v)).hi;
     }
-    const double sent = bed_.tx.water.finder().source_speed_m_s(),
-                 received = bed_.rx.water.finder().source_speed_m_s(),
+    const double sent = seabed_.tx.water.finder().source_speed_m_s(),
+                 received = seabed_.rx.water.finder().source_speed_m_s(),
                  there = tx.speed.lo / sent * (1 - slack),  // areas there and back differ by its square
         speeds = sent / received * (1 + slack);
     // A place may be seen a tenth wider than its apparent facet has it.
@@ -243,7 +243,7 @@ class BistaticEncloser {
     Most most = most_of(tx, rx, model);
     if (beside != nullptr) {
       const Most other = most_of(tx, *beside, model);
-      const double speed = rx.speed.hi / bed_.rx.water.finder().source_speed_m_s() * (1 + slack),
+      const double speed = rx.speed.hi / seabed_.rx.water.finder().source_speed_m_s() * (1 + slack),
                    sine = least_size(rx.sine_m.v / root(rx.distance2.v)),
                    area = (rx.rays.area_ratio_per_sr.v * rx.distance2.v).hi * speed * speed / sine;
       most.per_sr[0] = std::max(most.per_sr[0], other.per_sr[0]);
@@ -263,9 +263,10 @@ class BistaticEncloser {
   void finish_end(const FlatFacet& flat, const EndOfFacet& end, const Gathered& all, std::size_t e,
                   const FacetCorners& seen, double pad_m, const Surface& surface,
                   FacetEnclosure& facet) const {
-    const glm::dvec3 apex = bed_.end(int(e)).water.apex_m();
+    const glm::dvec3 apex = seabed_.end(int(e)).water.apex_m();
     const double off = 1.1 * end.off_m() * (1 + slack) +
-                       glm::distance(apex, bed_.grid.to_metres(bed_.grid.snap(apex))),  // where tubes start
+                       glm::distance(apex,
+                                     seabed_.grid.to_metres(seabed_.grid.snap(apex))),  // where tubes start
         gap = interpolated(flat, all.bends[e].all) + off,
                  across = interpolated(flat, all.bends[e].across) + off;
     if (!std::isfinite(gap)) return;
@@ -404,7 +405,7 @@ class BistaticEncloser {
     };
     Interval level = log(outwards(flat.area_m2 / flattened_area, flat.area_m2 / flattened_area, 1e4)) +
                      both_ways(std::log1p(edge_pad_part)) + change(all.level_a, all.level_b) -
-                     2.0 * log(ends[0]->middle().speed / bed_.tx.water.finder().source_speed_m_s());
+                     2.0 * log(ends[0]->middle().speed / seabed_.tx.water.finder().source_speed_m_s());
     for (std::size_t e = 0; e < 2; ++e) {
       const EndPatch& middle = ends[e]->middle();
       const FacetEnclosure& facet = found.end[e];
@@ -438,7 +439,8 @@ class BistaticEncloser {
       level = level + both_ways(loss.roughness * double(loss.rough_normals.size()) * (1 + loss.bend) * turn *
                                 (2 + turn) * (1 + slack));
     }
-    if (bed_.beside != nullptr && !take_rx(flat, *ends[1], all.patches[1], flattened[1], misfit[1], pair.rx))
+    if (seabed_.beside != nullptr &&
+        !take_rx(flat, *ends[1], all.patches[1], flattened[1], misfit[1], pair.rx))
       return;
     pair.rx.pad_m = 2 * pad_m;  // of a length
     pair.factor = exp(level);
@@ -458,7 +460,7 @@ class BistaticEncloser {
     }
     rx.between_m = interpolated(flat, bend_of(bend));
     if (!std::isfinite(rx.between_m)) return false;
-    const auto parts_worth = [&] { return double(rx.parts) * rx.parts * bed_.ranges_within_m; };
+    const auto parts_worth = [&] { return double(rx.parts) * rx.parts * seabed_.ranges_within_m; };
     for (rx.parts = 1; rx.parts < most_parts && rx.between_m > parts_worth();) rx.parts *= 2;
     rx.lattice_m.resize(std::size_t((rx.parts + 1) * (rx.parts + 1)));
     for (int i = 0; i <= rx.parts; ++i)
@@ -498,7 +500,7 @@ class BistaticEncloser {
     pair.stretch[e] = most / (facet.nearest_m * facet.nearest_m) + slack * slack;
   }
 
-  const BistaticBed& bed_;
+  const BistaticSurface& seabed_;
   const EchoModel& model_;
   Interval beta_;
   std::vector<Surface> surfaces_;
@@ -524,25 +526,25 @@ double ReceiveRanges::largest_difference_m(const ReceiveRanges& one, const Recei
          (1 + slack);
 }
 
-BistaticEnclosures enclose(const BistaticBed& bed, std::span<const SharedFacet> shared,
+BistaticEnclosures enclose(const BistaticSurface& seabed, std::span<const SharedFacet> shared,
                            std::span<const BistaticFacet> bistatic, const EchoModel& model) {
-  const BistaticEncloser encloser(bed, model);
+  const BistaticEncloser encloser(seabed, model);
   BistaticEnclosures all;
   all.facets.resize(shared.size());
   std::array<std::vector<FacetId>, 2> seen_as;
   for (std::size_t e = 0; e < 2; ++e) {
-    const BistaticEnd& end = bed.end(int(e));
-    seen_as[e].assign(bed.mesh.facets.size(), none);
+    const BistaticEnd& end = seabed.end(int(e));
+    seen_as[e].assign(seabed.mesh.facets.size(), none);
     for (std::size_t k = 0; k < end.origin.size(); ++k) seen_as[e][end.origin[k]] = FacetId(k);
     all.ends[e].facets.resize(end.origin.size());
   }
-  std::vector<char> seen_beside(bed.mesh.facets.size(), 0);
-  if (bed.beside != nullptr)
-    for (const FacetId facet : bed.beside->origin) seen_beside[facet] = 1;
-  std::vector<std::size_t> number(bed.mesh.facets.size(), shared.size());
+  std::vector<char> seen_beside(seabed.mesh.facets.size(), 0);
+  if (seabed.beside != nullptr)
+    for (const FacetId facet : seabed.beside->origin) seen_beside[facet] = 1;
+  std::vector<std::size_t> number(seabed.mesh.facets.size(), shared.size());
   for (std::size_t k = 0; k < shared.size(); ++k) number[shared[k].facet] = k;
-  Steps steps("facets", bed.mesh.facets.size());
-  tbb::parallel_for(FacetId{0}, FacetId(bed.mesh.facets.size()), [&](FacetId f) {
+  Steps steps("facets", seabed.mesh.facets.size());
+  tbb::parallel_for(FacetId{0}, FacetId(seabed.mesh.facets.size()), [&](FacetId f) {
     steps.done();
     const std::array<bool, 3> sees{seen_as[0][f] != none, seen_as[1][f] != none, seen_beside[f] != 0};
     if (!sees[0] && !sees[1]) return;
@@ -553,7 +555,7 @@ BistaticEnclosures enclose(const BistaticBed& bed, std::span<const SharedFacet> 
     if (is_shared) all.facets[number[f]] = found.pair;
   });
   for (std::size_t e = 0; e < 2; ++e) {
-    const BistaticEnd& end = bed.end(int(e));
+    const BistaticEnd& end = seabed.end(int(e));
     ApparentEnclosures& own = all.ends[e];
     for (const FacetEnclosure& facet : own.facets)
       if (facet.state == State::unproven) own.unproven.push_back(facet);

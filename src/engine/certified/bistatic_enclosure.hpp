@@ -12,18 +12,18 @@
 // What is proven of facets that two ends of a path see elsewhere.
 namespace tubefoot {
 
-/// An end of a path, and what it sees of a bed: vertices of its ground have the numbers of the bed's. Its
-/// apex may lie beside the grid point that its tubes look from.
+/// An end of a path, and what it sees of a seabed: vertices of its ground have the numbers of the seabed's.
+/// Its apex may lie beside the grid point that its tubes look from.
 struct BistaticEnd {
   const ApparentSurface& ground;
   const SceneTree& tree;            ///< of its apparent facets
-  std::span<const FacetId> origin;  ///< by apparent facet: that of the bed
+  std::span<const FacetId> origin;  ///< by apparent facet: that of the seabed
   const ApparentMap& water;
   const RayEnclosure& rays;  ///< through that
 };
 
-/// A bed that is cut alike for both ends, and the flat facets that it is cut of.
-struct BistaticBed {
+/// A seabed that is cut alike for both ends, and the flat facets that it is cut of.
+struct BistaticSurface {
   const FacetMesh& mesh;
   std::span<const FacetId> parent;  ///< by facet of the mesh: that of the base
   const FacetMesh& base;            ///< where it lies
@@ -73,10 +73,10 @@ struct BistaticEnclosures {
   std::vector<BistaticEnclosure> facets;  ///< as `shared`
 };
 
-/// Encloses the facets of a bed that either end sees, and more closely those that they share: `shared`, and
-/// how each is laid out. `model`: that of apparent ranges, with the path's mirrors; material by facet of the
-/// bed.
-BistaticEnclosures enclose(const BistaticBed& bed, std::span<const SharedFacet> shared,
+/// Encloses the facets of a seabed that either end sees, and more closely those that they share: `shared`,
+/// and how each is laid out. `model`: that of apparent ranges, with the path's mirrors; material by facet of
+/// the seabed.
+BistaticEnclosures enclose(const BistaticSurface& seabed, std::span<const SharedFacet> shared,
                            std::span<const BistaticFacet> bistatic, const EchoModel& model);
 
 }  // namespace tubefoot

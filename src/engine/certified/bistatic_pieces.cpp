@@ -63,7 +63,7 @@ void BistaticPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm
   };
   const Interval& factor = on.proven.factor;
 
-  // Of an even bed without patterns, by sample: what changes of patterns and of texture are reported by.
+  // Of an even seabed without patterns, by sample: what changes of patterns and of texture are reported by.
   std::map<std::size_t, double> plain;
   double all_plain = 0;
   const bool weighed = model_.patterns != nullptr;

@@ -41,7 +41,7 @@ struct EndLook {
   std::vector<Sector> sectors;  // by tube
   std::vector<TubeVisibility> seen;
   std::vector<FacetId> parent;       // by apparent facet: of the base
-  std::vector<FacetId> apparent_of;  // by facet of the bed
+  std::vector<FacetId> apparent_of;  // by facet of the seabed
 };
 
 /// About a part of a facet as an end sees it.
@@ -63,33 +63,33 @@ struct About {
 
 class BistaticReference {
  public:
-  BistaticReference(const BistaticBed& bed, const BistaticTubes& tubes, const VisibilityOptions& options,
-                    const ReceiveBeams& beams, const RangeSamples& samples, const EchoModel& model,
-                    const Echo& ordinary, double tolerance)
-      : bed_(bed),
+  BistaticReference(const BistaticSurface& seabed, const BistaticTubes& tubes,
+                    const VisibilityOptions& options, const ReceiveBeams& beams, const RangeSamples& samples,
+                    const EchoModel& model, const Echo& ordinary, double tolerance)
+      : seabed_(seabed),
         beams_(beams),
         model_(model),
         off_rad_(tubes.off_rad),
-        unit_m_(bed.grid.unit_m()),
+        unit_m_(seabed.grid.unit_m()),
         borders_(sample_borders_m(samples)),
         pieces_(model, borders_, samples.step_m, reference_targets(ordinary, tolerance), tolerance) {
     // Facets that begin beyond the reach may be seen before it; where sound is faster than ranges say, ends
     // are farther apart.
     const double reach_m = std::max(tubes.tx.reach, tubes.rx.reach) * unit_m_,
-                 apart_m = glm::distance(bed.tx.water.apex_m(), bed.rx.water.apex_m());
+                 apart_m = glm::distance(seabed.tx.water.apex_m(), seabed.rx.water.apex_m());
     margin_m_ = 0.01 * reach_m + 0.1 * apart_m;
     for (std::size_t e = 0; e < 2; ++e) {
-      const BistaticEnd& end = bed_.end(int(e));
+      const BistaticEnd& end = seabed_.end(int(e));
       EndLook& look = looks_[e];
       look.tubes = e == 0 ? tubes.tx : tubes.rx;
       look.tubes.reach += margin_m_ / unit_m_;
       for (std::uint32_t tube = 0; tube < look.tubes.tubes.size(); ++tube)
         look.sectors.push_back(sector_of(look.tubes, tube, unit_m_));
       look.seen = tubefoot::look(end.ground.refined.mesh, end.tree, look.tubes, options);
-      look.apparent_of.assign(bed.mesh.facets.size(), none);
+      look.apparent_of.assign(seabed.mesh.facets.size(), none);
       for (std::size_t k = 0; k < end.origin.size(); ++k) {
         look.apparent_of[end.origin[k]] = FacetId(k);
-        look.parent.push_back(bed.parent[end.origin[k]]);
+        look.parent.push_back(seabed.parent[end.origin[k]]);
       }
     }
   }
@@ -97,11 +97,11 @@ class BistaticReference {
   /// What both ends see, laid out and enclosed.
   void enclose_shared(const Flattening& flatten) {
     const FootprintSharer sharer(
-        {looks_[0].tubes, looks_[0].seen, &bed_.tx.ground.refined.mesh, bed_.tx.origin},
-        {looks_[1].tubes, looks_[1].seen, &bed_.rx.ground.refined.mesh, bed_.rx.origin}, unit_m_);
+        {looks_[0].tubes, looks_[0].seen, &seabed_.tx.ground.refined.mesh, seabed_.tx.origin},
+        {looks_[1].tubes, looks_[1].seen, &seabed_.rx.ground.refined.mesh, seabed_.rx.origin}, unit_m_);
     shared_ = sharer.all();
     bistatic_ = flatten(shared_);
-    enclosures_ = enclose(bed_, shared_.facets, bistatic_, model_);
+    enclosures_ = enclose(seabed_, shared_.facets, bistatic_, model_);
     for (std::size_t e = 0; e < 2; ++e)
       for (FacetEnclosure& facet : enclosures_.ends[e].facets)
         if (facet.state == State::proven && 4 * facet.travel_path_error_m > margin_m_)
@@ -147,12 +147,12 @@ class BistaticReference {
     // Facets of which only the most that they return is known.
     found.conservative = bins.size();
     BinIntervals& conservative = bins.emplace_back();
-    std::vector<char> proven(bed_.mesh.facets.size(), 1);
+    std::vector<char> proven(seabed_.mesh.facets.size(), 1);
     for (std::size_t number = 0; number < shared.facets.size(); ++number) {
       found.is_proven.push_back(is_proven(number));
       proven[shared.facets[number].facet] = found.is_proven.back();
     }
-    for (FacetId f = 0; f < bed_.mesh.facets.size(); ++f) {
+    for (FacetId f = 0; f < seabed_.mesh.facets.size(); ++f) {
       const FacetEnclosure *tx = end_of(0, f), *rx = end_of(1, f);
       if (tx == nullptr || rx == nullptr || tx->state == State::unproven || rx->state == State::unproven)
         continue;
@@ -215,7 +215,7 @@ class BistaticReference {
   }
 
   void add_ambiguities_of(std::size_t e, std::vector<BinIntervals>& bins) const {
-    const BistaticEnd& end = bed_.end(int(e));
+    const BistaticEnd& end = seabed_.end(int(e));
     const EndLook& look = looks_[e];
     const FacetMesh& mesh = end.ground.refined.mesh;
     const ApparentEnclosures& own = enclosures_.ends[e];
@@ -272,7 +272,7 @@ class BistaticReference {
   /// What an end is not certain of, in all beams that may receive it. `less`: it may be missing, too.
   void add(const Ambiguity& ambiguity, std::size_t e, bool less, BinIntervals& bins) const {
     if (!(ambiguity.energy_j > 0)) return;
-    const FacetId facet = bed_.end(int(e)).origin[ambiguity.facet];
+    const FacetId facet = seabed_.end(int(e)).origin[ambiguity.facet];
     const FacetEnclosure &here = *end_of(e, facet), *there = end_of(1 - e, facet);
     // What the other does not look at is not received; without a proven ray there, all is unknown.
     if (there == nullptr || there->state == State::unproven) return;
@@ -353,7 +353,7 @@ class BistaticReference {
     return moved;
   }
 
-  const BistaticBed& bed_;
+  const BistaticSurface& seabed_;
   const ReceiveBeams& beams_;
   const EchoModel& model_;
   const BistaticReference* beside_ = nullptr;
@@ -397,22 +397,22 @@ BinIntervals added_up(std::span<const BinIntervals> parts) {
   return total;
 }
 
-RefractedReference certify_refracted_echo(const BistaticBed& bed, const BistaticTubes& tubes,
+RefractedReference certify_refracted_echo(const BistaticSurface& seabed, const BistaticTubes& tubes,
                                           const VisibilityOptions& options, const ReceiveBeams& beams,
                                           const RangeSamples& samples, const EchoModel& model,
                                           const Echo& ordinary, double tolerance) {
   require_exact(options);
   const PatternsOfEnds own(model);
-  BistaticReference reference(bed, tubes, options, beams, samples, own.model, ordinary, tolerance);
+  BistaticReference reference(seabed, tubes, options, beams, samples, own.model, ordinary, tolerance);
   reference.enclose_shared([&](const SharedFootprints& shared) {
-    return bistatic_facets(shared, bed.mesh, {bed.tx.ground, bed.tx.water}, {bed.rx.ground, bed.rx.water},
-                           bed.grid, model.absorption_db_per_m);
+    return bistatic_facets(shared, seabed.mesh, {seabed.tx.ground, seabed.tx.water},
+                           {seabed.rx.ground, seabed.rx.water}, seabed.grid, model.absorption_db_per_m);
   });
   const BinIntervals total = added_up(reference.parts().bins);
   return reference_between({&total, 1}, ordinary, tolerance);
 }
 
-std::array<BistaticParts, 2> bistatic_parts(const std::array<BistaticBed, 2>& beds,
+std::array<BistaticParts, 2> bistatic_parts(const std::array<BistaticSurface, 2>& seabeds,
                                             const std::array<BistaticTubes, 2>& tubes,
                                             const VisibilityOptions& options, const RangeSamples& samples,
                                             const EchoModel& model, const std::array<Echo, 2>& ordinary,
@@ -421,8 +421,8 @@ std::array<BistaticParts, 2> bistatic_parts(const std::array<BistaticBed, 2>& be
   const PatternsOfEnds own(model);
   const std::vector<std::uint32_t> of_tube(tubes[0].rx.tubes.size(), 0);
   const ReceiveBeams beams{1, of_tube};
-  BistaticReference upper(beds[0], tubes[0], options, beams, samples, own.model, ordinary[0], tolerance),
-      lower(beds[1], tubes[1], options, beams, samples, own.model, ordinary[1], tolerance);
+  BistaticReference upper(seabeds[0], tubes[0], options, beams, samples, own.model, ordinary[0], tolerance),
+      lower(seabeds[1], tubes[1], options, beams, samples, own.model, ordinary[1], tolerance);
   upper.enclose_shared(flatten[0]);
   lower.enclose_shared(flatten[1]);
   return {upper.parts(&lower), lower.parts(&upper)};

@@ -19,7 +19,7 @@ struct BistaticTubes {
   std::array<double, 2> off_rad{};
 };
 
-/// Encloses the echo of a path whose two ends see the bed elsewhere, through refracting water: the energy
+/// Encloses the echo of a path whose two ends see the seabed elsewhere, through refracting water: the energy
 /// that curved rays bring from true facets. Places of what both see of a facet flattened are places of
 /// the true facet; so facets' own edges and textures are certain, and what the enclosures leave open is
 ///
@@ -33,7 +33,7 @@ struct BistaticTubes {
 ///
 /// `beams`, `model` as integrate_echo() has them for that path, `ordinary` what it makes of it. Throws as
 /// certify_refracted_echo() of one apex.
-RefractedReference certify_refracted_echo(const BistaticBed& bed, const BistaticTubes& tubes,
+RefractedReference certify_refracted_echo(const BistaticSurface& seabed, const BistaticTubes& tubes,
                                           const VisibilityOptions& options, const ReceiveBeams& beams,
                                           const RangeSamples& samples, const EchoModel& model,
                                           const Echo& ordinary, double tolerance);
@@ -56,10 +56,10 @@ struct BistaticParts {
 /// By bin, in the order of the list.
 BinIntervals added_up(std::span<const BinIntervals> parts);
 
-/// Of two receivers, each beside the other (BistaticBed::beside), which receive one beam by all tubes: what
-/// is in ambiguity holds the energies that both receive of a place, and so the root of their product.
+/// Of two receivers, each beside the other (BistaticSurface::beside), which receive one beam by all tubes:
+/// what is in ambiguity holds the energies that both receive of a place, and so the root of their product.
 /// `ordinary`, `flatten`: by receiver.
-std::array<BistaticParts, 2> bistatic_parts(const std::array<BistaticBed, 2>& beds,
+std::array<BistaticParts, 2> bistatic_parts(const std::array<BistaticSurface, 2>& seabeds,
                                             const std::array<BistaticTubes, 2>& tubes,
                                             const VisibilityOptions& options, const RangeSamples& samples,
                                             const EchoModel& model, const std::array<Echo, 2>& ordinary,

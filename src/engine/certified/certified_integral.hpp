@@ -14,9 +14,9 @@
 
 namespace tubefoot {
 
-/// Encloses the integral of what an even bed returns to one apex (density.hpp) over a polygon's part in each
-/// range sample, times the patterns of its tube and the micro-texture of its cell if there are
-/// any. docs/reference.md says how.
+/// Encloses the integral of what an even seabed returns to one apex (density.hpp) over a polygon's part in
+/// each range sample, times the patterns of its tube and the micro-texture of its cell if there are any.
+/// docs/reference.md says how.
 ///
 /// The integrand is not negative, and so are all parts of the integral. In a slab (polar_slabs.hpp) it is
 /// analytic in t, r^2 = q^2 + t^2, and in the angle. Gauss-Legendre with N >= 2 nodes errs by at most

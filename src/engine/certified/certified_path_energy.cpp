@@ -239,13 +239,14 @@ bool CertifiedEnd::bound(const ScatteringModel* model, const PlanePlace<ComplexB
 }
 
 CertifiedPathEnergy::CertifiedPathEnergy(const CertifiedPolygon& polygon, const std::array<Ball, 3>& rx_m,
-                                         const EchoModel& model, const FacetBed& bed, const Ball& beta_per_m)
+                                         const EchoModel& model, const SurfaceProperties& seabed,
+                                         const Ball& beta_per_m)
     : tx_(polygon, {}),
       rx_(polygon, rx_m),
-      tx_model_(bed.scattering),
-      rx_model_(bed.scattering),
+      tx_model_(seabed.scattering),
+      rx_model_(seabed.scattering),
       beta_(beta_per_m) {
-  take(model.path, bed.factor, bed.mu);
+  take(model.path, seabed.factor, seabed.mu);
 }
 
 CertifiedPathEnergy::CertifiedPathEnergy(CertifiedEnd tx, CertifiedEnd rx, const Path& path,

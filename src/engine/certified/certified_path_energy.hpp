@@ -90,13 +90,13 @@ class CertifiedEnd {
   const ScatteringModel::Piece* piece_ = nullptr;
 };
 
-/// What the bed returns along a path (density.hpp) that is gone transmit and receive between two apexes,
+/// What the seabed returns along a path (density.hpp) that is gone transmit and receive between two apexes,
 /// weighed by texture, patterns and mirrors.
 class CertifiedPathEnergy {
  public:
   /// `rx_m`: its apex, relative to the polygon's.
   CertifiedPathEnergy(const CertifiedPolygon& polygon, const std::array<Ball, 3>& rx_m,
-                      const EchoModel& model, const FacetBed& bed, const Ball& beta_per_m);
+                      const EchoModel& model, const SurfaceProperties& seabed, const Ball& beta_per_m);
   /// Of a facet flattened: each end has a law of its own, or none has (Lambert's `mu`).
   CertifiedPathEnergy(CertifiedEnd tx, CertifiedEnd rx, const Path& path,
                       const std::array<const ScatteringModel*, 2>& models, double mu, const Ball& beta_per_m);

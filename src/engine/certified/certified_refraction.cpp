@@ -99,7 +99,7 @@ void add_piece(const ProvenPiece& piece, const Requested& requested, BinInterval
 
 }  // namespace
 
-RefractedReference certify_refracted_echo(const MappedSeabed& bed, const RayEnclosure& rays,
+RefractedReference certify_refracted_echo(const MappedSeabed& seabed, const RayEnclosure& rays,
                                           const History& history, const VisibilityOptions& options,
                                           std::span<const std::uint32_t> beam_of_tube,
                                           const RangeSamples& samples, const EchoModel& model,
@@ -116,11 +116,11 @@ RefractedReference certify_refracted_echo(const MappedSeabed& bed, const RayEncl
   if (model.path.tx.facet_map.empty() &&
       std::ranges::any_of(requested.textures, [](const auto& texture) { return texture != nullptr; }))
     throw std::invalid_argument("a micro-texture is that of where facets lie: it takes their maps");
-  const FacetMesh& apparent = bed.mesh();
+  const FacetMesh& apparent = seabed.mesh();
   const std::vector<double>& borders = requested.borders;
   const auto row = std::size_t(samples.count);
-  const ApparentEnclosures enclosures = enclose(bed, rays, model);
-  const UncertainEdges edges(apparent, bed.parent, enclosures);
+  const ApparentEnclosures enclosures = enclose(seabed, rays, model);
+  const UncertainEdges edges(apparent, seabed.parent, enclosures);
   const Unknown unknown(enclosures.unproven, rays);
   TubeSet tubes = history.tubes;
   // Facets that begin beyond the reach may be seen before it.
@@ -137,7 +137,7 @@ RefractedReference certify_refracted_echo(const MappedSeabed& bed, const RayEncl
   tbb::parallel_for(std::uint32_t{0}, std::uint32_t(tubes.tubes.size()), [&](std::uint32_t tube) {
     steps.done();
     auto& [visibility, seen] = threads.local();
-    see(apparent, bed.tree, tubes, tube, options, visibility, seen);
+    see(apparent, seabed.tree, tubes, tube, options, visibility, seen);
     const NameContext context{apparent, tubes.apex, seen.rays};
     BinIntervals& bins = by_tube[tube];
     const auto beams = model.patterns != nullptr ? model.patterns->beams_of_tube[tube]
@@ -160,7 +160,7 @@ RefractedReference certify_refracted_echo(const MappedSeabed& bed, const RayEncl
     TubeSet own = tubes;
     own.tubes = {tubes.tubes[tube]};
     const Sector sector(own, history.grid_unit_m);
-    const std::vector<FacetId> nearby = looked.in(sector, bed.tree);
+    const std::vector<FacetId> nearby = looked.in(sector, seabed.tree);
     for (const FacetId f : nearby) {
       const FacetEnclosure& facet = enclosures.facets[f];
       if (facet.state == State::conservative)

@@ -9,7 +9,7 @@
 namespace tubefoot {
 
 /// Encloses the echo of one transmission through refracting water: the energy that curved rays bring from the
-/// true facets, of which the bed's are the mapped ones. As certify_echo(), but for what the enclosures
+/// true facets, of which the seabed's are the mapped ones. As certify_echo(), but for what the enclosures
 /// leave open:
 ///
 /// - a piece's energy is that of its apparent facet, of that one's law, times the enclosed factor; within
@@ -22,7 +22,7 @@ namespace tubefoot {
 /// Beams are ideal or weighed by patterns of at most 1. Throws std::invalid_argument for a micro-texture that
 /// cannot be enclosed, or without facet maps. `tolerance` only says what to hold the bounds against, and how
 /// narrow the apparent pieces' own integrals need to be.
-RefractedReference certify_refracted_echo(const MappedSeabed& bed, const RayEnclosure& rays,
+RefractedReference certify_refracted_echo(const MappedSeabed& seabed, const RayEnclosure& rays,
                                           const History& history, const VisibilityOptions& options,
                                           std::span<const std::uint32_t> beam_of_tube,
                                           const RangeSamples& samples, const EchoModel& model,

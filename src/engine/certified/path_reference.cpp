@@ -106,7 +106,7 @@ class PathEncloser {
 
   void add(const CertifiedPolygon& polygon, FacetId facet, const SharedPiece& piece, std::uint32_t first,
            std::uint32_t end, CertifiedPathIntegrator& integrator, BinSums& bins) {
-    const CertifiedPathEnergy energy(polygon, rx_m_, model_, model_.bed(facet), beta_);
+    const CertifiedPathEnergy energy(polygon, rx_m_, model_, model_.seabed(facet), beta_);
     CertifiedPathGains gains;
     if (model_.patterns != nullptr)
       gains = {energy.tx(), energy.rx(),

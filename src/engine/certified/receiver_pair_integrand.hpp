@@ -10,7 +10,7 @@
 // in .cpp files.
 namespace tubefoot {
 
-/// The way by one of them: what the bed returns along it, and patterns.
+/// The way by one of them: what the seabed returns along it, and patterns.
 struct ReceiverPairPath {
   CertifiedPathEnergy energy;
   CertifiedPathGains gains;

@@ -74,7 +74,7 @@ void ReceiverPairPieces::add(OnFacet& on, const Seen& upper, const Seen& lower, 
                       homes[2]{by_upper.energy.rx().over(), by_lower.energy.rx().over()};
   const ReceiverPairPhase phase(homes[0], homes[1], wavenumber_);
   const std::span both = std::span(homes).first(phase.growth > 0 ? 2 : 1);
-  // Either energy of an even bed without patterns: the root of their product is no more than their mean.
+  // Either energy of an even seabed without patterns: the root of their product is no more than their mean.
   CertifiedPathIntegrand plain[2]{{by_upper.energy, {}, nullptr}, {by_lower.energy, {}, nullptr}};
   PatternAmbiguity ambiguity;
   if (weighed) {

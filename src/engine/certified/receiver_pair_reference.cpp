@@ -103,7 +103,7 @@ class ReceiverPairEncloser {
 
   ReceiverPairPath ends(std::size_t end, FacetId facet, const CertifiedPolygon& polygon) const {
     const EchoModel& model = *models_[end];
-    CertifiedPathEnergy energy(polygon, at_m_[end], model, model.bed(facet), beta_);
+    CertifiedPathEnergy energy(polygon, at_m_[end], model, model.seabed(facet), beta_);
     CertifiedPathGains gains(energy.tx(), energy.rx(), model.patterns->transmit.front(),
                              std::span(model.patterns->receive).first(1));
     return {std::move(energy), std::move(gains)};

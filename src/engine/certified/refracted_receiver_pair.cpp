@@ -59,19 +59,19 @@ std::vector<ReceiverPairPieces::Products> products_of(const std::array<BistaticP
 
 }  // namespace
 
-RefractedReference certify_refracted_receiver_pair(const std::array<BistaticBed, 2>& beds,
+RefractedReference certify_refracted_receiver_pair(const std::array<BistaticSurface, 2>& seabeds,
                                                    const std::array<BistaticTubes, 2>& tubes,
                                                    const VisibilityOptions& options,
                                                    const ReceiverBaseline& receiver_pair,
                                                    const RangeSamples& samples, const EchoModel& model,
                                                    const std::array<Echo, 2>& ordinary, double tolerance) {
-  std::array<BistaticBed, 2> both = beds;
+  std::array<BistaticSurface, 2> both = seabeds;
   for (std::size_t e = 0; e < 2; ++e) {
-    both[e].beside = &beds[1 - e].rx;
+    both[e].beside = &seabeds[1 - e].rx;
     both[e].ranges_within_m = tolerance / (16 * receiver_pair.wavenumber_rad_m);
   }
-  ReceiverPairFlattening receiver_pair_out(beds[0].mesh, {beds[0].tx.ground, beds[0].tx.water},
-                                           {&beds[0].rx.water, &beds[1].rx.water}, beds[0].grid);
+  ReceiverPairFlattening receiver_pair_out(seabeds[0].mesh, {seabeds[0].tx.ground, seabeds[0].tx.water},
+                                           {&seabeds[0].rx.water, &seabeds[1].rx.water}, seabeds[0].grid);
   std::array<Flattening, 2> flatten;
   for (const std::size_t e : {0, 1})
     flatten[e] = [&receiver_pair_out, e](const SharedFootprints& shared) {

@@ -10,10 +10,10 @@ namespace tubefoot {
 /// its true place; tubes look from the grid point next to it, in directions about it. So energies are those
 /// of two paths, and the phase between them is that of the times along both arcs home.
 ///
-/// `beds`, `tubes`: of one fan, with the upper and the lower receiver as their homes; `receiver_pair`: its
+/// `seabeds`, `tubes`: of one fan, with the upper and the lower receiver as their homes; `receiver_pair`: its
 /// wavenumber. `law.patterns`: those of the fan alone. `ordinary`: energies of either path, to guide the
 /// work. Throws as certify_refracted_echo().
-RefractedReference certify_refracted_receiver_pair(const std::array<BistaticBed, 2>& beds,
+RefractedReference certify_refracted_receiver_pair(const std::array<BistaticSurface, 2>& seabeds,
                                                    const std::array<BistaticTubes, 2>& tubes,
                                                    const VisibilityOptions& options,
                                                    const ReceiverBaseline& receiver_pair,

@@ -7,8 +7,8 @@
 #include "engine/echo/sample_finder.hpp"
 #include "engine/visibility/ray_hits.hpp"
 
-// Rays' hits on an even Lambert bed, sixteen at once. hit_lanes.cpp becomes vector code (vector_clones.hpp);
-// the digits are the same on every processor.
+// Rays' hits on an even Lambert seabed, sixteen at once. hit_lanes.cpp becomes vector code
+// (vector_clones.hpp); the digits are the same on every processor.
 namespace tubefoot {
 
 /// What each hit of a block returns from the area that it stands for [J for 1 J/sr at 1 m], and the sample

@@ -164,20 +164,20 @@ class OneApex {
       const std::uint32_t beam = beam_of(tube_of(number));
       const std::span<double> row =
           std::span(energy_).subspan(beam * std::size_t(samples_.count), std::size_t(samples_.count));
-      const FacetBed bed = model_.bed(facet.facet);
-      if (bed.texture != nullptr) {
+      const SurfaceProperties seabed = model_.seabed(facet.facet);
+      if (seabed.texture != nullptr) {
         all = false;
         continue;
       }
-      if (is_silent(bed)) continue;
+      if (is_silent(seabed)) continue;
       const PlaneFrame frame(facet.plane);
-      const double factor = bed.mu * facet.plane.distance_m * facet.plane.distance_m;
+      const double factor = seabed.mu * facet.plane.distance_m * facet.plane.distance_m;
       begin_footprint();
       for (std::uint32_t p = 0; p < facet.piece_count; ++p) {
         assign(facet, number, p, frame);
-        if (bed.scattering != nullptr) {
+        if (seabed.scattering != nullptr) {
           if (!scattering_cutter) scattering_cutter.emplace(samples_, model_.absorption_db_per_m);
-          light(beam, scattering_cutter->add(polygon_, *bed.scattering, row, bed.factor));
+          light(beam, scattering_cutter->add(polygon_, *seabed.scattering, row, seabed.factor));
         } else {
           light(beam, cutter.add(polygon_, factor, row));
         }
@@ -195,25 +195,26 @@ class OneApex {
     for (std::size_t number = visibility_.first(); number < visibility_.end(); ++number) {
       steps.done();
       const SeenFacet facet = visibility_[number];
-      const FacetBed bed = model_.bed(facet.facet);
-      if ((only_textured && bed.texture == nullptr) || is_silent(bed)) continue;
+      const SurfaceProperties seabed = model_.seabed(facet.facet);
+      if ((only_textured && seabed.texture == nullptr) || is_silent(seabed)) continue;
       const std::uint32_t tube = tube_of(number);
       const PlaneFrame frame(facet.plane);
-      const double lambert_or_one =
-          bed.scattering != nullptr ? bed.factor : bed.mu * facet.plane.distance_m * facet.plane.distance_m;
+      const double lambert_or_one = seabed.scattering != nullptr
+                                        ? seabed.factor
+                                        : seabed.mu * facet.plane.distance_m * facet.plane.distance_m;
       beam_of(tube);  // refuses a tube that has no beam
       begin_footprint();
       for (std::uint32_t p = 0; p < facet.piece_count; ++p) {
         assign(facet, number, p, frame);
-        if (bed.texture == nullptr) {
-          integrator.add(polygon_, facet.plane, frame, tube, lambert_or_one, energy_, bed.scattering);
+        if (seabed.texture == nullptr) {
+          integrator.add(polygon_, facet.plane, frame, tube, lambert_or_one, energy_, seabed.scattering);
           continue;
         }
         const LyingPlane lies = model_.path.tx.lying(facet.facet, facet.plane, frame);
-        cells.cut(polygon_, lies, bed.texture->cells(), [&](const PlanarPolygon& part) {
+        cells.cut(polygon_, lies, seabed.texture->cells(), [&](const PlanarPolygon& part) {
           stop_if_wanted();
-          integrator.add(part, facet.plane, frame, tube, lambert_or_one, energy_, bed.scattering,
-                         {bed.texture, lies});
+          integrator.add(part, facet.plane, frame, tube, lambert_or_one, energy_, seabed.scattering,
+                         {seabed.texture, lies});
         });
       }
       if (!how_.by_owner) continue;
@@ -224,8 +225,8 @@ class OneApex {
   }
 
   /// The micro-texture at a place relative to the apex.
-  double texture_at(const FacetBed& bed, FacetId facet, glm::dvec3 place_m) const {
-    return bed.texture == nullptr ? 1 : bed.texture->factor(model_.path.tx.true_place(facet, place_m));
+  double texture_at(const SurfaceProperties& seabed, FacetId facet, glm::dvec3 place_m) const {
+    return seabed.texture == nullptr ? 1 : seabed.texture->factor(model_.path.tx.true_place(facet, place_m));
   }
 
   void whole() {
@@ -235,11 +236,11 @@ class OneApex {
       const double range = glm::length(footprint.centroid_m);
       if (!(range > 0 && footprint.area_m2 > 0)) continue;
       beam_of(footprint.tube);  // refuses a tube that has no beam
-      const FacetBed bed = model_.bed(footprint.facet);
-      const double energy = density(bed.cross_section(std::sin(footprint.grazing_angle_rad),
-                                                      std::cos(footprint.grazing_angle_rad)),
+      const SurfaceProperties seabed = model_.seabed(footprint.facet);
+      const double energy = density(seabed.cross_section(std::sin(footprint.grazing_angle_rad),
+                                                         std::cos(footprint.grazing_angle_rad)),
                                     TwoWayRange<double>::of(range), beta_) *
-                            texture_at(bed, footprint.facet, footprint.centroid_m) * footprint.area_m2;
+                            texture_at(seabed, footprint.facet, footprint.centroid_m) * footprint.area_m2;
       const double near = footprint.slant_range_min_m, far = footprint.slant_range_max_m;
       const bool at_once = how_.binning == Binning::centroid || !(far > near);
       share(footprint.tube, energy, range, at_once ? range : near, at_once ? range : far,
@@ -289,16 +290,16 @@ class OneApex {
     }
     sums.finish(energy_);
   }
-  /// One that is on no even Lambert bed.
+  /// One that is on no even Lambert seabed.
   void hit(const RayHit& hit) {
     const bool receiver_pairs = model_.patterns != nullptr && !model_.patterns->baselines.empty();
     const double r = hit.slant_range_m, sine = hit.sine_grazing;
-    const FacetBed bed = model_.bed(hit.facet);
+    const SurfaceProperties seabed = model_.seabed(hit.facet);
     if (!(r > 0 && sine > 0 && (receiver_pairs || finder_.holds(r)))) return;
     const double cosine = std::sqrt(std::max((1 - sine) * (1 + sine), 0.0));
     const auto direction = [&] { return glm::normalize(glm::dvec3(hit.direction)); };
-    const double texture = bed.texture == nullptr ? 1 : texture_at(bed, hit.facet, r * direction());
-    const double energy = density(bed.cross_section(sine, cosine), TwoWayRange<double>::of(r), beta_) *
+    const double texture = seabed.texture == nullptr ? 1 : texture_at(seabed, hit.facet, r * direction());
+    const double energy = density(seabed.cross_section(sine, cosine), TwoWayRange<double>::of(r), beta_) *
                           texture * (hit.solid_angle_sr * (r * r) / sine);
     share(hit.tube, energy, r, r, r, direction);
   }

@@ -15,18 +15,18 @@ PathOnFacet::PathOnFacet(const FacetPlane& plane, const PlaneFrame& frame, glm::
     end->seen.u = frame.u;
     end->seen.v = frame.v;
   }
-  bed = model.bed(facet);
-  if (bed.texture != nullptr) lies = model.path.tx.lying(facet, plane, frame);
+  seabed = model.seabed(facet);
+  if (seabed.texture != nullptr) lies = model.path.tx.lying(facet, plane, frame);
   finish(model);
 }
 
 PathOnFacet::PathOnFacet(const BistaticFacet& bistatic, FacetId facet, const EchoModel& model) {
   tx = {{bistatic.transmit_distance_m, glm::dvec2(0)}, bistatic.transmit_seen, true};
   rx = {{bistatic.receive_distance_m, bistatic.receive_foot_m}, bistatic.receive_seen, true};
-  bed = model.bed(facet);
-  const double own = bistatic_factor(bistatic, bed.scattering);
-  bed.factor *= own;
-  bed.mu *= own;
+  seabed = model.seabed(facet);
+  const double own = bistatic_factor(bistatic, seabed.scattering);
+  seabed.factor *= own;
+  seabed.mu *= own;
   lies = bistatic.lies;
   finish(model);
 }
@@ -41,7 +41,7 @@ void PathOnFacet::flatten(std::span<const glm::dvec3> corners_m, const BistaticF
 }
 
 void PathOnFacet::finish(const EchoModel& model) {
-  lambert = bed.mu * tx.over.distance * rx.over.distance;
+  lambert = seabed.mu * tx.over.distance * rx.over.distance;
   beta_per_m = absorption_per_m(model.absorption_db_per_m);
   if (!model.path.tx.loss.none()) tx_loss = &model.path.tx.loss;
   if (!model.path.back().loss.none()) rx_loss = &model.path.back().loss;
@@ -72,9 +72,9 @@ void flatten(std::span<const glm::dvec3> corners_m, const BistaticFacet& bistati
     polygon.offsets.emplace_back(glm::dvec2(bistatic.to_plane.linear * (corner - corners_m[0])));
 }
 
-void Smoothness::take(const FacetBed& bed) {
-  textured = bed.texture != nullptr;
-  const ScatteringModel* model = bed.scattering;
+void Smoothness::take(const SurfaceProperties& seabed) {
+  textured = seabed.texture != nullptr;
+  const ScatteringModel* model = seabed.scattering;
   if (model == nullptr) return;
   angle_rad = std::min(angle_rad, resolution_of([&](double y) { return model->growth(y); }));
   if (model->pieces().size() == 1 && !model->is_pointed()) return;

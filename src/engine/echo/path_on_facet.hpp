@@ -30,7 +30,7 @@ struct EndOverPlane {
 /// way out's apex: what an element there returns (density.hpp), weighed by all but patterns.
 struct PathOnFacet {
   EndOverPlane tx, rx;
-  FacetBed bed;
+  SurfaceProperties seabed;
   LyingPlane lies;     ///< for the texture
   double lambert = 0;  ///< mu and both distances
   double beta_per_m = 0;
@@ -47,16 +47,16 @@ struct PathOnFacet {
   static void flatten(std::span<const glm::dvec3> corners_m, const BistaticFacet& bistatic,
                       PlanarPolygon& polygon);
 
-  /// Of an even bed, without mirrors.
+  /// Of an even seabed, without mirrors.
   double density_at(double tx_range_m, double rx_range_m) const {
     const auto two_way = TwoWayRange<double>::of(tx_range_m, rx_range_m);
-    if (bed.scattering == nullptr) return lambert * lambert_density(two_way, beta_per_m);
-    const double sigma = std::sqrt(cross_section(*bed.scattering, tx.over.distance, tx_range_m) *
-                                   cross_section(*bed.scattering, rx.over.distance, rx_range_m));
-    return bed.factor * density(sigma, two_way, beta_per_m);
+    if (seabed.scattering == nullptr) return lambert * lambert_density(two_way, beta_per_m);
+    const double sigma = std::sqrt(cross_section(*seabed.scattering, tx.over.distance, tx_range_m) *
+                                   cross_section(*seabed.scattering, rx.over.distance, rx_range_m));
+    return seabed.factor * density(sigma, two_way, beta_per_m);
   }
   double texture_at(glm::dvec2 p) const {
-    return bed.texture == nullptr ? 1 : bed.texture->factor(lies.at(p));
+    return seabed.texture == nullptr ? 1 : seabed.texture->factor(lies.at(p));
   }
   /// What mirrors leave of what goes and comes in these directions.
   double passed(glm::dvec3 tx_direction, glm::dvec3 rx_direction) const {
@@ -98,7 +98,7 @@ struct Smoothness {
   bool textured = false;  ///< a texture, analytic over its cells, but not known how far beyond
   bool limited = false;   ///< gains below a limit count as 0 (BeamPatterns::least)
 
-  void take(const FacetBed& bed);
+  void take(const SurfaceProperties& seabed);
   /// Patterns that are multiplied.
   void take(const Directivity& sent, const Directivity& received);
   PathCutter::Work work(double tolerance) const;

@@ -30,7 +30,7 @@ struct PlacedTexture {
   LyingPlane plane{};
 };
 
-/// Integrates what an even bed returns to one apex (density.hpp), times transmit and receive pattern, over
+/// Integrates what an even seabed returns to one apex (density.hpp), times transmit and receive pattern, over
 /// polygons cut by range samples.
 ///
 /// A pattern has no symmetry about the foot point, so this is an integral over two dimensions: over slabs of

@@ -7,7 +7,9 @@
 namespace tubefoot {
 
 /// Nothing comes back from there.
-inline bool is_silent(const FacetBed& bed) { return bed.scattering == nullptr && bed.mu == 0; }
+inline bool is_silent(const SurfaceProperties& seabed) {
+  return seabed.scattering == nullptr && seabed.mu == 0;
+}
 
 /// Parts whose owner is asked for go to the sink instead. `room`: as integrate_lit_echo() has it.
 LitEcho integrate_one_apex(const CommonVisibility& visibility, const ReceiveBeams& beams,

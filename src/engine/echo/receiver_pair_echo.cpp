@@ -22,7 +22,7 @@ constexpr double tolerance = 1e-8;
 /// Facets that a task takes: part of the summation's order.
 constexpr std::size_t facets_per_task = 64;
 
-/// Where the bed is seen elsewhere over one chain of mirrors than over another, so are its ends.
+/// Where the seabed is seen elsewhere over one chain of mirrors than over another, so are its ends.
 bool in_the_middle(const ReceiverPairHistory& history) {
   return history.middle_m == glm::dvec3(0) && history.bistatic_upper.empty() &&
          history.bistatic_lower.empty();
@@ -59,8 +59,8 @@ class ReceiverPairIntegral {
   /// Energies of one receiver.
   void add_energy(std::size_t end, const SharedFacet& facet) {
     if (!place(end, facet, end, end + 1)) return;
-    const FacetBed& bed = paths_[end].bed;
-    if (bed.scattering == nullptr && bed.mu == 0) return;
+    const SurfaceProperties& seabed = paths_[end].seabed;
+    if (seabed.scattering == nullptr && seabed.mu == 0) return;
     const SharedFootprints& shared = seen_by(end);
     for (std::uint32_t k = 0; k < facet.piece_count; ++k) {
       assign(polygon_, shared, shared.pieces[facet.first_piece + k]);
@@ -110,7 +110,7 @@ class ReceiverPairIntegral {
     const bool placed =
         bistatic_ == nullptr ? place_seen(facet, first, last) : place_bistatic(facet, first, last);
     smooth_ = patterns_;
-    smooth_.take(paths_[first].bed);
+    smooth_.take(paths_[first].seabed);
     return placed;
   }
 
@@ -152,7 +152,7 @@ class ReceiverPairIntegral {
 
   /// One path: its energies. Two: the size of the products, and their real and imaginary parts.
   void integrate(std::span<const PathOnFacet> paths, std::vector<double>& out) {
-    const ReflectivityField* texture = paths[0].bed.texture;
+    const ReflectivityField* texture = paths[0].seabed.texture;
     if (texture == nullptr) return integrate_part(polygon_, paths, out);
     cells_.cut(polygon_, paths[0].lies, texture->cells(),
                [&](const PlanarPolygon& part) { integrate_part(part, paths, out); });

@@ -37,7 +37,7 @@ ReceiverPairHistory trace_receiver_pair(const FacetMesh& mesh, const SceneTree& 
                                         const TubeSet& receive, const ReceiverBaseline& receiver_pair);
 
 /// The same in refracting water with the transmitter elsewhere (as trace_bistatic()): both ends look at the
-/// bed as it appears from the receiver pair's middle.
+/// seabed as it appears from the receiver pair's middle.
 ReceiverPairHistory trace_receiver_pair(const ApparentPair& pair, const WorldGrid& grid,
                                         const VisibilityOptions& options, TubeSet transmit,
                                         const TubeSet& receive, const ReceiverBaseline& receiver_pair,

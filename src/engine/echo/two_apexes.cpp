@@ -36,9 +36,9 @@ class FacetEcho {
     const BistaticFacet* bistatic = visibility_.bistatic(number);
     const PlaneFrame frame(facet.plane);
     path_ = path_on(visibility_, number, frame, model_);
-    if (is_silent(path_.bed)) return;
+    if (is_silent(path_.seabed)) return;
     smooth_ = {mirrors_angle_rad_};
-    smooth_.take(path_.bed);
+    smooth_.take(path_.seabed);
     for (std::uint32_t k = 0; k < facet.piece_count; ++k) {
       const SeenPart seen = visibility_.part(number, facet.first_piece + k);
       if (!beams_.in_one_fan(seen.tx_tube, seen.rx_tube)) continue;
@@ -51,10 +51,10 @@ class FacetEcho {
         model_.patterns == nullptr ? add_plain(part, seen, owned, parts)
                                    : add_weighed(part, seen, owned, parts);
       };
-      if (path_.bed.texture == nullptr)
+      if (path_.seabed.texture == nullptr)
         add_part(polygon_);
       else
-        cells_.cut(polygon_, path_.lies, path_.bed.texture->cells(), add_part);
+        cells_.cut(polygon_, path_.lies, path_.seabed.texture->cells(), add_part);
     }
   }
 

@@ -8,8 +8,8 @@
 
 #include "engine/ground/refracted_ground.hpp"
 
-// Places of the bed as one apex sees them through refracting water, by each of the rays that lead there: what
-// straighten() makes its facets of.
+// Places of the seabed as one apex sees them through refracting water, by each of the rays that lead there:
+// what straighten() makes its facets of.
 namespace tubefoot {
 
 /// A point's image by one ray, and what that returns.
@@ -83,8 +83,8 @@ class Images {
     return is_short(length, from, to) && is_fine(length, travel_path_error_m(a, b, from, to), from, to, to);
   }
 
-  /// Whether an edge is long for how near it is to an apex on the bed: facets that hold the apex, or nearly,
-  /// lie then where rays are straight.
+  /// Whether an edge is long for how near it is to an apex on the seabed: facets that hold the apex, or
+  /// nearly, lie then where rays are straight.
   bool is_long_nearby(const glm::dvec3& a, const glm::dvec3& b) const {
     const double within_m = apparent_map_.straight_within_m();
     if (!(within_m > 0)) return false;

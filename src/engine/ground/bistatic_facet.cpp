@@ -138,7 +138,7 @@ std::vector<BistaticFacet> bistatic_facets(const SharedFootprints& shared, const
                          absorption_db_per_m);
 }
 
-std::vector<BistaticFacet> bistatic_facets(const SharedFootprints& shared, const FacetMesh& bed,
+std::vector<BistaticFacet> bistatic_facets(const SharedFootprints& shared, const FacetMesh& seabed,
                                            const ApparentEnd& transmit_end, const ApparentEnd& receive_end,
                                            const WorldGrid& grid, double absorption_db_per_m) {
   const ApparentMap &transmit = transmit_end.water, &receive = receive_end.water;
@@ -150,7 +150,7 @@ std::vector<BistaticFacet> bistatic_facets(const SharedFootprints& shared, const
   const glm::dvec3 transmit_apex = transmit.apex_m(), receive_apex = receive.apex_m();
   for (const SharedFacet& of : shared.facets) {
     stop_if_wanted();
-    std::array<VertexId, 3> vertex = bed.facets[of.facet];
+    std::array<VertexId, 3> vertex = seabed.facets[of.facet];
     glm::dvec3 from_t[3], from_r[3], lies[3];
     const auto take = [&] {
       for (std::size_t k = 0; k < 3; ++k) {
@@ -179,16 +179,16 @@ std::vector<BistaticFacet> bistatic_facets(const SharedFootprints& shared, const
   return bistatic;
 }
 
-ReceiverPairFlattening::ReceiverPairFlattening(const FacetMesh& bed, const ApparentEnd& transmit,
+ReceiverPairFlattening::ReceiverPairFlattening(const FacetMesh& seabed, const ApparentEnd& transmit,
                                                const std::array<const ApparentMap*, 2>& receivers,
                                                const WorldGrid& grid)
-    : bed_(bed), transmit_(transmit), receivers_(receivers), grid_(grid) {}
+    : seabed_(seabed), transmit_(transmit), receivers_(receivers), grid_(grid) {}
 
 const ReceiverPairFlattening::Image& ReceiverPairFlattening::image(std::size_t receiver, VertexId vertex) {
   const auto known = images_[receiver].find(vertex);
   if (known != images_[receiver].end()) return known->second;
   const ApparentMap& water = *receivers_[receiver];
-  const auto found = water.apparent(grid_.to_metres(bed_.vertices[vertex]));
+  const auto found = water.apparent(grid_.to_metres(seabed_.vertices[vertex]));
   return images_[receiver]
       .emplace(vertex, found ? Image(found->at_m - water.apex_m()) : Image())
       .first->second;
@@ -199,7 +199,7 @@ std::vector<BistaticFacet> ReceiverPairFlattening::of(const SharedFootprints& sh
   all.reserve(shared.facets.size());
   for (const SharedFacet& of : shared.facets) {
     stop_if_wanted();
-    std::array<VertexId, 3> vertex = bed_.facets[of.facet];
+    std::array<VertexId, 3> vertex = seabed_.facets[of.facet];
     glm::dvec3 from_t[3], lies[3], from_r[2][3];
     const auto take = [&] {
       for (std::size_t k = 0; k < 3; ++k) {

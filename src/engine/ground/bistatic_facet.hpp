@@ -48,8 +48,8 @@ struct BistaticFacet {
   std::array<Corner, 3> corners;
   double misfit_m = 0;  ///< of half paths at the corners
 
-  /// To the end of a receiver pair whose middle the receive leg leads to: the apparent bed stays where it is.
-  /// False: the plane is not in front of it.
+  /// To the end of a receiver pair whose middle the receive leg leads to: the apparent seabed stays where it
+  /// is. False: the plane is not in front of it.
   bool move_receiver(glm::dvec3 by_m);
 };
 
@@ -64,14 +64,14 @@ struct FlattenedFacet {
 FlattenedFacet flatten_between(const glm::dvec3 (&from_transmitter)[3], const glm::dvec3 (&from_receiver)[3],
                                const glm::dvec3 (&lies)[3]);
 
-/// One end of a path, and where it sees the bed: vertices of the ground have the numbers of the bed's.
+/// One end of a path, and where it sees the seabed: vertices of the ground have the numbers of the seabed's.
 struct ApparentEnd {
   const ApparentSurface& ground;
   const ApparentMap& water;
 };
 
-/// Facets that two ends share, in their order. `shared` is about `bed`, whose facets both see.
-std::vector<BistaticFacet> bistatic_facets(const SharedFootprints& shared, const FacetMesh& bed,
+/// Facets that two ends share, in their order. `shared` is about `seabed`, whose facets both see.
+std::vector<BistaticFacet> bistatic_facets(const SharedFootprints& shared, const FacetMesh& seabed,
                                            const ApparentEnd& transmit, const ApparentEnd& receive,
                                            const WorldGrid& grid, double absorption_db_per_m);
 /// The same of a pair. `shared` is about pair.mesh.
@@ -85,7 +85,7 @@ std::vector<BistaticFacet> bistatic_facets(const SharedFootprints& shared, const
 class ReceiverPairFlattening {
  public:
   /// `receivers`: upper and lower. All outlive it.
-  ReceiverPairFlattening(const FacetMesh& bed, const ApparentEnd& transmit,
+  ReceiverPairFlattening(const FacetMesh& seabed, const ApparentEnd& transmit,
                          const std::array<const ApparentMap*, 2>& receivers, const WorldGrid& grid);
   /// Facets that one of them shares with the transmitter, in their order.
   std::vector<BistaticFacet> of(const SharedFootprints& shared, std::size_t receiver);
@@ -94,7 +94,7 @@ class ReceiverPairFlattening {
   using Image = std::optional<glm::dvec3>;  // from the receiver's apex, to the last digit
   const Image& image(std::size_t receiver, VertexId vertex);
 
-  const FacetMesh& bed_;
+  const FacetMesh& seabed_;
   const ApparentEnd transmit_;
   std::array<const ApparentMap*, 2> receivers_;
   const WorldGrid& grid_;

@@ -26,7 +26,7 @@ bool is_triangle(const GridPoint& a, const GridPoint& b, const GridPoint& c) {
 }
 
 /// facet_factor() next to a caustic, per launch direction: there the area of the ray tube on the transmit leg
-/// has no singularity, because the bed is lit by what is sent, and 1 / spreading is as a plane. `seen_m`:
+/// has no singularity, because the seabed is lit by what is sent, and 1 / spreading is as a plane. `seen_m`:
 /// from the apex.
 double factor_beside_caustic(const glm::dvec3 (&lies_m)[3], const glm::dvec3 (&seen_m)[3],
                              const std::array<const SeenPoint*, 3>& rays, double absorption_db_per_m,

@@ -12,13 +12,13 @@
 
 namespace tubefoot {
 
-/// Where several rays lead to the bed, each family of them sees it elsewhere: rays that are launched alike
+/// Where several rays lead to the seabed, each family of them sees it elsewhere: rays that are launched alike
 /// and have crossed their neighbours alike. A facet is cut along the caustics that cross it (and along the
 /// ends of what rays are followed), which are found on its edges; each part is then seen over a family whole
 /// or not at all. Sheets of two families that meet on a caustic share their vertices there, so that all
 /// sheets are one surface over the launch directions, with neither gaps nor overlaps but for chords: the
 /// solid angle that the sonar sends into is that which arrives. In one mesh they hide one another as facets
-/// do: the first along a launch direction is where its ray first meets the bed.
+/// do: the first along a launch direction is where its ray first meets the seabed.
 class EigenrayBranches {
  public:
   /// Adds to `ground`; all outlive it. `models` as in straighten().

@@ -284,7 +284,7 @@ ApparentPair map_apparent_pair(const FacetMesh& base, std::span<const FacetId> f
   CommonApparentSurfaces grounds = map_apparent_together(
       base, facets, grid, std::array{&transmit, &receive}, reference_absorption_db_per_m, settings, limits,
       std::array{transmit_view_bounds, receive_view_bounds});
-  return {std::move(grounds.bed.mesh), std::move(grounds.seen[0]), std::move(grounds.seen[1]),
+  return {std::move(grounds.seabed.mesh), std::move(grounds.seen[0]), std::move(grounds.seen[1]),
           std::move(grounds.origin[0]), std::move(grounds.origin[1])};
 }
 
@@ -302,12 +302,12 @@ CommonApparentSurfaces map_apparent_together(const FacetMesh& base, std::span<co
         images.emplace_back(*ways[k], reference_absorption_db_per_m, settings, all_view_bounds[k]), base,
         grid);
   CommonApparentSurfaces grounds;
-  grounds.bed = refine(
+  grounds.seabed = refine(
       base, facets, grid, any, [](const BasePoint& p) { return p.at_m; }, limits);
   grounds.seen.resize(ways.size());
   grounds.origin.resize(ways.size());
   tbb::parallel_for(std::size_t{0}, ways.size(), [&](std::size_t k) {
-    grounds.seen[k] = seen_of(with_images(grounds.bed, grid, any.rules[k]), images[k], grid, *ways[k],
+    grounds.seen[k] = seen_of(with_images(grounds.seabed, grid, any.rules[k]), images[k], grid, *ways[k],
                               settings, {}, &grounds.origin[k]);
   });
   return grounds;

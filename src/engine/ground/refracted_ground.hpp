@@ -40,7 +40,7 @@ struct UnclearPlace {
   glm::dvec3 direction{0};  ///< launch direction of the first to arrive; straight to the place in a shadow
 };
 
-/// One of several rays to a part of the bed, and what it does at the part's corners.
+/// One of several rays to a part of the seabed, and what it does at the part's corners.
 struct RayOfPart {
   FacetId seen = 0;        ///< the apparent facet that it makes of the part
   FacetId part = 0;        ///< its number; rays of a part follow one another
@@ -63,8 +63,8 @@ struct ApparentSurface {
   double reference_speed_m_s = 0;          ///< by which a travel time becomes a range
   double largest_travel_path_error_m = 0;  ///< of all edges that are left; of short ones a bound
   std::size_t facets_in_shadow = 0;        ///< left out: they lie, wholly or in part, where no ray leads
-  /// Facets of the bed with several eigenrays to a corner: the first to arrive stands for them, or each shows
-  /// the facet.
+  /// Facets of the seabed with several eigenrays to a corner: the first to arrive stands for them, or each
+  /// shows the facet.
   std::size_t facets_of_several = 0;
   /// Apparent facets that are turned over: rays cross before they reach them.
   std::size_t facets_folded = 0;
@@ -93,12 +93,12 @@ ApparentSurface map_apparent(const FacetMesh& base, std::span<const FacetId> fac
                              std::span<const std::shared_ptr<const ScatteringModel>> models = {},
                              const ViewBounds* view_bounds = nullptr);
 
-/// What several ways see of a bed whose facets are cut alike for all of them, where any needs it. The
+/// What several ways see of a seabed whose facets are cut alike for all of them, where any needs it. The
 /// vertices of all apparent meshes have the numbers of `mesh`.
 struct CommonApparentSurfaces {
-  RefinedMesh bed;                           ///< where it lies; parents are facets of the base
+  RefinedMesh seabed;                        ///< where it lies; parents are facets of the base
   std::vector<ApparentSurface> seen;         ///< by way
-  std::vector<std::vector<FacetId>> origin;  ///< by way and apparent facet: that of `bed`
+  std::vector<std::vector<FacetId>> origin;  ///< by way and apparent facet: that of `seabed`
 };
 
 /// straighten() for several ways, each with its view bounds (none: null).

@@ -70,8 +70,8 @@ double distance_rad(const glm::dvec3& direction, const glm::dvec3& from, const g
 }  // namespace
 
 /// What is proven of what the images of a way see.
-struct EnclosedImages::Bed {
-  Bed(const BistaticBed& seen, const EchoModel& model) : end(seen.tx) {
+struct EnclosedImages::Seabed {
+  Seabed(const BistaticSurface& seen, const EchoModel& model) : end(seen.tx) {
     const BistaticEnd nothing{end.ground, end.tree, {}, end.water, end.rays};
     all = std::move(
         enclose({seen.mesh, seen.parent, seen.base, seen.grid, end, nothing}, {}, {}, model).ends.front());
@@ -129,17 +129,17 @@ EnclosedImages::EnclosedImages(RefractedImages& images, const EchoModel& model,
   for (const std::span<const Image> list : lists)
     for (const Image& image : list) {
       if (image.seen.empty()) continue;
-      const Bed& bed = bed_of(image);
+      const Seabed& seabed = seabed_of(image);
       double& beyond = beyond_[image.way];
       beyond = std::max(beyond, off_rad(image));
-      look_at_windows(image, bed, reflection, beyond);
+      look_at_windows(image, seabed, reflection, beyond);
     }
 }
 
-void EnclosedImages::look_at_windows(const Image& image, const Bed& bed, std::span<const double> reflection,
-                                     double& off_rad) {
+void EnclosedImages::look_at_windows(const Image& image, const Seabed& seabed,
+                                     std::span<const double> reflection, double& off_rad) {
   const double unit_m = images_.grid().unit_m();
-  const tubefoot::Unknown without_ray(bed.all.unproven, bed.end.rays);
+  const tubefoot::Unknown without_ray(seabed.all.unproven, seabed.end.rays);
   double known_to_m = infinite;
   for (std::uint32_t tube = 0; tube < image.seen.size(); ++tube) {
     stop_if_wanted();
@@ -157,11 +157,12 @@ void EnclosedImages::look_at_windows(const Image& image, const Bed& bed, std::sp
         const glm::dvec3 from = glm::normalize(direction_of(context, c)),
                          to = glm::normalize(direction_of(context, d)), sum = from + to;
         if (!(glm::length(sum) > 0)) continue;
-        off_rad = std::max(off_rad, bed.beyond_rad(glm::normalize(sum), angle_between(from, to) / 2 + slack));
+        off_rad =
+            std::max(off_rad, seabed.beyond_rad(glm::normalize(sum), angle_between(from, to) / 2 + slack));
         // Where facets cross: no farther than their ranges may be off.
         for (const PlaneName& plane : planes)
           if (plane.depth) {
-            const FacetEnclosure &one = bed.all.facets[plane.a], &two = bed.all.facets[plane.b];
+            const FacetEnclosure &one = seabed.all.facets[plane.a], &two = seabed.all.facets[plane.b];
             const double steep = glm::length(one.plane_m * two.normal - two.plane_m * one.normal),
                          off = 1.1 * (one.shift_m + two.shift_m) / steep;
             off_rad = std::max(off_rad, off < most_off_rad ? off : most_off_rad);
@@ -177,10 +178,10 @@ void EnclosedImages::look_at_windows(const Image& image, const Bed& bed, std::sp
   if (known_to_m < infinite) unknown_.push_back({image.mirrors, known_to_m});
 }
 
-const EnclosedImages::Bed& EnclosedImages::bed_of(const Image& image) {
-  auto& bed = beds_[image.way];
-  if (!bed) bed = std::make_unique<const Bed>(images_.bed_between(image, image), model_);
-  return *bed;
+const EnclosedImages::Seabed& EnclosedImages::seabed_of(const Image& image) {
+  auto& seabed = seabeds_[image.way];
+  if (!seabed) seabed = std::make_unique<const Seabed>(images_.seabed_between(image, image), model_);
+  return *seabed;
 }
 
 double EnclosedImages::off_rad(const Image& image) const {
@@ -243,7 +244,7 @@ EnclosedImages::Ray EnclosedImages::ray_to(const Image& image, GridPoint place) 
   found.enclosed = enclose_ray(water, enclosure, at_m);
   if (!found.enclosed) return found;
   found.ray = rays.front();
-  found.passes = bed_of(image).sees(2 * rays.front().half_path_m * rays.front().sent);
+  found.passes = seabed_of(image).sees(2 * rays.front().half_path_m * rays.front().sent);
   return found;
 }
 

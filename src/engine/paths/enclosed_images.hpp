@@ -20,13 +20,13 @@ namespace tubefoot {
 class EnclosedImages {
  public:
   /// `lists`: images, each end's by increasing number of mirrors; they and all else outlive this. `model`:
-  /// that of the mirrors' bed; `reflection`: by material, as Mirrors has it.
+  /// that of the mirrors' seabed; `reflection`: by material, as Mirrors has it.
   EnclosedImages(RefractedImages& images, const EchoModel& model, std::span<const double> reflection,
                  std::initializer_list<std::span<const Image>> lists);
   ~EnclosedImages();
 
-  BistaticBed bed_between(const Image& sent, const Image& received) const {
-    return images_.bed_between(sent, received);
+  BistaticSurface seabed_between(const Image& sent, const Image& received) const {
+    return images_.seabed_between(sent, received);
   }
   /// No wall of its windows is farther from where it should be; 0 of an end's own tubes.
   double off_rad(const Image& image) const;
@@ -54,15 +54,15 @@ class EnclosedImages {
   Ray ray_to(const Image& image, GridPoint place);
 
  private:
-  struct Bed;
-  const Bed& bed_of(const Image& image);
-  void look_at_windows(const Image& image, const Bed& bed, std::span<const double> reflection,
+  struct Seabed;
+  const Seabed& seabed_of(const Image& image);
+  void look_at_windows(const Image& image, const Seabed& seabed, std::span<const double> reflection,
                        double& off_rad);
 
   RefractedImages& images_;
   const EchoModel& model_;
-  std::map<std::size_t, std::unique_ptr<const Bed>> beds_;  ///< by way
-  std::map<std::size_t, double> beyond_;                    ///< by way: of windows that its images make
+  std::map<std::size_t, std::unique_ptr<const Seabed>> seabeds_;  ///< by way
+  std::map<std::size_t, double> beyond_;                          ///< by way: of windows that its images make
   std::vector<Unknown> unknown_;
 };
 

@@ -42,13 +42,13 @@ std::vector<std::uint32_t> of_windows(const Image& image, std::span<const std::u
 }  // namespace
 
 PairModel::PairModel(const Image& sent, const Image& received, GridPoint true_apex, double grid_unit_m,
-                     const EchoModel& of_apexes, const ReceiveBeams& all, const FacetMesh* bed)
+                     const EchoModel& of_apexes, const ReceiveBeams& all, const FacetMesh* seabed)
     : model(of_apexes),
       beam(of_windows(received, all.of_tube)),
       from(of_windows(sent, all.fan_of_transmit_tube)),
       to(of_windows(received, all.fan_of_receive_tube)),
       beams{all.count, beam, from, to} {
-  if (bed != nullptr) model.material = bed->material;
+  if (seabed != nullptr) model.material = seabed->material;
   model.path.rx = received.leg;
   model.path.tx = sent.leg;
   const GridPoint apex = sent.windows.apex;

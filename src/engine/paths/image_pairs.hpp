@@ -24,10 +24,10 @@ std::vector<ImagePair> pairs_of_images(std::span<const Image> sent, std::span<co
 
 /// The law and the beams between two images, made of those between their apexes, which outlive it.
 struct PairModel {
-  /// `true_apex`: of the transmitter. `bed`: the facets that are shared, where they are not those of `model`;
-  /// null: they are.
+  /// `true_apex`: of the transmitter. `seabed`: the facets that are shared, where they are not those of
+  /// `model`; null: they are.
   PairModel(const Image& sent, const Image& received, GridPoint true_apex, double grid_unit_m,
-            const EchoModel& model, const ReceiveBeams& beams, const FacetMesh* bed);
+            const EchoModel& model, const ReceiveBeams& beams, const FacetMesh* seabed);
   PairModel(const PairModel&) = delete;
   PairModel& operator=(const PairModel&) = delete;
 

@@ -71,10 +71,10 @@ PatchEcho::PatchEcho(const EchoModel& model, const ReceiveBeams& beams, double l
       least_received_(least_received),
       levels_(1) {}
 
-std::size_t PatchEcho::add(const SeenBed& bed, const Point& point, const ImageReceiver& received,
+std::size_t PatchEcho::add(const VisibleSurface& seabed, const Point& point, const ImageReceiver& received,
                            glm::dvec3 local_m, const RangeSamples& samples, double borders_m,
                            SparseEnergy& tx) {
-  const SharedFootprints& seen = bed.shared;
+  const SharedFootprints& seen = seabed.shared;
   point_ = &point;
   received_ = &received;
   local_m_ = local_m;
@@ -86,7 +86,7 @@ std::size_t PatchEcho::add(const SeenBed& bed, const Point& point, const ImageRe
   std::size_t met = 0;
   Polygon source;
   for (const SharedFacet& shared : seen.facets) {
-    const RefractedFacet* refracted = bed.refracted_of(shared);
+    const RefractedFacet* refracted = seabed.refracted_of(shared);
     const ReceiverViews::Facet* facet =
         received.receives.find(shared.facet, refracted != nullptr ? refracted->normal : shared.plane_normal);
     if (facet == nullptr) continue;

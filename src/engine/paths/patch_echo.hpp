@@ -77,8 +77,8 @@ class PatchEcho {
   /// sees. `local_m`: the local frame's coordinates of the frame's origin. A product has what both receivers
   /// receive in sample k; with `borders_m` above 0, where samples are that far apart but do not begin where
   /// these do, it is in that of the mean of both half paths, as much of it as both have in one on average.
-  std::size_t add(const SeenBed& bed, const Point& point, const ImageReceiver& received, glm::dvec3 local_m,
-                  const RangeSamples& samples, double borders_m, SparseEnergy& tx);
+  std::size_t add(const VisibleSurface& seabed, const Point& point, const ImageReceiver& received,
+                  glm::dvec3 local_m, const RangeSamples& samples, double borders_m, SparseEnergy& tx);
 
  private:
   using Polygon = std::vector<glm::dvec2>;

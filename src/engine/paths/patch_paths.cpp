@@ -299,20 +299,20 @@ class PatchPaths {
     if (water_) {
       if (!(water_->grid.to_metres(source.at).z < water_->surface_height_m)) return;  // out of the water
       refracted.emplace(*scene_.refracted, *water_, std::move(tubes), most_mirrors + 1,
-                        OnBed{source.normal, scene_.settings.patch_m});
+                        SurfaceApex{source.normal, scene_.settings.patch_m});
     }
     const std::vector<Image> images =
         refracted ? refracted->images_of(0) : scene_.finder.images_of(std::move(tubes), most_mirrors);
-    std::vector<SeenBed> beds;
+    std::vector<VisibleSurface> seabeds;
     for (const Image& image : images)
-      beds.push_back(scene_.seen_by(image, refracted ? &*refracted : nullptr));
-    if (refracted) sent.seen = refracted->counts(beds);
+      seabeds.push_back(scene_.seen_by(image, refracted ? &*refracted : nullptr));
+    if (refracted) sent.seen = refracted->counts(seabeds);
     const ScatteringModel* scattering = before_.model_of(source.facet);
     for (std::size_t k = 0; k < images.size(); ++k) {
       stop_if_wanted();
       const Image& image = images[k];
       const int interactions = source.interactions + int(image.mirrors) + 1;
-      const SeenBed& seen = beds[k];
+      const VisibleSurface& seen = seabeds[k];
       const PatchEcho::Point point{from_apex(image.windows.apex), image.leg.loss,
                                    glm::transpose(image.leg.to_true) * source.normal, scattering, source.fan};
       for (const ImageReceiver& received : received_) {
@@ -336,7 +336,7 @@ class PatchPaths {
     }
   }
 
-  void hear(const Source& source, const SeenBed& seen, const PatchEcho::Point& point,
+  void hear(const Source& source, const VisibleSurface& seen, const PatchEcho::Point& point,
             const ImageReceiver& received, std::size_t order, Sent& sent) {
     Worker& worker = workers_.local();
     const RangeSamples& samples = scene_.samples;
@@ -401,7 +401,7 @@ ReceiverViews PathScene::received_by(const Image& image) const {
   return {image, from_apex(image.windows.apex), seen_by(image)};
 }
 
-SeenBed PathScene::seen_by(const Image& image, const RefractedImages* by) const {
+VisibleSurface PathScene::seen_by(const Image& image, const RefractedImages* by) const {
   if (refracted != nullptr) return (by != nullptr ? by : refracted)->seen_by(image);
   return {shared_with_itself(mesh, image.look(), unit_m)};
 }

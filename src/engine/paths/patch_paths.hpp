@@ -29,12 +29,12 @@ struct PathScene {
   /// corners are rounded by up to 1.8, and none must come to lie before the patch.
   double least_lift() const { return refracted != nullptr ? 4 : 0; }
   /// What an image sees that `by` has made, or which is one of the scene's.
-  SeenBed seen_by(const Image& image, const RefractedImages* by = nullptr) const;
+  VisibleSurface seen_by(const Image& image, const RefractedImages* by = nullptr) const;
 };
 
 /// Adds to `echo` the paths with 2 to settings.scatterings scatterings, generation by generation: what the
 /// images `sent` light becomes patches; what these light is received by the images `received`, and, gathered
-/// by facet and place, becomes the next patches. In refracting water each patch sees the bed through the
+/// by facet and place, becomes the next patches. In refracting water each patch sees the seabed through the
 /// water from its own depth. Of each generation the weakest patches, which together scatter less than the
 /// cut-off allows of what the first one does, are left out.
 void add_scattered_paths(const PathScene& scene, std::span<const Image> sent, std::span<const Image> received,

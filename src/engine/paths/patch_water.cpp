@@ -14,7 +14,7 @@ WaterColumn continued_below(const WaterColumn& water, double depth_m, double fur
   const auto layer = static_cast<std::size_t>(end - points.begin());
   const double gradient = water.profile.gradient_per_s(layer), speed = water.profile.at(depth_m);
   if (gradient == 0) return water;  // nothing is bent there
-  // Speeds stay above half of that at the bed.
+  // Speeds stay above half of that at the seabed.
   const double by_m = gradient < 0 ? std::min(further_m, speed / (-2 * gradient)) : further_m;
   WaterColumn column;
   std::vector<ProfilePoint> above(points.begin(), end);
@@ -62,11 +62,11 @@ GroundCounts counts_from(const ApparentSurface& ground, const ApparentMap& water
   return counts;
 }
 
-std::size_t folded_facets(const SeenBed& bed) {
+std::size_t folded_facets(const VisibleSurface& seabed) {
   constexpr double least_sine = 0.01;
-  return static_cast<std::size_t>(std::ranges::count_if(bed.shared.facets, [&](const SharedFacet& facet) {
-    const RefractedFacet& refracted = *bed.refracted_of(facet);
-    const glm::dvec3 at = bed.shared.corners_m[bed.shared.pieces[facet.first_piece].first];
+  return static_cast<std::size_t>(std::ranges::count_if(seabed.shared.facets, [&](const SharedFacet& facet) {
+    const RefractedFacet& refracted = *seabed.refracted_of(facet);
+    const glm::dvec3 at = seabed.shared.corners_m[seabed.shared.pieces[facet.first_piece].first];
     return glm::dot(refracted.normal, facet.plane_normal) < 0 &&
            facet.transmit_distance_m > least_sine * glm::length(at) &&
            refracted.sine(at, refracted.ray_to(refracted.lies.at(at))) > least_sine;

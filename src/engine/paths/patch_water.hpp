@@ -4,14 +4,14 @@
 #include <cstddef>
 #include <vector>
 
-#include "engine/paths/seen_bed.hpp"
+#include "engine/paths/visible_surface.hpp"
 
-// Water that refracts, for places on a bed that see each other through it. docs/paths.md
+// Water that refracts, for places on a seabed that see each other through it. docs/paths.md
 namespace tubefoot {
 
-/// The same water for places on a bed: below the bed's lowest place, where no sound is, speeds go on as above
-/// it for `further_m`, so that a ray leads from a place to all that are level with it, and it can be told
-/// that it is sent into the bed.
+/// The same water for places on a seabed: below the seabed's lowest place, where no sound is, speeds go on as
+/// above it for `further_m`, so that a ray leads from a place to all that are level with it, and it can be
+/// told that it is sent into the seabed.
 WaterColumn continued_below(const WaterColumn& water, double depth_m, double further_m);
 
 /// What came of several apparent maps, counted (ApparentSurface).
@@ -23,13 +23,13 @@ struct GroundCounts {
   void add(const GroundCounts& more);
 };
 
-/// Of what an apex on the bed has mapped, but for folded facets. A place without a ray counts if it
+/// Of what an apex on the seabed has mapped, but for folded facets. A place without a ray counts if it
 /// lies more than `before_m` before the plane that `front` is the normal of; 0: everywhere.
 GroundCounts counts_from(const ApparentSurface& ground, const ApparentMap& water, glm::dvec3 front,
                          double before_m);
 
 /// How many facets are seen from the other side than rays come to; not of those that are seen edge-on, which
 /// the gap alone may turn over.
-std::size_t folded_facets(const SeenBed& bed);
+std::size_t folded_facets(const VisibleSurface& seabed);
 
 }  // namespace tubefoot

@@ -74,10 +74,10 @@ GridPoint in_front(const FacetMesh& mesh, FacetId facet, GridPoint apex, glm::dv
   }
 }
 
-std::vector<RadiosityPatch> patches_of(const FacetMesh& mesh, GridPoint apex, const SeenBed& bed,
+std::vector<RadiosityPatch> patches_of(const FacetMesh& mesh, GridPoint apex, const VisibleSurface& seabed,
                                        double unit_m, double longest_m,
                                        std::span<const std::uint32_t> label_of_tube, glm::dvec3 axis) {
-  const SharedFootprints& seen = bed.shared;
+  const SharedFootprints& seen = seabed.shared;
   double about = 0;
   for (const SharedPiece& piece : seen.pieces)
     for (std::uint32_t k = 2; k < piece.count; ++k) {
@@ -106,7 +106,7 @@ std::vector<RadiosityPatch> patches_of(const FacetMesh& mesh, GridPoint apex, co
       for (std::uint32_t i = 0; i < (*end)->piece_count; ++i)
         pieces.emplace_back(*end, &seen.pieces[(*end)->first_piece + i]);
     const auto normal_of = [&](const SharedFacet& facet) {
-      const RefractedFacet* refracted = bed.refracted_of(facet);
+      const RefractedFacet* refracted = seabed.refracted_of(facet);
       return refracted != nullptr ? refracted->normal : facet.plane_normal;
     };
     const glm::dvec3 first_normal = normal_of(**first);
@@ -120,7 +120,7 @@ std::vector<RadiosityPatch> patches_of(const FacetMesh& mesh, GridPoint apex, co
     for (const auto& [seen_part, seen_piece] : pieces) {
       stop_if_wanted();
       const SharedPiece& piece = *seen_piece;
-      const RefractedFacet* refracted = bed.refracted_of(*seen_part);
+      const RefractedFacet* refracted = seabed.refracted_of(*seen_part);
       const SharedFacet& part = refracted != nullptr ? *seen_part : **first;
       const glm::dvec3 normal = normal_of(part);
       const bool other_side = glm::dot(normal, first_normal) < 0;
@@ -169,8 +169,8 @@ std::vector<RadiosityPatch> patches_of(const FacetMesh& mesh, GridPoint apex, co
       patch.facet = id;
       patch.from_apex_m /= patch.area_m2;
       patch.lies_m /= patch.area_m2;
-      patch.sine /= bed.refracted.empty() ? glm::length(patch.from_apex_m) : patch.area_m2;
-      patch.absorbed = bed.refracted.empty() ? 1 : patch.absorbed / patch.area_m2;
+      patch.sine /= seabed.refracted.empty() ? glm::length(patch.from_apex_m) : patch.area_m2;
+      patch.absorbed = seabed.refracted.empty() ? 1 : patch.absorbed / patch.area_m2;
       patches.push_back(patch);
     }
   }

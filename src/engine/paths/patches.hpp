@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/paths/seen_bed.hpp"
+#include "engine/paths/visible_surface.hpp"
 
 // What an apex sees, in pieces small enough to be taken for points. docs/paths.md
 namespace tubefoot {
@@ -33,7 +33,7 @@ struct RadiosityPatch {
 /// same from wherever it is seen. Labels may be empty: all tubes have the same. Throws std::length_error if
 /// that would be more than a hundred million patches. `axis` (unit, or 0): that of Patch::projected_sr; all
 /// that is seen lies on its side.
-std::vector<RadiosityPatch> patches_of(const FacetMesh& mesh, GridPoint apex, const SeenBed& bed,
+std::vector<RadiosityPatch> patches_of(const FacetMesh& mesh, GridPoint apex, const VisibleSurface& seabed,
                                        double unit_m, double longest_m,
                                        std::span<const std::uint32_t> label_of_tube,
                                        glm::dvec3 axis = glm::dvec3(0));

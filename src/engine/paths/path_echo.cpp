@@ -63,7 +63,7 @@ class PathTracer {
     for (const Echo& echo : echo_.by_order) echo_.bound_by_order.emplace_back(echo.energy.size(), 0.0);
     if (refracted_ == nullptr) return;
     seabed_model_ = model;
-    seabed_model_.material = refracted_->bed().material;
+    seabed_model_.material = refracted_->seabed().material;
     enclosed_.emplace(*refracted_, seabed_model_, settings.mirrors.reflection,
                       std::initializer_list<std::span<const Image>>{
                           images.sent, one_place_ ? std::span<const Image>() : images.received});
@@ -152,7 +152,7 @@ class PathTracer {
     tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t i) {
       if (!wanted[i]) return;
       auto image = std::make_unique<RayImage>(images[i], mesh_, *settings_.sampled);
-      if (refracted_) image->place(refracted_->bed().facets.size());
+      if (refracted_) image->place(refracted_->seabed().facets.size());
       ready[i] = std::move(image);
     });
     return ready;
@@ -191,7 +191,7 @@ class PathTracer {
             for (const std::size_t j : received_by[i]) {
               const Image& received = receive_[j];
               BistaticHistory shared = shared_hits(history, *senders[i]->end, *image_receivers[j]->end,
-                                                   refracted_ ? refracted_->bed() : mesh_,
+                                                   refracted_ ? refracted_->seabed() : mesh_,
                                                    refracted_ ? &image_receivers[j]->apparent : nullptr);
               if (shared.hits.empty()) continue;
               if (refracted_) pair_facets(parts[i], sent, received, shared);
@@ -205,7 +205,7 @@ class PathTracer {
     for (const Part& part : parts) take(part);
   }
 
-  /// Each end sees the bed elsewhere: what they share is reported where the one sees it that sends.
+  /// Each end sees the seabed elsewhere: what they share is reported where the one sees it that sends.
   void add_refracted(Part& part, std::size_t order, const Image& sent, const Image& received) const {
     BistaticHistory history{sent.windows, received.windows, unit_m_,
                             FootprintSharer(sent.look(), received.look(), unit_m_).all()};
@@ -216,7 +216,7 @@ class PathTracer {
 
   void pair_facets(Part& part, const Image& sent, const Image& received, BistaticHistory& history) const {
     history.bistatic =
-        bistatic_facets(history.shared, refracted_->bed(), refracted_->end_of(sent),
+        bistatic_facets(history.shared, refracted_->seabed(), refracted_->end_of(sent),
                         refracted_->end_of(received), refracted_->grid(), model_.absorption_db_per_m);
     const glm::dvec3 beside_m = refracted_->beside_m(received);
     for (std::size_t k = 0; k < history.bistatic.size(); ++k) {
@@ -253,7 +253,7 @@ class PathTracer {
 
   CertifiedEcho scattered(const Image& sent, const Image& received, const BistaticHistory& history) const {
     const PairModel pair(sent, received, true_apex_, unit_m_, model_, beams_,
-                         refracted_ ? &refracted_->bed() : nullptr);
+                         refracted_ ? &refracted_->seabed() : nullptr);
     CertifiedEcho found;
     found.echo = integrate_echo(history, pair.beams, samples_, pair.model, settings_.binning);
     const auto tolerance = settings_.reference_tolerance;
@@ -261,7 +261,7 @@ class PathTracer {
       VisibilityOptions options = refracted_->options();
       options.open_water = false;
       found = certify_refracted_echo(
-                  enclosed_->bed_between(sent, received),
+                  enclosed_->seabed_between(sent, received),
                   {sent.windows, received.windows, {enclosed_->off_rad(sent), enclosed_->off_rad(received)}},
                   options, pair.beams, samples_, pair.model, found.echo, *tolerance)
                   .certified;
@@ -475,7 +475,7 @@ class PathTracer {
   const TubeSet& true_receive_;
   bool one_place_;
   RefractedImages* refracted_;  // in refracting water: who made the images
-  EchoModel seabed_model_;      // with a reference: of the bed that these see
+  EchoModel seabed_model_;      // with a reference: of the seabed that these see
   std::optional<EnclosedImages> enclosed_;
   std::set<std::pair<Source, std::uint32_t>> arrived_;  // and fans
   PathEcho echo_;

@@ -70,7 +70,7 @@ struct PathEcho {
   std::vector<std::vector<double>> bound_by_order;
   std::size_t images = 0, shared_pieces = 0, hits = 0, arrivals = 0, patches = 0;
   std::vector<ArrivedEnergy> arrived;  ///< by image and beam; part of the energies
-  /// In refracting water: what each chain of mirrors made of the bed, and the largest misfit of its facets
+  /// In refracting water: what each chain of mirrors made of the seabed, and the largest misfit of its facets
   /// (BistaticFacet).
   std::vector<ApparentSurface> grounds;
   double largest_misfit_m = 0;

@@ -43,7 +43,7 @@ std::vector<ImagePair> PathImages::pairs() const {
                          100 * settings_.most_images);
 }
 
-const FacetMesh& PathImages::bed() const { return refracted_ ? refracted_->bed() : mesh_; }
+const FacetMesh& PathImages::seabed() const { return refracted_ ? refracted_->seabed() : mesh_; }
 
 PathImages::Parts PathImages::parts_seen_by(const Image& image) const {
   Parts parts;
@@ -97,7 +97,7 @@ BistaticHistory PathImages::history(const Image& sent, const Image& received) co
                                                      : sharer(sent, received).all();
   if (refracted_)
     history.bistatic =
-        bistatic_facets(history.shared, refracted_->bed(), refracted_->end_of(sent),
+        bistatic_facets(history.shared, refracted_->seabed(), refracted_->end_of(sent),
                         refracted_->end_of(received), refracted_->grid(), absorption_db_per_m_);
   return history;
 }

@@ -35,7 +35,7 @@ class PathImages {
   std::vector<ImagePair> pairs() const;
 
   /// The facets that shared ones are of: the mesh, or in refracting water what it was cut into.
-  const FacetMesh& bed() const;
+  const FacetMesh& seabed() const;
   bool is_cut() const { return refracted_ != nullptr; }
   /// By facet of that: the one of the mesh that it is, or is a part of.
   FacetId uncut(FacetId facet) const { return refracted_ ? refracted_->uncut(facet) : facet; }
@@ -43,7 +43,7 @@ class PathImages {
   PairModel model(const Image& sent, const Image& received, const EchoModel& model,
                   const ReceiveBeams& beams) const {
     return PairModel(sent, received, this->sent().front().windows.apex, unit_m_, model, beams,
-                     refracted_ ? &bed() : nullptr);
+                     refracted_ ? &seabed() : nullptr);
   }
   /// Facets that an image sees as parts of those of the mesh: of which, where they lie on it, and what all
   /// images that see the same (in isovelocity water, a part of the same) call it. Empty where it sees the

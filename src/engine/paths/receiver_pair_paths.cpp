@@ -39,7 +39,7 @@ glm::dvec3 image_m(GridPoint place, std::span<const MirrorPlane> chain, GridPoin
   return way_m(to, place, unit_m) + beside * unit_m;
 }
 
-/// As the bed that appears from its middle makes it: phases turn by the speed of sound there, ranges are
+/// As the seabed that appears from its middle makes it: phases turn by the speed of sound there, ranges are
 /// reported by another.
 ReceiverBaseline apparent_receiver_pair(const ReceiverPairEnds& ends, const PathWater& water) {
   ReceiverBaseline receiver_pair = ends.receiver_pair;
@@ -197,7 +197,7 @@ class ReceiverPairTracer {
     share(sent, lower, history.by_lower, history.bistatic_lower);
     if (history.by_lower.pieces.empty()) return {};
     EchoModel by_upper = model_;
-    if (refracted_) by_upper.material = refracted_->bed().material;
+    if (refracted_) by_upper.material = refracted_->seabed().material;
     by_upper.path.tx = sent.leg;
     by_upper.path.tx.apex_m = model_.path.tx.apex_m + way_m(apex_, sent.windows.apex, unit_m_);
     EchoModel by_lower = by_upper;
@@ -217,7 +217,7 @@ class ReceiverPairTracer {
                                           by_lower, ordinary, *settings_.reference_tolerance);
   }
 
-  /// What both ends see of the bed, in refracting water from the receiver pair's middle.
+  /// What both ends see of the seabed, in refracting water from the receiver pair's middle.
   void share(const Image& sent, const Image& received, SharedFootprints& shared,
              std::vector<BistaticFacet>& bistatic) const {
     if (!refracted_) {
@@ -225,7 +225,7 @@ class ReceiverPairTracer {
       return;
     }
     shared = FootprintSharer(sent.look(), received.look(), unit_m_).all();
-    bistatic = bistatic_facets(shared, refracted_->bed(), refracted_->end_of(sent),
+    bistatic = bistatic_facets(shared, refracted_->seabed(), refracted_->end_of(sent),
                                refracted_->end_of(received), refracted_->grid(), model_.absorption_db_per_m);
   }
 

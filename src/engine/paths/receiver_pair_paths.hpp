@@ -29,11 +29,11 @@ struct ReceiverPairEnds {
 
 /// path_echo() to both ends of the receiver pair of one fan, with the means of their signals' product. The
 /// image of a receiver pair in a mirror is a receiver pair: what comes to both of its ends over the same
-/// mirrors and from the same element of the bed, or the same image of the transmitter, adds to the product,
-/// with the difference of the two path lengths for its phase. A mirror turns the phases of both alike, so
-/// what it does to one of them is not asked. Different paths are independent, as in the energies.
+/// mirrors and from the same element of the seabed, or the same image of the transmitter, adds to the
+/// product, with the difference of the two path lengths for its phase. A mirror turns the phases of both
+/// alike, so what it does to one of them is not asked. Different paths are independent, as in the energies.
 ///
-/// In refracting water (`water`, as path_echo()'s) images of both ends look at the bed as it appears from
+/// In refracting water (`water`, as path_echo()'s) images of both ends look at the seabed as it appears from
 /// that of their middle (docs/refraction.md), which patches light through the water from their own depth;
 /// what comes unscattered follows rays to either end.
 ///

@@ -31,10 +31,10 @@ double turning(const std::vector<glm::dvec2>& polygon) {
   return sum;
 }
 
-ReceiverViews::ReceiverViews(const Image& received, glm::dvec3 apex_m, SeenBed bed)
+ReceiverViews::ReceiverViews(const Image& received, glm::dvec3 apex_m, VisibleSurface seabed)
     : ends_{{&received, apex_m,
-             std::make_shared<const std::vector<RefractedFacet>>(std::move(bed.refracted))}} {
-  const SharedFootprints& seen = bed.shared;
+             std::make_shared<const std::vector<RefractedFacet>>(std::move(seabed.refracted))}} {
+  const SharedFootprints& seen = seabed.shared;
   const std::vector<RefractedFacet>& all_refracted = *ends_.front().refracted;
   const auto number_of = [&](const SharedFacet& facet) { return std::size_t(&facet - seen.facets.data()); };
   std::vector<const SharedFacet*> by_facet;

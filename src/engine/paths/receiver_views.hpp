@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "engine/paths/image_tree.hpp"
-#include "engine/paths/seen_bed.hpp"
+#include "engine/paths/visible_surface.hpp"
 #include "engine/scattering/facet_map.hpp"
 #include "geometry/integrals/measure.hpp"
 
@@ -24,8 +24,9 @@ namespace tubefoot {
 /// in coordinates of the plane that the facet lies in: made once for all points that light it.
 class ReceiverViews {
  public:
-  /// `apex_m`: where the image is, in the frame of the points that will be asked about; `bed`: what it sees.
-  ReceiverViews(const Image& received, glm::dvec3 apex_m, SeenBed bed);
+  /// `apex_m`: where the image is, in the frame of the points that will be asked about; `seabed`: what it
+  /// sees.
+  ReceiverViews(const Image& received, glm::dvec3 apex_m, VisibleSurface seabed);
   /// What two images both see, told as the upper one tells it.
   ReceiverViews(const ReceiverViews& upper, const ReceiverViews& lower);
 

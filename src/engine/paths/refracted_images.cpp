@@ -95,7 +95,8 @@ double most_of(const MirrorLoss& loss, const std::vector<glm::dvec3>& corners) {
 
 /// From an end over a chain of mirrors.
 struct RefractedImages::MirrorPath {
-  MirrorPath(std::size_t of, Heights chain, const PathWater& water, const TubeSet& tubes, const OnBed& on_bed)
+  MirrorPath(std::size_t of, Heights chain, const PathWater& water, const TubeSet& tubes,
+             const SurfaceApex& surface_apex)
       : end(of),
         heights(std::move(chain)),
         up_first(!heights.empty() && heights.front() > tubes.apex.z),
@@ -103,7 +104,7 @@ struct RefractedImages::MirrorPath {
                         up_first)),
         apparent_map(unfolded.water, water.grid.to_metres(tubes.apex), water.surface_height_m, unfolded.rays,
                      water.reference_speed_m_s, unfolded.unfolding,
-                     {on_bed.front, heights.empty() ? on_bed.straight_within_m : 0}),
+                     {surface_apex.front, heights.empty() ? surface_apex.straight_within_m : 0}),
         rays(apparent_map, unfolded.rays),
         view_bounds(tubes, water.grid.unit_m(), apparent_map) {}
   MirrorPath(const MirrorPath&) = delete;
@@ -161,7 +162,7 @@ RefractedImages::RefractedImages(const FacetMesh& mesh, const SceneTree& tree,
 }
 
 RefractedImages::RefractedImages(const RefractedImages& others, const PathWater& water, TubeSet tubes,
-                                 int order, const OnBed& on_bed)
+                                 int order, const SurfaceApex& surface_apex)
     : options_(others.options_),
       mirrors_(others.mirrors_),
       least_loss_(others.least_loss_),
@@ -170,7 +171,7 @@ RefractedImages::RefractedImages(const RefractedImages& others, const PathWater&
       water_(water),
       ends_{std::move(tubes)},
       order_(order),
-      on_bed_(on_bed),
+      surface_apex_(surface_apex),
       levels_(others.levels_),
       mesh_(others.mesh_),
       tree_(others.tree_) {
@@ -228,7 +229,7 @@ RefractedImages::MirrorPath& RefractedImages::add_mirror_path(std::size_t end, c
                     "off sooner",
                     most_images_));
   mirror_path_of_[{end, heights}] = mirror_paths_.size();
-  return mirror_paths_.emplace_back(end, heights, water_, ends_[end], on_bed_);
+  return mirror_paths_.emplace_back(end, heights, water_, ends_[end], surface_apex_);
 }
 
 void RefractedImages::find_ways(std::size_t end, const Heights& heights, bool up_first, double passes,
@@ -319,15 +320,15 @@ std::vector<Image> RefractedImages::children_of(const Image& image, std::span<co
       // The side that is seen: facets turn as they do where they lie.
       glm::dvec3 lies[3], from_apex[3];
       for (std::size_t k = 0; k < 3; ++k) {
-        lies[k] = water_.grid.to_metres(bed().vertices[bed().facets[image.origin[piece.facet]][k]]);
+        lies[k] = water_.grid.to_metres(seabed().vertices[seabed().facets[image.origin[piece.facet]][k]]);
         from_apex[k] = water_.grid.to_metres(image.mesh->vertices[image.mesh->facets[piece.facet][k]]) -
                        water_.grid.to_metres(apex);
       }
       const bool faces =
           glm::dot(glm::cross(from_apex[1] - from_apex[0], from_apex[2] - from_apex[0]), from_apex[0]) < 0;
       const bool points_up = glm::cross(lies[1] - lies[0], lies[2] - lies[0]).z > 0;
-      mirrors[{bed().vertices[bed().facets[image.origin[piece.facet]][0]].z, faces != points_up, reflection,
-               false}]
+      mirrors[{seabed().vertices[seabed().facets[image.origin[piece.facet]][0]].z, faces != points_up,
+               reflection, false}]
           .push_back(cone_of(piece));
     }
   }
@@ -401,7 +402,7 @@ ApparentEnd RefractedImages::end_of(const Image& image) const {
   return {alike_.seen[image.mirror_path], mirror_paths_[image.mirror_path].apparent_map};
 }
 
-BistaticBed RefractedImages::bed_between(const Image& sent, const Image& received) {
+BistaticSurface RefractedImages::seabed_between(const Image& sent, const Image& received) {
   for (const Image* image : {&sent, &received}) {
     MirrorPath& mirror_path = mirror_paths_[image->mirror_path];
     if (mirror_path.tree != nullptr) continue;
@@ -420,7 +421,7 @@ BistaticBed RefractedImages::bed_between(const Image& sent, const Image& receive
                        mirror_path.apparent_map, mirror_path.rays};
   };
   const RefinedMesh& cut =
-      mirror_paths_[sent.mirror_path].alone ? mirror_paths_[sent.mirror_path].alone->bed : alike_.bed;
+      mirror_paths_[sent.mirror_path].alone ? mirror_paths_[sent.mirror_path].alone->seabed : alike_.seabed;
   return {cut.mesh, cut.parent, *mesh_, water_.grid, end(sent), end(received)};
 }
 
@@ -439,14 +440,14 @@ std::optional<std::size_t> RefractedImages::way_before(const Image& image) const
       {mirror_path.end, Heights(mirror_path.heights.begin(), mirror_path.heights.end() - 1)});
 }
 
-SeenBed RefractedImages::seen_by(const Image& image) const {
+VisibleSurface RefractedImages::seen_by(const Image& image) const {
   const MirrorPath& mirror_path = mirror_paths_[image.mirror_path];
   const ApparentSurface& ground = alike_.seen[image.mirror_path];
   const FacetMesh& mesh = *image.mesh;
   const glm::dvec3 apex_m = water_.grid.to_metres(image.windows.apex);
-  SeenBed bed{shared_with_itself(mesh, {image.windows, image.seen}, water_.grid.unit_m())};
+  VisibleSurface seabed{shared_with_itself(mesh, {image.windows, image.seen}, water_.grid.unit_m())};
   std::unordered_map<VertexId, Eigenray> rays;
-  for (SharedFacet& facet : bed.shared.facets) {
+  for (SharedFacet& facet : seabed.shared.facets) {
     stop_if_wanted();
     glm::dvec3 seen[3], lies[3];
     Eigenray ray[3];
@@ -458,20 +459,20 @@ SeenBed RefractedImages::seen_by(const Image& image) const {
       if (is_new) known->second = mirror_path.apparent_map.apparent(lies[k])->ray;  // or it would not be seen
       ray[k] = known->second;
     }
-    bed.refracted.push_back(
+    seabed.refracted.push_back(
         refracted_facet(apex_m, seen, lies, ray, mirror_path.apparent_map, absorption_db_per_m_));
-    facet.facet = alike_.bed.parent[image.origin[facet.facet]];
+    facet.facet = alike_.seabed.parent[image.origin[facet.facet]];
   }
-  return bed;
+  return seabed;
 }
 
-GroundCounts RefractedImages::counts(std::span<const SeenBed> seen) const {
+GroundCounts RefractedImages::counts(std::span<const VisibleSurface> seen) const {
   GroundCounts all;
   for (std::size_t k = 0; k < mirror_paths_.size(); ++k)
     all.add(counts_from(alike_.seen[k], mirror_paths_[k].apparent_map,
-                        mirror_paths_[k].heights.empty() ? on_bed_.front : glm::dvec3(0),
+                        mirror_paths_[k].heights.empty() ? surface_apex_.front : glm::dvec3(0),
                         4 * water_.grid.unit_m()));
-  for (const SeenBed& bed : seen) all.folded += folded_facets(bed);
+  for (const VisibleSurface& seabed : seen) all.folded += folded_facets(seabed);
   return all;
 }
 

@@ -16,10 +16,10 @@
 // Apexes and their images in level mirrors, in refracting water. docs/paths.md, "In refracting water"
 namespace tubefoot {
 
-struct BistaticBed;  // engine/certified/bistatic_enclosure.hpp
-class RayEnclosure;  // engine/water/ray_enclosure.hpp
+struct BistaticSurface;  // engine/certified/bistatic_enclosure.hpp
+class RayEnclosure;      // engine/water/ray_enclosure.hpp
 
-/// Water that refracts, and how finely the bed is seen through it.
+/// Water that refracts, and how finely the seabed is seen through it.
 struct PathWater {
   const WaterColumn& column;
   double surface_height_m = 0;  ///< depth = this - z
@@ -43,9 +43,9 @@ struct MirroredRay {
   double unfolded_height_m = 0;  ///< of the receiver: tells chains of mirrors apart
 };
 
-/// The images of one apex or of two, over one bed that is cut alike for all of them.
+/// The images of one apex or of two, over one seabed that is cut alike for all of them.
 ///
-/// An image has the place of its true apex, and sees the bed where rays over its chain of mirrors say
+/// An image has the place of its true apex, and sees the seabed where rays over its chain of mirrors say
 /// (Apparent map with Unfolding): through the windows that the mirror is seen in, as anywhere. Mirrors are
 /// the sea surface and level facets; of rays that turn, those are followed that do it before the first mirror
 /// or after the last.
@@ -58,9 +58,10 @@ class RefractedImages {
   RefractedImages(const FacetMesh& mesh, const SceneTree& tree, const VisibilityOptions& options,
                   const Mirrors& mirrors, double least_loss, std::size_t most_images,
                   double absorption_db_per_m, const PathWater& water, std::vector<TubeSet> ends, int order);
-  /// Of an apex on the bed of others, with one mirror less than `order` at most. `water`: continued_below().
+  /// Of an apex on the seabed of others, with one mirror less than `order` at most. `water`:
+  /// continued_below().
   RefractedImages(const RefractedImages& others, const PathWater& water, TubeSet tubes, int order,
-                  const OnBed& on_bed);
+                  const SurfaceApex& surface_apex);
   ~RefractedImages();
 
   /// As ImageFinder::images_of() has them. `beside`: the tubes of a place near the end, which looks at what
@@ -70,18 +71,18 @@ class RefractedImages {
   /// How far an image is from that of its end.
   glm::dvec3 beside_m(const Image& image) const;
 
-  /// The bed that shared facets are of.
-  const FacetMesh& bed() const { return alike_.bed.mesh; }
-  /// The bed before it is cut for what is seen; seen_by() names its facets.
+  /// The seabed that shared facets are of.
+  const FacetMesh& seabed() const { return alike_.seabed.mesh; }
+  /// The seabed before it is cut for what is seen; seen_by() names its facets.
   const FacetMesh& base() const { return *mesh_; }
   const PathWater& water() const { return water_; }
   /// What an image that has looked sees.
-  SeenBed seen_by(const Image& image) const;
-  /// Of all that was mapped for an apex on the bed, which sees that.
-  GroundCounts counts(std::span<const SeenBed> seen) const;
+  VisibleSurface seen_by(const Image& image) const;
+  /// Of all that was mapped for an apex on the seabed, which sees that.
+  GroundCounts counts(std::span<const VisibleSurface> seen) const;
   /// By facet of that: the one of the mesh that it is a part of.
   FacetId uncut(FacetId facet) const {
-    facet = alike_.bed.parent[facet];
+    facet = alike_.seabed.parent[facet];
     return cut_origin_.empty() ? facet : cut_origin_[facet];
   }
   const WorldGrid& grid() const { return water_.grid; }
@@ -89,9 +90,9 @@ class RefractedImages {
   /// weights.
   std::vector<PartWeights> weights(const Image& image) const;
   ApparentEnd end_of(const Image& image) const;
-  /// The bed between two images, for references; they may be the same. Those that have not looked, too,
+  /// The seabed between two images, for references; they may be the same. Those that have not looked, too,
   /// straighten it for that.
-  BistaticBed bed_between(const Image& sent, const Image& received);
+  BistaticSurface seabed_between(const Image& sent, const Image& received);
   const VisibilityOptions& options() const { return options_; }
   const ApparentMap& water_of(const Image& image) const;
   const RayEnclosure& rays_of(const Image& image) const;
@@ -128,7 +129,7 @@ class RefractedImages {
   PathWater water_;
   std::vector<TubeSet> ends_;
   int order_;
-  OnBed on_bed_;
+  SurfaceApex surface_apex_;
   std::map<std::int32_t, double> levels_;  ///< heights of level mirrors, and the most that one reflects
   FacetMesh cut_;                          ///< no facet lies on both sides of a mirror's height
   std::vector<FacetId> cut_origin_;        ///< by its facet: the one of the mesh

@@ -20,7 +20,7 @@ using namespace splitmix;
 constexpr std::int64_t band_rows = 4;
 constexpr int digits = 32;
 // Rays for each pilot, as long as there are not more than so many pilots: what they met has to be kept.
-// Of 1.5 to 4 rays, 1.5 to 2 had the least errors on flat and rough beds, edges and a ball.
+// Of 1.5 to 4 rays, 1.5 to 2 had the least errors on flat and rough seabeds, edges and a ball.
 constexpr std::int64_t rays_a_pilot = 2, most_pilots = std::int64_t{1} << 20;
 
 /// Values at the four neighbours of a cell, as a plane through them sees the cell: the middle, and the

@@ -11,7 +11,7 @@
 // Relief by spectral synthesis: independent Gaussian amplitudes for the wavenumbers of a periodic tile, times
 // the root of a spectrum, and a Fourier transform (D. Saupe in Peitgen & Saupe, The Science of Fractal
 // Images, 1988). docs/textures.md has the formulas. A wavenumber's amplitude depends on the seed and on its
-// two indices alone: a finer resolution adds detail to the same bed.
+// two indices alone: a finer resolution adds detail to the same seabed.
 namespace tubefoot {
 
 /// A periodic tile, its south-west corner at the origin of the local frame.

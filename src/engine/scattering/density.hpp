@@ -6,7 +6,7 @@
 
 #include "engine/scattering/scattering_model.hpp"
 
-// What an element of the bed returns along a path, per square metre: the integrand of every quadrature, in
+// What an element of the seabed returns along a path, per square metre: the integrand of every quadrature, in
 // doubles and in balls.
 //
 //     sigma e^(-beta (r_out + r_rx)) / (r_out^2 r_rx^2)  [J/m^2 for 1 J/sr at 1 m]

@@ -9,7 +9,7 @@
 
 namespace tubefoot {
 
-FacetBed EchoModel::bed(FacetId facet) const {
+SurfaceProperties EchoModel::seabed(FacetId facet) const {
   if (facet >= material.size() || material[facet] >= material_mu.size())
     throw std::invalid_argument(fmt::format("facet {} has no material with a Lambert parameter", facet));
   if (!path.facet_factor.empty() && facet >= path.facet_factor.size())

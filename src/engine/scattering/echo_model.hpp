@@ -13,7 +13,7 @@
 namespace tubefoot {
 
 /// What lies on a facet.
-struct FacetBed {
+struct SurfaceProperties {
   double factor = 1;                            ///< of whatever law (Path::facet_factor)
   double mu = 0;                                ///< Lambert's, times the factor
   const ScatteringModel* scattering = nullptr;  ///< null: Lambert's
@@ -33,7 +33,7 @@ struct EchoModel {
   double absorption_db_per_m = 0;           ///< one way
   const BeamPatterns* patterns = nullptr;   ///< none: beams are ideal, 1 inside their tubes and 0 outside
   /// With patterns or micro-texture: error of an energy relative to what its footprints would return at the
-  /// patterns' peak from an even bed, 1e-12 to 0.01 (pattern_integral.hpp).
+  /// patterns' peak from an even seabed, 1e-12 to 0.01 (pattern_integral.hpp).
   double pattern_tolerance = 1e-6;
   /// Micro-texture by material; empty, or null where a material is even. It is a function of position in the
   /// local frame.
@@ -51,7 +51,7 @@ struct EchoModel {
     return scattering.empty() ? nullptr : scattering[material[facet]].get();
   }
   /// Throws std::invalid_argument for a facet without material, or one that the path does not know.
-  FacetBed bed(FacetId facet) const;
+  SurfaceProperties seabed(FacetId facet) const;
 };
 
 /// Throws std::invalid_argument for lists that do not fit each other, or values that are none.

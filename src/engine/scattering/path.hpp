@@ -41,9 +41,9 @@ struct MirrorLoss {
   }
 };
 
-/// One way of sound between a sonar and the bed: a straight line from an apex, or from its image in mirrors,
-/// to where a facet is seen from there. Places are reported by the transmit leg: of a receive leg, apex_m and
-/// facet_map are not read (Sight::rx_m).
+/// One way of sound between a sonar and the seabed: a straight line from an apex, or from its image in
+/// mirrors, to where a facet is seen from there. Places are reported by the transmit leg: of a receive leg,
+/// apex_m and facet_map are not read (Sight::rx_m).
 struct Leg {
   glm::dvec3 apex_m{0};   ///< of the apex or the image, local frame
   MirrorLoss loss{};      ///< of its mirrors
@@ -65,7 +65,7 @@ struct Leg {
   }
 };
 
-/// From the sonar to the bed and back: two legs, or one that is gone both ways.
+/// From the sonar to the seabed and back: two legs, or one that is gone both ways.
 struct Path {
   Leg tx{};
   std::optional<Leg> rx{};  ///< none: with the mirrors of the transmit leg

@@ -18,19 +18,19 @@ std::complex<double> principal_root(std::complex<double> z) {
 
 }  // namespace
 
-std::complex<double> reflection_coefficient(const FluidSediment& bed, double grazing_rad) {
+std::complex<double> reflection_coefficient(const FluidSediment& seabed, double grazing_rad) {
   const double sine = std::sin(grazing_rad), cosine = std::cos(grazing_rad);
   // The slowness relative to the water's; its square's root has a positive real part, and with it an
   // imaginary part of the wave's decay.
-  const std::complex<double> slowness = std::complex<double>(1, bed.loss) / bed.speed_ratio;
+  const std::complex<double> slowness = std::complex<double>(1, seabed.loss) / seabed.speed_ratio;
   const std::complex<double> p = principal_root(slowness * slowness - cosine * cosine);
-  const std::complex<double> across = bed.density_ratio * sine;
-  if (across + p == 0.0) return -1;  // along a bed of the water's own speed
+  const std::complex<double> across = seabed.density_ratio * sine;
+  if (across + p == 0.0) return -1;  // along a seabed of the water's own speed
   return (across - p) / (across + p);
 }
 
-double reflected_energy(const FluidSediment& bed, double grazing_rad) {
-  return std::norm(reflection_coefficient(bed, grazing_rad));
+double reflected_energy(const FluidSediment& seabed, double grazing_rad) {
+  return std::norm(reflection_coefficient(seabed, grazing_rad));
 }
 
 }  // namespace tubefoot

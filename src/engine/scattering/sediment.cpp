@@ -51,16 +51,16 @@ const SedimentBackscatter& sediment_backscatter(std::string_view name, double fr
 FluidSediment sediment_of_grain_size(double m) {
   if (!(m >= -1 && m <= 9))
     throw std::invalid_argument(fmt::format("mean grain size must be from -1 to 9 phi, not {}", m));
-  FluidSediment bed;
+  FluidSediment seabed;
   if (m < 1) {
-    bed.density_ratio = (0.007797 * m - 0.17057) * m + 2.3139;
-    bed.speed_ratio = (0.002709 * m - 0.056452) * m + 1.2778;
+    seabed.density_ratio = (0.007797 * m - 0.17057) * m + 2.3139;
+    seabed.speed_ratio = (0.002709 * m - 0.056452) * m + 1.2778;
   } else if (m < 5.3) {
-    bed.density_ratio = ((-0.0165406 * m + 0.2290201) * m - 1.1069031) * m + 3.0455;
-    bed.speed_ratio = ((-0.0014881 * m + 0.0213937) * m - 0.1382798) * m + 1.3425;
+    seabed.density_ratio = ((-0.0165406 * m + 0.2290201) * m - 1.1069031) * m + 3.0455;
+    seabed.speed_ratio = ((-0.0014881 * m + 0.0213937) * m - 0.1382798) * m + 1.3425;
   } else {
-    bed.density_ratio = 1.1565 - 0.0012973 * m;
-    bed.speed_ratio = 1.0019 - 0.0024324 * m;
+    seabed.density_ratio = 1.1565 - 0.0012973 * m;
+    seabed.speed_ratio = 1.0019 - 0.0024324 * m;
   }
   const double k = m < 0     ? 0.4556  // dB / m / kHz
                    : m < 2.6 ? 0.4556 + 0.0245 * m
@@ -68,8 +68,8 @@ FluidSediment sediment_of_grain_size(double m) {
                    : m < 6   ? 8.0399 + m * (-2.5228 + 0.20098 * m)
                              : 0.9431 + m * (-0.2041 + 0.0117 * m);
   constexpr double water_speed = 1528;
-  bed.loss = k * bed.speed_ratio * water_speed * std::numbers::ln10 / (40000 * std::numbers::pi);
-  return bed;
+  seabed.loss = k * seabed.speed_ratio * water_speed * std::numbers::ln10 / (40000 * std::numbers::pi);
+  return seabed;
 }
 
 FluidSediment fluid_sediment(double density_ratio, double speed_ratio, double attenuation_db_per_wavelength) {

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-// What sound meets in a bed of a given sediment. docs/scattering.md
+// What sound meets in a seabed of a given sediment. docs/scattering.md
 namespace tubefoot {
 
 /// Backscatter strength of a sediment [dB] at the grazing angles of `sediment_grazing_deg`, at one frequency:
@@ -27,9 +27,9 @@ const SedimentBackscatter& sediment_backscatter(std::string_view name, double fr
 /// A table is at one frequency; up to this ratio above or below it is used without a warning.
 inline constexpr double sediment_frequency_ratio = 1.5;
 
-/// A fluid bed as sound sees it (APL-UW TR 9407, 1994).
+/// A fluid seabed as sound sees it (APL-UW TR 9407, 1994).
 struct FluidSediment {
-  double density_ratio = 1;  ///< bed over water
+  double density_ratio = 1;  ///< seabed over water
   double speed_ratio = 1;
   double loss = 0;  ///< imaginary over real part of the wavenumber
 };

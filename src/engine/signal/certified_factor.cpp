@@ -22,12 +22,12 @@ ComplexBall upper_root(const ComplexBall& z) {
   return {Ball::between(0, size), Ball::between(0, size)};
 }
 
-ComplexBall fluid_factor(const FluidSediment& bed, const Ball& sine) {
-  const Ball cosine2 = Ball(1.0) - squared(sine), loss(bed.loss);
+ComplexBall fluid_factor(const FluidSediment& seabed, const Ball& sine) {
+  const Ball cosine2 = Ball(1.0) - squared(sine), loss(seabed.loss);
   // Squared slowness relative to the water's: (1 + i loss)^2 / speed_ratio^2.
-  const Ball over = squared(Ball(bed.speed_ratio));
+  const Ball over = squared(Ball(seabed.speed_ratio));
   const ComplexBall square((Ball(1.0) - squared(loss)) / over, Ball(2.0) * loss / over);
-  const ComplexBall p = upper_root(square - ComplexBall(cosine2)), across(Ball(bed.density_ratio) * sine);
+  const ComplexBall p = upper_root(square - ComplexBall(cosine2)), across(Ball(seabed.density_ratio) * sine);
   const ComplexBall factor = (across - p) / (across + p);
   if (!factor.is_finite() || factor.largest() > 1.5)  // a sine that may be anything, or along a like fluid
     return {Ball::between(-1, 1), Ball::between(-1, 1)};

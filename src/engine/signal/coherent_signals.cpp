@@ -10,9 +10,9 @@
 #include <stdexcept>
 
 #include "engine/echo/quadratures.hpp"
-#include "engine/signal/bed_scatterers.hpp"
 #include "engine/signal/chebyshev_moments.hpp"
 #include "engine/signal/moving_channels.hpp"
+#include "engine/signal/surface_scatterers.hpp"
 #include "geometry/steps/in_order.hpp"
 
 namespace tubefoot {
@@ -81,10 +81,10 @@ class ChannelsOnPolygon {
       on_.emplace_back(channel, seen_, patch, model_);
       any = any || on_.back().faces();
     }
-    bed_ = on_.front().path().bed;
-    return any && !is_silent(bed_);
+    seabed_ = on_.front().path().seabed;
+    return any && !is_silent(seabed_);
   }
-  const FacetBed& bed() const { return bed_; }
+  const SurfaceProperties& seabed() const { return seabed_; }
 
   /// Calls take(channel, amplitude with its phase, delay) for each that faces the patch.
   template <class Take>
@@ -103,7 +103,7 @@ class ChannelsOnPolygon {
   const EchoModel& model_;
   double wavenumber_;
   std::vector<ChannelOnPolygon> on_;
-  FacetBed bed_;
+  SurfaceProperties seabed_;
 };
 
 using Values = std::vector<std::complex<double>>;
@@ -146,7 +146,7 @@ class ScatterersOnPolygon {
 
   /// Calls receive(place, strength, less): channels' phases are those of their ways less the last [m].
   template <class Hear>
-  void tell(const VisiblePolygon& patch, const FacetBed& bed, const SignalExtent& extent,
+  void tell(const VisiblePolygon& patch, const SurfaceProperties& seabed, const SignalExtent& extent,
             const SmoothPieces& pieces, const Hear& hear) {
     const glm::dvec3 tx = extent.transmit_m[0] - patches_.origin_m,
                      rx = extent.receive_m[0] - patches_.origin_m;
@@ -162,7 +162,7 @@ class ScatterersOnPolygon {
       if (!few) moments_.clear();
       field_.for_scatterers(corners_, patch.normal, [&](glm::dvec3 place, std::complex<double> z) {
         const glm::dvec3 at = place - patches_.origin_m;
-        if (bed.texture != nullptr) z *= std::sqrt(bed.texture->factor(place));
+        if (seabed.texture != nullptr) z *= std::sqrt(seabed.texture->factor(place));
         if (few)
           hear(at, z, 0);
         else
@@ -201,7 +201,7 @@ ChannelSignals moving_signals(const VisiblePolygons& patches, const MovingEnds& 
                if (!channels.look_at(patch)) continue;
                // Pieces about the ends where they are while the patch is received.
                const SmoothPieces pieces(channels.extent(), nodes.most_change());
-               scatterers.tell(patch, channels.bed(), channels.extent(), pieces,
+               scatterers.tell(patch, channels.seabed(), channels.extent(), pieces,
                                [&](glm::dvec3 at, std::complex<double> strength, double less_m) {
                                  channels.hear(at, strength, less_m, part.data());
                                });
@@ -252,7 +252,7 @@ ChannelSignals element_signals(const VisiblePolygons& patches, const CoherentRec
                stop_if_wanted();
                const VisiblePolygon& patch = patches.patches[number];
                if (!channels.look_at(patch)) continue;
-               scatterers.tell(patch, channels.bed(), extent, pieces,
+               scatterers.tell(patch, channels.seabed(), extent, pieces,
                                [&](glm::dvec3 at, std::complex<double> strength, double less_m) {
                                  channels.hear(at, strength, less_m, take);
                                });
@@ -273,32 +273,32 @@ ChannelSignals drawn_signals(const VisiblePolygons& patches, const CoherentRecei
   SignalExtent extent = extent_of(ends ? ends->held() : receiver, model.path, true, tolerance);
   if (ends) ends->widen(extent);
   const PulseTable table(receiver.pulse, receiver.times, tolerance);
-  const std::vector<BedScatterer> bed = bed_scatterers(patches, extent, tolerance);
+  const std::vector<SurfaceScatterer> seabed = seabed_scatterers(patches, extent, tolerance);
   ChannelSignals signals = no_return(receiver);
-  const auto draw = [&](std::size_t n, const FacetBed& on) {
+  const auto draw = [&](std::size_t n, const SurfaceProperties& on) {
     const SampleRandom random(seed, ping, std::uint32_t(std::uint64_t(n) >> 32), std::uint32_t(n));
-    return std::sqrt(bed[n].weight_m2 * texture_at(on, patches, bed[n].place_m)) *
+    return std::sqrt(seabed[n].weight_m2 * texture_at(on, patches, seabed[n].place_m)) *
            circular_normal(random.uniform_pair(Purpose::drawn));
   };
-  in_tasks(bed.size(), scatterers_per_task, signals.value,
+  in_tasks(seabed.size(), scatterers_per_task, signals.value,
            [&](std::size_t begin, std::size_t end, Values& part) {
              std::optional<std::uint32_t> patch;
              bool received = false;
              if (ends) {
                MovingChannels channels(*ends, patches, model, extent, tolerance);
                for (std::size_t n = begin; n < end; ++n) {
-                 if (patch != bed[n].patch)
-                   received = channels.look_at(patches.patches[*(patch = bed[n].patch)]);
-                 if (received) channels.hear(bed[n].place_m, draw(n, channels.bed()), 0, part.data());
+                 if (patch != seabed[n].patch)
+                   received = channels.look_at(patches.patches[*(patch = seabed[n].patch)]);
+                 if (received) channels.hear(seabed[n].place_m, draw(n, channels.seabed()), 0, part.data());
                }
                return;
              }
              ChannelsOnPolygon channels(patches, receiver, model);
              for (std::size_t n = begin; n < end; ++n) {
-               if (patch != bed[n].patch)
-                 received = channels.look_at(patches.patches[*(patch = bed[n].patch)]);
+               if (patch != seabed[n].patch)
+                 received = channels.look_at(patches.patches[*(patch = seabed[n].patch)]);
                if (!received) continue;
-               channels.hear(bed[n].place_m, draw(n, channels.bed()), 0,
+               channels.hear(seabed[n].place_m, draw(n, channels.seabed()), 0,
                              [&](std::size_t c, std::complex<double> amplitude, double delay) {
                                table.add(amplitude, delay, &part[c * receiver.times.count]);
                              });
@@ -323,22 +323,23 @@ CovarianceMatrix signal_covariances(const VisiblePolygons& patches, const Cohere
                       samples[n].channel, receiver.channels.size(), receiver.times.count));
     of_channel[samples[n].channel].emplace_back(receiver.times.time_s(samples[n].sample), n);
   }
-  const std::vector<BedScatterer> bed =
-      bed_scatterers(patches, extent_of(receiver, model.path, true, tolerance), tolerance);
+  const std::vector<SurfaceScatterer> seabed =
+      seabed_scatterers(patches, extent_of(receiver, model.path, true, tolerance), tolerance);
   CovarianceMatrix matrix{samples.size(), Values(samples.size() * samples.size())};
-  in_tasks(bed.size(), scatterers_per_task, matrix.value,
+  in_tasks(seabed.size(), scatterers_per_task, matrix.value,
            [&](std::size_t begin, std::size_t end, Values& part) {
              ChannelsOnPolygon channels(patches, receiver, model);
              std::optional<std::uint32_t> patch;
              bool received = false;
              std::vector<std::pair<std::size_t, std::complex<double>>> h;
              for (std::size_t n = begin; n < end; ++n) {
-               if (patch != bed[n].patch)
-                 received = channels.look_at(patches.patches[*(patch = bed[n].patch)]);
+               if (patch != seabed[n].patch)
+                 received = channels.look_at(patches.patches[*(patch = seabed[n].patch)]);
                if (!received) continue;
-               const double strength = bed[n].weight_m2 * texture_at(channels.bed(), patches, bed[n].place_m);
+               const double strength =
+                   seabed[n].weight_m2 * texture_at(channels.seabed(), patches, seabed[n].place_m);
                h.clear();
-               channels.hear(bed[n].place_m, std::sqrt(strength), 0,
+               channels.hear(seabed[n].place_m, std::sqrt(strength), 0,
                              [&](std::size_t c, std::complex<double> amplitude, double delay) {
                                for (const auto& [time, row] : of_channel[c])
                                  if (const std::complex<double> g = receiver.pulse.at(time - delay); g != 0.0)

@@ -14,10 +14,10 @@
 
 namespace tubefoot {
 
-/// What channels receive of one bed: the signal of channel a at time t is
+/// What channels receive of one seabed: the signal of channel a at time t is
 ///     y_a(t) = integral over the patches of sqrt(sigma) S A_a e^{ikL_a} g(t - L_a / c) dA,
-/// S the bed's white field, A_a what density.hpp and patterns make, L_a the transmit and receive legs, k the
-/// carrier's wavenumber. All channels see the same patches.
+/// S the seabed's white field, A_a what density.hpp and patterns make, L_a the transmit and receive legs, k
+/// the carrier's wavenumber. All channels see the same patches.
 struct CoherentReceiver {
   std::vector<SignalChannel> channels;
   BasebandPulse pulse;
@@ -44,14 +44,15 @@ void check(const CoherentReceiver& receiver, const EchoModel& model);
 // frequencies in phase (of a chirp: after its matched filter).
 
 /// Channels by a field that belongs to the ground. The field's scatterers are summed up as moments over
-/// pieces of the bed on which channels are polynomials but for a phase that all have, so that a scatterer
+/// pieces of the seabed on which channels are polynomials but for a phase that all have, so that a scatterer
 /// costs the same for any number of channels and samples. A scatterer's own echo is right to about
 /// `tolerance` of its size. The same bits for any number of threads.
 ChannelSignals element_signals(const VisiblePolygons& patches, const CoherentReceiver& receiver,
                                const EchoModel& model, const GroundField& field, double tolerance = 1e-3);
 
-/// Channels with the same covariances, of a bed that nobody sees twice: from nodes of Gauss rules, each with
-/// a random amplitude of its own. Far fewer are needed than a field has scatterers. `ping` tells draws apart.
+/// Channels with the same covariances, of a seabed that nobody sees twice: from nodes of Gauss rules, each
+/// with a random amplitude of its own. Far fewer are needed than a field has scatterers. `ping` tells draws
+/// apart.
 ChannelSignals drawn_signals(const VisiblePolygons& patches, const CoherentReceiver& receiver,
                              const EchoModel& model, std::uint64_t seed, std::uint32_t ping,
                              double tolerance = 1e-3);
@@ -61,8 +62,8 @@ struct SignalSample {
   std::uint32_t channel = 0, sample = 0;
 };
 /// Covariances E[y y*] of samples, Hermitian and positive semi-definite by what they are: sums over the nodes
-/// of bed_scatterers(). Work grows as the number of nodes times the square of how many of the samples receive
-/// a node.
+/// of seabed_scatterers(). Work grows as the number of nodes times the square of how many of the samples
+/// receive a node.
 CovarianceMatrix signal_covariances(const VisiblePolygons& patches, const CoherentReceiver& receiver,
                                     std::span<const SignalSample> samples, const EchoModel& model,
                                     double tolerance = 1e-6);

@@ -54,11 +54,11 @@ class GatedIntegral {
 
   void add(const VisiblePolygon& patch) {
     const ChannelOnPolygon a(a_, seen_, patch, model_), b(b_, seen_, patch, model_);
-    if (!a.faces() || !b.faces() || is_silent(a.path().bed)) return;
+    if (!a.faces() || !b.faces() || is_silent(a.path().seabed)) return;
     corners_.clear();
     for (const glm::dvec3& corner : seen_.corners(patch)) corners_.push_back(corner - a.transmit_m());
     polygon_.assign(corners_, a.plane(), a.frame());
-    const ReflectivityField* texture = a.path().bed.texture;
+    const ReflectivityField* texture = a.path().seabed.texture;
     if (texture == nullptr) return add(polygon_, a, b);
     cells_.cut(polygon_, LyingPlane(a.plane(), a.frame(), a_.transmit_m), texture->cells(),
                [&](const PlanarPolygon& part) { add(part, a, b); });
@@ -80,7 +80,7 @@ class GatedIntegral {
   void add(const PlanarPolygon& polygon, const ChannelOnPolygon& a, const ChannelOnPolygon& b) {
     stop_if_wanted();
     Smoothness smooth = patterns_;
-    smooth.take(a.path().bed);
+    smooth.take(a.path().seabed);
     PathCutter::Work work = smooth.work(tolerance_);
     work.values = values();
     work.resolution_rad = std::min(work.resolution_rad, phase_rad_);
@@ -136,9 +136,9 @@ class GatedIntegral {
   }
 
   double texture(const ChannelOnPolygon& a, glm::dvec2 p) const {
-    if (a.path().bed.texture == nullptr) return 1;
-    return a.path().bed.texture->factor(a_.transmit_m - a.plane().distance_m * a.plane().normal +
-                                        p.x * a.frame().u + p.y * a.frame().v);
+    if (a.path().seabed.texture == nullptr) return 1;
+    return a.path().seabed.texture->factor(a_.transmit_m - a.plane().distance_m * a.plane().normal +
+                                           p.x * a.frame().u + p.y * a.frame().v);
   }
 
   const VisiblePolygons& seen_;

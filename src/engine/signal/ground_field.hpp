@@ -22,7 +22,7 @@ inline int lattice_axis(glm::dvec3 normal) {
   return size.z >= size.x && size.z >= size.y ? 2 : size.y >= size.x ? 1 : 0;
 }
 
-/// Modulation of the bed's cross-section: a positive field of mean 1, even over cells of the ground.
+/// Modulation of the seabed's cross-section: a positive field of mean 1, even over cells of the ground.
 enum class GroundTexture {
   none,
   gamma,      ///< variance 1 / shape: amplitudes K-distributed (Jakeman & Pusey 1976)
@@ -37,7 +37,7 @@ enum class GroundTexture {
 /// The lattice is one of squares in that plane of the frame (of x and y, y and z, x and z) which a facet
 /// faces most; a scatterer there is lifted onto the facet and stands for the area spacing^2 over the cosine
 /// between the two, so that the variance a square metre is 1 on every slope and on walls. Its amplitude is of
-/// the cube of the lattice that it is lifted into, so that a deck has another one than the bed below.
+/// the cube of the lattice that it is lifted into, so that a deck has another one than the seabed below.
 ///
 /// Law Y4 (variance): the mean over seeds of |sum of amplitude f|^2 is the integral of |f|^2 dA over the
 /// polygon, for every spacing and every f: places are even over their cells.
@@ -144,7 +144,7 @@ void GroundField::for_scatterers(std::span<const glm::dvec3> corners_m, glm::dve
       const glm::dvec3& corner = corners_m[0];
       place[up] =
           corner[up] - (normal[x] * (place[x] - corner[x]) + normal[y] * (place[y] - corner[y])) / normal[up];
-      // Layers end at no height that beds are built at.
+      // Layers end at no height that seabeds are built at.
       const auto layer = std::int64_t(std::floor(place[up] * per_m + 0.38196601125010515));
       const SampleRandom cube(seed ^ (std::uint64_t(up + 1) << 62), std::uint32_t(layer), std::uint32_t(j),
                               std::uint32_t(i));

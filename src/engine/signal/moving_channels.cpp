@@ -133,7 +133,7 @@ bool MovingChannels::look_at(const VisiblePolygon& patch) {
                 patch.distance_m + glm::dot(patch.normal, to) + extent_.moved_m > 0;
     any = any || faces_[k];
   }
-  if (!any || is_silent(bed())) return false;
+  if (!any || is_silent(seabed())) return false;
 
   double nearest = HUGE_VAL;
   for (const auto* ends : {&senders, &receivers})

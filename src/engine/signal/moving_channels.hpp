@@ -45,7 +45,7 @@ class MovingChannels {
 
   /// False where nothing comes back from while there are samples.
   bool look_at(const VisiblePolygon& patch);
-  const FacetBed& bed() const { return on_.front().path().bed; }
+  const SurfaceProperties& seabed() const { return on_.front().path().seabed; }
   /// The ends where they are when the patch is received; the first ones are the middle of all.
   const SignalExtent& extent() const { return extent_; }
   /// Adds what all channels receive of a place to out[channel * samples + sample].

@@ -45,14 +45,14 @@ double ChannelOnPolygon::amplitude_from(glm::dvec3 place_m, glm::dvec3 transmit_
   const double above_tx = transmit_.distance_m + glm::dot(transmit_.normal, transmit_m - transmit_m_),
                above_rx = receive_distance_m_ + glm::dot(transmit_.normal, receive_m - receive_m_);
   if (!(above_tx > 0 && above_rx > 0)) return 0;
-  const FacetBed& bed = path_.bed;
+  const SurfaceProperties& seabed = path_.seabed;
   const auto motion = TwoWayRange<double>::of(tx_m, rx_m);
   double amplitude =
-      bed.scattering == nullptr
-          ? std::sqrt(bed.mu * above_tx * above_rx * lambert_density(motion, path_.beta_per_m))
-          : std::sqrt(bed.factor * density(std::sqrt(cross_section(*bed.scattering, above_tx, tx_m) *
-                                                     cross_section(*bed.scattering, above_rx, rx_m)),
-                                           motion, path_.beta_per_m));
+      seabed.scattering == nullptr
+          ? std::sqrt(seabed.mu * above_tx * above_rx * lambert_density(motion, path_.beta_per_m))
+          : std::sqrt(seabed.factor * density(std::sqrt(cross_section(*seabed.scattering, above_tx, tx_m) *
+                                                        cross_section(*seabed.scattering, above_rx, rx_m)),
+                                              motion, path_.beta_per_m));
   const glm::dvec3 there = (place_m - transmit_m) / tx_m, back = (place_m - receive_m) / rx_m;
   if (weighed_)
     amplitude *= amplitude_pattern(channel_->transmit, there) * amplitude_pattern(channel_->receive, back);

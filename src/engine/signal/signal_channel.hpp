@@ -42,7 +42,7 @@ class ChannelOnPolygon {
 
   struct Reception {
     double path_m = 0;     ///< transmit and receive
-    double amplitude = 0;  ///< its square is the energy of a square metre of even bed, J for 1 J/sr at 1 m
+    double amplitude = 0;  ///< its square is the energy of a square metre of even seabed, J for 1 J/sr at 1 m
   };
   /// `place_m`: on the patch's plane, relative to the patches' origin.
   Reception at(glm::dvec3 place_m) const {
@@ -80,8 +80,8 @@ class ChannelOnPolygon {
 };
 
 /// The texture of a patch at a place relative to the patches' origin; 1: even.
-inline double texture_at(const FacetBed& bed, const VisiblePolygons& seen, glm::dvec3 place_m) {
-  return bed.texture == nullptr ? 1 : bed.texture->factor(seen.origin_m + place_m);
+inline double texture_at(const SurfaceProperties& seabed, const VisiblePolygons& seen, glm::dvec3 place_m) {
+  return seabed.texture == nullptr ? 1 : seabed.texture->factor(seen.origin_m + place_m);
 }
 
 }  // namespace tubefoot

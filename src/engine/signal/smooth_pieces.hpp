@@ -14,7 +14,7 @@
 // Patches cut so small that signals, but for a phase that all of them have, are smooth over each piece.
 namespace tubefoot {
 
-/// How fast what channels make of the bed may change over it.
+/// How fast what channels make of the seabed may change over it.
 struct SignalExtent {
   std::vector<glm::dvec3> transmit_m, receive_m;  ///< all ends, local frame
   /// Of products of any two channels; else of single ones less the phase of the first ends.

@@ -12,7 +12,7 @@
 
 namespace tubefoot {
 
-/// A convex visible polygon of the bed, where it lies.
+/// A convex visible polygon of the seabed, where it lies.
 struct VisiblePolygon {
   FacetId facet = 0;
   glm::dvec3 normal{0, 0, 1};  ///< unit, towards the side that is seen
@@ -35,7 +35,7 @@ struct VisiblePolygons {
 
 /// All that a common visibility has; its origin is the apex of the law's way out. Ways over mirrors come from
 /// for_coherent_paths() (engine/paths/coherent_paths.hpp), whose channels are images, too. Throws
-/// std::invalid_argument for a bed that is seen elsewhere than it lies (refracting water), for ways over
+/// std::invalid_argument for a seabed that is seen elsewhere than it lies (refracting water), for ways over
 /// mirrors, and for what rays met: none of them has polygons whose points have straight ways to any channel.
 VisiblePolygons visible_polygons(const CommonVisibility& visibility, const EchoModel& model);
 

@@ -28,7 +28,7 @@ struct SeenPart {
   std::uint32_t tx_tube = 0, rx_tube = 0;
 };
 
-/// What both ends of a path see of the bed; one apex is the case where both are the same. A view of a
+/// What both ends of a path see of the seabed; one apex is the case where both are the same. A view of a
 /// history, which outlives it.
 class CommonVisibility {
  public:

@@ -50,7 +50,7 @@ struct View {
 };
 
 /// The mean over a part of what two rays gain together. Next to a caustic tubes widen as the root of the
-/// distance from it: 1 / gain^2 of each is a plane over the bed, and elsewhere is so to second order.
+/// distance from it: 1 / gain^2 of each is a plane over the seabed, and elsewhere is so to second order.
 double mean_gain(const RayOfPart& sent, const RayOfPart& received) {
   constexpr int n = 8;
   const auto inverse_square = [](const RayOfPart& ray, double u, double v) {

@@ -10,13 +10,13 @@ namespace tubefoot {
 
 ApparentMap::ApparentMap(const WaterColumn& water, glm::dvec3 apex_m, double surface_height_m,
                          const EigenrayOptions& options, std::optional<double> reference_speed_m_s,
-                         const Unfolding& unfolding, const OnBed& on_bed)
+                         const Unfolding& unfolding, const SurfaceApex& surface_apex)
     : finder_(water, surface_height_m - apex_m.z, options),
       apex_m_(apex_m),
       surface_height_m_(surface_height_m),
       reference_speed_m_s_(reference_speed_m_s.value_or(finder_.source_speed_m_s())),
       unfolding_(unfolding),
-      on_bed_(on_bed) {}
+      surface_apex_(surface_apex) {}
 
 ApparentPoint ApparentMap::straight_to(glm::dvec3 point_m) const {
   const glm::dvec3 path = point_m - apex_m_;
@@ -35,7 +35,7 @@ ApparentPoint ApparentMap::straight_to(glm::dvec3 point_m) const {
 std::optional<ApparentPoint> ApparentMap::apparent(glm::dvec3 point_m,
                                                    std::vector<ApparentPoint>* each) const {
   const glm::dvec3 path = point_m - apex_m_;
-  if (on_bed_.straight_within_m > 0 && glm::length(path) <= on_bed_.straight_within_m)
+  if (surface_apex_.straight_within_m > 0 && glm::length(path) <= surface_apex_.straight_within_m)
     return straight_to(point_m);
   const double range = std::hypot(path.x, path.y);
   const double depth = depth_m(point_m);
@@ -47,11 +47,12 @@ std::optional<ApparentPoint> ApparentMap::apparent(glm::dvec3 point_m,
     first = rays.front();
     count = rays.size();
     if (each != nullptr && count > 1) *each = seen_by(rays, point_m);
-    if (on_bed_.front != glm::dvec3(0) && count > 1) {
-      // Sent into the bed there is nothing that could be resolved.
+    if (surface_apex_.front != glm::dvec3(0) && count > 1) {
+      // Sent into the seabed there is nothing that could be resolved.
       std::erase_if(rays, [&](const Eigenray& ray) {
         const double across = range > 0 ? ray.launch_cosine / range : 0;
-        return !(glm::dot(on_bed_.front, glm::dvec3(across * path.x, across * path.y, -ray.launch_sine)) > 0);
+        return !(glm::dot(surface_apex_.front,
+                          glm::dvec3(across * path.x, across * path.y, -ray.launch_sine)) > 0);
       });
       if (!rays.empty()) first = rays.front();
       count = std::max<std::size_t>(rays.size(), 1);

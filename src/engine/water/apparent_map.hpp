@@ -20,12 +20,12 @@ struct ApparentPoint {
   int eigenrays = 1;  ///< rays that lead there, of the branches that are looked for
 };
 
-/// An apex that lies on the bed, which is lit there and scatters on.
-struct OnBed {
+/// An apex that lies on the seabed, which is lit there and scatters on.
+struct SurfaceApex {
   /// Unit normal of its facet. Of several rays to a place the first that is sent to this side is taken, if
   /// one is; 0: the first.
   glm::dvec3 front{0};
-  /// Nearer than this rays are straight (over no mirror): where the bed is seen from within itself, facets
+  /// Nearer than this rays are straight (over no mirror): where the seabed is seen from within itself, facets
   /// that are bent a little would lie before the apex, or behind it.
   double straight_within_m = 0;
 };
@@ -46,13 +46,13 @@ class ApparentMap {
   /// above the surface. `unfolding`: with its unfolded water and options.
   ApparentMap(const WaterColumn& water, glm::dvec3 apex_m, double surface_height_m,
               const EigenrayOptions& options = {}, std::optional<double> reference_speed_m_s = {},
-              const Unfolding& unfolding = {}, const OnBed& on_bed = {});
+              const Unfolding& unfolding = {}, const SurfaceApex& surface_apex = {});
 
   /// None where no ray leads to (a shadow zone). `each`: becomes all_apparent() where several rays lead
   /// there.
   std::optional<ApparentPoint> apparent(glm::dvec3 point_m, std::vector<ApparentPoint>* each = nullptr) const;
   /// By every ray that leads there, from the one launched highest to the lowest. No two are launched alike:
-  /// along a way on the bed they keep their order, and come or go only in neighbouring pairs, one of which
+  /// along a way on the seabed they keep their order, and come or go only in neighbouring pairs, one of which
   /// has crossed its neighbours (Eigenray::crossed), or at the end of what rays are followed.
   std::vector<ApparentPoint> all_apparent(glm::dvec3 point_m) const;
 
@@ -68,7 +68,7 @@ class ApparentMap {
   }
   const WaterColumn& water() const { return finder_.water(); }
   const EigenrayFinder& finder() const { return finder_; }
-  double straight_within_m() const { return on_bed_.straight_within_m; }
+  double straight_within_m() const { return surface_apex_.straight_within_m; }
 
   /// Direction in which a ray to a point is launched, as the image has it that the point is seen from.
   glm::dvec3 launch_direction(glm::dvec3 point_m, const Eigenray& ray) const;
@@ -89,7 +89,7 @@ class ApparentMap {
   glm::dvec3 apex_m_;
   double surface_height_m_, reference_speed_m_s_;
   Unfolding unfolding_;
-  OnBed on_bed_;
+  SurfaceApex surface_apex_;
 };
 
 /// The second-order gap of an edge: how far the image of its middle lies from the middle of its ends' images.

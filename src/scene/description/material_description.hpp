@@ -36,7 +36,7 @@ struct MaterialDescription {
   /// smooth: a half-space of a fluid; density and sound speed over the water's, attenuation in dB a
   /// wavelength.
   std::optional<std::array<double, 3>> fluid;
-  std::optional<double> grain_size_phi;  ///< smooth: a fluid bed by its mean grain size
+  std::optional<double> grain_size_phi;  ///< smooth: a fluid seabed by its mean grain size
 };
 
 }  // namespace tubefoot

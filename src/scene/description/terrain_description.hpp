@@ -24,7 +24,7 @@ struct FlatTerrain {
 };
 
 /// Seeded fractal relief: fractional Brownian surface by midpoint-free spectral-like noise; same seed, same
-/// bed.
+/// seabed.
 struct FractalTerrain {
   double width_m = 0, length_m = 0;
   std::array<double, 3> centre_m{0, 0, 0};

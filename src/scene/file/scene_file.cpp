@@ -377,7 +377,7 @@ SceneDescription read_scene_text(const std::string& text, const fs::path& file, 
   scene.sensors = descriptions(all.sensors);
   scene.refinement = only(all.refinement, file);
   if (!all.refinement.empty()) scene.refinement.file_place = all.refinement.front().table.place_of("file");
-  if (auto& bed = scene.refinement.file) bed = (file.parent_path() / *bed).string();
+  if (auto& seabed = scene.refinement.file) seabed = (file.parent_path() / *seabed).string();
   scene.scatterers = only(all.scatterers, file);
   scene.run = only(all.run, file);
 

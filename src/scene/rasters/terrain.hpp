@@ -13,7 +13,7 @@ ComponentMesh flat_facets(const FlatTerrain& terrain, const SourcePlace& place);
 /// Fractional Brownian relief on a regular grid: octaves of gradient noise, from the largest wavelength down
 /// to two cells, each half as long as the one before and 2^-hurst as high, shifted and turned against each
 /// other. Heights have mean 0 and the given rms about `centre_m`; ripples are added on top. The same seed
-/// gives the same bed on every machine. Throws InputError as flat_facets does, and for a Hurst exponent
+/// gives the same seabed on every machine. Throws InputError as flat_facets does, and for a Hurst exponent
 /// outside of [0, 1].
 ComponentMesh fractal_facets(const FractalTerrain& terrain, const SourcePlace& place);
 

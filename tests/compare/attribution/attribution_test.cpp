@@ -20,7 +20,7 @@ using testing::HasSubstr;
 using Json = nlohmann::json;
 using Words = std::vector<std::string>;
 
-/// Two spheres on a bed, seen by a sonar with a window within the bed.
+/// Two spheres on a seabed, seen by a sonar with a window within the seabed.
 const std::string two_balls = still_water() + lambert_material("sand", -18) + lambert_material("steel", -8) +
                               lambert_material("rubber", -12) +
                               flat_terrain(40, 40, "name = \"bed\"\nmaterial = \"sand\"\n") + R"([[objects]]
@@ -149,7 +149,7 @@ TEST_F(Attribute, RaysOfOneColumnAreWrongAtSilhouettesAndShadows) {
 
 TEST_F(Attribute, BandsAreThoseThatWereChanged) {
   write_changed([](std::size_t beam, std::size_t sample, double energy) {
-    return energy * (beam < 5 && sample >= 120 ? 1.1 : 1.0);  // free bed
+    return energy * (beam < 5 && sample >= 120 ? 1.1 : 1.0);  // free seabed
   });
   const Json all = attribution("changed.nc");
   for (std::size_t band = 0; band < 6; ++band) EXPECT_EQ(all["ranges"][band]["share_of_error"], 0) << band;

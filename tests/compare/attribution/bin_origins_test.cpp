@@ -56,7 +56,7 @@ TEST(BinOrigins, KindsAreWhereTheEdgesLie) {
   const double shadow_end = range_of(rear_m * height_m / (height_m - top_m), height_m);
   EXPECT_EQ(found.at(5.5), BinKind::open_water);
   EXPECT_EQ(found.at(height_m / std::sin(30.3 * M_PI / 180)), BinKind::near_edge);
-  EXPECT_EQ(found.at(6.2), BinKind::interior);  // the bed before the wall
+  EXPECT_EQ(found.at(6.2), BinKind::interior);  // the seabed before the wall
   EXPECT_EQ(found.at(range_of(front_m, height_m - top_m)),
             BinKind::facet_edge);  // the wall's upper front edge
   EXPECT_EQ(found.at(range_of(rear_m, height_m - top_m)), BinKind::silhouette);
@@ -89,7 +89,7 @@ TEST(BinOrigins, PartsAreTheEchoAndLieWhereTheirObjectsDo) {
     before = part.bin;
     sum.at(part.bin) += part.energy_j;
     const double range_m = first_m + step_m * (double(part.bin % samples) + 0.5);
-    EXPECT_EQ(part.object, part.material);  // sand the bed, steel the wall
+    EXPECT_EQ(part.object, part.material);  // sand the seabed, steel the wall
     if (part.object == 1) {
       EXPECT_GT(range_m, range_of(front_m, height_m - top_m) - step_m);
       EXPECT_LT(range_m, range_of(front_m, height_m) + step_m);

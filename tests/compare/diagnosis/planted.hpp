@@ -23,7 +23,7 @@ struct Mistakes {
   bool near_clipping = false;  ///< what is nearer than the window casts no shadow
   double cut_m = 0;            ///< nothing nearer than this
   double law = 0, gain = 1;    ///< energies times r^law and gain
-  bool no_shadow = false;      ///< the bed is seen through the objects
+  bool no_shadow = false;      ///< the seabed is seen through the objects
   double noise = 0;            ///< deviation over the mean echo, clipped at 0
   double speckle = 0;          ///< relative deviation of single bins
   double blur = 0;             ///< variance, bins^2
@@ -120,19 +120,19 @@ class PlantedFan {
     weight *= (high_deg - low) / (high_deg - low_deg) * std::cos(elevation);
     const std::array<double, 3> d{std::sin(azimuth) * std::cos(elevation),
                                   std::cos(azimuth) * std::cos(elevation), std::sin(elevation)};
-    const double bed_m = height_m / -d[2], x = bed_m * d[0], y = bed_m * d[1];
-    const Hit bed{bed_m,
-                  (0.2 + 0.06 * std::sin(1.9 * x + 0.7 * y) + 0.05 * std::sin(1.1 * x - 2.3 * y)) * -d[2]};
+    const double seabed_m = height_m / -d[2], x = seabed_m * d[0], y = seabed_m * d[1];
+    const Hit seabed{seabed_m,
+                     (0.2 + 0.06 * std::sin(1.9 * x + 0.7 * y) + 0.05 * std::sin(1.1 * x - 2.3 * y)) * -d[2]};
     Hit object = std::min({sphere(d, {-2.2, 7, 0.6}, 0.6, 1), sphere(d, {1.0, 8.6, 0.5}, 0.45, 0.8), wall(d)},
                           [](const Hit& a, const Hit& b) { return a.range_m < b.range_m; });
     // A rod's end before the window: it is never seen, but its shadow is.
     const bool behind_rod = std::isfinite(sphere(d, {0.75, 2.4, 1.95}, 0.2, 1).range_m);
     if (behind_rod && !m.near_clipping) return;
-    if (object.range_m < bed.range_m) {
+    if (object.range_m < seabed.range_m) {
       put(m, beam, object, weight, energy);
       if (!m.no_shadow) return;
     }
-    put(m, beam, bed, weight, energy);
+    put(m, beam, seabed, weight, energy);
   }
 
   static void put(const Mistakes& m, std::size_t beam, const Hit& hit, double weight,

@@ -172,7 +172,7 @@ TEST(CleanEngine, SpeckleIsToldFromSamplingByAnIdeal) {
 }
 
 /// As a renderer has it: rows even, what is faint left out, what is bright clamped, 8 bits. The faintest
-/// value is then many steps, and an even bed is equal to the last bit.
+/// value is then many steps, and an even seabed is equal to the last bit.
 std::vector<double> rendered(std::vector<double> energy_j, double bits) {
   std::vector<double> lit;
   for (std::size_t k = 0; k < energy_j.size(); ++k) {
@@ -180,11 +180,11 @@ std::vector<double> rendered(std::vector<double> energy_j, double bits) {
     if (energy_j[k] > 0) lit.push_back(energy_j[k]);
   }
   std::nth_element(lit.begin(), lit.begin() + static_cast<std::ptrdiff_t>(lit.size() / 2), lit.end());
-  const double bed = lit[lit.size() / 2], steps = std::exp2(bits) - 1;
+  const double seabed = lit[lit.size() / 2], steps = std::exp2(bits) - 1;
   for (double& e : energy_j)
-    e = e < 0.5 * bed ? 0
-        : bits > 0    ? std::round(steps * std::min(1.0, e / (4 * bed))) / steps
-                      : std::min(1.0, e / (4 * bed));
+    e = e < 0.5 * seabed ? 0
+        : bits > 0       ? std::round(steps * std::min(1.0, e / (4 * seabed))) / steps
+                         : std::min(1.0, e / (4 * seabed));
   return energy_j;
 }
 

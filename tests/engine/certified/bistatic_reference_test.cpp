@@ -18,17 +18,17 @@ namespace {
 
 using namespace test;
 
-/// Two ends over a flat bed, and what stands on it.
+/// Two ends over a flat seabed, and what stands on it.
 struct Bistatic {
-  const GradientBed& site;
+  const GradientSeabed& site;
   const WaterColumn& water;
   TubeSet sent, received;
   double absorption = 0;
   const BeamPatterns* patterns = nullptr;
 
-  EigenrayOptions options{.deepest_turn_m = GradientBed::apex_depth_m + GradientBed::below_m};
+  EigenrayOptions options{.deepest_turn_m = GradientSeabed::apex_depth_m + GradientSeabed::below_m};
   ApparentMap end(const TubeSet& tubes) const {
-    return ApparentMap(water, site.grid.to_metres(tubes.apex), GradientBed::apex_depth_m, options, 1500);
+    return ApparentMap(water, site.grid.to_metres(tubes.apex), GradientSeabed::apex_depth_m, options, 1500);
   }
   RefractedReference certified(const ApparentMapSettings& settings, const RangeSamples& samples,
                                double tolerance) const {
@@ -39,7 +39,8 @@ struct Bistatic {
     const CommonApparentSurfaces alike =
         map_apparent_together(site.base, all, site.grid, std::array{&tx, &rx}, absorption, settings, {},
                               std::array{&from_tx, &from_rx});
-    const ApparentPair pair{alike.bed.mesh, alike.seen[0], alike.seen[1], alike.origin[0], alike.origin[1]};
+    const ApparentPair pair{alike.seabed.mesh, alike.seen[0], alike.seen[1], alike.origin[0],
+                            alike.origin[1]};
     EchoModel model = site.model(pair.mesh, absorption);
     model.patterns = patterns;
     const std::vector<std::uint32_t> beams(received.tubes.size(), 0);
@@ -48,13 +49,14 @@ struct Bistatic {
     const RayEnclosure tx_rays(tx, options), rx_rays(rx, options);
     const SceneTree tx_tree(alike.seen[0].refined.mesh, SceneTree::HeightFieldSearch::ignored),
         rx_tree(alike.seen[1].refined.mesh, SceneTree::HeightFieldSearch::ignored);
-    const BistaticBed bed{alike.bed.mesh,
-                          alike.bed.parent,
-                          site.base,
-                          site.grid,
-                          {alike.seen[0], tx_tree, alike.origin[0], tx, tx_rays},
-                          {alike.seen[1], rx_tree, alike.origin[1], rx, rx_rays}};
-    return certify_refracted_echo(bed, {sent, received}, {}, {1, beams}, samples, model, ordinary, tolerance);
+    const BistaticSurface seabed{alike.seabed.mesh,
+                                 alike.seabed.parent,
+                                 site.base,
+                                 site.grid,
+                                 {alike.seen[0], tx_tree, alike.origin[0], tx, tx_rays},
+                                 {alike.seen[1], rx_tree, alike.origin[1], rx, rx_rays}};
+    return certify_refracted_echo(seabed, {sent, received}, {}, {1, beams}, samples, model, ordinary,
+                                  tolerance);
   }
   CertifiedEcho straight(const RangeSamples& samples, double tolerance) const {
     EchoModel model = site.model(site.base, absorption);
@@ -70,15 +72,15 @@ struct Bistatic {
 // Bounds shrink with the gap, have not too much to spare, and fail when energies are moved by twice the
 // bound.
 TEST(BistaticReference, HoldsTheClosedFormOfOneGradient) {
-  const GradientBed bed = plate(from, to);
+  const GradientSeabed seabed = plate(from, to);
   const RangeSamples samples{22, 0.8, 16};
   for (const bool weighed : {false, true})
     for (const double g : {-0.6, 0.3}) {
       if (weighed && g > 0) continue;
       const double absorption = g < 0 ? 0.1 : 0;
-      const WaterColumn water = bed_gradient(g, absorption);
-      Bistatic pair{bed, water, at(bed_fan(70), bed.grid, transmitter), at(bed_fan(70), bed.grid, receiver),
-                    absorption};
+      const WaterColumn water = seabed_gradient(g, absorption);
+      Bistatic pair{seabed, water, at(seabed_fan(70), seabed.grid, transmitter),
+                    at(seabed_fan(70), seabed.grid, receiver), absorption};
       const BeamPatterns patterns = patterns_for(pair.received);
       if (weighed) pair.patterns = &patterns;
       const std::vector<double> truth =
@@ -123,10 +125,11 @@ TEST(BistaticReference, IsovelocityWaterIsTheStraightReference) {
   const RangeSamples samples{24, 2, 3};
   for (int kind = 0; kind < 4; ++kind) {
     SCOPED_TRACE(kind);
-    GradientBed bed(board(), 24, 8);
-    if (kind == 1) bed.models = {lobed(), nullptr};
-    if (kind == 2) bed.textures = {perlin(6, 1, 0.5), nullptr};
-    Bistatic pair{bed, even, at(bed_fan(40), bed.grid, transmitter), at(bed_fan(40), bed.grid, receiver)};
+    GradientSeabed seabed(board(), 24, 8);
+    if (kind == 1) seabed.models = {lobed(), nullptr};
+    if (kind == 2) seabed.textures = {perlin(6, 1, 0.5), nullptr};
+    Bistatic pair{seabed, even, at(seabed_fan(40), seabed.grid, transmitter),
+                  at(seabed_fan(40), seabed.grid, receiver)};
     const BeamPatterns patterns = patterns_for(pair.received);
     if (kind == 3) pair.patterns = &patterns;
     const RefractedReference found = pair.certified({.travel_path_error_m = 1}, samples, 1e-4);
@@ -143,14 +146,15 @@ TEST(BistaticReference, InOnePlaceItIsTheReferenceOfOneApex) {
   const RangeSamples samples{24, 1.5, 8};
   for (int kind = 0; kind < 3; ++kind) {
     SCOPED_TRACE(kind);
-    GradientBed bed(board(), 32, 8);
-    if (kind == 1) bed.models = {lobed(), nullptr};
-    if (kind == 2) bed.textures = {perlin(6, 1, 0.5), nullptr};
-    const WaterColumn water = bed_gradient(-0.4, 0.05);
-    const TubeSet tubes = bed_fan(40);
-    const Bistatic pair{bed, water, tubes, tubes, 0.05};
-    expect_agree(pair.certified({.travel_path_error_m = 2e-3}, samples, 1e-2).certified,
-                 bed.certified(water, tubes, {.travel_path_error_m = 2e-3}, samples, 0.05, 1e-2).certified);
+    GradientSeabed seabed(board(), 32, 8);
+    if (kind == 1) seabed.models = {lobed(), nullptr};
+    if (kind == 2) seabed.textures = {perlin(6, 1, 0.5), nullptr};
+    const WaterColumn water = seabed_gradient(-0.4, 0.05);
+    const TubeSet tubes = seabed_fan(40);
+    const Bistatic pair{seabed, water, tubes, tubes, 0.05};
+    expect_agree(
+        pair.certified({.travel_path_error_m = 2e-3}, samples, 1e-2).certified,
+        seabed.certified(water, tubes, {.travel_path_error_m = 2e-3}, samples, 0.05, 1e-2).certified);
   }
 }
 
@@ -159,16 +163,17 @@ TEST(BistaticReference, InOnePlaceItIsTheReferenceOfOneApex) {
 TEST(BistaticReference, ExchangeAndCoarserGroundsAgree) {
   const RangeSamples samples{24, 1.5, 8};
   const double g = -0.4;
-  GradientBed bed(board(), 32, 8);
-  bed.models = {lobed(), nullptr};
-  const WaterColumn water = bed_gradient(g);
-  const TubeSet a = at(bed_fan(40), bed.grid, transmitter), b = at(bed_fan(40), bed.grid, receiver);
+  GradientSeabed seabed(board(), 32, 8);
+  seabed.models = {lobed(), nullptr};
+  const WaterColumn water = seabed_gradient(g);
+  const TubeSet a = at(seabed_fan(40), seabed.grid, transmitter),
+                b = at(seabed_fan(40), seabed.grid, receiver);
   const CertifiedEcho
-      there = Bistatic{bed, water, a, b}.certified({.travel_path_error_m = 2e-3}, samples, 1e-2).certified,
-      back = Bistatic{bed, water, b, a}.certified({.travel_path_error_m = 2e-3}, samples, 1e-2).certified;
+      there = Bistatic{seabed, water, a, b}.certified({.travel_path_error_m = 2e-3}, samples, 1e-2).certified,
+      back = Bistatic{seabed, water, b, a}.certified({.travel_path_error_m = 2e-3}, samples, 1e-2).certified;
   expect_agree(back, there, std::pow((1500 - g * receiver.z) / 1500, 2));
   const CertifiedEcho coarse =
-      Bistatic{bed, water, a, b}.certified({.travel_path_error_m = 2e-2}, samples, 1e-2).certified;
+      Bistatic{seabed, water, a, b}.certified({.travel_path_error_m = 2e-2}, samples, 1e-2).certified;
   for (std::size_t k = 0; k < coarse.bound.size(); ++k)
     EXPECT_LE(std::abs(coarse.echo.energy[k] - there.echo.energy[k]), coarse.bound[k] + there.bound[k]) << k;
 }
@@ -189,21 +194,21 @@ TEST(BistaticReference, EnclosuresHoldWhatRaysToPlacesSay) {
     Triangle t;
     for (glm::dvec3& p : t)
       p = place + size * glm::dvec3(unit(random) - 0.5, unit(random) - 0.5, unit(random) - 0.5);
-    GradientBed site({t});
+    GradientSeabed site({t});
     if (trial % 2) site.models = {nullptr, model};
-    const WaterColumn one = bed_gradient(trial % 4 < 2 ? 0.7 : -0.7, absorption);
+    const WaterColumn one = seabed_gradient(trial % 4 < 2 ? 0.7 : -0.7, absorption);
     const WaterColumn layers{SoundSpeedProfile({{0, 1530}, {11, 1515}, {13, 1495}, {30, 1490}}),
                              {0.1, 0.12, 0.09, 0.08, 0.1}};
     const WaterColumn& water = trial % 8 < 4 ? one : layers;
     const EigenrayOptions options{.deepest_turn_m = 30};
     const glm::dvec3 apexes[2]{glm::dvec3(0), site.grid.to_metres(site.grid.snap(rx_m))};
-    const ApparentMap tx(water, apexes[0], GradientBed::apex_depth_m, options, 1500),
-        rx(water, apexes[1], GradientBed::apex_depth_m, options, 1500);
+    const ApparentMap tx(water, apexes[0], GradientSeabed::apex_depth_m, options, 1500),
+        rx(water, apexes[1], GradientSeabed::apex_depth_m, options, 1500);
     const std::vector<FacetId> facets{FacetId(site.base.facets.size() - 1)};
     const CommonApparentSurfaces alike =
         map_apparent_together(site.base, facets, site.grid, std::array{&tx, &rx}, absorption,
                               {.travel_path_error_m = 1e9}, {}, std::array<const ViewBounds*, 2>{});
-    const FacetMesh& mesh = alike.bed.mesh;
+    const FacetMesh& mesh = alike.seabed.mesh;
     if (alike.origin[0].size() != 1 || alike.origin[1].size() != 1) continue;
     SharedFootprints shared;
     shared.receiver_m = apexes[1];
@@ -222,7 +227,7 @@ TEST(BistaticReference, EnclosuresHoldWhatRaysToPlacesSay) {
     const SceneTree tx_tree(alike.seen[0].refined.mesh), rx_tree(alike.seen[1].refined.mesh);
     const EchoModel echo_model = site.model(mesh, absorption);
     const BistaticEnclosures all = enclose({mesh,
-                                            alike.bed.parent,
+                                            alike.seabed.parent,
                                             site.base,
                                             site.grid,
                                             {alike.seen[0], tx_tree, alike.origin[0], tx, tx_rays},

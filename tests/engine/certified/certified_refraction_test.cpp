@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Bounds of references through refracting water. One gradient has closed forms: rings of a flat bed have to
-// lie within the bounds, and not far inside: apparent facets are coarse and samples narrow here, so that a
+// Bounds of references through refracting water. One gradient has closed forms: rings of a flat seabed have
+// to lie within the bounds, and not far inside: apparent facets are coarse and samples narrow here, so that a
 // bound of a tenth would fail.
 #include "engine/certified/certified_refraction.hpp"
 
@@ -15,24 +15,24 @@
 #include <numbers>
 #include <random>
 
-#include "fixtures/world/gradient_bed.hpp"
+#include "fixtures/world/gradient_seabed.hpp"
 
 namespace tubefoot {
 namespace {
 
-using test::bed_fan;
-using test::bed_gradient;
-using test::GradientBed;
+using test::GradientSeabed;
+using test::seabed_fan;
+using test::seabed_gradient;
 using test::Triangle;
 
-constexpr double degree = GradientBed::degree;
-const double mu = GradientBed::mu;
+constexpr double degree = GradientSeabed::degree;
+const double mu = GradientSeabed::mu;
 
 /// Energy from the ring between two one-way travel times, per radian of azimuth.
 double ring_energy(double g, double t1, double t2, double absorption) {
   return boost::math::quadrature::gauss_kronrod<double, 31>::integrate(
       [&](double t) {
-        const test::BedRay ray(g, t, absorption);
+        const test::SeabedRay ray(g, t, absorption);
         return mu * ray.sine * ray.sine * ray.density;
       },
       t1, t2, 5, 1e-13);
@@ -50,8 +50,8 @@ TEST(CertifiedRefraction, HoldsTheClosedFormOfOneGradientAndNotFarInside) {
     const double gap = std::pow(10, -1.5 - 2 * unit(random)), width_deg = 2 + 8 * unit(random);
     SCOPED_TRACE(fmt::format("seed {} trial {}: g {} absorption {} gap {}", seed, trial, g, absorption, gap));
     const RefractedReference found =
-        GradientBed().certified(bed_gradient(g, absorption), bed_fan(width_deg), {.travel_path_error_m = gap},
-                                samples, absorption, 1e-2);
+        GradientSeabed().certified(seabed_gradient(g, absorption), seabed_fan(width_deg),
+                                   {.travel_path_error_m = gap}, samples, absorption, 1e-2);
     EXPECT_EQ(found.unbounded, 0u);
     for (int k = 0; k < samples.count; ++k) {
       const double from = samples.first_m + k * samples.step_m;
@@ -70,8 +70,8 @@ TEST(CertifiedRefraction, BoundsShrinkWithTheGapToAnyTolerance) {
   const RangeSamples samples{26, 1, 30};
   double before = 1;
   for (const double gap : {1e-2, 1e-3, 1e-4}) {
-    const RefractedReference found = GradientBed().certified(bed_gradient(-0.2), bed_fan(2),
-                                                             {.travel_path_error_m = gap}, samples, 0, 1e-3);
+    const RefractedReference found = GradientSeabed().certified(
+        seabed_gradient(-0.2), seabed_fan(2), {.travel_path_error_m = gap}, samples, 0, 1e-3);
     double worst = 0;
     for (std::size_t k = 0; k < found.certified.bound.size(); ++k)
       worst = std::max(worst, found.certified.bound[k] / found.certified.echo.energy[k]);
@@ -83,8 +83,8 @@ TEST(CertifiedRefraction, BoundsShrinkWithTheGapToAnyTolerance) {
 }
 
 TEST(CertifiedRefraction, IsovelocityWaterIsTheStraightReference) {
-  const GradientBed site;
-  const TubeSet tubes = bed_fan(10);
+  const GradientSeabed site;
+  const TubeSet tubes = seabed_fan(10);
   const RangeSamples samples{26, 2, 20};
   const WaterColumn even{SoundSpeedProfile({{0, 1500}, {50, 1500}}), {}};
   const RefractedReference found = site.certified(even, tubes, {.travel_path_error_m = 1}, samples, 0, 1e-6);
@@ -113,11 +113,11 @@ TEST(CertifiedRefraction, HoldsFinerGroundsBehindObjects) {
         p = at + 4.0 * glm::dvec3(unit(random) - 0.5, unit(random) - 0.5, unit(random) - 0.5);
       more.push_back(t);
     }
-    const GradientBed site(more);
+    const GradientSeabed site(more);
     const double g = trial % 2 ? 0.5 : -0.8;
     const auto run = [&](double gap) {
       return site
-          .certified(bed_gradient(g), bed_fan(8), {.travel_path_error_m = gap, .shortest_edge_m = 0.01},
+          .certified(seabed_gradient(g), seabed_fan(8), {.travel_path_error_m = gap, .shortest_edge_m = 0.01},
                      samples, 0, 1e-2)
           .certified;
     };
@@ -137,11 +137,11 @@ TEST(CertifiedRefraction, HoldsFinerGroundsBehindObjects) {
 
 // A long straight edge is seen curved, and what lies behind it is seen or not, over many samples.
 TEST(CertifiedRefraction, HoldsShadowsOfLongEdges) {
-  const GradientBed site({{{{25, -6, -12}, {25, 6, -12}, {25.5, 0, -20}}}}, 64, 2);
+  const GradientSeabed site({{{{25, -6, -12}, {25, 6, -12}, {25.5, 0, -20}}}}, 64, 2);
   const RangeSamples samples{43, 0.003, 1500};
   const auto run = [&](double gap) {
     return site
-        .certified(bed_gradient(-1), bed_fan(6), {.travel_path_error_m = gap, .shortest_edge_m = 0.01},
+        .certified(seabed_gradient(-1), seabed_fan(6), {.travel_path_error_m = gap, .shortest_edge_m = 0.01},
                    samples, 0, 1e-2)
         .certified;
   };
@@ -151,15 +151,15 @@ TEST(CertifiedRefraction, HoldsShadowsOfLongEdges) {
         << k;
 }
 
-/// Every enclosure of the last facet of a bed by itself, against single eigenrays to places on it.
+/// Every enclosure of the last facet of a seabed by itself, against single eigenrays to places on it.
 struct EnclosuresAgainstRays {
   double closest_gap = 0, closest_factor = 0;
   std::size_t unproven = 0;
 
-  void add(const GradientBed& site, const WaterColumn& water, double absorption, std::mt19937_64& random) {
+  void add(const GradientSeabed& site, const WaterColumn& water, double absorption, std::mt19937_64& random) {
     std::uniform_real_distribution<double> unit(0, 1);
     const EigenrayOptions options{.deepest_turn_m = 30};
-    const ApparentMap apparent_map(water, glm::dvec3(0), GradientBed::apex_depth_m, options);
+    const ApparentMap apparent_map(water, glm::dvec3(0), GradientSeabed::apex_depth_m, options);
     std::vector<FacetId> facets{FacetId(site.base.facets.size() - 1)};
     const ApparentSurface ground =
         map_apparent(site.base, facets, site.grid, apparent_map, absorption, {.travel_path_error_m = 1e9});
@@ -225,10 +225,10 @@ TEST(CertifiedRefraction, EnclosuresHoldWhatRaysToPlacesOnFacetsSay) {
       p = at + 3.0 * glm::dvec3(unit(random) - 0.5, unit(random) - 0.5, unit(random) - 0.5);
     more.push_back(t);
     const double absorption = 0.1;
-    const WaterColumn one = bed_gradient(trial % 2 ? 0.7 : -0.7, absorption);
+    const WaterColumn one = seabed_gradient(trial % 2 ? 0.7 : -0.7, absorption);
     const WaterColumn layers{SoundSpeedProfile({{0, 1530}, {11, 1515}, {13, 1495}, {30, 1490}}),
                              {0.1, 0.12, 0.09, 0.08, 0.1}};
-    compared.add(GradientBed(more), trial % 4 < 2 ? one : layers, absorption, random);
+    compared.add(GradientSeabed(more), trial % 4 < 2 ? one : layers, absorption, random);
   }
   EXPECT_GT(compared.closest_gap, 0.3);
   EXPECT_GT(compared.closest_factor, 0.3);
@@ -244,7 +244,7 @@ TEST(CertifiedRefraction, FacetsAtTheSonarsDepthAreProven) {
     return WaterColumn{SoundSpeedProfile(std::move(points)), absorption};
   };
   const std::vector<WaterColumn> waters{
-      bed_gradient(-0.01, 0.1), bed_gradient(0.01, 0.1), bed_gradient(-0.5, 0.1),
+      seabed_gradient(-0.01, 0.1), seabed_gradient(0.01, 0.1), seabed_gradient(-0.5, 0.1),
       // The sonar in the gradient between two others, and in isovelocity water above one.
       water_of({{0, 1530}, {5, 1520}, {15, 1500}, {30, 1490}}),
       water_of({{0, 1490}, {6, 1490}, {14, 1500}, {30, 1502}}),
@@ -255,7 +255,7 @@ TEST(CertifiedRefraction, FacetsAtTheSonarsDepthAreProven) {
       SCOPED_TRACE(fmt::format("seed {} water {} trial {}", seed, k, trial));
       const double half = 0.5 + 2 * unit(random), turn = unit(random) - 0.5;
       const Triangle ahead{{{13, -half, -half}, {13 + turn, half, -half}, {13, 0.2, half}}};
-      compared.add(GradientBed({ahead}), waters[k], 0.1, random);
+      compared.add(GradientSeabed({ahead}), waters[k], 0.1, random);
     }
     EXPECT_EQ(compared.unproven, 0u) << "water " << k;
     if (k + 1 < waters.size()) {  // in isovelocity water images are the facet itself
@@ -266,11 +266,12 @@ TEST(CertifiedRefraction, FacetsAtTheSonarsDepthAreProven) {
 
 TEST(CertifiedRefraction, WhereNoRayIsProvenNothingIsClaimed) {
   const RangeSamples samples{26, 1, 70};
-  // Bent up: the last ray to touch the bed is level there.
+  // Bent up: the last ray to touch the seabed is level there.
   const double g = 6, cr = 1500 + 20 * g;
   const double last_m = 1500 * std::atanh(std::sqrt((cr - 1500) * (cr + 1500)) / cr) / g;
-  const RefractedReference found = GradientBed().certified(
-      bed_gradient(g), bed_fan(4), {.travel_path_error_m = 1e-2, .shortest_edge_m = 0.1}, samples, 0, 1e-2);
+  const RefractedReference found =
+      GradientSeabed().certified(seabed_gradient(g), seabed_fan(4),
+                                 {.travel_path_error_m = 1e-2, .shortest_edge_m = 0.1}, samples, 0, 1e-2);
   EXPECT_GT(found.unbounded, 0u);
   std::size_t infinite = 0;
   for (int k = 0; k < samples.count; ++k) {

@@ -30,8 +30,8 @@ Law coarse_sand() {
 }
 
 /// Two facets of a plane below the apex, on a grid of 2^-20 m about it.
-struct Bed {
-  explicit Bed(glm::dvec3 up = {0, 0, 1}) : grid(20, glm::dvec3(0)) {
+struct Seabed {
+  explicit Seabed(glm::dvec3 up = {0, 0, 1}) : grid(20, glm::dvec3(0)) {
     up = glm::normalize(up);
     const glm::dvec3 a = 256.0 * glm::normalize(glm::cross(up, glm::dvec3(0, 1, 0.1))), b = glm::cross(up, a),
                      centre = -height * up + 0.1 * a + 0.03 * b;  // no edge runs through the foot point
@@ -123,8 +123,8 @@ double truth(Real (*value)(Real), bool table, double dphi, double from, double t
 }
 
 TEST(CertifiedScattering, FanIsASingleIntegralWithinTheBound) {
-  const Bed bed;
-  const TubeSet set = Bed::tube(wedge, 40, bed.grid);
+  const Seabed seabed;
+  const TubeSet set = Seabed::tube(wedge, 40, seabed.grid);
   const double dphi = std::atan2(double(set.rays[2].y), double(set.rays[2].x));
   const RangeSamples samples{9, 0.5, 40};
   const struct {
@@ -135,7 +135,7 @@ TEST(CertifiedScattering, FanIsASingleIntegralWithinTheBound) {
   for (const auto& c : cases)
     for (const double absorption : {0.0, 0.3})
       for (const double tolerance : {1e-5, 1e-10}) {
-        const auto result = bed.run(set, samples, c.model, tolerance, absorption);
+        const auto result = seabed.run(set, samples, c.model, tolerance, absorption);
         EXPECT_EQ(result.certified.bins_over, 0u) << tolerance;
         for (int k = 0; k < samples.count; ++k) {
           const double from = 9 + 0.5 * k,
@@ -152,13 +152,13 @@ TEST(CertifiedScattering, FanIsASingleIntegralWithinTheBound) {
 }
 
 TEST(CertifiedScattering, BoundDoesNotHoldForAnotherLaw) {
-  const Bed bed;
-  const TubeSet set = Bed::tube(wedge, 40, bed.grid);
+  const Seabed seabed;
+  const TubeSet set = Seabed::tube(wedge, 40, seabed.grid);
   const RangeSamples samples{9, 1, 20};
-  const auto right = bed.run(set, samples, three_terms(), 1e-9);
+  const auto right = seabed.run(set, samples, three_terms(), 1e-9);
   const auto wrong =
-      bed.run(set, samples,
-              shared(ScatteringModel::gsab({0.4, 4 * degree, 0.01, 1.7 + 1e-6, 0.03, 22 * degree})), 1e-9);
+      seabed.run(set, samples,
+                 shared(ScatteringModel::gsab({0.4, 4 * degree, 0.01, 1.7 + 1e-6, 0.03, 22 * degree})), 1e-9);
   int apart = 0;
   for (int k = 0; k < samples.count; ++k)
     apart += std::abs(right.certified.echo.at(0, k) - wrong.certified.echo.at(0, k)) >
@@ -167,14 +167,14 @@ TEST(CertifiedScattering, BoundDoesNotHoldForAnotherLaw) {
 }
 
 TEST(CertifiedScattering, LambertAsGsabIsEnclosedAsLambertIs) {
-  const Bed bed({0.2, -0.1, 1});
-  const TubeSet set =
-      Bed::tube({glm::dvec3(-0.3, -0.2, -1), {0.6, -0.3, -1}, {0.5, 0.4, -1}, {-0.2, 0.3, -1}}, 40, bed.grid);
+  const Seabed seabed({0.2, -0.1, 1});
+  const TubeSet set = Seabed::tube(
+      {glm::dvec3(-0.3, -0.2, -1), {0.6, -0.3, -1}, {0.5, 0.4, -1}, {-0.2, 0.3, -1}}, 40, seabed.grid);
   const RangeSamples samples{7.5, 0.5, 12};
-  const auto lambert = bed.run(set, samples, nullptr, 1e-10, 0.1),
-             gsab = bed.run(set, samples,
-                            shared(ScatteringModel::gsab({.oblique = 0.001, .oblique_exponent = 2})), 1e-10,
-                            0.1);
+  const auto lambert = seabed.run(set, samples, nullptr, 1e-10, 0.1),
+             gsab = seabed.run(set, samples,
+                               shared(ScatteringModel::gsab({.oblique = 0.001, .oblique_exponent = 2})),
+                               1e-10, 0.1);
   double sum = 0;
   for (int k = 0; k < samples.count; ++k) {
     const std::size_t i = std::size_t(k);
@@ -187,12 +187,12 @@ TEST(CertifiedScattering, LambertAsGsabIsEnclosedAsLambertIs) {
 }
 
 TEST(CertifiedScattering, OrdinaryRunIsWithinTheBoundAboutTheFootAndWithPatterns) {
-  const Bed bed({0.05, -0.1, 1});
-  const TubeSet set =
-      Bed::tube({glm::dvec3(-0.3, -0.2, -1), {0.6, -0.3, -1}, {0.5, 0.4, -1}, {-0.2, 0.3, -1}}, 40, bed.grid);
+  const Seabed seabed({0.05, -0.1, 1});
+  const TubeSet set = Seabed::tube(
+      {glm::dvec3(-0.3, -0.2, -1), {0.6, -0.3, -1}, {0.5, 0.4, -1}, {-0.2, 0.3, -1}}, 40, seabed.grid);
   // A bin that holds the foot point under patterns is wider than asked, with Lambert's law too.
-  const TubeSet aside =
-      Bed::tube({glm::dvec3(0.3, -0.2, -1), {0.6, -0.3, -1}, {0.5, 0.4, -1}, {0.4, 0.3, -1}}, 40, bed.grid);
+  const TubeSet aside = Seabed::tube(
+      {glm::dvec3(0.3, -0.2, -1), {0.6, -0.3, -1}, {0.5, 0.4, -1}, {0.4, 0.3, -1}}, 40, seabed.grid);
   const RangeSamples samples{7.75, 0.5, 8};
   Directivity line;
   line.kind = Directivity::Kind::line;
@@ -201,7 +201,7 @@ TEST(CertifiedScattering, OrdinaryRunIsWithinTheBoundAboutTheFootAndWithPatterns
   for (const Law& model : {three_terms(), coarse_sand()})
     for (const BeamPatterns* p : {(const BeamPatterns*)nullptr, &patterns}) {
       const double tolerance = p ? 1e-6 : 1e-8;
-      const auto result = bed.run(p ? aside : set, samples, model, tolerance, 0.1, p);
+      const auto result = seabed.run(p ? aside : set, samples, model, tolerance, 0.1, p);
       EXPECT_EQ(result.certified.bins_over, 0u);
       double sum = 0;
       for (int k = 0; k < samples.count; ++k) {

@@ -51,7 +51,7 @@ struct Seen {
   TubeSet set;
 };
 
-/// A bed about the foot point, and facets of many sizes above it that cut each other.
+/// A seabed about the foot point, and facets of many sizes above it that cut each other.
 Seen scattered_facets(unsigned seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> side(-1, 1), decades(-2.5, 0.3);

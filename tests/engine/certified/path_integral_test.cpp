@@ -30,8 +30,8 @@ class InBalls : public CertifiedIntegrand {
 };
 
 /// A triangle 5 m below two apexes, in coordinates about the foot of the first one.
-struct Bed {
-  Bed() {
+struct Seabed {
+  Seabed() {
     plane.distance = Ball(5);
     plane.u = {Ball(1), Ball(0), Ball(0)};
     plane.v = {Ball(0), Ball(1), Ball(0)};
@@ -54,8 +54,8 @@ struct Bed {
     echo.path.rx->loss = {0.8, {axis(0, 0.1, 1), axis(0, 0, 1)}, 0.5, 0.05};
   }
   CertifiedPathIntegrand integrand(const ScatteringModel* model) const {
-    const FacetBed bed{1, 0.01, model};
-    const CertifiedPathEnergy energy(polygon, rx_m, echo, bed, Ball(0.01));
+    const SurfaceProperties seabed{1, 0.01, model};
+    const CertifiedPathEnergy energy(polygon, rx_m, echo, seabed, Ball(0.01));
     return {energy, {energy.tx(), energy.rx(), transmit, patterns}, nullptr};
   }
 
@@ -76,10 +76,10 @@ std::vector<ScatteringModel> models() {
 TEST(PathIntegral, IntervalsHoldWhatBallsSayOfEveryPlace) {
   std::mt19937_64 random(27);
   std::uniform_real_distribution<double> x(-3, 6), y(-4, 4), part(0, 1), decades(-12, 0);
-  const Bed bed;
+  const Seabed seabed;
   std::vector<ScatteringModel> all = models();
   for (const ScatteringModel* model : std::vector<const ScatteringModel*>{nullptr, &all[0], &all[1]}) {
-    CertifiedPathIntegrand integrand = bed.integrand(model);
+    CertifiedPathIntegrand integrand = seabed.integrand(model);
     integrand.take_whole();
     std::vector<Interval> held;
     std::vector<Ball> there;
@@ -104,20 +104,20 @@ TEST(PathIntegral, IntervalsHoldWhatBallsSayOfEveryPlace) {
 }
 
 TEST(PathIntegral, DoublesMeetBallsAndKeepWhatIsRequested) {
-  Bed bed;
-  bed.patterns.pop_back();  // the table's cubics meet where nothing is analytic: halved to the work limit
+  Seabed seabed;
+  seabed.patterns.pop_back();  // the table's cubics meet where nothing is analytic: halved to the work limit
   std::vector<ScatteringModel> all = models();
   const std::vector<double> borders{5.5, 5.75, 6};
   for (const ScatteringModel* model : std::vector<const ScatteringModel*>{nullptr, &all[0]})
     for (const double tolerance : {1e-3, 1e-8}) {
       if (model != nullptr && tolerance < 1e-3) continue;
-      CertifiedPathIntegrand integrand = bed.integrand(model);
+      CertifiedPathIntegrand integrand = seabed.integrand(model);
       InBalls in_balls(integrand);
-      const ApexOverPlane tx{Ball(5), Ball(0), Ball(0)}, rx = apex_over(bed.polygon, bed.rx_m);
+      const ApexOverPlane tx{Ball(5), Ball(0), Ball(0)}, rx = apex_over(seabed.polygon, seabed.rx_m);
       const auto integrate = [&](CertifiedIntegrand& what) {
         CertifiedPathIntegrator integrator(borders);
         std::vector<std::vector<Interval>> found(borders.size() - 1);
-        integrator.add(bed.polygon, tx, {&rx, 1}, what,
+        integrator.add(seabed.polygon, tx, {&rx, 1}, what,
                        {tolerance, [](std::size_t, std::size_t) { return 1e-18; }},
                        [&](std::size_t sample, std::span<const Interval> values) {
                          found[sample].assign(values.begin(), values.end());

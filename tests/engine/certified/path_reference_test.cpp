@@ -62,7 +62,7 @@ struct Pair {
 Facets square(glm::dvec3 centre, glm::dvec3 a, glm::dvec3 b) {
   return {{centre - a - b, centre + a - b, centre + a + b}, {centre - a - b, centre + a + b, centre - a + b}};
 }
-Facets flat_bed() { return square({0, 0, 0}, {512, 0, 0}, {0, 512, 0}); }
+Facets flat_seabed() { return square({0, 0, 0}, {512, 0, 0}, {0, 512, 0}); }
 
 const std::array<glm::dvec3, 4> down{glm::dvec3(-1, -1, -0.1), {1, -1, -0.1}, {1, 1, -0.1}, {-1, 1, -0.1}};
 /// Ordinary energies in the bounds, these as asked, and false for anything else.
@@ -88,7 +88,7 @@ long double rings(long double h1, long double h2, long double half_path) {
 
 TEST(PathReference, RingsOfOneApexAboveTheOtherInClosedForm) {
   const double h1 = 10, h2 = 4;
-  const Pair pair(flat_bed(), {0, 0, h1}, {0, 0, h2}, down, down);
+  const Pair pair(flat_seabed(), {0, 0, h1}, {0, 0, h2}, down, down);
   for (const double tolerance : {1e-3, 1e-6, 1e-9}) {
     const RangeSamples samples{7, 0.375, 8};  // a border on the shortest path of all
     const auto result = pair.run(samples, pair.model(), tolerance);

@@ -16,7 +16,7 @@ namespace {
 
 const std::vector<double> material_mu{0.003};
 
-/// A bed of random heights with a wall on it, looked at sideways.
+/// A seabed of random heights with a wall on it, looked at sideways.
 struct ReceiverPairScene {
   explicit ReceiverPairScene(std::uint64_t seed)
       : grid(20, glm::dvec3(0)), mesh(test::mesh_of(facets(seed), grid)), tree(mesh) {}
@@ -146,7 +146,7 @@ TEST(ReceiverPairReference, SwappedReceiversAreConjugateAndNoBaselineIsOneReceiv
   EXPECT_EQ(one.certified.bins_over, 0u);
 }
 
-// On a bed and behind a wall, above and below the transmitter, before and behind it.
+// On a seabed and behind a wall, above and below the transmitter, before and behind it.
 TEST(ReceiverPairReference, TheReceiversMayBeElsewhere) {
   const ReceiverPairScene scene(14);
   for (const glm::dvec3 middle : {glm::dvec3(-0.5, 0.2, 0.4), {1, -0.1, -0.75}, {0, 0.02, 3}}) {

@@ -73,7 +73,7 @@ std::vector<std::array<glm::dvec3, 3>> square(glm::dvec3 centre, glm::dvec3 a, g
 }
 
 constexpr double height = 8;
-Bench flat_bed() { return Bench(square({0, 0, -height}, {512, 0, 0}, {0, 512, 0})); }
+Bench flat_seabed() { return Bench(square({0, 0, -height}, {512, 0, 0}, {0, 512, 0})); }
 
 /// A tube from straight below out to the horizon's neighbourhood, between two vertical planes. Its rays are
 /// exact on the grid: y = 1/4 x, so that the azimuth is atan(1/4).
@@ -95,13 +95,13 @@ double azimuth_between(const TubeSet& set, int first, int second) {
   return std::abs(std::atan2(double(b.y), double(b.x)) - std::atan2(double(a.y), double(a.x)));
 }
 
-TEST(Reference, FlatBedIsTheClosedFormWithinTheBound) {
-  const Bench bed = flat_bed();
-  const TubeSet set = bed.tubes({wedge}, 40);
+TEST(Reference, FlatSeabedIsTheClosedFormWithinTheBound) {
+  const Bench seabed = flat_seabed();
+  const TubeSet set = seabed.tubes({wedge}, 40);
   const double dphi = azimuth_between(set, 1, 2);
   for (const double absorption : {0.0, 0.0615, 0.42368})
     for (const double tolerance : {1e-6, 1e-9, 1e-11}) {
-      const auto result = bed.run(set, {9, 0.25, 60}, absorption, tolerance);
+      const auto result = seabed.run(set, {9, 0.25, 60}, absorption, tolerance);
       EXPECT_EQ(result.certified.bins_over, 0u) << tolerance;
       EXPECT_LE(result.certified.worst_ratio, 1);
       for (int k = 0; k < 60; ++k) {
@@ -115,12 +115,12 @@ TEST(Reference, FlatBedIsTheClosedFormWithinTheBound) {
 }
 
 TEST(Reference, BoundShrinksAsRequestedAndDoesNotHoldForOtherEnergies) {
-  const Bench bed = flat_bed();
-  const TubeSet set = bed.tubes({wedge}, 40);
+  const Bench seabed = flat_seabed();
+  const TubeSet set = seabed.tubes({wedge}, 40);
   const double dphi = azimuth_between(set, 1, 2);
   std::vector<double> widest;
   for (const double tolerance : {1e-4, 1e-7, 1e-10}) {
-    const auto result = bed.run(set, {9, 1, 20}, 0.0615, tolerance);
+    const auto result = seabed.run(set, {9, 1, 20}, 0.0615, tolerance);
     double most = 0;
     for (int k = 0; k < 20; ++k) {
       most = std::max(most, result.bound(0, k) / result.energy(0, k));
@@ -138,9 +138,9 @@ TEST(Reference, BoundShrinksAsRequestedAndDoesNotHoldForOtherEnergies) {
 
 TEST(Reference, WholeCirclesAboutTheFoot) {
   // A tube that holds the foot point: from the first return until the rings leave it they are whole.
-  const Bench bed = flat_bed();
-  const TubeSet set = bed.tubes({{glm::dvec3(-1, -1, -1), {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}}}, 40);
-  const auto result = bed.run(set, {7.75, 0.25, 40}, 0.0615);
+  const Bench seabed = flat_seabed();
+  const TubeSet set = seabed.tubes({{glm::dvec3(-1, -1, -1), {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}}}, 40);
+  const auto result = seabed.run(set, {7.75, 0.25, 40}, 0.0615);
   EXPECT_EQ(result.certified.bins_over, 0u);
   EXPECT_LE(result.energy(0, 0), result.bound(0, 0));
   EXPECT_LE(result.bound(0, 0), 1e-15 * result.energy(0, 1));
@@ -164,10 +164,10 @@ TEST(Reference, WholeCirclesAboutTheFoot) {
 
 TEST(Reference, PyramidAndWholeRangeAgreeWithSolidAngleIntegrals) {
   // sum over samples = mu / D^2 * integral of cos^3 over the pyramid (no absorption): closed per rectangle.
-  const Bench bed = flat_bed();
+  const Bench seabed = flat_seabed();
   const double a = 0.25, b = 0.5;  // the pyramid |x| <= a, |y| <= b on the plane z = -1, exact rays
-  const TubeSet set = bed.tubes({{glm::dvec3(-a, -b, -1), {a, -b, -1}, {a, b, -1}, {-a, b, -1}}}, 40);
-  const auto result = bed.run(set, {7, 0.5, 8}, 0);
+  const TubeSet set = seabed.tubes({{glm::dvec3(-a, -b, -1), {a, -b, -1}, {a, b, -1}, {-a, b, -1}}}, 40);
+  const auto result = seabed.run(set, {7, 0.5, 8}, 0);
   double sum = 0, bound = 0;
   for (int k = 0; k < 8; ++k) sum += result.energy(0, k), bound += result.bound(0, k);
   // E = mu / H^2 * integral over the rectangle of (1 + x^2 + y^2)^-3 dx dy, the inner one closed.
@@ -188,7 +188,8 @@ TEST(Reference, PyramidAndWholeRangeAgreeWithSolidAngleIntegrals) {
 }
 
 TEST(Reference, ThinWallHidesExactlyItsShadow) {
-  // A wall of height 1 at x = 10 seen from 5 above the bed: the bed is dark from 10 to 12.5 (physics 7.2).
+  // A wall of height 1 at x = 10 seen from 5 above the seabed: the seabed is dark from 10 to 12.5
+  // (physics 7.2).
   auto facets = square({0, 0, -5}, {512, 0, 0}, {0, 512, 0});
   const glm::dvec3 foot(10, 0, -5);
   for (const auto& facet : square(foot + glm::dvec3(0, 0, 0.5), {0, 64, 0}, {0, 0, 0.5}))
@@ -290,11 +291,11 @@ TEST(Reference, RoughFacetsAgreeWithTheOrdinaryRunToItsOwnError) {
       facets.push_back({points[i][j], points[i + 1][j], points[i + 1][j + 1]});
       facets.push_back({points[i][j], points[i + 1][j + 1], points[i][j + 1]});
     }
-  const Bench bed(facets);
-  const TubeSet set = bed.tubes({{glm::dvec3(1, -0.3, -1.4), {1, 0, -1.4}, {1, 0, -0.3}, {1, -0.3, -0.3}},
-                                 {glm::dvec3(1, 0, -1.4), {1, 0.3, -1.4}, {1, 0.3, -0.3}, {1, 0, -0.3}}},
-                                12);
-  const auto result = bed.run(set, {3, 0.05, 160}, 0.4);
+  const Bench seabed(facets);
+  const TubeSet set = seabed.tubes({{glm::dvec3(1, -0.3, -1.4), {1, 0, -1.4}, {1, 0, -0.3}, {1, -0.3, -0.3}},
+                                    {glm::dvec3(1, 0, -1.4), {1, 0.3, -1.4}, {1, 0.3, -0.3}, {1, 0, -0.3}}},
+                                   12);
+  const auto result = seabed.run(set, {3, 0.05, 160}, 0.4);
   EXPECT_EQ(result.certified.bins_over, 0u);
   for (int beam = 0; beam < 2; ++beam) {
     const double peak = *std::max_element(result.ordinary.energy.begin(), result.ordinary.energy.end());
@@ -309,18 +310,18 @@ Directivity pattern(Directivity::Kind kind, glm::dvec3 axis, bool from_axis, dou
   return {kind, glm::normalize(axis), from_axis, centre, size, {}};
 }
 
-TEST(Reference, PatternsOverAFlatBedAreTheirSingleIntegrals) {
+TEST(Reference, PatternsOverAFlatSeabedAreTheirSingleIntegrals) {
   using Kind = Directivity::Kind;
   using boost::math::quadrature::gauss_kronrod;
-  const Bench bed = flat_bed();
-  const TubeSet set = bed.tubes({{glm::dvec3(-1, -1, -1), {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}}}, 40);
+  const Bench seabed = flat_seabed();
+  const TubeSet set = seabed.tubes({{glm::dvec3(-1, -1, -1), {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}}}, 40);
   const Directivity line = pattern(Kind::line, {1, 0, 0}, false, 0.1, 9);
   const Directivity piston = pattern(Kind::piston, {0, 0, -1}, true, 0, 12);
   const Directivity gauss = pattern(Kind::gaussian, {0, 1, 0}, false, 0, 0.5);
   for (const auto& [transmit, receive] :
        {std::pair(Directivity(), line), std::pair(piston, piston), std::pair(gauss, line)}) {
     const BeamPatterns patterns{{transmit}, {receive}, {0}, {{0, 1}}};
-    const auto result = bed.run(set, {8.25, 0.25, 8}, 0.1, 1e-9, &patterns);
+    const auto result = seabed.run(set, {8.25, 0.25, 8}, 0.1, 1e-9, &patterns);
     EXPECT_EQ(result.certified.bins_over, 0u);
     const double beta = 0.2 * std::numbers::ln10 / 10;
     for (int k = 0; k < 8; ++k) {
@@ -345,16 +346,16 @@ TEST(Reference, PatternsOverAFlatBedAreTheirSingleIntegrals) {
 
 TEST(Reference, BeamsSentAtOnceAddUp) {
   using Kind = Directivity::Kind;
-  const Bench bed = flat_bed();
+  const Bench seabed = flat_seabed();
   const TubeSet set =
-      bed.tubes({{glm::dvec3(1, -0.25, -1), {1.5, -0.25, -1}, {1.5, 0.25, -1}, {1, 0.25, -1}}}, 40);
+      seabed.tubes({{glm::dvec3(1, -0.25, -1), {1.5, -0.25, -1}, {1.5, 0.25, -1}, {1, 0.25, -1}}}, 40);
   const Directivity a = pattern(Kind::line, {0, 1, 0}, false, 0.1, 9),
                     b = pattern(Kind::line, {0, 1, 0}, false, -0.1, 9),
                     c = pattern(Kind::gaussian, {0, 0, 1}, false, -0.6, 0.3),
                     received = pattern(Kind::line, {0, 1, 0}, false, 0, 9);
   const auto run = [&](const TransmitPattern& sent) {
     const BeamPatterns patterns{{sent}, {received}, {0}, {{0, 1}}};
-    return bed.run(set, {11.5, 0.5, 4}, 0, 1e-9, &patterns);
+    return seabed.run(set, {11.5, 0.5, 4}, 0, 1e-9, &patterns);
   };
   const auto all = run(TransmitPattern(std::vector{a, b, c})), of_a = run(a), of_b = run(b), of_c = run(c);
   EXPECT_EQ(all.certified.bins_over, 0u);
@@ -368,8 +369,8 @@ TEST(Reference, BeamsSentAtOnceAddUp) {
 
 TEST(Reference, BoundsOfATableShrinkAsRequested) {
   using boost::math::quadrature::gauss_kronrod;
-  const Bench bed = flat_bed();
-  const TubeSet set = bed.tubes({{glm::dvec3(-1, -1, -1), {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}}}, 40);
+  const Bench seabed = flat_seabed();
+  const TubeSet set = seabed.tubes({{glm::dvec3(-1, -1, -1), {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}}}, 40);
   const std::vector<double> rows{-0.3, -0.05, 0.01, 0.05, 0.25};
   Directivity table = pattern(Directivity::Kind::table, {0, 1, 0}, false, 0, 0);
   table.table = std::make_shared<const PatternTable>(rows, std::vector<double>{-30, -6, 0, -6, -20});
@@ -392,7 +393,7 @@ TEST(Reference, BoundsOfATableShrinkAsRequested) {
   for (int k = 0; k < 2; ++k)
     truth.push_back(gauss_kronrod<double, 31>::integrate(ring, 8.5 + 0.5 * k, 9 + 0.5 * k, 6, 1e-12));
   for (const double tolerance : {1e-2, 1e-4, 1e-6}) {
-    const auto result = bed.run(set, {8.5, 0.5, 2}, 0, tolerance, &patterns);
+    const auto result = seabed.run(set, {8.5, 0.5, 2}, 0, tolerance, &patterns);
     EXPECT_EQ(result.certified.bins_over, 0u) << tolerance;
     for (int k = 0; k < 2; ++k) {
       EXPECT_LE(std::abs(result.energy(0, k) - truth[k]), result.bound(0, k) + 1e-9 * truth[k]) << k;
@@ -402,12 +403,12 @@ TEST(Reference, BoundsOfATableShrinkAsRequested) {
 }
 
 TEST(Reference, NeedsAnExactArithmetic) {
-  const Bench bed = flat_bed();
+  const Bench seabed = flat_seabed();
   VisibilityOptions options;
   options.arithmetic = Arithmetic::plain_double;
   const std::vector<double> material_mu{mu};
-  EXPECT_THROW(certify_echo(bed.mesh, *bed.tree, {}, options, {}, {1, 1, 1},
-                            {material_mu, bed.mesh.material, 0}, {}, 1e-9),
+  EXPECT_THROW(certify_echo(seabed.mesh, *seabed.tree, {}, options, {}, {1, 1, 1},
+                            {material_mu, seabed.mesh.material, 0}, {}, 1e-9),
                std::invalid_argument);
 }
 

@@ -255,17 +255,17 @@ TEST(ReferenceTexture, BoundHoldsOnTiltedFacetsForAnyNoise) {
     const glm::dvec3 hit = apex + (4 + 2 * unit(random)) * axis;
     const glm::dvec3 tilt(0.5 * unit(random), 0.5 * unit(random), 1);
     const glm::dvec3 p = glm::normalize(glm::cross(tilt, glm::dvec3(1, 0.3, 0))), q = glm::cross(tilt, p);
-    const Bench bed({{hit - 40.0 * p - 30.0 * q, hit + 40.0 * p - 30.0 * q, hit + 50.0 * q}}, apex);
-    const TubeSet set = bed.tube(pyramid(axis, {0.03, 0.03 * unit(random), 0.05}, {0, 0.06, 0}), 40);
+    const Bench seabed({{hit - 40.0 * p - 30.0 * q, hit + 40.0 * p - 30.0 * q, hit + 50.0 * q}}, apex);
+    const TubeSet set = seabed.tube(pyramid(axis, {0.03, 0.03 * unit(random), 0.05}, {0, 0.06, 0}), 40);
     const PerlinReflectivity::Settings settings{0.2 + 0.4 * (1 + unit(random)), 1 + trial % 3, 0.6,
                                                 0.25 + 0.05 * (trial % 4), std::uint64_t(trial)};
     const auto texture = std::make_shared<const PerlinReflectivity>(settings);
     const double absorption = trial % 2 * 0.3;
     const double tolerance = trial % 3 == 0 ? 1e-3 : trial % 3 == 1 ? 1e-6 : 1e-9;
-    const Oracle oracle{bed.section(set), bed.apex_m, kinks_of(settings),
-                        [&](glm::dvec3 d) { return texture->factor(bed.apex_m + d); }, absorption};
+    const Oracle oracle{seabed.section(set), seabed.apex_m, kinks_of(settings),
+                        [&](glm::dvec3 d) { return texture->factor(seabed.apex_m + d); }, absorption};
     const RangeSamples samples = samples_over(oracle.corners, 4);
-    const auto result = bed.run(set, samples, absorption, tolerance, texture);
+    const auto result = seabed.run(set, samples, absorption, tolerance, texture);
     expect_held(result, samples, oracle, {tolerance, 1e-9});
     for (int k = 0; k < samples.count; ++k)
       EXPECT_NEAR(result.ordinary.energy[k], result.energy(k), result.bound(k) + 1e-6 * result.energy(k));
@@ -275,8 +275,8 @@ TEST(ReferenceTexture, BoundHoldsOnTiltedFacetsForAnyNoise) {
 TEST(ReferenceTexture, FootCornersAndFacetMayLieInPlanesBetweenCells) {
   // Wavelength 1: facet in the plane z = -4, its corners on nodes of the lattice, the foot on one as well;
   // whole circles, arcs and nothing.
-  const Bench bed({{glm::dvec3(-4, -3, -4), {5, -3, -4}, {0, 4, -4}}}, {0, 0, 0});
-  const TubeSet set = bed.tube(pyramid({0, 0, -1}, {8, 0, 0}, {0, 8, 0}), 40);
+  const Bench seabed({{glm::dvec3(-4, -3, -4), {5, -3, -4}, {0, 4, -4}}}, {0, 0, 0});
+  const TubeSet set = seabed.tube(pyramid({0, 0, -1}, {8, 0, 0}, {0, 8, 0}), 40);
   const PerlinReflectivity::Settings settings{1, 2, 0.5, 0.9, 5};
   const auto texture = std::make_shared<const PerlinReflectivity>(settings);
   const Oracle oracle{{{-4, -3, -4}, {5, -3, -4}, {0, 4, -4}},
@@ -285,7 +285,7 @@ TEST(ReferenceTexture, FootCornersAndFacetMayLieInPlanesBetweenCells) {
                       [&](glm::dvec3 d) { return texture->factor(d); },
                       0.1};
   const RangeSamples samples{4, 0.5, 6};
-  expect_held(bed.run(set, samples, 0.1, 1e-9, texture), samples, oracle, {1e-9, 1e-10});
+  expect_held(seabed.run(set, samples, 0.1, 1e-9, texture), samples, oracle, {1e-9, 1e-10});
 }
 
 Directivity pattern(Directivity::Kind kind, glm::dvec3 axis, bool from_axis, double centre, double size) {
@@ -294,9 +294,9 @@ Directivity pattern(Directivity::Kind kind, glm::dvec3 axis, bool from_axis, dou
 
 TEST(ReferenceTexture, BoundHoldsWithPatterns) {
   using Kind = Directivity::Kind;
-  const Bench bed({{glm::dvec3(-100, -100, -8), {100, -100, -9}, {0, 150, -8.5}}}, {0.3, 0.2, 0.1});
+  const Bench seabed({{glm::dvec3(-100, -100, -8), {100, -100, -9}, {0, 150, -8.5}}}, {0.3, 0.2, 0.1});
   const glm::dvec3 axis(1, 0.2, -1);
-  const TubeSet set = bed.tube(pyramid(axis, {0.04, 0, 0.04}, {0, 0.06, 0}), 60);
+  const TubeSet set = seabed.tube(pyramid(axis, {0.04, 0, 0.04}, {0, 0.06, 0}), 60);
   const BeamPatterns patterns{
       {TransmitPattern(std::vector{pattern(Kind::line, {0, 1, 0}, false, 0.1, 9),
                                    pattern(Kind::gaussian, {0, 0, 1}, false, -0.6, 0.3)})},
@@ -305,15 +305,15 @@ TEST(ReferenceTexture, BoundHoldsWithPatterns) {
       {{0, 1}}};
   const PerlinReflectivity::Settings settings{0.6, 2, 0.5, 0.25, 11};
   const auto texture = std::make_shared<const PerlinReflectivity>(settings);
-  const Oracle oracle{bed.section(set), bed.apex_m, kinks_of(settings),
+  const Oracle oracle{seabed.section(set), seabed.apex_m, kinks_of(settings),
                       [&](glm::dvec3 p) {
                         const glm::dvec3 d = glm::normalize(p);
-                        return texture->factor(bed.apex_m + p) * patterns.transmit[0].gain(d) *
+                        return texture->factor(seabed.apex_m + p) * patterns.transmit[0].gain(d) *
                                patterns.receive[0].gain(d);
                       },
                       0.05};
   const RangeSamples samples = samples_over(oracle.corners, 3);
-  const auto result = bed.run(set, samples, 0.05, 1e-7, texture, &patterns);
+  const auto result = seabed.run(set, samples, 0.05, 1e-7, texture, &patterns);
   expect_held(result, samples, oracle, {1e-7, 1e-9});
   const double peak = *std::max_element(result.ordinary.energy.begin(), result.ordinary.energy.end());
   for (int k = 0; k < samples.count; ++k)
@@ -336,42 +336,43 @@ std::vector<Kinks> kinks_of(const MapReflectivity& map) {
 }
 
 TEST(ReferenceTexture, BoundHoldsForMapsAndProducts) {
-  const Bench bed({{glm::dvec3(-100, -100, -8), {100, -100, -9}, {0, 150, -8.5}}}, {0.3, 0.2, 0.1});
+  const Bench seabed({{glm::dvec3(-100, -100, -8), {100, -100, -9}, {0, 150, -8.5}}}, {0.3, 0.2, 0.1});
   const glm::dvec3 axis(1, 0.2, -1);
-  const TubeSet set = bed.tube(pyramid(axis, {0.04, 0, 0.04}, {0, 0.06, 0}), 60);
-  const std::vector<Vec> corners = bed.section(set);
+  const TubeSet set = seabed.tube(pyramid(axis, {0.04, 0, 0.04}, {0, 0.06, 0}), 60);
+  const std::vector<Vec> corners = seabed.section(set);
   const RangeSamples samples = samples_over(corners, 3);
   // A map that repeats, and one whose border crosses the footprint.
   for (const bool tiled : {true, false}) {
-    const auto map = random_map(tiled, glm::dvec2(bed.apex_m) + glm::dvec2(corners[0]) * 1.05);
+    const auto map = random_map(tiled, glm::dvec2(seabed.apex_m) + glm::dvec2(corners[0]) * 1.05);
     const PerlinReflectivity::Settings settings{0.9, 1, 0.5, 0.5, 2};
     const auto noise = std::make_shared<const PerlinReflectivity>(settings);
     const auto both = std::make_shared<const LayeredReflectivity>(
         std::vector<std::shared_ptr<const ReflectivityField>>{map, noise});
     std::vector<Kinks> kinks = kinks_of(*map);
-    Oracle oracle{corners, bed.apex_m, kinks, [&](glm::dvec3 d) { return map->factor(bed.apex_m + d); }, 0};
-    expect_held(bed.run(set, samples, 0, 1e-8, map), samples, oracle, {1e-8, 1e-10});
+    Oracle oracle{corners, seabed.apex_m, kinks, [&](glm::dvec3 d) { return map->factor(seabed.apex_m + d); },
+                  0};
+    expect_held(seabed.run(set, samples, 0, 1e-8, map), samples, oracle, {1e-8, 1e-10});
     for (const Kinks& k : kinks_of(settings)) oracle.kinks.push_back(k);
-    oracle.weight = [&](glm::dvec3 d) { return both->factor(bed.apex_m + d); };
-    expect_held(bed.run(set, samples, 0, 1e-6, both), samples, oracle, {1e-6, 1e-9});
+    oracle.weight = [&](glm::dvec3 d) { return both->factor(seabed.apex_m + d); };
+    expect_held(seabed.run(set, samples, 0, 1e-6, both), samples, oracle, {1e-6, 1e-9});
   }
 }
 
 TEST(ReferenceTexture, NoDepthIsNoTexture) {
-  const Bench bed({{glm::dvec3(-100, -100, -8), {100, -100, -9}, {0, 150, -8.5}}}, {0.3, 0.2, 0.1});
-  const TubeSet set = bed.tube(pyramid({1, 0.2, -1}, {0.04, 0, 0.04}, {0, 0.06, 0}), 60);
-  const RangeSamples samples = samples_over(bed.section(set), 5);
-  const auto even = bed.run(set, samples, 0.1, 1e-9, nullptr);
+  const Bench seabed({{glm::dvec3(-100, -100, -8), {100, -100, -9}, {0, 150, -8.5}}}, {0.3, 0.2, 0.1});
+  const TubeSet set = seabed.tube(pyramid({1, 0.2, -1}, {0.04, 0, 0.04}, {0, 0.06, 0}), 60);
+  const RangeSamples samples = samples_over(seabed.section(set), 5);
+  const auto even = seabed.run(set, samples, 0.1, 1e-9, nullptr);
   const auto flat =
-      bed.run(set, samples, 0.1, 1e-9,
-              std::make_shared<const PerlinReflectivity>(PerlinReflectivity::Settings{0.5, 2, 0.5, 0, 1}));
+      seabed.run(set, samples, 0.1, 1e-9,
+                 std::make_shared<const PerlinReflectivity>(PerlinReflectivity::Settings{0.5, 2, 0.5, 0, 1}));
   // A depth far below the tolerance is enclosed as a whole, one of a few tolerances cell by cell.
-  const auto faint = bed.run(
+  const auto faint = seabed.run(
       set, samples, 0.1, 1e-9,
       std::make_shared<const PerlinReflectivity>(PerlinReflectivity::Settings{0.5, 1, 0.5, 1e-12, 1}));
-  const auto little =
-      bed.run(set, samples, 0.1, 1e-9,
-              std::make_shared<const PerlinReflectivity>(PerlinReflectivity::Settings{0.5, 1, 0.5, 1e-8, 1}));
+  const auto little = seabed.run(
+      set, samples, 0.1, 1e-9,
+      std::make_shared<const PerlinReflectivity>(PerlinReflectivity::Settings{0.5, 1, 0.5, 1e-8, 1}));
   for (int k = 0; k < samples.count; ++k) {
     EXPECT_EQ(flat.energy(k), even.energy(k)) << k;
     EXPECT_EQ(flat.bound(k), even.bound(k)) << k;
@@ -384,21 +385,21 @@ TEST(ReferenceTexture, NoDepthIsNoTexture) {
 }
 
 TEST(ReferenceTexture, MoreCellsThanAllowedAreEnclosedByTheTexturesRange) {
-  const Bench bed({{glm::dvec3(-100, -100, -8), {100, -100, -9}, {0, 150, -8.5}}}, {0.3, 0.2, 0.1});
-  const TubeSet set = bed.tube(pyramid({1, 0.2, -1}, {0.04, 0, 0.04}, {0, 0.06, 0}), 60);
-  const RangeSamples samples = samples_over(bed.section(set), 3);
-  const auto even = bed.run(set, samples, 0, 1e-9, nullptr);
+  const Bench seabed({{glm::dvec3(-100, -100, -8), {100, -100, -9}, {0, 150, -8.5}}}, {0.3, 0.2, 0.1});
+  const TubeSet set = seabed.tube(pyramid({1, 0.2, -1}, {0.04, 0, 0.04}, {0, 0.06, 0}), 60);
+  const RangeSamples samples = samples_over(seabed.section(set), 3);
+  const auto even = seabed.run(set, samples, 0, 1e-9, nullptr);
   // Nothing but the oscillation's size can be said of micrometres over a metre; the mean is 1.
   std::vector<std::shared_ptr<const ReflectivityField>> fields{
       std::make_shared<const PerlinReflectivity>(PerlinReflectivity::Settings{5e-6, 1, 0.5, 0.25, 1})};
   const std::vector<double> material_mu{mu};
-  EchoModel model{material_mu, bed.mesh.material, 0};
+  EchoModel model{material_mu, seabed.mesh.material, 0};
   model.reflectivity = fields;
-  model.path.tx.apex_m = bed.apex_m;
+  model.path.tx.apex_m = seabed.apex_m;
   const std::vector<std::uint32_t> beam{0};
-  const History history = TubeEngine(bed.mesh, *bed.tree, bed.grid.unit_m(), {}).trace(set);
+  const History history = TubeEngine(seabed.mesh, *seabed.tree, seabed.grid.unit_m(), {}).trace(set);
   const CertifiedEcho certified =
-      certify_echo(bed.mesh, *bed.tree, history, {}, beam, samples, model, even.ordinary, 1e-3);
+      certify_echo(seabed.mesh, *seabed.tree, history, {}, beam, samples, model, even.ordinary, 1e-3);
   EXPECT_EQ(certified.bins_over, 3u);
   for (int k = 0; k < 3; ++k) {
     EXPECT_LE(std::abs(certified.echo.energy[k] - even.energy(k)), certified.bound[k]);
@@ -423,10 +424,10 @@ TEST(ReferenceTexture, RefusesAFieldThatItCannotEnclose) {
   EXPECT_EQ(material_without_enclosure(Fields{nullptr, noise}), std::nullopt);
   EXPECT_EQ(material_without_enclosure(Fields{nullptr, noise, other}), 2u);
   EXPECT_EQ(material_without_enclosure(Fields{nullptr, layered, noise}), 1u);
-  const Bench bed({{glm::dvec3(-100, -100, -8), {100, -100, -9}, {0, 150, -8.5}}}, {0, 0, 0});
-  const TubeSet set = bed.tube(pyramid({1, 0.2, -1}, {0.04, 0, 0.04}, {0, 0.06, 0}), 60);
+  const Bench seabed({{glm::dvec3(-100, -100, -8), {100, -100, -9}, {0, 150, -8.5}}}, {0, 0, 0});
+  const TubeSet set = seabed.tube(pyramid({1, 0.2, -1}, {0.04, 0, 0.04}, {0, 0.06, 0}), 60);
   try {
-    bed.run(set, {10, 1, 2}, 0, 1e-6, other);
+    seabed.run(set, {10, 1, 2}, 0, 1e-6, other);
     FAIL() << "enclosed what it knows nothing of";
   } catch (const std::invalid_argument& error) {
     EXPECT_NE(std::string(error.what()).find("material 0"), std::string::npos) << error.what();

@@ -21,9 +21,9 @@ namespace {
 
 using namespace test;
 
-/// A transmitter and a receiver pair over a flat bed, and what stands on it.
+/// A transmitter and a receiver pair over a flat seabed, and what stands on it.
 struct Staffed {
-  const GradientBed& site;
+  const GradientSeabed& site;
   const WaterColumn& water;
   glm::dvec3 sent_m{0}, middle_m{0};
   ReceiverBaseline receiver_pair{};
@@ -32,13 +32,13 @@ struct Staffed {
   BeamPatterns patterns{{TransmitPattern()}, {Directivity()}, {}, {}};
   double width_deg = 70;
 
-  EigenrayOptions options{.deepest_turn_m = GradientBed::apex_depth_m + GradientBed::below_m};
-  TubeSet tubes_from(glm::dvec3 apex_m) const { return at(bed_fan(width_deg), site.grid, apex_m); }
+  EigenrayOptions options{.deepest_turn_m = GradientSeabed::apex_depth_m + GradientSeabed::below_m};
+  TubeSet tubes_from(glm::dvec3 apex_m) const { return at(seabed_fan(width_deg), site.grid, apex_m); }
   glm::dvec3 end_m(double end) const {
     return middle_m + end * receiver_pair.baseline_m / 2 * receiver_pair.axis;
   }
   ApparentMap seen_from(glm::dvec3 apex_m) const {
-    return ApparentMap(water, apex_m, GradientBed::apex_depth_m, options, 1500);
+    return ApparentMap(water, apex_m, GradientSeabed::apex_depth_m, options, 1500);
   }
   BeamPatterns for_tubes(const TubeSet& tubes) const {
     BeamPatterns own = patterns;
@@ -61,7 +61,7 @@ struct Staffed {
     const CommonApparentSurfaces alike =
         map_apparent_together(site.base, all, site.grid, std::array{&tx, &upper, &lower}, absorption,
                               settings, {}, std::array{&from_tx, &from_upper, &from_lower});
-    EchoModel model = site.model(alike.bed.mesh, absorption);
+    EchoModel model = site.model(alike.seabed.mesh, absorption);
     const BeamPatterns own = for_tubes(sent);
     model.patterns = &own;
     const RayEnclosure tx_rays(tx, options), upper_rays(upper, options), lower_rays(lower, options);
@@ -73,26 +73,26 @@ struct Staffed {
     std::array<Echo, 2> ordinary;
     const std::vector<std::uint32_t> beams(sent.tubes.size(), 0);
     for (std::size_t e = 0; e < 2; ++e) {
-      const ApparentPair pair{alike.bed.mesh, alike.seen[0], alike.seen[1 + e], alike.origin[0],
+      const ApparentPair pair{alike.seabed.mesh, alike.seen[0], alike.seen[1 + e], alike.origin[0],
                               alike.origin[1 + e]};
       ordinary[e] =
           integrate_echo(trace_bistatic(pair, site.grid, {}, sent, received[e], tx, *waters[e], absorption),
                          {1, beams}, samples, model);
     }
-    const auto bed = [&](std::size_t e) {
-      return BistaticBed{alike.bed.mesh,
-                         alike.bed.parent,
-                         site.base,
-                         site.grid,
-                         {alike.seen[0], trees[0], alike.origin[0], tx, tx_rays},
-                         {alike.seen[1 + e], trees[1 + e], alike.origin[1 + e], *waters[e], *rays[e]}};
+    const auto seabed = [&](std::size_t e) {
+      return BistaticSurface{alike.seabed.mesh,
+                             alike.seabed.parent,
+                             site.base,
+                             site.grid,
+                             {alike.seen[0], trees[0], alike.origin[0], tx, tx_rays},
+                             {alike.seen[1 + e], trees[1 + e], alike.origin[1 + e], *waters[e], *rays[e]}};
     };
-    return certify_refracted_receiver_pair({bed(0), bed(1)},
+    return certify_refracted_receiver_pair({seabed(0), seabed(1)},
                                            {BistaticTubes{sent, received[0]}, {sent, received[1]}}, {},
                                            receiver_pair, samples, model, ordinary, tolerance);
   }
 
-  /// Without bounds: receivers in the bed as it appears from the receiver pair's middle.
+  /// Without bounds: receivers in the seabed as it appears from the receiver pair's middle.
   ReceiverPairEcho ordinary(const ApparentMapSettings& settings) const {
     std::vector<FacetId> all(site.base.facets.size());
     std::iota(all.begin(), all.end(), 0u);
@@ -101,7 +101,7 @@ struct Staffed {
     const ApparentPair pair = map_apparent_pair(site.base, all, site.grid, tx, rx, absorption, settings);
     ReceiverBaseline stretched = receiver_pair;
     stretched.baseline_m *=
-        1500 / water.profile.at(GradientBed::apex_depth_m - site.grid.to_metres(middle.apex).z);
+        1500 / water.profile.at(GradientSeabed::apex_depth_m - site.grid.to_metres(middle.apex).z);
     const ReceiverPairHistory history =
         trace_receiver_pair(pair, site.grid, {}, sent, middle, stretched, tx, rx, absorption);
     EchoModel model = site.model(pair.mesh, absorption);
@@ -126,7 +126,7 @@ struct Staffed {
   GradientPath by(double g, double end) const { return {g, sent_m, end_m(end), absorption, &patterns}; }
 };
 
-/// Rows as certify_receiver_pair_echo() has them, of a rectangle of the bed.
+/// Rows as certify_receiver_pair_echo() has them, of a rectangle of the seabed.
 std::vector<double> rectangle_rows(const Staffed& scene, double g, glm::dvec2 from, glm::dvec2 to) {
   const RangeSamples& samples = scene.samples;
   const GradientPath upper = scene.by(g, 1), lower = scene.by(g, -1);
@@ -172,14 +172,14 @@ double share(const RefractedReference& found) {
 // Energies and products to receivers whose rays are arcs, times and all, the transmitter in their middle or
 // elsewhere. Bounds shrink with the gap, and fail when a value is moved by twice the bound.
 TEST(RefractedReceiverPair, HoldsTheClosedFormOfOneGradient) {
-  const GradientBed bed = plate(from, to);
+  const GradientSeabed seabed = plate(from, to);
   for (const bool apart : {false, true})
     for (const double g : {-0.6, 0.3}) {
       if (apart != (g < 0)) continue;
       const bool weighed = apart;
       const double absorption = g < 0 ? 0.1 : 0;
-      const WaterColumn water = bed_gradient(g, absorption);
-      Staffed scene{.site = bed,
+      const WaterColumn water = seabed_gradient(g, absorption);
+      Staffed scene{.site = seabed,
                     .water = water,
                     .middle_m = apart ? receiver : transmitter,
                     .receiver_pair = receiver_pair_of(0.12, 0.03),
@@ -238,10 +238,10 @@ TEST(RefractedReceiverPair, IsovelocityWaterIsTheStraightReference) {
     for (const glm::dvec3 middle : {transmitter, receiver}) {
       if (kind % 2 == 1 && middle == transmitter) continue;
       SCOPED_TRACE(fmt::format("kind {} at {}", kind, middle.z));
-      GradientBed bed(board(), 24, 8);
-      if (kind == 1) bed.models = {lobed(), nullptr};
-      if (kind == 2) bed.textures = {perlin(6, 1, 0.5), nullptr};
-      Staffed scene{.site = bed,
+      GradientSeabed seabed(board(), 24, 8);
+      if (kind == 1) seabed.models = {lobed(), nullptr};
+      if (kind == 2) seabed.textures = {perlin(6, 1, 0.5), nullptr};
+      Staffed scene{.site = seabed,
                     .water = even,
                     .middle_m = middle,
                     .receiver_pair = receiver_pair_of(0.1, 0.03),
@@ -259,14 +259,14 @@ TEST(RefractedReceiverPair, IsovelocityWaterIsTheStraightReference) {
 
 // What a gradient changes shrinks with it, in the first order.
 TEST(RefractedReceiverPair, AGradientThatGoesToZeroLeavesIsovelocityWater) {
-  const GradientBed bed = plate(from, to);
+  const GradientSeabed seabed = plate(from, to);
   const WaterColumn even{SoundSpeedProfile({{-10, 1500}, {60, 1500}}), {}};
-  Staffed scene{.site = bed, .water = even, .receiver_pair = receiver_pair_of(0.12, 0.03)};
+  Staffed scene{.site = seabed, .water = even, .receiver_pair = receiver_pair_of(0.12, 0.03)};
   const CertifiedEcho straight = scene.straight(1e-5);
   double changed[2];
   for (int k = 0; k < 2; ++k) {
-    const WaterColumn water = bed_gradient(k == 0 ? 0.6 : 0.3);
-    Staffed refracted{.site = bed, .water = water, .receiver_pair = scene.receiver_pair};
+    const WaterColumn water = seabed_gradient(k == 0 ? 0.6 : 0.3);
+    Staffed refracted{.site = seabed, .water = water, .receiver_pair = scene.receiver_pair};
     const CertifiedEcho found = refracted.certified({.travel_path_error_m = 1e-3}, 1e-2).certified;
     changed[k] = 0;
     double bounds = 0;
@@ -277,18 +277,18 @@ TEST(RefractedReceiverPair, AGradientThatGoesToZeroLeavesIsovelocityWater) {
     EXPECT_LT(bounds, 0.4 * changed[k]);
   }
   EXPECT_NEAR(changed[0] / changed[1], 2, 0.2);
-  const WaterColumn hardly = bed_gradient(1e-6);
-  expect_agree(Staffed{.site = bed, .water = hardly, .receiver_pair = scene.receiver_pair}
+  const WaterColumn hardly = seabed_gradient(1e-6);
+  expect_agree(Staffed{.site = seabed, .water = hardly, .receiver_pair = scene.receiver_pair}
                    .certified({.travel_path_error_m = 1e-2}, 1e-2)
                    .certified,
                straight);
 }
 
 TEST(RefractedReceiverPair, SwappedReceiversAreConjugateAndNoBaselineIsOneReceiver) {
-  const WaterColumn water = bed_gradient(-0.4);
-  GradientBed bed(board(), 24, 8);
+  const WaterColumn water = seabed_gradient(-0.4);
+  GradientSeabed seabed(board(), 24, 8);
   for (const glm::dvec3 middle : {transmitter, receiver}) {
-    Staffed scene{.site = bed,
+    Staffed scene{.site = seabed,
                   .water = water,
                   .middle_m = middle,
                   .receiver_pair = receiver_pair_of(0.1, 0.03),
@@ -313,14 +313,14 @@ TEST(RefractedReceiverPair, SwappedReceiversAreConjugateAndNoBaselineIsOneReceiv
   }
 }
 
-// Two parts of a bed add up; what both receive alike is no more than either receives.
-TEST(RefractedReceiverPair, PartsOfTheBedAddUp) {
+// Two parts of a seabed add up; what both receive alike is no more than either receives.
+TEST(RefractedReceiverPair, PartsOfTheSeabedAddUp) {
   const glm::dvec2 lower_end(17, from.y), upper_end(17, to.y);
-  const GradientBed whole = plate(from, to), near = plate(from, upper_end), far = plate(lower_end, to);
-  const WaterColumn water = bed_gradient(-0.5);
-  const auto of = [&](const GradientBed& bed) {
+  const GradientSeabed whole = plate(from, to), near = plate(from, upper_end), far = plate(lower_end, to);
+  const WaterColumn water = seabed_gradient(-0.5);
+  const auto of = [&](const GradientSeabed& seabed) {
     return Staffed{
-        .site = bed, .water = water, .middle_m = receiver, .receiver_pair = receiver_pair_of(0.12, 0.03)}
+        .site = seabed, .water = water, .middle_m = receiver, .receiver_pair = receiver_pair_of(0.12, 0.03)}
         .certified({.travel_path_error_m = 4e-3}, 1e-2)
         .certified;
   };
@@ -339,13 +339,13 @@ TEST(RefractedReceiverPair, PartsOfTheBedAddUp) {
                   all.bound[2 * row + k] + all.bound[3 * row + k]);
 }
 
-// What is computed without bounds takes the bed as it appears from the receiver pair's middle.
+// What is computed without bounds takes the seabed as it appears from the receiver pair's middle.
 TEST(RefractedReceiverPair, OrdinaryEnergiesAndProductsLieWithin) {
-  GradientBed bed(board(), 24, 8);
-  const WaterColumn water = bed_gradient(-0.4);
+  GradientSeabed seabed(board(), 24, 8);
+  const WaterColumn water = seabed_gradient(-0.4);
   for (const glm::dvec3 middle : {transmitter, receiver}) {
     SCOPED_TRACE(middle.z);
-    Staffed scene{.site = bed,
+    Staffed scene{.site = seabed,
                   .water = water,
                   .middle_m = middle,
                   .receiver_pair = receiver_pair_of(0.1, 0.03),

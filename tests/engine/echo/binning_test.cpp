@@ -13,7 +13,7 @@
 namespace tubefoot {
 namespace {
 
-using test::flat_bed;
+using test::flat_seabed;
 using test::on_plane;
 using test::Polygon2;
 
@@ -22,11 +22,11 @@ const std::vector<double> material_mu{mu};
 const std::vector<std::uint16_t> material{0};
 const std::vector<std::uint32_t> beam_of_tube{0};
 
-/// A rectangle on the bed, x0 .. x1 by -half .. half, as n x n footprints.
-History bed(double x0, double x1, double half, int n) {
+/// A rectangle on the seabed, x0 .. x1 by -half .. half, as n x n footprints.
+History seabed(double x0, double x1, double half, int n) {
   History history;
   FootprintSet& set = history.footprints;
-  const FacetPlane plane = flat_bed(height_m);
+  const FacetPlane plane = flat_seabed(height_m);
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j) {
       const auto x = [&](int k) { return x0 + (x1 - x0) * k / n; };
@@ -56,7 +56,7 @@ std::vector<double> energies(const History& history, const RangeSamples& samples
 double total(const std::vector<double>& energy) { return std::accumulate(energy.begin(), energy.end(), 0.0); }
 
 TEST(FastBinning, TheLawAtTheCentroidInItsSample) {
-  const History history = bed(20, 20.02, 0.01, 1);
+  const History history = seabed(20, 20.02, 0.01, 1);
   const double r = std::hypot(20.01, height_m), beta = 2 * 0.05 * std::log(10.0) / 10;
   const double expected = mu * std::pow(height_m / r, 2) * 0.02 * 0.02 / std::pow(r, 4) * std::exp(-beta * r);
   const RangeSamples samples{20, 0.5, 10};
@@ -69,7 +69,7 @@ TEST(FastBinning, TheLawAtTheCentroidInItsSample) {
 }
 
 TEST(FastBinning, SpreadsEvenlyOverTheRangesOfAFootprint) {
-  const History history = bed(20, 21, 0.5, 1);
+  const History history = seabed(20, 21, 0.5, 1);
   const Footprint& footprint = history.footprints.footprints.front();
   const double near = footprint.slant_range_min_m, far = footprint.slant_range_max_m;
   const RangeSamples samples{20, 0.125, 80};
@@ -91,7 +91,7 @@ TEST(FastBinning, TotalsConvergeAtSecondOrder) {
   for (const Binning binning : {Binning::centroid, Binning::spread}) {
     std::vector<double> errors;
     for (const int n : {4, 8, 16}) {
-      const History history = bed(20, 24, 1, n);
+      const History history = seabed(20, 24, 1, n);
       const double exact = total(energies(history, samples, Binning::exact));
       errors.push_back(std::abs(total(energies(history, samples, binning)) / exact - 1));
     }
@@ -103,7 +103,7 @@ TEST(FastBinning, TotalsConvergeAtSecondOrder) {
 TEST(FastBinning, SamplesConvergeAndSpreadIsTheBetterOne) {
   const RangeSamples samples{22, 0.1, 40};
   const auto l1 = [&](int n, Binning binning) {
-    const History history = bed(20, 24, 1, n);
+    const History history = seabed(20, 24, 1, n);
     const std::vector<double> exact = energies(history, samples, Binning::exact),
                               fast = energies(history, samples, binning);
     double difference = 0;
@@ -143,7 +143,7 @@ std::vector<double> energies(const BistaticHistory& history, const RangeSamples&
 }
 
 TEST(FastBinningApart, InOnePlaceItIsThatOfOneApex) {
-  const History history = bed(20, 24, 1, 6);
+  const History history = seabed(20, 24, 1, 6);
   const RangeSamples samples{20, 0.3, 30};
   for (const Binning binning : {Binning::centroid, Binning::spread}) {
     const std::vector<double> alone = energies(history, samples, binning),
@@ -153,7 +153,7 @@ TEST(FastBinningApart, InOnePlaceItIsThatOfOneApex) {
 }
 
 TEST(FastBinningApart, TheLawAtTheCentroidOfBothWays) {
-  const glm::dvec3 receiver(7, -3, -2), at = on_plane(flat_bed(height_m), {{20.01, 0}})[0];
+  const glm::dvec3 receiver(7, -3, -2), at = on_plane(flat_seabed(height_m), {{20.01, 0}})[0];
   const double tx = glm::length(at), rx = glm::distance(at, receiver), half = (tx + rx) / 2,
                beta = 0.05 * std::log(10.0) / 10;
   const double expected = mu * height_m / tx * (height_m - 2) / rx * 0.02 * 0.02 / std::pow(tx * rx, 2) *
@@ -162,7 +162,7 @@ TEST(FastBinningApart, TheLawAtTheCentroidOfBothWays) {
       received{Directivity::Kind::gaussian, glm::normalize(glm::dvec3(0.3, 1, -1)), true, 0, 2.5};
   const BeamPatterns patterns{{sent}, {received}, {0}, {{0, 1}}};
   const double gain = sent.gain(at / tx) * received.gain((at - receiver) / rx);
-  const BistaticHistory history = received_from(bed(20, 20.02, 0.01, 1), receiver);
+  const BistaticHistory history = received_from(seabed(20, 20.02, 0.01, 1), receiver);
   const RangeSamples samples{15, 0.5, 20};
   const auto sample = std::size_t((half - 15) / 0.5);
   for (const Binning binning : {Binning::centroid, Binning::spread}) {
@@ -180,7 +180,7 @@ TEST(FastBinningApart, ConvergesAtSecondOrderAndAnExchangeChangesNothing) {
   for (const Binning binning : {Binning::centroid, Binning::spread}) {
     std::vector<double> errors, bins;
     for (const int n : {4, 8, 16}) {
-      const BistaticHistory history = received_from(bed(20, 24, 1, n), receiver);
+      const BistaticHistory history = received_from(seabed(20, 24, 1, n), receiver);
       BistaticHistory swapped = history;
       swapped.shared = exchanged(history.shared);
       const std::vector<double> exact = energies(history, samples, Binning::exact),

@@ -41,7 +41,7 @@ TEST(BistaticEcho, TheWholePlaneIsAPoissonKernel) {
   // image.
   for (const auto& [h1, h2, b] :
        {std::tuple{5.0, 5.0, 0.0}, {5.0, 2.0, 3.0}, {0.5, 0.4, 20.0}, {9.0, 0.05, 2.0}, {3.0, 3.0, 50.0}}) {
-    const BistaticHistory history = piece_on(test::flat_bed(h1), endless, {0.6 * b, -0.8 * b, h2 - h1});
+    const BistaticHistory history = piece_on(test::flat_seabed(h1), endless, {0.6 * b, -0.8 * b, h2 - h1});
     const double image = std::hypot(h1 + h2, b), expected = 2 * pi * mu * (h1 + h2) / (image * image * image);
     EXPECT_NEAR(total(echo_of(history, {0, 2e5, 1})), expected, 1e-9 * expected)
         << h1 << ' ' << h2 << ' ' << b;
@@ -60,7 +60,7 @@ double rings(double h1, double h2, double half_path) {
 
 TEST(BistaticEcho, RingsOfOneApexAboveTheOtherInClosedForm) {
   for (const auto& [h1, h2] : {std::pair{10.0, 4.0}, {2.0, 7.5}}) {
-    const BistaticHistory history = piece_on(test::flat_bed(h1), endless, {0, 0, h2 - h1});
+    const BistaticHistory history = piece_on(test::flat_seabed(h1), endless, {0, 0, h2 - h1});
     const RangeSamples samples{(h1 + h2) / 2 - 0.15, 0.4, 60};
     const Echo echo = echo_of(history, samples);
     for (int k = 0; k < samples.count; ++k) {
@@ -73,7 +73,7 @@ TEST(BistaticEcho, RingsOfOneApexAboveTheOtherInClosedForm) {
 
 TEST(BistaticEcho, RingsWithAbsorptionAreASingleIntegral) {
   const double h1 = 10, h2 = 4, absorption = 0.4, beta = absorption * std::numbers::ln10 / 10;
-  const BistaticHistory history = piece_on(test::flat_bed(h1), endless, {0, 0, h2 - h1});
+  const BistaticHistory history = piece_on(test::flat_seabed(h1), endless, {0, 0, h2 - h1});
   const RangeSamples samples{7.5, 0.5, 30};
   const Echo echo = echo_of(history, samples, absorption);
   const auto radius = [&](double half_path) {
@@ -224,7 +224,8 @@ TEST(BistaticEcho, DoublesSeeTheSameWhereNothingIsDegenerate) {
     ASSERT_NEAR(echo.at(0, k), expected.at(0, k), 1e-12 * expected.at(0, k) + 1e-15 * total(expected)) << k;
 }
 
-// A bed of a lattice: tubes' walls run through its vertices and along its edges, and other facets coincide.
+// A seabed of a lattice: tubes' walls run through its vertices and along its edges, and other facets
+// coincide.
 TEST(BistaticEcho, DoublesInADegenerateSceneStayFinite) {
   FacetMesh mesh;
   constexpr std::int32_t m = 1 << 20;
@@ -280,9 +281,9 @@ TEST(BistaticEcho, TubesOfTheReceiverAddUp) {
 }
 
 TEST(BistaticEcho, AWallHidesWhatEitherOfThemCannotSee) {
-  // Apexes 4 m above a bed, 2 m to the left and to the right of a wall of 3 m: each one's shadow on the bed
-  // reaches 2 m 3 / (4 - 3) = 6 m beyond the wall, and of the wall they see different sides. So the bed's
-  // part beyond 6 m to either side is all there is.
+  // Apexes 4 m above a seabed, 2 m to the left and to the right of a wall of 3 m: each one's shadow on the
+  // seabed reaches 2 m 3 / (4 - 3) = 6 m beyond the wall, and of the wall they see different sides. So the
+  // seabed's part beyond 6 m to either side is all there is.
   constexpr std::int32_t m = 1 << 20;
   const auto scene = [&](std::int32_t wall) {
     FacetMesh mesh;
@@ -296,7 +297,7 @@ TEST(BistaticEcho, AWallHidesWhatEitherOfThemCannotSee) {
   TubeSet left;
   left.apex = {-2 * m, -2 * m, 0};
   left.reach = 1e12;
-  left.rays = {{-200, 10, -30}, {-200, 10, -1}, {200, 10, -1}, {200, 10, -30}};  // all of the bed
+  left.rays = {{-200, 10, -30}, {-200, 10, -1}, {200, 10, -1}, {200, 10, -30}};  // all of the seabed
   left.tubes = {{0, 1, 2, 3}};
   TubeSet right = left;
   right.apex.x = 2 * m;
@@ -427,7 +428,7 @@ TEST(BistaticEcho, ThreadsChangeNoBit) {
 }
 
 TEST(BistaticEcho, BadInputIsRefused) {
-  const BistaticHistory history = piece_on(test::flat_bed(5), endless, {1, 0, 0});
+  const BistaticHistory history = piece_on(test::flat_seabed(5), endless, {1, 0, 0});
   const std::vector<std::uint16_t> material{0};
   const std::vector<std::uint32_t> beams{0}, too_far{3}, none, two{0, 0};
   const EchoModel model{material_mu, material, 0, nullptr};

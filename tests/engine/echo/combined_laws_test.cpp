@@ -32,7 +32,7 @@ using test::perlin;
 using test::Polygon2;
 
 constexpr double pi = std::numbers::pi, degree = pi / 180, height = 4;
-const FacetPlane bed = test::flat_bed(height);
+const FacetPlane seabed = test::flat_seabed(height);
 
 /// A law, and its formula written again: cross-section by angle of incidence.
 struct Law {
@@ -107,7 +107,7 @@ struct Given {
                ? 1
                : patterns->transmit[0].gain(direction) * patterns->receive[beam].gain(direction);
   }
-  /// What a square metre at a place relative to the apex returns, on a bed below it.
+  /// What a square metre at a place relative to the apex returns, on a seabed below it.
   double density(glm::dvec3 p, std::size_t beam, double distance = height) const {
     const double r = glm::length(p);
     return model.value(std::acos(std::min(distance / r, 1.0))) * (texture ? texture->factor(apex_m + p) : 1) *
@@ -157,8 +157,8 @@ std::vector<double> panels(glm::dvec2 lo, glm::dvec2 hi, glm::ivec2 n, std::size
   return sums;
 }
 
-glm::dvec3 on_bed(glm::dvec2 p, double distance = height) {
-  const FacetPlane plane = test::flat_bed(distance);
+glm::dvec3 surface_apex(glm::dvec2 p, double distance = height) {
+  const FacetPlane plane = test::flat_seabed(distance);
   const PlaneFrame frame(plane);
   return -distance * plane.normal + p.x * frame.u + p.y * frame.v;
 }
@@ -192,17 +192,17 @@ TEST(CombinedLaws, OrdinaryEchoAgreesWithBruteForce) {
   const std::vector<std::pair<glm::dvec2, glm::dvec2>> places{
       {{-0.7, -0.5}, {0.4, 0.5}}, {{0.3, 0.2}, {1.2, 1}}, {{6, 1}, {7, 1.9}}};
   for (const auto& [lo, hi] : places) {
-    const History history = history_of({{bed, rectangle(lo, hi)}});
+    const History history = history_of({{seabed, rectangle(lo, hi)}});
     for_all(1, [&, lo = lo, hi = hi](const Given& given) {
       const auto expected = panels<4>(lo, hi, {45, 45}, given.beams(), [&](glm::dvec2 p, std::size_t b) {
-        return given.density(on_bed(p), b);
+        return given.density(surface_apex(p), b);
       });
       Given ideal = given;
       ideal.patterns = nullptr;
       const double peak = given.patterns == nullptr
                               ? expected[0]
                               : panels<4>(lo, hi, {20, 20}, 1, [&](glm::dvec2 p, std::size_t) {
-                                  return 2 * ideal.density(on_bed(p), 0);
+                                  return 2 * ideal.density(surface_apex(p), 0);
                                 })[0];
       for (const double tolerance : {1e-3, 1e-6, 1e-9}) {
         Given own = given;
@@ -222,7 +222,7 @@ TEST(CombinedLaws, OrdinaryEchoAgreesWithBruteForce) {
 }
 
 TEST(CombinedLaws, RangeSamplesAreRings) {
-  const History history = history_of({{bed, rectangle({-4, -4}, {4, 4})}});
+  const History history = history_of({{seabed, rectangle({-4, -4}, {4, 4})}});
   const RangeSamples samples{4.07, 0.11, 4};  // between the ranges where the table bends
   for_all(1, [&](const Given& given) {
     const Laws l(given);
@@ -233,7 +233,7 @@ TEST(CombinedLaws, RangeSamplesAreRings) {
       };
       const auto ring = [&](const Given& g, glm::ivec2 n) {
         return panels<4>({rho(k), 0}, {rho(k + 1), 2 * pi}, n, g.beams(), [&](glm::dvec2 p, std::size_t b) {
-          return p.x * g.density(on_bed({p.x * std::cos(p.y), p.x * std::sin(p.y)}), b);
+          return p.x * g.density(surface_apex({p.x * std::cos(p.y), p.x * std::sin(p.y)}), b);
         });
       };
       const auto expected = ring(given, {3, 180});
@@ -292,7 +292,7 @@ TEST(CombinedLaws, FacetsOfAllKindsBesideEachOtherAddUp) {
   std::vector<std::shared_ptr<const ScatteringModel>> scattering;
   for (int i = 0; i < 24; ++i) {
     const double x = 0.9 * (i % 6) - 0.4, y = 0.7 * (i / 6) - 0.3;
-    parts.push_back({test::flat_bed(i % 5 == 3 ? 3.5 : height), rectangle({x, y}, {x + 0.8, y + 0.6})});
+    parts.push_back({test::flat_seabed(i % 5 == 3 ? 3.5 : height), rectangle({x, y}, {x + 0.8, y + 0.6})});
     const Law& model = all[std::size_t(i * 7) % all.size()];
     mu.push_back(model.mu);
     material.push_back(std::uint16_t(i));
@@ -324,7 +324,7 @@ TEST(CombinedLaws, FacetsOfAllKindsBesideEachOtherAddUp) {
 
 TEST(CombinedLaws, FastBinningAndRaysTakeAllOfThemAtOnePlace) {
   const glm::dvec2 lo{1, 0.4}, hi{1.3, 0.8};
-  const History tubes = history_of({{bed, rectangle(lo, hi)}});
+  const History tubes = history_of({{seabed, rectangle(lo, hi)}});
   const glm::dvec3 centroid = tubes.footprints.footprints[0].centroid_m;
   for_all(1, [&](const Given& given) {
     const Laws l(given);
@@ -347,7 +347,7 @@ TEST(CombinedLaws, FastBinningAndRaysTakeAllOfThemAtOnePlace) {
     std::vector<double> sum(given.beams(), 0);
     double size = 0;
     for (int i = 0; i < n * n; ++i) {
-      const glm::dvec3 p = on_bed(lo + cell * glm::dvec2(i % n + 0.5, i / n + 0.5));
+      const glm::dvec3 p = surface_apex(lo + cell * glm::dvec2(i % n + 0.5, i / n + 0.5));
       const double r = glm::length(p), sine = height / r;
       rays.hits.push_back({0, 0, r, sine, cell.x * cell.y * sine / (r * r), glm::vec3(p / r)});
       for (std::size_t b = 0; b < given.beams(); ++b) sum[b] += given.density(p, b) * cell.x * cell.y;
@@ -378,7 +378,7 @@ double apart_density(const Given& g, const Path* path, glm::dvec3 t, double ht, 
 TEST(CombinedLaws, BistaticEchoAndLossAgreeWithBruteForce) {
   const glm::dvec2 lo{0.4, 0.1}, hi{1.3, 0.8};
   const glm::dvec3 receiver{0.7, -1.1, 0.8};
-  const BistaticHistory history = test::piece_on(bed, rectangle(lo, hi), receiver);
+  const BistaticHistory history = test::piece_on(seabed, rectangle(lo, hi), receiver);
   Path over_mirrors;
   over_mirrors.tx.loss = {0.7, {{0, 0, 1}}, 3};
   over_mirrors.rx = Leg{};
@@ -392,7 +392,7 @@ TEST(CombinedLaws, BistaticEchoAndLossAgreeWithBruteForce) {
         l.model.path.tx.apex_m = at_place.apex_m;
       }
       const auto expected = panels<4>(lo, hi, {25, 25}, given.beams(), [&](glm::dvec2 p, std::size_t b) {
-        const glm::dvec3 t = on_bed(p);
+        const glm::dvec3 t = surface_apex(p);
         return apart_density(given, mirrors, t, height, t - receiver, height + receiver.z, b);
       });
       const double most = *std::max_element(expected.begin(), expected.end());
@@ -420,7 +420,7 @@ struct Bench {
     return {std::int32_t(std::lround(p.x / unit)), std::int32_t(std::lround(p.y / unit)),
             std::int32_t(std::lround(p.z / unit))};
   }
-  void add_bed(glm::dvec2 lo, glm::dvec2 hi) {
+  void add_seabed(glm::dvec2 lo, glm::dvec2 hi) {
     const VertexId v[] = {
         test::add_vertex(mesh, at({lo, -height})), test::add_vertex(mesh, at({hi.x, lo.y, -height})),
         test::add_vertex(mesh, at({hi, -height})), test::add_vertex(mesh, at({lo.x, hi.y, -height}))};
@@ -440,11 +440,11 @@ struct Bench {
 };
 
 TEST(CombinedLaws, CertifiedBoundHoldsTheBruteForceValue) {
-  // Cells of the noise are squares of 1/4 m on a level bed, so that panels between them are smooth.
+  // Cells of the noise are squares of 1/4 m on a level seabed, so that panels between them are smooth.
   const glm::dvec2 lo{0.25, 0.5}, hi{1, 1};
   const Field texture = perlin(0.5, 2, 0.5, 5);
   Bench bench;
-  bench.add_bed({-20, -20}, {20, 20});
+  bench.add_seabed({-20, -20}, {20, 20});
   bench.add_tube(lo, hi, -height);
   const SceneTree tree(bench.mesh);
   const VisibilityOptions options;
@@ -479,11 +479,11 @@ TEST(CombinedLaws, CertifiedBoundHoldsTheBruteForceValue) {
 }
 
 TEST(CombinedLaws, MirroredEchoAgreesWithBruteForce) {
-  // A patch of bed, seen from above it and by way of the surface.
+  // A patch of seabed, seen from above it and by way of the surface.
   const double surface = 1.5, rms = 0.02;
   const glm::dvec2 lo{0.5, 0.25}, hi{1, 0.625};
   Bench bench;
-  bench.add_bed(lo, hi);
+  bench.add_seabed(lo, hi);
   const glm::dvec2 margin{0.1, 0.1};
   bench.add_tube(lo - margin, hi + margin, -height);
   bench.add_tube(lo - margin, hi + margin, height + 2 * surface);

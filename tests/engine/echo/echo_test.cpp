@@ -18,7 +18,7 @@ namespace tubefoot {
 namespace {
 
 using test::add_footprint;
-using test::flat_bed;
+using test::flat_seabed;
 using test::on_plane;
 using test::Polygon2;
 
@@ -29,7 +29,7 @@ const double mu = lambert_mu(-27);
 
 double relative(double value, double expected) { return std::abs(value / expected - 1); }
 
-/// What a fan of azimuth dphi returns from a flat Lambert bed between two ranges (physics sheet 7.5).
+/// What a fan of azimuth dphi returns from a flat Lambert seabed between two ranges (physics sheet 7.5).
 double closed_form(double dphi, double r1, double r2, double absorption_db_per_m) {
   const double beta = 2 * absorption_db_per_m * std::log(10.0) / 10;
   const auto antiderivative = [beta](double r) {
@@ -78,9 +78,9 @@ TEST(RadialModel, PrintedIntegralsFromTenToTwentyMetres) {
   }
 }
 
-TEST(FlatLambertBed, PrintedValuesOfOneSample) {
+TEST(FlatLambertSeabed, PrintedValuesOfOneSample) {
   History history;
-  add_footprint(history, 0, 0, flat_bed(height), {wedge(slice, 0, 60)});
+  add_footprint(history, 0, 0, flat_seabed(height), {wedge(slice, 0, 60)});
   const RangeSamples samples{20, 0.05, 1};
   EXPECT_LT(relative(echo_of(history, samples).at(0, 0), 8.111093200e-11), 1e-9);
   EXPECT_NEAR(10 * std::log10(echo_of(history, samples).at(0, 0)), -100.909206, 1e-6);
@@ -88,11 +88,11 @@ TEST(FlatLambertBed, PrintedValuesOfOneSample) {
   EXPECT_LT(relative(echo_of(history, samples, 0.42368).at(0, 0), 1.630223e-12), 4e-7);
 }
 
-TEST(FlatLambertBed, EverySampleIsTheClosedForm) {
+TEST(FlatLambertSeabed, EverySampleIsTheClosedForm) {
   for (const double absorption : {0.0, 0.0615, 0.42368})
     for (const double step : {0.003, 0.02, 1.0, 10.0}) {
       History history;
-      add_footprint(history, 0, 0, flat_bed(height), {wedge(slice, 0, 60)});
+      add_footprint(history, 0, 0, flat_seabed(height), {wedge(slice, 0, 60)});
       const RangeSamples samples{10, step, int(40 / step)};
       const Echo echo = echo_of(history, samples, absorption);
       for (int k = 0; k < samples.count; ++k)
@@ -102,18 +102,18 @@ TEST(FlatLambertBed, EverySampleIsTheClosedForm) {
     }
 }
 
-TEST(FlatLambertBed, SampleAcrossTheFirstReturn) {
+TEST(FlatLambertSeabed, SampleAcrossTheFirstReturn) {
   History history;
-  add_footprint(history, 0, 0, flat_bed(height), {wedge(slice, 0, 60)});
+  add_footprint(history, 0, 0, flat_seabed(height), {wedge(slice, 0, 60)});
   const Echo echo = echo_of(history, {9.9, 0.08, 4}, 0.0615);
   EXPECT_EQ(echo.at(0, 0), 0);
   EXPECT_LT(relative(echo.at(0, 1), closed_form(slice, height, 9.9 + 2 * 0.08, 0.0615)), 1e-10);
   EXPECT_LT(relative(echo.at(0, 2), closed_form(slice, 9.9 + 2 * 0.08, 9.9 + 3 * 0.08, 0.0615)), 1e-10);
 }
 
-TEST(FlatLambertBed, SamplesBeginAtTheApex) {
+TEST(FlatLambertSeabed, SamplesBeginAtTheApex) {
   History history;
-  add_footprint(history, 0, 0, flat_bed(height), {wedge(slice, 0, 60)});
+  add_footprint(history, 0, 0, flat_seabed(height), {wedge(slice, 0, 60)});
   const Echo echo = echo_of(history, {0, 1, 40}, 0.0615);
   for (int k = 0; k < 40; ++k)
     if (k < 10)
@@ -122,12 +122,12 @@ TEST(FlatLambertBed, SamplesBeginAtTheApex) {
       EXPECT_LT(relative(echo.at(0, k), closed_form(slice, k, k + 1, 0.0615)), 1e-10);
 }
 
-TEST(FlatLambertBed, WholePlaneWithTheFootInside) {
+TEST(FlatLambertSeabed, WholePlaneWithTheFootInside) {
   Polygon2 disc;
   for (int i = 0; i < 7; ++i)
     disc.push_back(1e6 * glm::dvec2(std::cos(2 * pi * i / 7), std::sin(2 * pi * i / 7)));
   History history;
-  add_footprint(history, 0, 0, flat_bed(height), {disc});
+  add_footprint(history, 0, 0, flat_seabed(height), {disc});
   const Echo rings = echo_of(history, {9.95, 0.1, 1000});
   EXPECT_LT(relative(rings.at(0, 0), closed_form(2 * pi, 10, 9.95 + 0.1, 0)), 1e-10);
   for (int k = 1; k < 1000; ++k)
@@ -135,13 +135,13 @@ TEST(FlatLambertBed, WholePlaneWithTheFootInside) {
   EXPECT_LT(relative(total(echo_of(history, {0, 2e6, 1})), 3.134150715e-5), 1e-9);
 }
 
-TEST(FlatLambertBed, TubesOfAFanAddUpWhateverTheirWalls) {
+TEST(FlatLambertSeabed, TubesOfAFanAddUpWhateverTheirWalls) {
   // Neighbouring tubes share straight walls that are not range rings; together they are the wedge.
   History whole, parts;
-  add_footprint(whole, 0, 0, flat_bed(height), {wedge(slice, 5, 60)});
+  add_footprint(whole, 0, 0, flat_seabed(height), {wedge(slice, 5, 60)});
   double near = 5;
   for (const double far : {7.0, 11.0, 20.0, 21.0, 60.0}) {
-    add_footprint(parts, 0, 0, flat_bed(height), {wedge(slice, near, far)});
+    add_footprint(parts, 0, 0, flat_seabed(height), {wedge(slice, near, far)});
     near = far;
   }
   const RangeSamples samples{10, 0.05, 1200};
@@ -184,9 +184,9 @@ TEST(Echo, TiltedFacetsAgreeWithQuadratureOverTheirArea) {
 
 TEST(Echo, TubesGoToTheirBeamsAndFacetsHaveTheirMaterials) {
   History history;
-  add_footprint(history, 0, 0, flat_bed(height), {wedge(slice, 5, 60)});
-  add_footprint(history, 1, 1, flat_bed(height), {wedge(slice, 5, 60)});
-  add_footprint(history, 2, 0, flat_bed(height), {wedge(slice, 5, 60)});
+  add_footprint(history, 0, 0, flat_seabed(height), {wedge(slice, 5, 60)});
+  add_footprint(history, 1, 1, flat_seabed(height), {wedge(slice, 5, 60)});
+  add_footprint(history, 2, 0, flat_seabed(height), {wedge(slice, 5, 60)});
   const std::vector<double> material_mu{0.001, 0.003};
   const std::vector<std::uint16_t> material{1, 0};
   const std::vector<std::uint32_t> beam_of_tube{2, 0, 2};
@@ -222,11 +222,11 @@ TEST(Echo, HitsOnABorderFallWhereFootprintsAreCut) {
 }
 
 TEST(Echo, ANarrowTubeAndAHitOfItsSolidAngleAgree) {
-  // E = mu H dOmega / R^3 for a narrow beam on a flat bed (physics sheet 7.5).
+  // E = mu H dOmega / R^3 for a narrow beam on a flat seabed (physics sheet 7.5).
   const double r = 20, w = 1e-3, ground = std::sqrt(r * r - height * height);
   const Polygon2 small{{ground - w, -w}, {ground + w, -w}, {ground + w, w}, {ground - w, w}};
   History tube, ray;
-  add_footprint(tube, 0, 0, flat_bed(height), {small});
+  add_footprint(tube, 0, 0, flat_seabed(height), {small});
   measure(tube.footprints);
   const Footprint& footprint = tube.footprints.footprints[0];
   ray.hits = {{0, 0, r, std::sin(footprint.grazing_angle_rad), footprint.solid_angle_sr}};
@@ -237,7 +237,7 @@ TEST(Echo, ANarrowTubeAndAHitOfItsSolidAngleAgree) {
 
 TEST(Echo, BadInputIsRefused) {
   History history;
-  add_footprint(history, 1, 0, flat_bed(height), {wedge(slice, 5, 60)});
+  add_footprint(history, 1, 0, flat_seabed(height), {wedge(slice, 5, 60)});
   const std::vector<double> material_mu{0.001};
   const std::vector<std::uint32_t> beams{0, 0}, too_few{0}, too_far{0, 7};
   const EchoModel model{material_mu, one_facet, 0};

@@ -21,7 +21,7 @@ namespace {
 
 using test::add_footprint;
 using test::Field;
-using test::flat_bed;
+using test::flat_seabed;
 using test::map_askew;
 using test::on_plane;
 using test::perlin;
@@ -117,7 +117,7 @@ TEST(MicroTexture, RectanglesAgreeWithBruteForce) {
   std::uniform_real_distribution<double> place(-5, 5), size(0.1, 1.2), distance(0.5, 6);
   for (const auto& [name, texture] : textures())
     for (int i = 0; i < 4; ++i) {
-      const FacetPlane plane = i == 0 ? flat_bed(4) : test::random_plane(random, distance(random));
+      const FacetPlane plane = i == 0 ? flat_seabed(4) : test::random_plane(random, distance(random));
       // The second lies about the foot point.
       const glm::dvec2 lo = i == 1 ? glm::dvec2{-0.3, -0.4} : glm::dvec2{place(random), place(random)};
       const glm::dvec2 hi = lo + glm::dvec2(size(random) + 0.4 * (i == 1), size(random) + 0.4 * (i == 1));
@@ -135,9 +135,9 @@ TEST(MicroTexture, RectanglesAgreeWithBruteForce) {
 
 TEST(MicroTexture, RingsOfARangeSampleAgreeWithBruteForce) {
   const double height = 3;
-  const FacetPlane bed = flat_bed(height);
-  const PlaneFrame frame(bed);
-  const History history = history_of(bed, {rectangle({-6, -6}, {6, 6})});
+  const FacetPlane seabed = flat_seabed(height);
+  const PlaneFrame frame(seabed);
+  const History history = history_of(seabed, {rectangle({-6, -6}, {6, 6})});
   const RangeSamples samples{2.9, 0.25, 12};
   for (const auto& [name, texture] : textures()) {
     const Echo echo = echo_of(history, texture, {.samples = samples}),
@@ -145,8 +145,8 @@ TEST(MicroTexture, RingsOfARangeSampleAgreeWithBruteForce) {
     for (const int k : {0, 1, 4, 11}) {
       const auto density = [&, texture = texture](double r, double phi) {
         const double rho = std::sqrt(std::max(r * r - height * height, 0.0));
-        return r * even_density(bed, r, 0.2) *
-               texture->factor(apex - height * bed.normal + rho * std::cos(phi) * frame.u +
+        return r * even_density(seabed, r, 0.2) *
+               texture->factor(apex - height * seabed.normal + rho * std::cos(phi) * frame.u +
                                rho * std::sin(phi) * frame.v);
       };
       const double from = std::max(samples.first_m + k * samples.step_m, height),
@@ -185,27 +185,27 @@ TEST(MicroTexture, AFootprintMuchSmallerThanTheTextureHasTheFieldsValueFromEvery
   const glm::dvec3 place{7.3, -2.8, 0};
   for (const auto& [name, texture] : textures())
     for (const glm::dvec3 from : {glm::dvec3{5, -2, 3}, {11, 4, 8}}) {
-      const FacetPlane bed = flat_bed(from.z);
-      const PlaneFrame frame(bed);
+      const FacetPlane seabed = flat_seabed(from.z);
+      const PlaneFrame frame(seabed);
       const glm::dvec2 centre = frame.project(place - from);
       const glm::dvec2 half{5e-6, 5e-6};
-      const History history = history_of(bed, {rectangle(centre - half, centre + half)});
+      const History history = history_of(seabed, {rectangle(centre - half, centre + half)});
       const double ratio =
           total(echo_of(history, texture, {.apex_m = from})) / total(echo_of(history, nullptr));
       EXPECT_NEAR(ratio, texture->factor(place), 1e-4) << name;
     }
 }
 
-TEST(MicroTexture, TheMeanLevelOverAPeriodIsThatOfAnEvenBed) {
+TEST(MicroTexture, TheMeanLevelOverAPeriodIsThatOfAnEvenSeabed) {
   // From so far up that all of the strip is received alike. 256 cells are a period.
   const double height = 2e4, wavelength = 0.5;
-  const FacetPlane bed = flat_bed(height);
+  const FacetPlane seabed = flat_seabed(height);
   const Settings settings{.samples = {1.9e4, 2e3, 1}, .absorption_db_per_m = 0};
   for (const std::uint64_t seed : {1, 2, 3}) {
     const Field texture = perlin(wavelength, 1, 0.9, seed);
     for (const bool along_x : {true, false}) {
       const glm::dvec2 half = along_x ? glm::dvec2{64, 0.01} : glm::dvec2{0.01, 64};
-      const History history = history_of(bed, {rectangle(-half, half)});
+      const History history = history_of(seabed, {rectangle(-half, half)});
       EXPECT_NEAR(total(echo_of(history, texture, settings)) / total(echo_of(history, nullptr, settings)), 1,
                   1e-5)
           << seed;
@@ -213,8 +213,8 @@ TEST(MicroTexture, TheMeanLevelOverAPeriodIsThatOfAnEvenBed) {
   }
 }
 
-TEST(MicroTexture, TheMeanLevelOverSeedsIsThatOfAnEvenBed) {
-  const History history = history_of(flat_bed(4), {rectangle({3, 2}, {3.2, 2.3})});
+TEST(MicroTexture, TheMeanLevelOverSeedsIsThatOfAnEvenSeabed) {
+  const History history = history_of(flat_seabed(4), {rectangle({3, 2}, {3.2, 2.3})});
   const double even = total(echo_of(history, nullptr));
   const int seeds = 1000;
   double sum = 0, squares = 0;
@@ -231,7 +231,8 @@ TEST(MicroTexture, TheMeanLevelOverSeedsIsThatOfAnEvenBed) {
 
 TEST(MicroTexture, MakesNoShadowAndHidesNone) {
   // Two strips with a gap of range between them.
-  const History history = history_of(flat_bed(3), {rectangle({4, -1}, {5, 1}), rectangle({7, -1}, {9, 2})});
+  const History history =
+      history_of(flat_seabed(3), {rectangle({4, -1}, {5, 1}), rectangle({7, -1}, {9, 2})});
   const Echo even = echo_of(history, nullptr), echo = echo_of(history, perlin(0.4, 3, 0.9));
   int silent = 0;
   for (std::size_t k = 0; k < even.energy.size(); ++k) {
@@ -243,7 +244,7 @@ TEST(MicroTexture, MakesNoShadowAndHidesNone) {
 }
 
 TEST(MicroTexture, AnEvenMaterialBesideATexturedOneKeepsEveryBit) {
-  History history = history_of(flat_bed(3), {rectangle({4, -1}, {5, 1}), rectangle({7, -1}, {9, 2})});
+  History history = history_of(flat_seabed(3), {rectangle({4, -1}, {5, 1}), rectangle({7, -1}, {9, 2})});
   history.footprints.footprints[1].facet = 1;
   const std::vector<double> material_mu{mu, mu};
   const std::vector<std::uint16_t> material{0, 1};
@@ -270,20 +271,20 @@ TEST(MicroTexture, AnEvenMaterialBesideATexturedOneKeepsEveryBit) {
 }
 
 TEST(MicroTexture, RaysConvergeToTheTubes) {
-  const FacetPlane bed = flat_bed(4);
-  const PlaneFrame frame(bed);
+  const FacetPlane seabed = flat_seabed(4);
+  const PlaneFrame frame(seabed);
   const glm::dvec2 lo{3, 1}, hi{4, 2.5};
   const Field texture = perlin(0.8, 2, 0.5);
   const Settings one_sample{.samples = {0, 100, 1}, .absorption_db_per_m = 0};
-  const double tubes = total(echo_of(history_of(bed, {rectangle(lo, hi)}), texture, one_sample));
+  const double tubes = total(echo_of(history_of(seabed, {rectangle(lo, hi)}), texture, one_sample));
   double last = 1;
   for (const int n : {10, 40, 160}) {
     History rays;
     const glm::dvec2 cell = (hi - lo) / double(n);
     for (int i = 0; i < n * n; ++i) {
       const glm::dvec2 p = lo + cell * glm::dvec2(i % n + 0.5, i / n + 0.5);
-      const glm::dvec3 d = -bed.distance_m * bed.normal + p.x * frame.u + p.y * frame.v;
-      const double r = glm::length(d), sine = bed.distance_m / r;
+      const glm::dvec3 d = -seabed.distance_m * seabed.normal + p.x * frame.u + p.y * frame.v;
+      const double r = glm::length(d), sine = seabed.distance_m / r;
       rays.hits.push_back({0, 0, r, sine, cell.x * cell.y * sine / (r * r), glm::vec3(d / r)});
     }
     const double error = std::abs(total(echo_of(rays, texture, one_sample)) / tubes - 1);
@@ -294,7 +295,7 @@ TEST(MicroTexture, RaysConvergeToTheTubes) {
 }
 
 TEST(MicroTexture, FastBinningTakesItAtTheCentroid) {
-  const History history = history_of(flat_bed(4), {rectangle({3, 1}, {3.4, 1.6})});
+  const History history = history_of(flat_seabed(4), {rectangle({3, 1}, {3.4, 1.6})});
   const Field texture = perlin(0.3, 2, 0.5);
   const double factor = texture->factor(apex + history.footprints.footprints[0].centroid_m);
   for (const Binning binning : {Binning::spread, Binning::centroid})
@@ -309,9 +310,9 @@ Directivity line(double size, double steered_rad, glm::dvec3 axis) {
 }
 
 TEST(MicroTexture, PatternsAndTextureAgreeWithBruteForce) {
-  const FacetPlane bed = flat_bed(4);
+  const FacetPlane seabed = flat_seabed(4);
   const glm::dvec2 lo{3, 1}, hi{4.3, 2.2};
-  const History history = history_of(bed, {rectangle(lo, hi)});
+  const History history = history_of(seabed, {rectangle(lo, hi)});
   const glm::dvec3 x{1, 0, 0}, y{0, 1, 0};
   const TransmitPattern sent(std::vector<Directivity>{line(6, 0.1, y), line(6, -0.3, y)});
   // Four beams of an array, read from moments, then two that share no axis.
@@ -323,31 +324,31 @@ TEST(MicroTexture, PatternsAndTextureAgreeWithBruteForce) {
       const BeamPatterns patterns{{sent}, receive, {0}, {{0, std::uint32_t(receive.size())}}};
       const Settings settings{.samples = {0.1, 100, 1}, .patterns = &patterns};
       const Echo echo = echo_of(history, texture, settings);
-      const double peak = quadrature(bed, lo, hi, [](glm::dvec3) { return 2.0; });
+      const double peak = quadrature(seabed, lo, hi, [](glm::dvec3) { return 2.0; });
       for (std::size_t b = 0; b < receive.size(); ++b) {
         const auto received = [&, texture = texture](glm::dvec3 p) {
           const glm::dvec3 d = glm::normalize(p);
           return texture->factor(apex + p) * sent.gain(d) * receive[b].gain(d);
         };
-        EXPECT_NEAR(echo.energy[b] / peak, quadrature(bed, lo, hi, received) / peak, 2e-6)
+        EXPECT_NEAR(echo.energy[b] / peak, quadrature(seabed, lo, hi, received) / peak, 2e-6)
             << name << " beam " << b;
       }
     }
 }
 
 TEST(MicroTexture, TwoReceiversOfAPairAgreeWithBruteForce) {
-  const FacetPlane bed = flat_bed(4);
-  const PlaneFrame frame(bed);
+  const FacetPlane seabed = flat_seabed(4);
+  const PlaneFrame frame(seabed);
   const glm::dvec2 lo{3, 1}, hi{4.3, 2.2};
   ReceiverPairHistory history;
   for (SharedFootprints* shared : {&history.by_upper, &history.by_lower}) {
     for (const glm::dvec2 p : rectangle(lo, hi))
-      shared->corners_m.push_back(p.x * frame.u + p.y * frame.v - bed.distance_m * bed.normal);
+      shared->corners_m.push_back(p.x * frame.u + p.y * frame.v - seabed.distance_m * seabed.normal);
     shared->pieces = {{0, 0, 0, 4}};
     SharedFacet facet;
     facet.piece_count = 1;
-    facet.plane_normal = bed.normal;
-    facet.transmit_distance_m = bed.distance_m;
+    facet.plane_normal = seabed.normal;
+    facet.transmit_distance_m = seabed.distance_m;
     shared->facets = {facet};
   }
   const ReceiverBaseline receiver_pair{glm::normalize(glm::dvec3(1, 1, 0)), 0.05, 700};
@@ -364,14 +365,14 @@ TEST(MicroTexture, TwoReceiversOfAPairAgreeWithBruteForce) {
         integrate_receiver_pair_echo(history, receiver_pair, 0, 0, {0.1, 100, 1}, model);
     // quadrature() has the law of one apex: what is more by way of a receiver.
     const auto further = [&](glm::dvec3 p, glm::dvec3 receiver) {
-      const double height = glm::dot(bed.normal, receiver - p), range = glm::distance(p, receiver);
+      const double height = glm::dot(seabed.normal, receiver - p), range = glm::distance(p, receiver);
       const double beta = 0.2 * std::log(10.0) / 10;  // the way there is in quadrature() already
-      return height / bed.distance_m * std::pow(glm::length(p) / range, 3) *
+      return height / seabed.distance_m * std::pow(glm::length(p) / range, 3) *
              std::exp(-beta * (range - glm::length(p)));
     };
-    const double peak = quadrature(bed, lo, hi, [](glm::dvec3) { return 1.0; });
+    const double peak = quadrature(seabed, lo, hi, [](glm::dvec3) { return 1.0; });
     EXPECT_NEAR(echo.upper_j[0] / peak,
-                quadrature(bed, lo, hi,
+                quadrature(seabed, lo, hi,
                            [&, texture = texture](glm::dvec3 p) {
                              return texture->factor(apex + p) * further(p, end);
                            }) /
@@ -379,7 +380,7 @@ TEST(MicroTexture, TwoReceiversOfAPairAgreeWithBruteForce) {
                 2e-6)
         << name;
     EXPECT_NEAR(echo.cross_real_j[0] / peak,
-                quadrature(bed, lo, hi,
+                quadrature(seabed, lo, hi,
                            [&, texture = texture](glm::dvec3 p) {
                              return texture->factor(apex + p) *
                                     std::sqrt(further(p, end) * further(p, -end)) *
@@ -394,11 +395,11 @@ TEST(MicroTexture, TwoReceiversOfAPairAgreeWithBruteForce) {
 // --- transmitter and separate receiver
 
 TEST(MicroTexture, BistaticEchoesAgreeWithBruteForce) {
-  const FacetPlane bed = flat_bed(4);
-  const PlaneFrame frame(bed);
+  const FacetPlane seabed = flat_seabed(4);
+  const PlaneFrame frame(seabed);
   const glm::dvec2 lo{3, 1}, hi{3.9, 1.8};
   const glm::dvec3 receiver{1.5, -2, 1};
-  const BistaticHistory history = test::piece_on(bed, rectangle(lo, hi), receiver);
+  const BistaticHistory history = test::piece_on(seabed, rectangle(lo, hi), receiver);
   const std::vector<double> material_mu{mu};
   const std::vector<std::uint16_t> material{0};
   const std::vector<std::uint32_t> beam{0};
@@ -414,10 +415,10 @@ TEST(MicroTexture, BistaticEchoesAgreeWithBruteForce) {
                                     {material_mu, material, 0, p, 1e-6, reflectivity, apex}));
       };
       const auto density = [&, texture = texture](double x, double y) {
-        const glm::dvec3 t = -bed.distance_m * bed.normal + x * frame.u + y * frame.v, r = t - receiver;
+        const glm::dvec3 t = -seabed.distance_m * seabed.normal + x * frame.u + y * frame.v, r = t - receiver;
         const double rt = glm::length(t), rr = glm::length(r);
         const double gain = p ? p->transmit[0].gain(t / rt) * p->receive[0].gain(r / rr) : 1;
-        return mu * bed.distance_m * (bed.distance_m + receiver.z) / std::pow(rt * rr, 3) *
+        return mu * seabed.distance_m * (seabed.distance_m + receiver.z) / std::pow(rt * rr, 3) *
                texture->factor(apex + t) * gain;
       };
       const double expected = panels(lo, hi, 64, 64, density);
@@ -427,7 +428,7 @@ TEST(MicroTexture, BistaticEchoesAgreeWithBruteForce) {
 }
 
 TEST(MicroTexture, RefusesTexturesOfOtherMaterials) {
-  const History history = history_of(flat_bed(4), {rectangle({3, 1}, {3.4, 1.6})});
+  const History history = history_of(flat_seabed(4), {rectangle({3, 1}, {3.4, 1.6})});
   const std::vector<double> material_mu{mu};
   const std::vector<std::uint16_t> material{0};
   const std::vector<std::uint32_t> beam_of_tube{0};

@@ -99,12 +99,12 @@ TEST(ReceiverBaseline, RaysAndCentroidsHaveThePhaseOfTheirPlace) {
   EXPECT_GT(echo.at(0, 0), 0);
   EXPECT_LT(std::abs(cross_of(echo, 0) / echo.at(0, 0) - std::polar(1.0, direct)), 1e-4);  // float direction
 
-  Slope bed;
-  measure(bed.history.footprints);
-  const glm::dvec3 c = bed.history.footprints.footprints[0].centroid_m;
+  Slope seabed;
+  measure(seabed.history.footprints);
+  const glm::dvec3 c = seabed.history.footprints.footprints[0].centroid_m;
   const double expected =
       2 * pi / 0.01 * (glm::distance(c, 0.1 * baseline.axis) - glm::distance(c, -0.1 * baseline.axis));
-  const Echo binned = echo_of(bed.history, {1, 30, 1}, one_beam(baseline), Binning::centroid);
+  const Echo binned = echo_of(seabed.history, {1, 30, 1}, one_beam(baseline), Binning::centroid);
   EXPECT_LT(std::abs(cross_of(binned, 0) / binned.at(0, 0) - std::polar(1.0, expected)), 1e-9);
 }
 
@@ -123,14 +123,14 @@ TEST(ReceiverBaseline, HitsAndCentroidsFallIntoEachReceiversOwnSample) {
   const std::vector<double> expected{0, all, all, 0, 0, 0, 0, 0};
   for (std::size_t k = 0; k < 8; ++k) EXPECT_DOUBLE_EQ(apart.energy.at(k), expected[k]) << k;
 
-  Slope bed;
-  measure(bed.history.footprints);
-  const Echo whole = echo_of(bed.history, {1, 30, 1}, one_beam(baseline), Binning::spread),
-             cut = echo_of(bed.history, {9, 0.01, 500}, one_beam(baseline), Binning::spread);
+  Slope seabed;
+  measure(seabed.history.footprints);
+  const Echo whole = echo_of(seabed.history, {1, 30, 1}, one_beam(baseline), Binning::spread),
+             cut = echo_of(seabed.history, {9, 0.01, 500}, one_beam(baseline), Binning::spread);
   const double per_sample = whole.energy[0] * 0.01 /
-                            (bed.history.footprints.footprints[0].slant_range_max_m -
-                             bed.history.footprints.footprints[0].slant_range_min_m);
-  const glm::dvec3 c = bed.history.footprints.footprints[0].centroid_m;
+                            (seabed.history.footprints.footprints[0].slant_range_max_m -
+                             seabed.history.footprints.footprints[0].slant_range_min_m);
+  const glm::dvec3 c = seabed.history.footprints.footprints[0].centroid_m;
   const double shift =
       std::abs(glm::distance(c, 0.1 * baseline.axis) - glm::distance(c, -0.1 * baseline.axis)) / 2;
   for (int k = 100; k < 400; ++k) {
@@ -141,8 +141,8 @@ TEST(ReceiverBaseline, HitsAndCentroidsFallIntoEachReceiversOwnSample) {
 }
 
 TEST(ReceiverBaseline, FootprintsOfOneApexAreNotCutForTwoReceivers) {
-  const Slope bed;
-  EXPECT_THROW(echo_of(bed.history, {9, 0.5, 20}, one_beam(receiver_pair(0.4, 0.1, 0.006))),
+  const Slope seabed;
+  EXPECT_THROW(echo_of(seabed.history, {9, 0.5, 20}, one_beam(receiver_pair(0.4, 0.1, 0.006))),
                std::invalid_argument);
 }
 

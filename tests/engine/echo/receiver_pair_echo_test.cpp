@@ -104,7 +104,7 @@ TEST(ReceiverPairEcho, AFacetThatOnlyOneEndFacesIsReceivedByThatEnd) {
   EXPECT_GT(all, 0);
 }
 
-TEST(ReceiverPairEcho, CoherenceOfTheFlatBedHasTheShiftOfTheReceiversSamples) {
+TEST(ReceiverPairEcho, CoherenceOfTheFlatSeabedHasTheShiftOfTheReceiversSamples) {
   const double range = 30, step = 0.075;
   const ReceiverBaseline receiver_pair = receiver_pair_at(pi / 6, 0.06, 250e3);
   const ReceiverPairEcho echo =
@@ -115,7 +115,7 @@ TEST(ReceiverPairEcho, CoherenceOfTheFlatBedHasTheShiftOfTheReceiversSamples) {
   EXPECT_NEAR(coherence(echo, 0), 0.999876 * (1 - 0.03 * std::abs(std::sin(lean)) / step), 5e-5);
 }
 
-TEST(ReceiverPairEcho, TiltedBedsAndLongBaselinesFollowTheClosedForm) {
+TEST(ReceiverPairEcho, TiltedSeabedsAndLongBaselinesFollowTheClosedForm) {
   const double depth = 10;
   for (const double slope : {-0.2, 0.0, 0.15})
     for (const double baseline : {0.01, 0.06, 0.2})
@@ -149,17 +149,17 @@ TEST(ReceiverPairEcho, SamplesThatDoNotMeetHaveNoCoherence) {
 
 TEST(ReceiverPairEcho, AnInfinitelyShortBaselineIsOneReceiverAndSwappedOnesAreConjugate) {
   ReceiverBaseline receiver_pair = receiver_pair_at(pi / 6, 1e-7, 250e3);
-  const ReceiverPairHistory bed = strip(10, 0.1, 2, 40);
+  const ReceiverPairHistory seabed = strip(10, 0.1, 2, 40);
   const RangeSamples samples{14, 0.5, 40};
-  const ReceiverPairEcho one = echo_of(bed, patterns_of(receiver_pair), samples);
+  const ReceiverPairEcho one = echo_of(seabed, patterns_of(receiver_pair), samples);
   for (std::size_t k = 0; k < 40; ++k) {
     EXPECT_NEAR(one.cross_real_j[k], one.upper_j[k], 2e-6 * one.upper_j[k]);
     EXPECT_NEAR(one.lower_j[k], one.upper_j[k], 2e-6 * one.upper_j[k]);
   }
   receiver_pair = receiver_pair_at(pi / 6, 0.1, 250e3);
-  const ReceiverPairEcho there = echo_of(bed, patterns_of(receiver_pair), samples);
+  const ReceiverPairEcho there = echo_of(seabed, patterns_of(receiver_pair), samples);
   receiver_pair.axis = -receiver_pair.axis;
-  const ReceiverPairEcho back = echo_of(bed, patterns_of(receiver_pair), samples);
+  const ReceiverPairEcho back = echo_of(seabed, patterns_of(receiver_pair), samples);
   for (std::size_t k = 0; k < 40; ++k) {
     EXPECT_NEAR(there.upper_j[k], back.lower_j[k], 1e-9 * there.upper_j[k]);
     EXPECT_LT(std::abs(cross_of(there, k) - std::conj(cross_of(back, k))), 1e-8 * there.upper_j[k]);
@@ -257,7 +257,7 @@ TEST(ReceiverPairEcho, TotalsAgreeWithQuadratureInSpaceWithPatterns) {
   }
 }
 
-// Independent of all cuts: the bed as a lattice of a million scatterers, each by its own ranges. About the
+// Independent of all cuts: the seabed as a lattice of a million scatterers, each by its own ranges. About the
 // foot point both receivers' ellipses are small and far from each other.
 TEST(ReceiverPairEcho, AgreesWithSumsOverScatterers) {
   const unsigned seed = 161803;
@@ -359,8 +359,8 @@ TEST(ReceiverPairEcho, RealisationsOfScatterersHaveThisCovariance) {
   }
 }
 
-/// A strip of bed 10 m below, and a wall across it whose edge shades the bed behind: the upper receiver sees
-/// more of it.
+/// A strip of seabed 10 m below, and a wall across it whose edge shades the seabed behind: the upper receiver
+/// sees more of it.
 TEST(ReceiverPairEcho, WhatOneReceiverAloneSeesIsReceivedByItAlone) {
   constexpr double depth = 10, wall_x = 10, wall_top = -6, baseline = 1;
   const WorldGrid grid = WorldGrid::fitting(glm::dvec3(-50), glm::dvec3(50));

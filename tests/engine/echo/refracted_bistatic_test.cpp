@@ -20,9 +20,9 @@ const std::vector<double> material_mu{mu};
 const WorldGrid grid{20, glm::dvec3(0)};
 const glm::dvec3 transmitter(0), receiver(-6, 5, 3);
 
-/// A bed of cells between x = 10 and 40 whose height is a function of x and y, and a box on it.
+/// A seabed of cells between x = 10 and 40 whose height is a function of x and y, and a box on it.
 template <class Height>
-FacetMesh bed(double cell_m, const Height& height, bool with_box = false) {
+FacetMesh seabed(double cell_m, const Height& height, bool with_box = false) {
   MeshBuilder builder(grid);
   std::vector<glm::dvec3> points;
   std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -55,7 +55,7 @@ WaterColumn gradient(double g) {
   return {SoundSpeedProfile({{0, 1500 - surface_m * g}, {60, 1500 + (60 - surface_m) * g}}), {}};
 }
 
-/// Tubes over the whole bed.
+/// Tubes over the whole seabed.
 TubeSet tubes_at(glm::dvec3 apex_m, bool fine = false) {
   TubeSet set;
   set.apex = grid.snap(apex_m);
@@ -115,7 +115,7 @@ TEST(RefractedBistatic, IsovelocityWaterIsTheStraightEngine) {
       PerlinReflectivity::Settings{.wavelength_m = 2, .octaves = 1, .depth = 0.8, .seed = 4});
   const TubeSet sent = tubes_at(transmitter), received = tubes_at(receiver);
   for (const auto& field : {std::shared_ptr<const PerlinReflectivity>(), texture}) {
-    const Scenery scenery{bed(2, wavy, true), water, 0.01, field, 0.02};
+    const Scenery scenery{seabed(2, wavy, true), water, 0.01, field, 0.02};
     const RangeSamples samples{20, 0.5, 60};
     const Echo straight = scenery.echo(scenery.straight(sent, received), samples);
     const BistaticHistory history = scenery.history(sent, received);
@@ -134,20 +134,20 @@ TEST(RefractedBistatic, IsovelocityWaterIsTheStraightEngine) {
 
 /// One gradient, physics sheet 2.2: the ray between two places in closed form.
 struct Ray {
-  double time_s, sine_at_bed, tube_area_m2;  ///< the area at the bed per steradian at the apex
+  double time_s, sine_at_seabed, tube_area_m2;  ///< the area at the seabed per steradian at the apex
   Ray(double g, glm::dvec3 apex, glm::dvec3 at) {
     const double cs = 1500 - g * apex.z, cr = 1500 - g * at.z, h = apex.z - at.z;
     const double x = std::hypot(at.x - apex.x, at.y - apex.y), chord2 = x * x + h * h;
     time_s = std::acosh(1 + g * g * chord2 / (2 * cs * cr)) / std::abs(g);
-    sine_at_bed = std::sin(std::asin(h / std::sqrt(chord2)) - std::atan(g * x / (cs + cr)));
+    sine_at_seabed = std::sin(std::asin(h / std::sqrt(chord2)) - std::atan(g * x / (cs + cr)));
     tube_area_m2 = std::pow(cr * std::sinh(g * time_s) / g, 2);
   }
 };
 
-/// Over a flat bed: the energy, and its mean half path as a range.
+/// Over a flat seabed: the energy, and its mean half path as a range.
 std::pair<double, double> closed_form(double g, glm::dvec3 t, glm::dvec3 r) {
   using Rule = boost::math::quadrature::gauss_kronrod<double, 31>;
-  const auto over_bed = [&](bool with_path) {
+  const auto over_seabed = [&](bool with_path) {
     return Rule::integrate(
         [&](double x) {
           return Rule::integrate(
@@ -155,7 +155,7 @@ std::pair<double, double> closed_form(double g, glm::dvec3 t, glm::dvec3 r) {
                 const glm::dvec3 at(x, y, -below_m);
                 const Ray tx(g, t, at), rx(g, r, at);
                 const double speeds = (1500 - g * r.z) / (1500 + g * below_m);
-                return mu * tx.sine_at_bed * rx.sine_at_bed /
+                return mu * tx.sine_at_seabed * rx.sine_at_seabed /
                        (tx.tube_area_m2 * rx.tube_area_m2 * speeds * speeds) *
                        (with_path ? 750 * (tx.time_s + rx.time_s) : 1);
               },
@@ -163,18 +163,18 @@ std::pair<double, double> closed_form(double g, glm::dvec3 t, glm::dvec3 r) {
         },
         10.0, 40.0, 5, 1e-11);
   };
-  const double energy = over_bed(false);
-  return {energy, over_bed(true) / energy};
+  const double energy = over_seabed(false);
+  return {energy, over_seabed(true) / energy};
 }
 
-TEST(RefractedBistatic, FlatBedUnderOneGradientConvergesToTheClosedForm) {
+TEST(RefractedBistatic, FlatSeabedUnderOneGradientConvergesToTheClosedForm) {
   for (const double g : {-1.0, 0.4}) {
     const WaterColumn water = gradient(g);
     const auto [energy, path] = closed_form(g, transmitter, receiver);
     double before = 0;
     for (const double gap : {0.04, 0.0025}) {
       SCOPED_TRACE(testing::Message() << "g " << g << " gap " << gap);
-      const Scenery scenery{bed(15, flat), water, gap, nullptr};
+      const Scenery scenery{seabed(15, flat), water, gap, nullptr};
       const RangeSamples samples{15, 0.02, 2000};
       const BistaticHistory history = scenery.history(tubes_at(transmitter), tubes_at(receiver));
       for (const BistaticFacet& facet : history.bistatic) EXPECT_LT(facet.misfit_m, 1e-9);
@@ -198,7 +198,7 @@ TEST(RefractedBistatic, SwappingTransmitterAndReceiverIsReciprocal) {
   for (const double g : {-1.0, 0.4}) {
     SCOPED_TRACE(g);
     const WaterColumn water = gradient(g);
-    const Scenery scenery{bed(3, wavy, true), water, 0.02, nullptr};
+    const Scenery scenery{seabed(3, wavy, true), water, 0.02, nullptr};
     const TubeSet a = tubes_at(transmitter), b = tubes_at(receiver);
     const RangeSamples samples{20, 0.5, 60};
     const Echo there = scenery.echo(scenery.history(a, b), samples),
@@ -214,7 +214,7 @@ TEST(RefractedBistatic, SwappingTransmitterAndReceiverIsReciprocal) {
 // Pieces of neighbouring tubes neither overlap nor leave gaps on what each apex sees elsewhere.
 TEST(RefractedBistatic, TubesAddUp) {
   const WaterColumn water = gradient(-1);
-  const Scenery scenery{bed(3, wavy, true), water, 0.02, nullptr};
+  const Scenery scenery{seabed(3, wavy, true), water, 0.02, nullptr};
   const RangeSamples samples{10, 60, 1};
   const double whole =
       total(scenery.echo(scenery.history(tubes_at(transmitter), tubes_at(receiver)), samples));
@@ -227,7 +227,7 @@ TEST(RefractedBistatic, TubesAddUp) {
 // In one place it is what the other engine receives, to what one factor a facet leaves out.
 TEST(RefractedBistatic, InOnePlaceItIsTheMonostaticEcho) {
   const WaterColumn water = gradient(-1);
-  const FacetMesh base = bed(3, wavy, true);
+  const FacetMesh base = seabed(3, wavy, true);
   const double gap = 0.001;
   const Scenery scenery{base, water, gap, nullptr};
   const TubeSet tubes = tubes_at(transmitter);
@@ -254,7 +254,7 @@ TEST(RefractedBistatic, InOnePlaceItIsTheMonostaticEcho) {
 
 TEST(RefractedBistatic, RefusesPairsOfOtherFacets) {
   const WaterColumn water = gradient(-1);
-  const Scenery scenery{bed(15, flat), water, 0.1, nullptr};
+  const Scenery scenery{seabed(15, flat), water, 0.1, nullptr};
   BistaticHistory history = scenery.history(tubes_at(transmitter), tubes_at(receiver));
   history.bistatic.pop_back();
   EXPECT_THROW(scenery.echo(history, {15, 1, 40}), std::invalid_argument);

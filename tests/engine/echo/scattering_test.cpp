@@ -19,7 +19,7 @@ namespace tubefoot {
 namespace {
 
 using boost::math::quadrature::gauss_kronrod;
-using test::flat_bed;
+using test::flat_seabed;
 using test::piece_on;
 using test::Polygon2;
 
@@ -63,8 +63,8 @@ Polygon2 wedge(double dphi, double far) {
   return {{0, 0}, {far, 0}, {far * std::cos(dphi), far * std::sin(dphi)}};
 }
 
-/// What a fan of azimuth dphi returns from a bed at distance h between two ranges, by quadrature between the
-/// ranges at which the law changes.
+/// What a fan of azimuth dphi returns from a seabed at distance h between two ranges, by quadrature between
+/// the ranges at which the law changes.
 double fan_by_quadrature(const ScatteringModel& model, double h, double dphi, double from, double to,
                          double absorption) {
   const double beta = 2 * absorption * std::numbers::ln10 / 10;
@@ -129,7 +129,7 @@ TEST(ScatteringEcho, WholePlaneOfAPowerOfTheSineInClosedForm) {
       const Law model = shared(ScatteringModel::gsab({.oblique = 0.02, .oblique_exponent = p}));
       const double far = 1e7 * distance;
       const History history =
-          history_of(flat_bed(distance), {{-far, -far}, {far, -far}, {far, far}, {-far, far}});
+          history_of(flat_seabed(distance), {{-far, -far}, {far, -far}, {far, far}, {-far, far}});
       const double expected = 2 * pi * 0.02 / ((2 + p) * distance * distance);
       EXPECT_NEAR(total(echo_of(history, {0, 2 * far, 1}, model)), expected, 1e-11 * expected) << p;
       EXPECT_NEAR(total(echo_of(history, {distance / 2, distance, 40}, model)),
@@ -145,7 +145,7 @@ TEST(ScatteringEcho, EverySampleOfAFanIsASingleIntegral) {
       shared(ScatteringModel::gsab({.specular = 1, .specular_width_rad = degree})),
       shared(ScatteringModel::gsab({.oblique = 0.1, .oblique_exponent = 0})),
       shared(ScatteringModel::table(std::vector{3.0, 50.0, 90.0}, std::vector{-50.0, -20.0, 3.0}))};
-  const History history = history_of(flat_bed(h), wedge(dphi, 300));
+  const History history = history_of(flat_seabed(h), wedge(dphi, 300));
   for (std::size_t l = 0; l < models.size(); ++l)
     for (const auto& [samples, absorption] :
          {std::pair{RangeSamples{9.9, 0.25, 200}, 0.0}, {RangeSamples{5, 7, 12}, 0.1}}) {
@@ -160,7 +160,7 @@ TEST(ScatteringEcho, EverySampleOfAFanIsASingleIntegral) {
 }
 
 TEST(ScatteringEcho, LambertAsATableConvergesToLambert) {
-  const History history = history_of(flat_bed(8), wedge(0.3, 60));
+  const History history = history_of(flat_seabed(8), wedge(0.3, 60));
   const RangeSamples samples{7.9, 0.5, 60};
   const double lambert = total(echo_of(history, samples, nullptr));
   double error[2];
@@ -255,7 +255,7 @@ TEST(ScatteringEcho, WithPatternsAPolygonIsABruteForceSum) {
 }
 
 TEST(ScatteringEcho, WholeFootprintsScatterByTheirCentroidsAngle) {
-  const FacetPlane plane = flat_bed(5);
+  const FacetPlane plane = flat_seabed(5);
   const History history = history_of(plane, {{2, 1}, {2.02, 1}, {2.02, 1.03}, {2, 1.03}});
   const Footprint& f = history.footprints.footprints.front();
   for (const Law& model : {three_terms(), medium_sand()}) {
@@ -269,7 +269,7 @@ TEST(ScatteringEcho, WholeFootprintsScatterByTheirCentroidsAngle) {
 }
 
 TEST(ScatteringEcho, RaysConvergeToTheTubes) {
-  // Rays at the middles of equal solid angles, over a fan from straight below to 20 degrees above the bed.
+  // Rays at the middles of equal solid angles, over a fan from straight below to 20 degrees above the seabed.
   const double h = 4, dphi = 0.2, highest = std::sin(20 * degree);
   for (const Law& model : {three_terms(), medium_sand()}) {
     const double far = h / highest * std::cos(20 * degree);
@@ -329,12 +329,12 @@ TEST(ScatteringBistatic, LambertAndOneApexAreWhatTheyWere) {
 }
 
 TEST(ScatteringBistatic, IsReciprocal) {
-  const FacetPlane plane = flat_bed(6);
+  const FacetPlane plane = flat_seabed(6);
   const glm::dvec3 receiver(2, 1, -1.5);
   const Polygon2 polygon{{-3, -2}, {6, -1}, {5, 4}, {0, 5}};
   const PlaneFrame frame(plane);
   const glm::dvec2 foot = frame.project(receiver);
-  const FacetPlane other = flat_bed(plane.distance_m + receiver.z);
+  const FacetPlane other = flat_seabed(plane.distance_m + receiver.z);
   const BistaticHistory there = piece_on(plane, polygon, receiver),
                         back = piece_on(other, test::shifted(polygon, -foot), -receiver);
   const RangeSamples samples{5, 0.3, 25};
@@ -363,13 +363,13 @@ TEST(ScatteringBistatic, OneApexAboveTheOtherIsASingleIntegral) {
           rho(k), rho(k + 1), 5, 1e-12);
     }
     const double energy =
-        total(bistatic_echo(piece_on(flat_bed(h1), endless, {0, 0, h2 - h1}), {5, 10, 140}, model));
+        total(bistatic_echo(piece_on(flat_seabed(h1), endless, {0, 0, h2 - h1}), {5, 10, 140}, model));
     EXPECT_NEAR(energy, expected, tolerance * expected);
   }
 }
 
 TEST(ScatteringEcho, RefusesLawsThatDoNotFitTheMaterials) {
-  const History history = history_of(flat_bed(5), wedge(0.1, 20));
+  const History history = history_of(flat_seabed(5), wedge(0.1, 20));
   const std::vector<double> material_mu{mu};
   const std::vector<std::uint16_t> one_facet{0};
   const std::vector<std::uint32_t> beam_of_tube{0};
@@ -377,9 +377,9 @@ TEST(ScatteringEcho, RefusesLawsThatDoNotFitTheMaterials) {
   EchoModel model{material_mu, one_facet, 0};
   model.scattering = models;
   EXPECT_THROW(integrate_echo(history, {1, beam_of_tube}, {1, 1, 30}, model), std::invalid_argument);
-  EXPECT_THROW(
-      integrate_echo(piece_on(flat_bed(5), wedge(0.1, 20), {0, 0, 1}), {1, beam_of_tube}, {1, 1, 30}, model),
-      std::invalid_argument);
+  EXPECT_THROW(integrate_echo(piece_on(flat_seabed(5), wedge(0.1, 20), {0, 0, 1}), {1, beam_of_tube},
+                              {1, 1, 30}, model),
+               std::invalid_argument);
 }
 
 }  // namespace

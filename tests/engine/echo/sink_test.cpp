@@ -43,15 +43,15 @@ TEST(Density, InBallsItHoldsWhatItIsInDoubles) {
   }
 }
 
-/// A rough bed seen by six beams, with and without patterns; one apex, or a receiver 2 m aside.
-struct Bed {
+/// A rough seabed seen by six beams, with and without patterns; one apex, or a receiver 2 m aside.
+struct Seabed {
   FacetMesh mesh;
   SceneTree tree;
   TubeSet tubes = test::forward_tubes({0, 0, 0}, 6, 1, 50, 30, 20),
           aside = test::forward_tubes({0, 2000000, 0}, 6, 1, 50, 30, 20);
   BeamPatterns patterns;
 
-  explicit Bed(FacetMesh m) : mesh(std::move(m)), tree(mesh) {
+  explicit Seabed(FacetMesh m) : mesh(std::move(m)), tree(mesh) {
     const Directivity line{Directivity::Kind::line, {1, 0, 0}, false, 0, 5};
     patterns.transmit = {line};
     patterns.fan_of_tube = none;
@@ -70,22 +70,22 @@ struct Bed {
 class Sinks : public testing::Test {
  protected:
   Sinks()
-      : bed(Bed::rough()),
-        alone(TubeEngine(bed.mesh, bed.tree, unit, {}).trace(bed.tubes)),
-        apart(trace_bistatic(bed.mesh, bed.tree, unit, {}, bed.tubes, bed.aside)) {}
+      : seabed(Seabed::rough()),
+        alone(TubeEngine(seabed.mesh, seabed.tree, unit, {}).trace(seabed.tubes)),
+        apart(trace_bistatic(seabed.mesh, seabed.tree, unit, {}, seabed.tubes, seabed.aside)) {}
 
   template <class Take>
   void for_all(const Take& take) {
-    const BeamPatterns* given = &bed.patterns;
+    const BeamPatterns* given = &seabed.patterns;
     for (const BeamPatterns* patterns : {static_cast<const BeamPatterns*>(nullptr), given})
       for (const CommonVisibility& visibility : {CommonVisibility(alone), CommonVisibility(apart)}) {
         SCOPED_TRACE(testing::Message() << (visibility.one_apex() ? "one apex" : "two apexes")
                                         << (patterns ? ", patterns" : ""));
-        take(visibility, EchoModel{material_mu, bed.mesh.material, 0.1, patterns, 1e-12});
+        take(visibility, EchoModel{material_mu, seabed.mesh.material, 0.1, patterns, 1e-12});
       }
   }
 
-  Bed bed;
+  Seabed seabed;
   History alone;
   BistaticHistory apart;
 };
@@ -160,7 +160,7 @@ TEST_F(Sinks, PartsOfAVisibilityAddUp) {
 }
 
 TEST_F(Sinks, LegsThatDoNotFitAreRefused) {
-  EchoModel model{material_mu, bed.mesh.material, 0.1};
+  EchoModel model{material_mu, seabed.mesh.material, 0.1};
   model.path.tx.loss.factor = 0.5;
   EXPECT_THROW(integrate_echo(alone, {6, beams}, samples, model), std::invalid_argument);
   EXPECT_NO_THROW(integrate_echo(apart, {6, beams}, samples, model));
@@ -168,7 +168,7 @@ TEST_F(Sinks, LegsThatDoNotFitAreRefused) {
 
 TEST_F(Sinks, MirrorsOnEitherLegTakeTheirPart) {
   for (const Binning binning : {Binning::exact, Binning::spread, Binning::centroid}) {
-    EchoModel model{material_mu, bed.mesh.material, 0.1};
+    EchoModel model{material_mu, seabed.mesh.material, 0.1};
     const Echo whole = integrate_echo(apart, {6, beams}, samples, model, binning);
     model.path.tx.loss.factor = 0.5;
     model.path.rx = Leg{};

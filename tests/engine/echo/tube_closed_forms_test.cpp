@@ -49,7 +49,7 @@ struct Site {
   std::unique_ptr<SceneTree> tree;
 };
 
-Site bed(double height) {
+Site seabed(double height) {
   const auto at = [&](double x, double y) { return glm::dvec3(x, y, -height); };
   return Site({{at(-512, -512), at(512, -512), at(512, 512)}, {at(-512, -512), at(512, 512), at(-512, 512)}});
 }
@@ -65,7 +65,7 @@ TubeSet fan(double width, int cells, double shallow, double steep) {
   return set;
 }
 
-/// Energy from the convex polygon in which a tube meets the bed, by its corner rays: in polar coordinates
+/// Energy from the convex polygon in which a tube meets the seabed, by its corner rays: in polar coordinates
 /// about the foot point the integral of r^-6 rho drho is closed, and one over the azimuth is left.
 double energy_through(const TubeSet& set, const Tube& tube, double height) {
   const auto corner = [&](int k) {
@@ -88,14 +88,14 @@ double energy_through(const TubeSet& set, const Tube& tube, double height) {
   return mu * height * height * std::abs(sum);
 }
 
-TEST(TubeClosedForms, AzimuthElevationTubesOnABedAreInsideTheBound) {
+TEST(TubeClosedForms, AzimuthElevationTubesOnASeabedAreInsideTheBound) {
   const struct {
     double height, width, shallow, steep;
   } cases[] = {{10, 1.5, 20, 25}, {10, 1.5, 60, 61}, {4, 20, 30, 70}, {2.5, 0.3, 5, 19}, {8, 90, 40, 50}};
   for (const auto& c : cases) {
     SCOPED_TRACE(testing::Message() << "height " << c.height << ", width " << c.width << ", depression "
                                     << c.shallow << " to " << c.steep);
-    const Site site = bed(c.height);
+    const Site site = seabed(c.height);
     const TubeSet set = fan(c.width * degree, 1, c.shallow * degree, c.steep * degree);
     const double truth = energy_through(set, set.tubes[0], c.height);
     // Straight walls reach farther in than the ring of the same depressions.
@@ -117,7 +117,7 @@ TEST(TubeClosedForms, NarrowTubesTendToTheRingOfTheirDepressions) {
   // E = mu H^2 dphi / 4 (R1^-4 - R2^-4) (physics sheet 7.5); straight walls are off by the square of their
   // width.
   const double h = 10, width = 24 * degree, shallow = 20 * degree, steep = 25 * degree;
-  const Site site = bed(h);
+  const Site site = seabed(h);
   const double truth =
       mu * h * h * width / 4 * (std::pow(h / std::sin(steep), -4) - std::pow(h / std::sin(shallow), -4));
   std::vector<double> error;

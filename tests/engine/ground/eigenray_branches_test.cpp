@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Several rays to the bed: under a thermocline that turns rays back down every place beyond some 310 m is
+// Several rays to the seabed: under a thermocline that turns rays back down every place beyond some 310 m is
 // reached by three. One gradient above the sonar and isovelocity water below it leave all in closed form by
 // launch angle; rays are fanned out over that and binned by where and when they land.
 #include "engine/ground/eigenray_branches.hpp"
@@ -29,12 +29,12 @@ using namespace test;
 constexpr double pi = std::numbers::pi, degree = pi / 180, mu = 1e-3;
 constexpr double half_fan = 1 * degree;
 
-/// A strip of the bed, in cells; the apex is the origin.
+/// A strip of the seabed, in cells; the apex is the origin.
 FacetMesh strip(double from_m, double to_m, double cell_m) {
   std::vector<std::array<glm::dvec3, 3>> facets;
   for (double x = from_m; x < to_m; x += cell_m)
     for (const double y : {-cell_m, 0.0}) {
-      const double z = -TurningWater::bed_m;
+      const double z = -TurningWater::seabed_m;
       facets.push_back({{{x, y, z}, {x + cell_m, y, z}, {x + cell_m, y + cell_m, z}}});
       facets.push_back({{{x, y, z}, {x + cell_m, y + cell_m, z}, {x, y + cell_m, z}}});
     }
@@ -67,16 +67,16 @@ struct Seen {
   Echo echo;
 };
 
-Seen see(const FacetMesh& bed, const TubeSet& tubes, const RangeSamples& samples,
+Seen see(const FacetMesh& seabed, const TubeSet& tubes, const RangeSamples& samples,
          const ApparentMapSettings& settings, int turns = 1) {
   static const WaterColumn water = TurningWater::column();
   EigenrayOptions options;
   options.most_turns = turns;
   options.frequency_hz = TurningWater::frequency_hz;
   const ApparentMap apparent_map(water, glm::dvec3(0), TurningWater::sonar_depth_m, options);
-  std::vector<FacetId> all(bed.facets.size());
+  std::vector<FacetId> all(seabed.facets.size());
   std::iota(all.begin(), all.end(), 0u);
-  Seen seen{map_apparent(bed, all, WorldGrid(20, glm::dvec3(0)), apparent_map, 0, settings), {}, {}};
+  Seen seen{map_apparent(seabed, all, WorldGrid(20, glm::dvec3(0)), apparent_map, 0, settings), {}, {}};
   const FacetMesh& mesh = seen.ground.refined.mesh;
   const SceneTree tree(mesh, SceneTree::HeightFieldSearch::ignored);
   seen.history = TubeEngine(mesh, tree, 0x1p-20, {}).trace(tubes);
@@ -105,8 +105,8 @@ const std::vector<double> elevations{-5, -4, -3.4, 4, 5, 6, 7, 7.2, 7.6, 8, 9, 1
 // Every direction is one ray, and every one that lands does so on one sheet: nothing is missing at the
 // caustic, where two sheets meet, and nothing is there twice.
 TEST(EigenrayBranches, WhatIsSentIsWhatLands) {
-  const FacetMesh bed = strip(200, 440, 40);
-  const Seen seen = see(bed, tubes_of(elevations), {0, 500, 1}, fine());
+  const FacetMesh seabed = strip(200, 440, 40);
+  const Seen seen = see(seabed, tubes_of(elevations), {0, 500, 1}, fine());
   const std::vector<double> found = solid_angles(seen);
   for (std::size_t k = 0; k + 1 < elevations.size(); ++k) {
     if (elevations[k] == -3.4) continue;  // in between rays go over the strip
@@ -119,9 +119,9 @@ TEST(EigenrayBranches, WhatIsSentIsWhatLands) {
 
 // Energy a beam and sample: what is sent, scattered once, by the area of the tube back.
 TEST(EigenrayBranches, EnergiesAreThoseOfAFanOfRays) {
-  const FacetMesh bed = strip(200, 440, 40);
+  const FacetMesh seabed = strip(200, 440, 40);
   const RangeSamples samples{0, 5, 100};
-  const Seen seen = see(bed, tubes_of(elevations), samples, fine());
+  const Seen seen = see(seabed, tubes_of(elevations), samples, fine());
   double later = 0, wanted_later = 0;
   for (std::size_t beam = 0; beam + 1 < elevations.size(); ++beam) {
     if (elevations[beam] == -3.4) continue;
@@ -153,8 +153,8 @@ TEST(EigenrayBranches, EnergiesAreThoseOfAFanOfRays) {
 
 /// Rays to a place, launch angles positive down, as long as the fan sends them.
 std::vector<double> launches_to(double x) {
-  std::vector<double> launch{std::atan(TurningWater::bed_m / x)};
-  const double a = 2 * TurningWater::c / TurningWater::g, root2 = x * x - 4 * a * TurningWater::bed_m;
+  std::vector<double> launch{std::atan(TurningWater::seabed_m / x)};
+  const double a = 2 * TurningWater::c / TurningWater::g, root2 = x * x - 4 * a * TurningWater::seabed_m;
   if (root2 > 0)
     for (const double sign : {-1.0, 1.0}) {
       const double up = std::atan((x + sign * std::sqrt(root2)) / (2 * a));
@@ -164,12 +164,12 @@ std::vector<double> launches_to(double x) {
   return launch;
 }
 
-// Out along one ray and home along another, both ways: places of the bed, one by one.
+// Out along one ray and home along another, both ways: places of the seabed, one by one.
 TEST(EigenrayBranches, MixedEigenraysAreThoseBetweenAllRaysToAPlace) {
-  const FacetMesh bed = strip(200, 440, 40);
+  const FacetMesh seabed = strip(200, 440, 40);
   const RangeSamples samples{0, 5, 100};
   const TubeSet tubes = tubes_of(elevations);
-  const Seen seen = see(bed, tubes, samples, fine());
+  const Seen seen = see(seabed, tubes, samples, fine());
   const std::size_t beams = tubes.tubes.size(), count = std::size_t(samples.count);
   std::vector<double> found(beams * count, 0.0), wanted(beams * count, 0.0);
   const SceneTree tree(seen.ground.refined.mesh, SceneTree::HeightFieldSearch::ignored);
@@ -208,11 +208,11 @@ TEST(EigenrayBranches, MixedEigenraysAreThoseBetweenAllRaysToAPlace) {
 
 // Where one ray leads, nothing is changed by asking for more.
 TEST(EigenrayBranches, OneRayIsOneSheet) {
-  const FacetMesh bed = strip(80, 280, 40);
+  const FacetMesh seabed = strip(80, 280, 40);
   ApparentMapSettings one = fine();
   one.later_arrivals = false;
-  const Seen all = see(bed, tubes_of({-12, -5}), {0, 500, 1}, fine()),
-             first = see(bed, tubes_of({-12, -5}), {0, 500, 1}, one);
+  const Seen all = see(seabed, tubes_of({-12, -5}), {0, 500, 1}, fine()),
+             first = see(seabed, tubes_of({-12, -5}), {0, 500, 1}, one);
   EXPECT_EQ(all.ground.refined.mesh.vertices, first.ground.refined.mesh.vertices);
   EXPECT_EQ(all.ground.refined.mesh.facets, first.ground.refined.mesh.facets);
   EXPECT_EQ(all.ground.facet_factor, first.ground.facet_factor);
@@ -241,7 +241,7 @@ TEST(EigenrayBranches, FamiliesAreThoseOfAFineFan) {
       before = ray;
       at_before = launch;
     }
-    const std::vector<ApparentPoint> found = apparent_map.all_apparent({x, 0, -TurningWater::bed_m});
+    const std::vector<ApparentPoint> found = apparent_map.all_apparent({x, 0, -TurningWater::seabed_m});
     ASSERT_EQ(found.size(), fan.size()) << x;
     for (std::size_t k = 0; k < fan.size(); ++k) {
       const Eigenray& ray = found[k].ray;
@@ -313,7 +313,7 @@ TEST(EigenrayBranches, CausticsAreAsWideAsAirysFunction) {
   const EigenrayFinder finder(water, TurningWater::sonar_depth_m, options);
   int compared = 0;
   for (const double x : {311.0, 315.0, 330.0})
-    for (const Eigenray& ray : finder.all(TurningWater::sonar_depth_m + TurningWater::bed_m, x)) {
+    for (const Eigenray& ray : finder.all(TurningWater::sonar_depth_m + TurningWater::seabed_m, x)) {
       if (ray.turns == 0) continue;
       const double wanted = TurningWater::caustic_area_m2(std::asin(ray.launch_sine));
       EXPECT_NEAR(ray.caustic_area_m2_per_sr / wanted, 1, 1e-3) << x;

@@ -41,9 +41,9 @@ class SineField : public ElevationField {
 
 using Fields = std::vector<std::shared_ptr<const ElevationField>>;
 
-/// A bed of n by n squares about the origin, all of one material or each facet's as told.
-FacetMesh bed(const WorldGrid& grid, int n, double side_m, double slope = 0,
-              std::uint16_t (*material)(int i, int j) = nullptr) {
+/// A seabed of n by n squares about the origin, all of one material or each facet's as told.
+FacetMesh seabed(const WorldGrid& grid, int n, double side_m, double slope = 0,
+                 std::uint16_t (*material)(int i, int j) = nullptr) {
   std::vector<glm::dvec3> points;
   for (int j = 0; j <= n; ++j)
     for (int i = 0; i <= n; ++i) {
@@ -130,7 +130,7 @@ std::vector<std::vector<double>> polygons(const Transmission& transmission) {
 
 /// Of a scene refined equally, both modes see the same, to the last bit.
 TEST(Ground, OnlineAndOfflineSeeTheSame) {
-  const FacetMesh base = bed(grid, 3, 16, 0.1);
+  const FacetMesh base = seabed(grid, 3, 16, 0.1);
   for (int seed = 0; seed < 3; ++seed) {
     SCOPED_TRACE(seed);
     const Fields fields{std::make_shared<SineField>(0.04, 0.5, seed), nullptr};
@@ -148,9 +148,9 @@ TEST(Ground, OnlineAndOfflineSeeTheSame) {
 }
 
 TEST(Ground, RefiningWithoutDisplacementChangesNoEnergy) {
-  // A bed whose every halving is on the grid even where it slopes, and a level one of odd measures.
+  // A seabed whose every halving is on the grid even where it slopes, and a level one of odd measures.
   for (const auto& [side, slope] : {std::pair{16.0, 0.25}, std::pair{14.37, 0.0}}) {
-    const FacetMesh base = bed(grid, 2, side, slope);
+    const FacetMesh base = seabed(grid, 2, side, slope);
     const Ground ground(base, grid, Fields{std::make_shared<SineField>(0.0, 0.5), nullptr}, cells(0.12));
     const TubeSet tubes = camera(2, 25, 6);
     RefinedMesh plain;
@@ -165,9 +165,9 @@ TEST(Ground, RefiningWithoutDisplacementChangesNoEnergy) {
   }
 }
 
-/// Tubes wholly inside a displaced bed see no water: the proof is exact.
+/// Tubes wholly inside a displaced seabed see no water: the proof is exact.
 TEST(Ground, IsWatertightWhateverItsLevels) {
-  const FacetMesh base = bed(grid, 3, 16);
+  const FacetMesh base = seabed(grid, 3, 16);
   const Fields fields{std::make_shared<SineField>(0.08, 0.4), std::make_shared<SineField>(0.02, 0.9)};
   for (const double tolerance : {0.0, 0.02, 0.2, 1.0}) {
     const TubeSet tubes = camera(1.2, 45, 5, 12, 6);
@@ -191,7 +191,7 @@ TEST(Ground, IsWatertightWhateverItsLevels) {
 
 TEST(Ground, BordersOfMaterialsFit) {
   const auto checkered = [](int i, int j) { return static_cast<std::uint16_t>((i + j) % 2); };
-  const FacetMesh base = bed(grid, 4, 8, 0.05, checkered);
+  const FacetMesh base = seabed(grid, 4, 8, 0.05, checkered);
   for (const Fields& fields :
        {Fields{std::make_shared<SineField>(0.1, 0.7), std::make_shared<SineField>(0.06, 0.4, 1)},
         Fields{std::make_shared<SineField>(0.1, 0.7), nullptr}}) {
@@ -262,7 +262,7 @@ TEST(Ground, NormalDisplacementOfASphereStaysClosed) {
 }
 
 TEST(Ground, DoesNotDependOnThreads) {
-  const FacetMesh base = bed(grid, 2, 16);
+  const FacetMesh base = seabed(grid, 2, 16);
   const Ground ground(base, grid, Fields{std::make_shared<SineField>(0.05, 0.5), nullptr}, cells(0.05, 0.02));
   const TubeSet tubes = camera(1.7, 30, 8);
   const std::array<Look, 1> looks{look_of(tubes)};
@@ -279,7 +279,7 @@ TEST(Ground, DoesNotDependOnThreads) {
 /// Where the tolerance leaves facets coarse, samples' energies change by no more than it says (RMS over the
 /// samples that are lit throughout), and fewer facets are made.
 TEST(Ground, ToleranceIsKept) {
-  const FacetMesh base = bed(grid, 1, 16);
+  const FacetMesh base = seabed(grid, 1, 16);
   for (int seed = 0; seed < 3; ++seed) {
     const Fields fields{std::make_shared<SineField>(0.01, 0.4, seed), nullptr};
     const TubeSet tubes = camera(2, 35, 6);
@@ -307,7 +307,7 @@ TEST(Ground, ToleranceIsKept) {
 }
 
 TEST(Ground, FinerReliefChangesNoMoreThanStated) {
-  const FacetMesh base = bed(grid, 1, 16);
+  const FacetMesh base = seabed(grid, 1, 16);
   for (int seed = 0; seed < 3; ++seed) {
     SCOPED_TRACE(seed);
     const Fields fields{std::make_shared<SineField>(0.01, 0.4, seed), nullptr};
@@ -324,8 +324,8 @@ TEST(Ground, FinerReliefChangesNoMoreThanStated) {
   }
 }
 
-TEST(Ground, FindsTheBedInLineWithAPlace) {
-  const FacetMesh base = bed(grid, 1, 64);
+TEST(Ground, FindsTheSeabedInLineWithAPlace) {
+  const FacetMesh base = seabed(grid, 1, 64);
   const SineField field(0.3, 1.1);
   const Ground ground(base, grid, Fields{std::make_shared<SineField>(field), nullptr}, cells(0.02));
   for (const glm::dvec3 at : {glm::dvec3{3.3, -7.1, 2}, {0, 0, 1}, {-20.01, 11.4, 0.2}}) {
@@ -344,7 +344,7 @@ TEST(Ground, FindsTheBedInLineWithAPlace) {
 }
 
 TEST(Ground, RefusesTooMuch) {
-  const FacetMesh base = bed(grid, 1, 100);
+  const FacetMesh base = seabed(grid, 1, 100);
   const Ground ground(base, grid, Fields{std::make_shared<SineField>(0.01, 0.4), nullptr}, cells(0.01));
   EXPECT_EQ(ground.uniform_count(), std::size_t{1} << 29);
   EXPECT_THROW(ground.everywhere({10000}), RefinementTooLarge);

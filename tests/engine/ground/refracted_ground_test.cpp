@@ -20,7 +20,7 @@ namespace {
 constexpr double pi = std::numbers::pi, degree = pi / 180;
 const double mu = std::pow(10, -2.7);
 
-/// A flat bed, the apex at the local frame's origin, and the sea surface above it.
+/// A flat seabed, the apex at the local frame's origin, and the sea surface above it.
 struct Site {
   static constexpr double below_m = 20, apex_depth_m = 10;
   WorldGrid grid{20, glm::dvec3(0)};
@@ -28,7 +28,7 @@ struct Site {
 
   explicit Site(double half_width_m = 256, double cell_m = 512) {
     MeshBuilder builder(grid);
-    test::add_flat_bed(builder, half_width_m, cell_m, below_m);
+    test::add_flat_seabed(builder, half_width_m, cell_m, below_m);
     MeshReport report;
     base = builder.finish(report);
   }
@@ -118,7 +118,7 @@ TEST(RefractedGround, IsovelocityWaterIsTheStraightEngine) {
   }
 }
 
-TEST(RefractedGround, FlatBedUnderOneGradientConvergesToTheClosedForm) {
+TEST(RefractedGround, FlatSeabedUnderOneGradientConvergesToTheClosedForm) {
   const Site site;
   for (const double g : {-0.5, 0.3}) {
     SCOPED_TRACE(g);
@@ -186,7 +186,7 @@ TEST(RefractedGround, TubesOverApparentFacetsClose) {
 
 TEST(RefractedGround, ShadowsAreReportedAndLeftOut) {
   const Site site;
-  // Rays part from the fastest depth, 20 m, between apex and bed: the last to pass is horizontal there.
+  // Rays part from the fastest depth, 20 m, between apex and seabed: the last to pass is horizontal there.
   const WaterColumn water{SoundSpeedProfile({{0, 1460}, {20, 1500}, {40, 1460}}), {}};
   const double edge = 2 * std::sqrt((1500 - 1480) * (1500 + 1480.)) / 2;
   const ApparentSurface ground = site.ground(water, 0.05);
@@ -200,8 +200,8 @@ TEST(RefractedGround, ShadowsAreReportedAndLeftOut) {
   EXPECT_GT(ground.facet_factor.size(), 0u);
 }
 
-// Where rays bend up before they reach the bed, those that would come through it from below are behind it.
-TEST(RefractedGround, BedBehindTheLastRayIsHidden) {
+// Where rays bend up before they reach the seabed, those that would come through it from below are behind it.
+TEST(RefractedGround, SeabedBehindTheLastRayIsHidden) {
   const Site site;
   const double g = 2, cr = 1500 + 20 * g;
   const double last_s =
@@ -214,7 +214,7 @@ TEST(RefractedGround, BedBehindTheLastRayIsHidden) {
   EXPECT_LT(sum(echo), 1e-2 * sum(before));
 }
 
-TEST(RefractedGround, TruePlacesAndAreasAreThoseOfTheBed) {
+TEST(RefractedGround, TruePlacesAndAreasAreThoseOfTheSeabed) {
   const Site site;
   const ApparentSurface ground = site.ground(gradient(-0.5), 0.02);
   double area_m2 = 0;

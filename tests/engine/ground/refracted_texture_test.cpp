@@ -23,9 +23,9 @@ using test::perlin;
 constexpr double degree = std::numbers::pi / 180, below_m = 20, mu = 0.002;
 const WorldGrid grid{20, glm::dvec3(0)};
 
-FacetMesh flat_bed(double half_m, double cell_m) {
+FacetMesh flat_seabed(double half_m, double cell_m) {
   MeshBuilder builder(grid);
-  test::add_flat_bed(builder, half_m, cell_m, below_m);
+  test::add_flat_seabed(builder, half_m, cell_m, below_m);
   MeshReport report;
   return builder.finish(report);
 }
@@ -73,13 +73,13 @@ std::vector<double> hear(const FacetMesh& mesh, const ApparentSurface* ground, c
       .energy;
 }
 
-/// Pixels askew over the part of the bed that the fan sees.
+/// Pixels askew over the part of the seabed that the fan sees.
 Field map_askew(std::uint64_t seed) {
   return test::random_map(9, 8, seed, {{-20, -20}, {6, 1}, {-0.7, 4}, true});
 }
 
 TEST(RefractedTexture, IsovelocityWaterIsTheStraightEngine) {
-  const FacetMesh base = flat_bed(64, 8);
+  const FacetMesh base = flat_seabed(64, 8);
   const WaterColumn water{SoundSpeedProfile({{0, 1480}, {50, 1480}}), {}};
   std::vector<FacetId> all(base.facets.size());
   std::iota(all.begin(), all.end(), 0u);
@@ -100,7 +100,7 @@ TEST(RefractedTexture, IsovelocityWaterIsTheStraightEngine) {
 }
 
 TEST(RefractedTexture, AConstantTextureIsNone) {
-  const ApparentSurface ground = apparent(flat_bed(128, 256), gradient(-0.5), 0.02);
+  const ApparentSurface ground = apparent(flat_seabed(128, 256), gradient(-0.5), 0.02);
   ASSERT_GT(ground.refined.mesh.facets.size(), 100u);
   const Field one = std::make_shared<PerlinReflectivity>(PerlinReflectivity::Settings{.depth = 0});
   const std::vector<double> even = hear(ground.refined.mesh, &ground, nullptr),
@@ -115,8 +115,8 @@ double launch_rad(double g, double t) {
   return std::asin(h / std::hypot(x, h)) + std::atan(g * x / (cs + cr));
 }
 
-/// Energy per tube and sample from the true bed under one gradient: travel time, ray-tube area and angles in
-/// closed form (physics sheet 2.2), texture at the true place, by a rule of many small panels over launch
+/// Energy per tube and sample from the true seabed under one gradient: travel time, ray-tube area and angles
+/// in closed form (physics sheet 2.2), texture at the true place, by a rule of many small panels over launch
 /// azimuth and time.
 double closed_form(double g, double t1, double t2, double azimuth1, double azimuth2,
                    const ReflectivityField& texture) {
@@ -144,8 +144,8 @@ double closed_form(double g, double t1, double t2, double azimuth1, double azimu
 }
 
 // Not at apparent places: those are up to metres away.
-TEST(RefractedTexture, UnderOneGradientItLiesWhereTheBedIs) {
-  const FacetMesh base = flat_bed(128, 256);
+TEST(RefractedTexture, UnderOneGradientItLiesWhereTheSeabedIs) {
+  const FacetMesh base = flat_seabed(128, 256);
   for (const double g : {-1.0, 0.4}) {
     const ApparentSurface ground = apparent(base, gradient(g), 1e-3);
     for (const std::uint64_t seed : {3, 4}) {

@@ -263,10 +263,10 @@ TEST(CoherentPaths, AreReciprocal) {
   }
 }
 
-/// A bed with a leaning plate that reflects, under a rough surface.
-Setting furnished_bed(bool apart) {
+/// A seabed with a leaning plate that reflects, under a rough surface.
+Setting furnished_seabed(bool apart) {
   Setting s;
-  s.mesh = square_bed(-12, 12);
+  s.mesh = square_seabed(-12, 12);
   add_quad(s.mesh, {-4, 6, -12}, {4, 7, -12}, {4, 8, -6}, {-4, 7, -6}, 1);
   s.mu = {0.02, 0.05};
   s.reflection = {0, 0.4};
@@ -287,7 +287,7 @@ TEST(CoherentPaths, TheirVariancesAreEnergies) {
                          1.5},
       received{Directivity::Kind::gaussian, glm::normalize(glm::dvec3(-0.2, 0.4, 0.7)), true, 0, 1.8};
   for (const bool apart : {false, true}) {
-    const Setting s = furnished_bed(apart);
+    const Setting s = furnished_seabed(apart);
     const Mirrored m(s);
     BeamPatterns patterns{{sent}, {received}, {}, {}};
     patterns.fan_of_tube.assign(s.receive.tubes.size(), 0);
@@ -320,7 +320,7 @@ TEST(CoherentPaths, TheirVariancesAreEnergies) {
 // Of two ways that differ, energies add up over grounds; the two ways round of one place are one signal
 // twice.
 TEST(CoherentPaths, OverGroundsTheyAddUpAsEnergiesButForWaysRoundThatAreOne) {
-  const Setting s = furnished_bed(false);
+  const Setting s = furnished_seabed(false);
   const Mirrored m(s);
   const glm::dvec3 at = metres(s.transmit.apex);
   const CoherentReceiver receiver =
@@ -417,11 +417,11 @@ TEST(CoherentPaths, ASmoothPlateOverAWallIsThatOfTheImage) {
   EXPECT_LT(std::abs(p - Complex(0.318785111189, -0.343830832103)), 1e-5);
 }
 
-// What is not scattered, over surface and bed: the image series with signs, to elements beside the apexes.
+// What is not scattered, over surface and seabed: the image series with signs, to elements beside the apexes.
 TEST(CoherentArrivals, OfAChannelAreTheImageSeries) {
   constexpr int order = 4;
   Setting s;
-  s.mesh = square_bed(-20, 150);
+  s.mesh = square_seabed(-20, 150);
   s.transmit = around({0, 0, -5}, -86, 86, 2, 180);
   s.receive = around({100, 0, -10}, -86, 86, 2, 180);
   s.mu = {1e-30};
@@ -492,7 +492,7 @@ TEST(CoherentArrivals, OneSonarReceivesTheSurfaceAboveIt) {
 
 // Law I5.
 TEST(ImageOfPlace, IsBehindTheMirrorsAndKnowsFractionsOfTheGrid) {
-  const Setting s = furnished_bed(true);
+  const Setting s = furnished_seabed(true);
   const Mirrored m(s);
   const glm::dvec3 apex = metres(s.transmit.apex),
                    place = apex + glm::dvec3(0.1234567891, -0.2, 0.3141592653);
@@ -564,7 +564,7 @@ TEST(CoherentPaths, SayWhatTheyCannotDo) {
         "mirrors");
   });
   Setting refracted = under_surface(2);
-  refracted.mesh = square_bed(-20, 30);
+  refracted.mesh = square_seabed(-20, 30);
   const WaterColumn column = gradient(-0.5, 1510);
   const PathWater water = water_of(column, 1e-2);
   const SceneTree tree(refracted.mesh);

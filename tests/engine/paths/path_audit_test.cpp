@@ -15,13 +15,13 @@ namespace {
 using namespace test;
 
 FacetMesh harbour() {
-  FacetMesh mesh = square_bed(-4, 9);
+  FacetMesh mesh = square_seabed(-4, 9);
   add_quad(mesh, {2, -3, -4}, {2, 3, -4}, {2.5, 3, -1.5}, {2.5, -3, -1.5}, 1);
   add_quad(mesh, {-2, 1, -4}, {-1, 1, -4}, {-1, 1, -2.5}, {-2, 1, -2.5});
   return mesh;
 }
 
-/// A bed, a wall and a leaning plate that mirrors, under a surface.
+/// A seabed, a wall and a leaning plate that mirrors, under a surface.
 struct Harbour {
   const FacetMesh mesh = harbour();
   const SceneTree tree{mesh};

@@ -13,7 +13,7 @@ namespace {
 
 using namespace test;
 
-/// A sloping bed with a block on it, below the sea surface at z = 0.
+/// A sloping seabed with a block on it, below the sea surface at z = 0.
 Setting basin() {
   Setting s;
   add_quad(s.mesh, {-9, -9, -9}, {9, -9, -7.5}, {9, 9, -7}, {-9, 9, -8.5});
@@ -56,7 +56,7 @@ TEST(PathBounds, HoldTheOrdinaryEnergies) {
 
 TEST(PathBounds, PatternsAtBothEndsAndMirrorFacets) {
   Setting s = basin();
-  s.mesh = square_bed(-8, 6);
+  s.mesh = square_seabed(-8, 6);
   s.samples = {2, 1, 10};
   s.paths.order = 2;
   s.reflection = {0.3};
@@ -86,7 +86,7 @@ TEST(PathBounds, PatternsAtBothEndsAndMirrorFacets) {
 // The surface's image of the receiver, without a mirror: the same energies but for what the surface takes.
 TEST(PathBounds, AMirrorIsTheImageScene) {
   Setting s = basin();
-  s.mesh = square_bed(-8, 30);
+  s.mesh = square_seabed(-8, 30);
   s.paths.mirrors.surface = SeaSurface{0, 0.5, 0};
   s.paths.order = 2;
   s.paths.direct = false;
@@ -108,7 +108,8 @@ TEST(PathBounds, AMirrorIsTheImageScene) {
   };
   add({0, 0, -4}, {-1.5, 1, 5});
   add({0, 0, 4}, {-1.5, 1, -5});
-  // Only paths that reach the bed at more than a degree below the images' horizon: all within these samples.
+  // Only paths that reach the seabed at more than a degree below the images' horizon: all within these
+  // samples.
   for (std::size_t k = 0; k < energy.size(); ++k) {
     const double found = over.by_order[2].energy[k];
     EXPECT_LE(std::abs(found - energy[k]), bound[k] + over.bound_by_order[2][k] + 1e-12 * found) << k;
@@ -118,7 +119,7 @@ TEST(PathBounds, AMirrorIsTheImageScene) {
 
 TEST(PathBounds, ArrivalsAreTheClosedFormInOneSampleOrOnTheBorderOfTwo) {
   Setting s = basin();
-  s.mesh = square_bed(-50, 1);
+  s.mesh = square_seabed(-50, 1);
   s.mu = {0};
   s.paths.order = 1;
   s.paths.direct = false;

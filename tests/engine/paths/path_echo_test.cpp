@@ -23,7 +23,7 @@ constexpr std::int32_t metre = 1 << 20;
 /// Depths: source 5 m, receiver 10 m, water 20 m, 100 m apart.
 Setting channel(int order) {
   Setting s;
-  s.mesh = square_bed(-20, 150);
+  s.mesh = square_seabed(-20, 150);
   s.transmit = around({0, 0, -5}, -86, 86, 2, 180);
   s.receive = around({100, 0, -10}, -86, 86, 2, 180);
   s.samples = {40, 0.2, 250};
@@ -76,7 +76,7 @@ TEST(PathEcho, AFlatChannelIsTheImageSeries) {
 
 TEST(PathEcho, AFlatMirrorAtNormalIncidenceReturnsByItsImage) {
   Setting s;
-  s.mesh = square_bed(-20, 50);
+  s.mesh = square_seabed(-20, 50);
   s.transmit = s.receive = around({3, -2, -5}, -90 + 1e-3, -10, 4, 100);
   s.samples = {0, 0.1, 400};
   s.mu = {1e-12};
@@ -96,9 +96,9 @@ TEST(PathEcho, AFlatMirrorAtNormalIncidenceReturnsByItsImage) {
   EXPECT_EQ(total(paths.by_order[0]), 0);  // a sonar in one place receives nothing directly
 }
 
-// Order 2: bed seen straight and by the image over the surface, there and back. Order 3: by the image both
-// ways, which is a sonar as far above the bed.
-TEST(PathEcho, SurfaceMultiplesOfAFlatBedInClosedForm) {
+// Order 2: seabed seen straight and by the image over the surface, there and back. Order 3: by the image both
+// ways, which is a sonar as far above the seabed.
+TEST(PathEcho, SurfaceMultiplesOfAFlatSeabedInClosedForm) {
   const Setting s = under_surface(3);
   const PathEcho paths = s.run();
   EXPECT_EQ(total(paths.by_order[1]), 0);
@@ -191,7 +191,7 @@ TEST(PathEcho, TheCutOffDropsWhatItSaysAndNothingElse) {
 TEST(PathEcho, EnergyGoesDownWithEveryLoss) {
   Setting s = channel(4);
   s.mu = {0.05};
-  s.mesh = square_bed(-20, 100);
+  s.mesh = square_seabed(-20, 100);
   s.transmit = s.receive = around({1, 2, -5}, -86, 86, 4, 100);
   s.samples = {5, 0.5, 90};
   std::vector<double> before;
@@ -242,7 +242,7 @@ struct Rays {
   }
 };
 
-// Two perpendicular plates, a bed that runs under both and past them, and loose facets that cut through
+// Two perpendicular plates, a seabed that runs under both and past them, and loose facets that cut through
 // everything: mirrors' planes cut facets, facets hide each other on the transmit leg, between and on the way
 // back.
 TEST(PathEcho, OnceMirroredOnceScatteredAgreesWithBruteForceRays) {
@@ -516,7 +516,7 @@ TEST(PathEcho, TwoScatteringsOverASurfaceAreThoseOfItsImage) {
   // The second plate seen in the surface stands as far above it: the same as a scene with that plate instead,
   // as far as the way from plate to plate is the one by the surface.
   Setting s;
-  s.mesh = square_bed(-4, 2);
+  s.mesh = square_seabed(-4, 2);
   s.transmit = s.receive = around({0, 0, -2}, -89, -5, 3, 40);
   s.samples = {0, 40, 1};
   s.mu = {0.2};
@@ -526,7 +526,7 @@ TEST(PathEcho, TwoScatteringsOverASurfaceAreThoseOfItsImage) {
   s.paths.patch_m = 0.5;
   s.paths.mirrors.surface = SeaSurface{0, 0.7, 0};
   const double over_surface = total(s.run().by_order[3]);
-  // Bed to bed by the surface, 4 m up: from each point p to q by way of an image 8 m apart.
+  // Bed to seabed by the surface, 4 m up: from each point p to q by way of an image 8 m apart.
   constexpr int n = 40;
   double expected = 0;
   for (int i = 0; i < n * n; ++i)

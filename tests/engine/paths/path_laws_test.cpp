@@ -85,7 +85,7 @@ TEST(PathLaws, TwoScatteringsGoWithTheAlbedoSquaredAndStayBelowTheFirst) {
 // Between two level mirrors paths get longer with every reflection, and each costs the albedo.
 TEST(PathLaws, OrdersOfAChannelFallByTheAlbedoAndTheirSumConverges) {
   Setting s;
-  s.mesh = square_bed(-20, 120);
+  s.mesh = square_seabed(-20, 120);
   s.transmit = around({0, 0, -5}, -86, 86, 2, 250);
   s.receive = around({30, 5, -12}, -86, 86, 2, 250);
   s.samples = {10, 1, 100};
@@ -117,10 +117,10 @@ TEST(PathLaws, OrdersOfAChannelFallByTheAlbedoAndTheirSumConverges) {
 }
 
 // One reflection more is one factor more, whatever is scattered besides, and what is scattered once is
-// scattered once. The bed is no mirror of its own.
+// scattered once. The seabed is no mirror of its own.
 TEST(PathLaws, ScatteredOrdersFallByTheAlbedoOfTheirMirrors) {
   Setting s;
-  s.mesh = square_bed(-20, 60);
+  s.mesh = square_seabed(-20, 60);
   s.transmit = s.receive = around({0, 0, -5}, -86, 86, 2, 120);
   s.samples = {10, 1, 45};
   s.paths.order = 4;
@@ -147,7 +147,7 @@ TEST(PathLaws, ScatteredOrdersFallByTheAlbedoOfTheirMirrors) {
 
 TEST(PathLaws, TransmitterAndReceiverMayChangePlaces) {
   Setting s;
-  s.mesh = square_bed(-4, 3);
+  s.mesh = square_seabed(-4, 3);
   add_quad(s.mesh, {3.1, -2, -3.5}, {3.1, 2, -3.5}, {3.1, 2, -1}, {3.1, -2, -1}, 1);
   add_triangle(s.mesh, {-1, 0.5, -2.5}, {0.5, 1.5, -3}, {-0.5, 0, -1.5}, 0);
   s.transmit = around({-0.5, 0.25, -1}, -85, 85, 3, 40);
@@ -168,7 +168,7 @@ TEST(PathLaws, TransmitterAndReceiverMayChangePlaces) {
   }
 }
 
-constexpr ScatteringModel::Gsab hard_bed{.specular = 0.05, .specular_width_rad = 0.4, .oblique = 0.01};
+constexpr ScatteringModel::Gsab hard_seabed{.specular = 0.05, .specular_width_rad = 0.4, .oblique = 0.01};
 
 /// 1 + sin(k . place) / 2.
 class Waves : public ReflectivityField {
@@ -185,12 +185,12 @@ class Waves : public ReflectivityField {
   glm::dvec3 number_{0.7, -0.4, 0.2};
 };
 
-// By the surface both ways, the bed is what a sonar above the surface sees of it: with all its law and
+// By the surface both ways, the seabed is what a sonar above the surface sees of it: with all its law and
 // texture.
-TEST(PathLaws, OverAMirrorTheBedHasItsTextureAndItsLaw) {
+TEST(PathLaws, OverAMirrorTheSeabedHasItsTextureAndItsLaw) {
   for (const bool textured : {false, true}) {
     Setting s;
-    s.mesh = square_bed(-20, 200);
+    s.mesh = square_seabed(-20, 200);
     s.transmit = s.receive = around({1.5, -2, -5}, -88, 88, 6, 120);
     s.samples = {27, 2, 10};
     s.mu = {0.01};
@@ -200,7 +200,7 @@ TEST(PathLaws, OverAMirrorTheBedHasItsTextureAndItsLaw) {
     if (textured)
       s.texture = {std::make_shared<Waves>()};
     else
-      s.scattering = {std::make_shared<ScatteringModel>(ScatteringModel::gsab(hard_bed))};
+      s.scattering = {std::make_shared<ScatteringModel>(ScatteringModel::gsab(hard_seabed))};
     const TubeSet above = around({1.5, -2, 5}, -88, 88, 6, 120);
     const Echo image = s.first_order(above, above);
     const PathEcho paths = s.run();

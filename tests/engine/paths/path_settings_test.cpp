@@ -32,7 +32,7 @@ INSTANTIATE_TEST_SUITE_P(Samplings, PathRaysOf,
                          testing::Values(RaySampling::stratified, RaySampling::adaptive),
                          [](const auto& given) { return std::string(name_of(given.param)); });
 
-TEST_P(PathRaysOf, SurfaceMultiplesOfAFlatBedInClosedForm) {
+TEST_P(PathRaysOf, SurfaceMultiplesOfAFlatSeabedInClosedForm) {
   Setting s = under_surface(3);
   std::vector<Spread> once(30), twice(30);
   for (std::uint64_t seed = 1; seed <= 16; ++seed) {
@@ -56,11 +56,11 @@ TEST_P(PathRaysOf, SurfaceMultiplesOfAFlatBedInClosedForm) {
   }
 }
 
-/// A separate receiver in a channel with a rough surface and a bed that scatters and reflects, and a block
+/// A separate receiver in a channel with a rough surface and a seabed that scatters and reflects, and a block
 /// that stands on it, or floats.
 Setting harbour(bool apart, double block_from_m = -10, double block_to_m = -4) {
   Setting s;
-  s.mesh = square_bed(-10, 40);
+  s.mesh = square_seabed(-10, 40);
   const auto box = [&](glm::dvec3 lo, glm::dvec3 hi) {
     add_quad(s.mesh, {lo.x, lo.y, lo.z}, {hi.x, lo.y, lo.z}, {hi.x, lo.y, hi.z}, {lo.x, lo.y, hi.z}, 1);
     add_quad(s.mesh, {lo.x, lo.y, hi.z}, {hi.x, lo.y, hi.z}, {hi.x, hi.y, hi.z}, {lo.x, hi.y, hi.z}, 1);
@@ -121,7 +121,7 @@ TEST(PathRays, TheMeanOverSeedsIsWhatExactCutsGive) {
   }
 }
 
-// Bent rays over the surface and the level bed. The block scatters only: its walls are no level mirrors.
+// Bent rays over the surface and the level seabed. The block scatters only: its walls are no level mirrors.
 TEST(PathRays, TheMeanOverSeedsIsWhatExactCutsGiveInRefractingWater) {
   for (const double gradient_per_s : {-2.0, 1.5})
     for (const bool apart : {false, true}) {
@@ -222,7 +222,7 @@ TEST(PathDoubles, SeeTheSameWhereNothingIsDegenerate) {
     }
 }
 
-// A block on the bed whose top is as deep as the sonar.
+// A block on the seabed whose top is as deep as the sonar.
 TEST(PathDoubles, InADegenerateSceneTheyStayFinite) {
   for (const double tolerance : {0.0, 1e-14, 1e-9}) {
     Setting s = harbour(true);

@@ -33,7 +33,7 @@ ReceiverPairPathEcho run(const Setting& s, const ReceiverBaseline& receiver_pair
                                  s.model(s.transmit, &patterns), settings);
 }
 
-/// A sloping bed with a plate on it that mirrors, below a rough surface at z = 0.
+/// A sloping seabed with a plate on it that mirrors, below a rough surface at z = 0.
 Setting basin(bool apart) {
   Setting s;
   add_quad(s.mesh, {-4, -4, -7}, {4, -4, -6}, {4, 4, -5.5}, {-4, 4, -6.5});
@@ -88,7 +88,7 @@ TEST(ReceiverPairPathBounds, HoldTheOrdinaryEnergiesAndProducts) {
 
 TEST(ReceiverPairPathBounds, PatternsAtBothEnds) {
   Setting s = basin(true);
-  s.mesh = square_bed(-6, 3);
+  s.mesh = square_seabed(-6, 3);
   s.samples = {3, 2, 2};
   s.paths.mirrors.surface->roughness = 0;
   Directivity sent{Directivity::Kind::line, {0.6, 0, 0.8}}, received{Directivity::Kind::line, {0, 0, 1}};
@@ -105,7 +105,7 @@ TEST(ReceiverPairPathBounds, PatternsAtBothEnds) {
 // but for what the surface takes.
 TEST(ReceiverPairPathBounds, AMirrorIsTheImageScene) {
   Setting s;
-  s.mesh = square_bed(-6, 12);
+  s.mesh = square_seabed(-6, 12);
   s.transmit = around({0, 0, -3}, -89, 89, 2, 40, 4);
   s.receive = around({-1, 0.75, -4}, -89, 89, 2, 40, 4);
   s.samples = {4, 2, 3};
@@ -150,7 +150,7 @@ TEST(ReceiverPairPathBounds, AMirrorIsTheImageScene) {
 // 4 m up and 8 m down to the receiver pair's middle, which is 5 m aside: 13 m.
 TEST(ReceiverPairPathBounds, ArrivalsHaveTheProductInClosedForm) {
   Setting s;
-  s.mesh = square_bed(-50, 1);
+  s.mesh = square_seabed(-50, 1);
   s.mu = {0};
   s.transmit = around({0, 0, -4}, -89, 89, 2, 60, 4);
   s.receive = around({5, 0, -8}, -89, 89, 2, 60, 4);

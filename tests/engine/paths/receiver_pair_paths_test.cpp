@@ -33,10 +33,10 @@ std::array<ReceiverPairEcho, 3> by_mirrors(const Setting& s, const ReceiverBasel
           std::move(paths.by_order[2]), std::move(paths.by_order[3])};
 }
 
-/// 1.5 m below the surface and 2.5 m above a bed, before a plate that leans away and mirrors and scatters.
+/// 1.5 m below the surface and 2.5 m above a seabed, before a plate that leans away and mirrors and scatters.
 Setting before_a_plate(int order) {
   Setting s;
-  s.mesh = square_bed(-4, 3);
+  s.mesh = square_seabed(-4, 3);
   add_quad(s.mesh, {2, -1.5, -3.5}, {2, 1.5, -3.6}, {2.6, 1.5, -1}, {2.6, -1.5, -0.9}, 1);
   s.transmit = s.receive = around({0, 0, -1.5}, -89.9, 89.9, 4, 24);
   s.samples = {1, 0.25, 44};
@@ -238,7 +238,7 @@ TEST(ReceiverPairPaths, EachReceiverHasItsOwnSamples) {
 // The surface and back: the receiver pair's image looks down from above the water.
 TEST(ReceiverPairPaths, AReceiverPairInTheSurfaceIsItsImage) {
   Setting s;
-  s.mesh = square_bed(-9, 14);
+  s.mesh = square_seabed(-9, 14);
   const auto looking = [](double z, double up) {
     TubeSet set;
     set.apex = at({0, 0, z});
@@ -334,10 +334,10 @@ TEST(ReceiverPairPaths, WithoutLengthAReceiverPairIsOneReceiver) {
     }
 }
 
-// A bed and a wall that light each other: all pairs of points of the two.
+// A seabed and a wall that light each other: all pairs of points of the two.
 TEST(ReceiverPairPaths, TwoScatteringsAgreeWithPairsOfPoints) {
   Setting s;
-  s.mesh = square_bed(-4, 1.5);
+  s.mesh = square_seabed(-4, 1.5);
   add_quad(s.mesh, {2, -1.5, -3.5}, {2, -1.5, -1}, {2, 1.5, -1}, {2, 1.5, -3.5}, 1);
   s.transmit = s.receive = around({-0.5, 0.2, -0.5}, -89.9, 89.9, 4, 24);
   s.samples = {2, 0.4, 15};

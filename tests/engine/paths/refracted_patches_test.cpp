@@ -105,7 +105,7 @@ TEST(RefractedPatches, MirrorScatterScatterMirrorAgreesWithSumsOverPoints) {
 
 // A sample does not know how long the record is, however much slower than the reference sound is.
 TEST(RefractedPatches, ALongerRecordHoldsAShorterOne) {
-  Setting s;  // A bed, and beside the sonar a wall that lights it from the same side.
+  Setting s;  // A seabed, and beside the sonar a wall that lights it from the same side.
   add_quad(s.mesh, {0, -0.5, -5}, {4, -0.5, -5}, {4, 0.5, -5}, {0, 0.5, -5});
   add_quad(s.mesh, {-0.3, -0.5, -5}, {-0.3, 0.5, -5}, {-0.3, 0.5, -4.5}, {-0.3, -0.5, -4.5});
   s.transmit = s.receive = around({0, 0, -4.6}, -89.99, 20, 3, 60, 4);
@@ -128,11 +128,11 @@ TEST(RefractedPatches, ALongerRecordHoldsAShorterOne) {
   EXPECT_GT(held, 0);
 }
 
-// A flat bed lights itself where rays are bent down, and does not where they are bent up.
-TEST(RefractedPatches, AFlatBedIsLitByItselfAlongRaysThatTurn) {
+// A flat seabed lights itself where rays are bent down, and does not where they are bent up.
+TEST(RefractedPatches, AFlatSeabedIsLitByItselfAlongRaysThatTurn) {
   for (const double g : {-60.0, 60.0}) {
     Setting s;
-    s.mesh = square_bed(-5, 1.2);
+    s.mesh = square_seabed(-5, 1.2);
     s.transmit = s.receive = around({0.3, 0.2, -3}, -89.9, -20, 3, 60, 4);
     s.samples = {1, 0.5, 20};
     s.mu = {0.2};
@@ -186,8 +186,8 @@ TEST(RefractedPatches, AllThatLambertsLawSendsArrivesOnce) {
     PathWater water = through_water(column, 1e-3);
     water.rays.deepest_turn_m = std::numeric_limits<double>::infinity();
     const Mirrors none;
-    const RefractedImages bed(box, tree, VisibilityOptions(), none, 0, 10, 0, water,
-                              {around(middle, -80, 80, 1, 30)}, 1);
+    const RefractedImages seabed(box, tree, VisibilityOptions(), none, 0, 10, 0, water,
+                                 {around(middle, -80, 80, 1, 30)}, 1);
     for (FacetId facet = 0; facet < box.facets.size(); ++facet) {
       glm::dvec3 c[3];
       for (std::size_t k = 0; k < 3; ++k) c[k] = metres(box.vertices[box.facets[facet][k]]);
@@ -196,10 +196,10 @@ TEST(RefractedPatches, AllThatLambertsLawSendsArrivesOnce) {
       // Near to an edge: 5 cm from the wall there.
       const glm::dvec3 place = 0.6 * c[0] + 0.38 * c[1] + 0.02 * c[2];
       const GridPoint apex = in_front(box, facet, at(middle), (place - middle) / unit, normal, 4);
-      RefractedImages from(bed, water, front_tubes(apex, normal, 30 / unit), 1, {normal, 0.25});
+      RefractedImages from(seabed, water, front_tubes(apex, normal, 30 / unit), 1, {normal, 0.25});
       const std::vector<Image> images = from.images_of(0);
       ASSERT_EQ(images.size(), 1u);
-      const SeenBed seen = from.seen_by(images[0]);
+      const VisibleSurface seen = from.seen_by(images[0]);
       double sum = 0, own = 0;
       for (const RadiosityPatch& patch : patches_of(from.base(), apex, seen, unit, 0.5, {}, normal)) {
         sum += patch.projected_sr;
@@ -223,14 +223,14 @@ TEST(RefractedPatches, ShadowsBeforeAPatchAreCounted) {
   const WaterColumn column = column_of({1800, -60});
   const PathWater water = through_water(column, 1e-3);
   const Mirrors none;
-  const RefractedImages bed(walls, tree, VisibilityOptions(), none, 0, 10, 0, water,
-                            {around({0, 0, -4}, -80, 80, 1, 30)}, 1);
+  const RefractedImages seabed(walls, tree, VisibilityOptions(), none, 0, 10, 0, water,
+                               {around({0, 0, -4}, -80, 80, 1, 30)}, 1);
   const glm::dvec3 normal(1, 0, 0);
   for (const double depth : {0.05, 0.9}) {
     const GridPoint apex = at({-2 + 4 * unit, 0.01, -depth});
-    RefractedImages from(bed, water, front_tubes(apex, normal, 30 / unit), 1, {normal, 0.05});
+    RefractedImages from(seabed, water, front_tubes(apex, normal, 30 / unit), 1, {normal, 0.05});
     const std::vector<Image> images = from.images_of(0);
-    const SeenBed seen = from.seen_by(images.at(0));
+    const VisibleSurface seen = from.seen_by(images.at(0));
     const GroundCounts counts = from.counts({&seen, 1});
     // Chords of 4 m need (4 m)^2 / 8 g / c = 7 cm of water over them.
     EXPECT_EQ(counts.in_shadow > 0, depth < 0.07) << depth;

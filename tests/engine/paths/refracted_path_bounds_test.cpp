@@ -61,12 +61,12 @@ Setting few(bool apart) {
   return s;
 }
 
-// Rings of a flat bed; moved by twice the bound they are held no more.
+// Rings of a flat seabed; moved by twice the bound they are held no more.
 TEST(RefractedPathBounds, HoldTheSurfaceMultiplesOfOneGradient) {
   for (const auto& [g, roughness, widest] : {std::tuple(-0.6, 0.0, 0.08), std::tuple(0.5, 2.5, 0.35)}) {
     SCOPED_TRACE(fmt::format("g {} roughness {}", g, roughness));
     Setting s = under_surface(3);
-    s.mesh = square_bed(-20, 60);
+    s.mesh = square_seabed(-20, 60);
     s.paths.mirrors.surface->roughness = roughness;
     s.samples = {27, 4, 4};
     const WaterColumn column = gradient(g, 1510);
@@ -91,7 +91,7 @@ TEST(RefractedPathBounds, HoldTheSurfaceMultiplesOfOneGradient) {
 TEST(RefractedPathBounds, WhatTubesHearAddsUp) {
   const WaterColumn column = gradient(-0.7, 1510);
   Setting s = under_surface(2);
-  s.mesh = square_bed(-20, 40);
+  s.mesh = square_seabed(-20, 40);
   s.transmit = s.receive = around({0, 0, -5}, -88, 88, 2, 90);
   s.samples = {24, 5, 3};
   const PathEcho all = certified(water_of(column, 3e-2), s, 1e-2);
@@ -161,8 +161,8 @@ TEST(RefractedPathBounds, AGradientThatGoesToZeroLeavesTheImageSeries) {
   }
 }
 
-// Behind walls and over a plate that mirrors: ordinary energies of a fine bed are held by bounds of a coarse
-// one, and so are the same with transmitter and receiver exchanged.
+// Behind walls and over a plate that mirrors: ordinary energies of a fine seabed are held by bounds of a
+// coarse one, and so are the same with transmitter and receiver exchanged.
 TEST(RefractedPathBounds, HoldOrdinaryEnergiesAndThoseOfExchangedEnds) {
   const WaterColumn column = gradient(-0.7, 1510, 0.02);
   Setting s = few(true);
@@ -192,7 +192,7 @@ TEST(RefractedPathBounds, HoldOrdinaryEnergiesAndThoseOfExchangedEnds) {
 TEST(RefractedPathBounds, HoldOrdinaryEnergiesOfPatterns) {
   const WaterColumn column = gradient(-0.7, 1510);
   Setting s = under_surface(2);
-  s.mesh = square_bed(-20, 24);
+  s.mesh = square_seabed(-20, 24);
   s.transmit = s.receive = around({0, 0, -5}, -88, 88, 2, 90);
   s.samples = {24, 6, 1};
   BeamPatterns patterns;

@@ -41,8 +41,8 @@ TEST(RefractedPaths, IsovelocityWaterIsTheStraightEngine) {
   }
 }
 
-// To first order: half of the gradient moves energies half as far from those of isovelocity water. The bed's
-// cells are small enough for all, so that all are cut alike.
+// To first order: half of the gradient moves energies half as far from those of isovelocity water. The
+// seabed's cells are small enough for all, so that all are cut alike.
 TEST(RefractedPaths, AGradientThatGoesToZeroLeavesTheImageSeries) {
   Setting s = under_surface(3);
   s.mesh = FacetMesh();
@@ -66,13 +66,13 @@ TEST(RefractedPaths, AGradientThatGoesToZeroLeavesTheImageSeries) {
     }
 }
 
-// Mirror and bed in one gradient, there by the surface and straight back, and by the surface both ways: rings
-// of the bed by rays in closed form.
-TEST(RefractedPaths, SurfaceMultiplesOfAFlatBedInOneGradient) {
+// Mirror and seabed in one gradient, there by the surface and straight back, and by the surface both ways:
+// rings of the seabed by rays in closed form.
+TEST(RefractedPaths, SurfaceMultiplesOfAFlatSeabedInOneGradient) {
   for (const double g : {-0.6, 0.5}) {
     for (const double roughness : {0.0, 2.5}) {
       Setting s = under_surface(3);
-      s.mesh = square_bed(-20, 60);
+      s.mesh = square_seabed(-20, 60);
       s.paths.mirrors.surface->roughness = roughness;
       const WaterColumn column = gradient(g, 1510);
       const PathEcho paths = through(water_of(column, 5e-4), s);
@@ -91,7 +91,7 @@ TEST(RefractedPaths, SurfaceMultiplesOfAFlatBedInOneGradient) {
 TEST(RefractedPaths, PatternsAreTakenWhereRaysAreLaunched) {
   const Directivity tilted{Directivity::Kind::gaussian, {0, 0, 1}, true, 0, 1.5};
   Setting s = under_surface(3);
-  s.mesh = square_bed(-20, 60);
+  s.mesh = square_seabed(-20, 60);
   const double g = -0.8;
   const WaterColumn column = gradient(g, 1510);
   const Circles circles{1510, g};
@@ -136,11 +136,11 @@ TEST(RefractedPaths, PatternsAreTakenWhereRaysAreLaunched) {
   }
 }
 
-// A channel: what comes unscattered from a transmitter to a receiver 40 m away, over surface and bed.
+// A channel: what comes unscattered from a transmitter to a receiver 40 m away, over surface and seabed.
 TEST(RefractedPaths, AChannelIsASeriesOfRays) {
   constexpr int order = 4;
   Setting s;
-  s.mesh = square_bed(-20, 150);
+  s.mesh = square_seabed(-20, 150);
   s.transmit = around({0, 0, -5}, -86, 86, 2, 180);
   s.receive = around({40, 0, -10}, -86, 86, 2, 180);
   s.samples = {15, 0.05, 1200};
@@ -156,7 +156,7 @@ TEST(RefractedPaths, AChannelIsASeriesOfRays) {
   const PathEcho paths = through(water_of(column, 1), s);
   EXPECT_EQ(paths.arrivals, 1u + 2 * order);
   Setting certified = s;  // in samples that hold an arrival each, with bounds
-  certified.mesh = square_bed(-20, 60);
+  certified.mesh = square_seabed(-20, 60);
   certified.paths.order = 2;
   certified.paths.reference_tolerance = 1e-3;
   certified.samples = {15, 2.5, 20};
@@ -187,7 +187,7 @@ TEST(RefractedPaths, AChannelIsASeriesOfRays) {
                                            expected.begin() + 50 * std::ptrdiff_t(k) + 50, 0.0),
                    energy = reference.by_order[std::size_t(n)].energy[k],
                    bound = reference.bound_by_order[std::size_t(n)][k];
-      if (!(truth > 0)) continue;  // what the bed scatters
+      if (!(truth > 0)) continue;  // what the seabed scatters
       EXPECT_LE(std::abs(energy - truth), bound + 1e-8 * truth) << "order " << n << " sample " << k;
       EXPECT_LT(bound, 1e-6 * truth) << "order " << n << " sample " << k;
     }
@@ -222,8 +222,8 @@ TEST(RefractedPaths, TransmitterAndReceiverExchangePlaces) {
   }
 }
 
-// By the surface both ways, the bed is received as a bed mirrored in it is received through water mirrored in
-// it.
+// By the surface both ways, the seabed is received as a seabed mirrored in it is received through water
+// mirrored in it.
 TEST(RefractedPaths, ASurfaceIsItsImage) {
   Setting s = under_surface(3);
   s.mesh = FacetMesh();

@@ -174,9 +174,9 @@ TEST(RefractedReceiverPairPatches, ReceiversExchangePlaces) {
   }
 }
 
-// Each end receives what a receiver there would, whose bed appears from its own place, but for the baseline
-// times the gradient over the speed of sound, which both together do not have; and what that would send to
-// the transmitter, but for the square of the speed of sound at each.
+// Each end receives what a receiver there would, whose seabed appears from its own place, but for the
+// baseline times the gradient over the speed of sound, which both together do not have; and what that would
+// send to the transmitter, but for the square of the speed of sound at each.
 TEST(RefractedReceiverPairPatches, EitherEndIsAReceiverThereAndSoundComesBack) {
   Setting s = scattered(2, 0.3);
   s.receive = around({-0.25, -0.5, -3.5}, -89.99, 20, 3, 60, 4);

@@ -80,9 +80,9 @@ TEST(RefractedReceiverPairPaths, AGradientThatGoesToZeroLeavesIsovelocityWater) 
     }
 }
 
-// Places all over a flat bed, joined to the transmitter and to both ends by rays of one gradient in closed
+// Places all over a flat seabed, joined to the transmitter and to both ends by rays of one gradient in closed
 // form: nothing is taken from the receiver pair's middle.
-TEST(RefractedReceiverPairPaths, PointsOfAFlatBedWithRaysToBothEnds) {
+TEST(RefractedReceiverPairPaths, PointsOfAFlatSeabedWithRaysToBothEnds) {
   for (const double g : {-0.6, 0.5})
     for (const bool apart : {false, true}) {
       Setting s = under_surface(3);
@@ -144,7 +144,7 @@ TEST(RefractedReceiverPairPaths, PointsOfAFlatBedWithRaysToBothEnds) {
     }
 }
 
-// What comes unscattered over surface and bed, to ends that are at another speed of sound than ranges are
+// What comes unscattered over surface and seabed, to ends that are at another speed of sound than ranges are
 // told by.
 TEST(RefractedReceiverPairPaths, ArrivalsHaveThePhaseOfTheirTimes) {
   Setting s;

@@ -215,7 +215,7 @@ TEST(AdaptiveRays, RaysGoWhereNeighboursDifferAndNoCellIsStarved) {
 
 /// A step with an overhang, and posts.
 FacetMesh quay() {
-  FacetMesh mesh = flat_bed(4, 60);
+  FacetMesh mesh = flat_seabed(4, 60);
   add_rectangle(mesh, {-15, 9, -4}, {30, 0, 0}, {0, 0, 1.5});
   add_rectangle(mesh, {-15, 9, -2.5}, {30, 0, 0}, {0, 8, 0.5});
   add_rectangle(mesh, {-1.5, 8, -2.6}, {3, 0, 0}, {0, 1, 0.1});
@@ -223,9 +223,9 @@ FacetMesh quay() {
   return mesh;
 }
 
-/// A ball over a bed, in facets.
+/// A ball over a seabed, in facets.
 FacetMesh ball() {
-  FacetMesh mesh = flat_bed(4, 60);
+  FacetMesh mesh = flat_seabed(4, 60);
   const int n = 12;
   const auto at = [&](int i, int j) {
     const double a = 2 * pi * i / (2 * n), b = pi * j / n;
@@ -243,7 +243,7 @@ FacetMesh ball() {
 TEST(AdaptiveRays, TheMeanOverSeedsIsTheExactEnergy) {
   const RangeSamples samples{5, 1, 14};
   const RayPing scenes[] = {
-      {rough_bed(0.15), 3, 2, samples}, {quay(), 3, 1, samples}, {ball(), 3, 1, samples}};
+      {rough_seabed(0.15), 3, 2, samples}, {quay(), 3, 1, samples}, {ball(), 3, 1, samples}};
   for (const RayPing& ping : scenes)
     for (const int kind : {0, 1, 2}) {
       RaySettings settings = kind == 1 ? adaptive(60, Per::beam) : adaptive(400);
@@ -276,7 +276,7 @@ TEST(AdaptiveRays, TheMeanOverSeedsIsTheExactEnergy) {
 }
 
 TEST(AdaptiveRays, LessErrorThanStratifiedOnesWhereSamplesAreWide) {
-  const RayPing scenes[] = {{rough_bed(0), 1, 1, {5, 1, 14}}, {quay(), 1, 1, {5, 1, 14}}};
+  const RayPing scenes[] = {{rough_seabed(0), 1, 1, {5, 1, 14}}, {quay(), 1, 1, {5, 1, 14}}};
   for (const RayPing& ping : scenes)
     EXPECT_LT(ping.error(adaptive(20000), 8),
               0.8 * ping.error({RaySampling::stratified, 20000, Per::ping}, 8));

@@ -30,7 +30,7 @@ double order(const std::function<double(std::int64_t)>& error) {
 }
 
 TEST(RayConvergence, TheMeanOverSeedsIsTheExactEnergy) {
-  const RayPing ping(rough_bed(0.15), 3, 2, {5, 2, 10});
+  const RayPing ping(rough_seabed(0.15), 3, 2, {5, 2, 10});
   ASSERT_GT(ping.total(), 0);
   for (const RaySettings& settings : {RaySettings{RaySampling::stratified, 400, Per::ping},
                                       {RaySampling::stratified, 23, Per::beam},
@@ -58,8 +58,8 @@ TEST(RayConvergence, TheMeanOverSeedsIsTheExactEnergy) {
   }
 }
 
-TEST(RayConvergence, OrdersOnAFlatBed) {
-  const RayPing binned(rough_bed(0), 1, 1, {5, 0.5, 60}), whole(rough_bed(0), 1, 1, {1, 99, 1});
+TEST(RayConvergence, OrdersOnAFlatSeabed) {
+  const RayPing binned(rough_seabed(0), 1, 1, {5, 0.5, 60}), whole(rough_seabed(0), 1, 1, {1, 99, 1});
   const auto of = [&](const RayPing& ping, RaySampling sampling, int seeds) {
     return order([&](std::int64_t n) { return ping.error({sampling, n, Per::ping}, seeds); });
   };
@@ -76,8 +76,8 @@ TEST(RayConvergence, OrdersOnAFlatBed) {
 }
 
 TEST(RayConvergence, SobolRaysMeetStraightBordersMoreEvenly) {
-  const RayPing binned(rough_bed(0), 8, 1, {5, 0.1, 300}), whole(rough_bed(0), 1, 1, {1, 99, 1}),
-      rough(rough_bed(0.15), 8, 1, {5, 0.1, 300});
+  const RayPing binned(rough_seabed(0), 8, 1, {5, 0.1, 300}), whole(rough_seabed(0), 1, 1, {1, 99, 1}),
+      rough(rough_seabed(0.15), 8, 1, {5, 0.1, 300});
   const auto ratio = [](const RayPing& ping, std::int64_t rays) {
     return ping.error({RaySampling::sobol, rays, Per::beam}, 8) /
            ping.error({RaySampling::stratified, rays, Per::beam}, 8);
@@ -92,7 +92,7 @@ TEST(RayConvergence, SobolRaysMeetStraightBordersMoreEvenly) {
 }
 
 TEST(RayConvergence, OrdersOnATerrain) {
-  const RayPing ping(rough_bed(0.15), 3, 2, {5, 0.5, 60});
+  const RayPing ping(rough_seabed(0.15), 3, 2, {5, 0.5, 60});
   const auto of = [&](RaySampling sampling, int seeds) {
     return order([&](std::int64_t n) { return ping.error({sampling, n, Per::ping}, seeds); });
   };
@@ -104,7 +104,7 @@ TEST(RayConvergence, OrdersOnATerrain) {
 }
 
 TEST(RayConvergence, AColumnKeepsItsOwnError) {
-  const RayPing ping(rough_bed(0.15), 3, 2, {5, 0.5, 60});
+  const RayPing ping(rough_seabed(0.15), 3, 2, {5, 0.5, 60});
   const double some = ping.error({RaySampling::column, 1500, Per::beam}, 1),
                many = ping.error({RaySampling::column, 17000, Per::beam}, 1);
   EXPECT_GT(many, 0.7 * some);

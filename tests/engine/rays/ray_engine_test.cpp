@@ -29,10 +29,10 @@ double total_weight(const History& history) {
 }
 
 TEST(RayEngine, WeightsAddUpToTheTubesSolidAngle) {
-  const FacetMesh bed = flat_bed(10);
-  const RayScene scene(bed, grid);
+  const FacetMesh seabed = flat_seabed(10);
+  const RayScene scene(seabed, grid);
   for (const std::int64_t rays : {1, 2, 3, 7, 100, 1001, 40000}) {
-    // Wholly on the bed, wide, oblique: from a sliver of a tube to a square one.
+    // Wholly on the seabed, wide, oblique: from a sliver of a tube to a square one.
     for (const double width : {0.1, 5.0, 30.0}) {
       const TubeSet tubes = pyramid({1, 2, 0}, {1, 0.2, -1.2}, width * degree, 20 * degree);
       const History history = trace_rays(scene, tubes, grid.unit_m(), {RaySampling::regular, rays});
@@ -47,34 +47,34 @@ TEST(RayEngine, WeightsAddUpToTheTubesSolidAngle) {
 
 // A process has 1024 keys for values of threads (PTHREAD_KEYS_MAX), and each device of Embree takes one.
 TEST(RayEngine, KeepsMoreScenesThanAProcessHasKeysOfThreads) {
-  const FacetMesh bed = flat_bed(10);
+  const FacetMesh seabed = flat_seabed(10);
   const TubeSet tubes = pyramid({0, 0, 0}, {0, 0, -1}, 5 * degree, 5 * degree);
   std::vector<RayScene> scenes;
-  for (int k = 0; k < 1200; ++k) scenes.emplace_back(bed, grid);
+  for (int k = 0; k < 1200; ++k) scenes.emplace_back(seabed, grid);
   for (const RayScene* scene : {&scenes.front(), &scenes.back()})
     EXPECT_EQ(trace_rays(*scene, tubes, grid.unit_m(), {RaySampling::regular, 10}).hits.size(), 10u);
 }
 
 // What stops one thread's build stops no other's, and leaves nothing to the next build of its thread.
 TEST(RayEngine, ABuildThatIsStoppedLeavesOthersAlone) {
-  const FacetMesh bed = flat_bed(10);
+  const FacetMesh seabed = flat_seabed(10);
   std::atomic<bool> stop = true, done = false;
   int stopped = 0, whole = 0, whole_after = 0;
   std::thread other([&] {
     while (!done) {
-      const RayScene scene(bed, grid);
+      const RayScene scene(seabed, grid);
       ++whole;
     }
   });
   for (int k = 0; k < 300; ++k) {
     stop_requested_of_thread = &stop;
     try {
-      const RayScene scene(bed, grid);
+      const RayScene scene(seabed, grid);
     } catch (const Interrupted&) {
       ++stopped;
     }
     stop_requested_of_thread = nullptr;
-    const RayScene scene(bed, grid);
+    const RayScene scene(seabed, grid);
     ++whole_after;
   }
   done = true;
@@ -85,8 +85,8 @@ TEST(RayEngine, ABuildThatIsStoppedLeavesOthersAlone) {
 }
 
 TEST(RayEngine, RaysAreSharedOutBySolidAngleAndEveryTubeGetsOne) {
-  const FacetMesh bed = flat_bed(10);
-  const RayScene scene(bed, grid);
+  const FacetMesh seabed = flat_seabed(10);
+  const RayScene scene(seabed, grid);
   TubeSet tubes = pyramid({0, 0, 0}, {0, 0, -1}, 30 * degree, 20 * degree);
   // Cut in two at a quarter of the width, plus one tiny tube in the middle.
   const glm::dvec3 c0 = as_vector(tubes.rays[0]), c1 = as_vector(tubes.rays[1]),
@@ -113,8 +113,8 @@ TEST(RayEngine, RaysAreSharedOutBySolidAngleAndEveryTubeGetsOne) {
 }
 
 TEST(RayEngine, RangeAndGrazingAngleAreThoseOfTheFacetsPlane) {
-  const FacetMesh bed = flat_bed(10);
-  const RayScene scene(bed, grid);
+  const FacetMesh seabed = flat_seabed(10);
+  const RayScene scene(seabed, grid);
   const History history = trace_rays(scene, pyramid({1, 2, 0.5}, {1, 0.2, -0.3}, 10 * degree, 10 * degree),
                                      grid.unit_m(), stratified(1000, 3));
   ASSERT_GT(history.hits.size(), 900u);
@@ -123,8 +123,8 @@ TEST(RayEngine, RangeAndGrazingAngleAreThoseOfTheFacetsPlane) {
 }
 
 TEST(RayEngine, EnergyOfEverySampleConvergesToTheExactFootprint) {
-  const FacetMesh bed = flat_bed(10);
-  const RayScene scene(bed, grid);
+  const FacetMesh seabed = flat_seabed(10);
+  const RayScene scene(seabed, grid);
   const TubeSet tubes = pyramid({0, 0, 0}, {1, 0, -0.8}, 12 * degree, 9 * degree);
   const RangeSamples samples{10, 1.5, 8};
   const std::vector<double> material_mu{0.002};
@@ -192,8 +192,8 @@ TEST(RayEngine, SolidAngleOfASphere) {
 }
 
 TEST(RayEngine, NearerFacetsHide) {
-  FacetMesh mesh = flat_bed(10);
-  add_rectangle(mesh, {-1, -1, -5}, {2, 0, 0}, {0, 2, 0});  // shadow on the bed: |x|, |y| < 2
+  FacetMesh mesh = flat_seabed(10);
+  add_rectangle(mesh, {-1, -1, -5}, {2, 0, 0}, {0, 2, 0});  // shadow on the seabed: |x|, |y| < 2
   const RayScene scene(mesh, grid);
   const History history = trace_rays(scene, pyramid({0, 0, 0}, {0, 0, -1}, 30 * degree, 30 * degree),
                                      grid.unit_m(), stratified(20000, 9));
@@ -218,7 +218,7 @@ TEST(RayEngine, FacetsInAPlaneThroughTheApexAreTransparent) {
     // such facets Embree reports some rays of this narrow tube as hits.
     const GridPoint p = grid.snap({gauss(random), gauss(random), -5.1});
     const GridPoint q = grid.snap({gauss(random), gauss(random), -4.3});
-    FacetMesh mesh = flat_bed(10);
+    FacetMesh mesh = flat_seabed(10);
     const auto first = VertexId(mesh.vertices.size());
     mesh.vertices.insert(mesh.vertices.end(), {p, q, {p.x + q.x, p.y + q.y, p.z + q.z}});
     mesh.facets.push_back({first, first + 1, first + 2});
@@ -236,8 +236,8 @@ TEST(RayEngine, FacetsInAPlaneThroughTheApexAreTransparent) {
 }
 
 TEST(RayEngine, RandomRaysAreUniformInSolidAngle) {
-  const FacetMesh bed = flat_bed(1);
-  const RayScene scene(bed, grid);
+  const FacetMesh seabed = flat_seabed(1);
+  const RayScene scene(seabed, grid);
   const TubeSet tubes = pyramid({0, 0, 0}, {0, 0, -1}, 60 * degree, 55 * degree);
   const double solid_angle = corner_solid_angle(tubes, tubes.tubes[0]);
   const int n = 20000;
@@ -254,8 +254,8 @@ TEST(RayEngine, RandomRaysAreUniformInSolidAngle) {
 }
 
 TEST(RayEngine, ReachEndsRays) {
-  const FacetMesh bed = flat_bed(10);
-  const RayScene scene(bed, grid);
+  const FacetMesh seabed = flat_seabed(10);
+  const RayScene scene(seabed, grid);
   const History history = trace_rays(scene, pyramid({0, 0, 0}, {0, 0, -1}, 30 * degree, 30 * degree, 11),
                                      grid.unit_m(), stratified(5000, 1));
   EXPECT_GT(history.hits.size(), 100u);
@@ -272,7 +272,7 @@ bool same(const History& a, const History& b) {
                     });
 }
 
-/// A wavy bed below, its facets' edges at every angle.
+/// A wavy seabed below, its facets' edges at every angle.
 FacetMesh waves() {
   FacetMesh mesh;
   for (int x = -30; x < 30; ++x)
@@ -330,16 +330,16 @@ TEST(RayEngine, PortionsAddUpToTheWhole) {
 }
 
 TEST(RayEngine, EmptyMeshAndNoRaysMeetNothing) {
-  const FacetMesh nothing, bed = flat_bed(10);
+  const FacetMesh nothing, seabed = flat_seabed(10);
   const TubeSet tubes = pyramid({0, 0, 0}, {0, 0, -1}, 10 * degree, 10 * degree);
   EXPECT_TRUE(trace_rays(RayScene(nothing, grid), tubes, grid.unit_m(), stratified(100, 1)).hits.empty());
-  EXPECT_TRUE(trace_rays(RayScene(bed, grid), tubes, grid.unit_m(), stratified(0, 1)).hits.empty());
-  EXPECT_TRUE(trace_rays(RayScene(bed, grid), TubeSet{}, grid.unit_m(), stratified(100, 1)).hits.empty());
+  EXPECT_TRUE(trace_rays(RayScene(seabed, grid), tubes, grid.unit_m(), stratified(0, 1)).hits.empty());
+  EXPECT_TRUE(trace_rays(RayScene(seabed, grid), TubeSet{}, grid.unit_m(), stratified(100, 1)).hits.empty());
 }
 
 TEST(RayEngine, BadInputIsRefused) {
-  const FacetMesh bed = flat_bed(10);
-  const RayScene scene(bed, grid);
+  const FacetMesh seabed = flat_seabed(10);
+  const RayScene scene(seabed, grid);
   TubeSet tubes = pyramid({0, 0, 0}, {0, 0, -1}, 10 * degree, 10 * degree);
   EXPECT_THROW(trace_rays(scene, tubes, grid.unit_m(), stratified(-1, 1)), std::invalid_argument);
   tubes.tubes = {{0, 3, 2, 1}};  // inside out

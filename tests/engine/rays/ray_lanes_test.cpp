@@ -47,7 +47,7 @@ TEST(RayLanes, DirectionsAndWeightsAreThoseOfOneRay) {
 }
 
 TEST(RayLanes, PlanesAreMetAsByOneRay) {
-  FacetMesh mesh = flat_bed(10);
+  FacetMesh mesh = flat_seabed(10);
   add_rectangle(mesh, {-1, -1, -5}, {2, 0.3, 0.1}, {0, 2, 0.4});
   add_rectangle(mesh, {0, 0, -1}, {0, 0, -2}, {1, 0.5, 0});  // the apex lies in its plane
   const RayPlanes planes(mesh, grid.unit_m());

@@ -21,8 +21,8 @@ namespace {
 
 double total(const Echo& echo) { return std::accumulate(echo.energy.begin(), echo.energy.end(), 0.0); }
 
-/// A wavy bed in cells of a metre, and a plate that stands on it.
-FacetMesh wavy_bed() {
+/// A wavy seabed in cells of a metre, and a plate that stands on it.
+FacetMesh wavy_seabed() {
   FacetMesh mesh;
   const auto at = [](double x, double y) {
     return glm::dvec3(x, y, -4 + 0.2 * std::sin(1.3 * x) * std::cos(0.9 * y));
@@ -55,7 +55,7 @@ TubeSet fan(glm::dvec3 apex_m, int across, int along, double width_deg, double h
 
 /// A transmitter of two fans and a receiver of three beams a fan, apart.
 struct Apart {
-  FacetMesh mesh = wavy_bed();
+  FacetMesh mesh = wavy_seabed();
   SceneTree tree{mesh};
   RayScene scene{mesh, grid};
   TubeSet sent = fan({-1.5, 0, 0}, 2, 1, 70, 40), received = fan({2, 0.5, 0.7}, 6, 2, 60, 40);
@@ -221,7 +221,7 @@ TEST(SharedHits, ThreadsChangeNoBit) {
   EXPECT_EQ(with(1), with(4));
 }
 
-// Each of the two sees the bed elsewhere, and rays are carried from the one's facets to the other's.
+// Each of the two sees the seabed elsewhere, and rays are carried from the one's facets to the other's.
 TEST(SharedHits, InRefractingWaterTheMeanIsWhatTubesShare) {
   Apart apart;
   const WaterColumn water{SoundSpeedProfile({{0, 1500}, {60, 1500 - 60 * 8.0}}), {}};

@@ -220,7 +220,7 @@ TEST(FractalRelief, HasTheRootMeanSquareItIsToldAndNoMean) {
   }
 }
 
-TEST(FractalRelief, FinerNodesAddDetailToTheSameBed) {
+TEST(FractalRelief, FinerNodesAddDetailToTheSameSeabed) {
   FractalRelief coarse{{10, 10.0 / 64, 3}, 0.6, {}, 0.005}, fine = coarse;
   fine.resolution_m /= 2;
   const Power a(nodes_of(*make_surface(coarse)), 64), b(nodes_of(*make_surface(fine)), 128);

@@ -184,14 +184,15 @@ TEST(PatternIntegral, AgreesWithQuadratureInSpace) {
   }
 }
 
-TEST(PatternIntegral, FlatBedUnderALineArrayIsASingleIntegral) {
-  // Straight below, H over the bed, array along x: sinc^2(size x / r) over the whole ring, azimuth by
+TEST(PatternIntegral, FlatSeabedUnderALineArrayIsASingleIntegral) {
+  // Straight below, H over the seabed, array along x: sinc^2(size x / r) over the whole ring, azimuth by
   // azimuth.
   const double height = 10, size = 40, r1 = 13, r2 = 13.2;
-  Polygon2 bed;
-  for (int i = 0; i < 5; ++i) bed.push_back(100.0 * glm::dvec2(std::cos(1.2566 * i), std::sin(1.2566 * i)));
+  Polygon2 seabed;
+  for (int i = 0; i < 5; ++i)
+    seabed.push_back(100.0 * glm::dvec2(std::cos(1.2566 * i), std::sin(1.2566 * i)));
   History history;
-  add_footprint(history, 0, 0, test::flat_bed(height), {bed});
+  add_footprint(history, 0, 0, test::flat_seabed(height), {seabed});
   const BeamPatterns beam = one_beam(line(size), line(size, 0.1));
   const double energy = echo_of(history, {r1, r2 - r1, 1}, 0, &beam).at(0, 0);
   using boost::math::quadrature::gauss_kronrod;
@@ -210,12 +211,13 @@ TEST(PatternIntegral, FlatBedUnderALineArrayIsASingleIntegral) {
   EXPECT_NEAR(energy / expected, 1, 1e-9);
 }
 
-TEST(PatternIntegral, FlatBedUnderAPistonIsASingleIntegral) {
+TEST(PatternIntegral, FlatSeabedUnderAPistonIsASingleIntegral) {
   const double height = 10, ka = 30;
-  Polygon2 bed;
-  for (int i = 0; i < 5; ++i) bed.push_back(100.0 * glm::dvec2(std::cos(1.2566 * i), std::sin(1.2566 * i)));
+  Polygon2 seabed;
+  for (int i = 0; i < 5; ++i)
+    seabed.push_back(100.0 * glm::dvec2(std::cos(1.2566 * i), std::sin(1.2566 * i)));
   History history;
-  add_footprint(history, 0, 0, test::flat_bed(height), {bed});
+  add_footprint(history, 0, 0, test::flat_seabed(height), {seabed});
   Directivity down = piston(ka);
   down.axis = {0, 0, -1};
   const BeamPatterns beam = one_beam(down, down);
@@ -235,11 +237,11 @@ TEST(PatternIntegral, FlatBedUnderAPistonIsASingleIntegral) {
 }
 
 TEST(PatternIntegral, EveryBeamOfAFanReceivesEveryTube) {
-  const FacetPlane bed = test::flat_bed(5);
+  const FacetPlane seabed = test::flat_seabed(5);
   const Polygon2 left{{4, 6}, {5, 6}, {5, 7}, {4, 7}}, right{{-5, 6}, {-4, 6}, {-4, 7}, {-5, 7}};
   History history;
-  add_footprint(history, 0, 0, bed, {left});
-  add_footprint(history, 1, 0, bed, {right});
+  add_footprint(history, 0, 0, seabed, {left});
+  add_footprint(history, 1, 0, seabed, {right});
   const Directivity a = line(4, 0.4), b = line(4, -0.4), transmit = gaussian(2);
   const BeamPatterns fan{{transmit}, {a, b}, {0, 0}, {{0, 2}, {0, 2}}};
   const BeamPatterns own{{transmit}, {a, b}, {0, 0}, {{0, 1}, {1, 2}}};
@@ -247,7 +249,7 @@ TEST(PatternIntegral, EveryBeamOfAFanReceivesEveryTube) {
   const Echo all = echo_of(history, samples, 0, &fan), apart = echo_of(history, samples, 0, &own);
   const auto direct = [&](const Polygon2& p, const Directivity& d) {
     return quadrature(
-        bed, p, 0, [&](glm::dvec3 u) { return transmit.gain(u) * d.gain(u); }, 0, 100);
+        seabed, p, 0, [&](glm::dvec3 u) { return transmit.gain(u) * d.gain(u); }, 0, 100);
   };
   const auto beam_total = [&](const Echo& echo, int beam) {
     double sum = 0;
@@ -271,7 +273,7 @@ TEST(PatternIntegral, RayHitsAreWeighedInTheirOwnDirection) {
 }
 
 /// Footprints of about a beam's width in front of the sonar, each a tube of its own.
-History rough_bed(unsigned seed, std::uint32_t footprints) {
+History rough_seabed(unsigned seed, std::uint32_t footprints) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> across(-2.5, 2.5), ahead(4, 9), size(0.02, 0.4);
   History history;
@@ -309,7 +311,7 @@ Echo echo_of(const History& history, const BeamPatterns* patterns, double tolera
 
 TEST(PatternIntegral, BeamsSentAtOnceAddUp) {
   const std::uint32_t tubes = 40;
-  const History history = rough_bed(27182, tubes);
+  const History history = rough_seabed(27182, tubes);
   const Directivity across = line(30, 0.1);
   Directivity upright = gaussian(0.3);
   upright.axis = {0, 0, 1};
@@ -334,7 +336,7 @@ TEST(PatternIntegral, BeamsSentAtOnceAddUp) {
 
 TEST(PatternIntegral, ManyBeamsOfAnArrayHearWhatEachWouldAlone) {
   const std::uint32_t tubes = 60;
-  const History history = rough_bed(16180, tubes);
+  const History history = rough_seabed(16180, tubes);
   for (Directivity received : {line(60), gaussian(0.02), gaussian(0.3)}) {
     std::vector<Directivity> beams;
     for (int k = -3; k <= 3; ++k) {
@@ -357,7 +359,7 @@ TEST(PatternIntegral, ManyBeamsOfAnArrayHearWhatEachWouldAlone) {
 
 TEST(PatternIntegral, ErrorsStayBelowTheToleranceAndAreNotFree) {
   const std::uint32_t tubes = 300;
-  const History history = rough_bed(141421, tubes);
+  const History history = rough_seabed(141421, tubes);
   for (const Directivity& shape : {line(120), gaussian(0.006), piston(40)}) {
     std::vector<Directivity> beams(5, shape);
     for (std::size_t k = 0; k < beams.size(); ++k) beams[k].centre = 0.1 * double(k) - 0.2;
@@ -382,7 +384,7 @@ TEST(PatternIntegral, TablesAreAsGoodAsTheirCornersAllow) {
   }
   Directivity table{Kind::table, {1, 0, 0}, false, 0, 0, std::make_shared<const PatternTable>(angle, level)};
   const std::uint32_t tubes = 100;
-  const History history = rough_bed(17320, tubes);
+  const History history = rough_seabed(17320, tubes);
   std::vector<Directivity> beams(4, table);
   for (std::size_t k = 0; k < beams.size(); ++k) beams[k].centre = 0.1 * double(k) - 0.15;
   double off = 0;

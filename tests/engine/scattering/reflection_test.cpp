@@ -23,17 +23,17 @@ TEST(Sediment, InputsByGrainSizeAreThePublishedTable) {
               {5, 1.169, 0.9999, .01261},   {5.5, 1.149, 0.9885, .00676},  {6, 1.149, 0.9873, .00386},
               {7, 1.147, 0.9849, .00242},   {8, 1.146, 0.9824, .00163},    {9, 1.145, 0.9801, .00148}};
   for (const auto& row : rows) {
-    const FluidSediment bed = sediment_of_grain_size(row.phi);
-    EXPECT_NEAR(bed.density_ratio, row.density, 0.00051) << row.phi;
-    EXPECT_NEAR(bed.speed_ratio, row.speed, 0.0001) << row.phi;
-    EXPECT_NEAR(bed.loss, row.loss, 0.0000051) << row.phi;
+    const FluidSediment seabed = sediment_of_grain_size(row.phi);
+    EXPECT_NEAR(seabed.density_ratio, row.density, 0.00051) << row.phi;
+    EXPECT_NEAR(seabed.speed_ratio, row.speed, 0.0001) << row.phi;
+    EXPECT_NEAR(seabed.loss, row.loss, 0.0000051) << row.phi;
   }
   for (const double phi : {-1.01, 9.01, std::nan("")})
     EXPECT_THROW(sediment_of_grain_size(phi), std::invalid_argument);
 }
 
-double loss_db(const FluidSediment& bed, double grazing_deg) {
-  return -20 * std::log10(std::abs(reflection_coefficient(bed, grazing_deg * degree)));
+double loss_db(const FluidSediment& seabed, double grazing_deg) {
+  return -20 * std::log10(std::abs(reflection_coefficient(seabed, grazing_deg * degree)));
 }
 
 TEST(Reflection, PublishedLosses) {
@@ -41,17 +41,17 @@ TEST(Reflection, PublishedLosses) {
   const FluidSediment coarse{2.231, 1.2503, .01638}, medium{1.845, 1.1782, .01624},
       fine{1.451, 1.1072, .01602}, silt{1.149, .9873, .00386};
   const struct {
-    const FluidSediment& bed;
+    const FluidSediment& seabed;
     double phi, grazing, loss, tolerance;
   } values[] = {{coarse, 0.5, 90, 6.5169, 5.1e-5}, {medium, 1.5, 90, 8.6391, 5.1e-5},
                 {fine, 2.5, 90, 12.6612, 5.1e-5},  {silt, 6, 90, 24.0135, 5.1e-5},
                 {medium, 1.5, 20, 0.564, 5.1e-4},  {fine, 2.5, 20, 1.3475, 5.1e-5},
                 {silt, 6, 20, 32.545, 5.1e-4}};
   for (const auto& v : values) {
-    EXPECT_NEAR(loss_db(v.bed, v.grazing), v.loss, v.tolerance) << v.phi;
+    EXPECT_NEAR(loss_db(v.seabed, v.grazing), v.loss, v.tolerance) << v.phi;
     EXPECT_NEAR(loss_db(sediment_of_grain_size(v.phi), v.grazing), v.loss, 1e-3 * v.loss) << v.phi;
   }
-  // Water of 1023 kg/m3 and 1540 m/s over a bed of 1200 kg/m3 and 1600 m/s.
+  // Water of 1023 kg/m3 and 1540 m/s over a seabed of 1200 kg/m3 and 1600 m/s.
   EXPECT_NEAR(reflection_coefficient({1200.0 / 1023, 1600.0 / 1540, 0}, 90 * degree).real(), 0.09858, 5e-6);
 }
 
@@ -60,15 +60,15 @@ TEST(Reflection, NeverReturnsMoreThanComesInAndAllOfItAtGrazing) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> density(0.5, 4), speed(0.5, 4), loss(0, 2), grazing(1e-6, 90);
   for (int run = 0; run < 2000; ++run) {
-    const FluidSediment bed = fluid_sediment(density(random), speed(random), loss(random));
-    const double energy = reflected_energy(bed, grazing(random) * degree);
+    const FluidSediment seabed = fluid_sediment(density(random), speed(random), loss(random));
+    const double energy = reflected_energy(seabed, grazing(random) * degree);
     ASSERT_LE(energy, 1 + 1e-12) << "seed " << seed << ", run " << run;
     ASSERT_GE(energy, 0);
-    ASSERT_NEAR(reflection_coefficient(bed, 0).real(), -1, 1e-12);
+    ASSERT_NEAR(reflection_coefficient(seabed, 0).real(), -1, 1e-12);
   }
   // Along a fluid that is as fast as water, too.
   EXPECT_EQ(reflection_coefficient({1.2, 1, 0}, 0), -1.0);
-  // Beyond the critical angle a bed without loss reflects all; at the angle of intromission nothing.
+  // Beyond the critical angle a seabed without loss reflects all; at the angle of intromission nothing.
   const FluidSediment sand = fluid_sediment(1.9, 1.1, 0);
   const double critical = std::acos(1 / 1.1);
   EXPECT_NEAR(reflected_energy(sand, 0.9 * critical), 1, 1e-12);

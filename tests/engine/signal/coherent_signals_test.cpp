@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-#include "engine/signal/bed_scatterers.hpp"
+#include "engine/signal/surface_scatterers.hpp"
 #include "fixtures/world/histories.hpp"
 #include "fixtures/world/signal_scenes.hpp"
 #include "geometry/integrals/gauss_rules.hpp"
@@ -124,7 +124,7 @@ TEST(SmoothPieces, PhasesChangeByLessThanTheirBounds) {
 }
 
 // Law Y2.
-TEST(BedScatterers, TheirWeightsAreThePatchesAreas) {
+TEST(SeabedScatterers, TheirWeightsAreThePatchesAreas) {
   for (const test::SignalScene& scene : test::signal_scenes()) {
     const SignalView view(scene, {0.0, 0.0, 0.0});
     const VisiblePolygons seen = view.patches();
@@ -134,7 +134,7 @@ TEST(BedScatterers, TheirWeightsAreThePatchesAreas) {
       extent.wavenumber_rad_m = k;
       extent.band_rad_m = k / 5;
       double sum = 0;
-      for (const BedScatterer& s : bed_scatterers(seen, extent, 1e-6)) {
+      for (const SurfaceScatterer& s : seabed_scatterers(seen, extent, 1e-6)) {
         sum += s.weight_m2;
         const VisiblePolygon& patch = seen.patches[s.patch];
         ASSERT_NEAR(glm::dot(s.place_m, patch.normal), -patch.distance_m, 1e-12);
@@ -501,9 +501,9 @@ TEST(ElementSignals, OfNothingAreSilence) {
   for (const Complex& v : element_signals(view.patches(), early, view.model, {1, 0.02}).value)
     EXPECT_EQ(v, 0.0);
   const CoherentReceiver below = receiver_at({0, 4.5, -20});
-  VisiblePolygons bed = view.patches();
-  std::erase_if(bed.patches, [](const VisiblePolygon& patch) { return patch.normal.z < 0.9; });
-  for (const Complex& v : element_signals(bed, below, view.model, {1, 0.05}).value) EXPECT_EQ(v, 0.0);
+  VisiblePolygons seabed = view.patches();
+  std::erase_if(seabed.patches, [](const VisiblePolygon& patch) { return patch.normal.z < 0.9; });
+  for (const Complex& v : element_signals(seabed, below, view.model, {1, 0.05}).value) EXPECT_EQ(v, 0.0);
 }
 
 TEST(ElementSignals, RefuseWhatIsNone) {

@@ -28,7 +28,7 @@ const std::vector<std::uint16_t> one_material{0};
 EchoModel isovelocity_model() { return {one_mu, one_material}; }
 
 /// A polygon on the plane z = -height, in (x, y).
-VisiblePolygons on_bed(double height, const Polygon2& polygon) {
+VisiblePolygons surface_apex(double height, const Polygon2& polygon) {
   VisiblePolygons seen;
   for (const glm::dvec2 p : polygon) seen.corners_m.push_back({p, -height});
   std::reverse(seen.corners_m.begin(), seen.corners_m.end());  // clockwise from above
@@ -125,7 +125,7 @@ TEST(GatedCovariance, ReceiversOfAReceiverPairAreItsEcho) {
   const Polygon2 polygon{{3, -2}, {8, -1}, {7, 3}, {4, 2}};
   ReceiverPairHistory history;
   history.transmit.tubes = history.upper.tubes = history.lower.tubes = {Tube{}};
-  const VisiblePolygons seen = on_bed(5, polygon);
+  const VisiblePolygons seen = surface_apex(5, polygon);
   SharedFacet facet{0, 0, 1, {0, 0, 1}, 5, 5};
   history.by_upper.corners_m = seen.corners_m;
   history.by_upper.pieces = {{0, 0, 0, 4}};
@@ -145,11 +145,11 @@ TEST(GatedCovariance, ReceiversOfAReceiverPairAreItsEcho) {
   }
 }
 
-// A flat bed 10 m below, a receiver pair tilted by 30 degrees with the transmitter at its lower end, 250 kHz,
-// the sample of 75 mm from 30 m on.
+// A flat seabed 10 m below, a receiver pair tilted by 30 degrees with the transmitter at its lower end, 250
+// kHz, the sample of 75 mm from 30 m on.
 TEST(GatedCovariance, FootprintsThatAreShiftedDecorrelate) {
   const double step = 0.075, baseline = 0.06, range = 30, k = 2 * pi * 250e3 / 1500;
-  const VisiblePolygons strip = on_bed(10, rectangle(5, 40, -5e-4, 5e-4));
+  const VisiblePolygons strip = surface_apex(10, rectangle(5, 40, -5e-4, 5e-4));
   const EchoModel model = isovelocity_model();
   const glm::dvec3 receiver_pair = baseline * glm::dvec3(0.5, 0, std::sqrt(0.75));
   const auto coherence = [&](glm::dvec3 one_end, glm::dvec3 other_end, double first_m) {
@@ -191,7 +191,7 @@ TEST(GatedCovariance, AnEvenFootprintsCoherenceIsASinc) {
                          mean([&](double x) { return std::sin(k * further(x)); })),
               0.962592637, 5e-10);
   // A thin strip under the sonar, with what ranges and grazing angles make of its amplitudes.
-  const VisiblePolygons strip = on_bed(r, rectangle(-a / 2, a / 2, -1e-5, 1e-5));
+  const VisiblePolygons strip = surface_apex(r, rectangle(-a / 2, a / 2, -1e-5, 1e-5));
   const SignalChannel over{}, beside{{}, {apart, 0, 0}};
   const RangeSamples whole{19, 3, 1};
   const EchoModel model = isovelocity_model();
@@ -229,7 +229,7 @@ TEST(GatedCovariance, DisplacedPhaseCentresFollowABSpline) {
   const EchoModel model = isovelocity_model();
   const auto strip_for = [&](double length) {  // six side lobes
     const double half = 7 * wavelength / length * r;
-    return on_bed(r, rectangle(-half, half, -1e-5, 1e-5));
+    return surface_apex(r, rectangle(-half, half, -1e-5, 1e-5));
   };
   for (const double length : {0.2, 0.4}) {
     const VisiblePolygons strip = strip_for(length);
@@ -267,7 +267,7 @@ TEST(GatedCovariance, DisplacedTransmittersAgreeWithSumsOverPoints) {
     const double height = 2 + share(random);
     const Polygon2 polygon = test::random_convex(random, {share(random) * 3, share(random) * 3}, 1.5, 0.9);
     if (polygon.size() < 3) continue;
-    const VisiblePolygons seen = on_bed(height, polygon);
+    const VisiblePolygons seen = surface_apex(height, polygon);
     const auto near = [&] { return glm::dvec3(share(random), share(random), share(random)); };
     const SignalChannel a{near(), near()}, b{near(), near()};
     const RangeSamples samples{1.5, 0.11, 25};
@@ -328,7 +328,7 @@ TEST(GatedCovariance, DisplacedTransmittersAgreeWithSumsOverPoints) {
 
 // Transmitter and receiver in each other's place: all ellipses of the one are ellipses of the other.
 TEST(GatedCovariance, OfAPathAndTheSamePathBackIsItsEnergy) {
-  const VisiblePolygons seen = on_bed(3, {{-1, 0.5}, {2, 1}, {1.5, 3}, {-0.5, 2.5}});
+  const VisiblePolygons seen = surface_apex(3, {{-1, 0.5}, {2, 1}, {1.5, 3}, {-0.5, 2.5}});
   const glm::dvec3 here(0.2, -0.1, 0.3), there(-0.4, 0.3, -0.2);
   const RangeSamples samples{2.5, 0.13, 20};
   const EchoModel model = isovelocity_model();
@@ -393,13 +393,13 @@ TEST(GatedCovariance, PartsAddUp) {
 }
 
 TEST(GatedCovariance, RefusesWhatIsNone) {
-  const VisiblePolygons bed = on_bed(5, rectangle(-1, 1, -1, 1));
+  const VisiblePolygons seabed = surface_apex(5, rectangle(-1, 1, -1, 1));
   const EchoModel model = isovelocity_model();
-  EXPECT_THROW(gated_covariances(bed, {}, {}, {1, 0, 3}, 1, model), std::invalid_argument);
-  EXPECT_THROW(gated_covariances(bed, {}, {}, {1, 1, 0}, 1, model), std::invalid_argument);
-  EXPECT_THROW(gated_covariances(bed, {}, {}, {1, 1, 3}, -1, model), std::invalid_argument);
-  EXPECT_THROW(gated_covariances(bed, {}, {}, {1, 1, 3}, 1, model, 0), std::invalid_argument);
-  const BistaticHistory apart = test::piece_on(test::flat_bed(5), rectangle(-1, 1, -1, 1), {0, 0, 1});
+  EXPECT_THROW(gated_covariances(seabed, {}, {}, {1, 0, 3}, 1, model), std::invalid_argument);
+  EXPECT_THROW(gated_covariances(seabed, {}, {}, {1, 1, 0}, 1, model), std::invalid_argument);
+  EXPECT_THROW(gated_covariances(seabed, {}, {}, {1, 1, 3}, -1, model), std::invalid_argument);
+  EXPECT_THROW(gated_covariances(seabed, {}, {}, {1, 1, 3}, 1, model, 0), std::invalid_argument);
+  const BistaticHistory apart = test::piece_on(test::flat_seabed(5), rectangle(-1, 1, -1, 1), {0, 0, 1});
   EXPECT_EQ(visible_polygons(apart, model).patches.size(), 1u);
   EchoModel by_mirror = model;
   by_mirror.path.tx.loss.factor = 0.5;

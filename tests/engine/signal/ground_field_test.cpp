@@ -266,7 +266,7 @@ struct FocusedSpeckle {
 };
 
 // At the spacing that runs take where the scene gives none, fully focused speckle has the moments of circular
-// Gaussian signals: 2 to 0.02, on level beds and on slopes, of square cells and of long ones.
+// Gaussian signals: 2 to 0.02, on level seabeds and on slopes, of square cells and of long ones.
 TEST(GroundField, DefaultSpacingHasTheSecondMomentOfSpeckle) {
   const std::uint64_t seed = 20261127;
   std::cout << "seed " << seed << '\n';

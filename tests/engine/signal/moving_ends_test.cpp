@@ -7,9 +7,9 @@
 #include <numbers>
 #include <random>
 
-#include "engine/signal/bed_scatterers.hpp"
 #include "engine/signal/coherent_signals.hpp"
 #include "engine/signal/moving_channels.hpp"
+#include "engine/signal/surface_scatterers.hpp"
 #include "fixtures/refusal.hpp"
 #include "fixtures/world/signal_scenes.hpp"
 

@@ -160,7 +160,7 @@ TEST(SmoothAmplitude, RefusesWaveNumbersThatAreNone) {
   EXPECT_THROW(SmoothAmplitude(std::span(&k, 1), NAN), std::invalid_argument);
 }
 
-// Law Q7: a flat bed of many facets, cut by the walls of many tubes, is one plane; from one apex.
+// Law Q7: a flat seabed of many facets, cut by the walls of many tubes, is one plane; from one apex.
 TEST(SmoothAmplitude, TubesAndFacetsMakeNoEdges) {
   const WorldGrid grid(20, glm::dvec3(0));
   const auto history_of = [&](int facets, int tubes) {

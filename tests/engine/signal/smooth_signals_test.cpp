@@ -163,7 +163,7 @@ TEST(SmoothSignals, AreThePulseAlongTheEdges) {
 // The edges come later than the image.
 TEST(SmoothSignals, OfALargePlaneAreItsImage) {
   const double height = 1.5, sigma = 3e-5;
-  const VisiblePolygons seen = patches_of(test::flat_bed(height), {{-2, -2}, {2, -2}, {2, 2}, {-2, 2}});
+  const VisiblePolygons seen = patches_of(test::flat_seabed(height), {{-2, -2}, {2, -2}, {2, 2}, {-2, 2}});
   SmoothSurface surface{.reflection = {-0.6, 0.2}};
   for (const glm::dvec3 rx : {glm::dvec3(0), glm::dvec3(0.4, 0.1, -0.5)}) {
     CoherentReceiver receiver = receiver_of({{glm::dvec3(0), rx}}, sigma);
@@ -253,7 +253,7 @@ TEST(SmoothSignals, OfPolygonsInPartsAddUp) {
 TEST(SmoothSignals, EndsMayBeExchanged) {
   VisiblePolygons seen =
       patches_of({glm::normalize(glm::dvec3(0.2, -0.3, 1)), 2}, {{-0.2, -0.1}, {0.5, -0.3}, {0.7, 0.4}});
-  add_patch(seen, 1, test::flat_bed(3), {{1, 1}, {1.02, 1}, {1.01, 1.03}});
+  add_patch(seen, 1, test::flat_seabed(3), {{1, 1}, {1.02, 1}, {1.01, 1.03}});
   const Directivity line{Directivity::Kind::line, {1, 0, 0}, false, 0, 1.5};
   const glm::dvec3 a(0.1, 0.2, 0.3), b(-0.3, 0.1, -0.1);
   CoherentReceiver receiver = receiver_of({{a, b, line, {}}, {b, a, {}, line}});
@@ -292,7 +292,7 @@ TEST(SmoothSignals, HaveTheSameBitsForAnyNumberOfThreads) {
 // A sweep as it is sent, against the edges; and its matched filter finds the plate where it is.
 TEST(SmoothSignals, OfASweepAreCompressedByItsFilter) {
   const double sigma = 3e-4, sweep = 1.5e7, height = 3;
-  const VisiblePolygons seen = patches_of(test::flat_bed(height), {{0.6, -0.4}, {1.1, -0.3}, {0.8, 0.5}});
+  const VisiblePolygons seen = patches_of(test::flat_seabed(height), {{0.6, -0.4}, {1.1, -0.3}, {0.8, 0.5}});
   CoherentReceiver receiver = receiver_of({{glm::dvec3(0), glm::dvec3(0.1)}}, sigma);
   const TransmittedPulse wave = gaussian_wave(sigma, receiver.carrier_hz, sweep);
   receiver.pulse.envelope = [=, carrier = receiver.carrier_hz](double t) {
@@ -306,7 +306,7 @@ TEST(SmoothSignals, OfASweepAreCompressedByItsFilter) {
 
   const double far = 20;
   const VisiblePolygons plate =
-      patches_of(test::flat_bed(far), {{-.05, -.03}, {.05, -.03}, {.05, .03}, {-.05, .03}});
+      patches_of(test::flat_seabed(far), {{-.05, -.03}, {.05, -.03}, {.05, .03}, {-.05, .03}});
   receiver.channels = {{glm::dvec3(0), glm::dvec3(0)}};
   listen(receiver, plate);
   const ChannelSignals echo = smooth_signals(plate, receiver, {}, all_rigid);
@@ -325,8 +325,8 @@ TEST(SmoothSignals, OfASweepAreCompressedByItsFilter) {
 }
 
 TEST(SmoothSignals, OfRoughFacetsAreSilent) {
-  VisiblePolygons seen = patches_of(test::flat_bed(3), {{1, 1}, {1.5, 1}, {1.3, 1.7}});
-  add_patch(seen, 1, test::flat_bed(2), {{-1, -1}, {-0.7, -1}, {-0.9, -0.7}});
+  VisiblePolygons seen = patches_of(test::flat_seabed(3), {{1, 1}, {1.5, 1}, {1.3, 1.7}});
+  add_patch(seen, 1, test::flat_seabed(2), {{-1, -1}, {-0.7, -1}, {-0.9, -0.7}});
   CoherentReceiver receiver = receiver_of({{glm::dvec3(0), glm::dvec3(0)}});
   listen(receiver, seen);
   const ChannelSignals none =
@@ -350,7 +350,7 @@ TEST(SmoothSignals, OfRoughFacetsAreSilent) {
 // borders.
 TEST(SmoothSignals, PatternsWeighTheImage) {
   const double height = 1.5;
-  const VisiblePolygons seen = patches_of(test::flat_bed(height), {{-2, -2}, {2, -2}, {2, 2}, {-2, 2}});
+  const VisiblePolygons seen = patches_of(test::flat_seabed(height), {{-2, -2}, {2, -2}, {2, 2}, {-2, 2}});
   const Directivity line{Directivity::Kind::line, {1, 0, 0}, false, 0, 3};
   const glm::dvec3 rx(0.6, 0.3, 0);
   CoherentReceiver receiver = receiver_of({{glm::dvec3(0), rx, line, {}}}, 3e-5);
@@ -369,7 +369,7 @@ TEST(SmoothSignals, PatternsWeighTheImage) {
 }
 
 TEST(SmoothSignals, RefuseWhatIsNone) {
-  const VisiblePolygons seen = patches_of(test::flat_bed(3), {{1, 1}, {1.5, 1}, {1.3, 1.7}});
+  const VisiblePolygons seen = patches_of(test::flat_seabed(3), {{1, 1}, {1.5, 1}, {1.3, 1.7}});
   CoherentReceiver receiver = receiver_of({{glm::dvec3(0), glm::dvec3(0)}});
   for (const double tolerance : {0.0, -1e-3, 0.5, double(NAN)})
     EXPECT_THROW(smooth_signals(seen, receiver, {}, all_rigid, tolerance), std::invalid_argument);

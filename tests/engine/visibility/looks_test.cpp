@@ -17,11 +17,11 @@ namespace {
 
 using namespace test;
 
-/// A bed under loose facets that hide parts of it and of each other.
+/// A seabed under loose facets that hide parts of it and of each other.
 FacetMesh strewn(std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> any(-1, 1);
-  FacetMesh mesh = square_bed(-6, 8);
+  FacetMesh mesh = square_seabed(-6, 8);
   for (int k = 0; k < 12; ++k) {
     const glm::dvec3 middle(5 * any(random), 5 * any(random), -4 + any(random));
     const auto near = [&] { return middle + glm::dvec3(any(random), any(random), any(random)); };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Coverage by looks of two ends, and by looks at beds of their own: against inclusion and exclusion in
+// Coverage by looks of two ends, and by looks at seabeds of their own: against inclusion and exclusion in
 // rationals, closed forms, and the same told otherwise.
 #include <gtest/gtest.h>
 
@@ -168,7 +168,7 @@ TEST(CoverageOfTwoEnds, TheWindowCutsByPolygonsOf96SidesOfEllipses) {
   }
 }
 
-// ---- beds of a look's own
+// ---- seabeds of a look's own
 
 /// Edges longer than this, up to a wish that changes with the place.
 struct Uneven : EdgeRule {
@@ -189,22 +189,22 @@ TubeSet at(TubeSet tubes, std::int32_t by) {
   return tubes;
 }
 
-std::shared_ptr<const PartedBed> parted(const FacetMesh& mesh, double longest) {
+std::shared_ptr<const SurfaceParts> parted(const FacetMesh& mesh, double longest) {
   std::vector<FacetId> all(mesh.facets.size());
   std::iota(all.begin(), all.end(), 0u);
   RefinedMesh fine = refine(mesh, all, WorldGrid(0, glm::dvec3(0)), Uneven(longest),
                             [](const BasePoint& p) { return p.at_m; }, {.weights = true});
-  PartedBed bed{std::move(fine.mesh), nullptr, std::move(fine.parent), std::move(fine.weights), {}};
-  bed.name.resize(bed.base.size());
-  std::iota(bed.name.begin(), bed.name.end(), 0u);
-  auto shared = std::make_shared<PartedBed>(std::move(bed));
+  SurfaceParts seabed{std::move(fine.mesh), nullptr, std::move(fine.parent), std::move(fine.weights), {}};
+  seabed.name.resize(seabed.base.size());
+  std::iota(seabed.name.begin(), seabed.name.end(), 0u);
+  auto shared = std::make_shared<SurfaceParts>(std::move(seabed));
   shared->tree = std::make_unique<SceneTree>(shared->mesh);
   return shared;
 }
 
-CoverageEnd end_on(const std::shared_ptr<const PartedBed>& bed, const TubeSet& tubes) {
-  CoverageEnd end = look(bed->mesh, tubes, 0).tx;
-  end.bed = bed;
+CoverageEnd end_on(const std::shared_ptr<const SurfaceParts>& seabed, const TubeSet& tubes) {
+  CoverageEnd end = look(seabed->mesh, tubes, 0).tx;
+  end.seabed = seabed;
   return end;
 }
 
@@ -221,15 +221,15 @@ TEST(CoverageOfParts, IsThatOfTheWhole) {
       const double tilt = seed % 3 == 0 ? 25 : 0;
       const TubeSet tx = at(forward_tubes(place_in(random), 2, 2, 70, 60, tilt), by),
                     rx = at(forward_tubes(place_in(random), 2, 1, 60, 50, tilt), by);
-      const auto bed = parted(mesh, (900 + 300 * ping) * by);
-      EXPECT_GT(bed->mesh.facets.size(), mesh.facets.size());
+      const auto seabed = parted(mesh, (900 + 300 * ping) * by);
+      EXPECT_GT(seabed->mesh.facets.size(), mesh.facets.size());
       whole.push_back(look(mesh, tx, ping));
-      parts.push_back({ping, end_on(bed, tx)});
+      parts.push_back({ping, end_on(seabed, tx)});
       if (ping == 1) {  // one look at the mesh itself among the others
         parts.back() = whole.back();
       } else if (ping == 2) {
         whole.back().rx = look(mesh, rx, ping).tx;
-        parts.back().rx = end_on(bed, rx);
+        parts.back().rx = end_on(seabed, rx);
       }
     }
     const Shares expected = shares_of(cover(mesh, whole));
@@ -239,20 +239,20 @@ TEST(CoverageOfParts, IsThatOfTheWhole) {
   EXPECT_GT(cut, 10u);
 }
 
-/// A bed that seems to lie elsewhere: shares of the covered facet are those of the image, as the map between
-/// them is affine on each part.
+/// A seabed that seems to lie elsewhere: shares of the covered facet are those of the image, as the map
+/// between them is affine on each part.
 TEST(CoverageOfParts, OfAnImageIsThatOfTheImage) {
   FacetMesh mesh, image;
   add_square(mesh, 1000, 0);
   add_square(image, 1000, 0);
   for (GridPoint& p : image.vertices) p = {2 * p.x + p.y, 3 * p.y - 500, p.x / 4 - 200};
-  auto bed = std::make_shared<PartedBed>();
-  bed->mesh = image;
-  bed->tree = std::make_unique<SceneTree>(bed->mesh);
-  bed->base = bed->name = {0, 1};
-  bed->weights = {all_of_it, all_of_it};
+  auto seabed = std::make_shared<SurfaceParts>();
+  seabed->mesh = image;
+  seabed->tree = std::make_unique<SceneTree>(seabed->mesh);
+  seabed->base = seabed->name = {0, 1};
+  seabed->weights = {all_of_it, all_of_it};
   const TubeSet tubes = down_tubes({100, 0, 1000}, {-900, 300, 1000}, {-700, 800}, 1000);
-  CoverageLook there = look(image, tubes, 0), here{0, end_on(bed, tubes)};
+  CoverageLook there = look(image, tubes, 0), here{0, end_on(seabed, tubes)};
   const Shares expected = shares_of(cover(image, {there}));
   EXPECT_EQ(shares_of(cover(mesh, {here})), expected);
   ASSERT_EQ(expected.size(), 2u);

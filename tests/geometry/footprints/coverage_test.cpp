@@ -35,12 +35,12 @@ TEST(Coverage, ShadowOfAPlateIsThePlateScaled) {
       cover(mesh, {look(mesh, down_tubes({0, 0, 1000}, {-2000, 2000}, {-2000, 2000}, 1000), 0)});
   ASSERT_EQ(facets.size(), 4u);
   // The shadow is the plate times 10/7: (1000/7)^2 of 1000^2.
-  for (const FacetId bed : {0u, 1u}) {
-    EXPECT_EQ(facets.at(bed).shadow.exact, "1/49");
-    EXPECT_EQ(facets.at(bed).seen.exact, "48/49");
-    ASSERT_EQ(facets.at(bed).by_pings.size(), 2u);
-    EXPECT_EQ(facets.at(bed).by_pings[0].pings, 0u);
-    EXPECT_EQ(facets.at(bed).by_pings[0].exact, "1/49");
+  for (const FacetId seabed : {0u, 1u}) {
+    EXPECT_EQ(facets.at(seabed).shadow.exact, "1/49");
+    EXPECT_EQ(facets.at(seabed).seen.exact, "48/49");
+    ASSERT_EQ(facets.at(seabed).by_pings.size(), 2u);
+    EXPECT_EQ(facets.at(seabed).by_pings[0].pings, 0u);
+    EXPECT_EQ(facets.at(seabed).by_pings[0].exact, "1/49");
   }
   for (const FacetId plate : {2u, 3u}) {
     EXPECT_EQ(facets.at(plate).seen.exact, "1");
@@ -51,7 +51,7 @@ TEST(Coverage, ShadowOfAPlateIsThePlateScaled) {
 TEST(Coverage, WhatIsOutOfTheSectorIsNeverSeenAndInNoShadow) {
   FacetMesh mesh;
   add_square(mesh, 1000, 0);
-  // A strip |x| < 100 of the bed.
+  // A strip |x| < 100 of the seabed.
   const auto facets =
       cover(mesh, {look(mesh, down_tubes({0, 0, 1000}, {-100, 100}, {-3000, 3000}, 1000), 0)});
   Q seen = 0;

@@ -312,7 +312,7 @@ TEST(SharedFootprints, OfImagesAreThoseOfTheMesh) {
 }
 
 TEST(SharedFootprints, WhatOnlyOneOfThemSeesIsNotShared) {
-  // A bed, and a wall between the apexes that reaches above both of them.
+  // A seabed, and a wall between the apexes that reaches above both of them.
   FacetMesh mesh;
   const auto quad = [&](GridPoint a, GridPoint b, GridPoint c, GridPoint d) {
     const VertexId first = test::add_vertex(mesh, a);

@@ -36,7 +36,7 @@ void add_quadrangle(FacetMesh& mesh, glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, g
   add_triangle(mesh, a, b, c);
   add_triangle(mesh, a, c, d);
 }
-FacetMesh flat_bed(double height) {
+FacetMesh flat_seabed(double height) {
   FacetMesh mesh;
   const double far = 31;
   add_quadrangle(mesh, {-far, -far, -height}, {far, -far, -height}, {far, far, -height},
@@ -80,7 +80,7 @@ TubeSet azimuth_fan(double width, int cells, double lowest, double highest) {
   return set;
 }
 
-/// A fan that starts straight below: one tube, its rays the nadir and three on the bed beyond `radius` /
+/// A fan that starts straight below: one tube, its rays the nadir and three on the seabed beyond `radius` /
 /// height.
 TubeSet fan_from_nadir(double width, double radius_over_height) {
   const double r = radius_over_height / std::cos(width / 2), t = std::tan(width / 2);
@@ -149,7 +149,7 @@ void expect_second_order(const std::vector<double>& errors, double slack) {
 
 TEST(ClosedForms, FootprintOfARectangularPyramid) {
   const double a = std::tan(0.15 * degree), b = std::tan(7 * degree);
-  const FootprintSet set = footprints_of(flat_bed(5), pyramid({std::cos(30 * degree), 0, -0.5}, a, b));
+  const FootprintSet set = footprints_of(flat_seabed(5), pyramid({std::cos(30 * degree), 0, -0.5}, a, b));
   EXPECT_LT(relative(area_of(set), 0.28210069162), 1e-6);
   glm::dvec3 lo(1e9), hi(-1e9);
   for (const glm::dvec3& corner : set.corners_m) {
@@ -166,7 +166,7 @@ TEST(ClosedForms, FootprintOfAnAzimuthElevationTube) {
   std::vector<double> errors;
   for (const int cells : {1, 2, 4, 8}) {
     const double area =
-        area_of(footprints_of(flat_bed(h), azimuth_fan(1.5 * degree, cells, 25 * degree, 20 * degree)));
+        area_of(footprints_of(flat_seabed(h), azimuth_fan(1.5 * degree, cells, 25 * degree, 20 * degree)));
     const double f = 1.5 * degree / cells,
                  straight = cells * std::sin(f) / 2 * h * h *
                             (std::pow(std::tan(20 * degree), -2) - std::pow(std::tan(25 * degree), -2));
@@ -189,7 +189,7 @@ TEST(ClosedForms, FootprintOfACone) {
     };
     TubeSet set = empty_set();
     for (int k = 0; k < corners; k += 2) add_tube(set, {axis, ray(k), ray(k + 1), ray(k + 2)});
-    errors.push_back(19.919423919 - area_of(footprints_of(flat_bed(h), set)));
+    errors.push_back(19.919423919 - area_of(footprints_of(flat_seabed(h), set)));
     EXPECT_GT(errors.back(), 0);
   }
   expect_second_order(errors, 0.1);
@@ -198,15 +198,15 @@ TEST(ClosedForms, FootprintOfACone) {
 // ---- 7.2 Shadows and first returns
 
 TEST(ClosedForms, ShadowOfAThinWall) {
-  FacetMesh mesh = flat_bed(5);
+  FacetMesh mesh = flat_seabed(5);
   add_quadrangle(mesh, {10, -3, -5}, {10, 3, -5}, {10, 3, -4}, {10, -3, -4});
   const FootprintSet set = footprints_of(mesh, azimuth_fan(8 * degree, 4, 60 * degree, 12 * degree));
-  const FootprintSet bed = facets_from(set, 0, 2), wall = facets_from(set, 2, 4);
+  const FootprintSet seabed = facets_from(set, 0, 2), wall = facets_from(set, 2, 4);
   double before = 0, tip = 1e9, tip_range = 1e9;
-  for (const Footprint& f : bed.footprints)
+  for (const Footprint& f : seabed.footprints)
     for (std::uint32_t p = f.first_piece; p < f.first_piece + f.piece_count; ++p) {
-      const Piece& piece = bed.pieces[p];
-      const std::span corners = std::span(bed.corners_m).subspan(piece.first, piece.count);
+      const Piece& piece = seabed.pieces[p];
+      const std::span corners = std::span(seabed.corners_m).subspan(piece.first, piece.count);
       const auto beyond =
           std::count_if(corners.begin(), corners.end(), [](glm::dvec3 c) { return c.x > 11; });
       EXPECT_TRUE(beyond == 0 || beyond == std::ptrdiff_t(piece.count))
@@ -231,9 +231,9 @@ TEST(ClosedForms, ShadowOfAThinWall) {
   EXPECT_NEAR(tip_range - first_return(wall), 2.692582404, 1e-7);
   // h = H Ls / R_tip.
   EXPECT_NEAR(5 * (tip_range - first_return(wall)) / tip_range, 1, 1e-7);
-  // Of the bed, nothing is in the ranges from the wall's foot, at the sides of the fan, to the tip.
+  // Of the seabed, nothing is in the ranges from the wall's foot, at the sides of the fan, to the tip.
   const double foot_range = std::hypot(10 / std::cos(4 * degree), 5);
-  const auto bins = range_bins(bed, {1, foot_range + 1e-6, 13.462912018 - 1e-6, 30});
+  const auto bins = range_bins(seabed, {1, foot_range + 1e-6, 13.462912018 - 1e-6, 30});
   EXPECT_GT(bins[0], 1);
   EXPECT_NEAR(bins[1], 0, 1e-9);
   EXPECT_GT(bins[2], 1);
@@ -282,16 +282,16 @@ TEST(ClosedForms, SphereOnTheFloor) {
   const glm::dvec3 centre(10, 0, -4);
   const double shadow = 14.497793613, range = 9.770329614;
   const TubeSet tubes = azimuth_fan(30 * degree, 3, 60 * degree, 13 * degree);
-  const double bare = area_of(footprints_of(flat_bed(5), tubes));
+  const double bare = area_of(footprints_of(flat_seabed(5), tubes));
   std::vector<double> area_errors, range_errors;
   for (const int level : {3, 4, 5, 6}) {
     SCOPED_TRACE(testing::Message() << "level " << level);
-    FacetMesh mesh = flat_bed(5);
+    FacetMesh mesh = flat_seabed(5);
     add_ball(mesh, centre, 1, level, -centre);
     const FootprintSet set = footprints_of(mesh, tubes);
-    const FootprintSet bed = facets_from(set, 0, 2),
+    const FootprintSet seabed = facets_from(set, 0, 2),
                        ball = facets_from(set, 2, static_cast<FacetId>(mesh.facets.size()));
-    area_errors.push_back(shadow - (bare - area_of(bed)));
+    area_errors.push_back(shadow - (bare - area_of(seabed)));
     range_errors.push_back(first_return(ball) - range);
     EXPECT_GT(area_errors.back(), 0) << "an inscribed ball has the smaller shadow";
     // The ball of facets is convex: its shadow is the hull of the shadows of its vertices.
@@ -300,7 +300,7 @@ TEST(ClosedForms, SphereOnTheFloor) {
       const glm::dvec3 p = grid.to_metres(mesh.vertices[v]);
       shadows.push_back(glm::dvec2(p.x, p.y) * (-5 / p.z));
     }
-    EXPECT_NEAR(bare - area_of(bed), hull_area(shadows), 1e-6);
+    EXPECT_NEAR(bare - area_of(seabed), hull_area(shadows), 1e-6);
     // The shadow's ends on the floor, straight ahead.
     const FootprintSet ahead = footprints_of(mesh, azimuth_fan(1e-3 * degree, 1, 60 * degree, 13 * degree));
     double near = 0, far = 1e9;
@@ -424,11 +424,11 @@ TEST(ClosedForms, SolidAnglesAreConservedUnderSplitting) {
   EXPECT_GT(compared, 1000u);
 }
 
-// ---- 7.4 Range bins of a flat bed
+// ---- 7.4 Range bins of a flat seabed
 
-TEST(ClosedForms, RangeBinsOfAFlatBed) {
+TEST(ClosedForms, RangeBinsOfAFlatSeabed) {
   const double h = 10, f = 1.5 * degree;
-  const FootprintSet slice = footprints_of(flat_bed(h), fan_from_nadir(f, 2.5));
+  const FootprintSet slice = footprints_of(flat_seabed(h), fan_from_nadir(f, 2.5));
   EXPECT_LT(relative(range_bins(slice, {20, 20.05})[0], 0.026212663703), 1e-7);
   EXPECT_LT(relative(range_bins(slice, {9.98, 10.03})[0], 0.007865762606), 1e-7);
   EXPECT_NEAR(first_return(slice), h, 1e-7);
@@ -441,7 +441,7 @@ TEST(ClosedForms, RangeBinsOfAFlatBed) {
 
   // Without the nadir in the fan: H / sin of the steepest ray.
   EXPECT_NEAR(
-      first_return(footprints_of(flat_bed(h), azimuth_fan(0.001 * degree, 1, 50 * degree, 20 * degree))),
+      first_return(footprints_of(flat_seabed(h), azimuth_fan(0.001 * degree, 1, 50 * degree, 20 * degree))),
       h / std::sin(50 * degree), 1e-7);
 }
 

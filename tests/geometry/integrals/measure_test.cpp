@@ -11,7 +11,7 @@
 namespace tubefoot {
 namespace {
 
-using test::flat_bed;
+using test::flat_seabed;
 using test::on_plane;
 using test::Polygon2;
 using test::random_convex;
@@ -45,22 +45,23 @@ TEST(SolidAngle, KnownTriangles) {
 
 TEST(SolidAngle, RectangleAndPyramid) {
   const Polygon2 rectangle{{-1, -2}, {1, -2}, {1, 2}, {-1, 2}};
-  EXPECT_NEAR(solid_angle(planar(rectangle, flat_bed(3))), 0.705295355263, 1e-12);
+  EXPECT_NEAR(solid_angle(planar(rectangle, flat_seabed(3))), 0.705295355263, 1e-12);
   const double a = std::tan(14.5 * degree), b = std::tan(7 * degree);
   const Polygon2 pyramid{{-a, -b}, {a, -b}, {a, b}, {-a, b}};
-  EXPECT_NEAR(solid_angle(planar(pyramid, flat_bed(1))), 0.122073535208, 1e-12);
+  EXPECT_NEAR(solid_angle(planar(pyramid, flat_seabed(1))), 0.122073535208, 1e-12);
   // A polygon that covers nearly the whole half space.
   const double far = 1e8;
-  EXPECT_NEAR(solid_angle(planar(Polygon2{{-far, -far}, {far, -far}, {far, far}, {-far, far}}, flat_bed(1))),
-              2 * pi, 1e-7);
+  EXPECT_NEAR(
+      solid_angle(planar(Polygon2{{-far, -far}, {far, -far}, {far, far}, {-far, far}}, flat_seabed(1))),
+      2 * pi, 1e-7);
 }
 
 TEST(SolidAngle, SmallGrazingPolygonsKeepTheirDigits) {
   // A micrometre-wide strip, seen at 0.01 degrees from 100 m: area times sin(grazing) / r^2 to first order.
   const double d = 100 * std::sin(0.01 * degree), x = 100 * std::cos(0.01 * degree), w = 1e-6;
   const Polygon2 strip{{x - w / 2, -w / 2}, {x + w / 2, -w / 2}, {x + w / 2, w / 2}, {x - w / 2, w / 2}};
-  EXPECT_LT(relative(solid_angle(planar(strip, flat_bed(d))), w * w * d / 1e6), 1e-7);
-  EXPECT_EQ(solid_angle(planar(strip, flat_bed(0))), 0);
+  EXPECT_LT(relative(solid_angle(planar(strip, flat_seabed(d))), w * w * d / 1e6), 1e-7);
+  EXPECT_EQ(solid_angle(planar(strip, flat_seabed(0))), 0);
 }
 
 // Law M2.
@@ -84,12 +85,12 @@ TEST(SolidAngle, AddsUpUnderSplitting) {
   }
 }
 
-// Footprints of a tube on a flat bed (physics sheet 7.1).
+// Footprints of a tube on a flat seabed (physics sheet 7.1).
 TEST(Area, AzimuthByGrazingTube) {
   const double h = 10, near = h / std::tan(25 * degree), far = h / std::tan(20 * degree), f = 1.5 * degree;
   const Polygon2 straight{
       {near, 0}, {far, 0}, {far * std::cos(f), far * std::sin(f)}, {near * std::cos(f), near * std::sin(f)}};
-  EXPECT_NEAR(area(planar(straight, flat_bed(h))), 3.860736328, 1e-9);
+  EXPECT_NEAR(area(planar(straight, flat_seabed(h))), 3.860736328, 1e-9);
   Polygon2 arcs;  // the azimuth-by-grazing tube proper, its arcs in many chords
   const int chords = 4000;
   for (int i = 0; i <= chords; ++i) {
@@ -100,7 +101,7 @@ TEST(Area, AzimuthByGrazingTube) {
     const double t = f * i / chords;
     arcs.push_back(near * glm::dvec2(std::cos(t), std::sin(t)));
   }
-  EXPECT_NEAR(area(planar(arcs, flat_bed(h))), 3.861177381, 1e-9);
+  EXPECT_NEAR(area(planar(arcs, flat_seabed(h))), 3.861177381, 1e-9);
 }
 
 TEST(Area, RectangularPyramid) {
@@ -112,7 +113,7 @@ TEST(Area, RectangularPyramid) {
     const glm::dvec3 ray = axis + s * a * side + e * b * up;
     corners.push_back(ray * (-h / ray.z));
   }
-  const PlanarPolygon polygon = planar(corners, flat_bed(h));
+  const PlanarPolygon polygon = planar(corners, flat_seabed(h));
   EXPECT_NEAR(std::abs(area(polygon)), 0.28210069162, 1e-11);
   EXPECT_NEAR(corners[0].x, 6.635224108, 1e-9);
   EXPECT_NEAR(corners[2].x, 11.779261829, 1e-9);
@@ -123,12 +124,12 @@ TEST(Area, RectangularPyramid) {
 // Law M1.
 TEST(Area, TheOtherTurnIsNegative) {
   const Polygon2 p{{1, 0}, {1, 1}, {0, 0}};
-  EXPECT_DOUBLE_EQ(area(planar(p, flat_bed(2))), 0.5);
-  EXPECT_DOUBLE_EQ(area(planar(Polygon2{p[2], p[1], p[0]}, flat_bed(2))), -0.5);
+  EXPECT_DOUBLE_EQ(area(planar(p, flat_seabed(2))), 0.5);
+  EXPECT_DOUBLE_EQ(area(planar(Polygon2{p[2], p[1], p[0]}, flat_seabed(2))), -0.5);
 }
 
 TEST(Area, SquareMillimetreAtAHundredMetres) {
-  const FacetPlane plane = flat_bed(64);
+  const FacetPlane plane = flat_seabed(64);
   // Binary fractions, so that the corners themselves are exact.
   const double w = 1.0 / 1024;
   const std::vector<glm::dvec3> corners{
@@ -137,7 +138,7 @@ TEST(Area, SquareMillimetreAtAHundredMetres) {
 }
 
 TEST(SlantRange, NearestPointIsFootEdgeOrCorner) {
-  const FacetPlane plane = flat_bed(3);
+  const FacetPlane plane = flat_seabed(3);
   const Polygon2 square{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
   EXPECT_DOUBLE_EQ(nearest_point(planar(square, plane)).range, 3);
   EXPECT_DOUBLE_EQ(farthest_range(planar(square, plane)), std::sqrt(11));
@@ -153,7 +154,7 @@ TEST(SlantRange, SliverThatPointsAtTheFootIsNotAtTheFoot) {
   for (const double turn : {0.0, 0.3, pi / 2, 2.0, pi, 4.0}) {
     const glm::dvec2 along(std::cos(turn), std::sin(turn)), across(-along.y, along.x);
     const Polygon2 sliver{10.0 * along, 20.0 * along - 1e-15 * across, 20.0 * along + 1e-15 * across};
-    EXPECT_NEAR(nearest_point(planar(sliver, flat_bed(3))).range, std::sqrt(109), 1e-12) << turn;
+    EXPECT_NEAR(nearest_point(planar(sliver, flat_seabed(3))).range, std::sqrt(109), 1e-12) << turn;
   }
 }
 
@@ -188,7 +189,7 @@ TEST(SlantRange, AgreesWithSampledPolygons) {
 
 // Law M3.
 TEST(Centroid, StaysInsideWhereTheAreaIsLost) {
-  const FacetPlane plane = flat_bed(10);
+  const FacetPlane plane = flat_seabed(10);
   const glm::dvec2 c = centroid_offset(planar(Polygon2{{5, 5}, {6, 6}, {7, 7}}, plane));
   EXPECT_NEAR(glm::length(c - glm::dvec2(1, 1)), 0, 1e-6);
 }
@@ -233,11 +234,11 @@ TEST(Measure, FootprintOfSeveralPiecesIsTheirUnion) {
 }
 
 TEST(Measure, FootprintWithoutPiecesOrAreaIsFinite) {
-  FootprintSet set = one_footprint(flat_bed(2), {});
+  FootprintSet set = one_footprint(flat_seabed(2), {});
   measure(set);
   EXPECT_EQ(set.footprints[0].area_m2, 0);
   EXPECT_EQ(set.footprints[0].slant_range_max_m, 0);
-  set = one_footprint(flat_bed(2), {{{1, 1}, {1, 1}, {1, 1}}});
+  set = one_footprint(flat_seabed(2), {{{1, 1}, {1, 1}, {1, 1}}});
   measure(set);
   EXPECT_EQ(set.footprints[0].area_m2, 0);
   EXPECT_EQ(set.footprints[0].solid_angle_sr, 0);

@@ -14,7 +14,7 @@
 namespace tubefoot {
 namespace {
 
-using test::flat_bed;
+using test::flat_seabed;
 using test::on_plane;
 using test::Polygon2;
 using test::random_convex;
@@ -137,7 +137,7 @@ TEST(RangeCut, PolygonAndCircleAreas) {
     for (const double distance : {0.0, 1e-9, 0.01, 10.0}) {
       SCOPED_TRACE(testing::Message() << c.what << ", plane at " << distance);
       const RadialIntegral radial(std::vector{0.0, std::hypot(c.radius, distance), 100.0}, one);
-      const std::vector<double> areas = cut(radial, flat_bed(distance), c.polygon);
+      const std::vector<double> areas = cut(radial, flat_seabed(distance), c.polygon);
       EXPECT_NEAR(areas[0], c.area, 2e-12);
       double area_2 = 0;
       for (std::size_t i = 0; i < c.polygon.size(); ++i)
@@ -151,12 +151,12 @@ TEST(RangeCut, RangeRingsOfAnAzimuthSlice) {
   const double h = 10, f = 1.5 * degree;
   const Polygon2 slice{{0, 0}, {60, 0}, {60 * std::cos(f), 60 * std::sin(f)}};
   const RadialIntegral far(std::vector{20.0, 20.05}, one);
-  EXPECT_NEAR(cut(far, flat_bed(h), slice)[0], 0.026212663703, 1e-12);
+  EXPECT_NEAR(cut(far, flat_seabed(h), slice)[0], 0.026212663703, 1e-12);
   const RadialIntegral first_return(std::vector{9.98, 10.03}, one);
-  EXPECT_NEAR(cut(first_return, flat_bed(h), slice)[0], 0.007865762606, 1e-12);
+  EXPECT_NEAR(cut(first_return, flat_seabed(h), slice)[0], 0.007865762606, 1e-12);
 
   const RadialIntegral rings(uniform_borders(9.9, 0.0125, 2000), one);
-  const std::vector<double> areas = cut(rings, flat_bed(h), slice);
+  const std::vector<double> areas = cut(rings, flat_seabed(h), slice);
   for (std::size_t k = 8; k < areas.size(); ++k)
     ASSERT_LT(relative(areas[k], f * (9.9 + (double(k) + 0.5) * 0.0125) * 0.0125), 1e-12) << k;
 }
@@ -210,9 +210,9 @@ TEST(RangeCut, FootInsideOnAnEdgeAndAtACorner) {
           q = {q.x * std::cos(turn) - q.y * std::sin(turn), q.x * std::sin(turn) + q.y * std::cos(turn)};
         return p;
       };
-      const auto all = cut(radial, flat_bed(d), turned(square));
-      const auto half = cut(radial, flat_bed(d), turned({{-1, 0}, {1, 0}, {1, 1}, {-1, 1}}));
-      const auto quarter = cut(radial, flat_bed(d), turned({{0, 0}, {1, 0}, {1, 1}, {0, 1}}));
+      const auto all = cut(radial, flat_seabed(d), turned(square));
+      const auto half = cut(radial, flat_seabed(d), turned({{-1, 0}, {1, 0}, {1, 1}, {-1, 1}}));
+      const auto quarter = cut(radial, flat_seabed(d), turned({{0, 0}, {1, 0}, {1, 1}, {0, 1}}));
       EXPECT_GT(total(all), 0);
       for (std::size_t k = 0; k < all.size(); ++k) {
         ASSERT_NEAR(all[k], 2 * half[k], 1e-13 * total(all));
@@ -223,10 +223,10 @@ TEST(RangeCut, FootInsideOnAnEdgeAndAtACorner) {
 
 TEST(RangeCut, AnEdgeThatAllButTouchesTheFoot) {
   const RadialIntegral radial(uniform_borders(0, 0.1, 100), lambert_with_absorption);
-  const auto exact = cut(radial, flat_bed(2), {{-1, 0}, {1, 0}, {1, 1}, {-1, 1}});
+  const auto exact = cut(radial, flat_seabed(2), {{-1, 0}, {1, 0}, {1, 1}, {-1, 1}});
   for (const double gap : {1e-300, 1e-30, 1e-18, 1e-16, 1e-12})
     for (const double side : {-1.0, 1.0}) {
-      const auto near = cut(radial, flat_bed(2), {{-1, side * gap}, {1, side * gap}, {1, 1}, {-1, 1}});
+      const auto near = cut(radial, flat_seabed(2), {{-1, side * gap}, {1, side * gap}, {1, 1}, {-1, 1}});
       for (std::size_t k = 0; k < exact.size(); ++k)
         ASSERT_NEAR(near[k], exact[k], 1e-13 * total(exact) + 10 * gap) << gap * side << ' ' << k;
     }
@@ -323,18 +323,19 @@ TEST(RangeCut, GrazingAndNadir) {
   const RadialIntegral radial(uniform_borders(1, 0.25, 100), lambert_with_absorption);
   for (const double d : {1e-12, 1e-6, 1e-3}) {
     const Polygon2 p{{5, -1}, {9, -1}, {9, 1}, {5, 1}};
-    EXPECT_LT(relative(total(cut(radial, flat_bed(d), p)), whole(p, d, lambert_with_absorption)), 1e-11) << d;
+    EXPECT_LT(relative(total(cut(radial, flat_seabed(d), p)), whole(p, d, lambert_with_absorption)), 1e-11)
+        << d;
   }
   for (const double size : {1e-6, 1e-3, 1e-1}) {  // straight below, where range is stationary
     const Polygon2 p{{-size, -size}, {size, -size}, {size, size}, {-size, size}};
-    EXPECT_LT(relative(total(cut(radial, flat_bed(10), p)), whole(p, 10, lambert_with_absorption)), 1e-11)
+    EXPECT_LT(relative(total(cut(radial, flat_seabed(10), p)), whole(p, 10, lambert_with_absorption)), 1e-11)
         << size;
   }
 }
 
 TEST(RangeCut, PolygonsOutsideAndPartlyOutsideOfTheSamples) {
   const Polygon2 p{{3, -1}, {9, -1}, {9, 1}, {3, 1}};
-  const FacetPlane plane = flat_bed(4);  // ranges 5 to 9.9
+  const FacetPlane plane = flat_seabed(4);  // ranges 5 to 9.9
   const auto none = [&](std::vector<double> borders) {
     return total(cut(RadialIntegral(borders, one), plane, p));
   };
@@ -375,16 +376,16 @@ TEST(RangeCut, CornersWithinRoundingOfABorder) {
 
 TEST(RangeCut, DegeneratePolygonsAddNothing) {
   const RadialIntegral radial(uniform_borders(1, 0.25, 100), one);
-  EXPECT_EQ(total(cut(radial, flat_bed(3), {})), 0);
-  EXPECT_EQ(total(cut(radial, flat_bed(3), {{1, 1}})), 0);
-  EXPECT_EQ(total(cut(radial, flat_bed(3), {{1, 1}, {2, 2}})), 0);
-  EXPECT_EQ(total(cut(radial, flat_bed(3), {{1, 1}, {1, 1}, {1, 1}})), 0);
-  EXPECT_NEAR(total(cut(radial, flat_bed(3), {{1, 1}, {2, 2}, {3, 3}})), 0, 1e-14);
+  EXPECT_EQ(total(cut(radial, flat_seabed(3), {})), 0);
+  EXPECT_EQ(total(cut(radial, flat_seabed(3), {{1, 1}})), 0);
+  EXPECT_EQ(total(cut(radial, flat_seabed(3), {{1, 1}, {2, 2}})), 0);
+  EXPECT_EQ(total(cut(radial, flat_seabed(3), {{1, 1}, {1, 1}, {1, 1}})), 0);
+  EXPECT_NEAR(total(cut(radial, flat_seabed(3), {{1, 1}, {2, 2}, {3, 3}})), 0, 1e-14);
 }
 
 TEST(RangeCut, TheOtherTurnIsNegative) {
   const RadialIntegral radial(uniform_borders(1, 0.25, 100), one);
-  EXPECT_NEAR(total(cut(radial, flat_bed(3), {{1, 1}, {1, 2}, {2, 1}})), -0.5, 1e-14);
+  EXPECT_NEAR(total(cut(radial, flat_seabed(3), {{1, 1}, {1, 2}, {2, 1}})), -0.5, 1e-14);
 }
 
 TEST(RadialIntegral, ShortIntervalsKeepTheirDigits) {

@@ -290,15 +290,15 @@ TEST(Coarsened, NothingFolds) {
 
 // Law N5: borders of sheets, of components and of materials.
 TEST(Coarsened, BordersStay) {
-  FacetMesh bed = terrain(60, waves);
-  for (std::size_t f = 0; f < bed.facets.size(); ++f) {
-    const glm::dvec3 at = corner(bed, f, 0);
-    bed.material[f] = at.x > 1e6 ? 1 : 0;
-    bed.component[f] = at.y > 2e6 ? 1 : 0;
+  FacetMesh seabed = terrain(60, waves);
+  for (std::size_t f = 0; f < seabed.facets.size(); ++f) {
+    const glm::dvec3 at = corner(seabed, f, 0);
+    seabed.material[f] = at.x > 1e6 ? 1 : 0;
+    seabed.component[f] = at.y > 2e6 ? 1 : 0;
   }
-  const CoarseMesh made = coarse(bed, 30'000);
-  EXPECT_LT(5 * made.mesh.facets.size(), bed.facets.size());
-  EXPECT_EQ(border_of(made.mesh), border_of(bed));
+  const CoarseMesh made = coarse(seabed, 30'000);
+  EXPECT_LT(5 * made.mesh.facets.size(), seabed.facets.size());
+  EXPECT_EQ(border_of(made.mesh), border_of(seabed));
   for (std::uint16_t material = 0; material < 2; ++material)
     for (std::uint16_t component = 0; component < 2; ++component) {
       const auto part = [&](const FacetMesh& mesh) {
@@ -308,13 +308,13 @@ TEST(Coarsened, BordersStay) {
             one.facets.push_back(mesh.facets[f]);
         return border_of(one);
       };
-      EXPECT_EQ(part(made.mesh), part(bed));
+      EXPECT_EQ(part(made.mesh), part(seabed));
     }
 }
 
 TEST(Coarsened, MoreIsTakenAwayWhereMoreMayMove) {
-  const FacetMesh bed = noisy_terrain(60, 2'000), ball = sphere(30, 2e6);
-  for (const FacetMesh* given : {&bed, &ball}) {
+  const FacetMesh seabed = noisy_terrain(60, 2'000), ball = sphere(30, 2e6);
+  for (const FacetMesh* given : {&seabed, &ball}) {
     std::size_t before = given->facets.size();
     for (const double most_move : {500.0, 2'000.0, 8'000.0, 32'000.0, 128'000.0}) {
       const std::size_t after = coarse(*given, most_move).mesh.facets.size();
@@ -326,21 +326,21 @@ TEST(Coarsened, MoreIsTakenAwayWhereMoreMayMove) {
 }
 
 TEST(Coarsened, LimitsAreThoseOfEachFacet) {
-  const FacetMesh bed = terrain(60, waves);
-  std::vector<double> limits(bed.facets.size());  // in stripes
-  for (std::size_t f = 0; f < bed.facets.size(); ++f) {
-    const double x = corner(bed, f, 0).x;
+  const FacetMesh seabed = terrain(60, waves);
+  std::vector<double> limits(seabed.facets.size());  // in stripes
+  for (std::size_t f = 0; f < seabed.facets.size(); ++f) {
+    const double x = corner(seabed, f, 0).x;
     limits[f] = x < 10 * cell ? 0 : std::fmod(x, 8 * cell) < 4 * cell ? 60'000 : 1'500;
   }
-  const CoarseMesh made = coarsened(bed, limits, 0.5);
-  EXPECT_LT(made.mesh.facets.size(), bed.facets.size() / 2);
+  const CoarseMesh made = coarsened(seabed, limits, 0.5);
+  EXPECT_LT(made.mesh.facets.size(), seabed.facets.size() / 2);
   const std::set<Triangle> there(made.mesh.facets.begin(), made.mesh.facets.end());
   std::mt19937 random(3);
   const Distances to_made(made.mesh);
-  for (std::size_t f = 0; f < bed.facets.size(); ++f) {
-    EXPECT_TRUE(limits[f] > 0 || there.contains(bed.facets[f])) << f;
+  for (std::size_t f = 0; f < seabed.facets.size(); ++f) {
+    EXPECT_TRUE(limits[f] > 0 || there.contains(seabed.facets[f])) << f;
     for (int draw = 0; draw < 5; ++draw)
-      EXPECT_LE(to_made.of(drawn_point(bed, f, random)), limits[f] + 1e-3) << f;
+      EXPECT_LE(to_made.of(drawn_point(seabed, f, random)), limits[f] + 1e-3) << f;
   }
 }
 
@@ -365,26 +365,26 @@ TEST(Coarsened, IsTheSameEachTime) {
 
 // Three sheets on an edge, a cone's tip on a sheet, facets twice and without an area: their vertices stay.
 TEST(Coarsened, WhatIsNoSheetKeepsItsCorners) {
-  FacetMesh bed = terrain(20, waves);
+  FacetMesh seabed = terrain(20, waves);
   const auto add = [&](VertexId a, VertexId b, VertexId c) {
-    bed.facets.push_back({a, b, c}), bed.material.push_back(0), bed.component.push_back(0);
+    seabed.facets.push_back({a, b, c}), seabed.material.push_back(0), seabed.component.push_back(0);
   };
   const auto at = [](int i, int k) { return VertexId(21 * i + k); };
-  const auto high = VertexId(bed.vertices.size());
-  bed.vertices.push_back({int(10 * cell), int(10 * cell), 3'000'000});
-  bed.vertices.push_back({int(11 * cell), int(10 * cell), 3'000'000});
+  const auto high = VertexId(seabed.vertices.size());
+  seabed.vertices.push_back({int(10 * cell), int(10 * cell), 3'000'000});
+  seabed.vertices.push_back({int(11 * cell), int(10 * cell), 3'000'000});
   add(at(5, 5), at(6, 5), high);         // a third sheet
-  add(at(12, 12), high, high + 1);       // its tip on the bed
+  add(at(12, 12), high, high + 1);       // its tip on the seabed
   add(at(8, 3), at(9, 3), at(8, 4));     // there twice
   add(at(15, 3), at(15, 3), at(15, 4));  // no area
-  const CoarseMesh made = coarse(bed, 50'000);
-  EXPECT_LT(made.mesh.facets.size(), bed.facets.size() / 2);
+  const CoarseMesh made = coarse(seabed, 50'000);
+  EXPECT_LT(made.mesh.facets.size(), seabed.facets.size() / 2);
   std::multiset<Triangle> there(made.mesh.facets.begin(), made.mesh.facets.end());
   std::set<VertexId> used;
   for (const Triangle& t : made.mesh.facets) used.insert(t.begin(), t.end());
-  for (std::size_t f = bed.facets.size() - 4; f < bed.facets.size(); ++f) {
-    for (const VertexId v : bed.facets[f]) EXPECT_TRUE(used.contains(v));
-    EXPECT_TRUE(there.contains(bed.facets[f]));
+  for (std::size_t f = seabed.facets.size() - 4; f < seabed.facets.size(); ++f) {
+    for (const VertexId v : seabed.facets[f]) EXPECT_TRUE(used.contains(v));
+    EXPECT_TRUE(there.contains(seabed.facets[f]));
   }
 }
 

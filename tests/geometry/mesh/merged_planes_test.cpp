@@ -147,12 +147,12 @@ FacetMesh merged_or_same(const FacetMesh& mesh) { return with_planes_merged(mesh
 
 // Laws N1 and N2.
 TEST(MergedPlanes, APlaneIsTwoFacets) {
-  Patchwork bed;
-  bed.plane({-300, 30, 9}, {30, 0, 0}, {0, 30, 0}, 20, 15);
-  const FacetMesh merged = merged_or_same(bed.mesh);
+  Patchwork seabed;
+  seabed.plane({-300, 30, 9}, {30, 0, 0}, {0, 30, 0}, 20, 15);
+  const FacetMesh merged = merged_or_same(seabed.mesh);
   EXPECT_EQ(merged.facets.size(), 2u);
   EXPECT_EQ(t_junctions(merged), 0u);
-  expect_same_surface(bed.mesh, merged);
+  expect_same_surface(seabed.mesh, merged);
 }
 
 TEST(MergedPlanes, ABoxStaysClosed) {
@@ -176,28 +176,28 @@ TEST(MergedPlanes, ABoxStaysClosed) {
 
 // Nothing but the border of what is not merged says how coarse its neighbour may be.
 TEST(MergedPlanes, ABorderToFineFacetsKeepsItsVertices) {
-  Patchwork bed;
-  bed.plane({0, 0, 0}, {30, 0, 0}, {0, 30, 0}, 8, 8);
+  Patchwork seabed;
+  seabed.plane({0, 0, 0}, {30, 0, 0}, {0, 30, 0}, 8, 8);
   std::mt19937 random(3);
   for (int i = 0; i < 8; ++i) {
     const std::int32_t up = 3 * std::uniform_int_distribution(1, 9)(random);
-    bed.add({30 * i, 240, 0}, {30 * (i + 1), 240, 0}, {30 * i + 15, 270, up});
+    seabed.add({30 * i, 240, 0}, {30 * (i + 1), 240, 0}, {30 * i + 15, 270, up});
   }
-  const FacetMesh merged = merged_or_same(bed.mesh);
+  const FacetMesh merged = merged_or_same(seabed.mesh);
   EXPECT_LT(merged.facets.size(), 8u + 12u);
   EXPECT_EQ(t_junctions(merged), 0u);
-  expect_same_surface(bed.mesh, merged);
+  expect_same_surface(seabed.mesh, merged);
 }
 
 TEST(MergedPlanes, StripesOfMaterialsStayApart) {
-  Patchwork bed;
+  Patchwork seabed;
   for (int i = 0; i < 12; ++i)
     for (int k = 0; k < 12; ++k)
-      bed.cell({30 * i, 30 * k, 0}, {30, 0, 0}, {0, 30, 0}, false, i / 4 == 1 ? 1 : 0);
-  const FacetMesh merged = merged_or_same(bed.mesh);
+      seabed.cell({30 * i, 30 * k, 0}, {30, 0, 0}, {0, 30, 0}, false, i / 4 == 1 ? 1 : 0);
+  const FacetMesh merged = merged_or_same(seabed.mesh);
   EXPECT_EQ(merged.facets.size(), 6u);
   EXPECT_EQ(t_junctions(merged), 0u);
-  expect_same_surface(bed.mesh, merged);
+  expect_same_surface(seabed.mesh, merged);
 }
 
 TEST(MergedPlanes, WhatFacesTheOtherWayIsAnotherPlane) {
@@ -241,12 +241,12 @@ TEST(MergedPlanes, WhatOverlapsOrIsRoughStaysAsItIs) {
 
 TEST(MergedPlanes, FarFromTheOriginPlanesAreReported) {
   constexpr std::int32_t far = (1 << 30) - 3000;
-  Patchwork bed(1);
-  bed.plane({far, -far, far}, {30, 0, 1}, {0, 30, -2}, 9, 9);
-  bed.plane({far, -far, far - 1}, {30, 0, 1}, {0, 30, -2}, 9, 9);  // a unit below it
-  const FacetMesh merged = merged_or_same(bed.mesh);
+  Patchwork seabed(1);
+  seabed.plane({far, -far, far}, {30, 0, 1}, {0, 30, -2}, 9, 9);
+  seabed.plane({far, -far, far - 1}, {30, 0, 1}, {0, 30, -2}, 9, 9);  // a unit below it
+  const FacetMesh merged = merged_or_same(seabed.mesh);
   EXPECT_EQ(merged.facets.size(), 4u);
-  EXPECT_TRUE(area(bed.mesh) == area(merged));
+  EXPECT_TRUE(area(seabed.mesh) == area(merged));
 }
 
 /// Cells of a tilted lattice, some of them left out, in two materials and two components.

@@ -143,9 +143,9 @@ TEST(HeightFields, ATipThatPokesOverAnotherBorderIsFound) {
   EXPECT_EQ(HeightFields(mesh).count(), 1u);
 }
 
-/// A large bed with a small one above it, joined crosswise along a slit of two edges: a walker who passes the
-/// slit comes from one to the other. All facets face up, all edges inside are shared by two facets, and no
-/// border edges cross: only their winding number tells that the middle is covered twice.
+/// A large seabed with a small one above it, joined crosswise along a slit of two edges: a walker who passes
+/// the slit comes from one to the other. All facets face up, all edges inside are shared by two facets, and
+/// no border edges cross: only their winding number tells that the middle is covered twice.
 FacetMesh two_storeys(std::int32_t unit) {
   FacetMesh mesh;
   std::map<std::array<int, 3>, VertexId> ids;  // column, row, storey
@@ -273,7 +273,7 @@ TEST(HeightFields, AHoleBeyondTheReachChangesNothing) {
   TubeSet tubes = forward_tubes({0, -3 * (width / 8), 0}, 1, 1, 30, 20, 20);
   std::size_t all = 0;
   EXPECT_EQ(expect_same(holed, tubes, all), all) << "within it, it is in view";
-  tubes.reach = 0.7 * width;  // the bed is in view from half a width on, the hole is four fifths away
+  tubes.reach = 0.7 * width;  // the seabed is in view from half a width on, the hole is four fifths away
   const std::size_t left = expect_same(mesh, tubes, all);
   EXPECT_LT(left, all);
   EXPECT_EQ(expect_same(holed, tubes, all), left);

@@ -30,8 +30,8 @@ using testing::Not;
 /// Far more than it takes, far less than the rest of the work does.
 constexpr double long_s = 10;
 
-/// A rough bed seen at grazing angles, a camera that looks at it once.
-std::string rough_bed(double cell_m, const std::string& more = {}) {
+/// A rough seabed seen at grazing angles, a camera that looks at it once.
+std::string rough_seabed(double cell_m, const std::string& more = {}) {
   return fmt::format(R"(title = "One long ping"
 [[materials]]
 name = "rock"
@@ -60,7 +60,7 @@ samples = 512
 
 struct Stop : testing::Test {
   TestFolder folder;
-  fs::path scene = folder.write("scene.toml", rough_bed(0.07));
+  fs::path scene = folder.write("scene.toml", rough_seabed(0.07));
   const std::string camera = "camera";
 
   static Surroundings stopped_once_said(const std::string& word) {
@@ -180,7 +180,7 @@ ping_interval_s = 0.5
 }
 
 TEST_F(Stop, LoadingInItsMiddle) {
-  scene = folder.write("scene.toml", rough_bed(0.025));
+  scene = folder.write("scene.toml", rough_seabed(0.025));
   for (const char* command : {"check", "run"}) {
     SCOPED_TRACE(command);
     std::vector<std::string> words{command, scene.string()};
@@ -198,7 +198,7 @@ TEST_F(Stop, LoadingInItsMiddle) {
 TEST_F(Stop, HashingInItsMiddle) {
   folder.write("grid.tif", std::string("II*\0\x08\0\0\0\0\0", 10));
   fs::resize_file(folder / "grid.tif", std::uintmax_t{60} << 30);
-  folder.write("scene.toml", replaced(rough_bed(0.5),
+  folder.write("scene.toml", replaced(rough_seabed(0.5),
                                       "kind = \"fractal\"\nwidth_m = 60\nlength_m = 60\ncell_m = "
                                       "0.5\nrms_height_m = 1.5\nhurst = 0.6",
                                       "kind = \"raster\"\nfile = \"grid.tif\""));
@@ -211,7 +211,7 @@ TEST_F(Stop, HashingInItsMiddle) {
 
 // Two pings that look at open water, then a long one.
 TEST_F(Stop, PingsThatWereFinishedAreKept) {
-  std::string text = rough_bed(0.05);
+  std::string text = rough_seabed(0.05);
   text = replaced(text, "kind = \"fixed\"\nposition_m = [0, -25, 7]",
                   "kind = \"line\"\nstart_m = [0, -26, 60]\nend_m = [0, -25, 7]\nspeed_m_s = 26.5");
   scene = folder.write("scene.toml", text + "pings = 3\nping_interval_s = 1\n");

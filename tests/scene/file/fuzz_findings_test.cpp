@@ -7,13 +7,13 @@
 
 #include "files/shown.hpp"
 #include "fixtures/world/read_scenes.hpp"
-#include "scene/beds/material_map.hpp"
-#include "scene/beds/relief_map.hpp"
 #include "scene/meshes/mesh_file.hpp"
 #include "scene/rasters/georeference.hpp"
 #include "scene/rasters/raster.hpp"
 #include "scene/rasters/terrain.hpp"
 #include "scene/scene_water.hpp"
+#include "scene/surfaces/material_map.hpp"
+#include "scene/surfaces/relief_map.hpp"
 #include "scene/waypoint_file.hpp"
 
 namespace tubefoot {

@@ -8,8 +8,8 @@
 
 #include "engine/scattering/perlin_reflectivity.hpp"
 #include "fixtures/world/read_scenes.hpp"
-#include "scene/beds/reflectivity.hpp"
 #include "scene/scene.hpp"
+#include "scene/surfaces/reflectivity.hpp"
 
 namespace tubefoot {
 namespace {

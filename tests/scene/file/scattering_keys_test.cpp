@@ -8,8 +8,8 @@
 #include <numbers>
 
 #include "fixtures/world/read_scenes.hpp"
-#include "scene/beds/scattering.hpp"
 #include "scene/scene.hpp"
+#include "scene/surfaces/scattering.hpp"
 #include "sensors/kinds/kind_didson.hpp"
 
 namespace tubefoot {

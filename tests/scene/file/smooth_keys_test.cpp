@@ -6,8 +6,8 @@
 
 #include "engine/scattering/reflection.hpp"
 #include "fixtures/world/read_scenes.hpp"
-#include "scene/beds/smooth_materials.hpp"
 #include "scene/scene.hpp"
+#include "scene/surfaces/smooth_materials.hpp"
 
 namespace tubefoot {
 namespace {

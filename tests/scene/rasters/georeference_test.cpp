@@ -169,10 +169,10 @@ TEST(TangentFrame, ItsMapIsOrthographic) {
   const glm::dvec3 surface = frame.from_lat_lon(on_map.y, on_map.x, 0, kPlace);
   EXPECT_NEAR(surface.x, 1000, 1e-6);
   EXPECT_NEAR(surface.y, -2000, 1e-6);
-  const glm::dvec3 bed = frame.from_lat_lon(on_map.y, on_map.x, -50, kPlace);
-  EXPECT_NEAR(bed.x, 1000 * (1 - 50 / 6.38e6), 1e-4);
-  EXPECT_NEAR(bed.y, -2000 * (1 - 50 / 6.38e6), 1e-4);
-  EXPECT_GT(std::abs(bed.y + 2000), 0.01);
+  const glm::dvec3 seabed = frame.from_lat_lon(on_map.y, on_map.x, -50, kPlace);
+  EXPECT_NEAR(seabed.x, 1000 * (1 - 50 / 6.38e6), 1e-4);
+  EXPECT_NEAR(seabed.y, -2000 * (1 - 50 / 6.38e6), 1e-4);
+  EXPECT_GT(std::abs(seabed.y + 2000), 0.01);
 }
 
 // Programs list systems by their names.

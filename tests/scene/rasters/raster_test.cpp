@@ -13,8 +13,8 @@
 #include "files/netcdf_size.hpp"
 #include "fixtures/world/read_scenes.hpp"
 #include "geometry/numbers/world_grid.hpp"
-#include "scene/beds/reflectivity.hpp"
 #include "scene/rasters/terrain_tiles.hpp"
+#include "scene/surfaces/reflectivity.hpp"
 
 namespace tubefoot {
 namespace {

@@ -44,7 +44,7 @@ TEST(FlatTerrain, IsTwoFacetsOrAGrid) {
   EXPECT_NEAR(area_from_above(flat_facets(cells, kPlace)), 600, 1e-9);
 }
 
-FractalTerrain bed() {
+FractalTerrain seabed() {
   FractalTerrain terrain;
   terrain.width_m = 60;
   terrain.length_m = 40;
@@ -64,10 +64,10 @@ TEST(Terrain, SlopesFallToTheirHeadingAboutTheMiddle) {
   flat.slope_deg = 81;
   EXPECT_THROW(flat_facets(flat, kPlace), InputError);
 
-  FractalTerrain sloping = bed();
+  FractalTerrain sloping = seabed();
   sloping.slope_deg = 12;
   sloping.slope_heading_deg = -140;
-  const ComponentMesh level = fractal_facets(bed(), kPlace), tilted = fractal_facets(sloping, kPlace);
+  const ComponentMesh level = fractal_facets(seabed(), kPlace), tilted = fractal_facets(sloping, kPlace);
   const double fall = std::tan(12 * std::numbers::pi / 180), h = -140 * std::numbers::pi / 180;
   for (std::size_t i = 0; i < level.points_m.size(); ++i) {
     const glm::dvec3 p = level.points_m[i];
@@ -76,24 +76,24 @@ TEST(Terrain, SlopesFallToTheirHeadingAboutTheMiddle) {
   }
 }
 
-TEST(FractalTerrain, SameSeedSameBedOtherSeedOtherBed) {
-  const ComponentMesh a = fractal_facets(bed(), kPlace), b = fractal_facets(bed(), kPlace);
+TEST(FractalTerrain, SameSeedSameSeabedOtherSeedOtherSeabed) {
+  const ComponentMesh a = fractal_facets(seabed(), kPlace), b = fractal_facets(seabed(), kPlace);
   EXPECT_EQ(a.points_m, b.points_m);
-  FractalTerrain other = bed();
+  FractalTerrain other = seabed();
   other.seed = 12;
   EXPECT_NE(a.points_m, fractal_facets(other, kPlace).points_m);
 }
 
-TEST(FractalTerrain, TheBedOfASeedStaysWhatItIs) {
-  // Written down on x86-64 with g++ 12: another compiler, machine or version must give the same bed to the
+TEST(FractalTerrain, TheSeabedOfASeedStaysWhatItIs) {
+  // Written down on x86-64 with g++ 12: another compiler, machine or version must give the same seabed to the
   // micrometre.
-  const ComponentMesh mesh = fractal_facets(bed(), kPlace);
+  const ComponentMesh mesh = fractal_facets(seabed(), kPlace);
   EXPECT_NEAR(mesh.points_m[0].z, -30.116611127874801, 1e-7);
   EXPECT_NEAR(mesh.points_m[20000].z, -30.574243436307679, 1e-7);
 }
 
 TEST(FractalTerrain, HasItsMeanAndRmsHeight) {
-  const ComponentMesh mesh = fractal_facets(bed(), kPlace);
+  const ComponentMesh mesh = fractal_facets(seabed(), kPlace);
   double mean = 0, square = 0;
   for (const glm::dvec3& p : mesh.points_m) {
     mean += p.z + 30;
@@ -123,7 +123,7 @@ TEST(FractalTerrain, HeightDifferencesGrowWithDistanceToThePowerOfHurst) {
     double slope = 0;
     constexpr int kSeeds = 4;
     for (int seed = 1; seed <= kSeeds; ++seed) {
-      FractalTerrain terrain = bed();
+      FractalTerrain terrain = seabed();
       terrain.width_m = terrain.length_m = 128;
       terrain.cell_m = 0.5;
       terrain.hurst = hurst;
@@ -136,7 +136,7 @@ TEST(FractalTerrain, HeightDifferencesGrowWithDistanceToThePowerOfHurst) {
 }
 
 TEST(FractalTerrain, RipplesHaveTheirHeightWavelengthAndDirection) {
-  FractalTerrain terrain = bed();
+  FractalTerrain terrain = seabed();
   terrain.rms_height_m = 0;
   terrain.ripple_height_m = 0.1;
   terrain.ripple_wavelength_m = 4;
@@ -163,13 +163,13 @@ TEST(Terrain, RefusesBadSizes) {
       },
       ThrowsMessage<InputError>(HasSubstr("larger cell_m")));
   EXPECT_THROW(flat_facets({std::nan(""), 10, {0, 0, 0}, 1}, kPlace), InputError);
-  FractalTerrain terrain = bed();
+  FractalTerrain terrain = seabed();
   terrain.cell_m = -1;
   EXPECT_THROW(fractal_facets(terrain, kPlace), InputError);
-  terrain = bed();
+  terrain = seabed();
   terrain.hurst = 1.5;
   EXPECT_THAT([&] { fractal_facets(terrain, kPlace); }, ThrowsMessage<InputError>(HasSubstr("hurst")));
-  terrain = bed();
+  terrain = seabed();
   terrain.rms_height_m = -1;
   EXPECT_THROW(fractal_facets(terrain, kPlace), InputError);
 }

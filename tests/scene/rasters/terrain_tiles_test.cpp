@@ -163,9 +163,9 @@ TEST(VrtSources, AreFoundThroughVirtualRastersAndEachOnce) {
   const TestFolder folder;
   const auto outer = folder.write("outer.vrt", vrt_of("inner.tif") + "<!-- -->"),
              inner = folder.write("inner.tif", vrt_of("bed.asc"));  // told by its content, as GDAL does
-  const auto bed = folder.write("bed.asc", "ncols 2\n");
-  EXPECT_THAT(companions_of(outer), ElementsAre(inner, bed));
-  EXPECT_THAT(companions_of(bed), IsEmpty());
+  const auto seabed = folder.write("bed.asc", "ncols 2\n");
+  EXPECT_THAT(companions_of(outer), ElementsAre(inner, seabed));
+  EXPECT_THAT(companions_of(seabed), IsEmpty());
   const auto own = folder.write("own.vrt", vrt_of("own.vrt"));
   EXPECT_THAT(vrt_sources(own), ElementsAre(own));
   EXPECT_THAT([&] { companions_of(own); }, ThrowsMessage<InputError>(HasSubstr("within 8 others")));

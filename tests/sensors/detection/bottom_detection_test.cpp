@@ -26,9 +26,9 @@ constexpr DetectionMethod methods[] = {DetectionMethod::first_return, DetectionM
 
 double middle(const RangeSamples& of, int k) { return of.first_m + (k + 0.5) * of.step_m; }
 
-/// Energies of a beam from `least` to `most` off the vertical, over a flat Lambert bed `height` below: in a
-/// fan of azimuth dphi the part from R1 to R2 returns (mu height^2 dphi / 4) (R1^-4 - R2^-4).
-std::vector<double> flat_bed(double height, double least, double most, const RangeSamples& of) {
+/// Energies of a beam from `least` to `most` off the vertical, over a flat Lambert seabed `height` below: in
+/// a fan of azimuth dphi the part from R1 to R2 returns (mu height^2 dphi / 4) (R1^-4 - R2^-4).
+std::vector<double> flat_seabed(double height, double least, double most, const RangeSamples& of) {
   const double near = height / std::cos(least), far = height / std::cos(most);
   const double scale = 2e-3 * height * height * 1.5 * degree / 4;
   std::vector<double> energies;
@@ -68,7 +68,7 @@ TEST(BottomDetection, CentroidOfTwoSamplesIsTheirLever) {
   EXPECT_NEAR(found->quality, 1 - std::sqrt(3.0 / 16) * std::sqrt(12.0) / 400, 1e-12);
 }
 
-// A ball over the bed: the mean range of both is in the water between them.
+// A ball over the seabed: the mean range of both is in the water between them.
 TEST(BottomDetection, ACentroidIsOfOneEchoNotOfTheWaterBetweenTwo) {
   std::vector<double> energies(400, 0.0);
   for (int k = 100; k < 106; ++k) energies[k] = 4e-12;
@@ -283,7 +283,7 @@ TEST(BottomDetection, OneSampleIsFoundByAllAlike) {
 }
 
 TEST(BottomDetection, EnergiesOfAnyScaleGiveOneRange) {
-  const auto energies = flat_bed(12, 40 * degree, 43 * degree, samples);
+  const auto energies = flat_seabed(12, 40 * degree, 43 * degree, samples);
   for (const DetectionMethod method : methods) {
     const auto found = detect_bottom(energies, samples, {method});
     for (const double scale : {0x1p-200, 0x1p900}) {
@@ -296,15 +296,15 @@ TEST(BottomDetection, EnergiesOfAnyScaleGiveOneRange) {
   }
 }
 
-TEST(BottomDetection, FlatBedUnderASeaBat8101) {
-  // 101 beams of 1.5 degrees, 20 m above the bed, cells of 1.25 cm.
+TEST(BottomDetection, FlatSeabedUnderASeaBat8101) {
+  // 101 beams of 1.5 degrees, 20 m above the seabed, cells of 1.25 cm.
   const double height = 20;
   const RangeSamples cells{18, 0.0125, 6000};
   for (int beam = 0; beam <= 100; ++beam) {
     SCOPED_TRACE(testing::Message() << "beam " << beam);
     const double angle = (-75 + 1.5 * beam) * degree, half = 0.75 * degree;
     const double least = std::max(0.0, std::abs(angle) - half), most = std::abs(angle) + half;
-    const auto energies = flat_bed(height, least, most, cells);
+    const auto energies = flat_seabed(height, least, most, cells);
     const double near = height / std::cos(least), far = height / std::cos(most);
     const auto first = detect_bottom(energies, cells, {DetectionMethod::first_return});
     // The sample that holds the footprint's near edge, or the next if too little of it is lit.
@@ -319,7 +319,7 @@ TEST(BottomDetection, FlatBedUnderASeaBat8101) {
     EXPECT_NEAR(centroid->range_m, mean_range, cells.step_m / 2);
     EXPECT_GT(centroid->quality, 0.85);
 
-    // Soundings: the sensor rolled and turned, so that only the pose brings them back to the bed.
+    // Soundings: the sensor rolled and turned, so that only the pose brings them back to the seabed.
     const Pose pose{{100, -50, -3}, attitude_from_angles(0.7, 0, 0)};
     const glm::dvec3 axis{std::sin(angle), 0, -std::cos(angle)};
     const glm::dvec3 sounding = sounding_position(pose, axis, centroid->range_m);
@@ -337,7 +337,7 @@ TEST(BottomDetection, FootprintsSeenBy8101AtTwentyMetresHaveTheirPublishedSizes)
   const RangeSamples cells{18, 0.001, 60000};
   const auto edge = [](double range) { return std::sqrt(range * range - 400); };
   // At 60 degrees: 2.09559 m across; the first and last lit cell give it to about a cell over sin 60.
-  auto energies = flat_bed(20, 59.25 * degree, 60.75 * degree, cells);
+  auto energies = flat_seabed(20, 59.25 * degree, 60.75 * degree, cells);
   DetectionRule rule{DetectionMethod::first_return};
   rule.relative_db = -std::numeric_limits<double>::infinity();
   const double near = detect_bottom(energies, cells, rule)->range_m;
@@ -346,7 +346,7 @@ TEST(BottomDetection, FootprintsSeenBy8101AtTwentyMetresHaveTheirPublishedSizes)
       2 * cells.first_m + cells.count * cells.step_m - detect_bottom(energies, cells, rule)->range_m;
   EXPECT_NEAR(edge(far) - edge(near), 2.09559, 0.0012);
   // Below the sonar: 0.52363 m, of which the range axis has one half.
-  energies = flat_bed(20, 0, 0.75 * degree, {20, 1e-5, 1000});
+  energies = flat_seabed(20, 0, 0.75 * degree, {20, 1e-5, 1000});
   std::reverse(energies.begin(), energies.end());
   const double last = 20.01 - (detect_bottom(energies, {20, 1e-5, 1000}, rule)->range_m - 20);
   EXPECT_NEAR(2 * edge(last), 0.52363, 0.0005);
@@ -359,7 +359,7 @@ TEST(BottomDetection, CentroidSpreadsUnderSpeckleAsItsSigmaSays) {
   SCOPED_TRACE(testing::Message() << "seed " << description.seed);
   const ReceiverChain chain(description);
   const RangeSamples cells{18, 0.02, 1500};
-  const auto energies = flat_bed(20, 59.25 * degree, 60.75 * degree, cells);  // about 90 lit cells
+  const auto energies = flat_seabed(20, 59.25 * degree, 60.75 * degree, cells);  // about 90 lit cells
   DetectionRule all{DetectionMethod::energy_centroid};
   all.relative_db = -std::numeric_limits<double>::infinity();
   const auto still = detect_bottom(energies, cells, all);

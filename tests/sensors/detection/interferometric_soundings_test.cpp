@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Which of its angles a phase stands for: recordings of a bed that are made up from its closed form.
+// Which of its angles a phase stands for: recordings of a seabed that are made up from its closed form.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,14 +17,14 @@ namespace {
 constexpr double depth_m = 12, baseline_m = 0.012, wavelength_m = 0.003;
 constexpr double tilt_rad = 30 * samples::degree;
 
-struct FlatBed {
+struct FlatSeabed {
   std::unique_ptr<Sensor> sensor;
   Recording recording;
   std::vector<double> values;
 
-  /// Echoes from `nearest_m` on, of a bed that is level in the frame of the sensor.
-  explicit FlatBed(double nearest_m, double altitude_m, double coherence = 1,
-                   glm::dquat attitude = {1, 0, 0, 0}, double receiver_pair_m = baseline_m) {
+  /// Echoes from `nearest_m` on, of a seabed that is level in the frame of the sensor.
+  explicit FlatSeabed(double nearest_m, double altitude_m, double coherence = 1,
+                      glm::dquat attitude = {1, 0, 0, 0}, double receiver_pair_m = baseline_m) {
     InterferometricDescription swath;
     swath.frequency_khz = 500;
     swath.baseline_m = receiver_pair_m;
@@ -55,11 +55,11 @@ struct FlatBed {
   }
 };
 
-TEST(InterferometricSoundings, FollowTheBedFromItsNearestEchoOrFromTheAltitude) {
+TEST(InterferometricSoundings, FollowTheSeabedFromItsNearestEchoOrFromTheAltitude) {
   const double unknown = std::numeric_limits<double>::quiet_NaN();
   for (const auto& [nearest_m, altitude_m] : {std::pair(0.0, unknown), {0.0, 12.5}, {20.0, 11.5}}) {
-    const FlatBed bed(nearest_m, altitude_m);
-    const auto found = interferometric_soundings(bed.recording, 0, {});
+    const FlatSeabed seabed(nearest_m, altitude_m);
+    const auto found = interferometric_soundings(seabed.recording, 0, {});
     EXPECT_GT(found.size(), 1300u);
     for (const InterferometricSounding& s : found) {
       ASSERT_NEAR(s.estimate.depth_m, depth_m, 1e-9) << nearest_m << " " << s.range_m;
@@ -72,8 +72,8 @@ TEST(InterferometricSoundings, FollowTheBedFromItsNearestEchoOrFromTheAltitude) 
       EXPECT_NEAR(s.position_m.z, -13, 1e-9);
     }
   }
-  // Taken for a bed as deep as the nearest echo is far, a far one is missed: the altitude has its part.
-  const FlatBed far(20, unknown);
+  // Taken for a seabed as deep as the nearest echo is far, a far one is missed: the altitude has its part.
+  const FlatSeabed far(20, unknown);
   const auto lost = interferometric_soundings(far.recording, 0, {});
   ASSERT_FALSE(lost.empty());
   EXPECT_GT(std::abs(lost.front().estimate.depth_m - depth_m), 1);
@@ -81,8 +81,8 @@ TEST(InterferometricSoundings, FollowTheBedFromItsNearestEchoOrFromTheAltitude) 
 
 TEST(InterferometricSoundings, LeanWithTheSensor) {
   const double roll = 10 * samples::degree;
-  const FlatBed bed(0, 12, 1, attitude_from_angles(0, 0, roll));  // starboard down
-  for (const InterferometricSounding& s : interferometric_soundings(bed.recording, 0, {})) {
+  const FlatSeabed seabed(0, 12, 1, attitude_from_angles(0, 0, roll));  // starboard down
+  for (const InterferometricSounding& s : interferometric_soundings(seabed.recording, 0, {})) {
     const double across = (s.beam == 0 ? -1 : 1) * s.estimate.horizontal_m;
     ASSERT_NEAR(s.position_m.x, 5 + across * std::cos(roll) - depth_m * std::sin(roll), 1e-8);
     ASSERT_NEAR(s.position_m.z, -1 - across * std::sin(roll) - depth_m * std::cos(roll), 1e-8);
@@ -90,9 +90,9 @@ TEST(InterferometricSoundings, LeanWithTheSensor) {
 }
 
 TEST(InterferometricSoundings, NoiseOfTheReceiversLowersCoherenceAndWidensSigma) {
-  const FlatBed bed(0, 12, 0.9);
-  const auto clear = interferometric_soundings(bed.recording, 0, {}),
-             noisy = interferometric_soundings(bed.recording, 0, {1.0});
+  const FlatSeabed seabed(0, 12, 0.9);
+  const auto clear = interferometric_soundings(seabed.recording, 0, {}),
+             noisy = interferometric_soundings(seabed.recording, 0, {1.0});
   ASSERT_EQ(clear.size(), noisy.size());
   for (std::size_t k = 0; k < clear.size(); ++k) {
     EXPECT_NEAR(clear[k].coherence, 0.9, 1e-12);
@@ -110,11 +110,11 @@ TEST(InterferometricSoundings, NoiseOfTheReceiversLowersCoherenceAndWidensSigma)
 TEST(InterferometricSoundings, NoisyPhasesLoseNoLineAndHaveTheLawsVariance) {
   for (const double coherence : {0.1, 0.3, 0.6, 0.9, 0.99})
     for (const double baseline : {baseline_m, wavelength_m / 2}) {
-      FlatBed bed(0, 12, coherence, {1, 0, 0, 0}, baseline);
-      const auto clear = interferometric_soundings(bed.recording, 0, {});
+      FlatSeabed seabed(0, 12, coherence, {1, 0, 0, 0}, baseline);
+      const auto clear = interferometric_soundings(seabed.recording, 0, {});
       double sum = 0, fourth = 0, count = 0;
       for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-        const auto noisy = interferometric_soundings(bed.recording, 0, {0, true, seed});
+        const auto noisy = interferometric_soundings(seabed.recording, 0, {0, true, seed});
         ASSERT_EQ(noisy.size(), clear.size()) << "seed " << seed << ", coherence " << coherence;
         for (std::size_t k = 0; k < noisy.size(); ++k) {
           const double error = std::remainder(noisy[k].phase_rad - clear[k].phase_rad, 2 * std::numbers::pi);

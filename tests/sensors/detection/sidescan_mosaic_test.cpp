@@ -71,8 +71,8 @@ class SidescanMosaic {
   std::optional<Pose> before_;
 };
 
-/// Pings over a flat bed with one bright target, which each receives at its slant range, on the side it lies,
-/// when it is abeam: the answer is the target's own place.
+/// Pings over a flat seabed with one bright target, which each receives at its slant range, on the side it
+/// lies, when it is abeam: the answer is the target's own place.
 class Survey {
  public:
   Survey(SidescanMosaic& mosaic, glm::dvec2 target) : mosaic_(mosaic), target_(target) {}
@@ -95,7 +95,7 @@ class Survey {
   glm::dvec2 target_;
 };
 
-/// Middle of the cells above the level of the bed, weighted by how much.
+/// Middle of the cells above the level of the seabed, weighted by how much.
 glm::dvec2 bright_place(const CellMeans& cells) {
   glm::dvec2 sum(0);
   double weight = 0;
@@ -113,7 +113,7 @@ glm::dvec2 bright_place(const CellMeans& cells) {
 
 void expect_at(const CellMeans& cells, glm::dvec2 target) {
   const glm::dvec2 found = bright_place(cells);
-  // A sample at 20 m is 5 cm long on the bed, a cell 10 cm, pings are 50 cm apart.
+  // A sample at 20 m is 5 cm long on the seabed, a cell 10 cm, pings are 50 cm apart.
   EXPECT_NEAR(found.x, target.x, 0.15);
   EXPECT_NEAR(found.y, target.y, 0.15);
 }

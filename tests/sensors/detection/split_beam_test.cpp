@@ -65,7 +65,7 @@ TEST(SplitBeam, KnowsItsOwnError) {
   EXPECT_NEAR(fast->sigma / 4, slow->sigma, 0.1 * slow->sigma);
 }
 
-TEST(SplitBeam, FollowsTheBowOfALevelBed) {
+TEST(SplitBeam, FollowsTheBowOfALevelSeabed) {
   // 10 m below, met at 60 degrees: phases of sines about the one at 20 m.
   constexpr double step_m = 0.02, range_m = 20.0045, turn_rad = 80;
   std::vector<Complex> product;
@@ -75,7 +75,7 @@ TEST(SplitBeam, FollowsTheBowOfALevelBed) {
   SplitBeamSearch search{100, 60, 1.4, 0, 1};
   const double truth = (range_m - 18) / step_m;
   const auto straight = split_beam_zero(product, search);
-  search.bend = level_bed_bend(20, std::sqrt(0.75), step_m);
+  search.bend = level_seabed_bend(20, std::sqrt(0.75), step_m);
   const auto refracted = split_beam_zero(product, search);
   ASSERT_TRUE(straight && refracted);
   EXPECT_GT(std::abs(straight->sample - truth), 1);

@@ -53,7 +53,7 @@ TEST(Multibeam, BeamsAreSectorsSideBySideFromPortToStarboard) {
   EXPECT_LT(unit(set.rays[set.tubes[0][0]]).x, 0);
 }
 
-TEST(Multibeam, OfEqualDistanceMeetsALevelBedAtEvenSteps) {
+TEST(Multibeam, OfEqualDistanceMeetsALevelSeabedAtEvenSteps) {
   MultibeamDescription fan;
   fan.beams = 11;
   fan.swath_deg = 120;

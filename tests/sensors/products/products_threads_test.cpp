@@ -37,7 +37,7 @@ SensorDescription sonar(const char* name, Kind kind) {
   return description;
 }
 
-/// Pings of an uneven bed on two lines, no two alike.
+/// Pings of an uneven seabed on two lines, no two alike.
 samples::OwnedRecording survey(const SensorDescription& description, int pings) {
   auto made = samples::silent(description, pings);
   Recording& recording = made.recording;

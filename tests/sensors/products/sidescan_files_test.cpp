@@ -21,7 +21,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// 20 samples of 0.5 m from 1 m on, 4 m above the bed, 0.5 m from ping to ping.
+/// 20 samples of 0.5 m from 1 m on, 4 m above the seabed, 0.5 m from ping to ping.
 samples::OwnedRecording line(int pings = 9, const SignalDescription& signal = {}) {
   SensorDescription description = samples::sidescan(20);
   description.signal = signal;
@@ -82,7 +82,7 @@ TEST(SidescanFiles, ASpecularReturnIsWhiteInTheWaterfallAndTheFullScaleOfTheXtf)
   const TestFolder folder;
   auto made = line();
   std::fill(made.energies.begin(), made.energies.end(), 1e-12);
-  made.energy(3, 1, 5) = 1e-4;  // 80 dB above the bed
+  made.energy(3, 1, 5) = 1e-4;  // 80 dB above the seabed
   std::vector<std::string> warnings;
   write_two_sided_files(folder.path(), made.recording, at_sea(), widths, warnings);
   int width = 0, height = 0;
@@ -313,7 +313,7 @@ TEST(SidescanFiles, AMosaicHasNoValueWhereThereIsNoSurface) {
     const std::unique_ptr<GDALDataset> map(
         GDALDataset::Open((folder / "sidescan-mosaic.tif").c_str(), GDAL_OF_RASTER));
     ASSERT_TRUE(map);
-    // The middle of the last sample that may hold a surface, from 4 m above the bed.
+    // The middle of the last sample that may hold a surface, from 4 m above the seabed.
     const double end_m = 1 + 0.5 * surfaces, ground_m = std::sqrt((end_m - 0.25) * (end_m - 0.25) - 16);
     EXPECT_EQ(map->GetRasterXSize(), 2 * std::ceil(ground_m / 2)) << surfaces;
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What people make of signals: points appear where they are in every picture and file, soundings are those of
-// the bed, and what cannot be made says why.
+// the seabed, and what cannot be made says why.
 #include "sensors/products/signal_files.hpp"
 
 #include <OpenImageIO/imageio.h>
@@ -73,8 +73,9 @@ SeenPicture seen(const std::filesystem::path& file) {
   return picture;
 }
 
-/// A level bed of points in a strip across the track, as narrow as a transmission lights.
-std::vector<PointScatterer> level_bed(double depth_m, double half_width_m, std::size_t count, unsigned seed) {
+/// A level seabed of points in a strip across the track, as narrow as a transmission lights.
+std::vector<PointScatterer> level_seabed(double depth_m, double half_width_m, std::size_t count,
+                                         unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> share(-1, 1);
   std::normal_distribution<double> normal;
@@ -137,7 +138,7 @@ TEST(SignalProducts, FansAcrossTheTrackHangDown) {
   EXPECT_NEAR(down[1], -up[1], 2);
 }
 
-TEST(SignalProducts, SoundsALevelBed) {
+TEST(SignalProducts, SoundsALevelSeabed) {
   constexpr double depth_m = 6;
   SignalMultibeam multibeam;
   multibeam.fan = {SignalFan::Plane::across_track, 61, radians(120), 0, {ApertureWindow::Law::taylor, 30, 4}};
@@ -146,9 +147,10 @@ TEST(SignalProducts, SoundsALevelBed) {
   for (const unsigned seed : {1u, 2u, 3u}) {
     // Heading east and rolled, starboard down: the beams look further to port than they say.
     const glm::dquat attitude = attitude_from_angles(radians(90), 0, radians(5));
-    std::vector<PointScatterer> bed = level_bed(depth_m, 16, 4000, seed);
-    for (PointScatterer& point : bed) std::swap(point.position_m.x, point.position_m.y);  // now along north
-    const ElementSignals signals = point_signals(bed, across(48), chirp, {frequency_hz, 40e3, 0.0065, 560},
+    std::vector<PointScatterer> seabed = level_seabed(depth_m, 16, 4000, seed);
+    for (PointScatterer& point : seabed)
+      std::swap(point.position_m.x, point.position_m.y);  // now along north
+    const ElementSignals signals = point_signals(seabed, across(48), chirp, {frequency_hz, 40e3, 0.0065, 560},
                                                  northwards(1, 1, attitude), c);
     const SignalSoundings found = signal_soundings(compressed_ping(signals, 0, {}), multibeam,
                                                    interpolator_for(chirp, signals.sampling, 1e-4));
@@ -165,7 +167,7 @@ TEST(SignalProducts, SoundsALevelBed) {
       if (angle < radians(30) || angle > radians(58) || !found.phase[beam]) continue;
       ++outer;
       outer_by_phase += best.method == DetectionMethod::split_beam;
-      // In range: the beam's axis meets the bed there.
+      // In range: the beam's axis meets the seabed there.
       const double labels = depth_m / std::cos(multibeam.fan.angles_rad()[beam] - radians(5));
       outer_amplitude += std::pow(found.amplitude[beam]->slant_range_m - labels, 2);
       outer_phase += std::pow(found.phase[beam]->slant_range_m - labels, 2);

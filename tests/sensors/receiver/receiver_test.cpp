@@ -45,7 +45,7 @@ TEST(ReceiverChain, LevelsAndAmplitudesOfTheSonarEquation) {
   const ReceiverChain chain(description);
   EXPECT_DOUBLE_EQ(chain.level_db(1), 210);  // 1 J for a source of 1 J/sr at 1 m
   EXPECT_DOUBLE_EQ(chain.level_db(1e-10), 110);
-  // A sample of a flat Lambert bed: mu -27 dB, height 10 m, 1.5 degrees, slant range 20 to 20.05 m.
+  // A sample of a flat Lambert seabed: mu -27 dB, height 10 m, 1.5 degrees, slant range 20 to 20.05 m.
   EXPECT_NEAR(chain.level_db(8.111093200e-11), 210 - 100.909206, 1e-6);
   EXPECT_DOUBLE_EQ(20 * std::log10(chain.amplitude_upa(1e-10)), 110);
   EXPECT_EQ(chain.level_db(0), -std::numeric_limits<double>::infinity());

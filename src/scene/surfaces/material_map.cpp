@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "scene/beds/material_map.hpp"
+#include "scene/surfaces/material_map.hpp"
 
 #include <fmt/core.h>
 #include <tbb/parallel_for.h>
@@ -13,7 +13,7 @@
 
 #include "files/words.hpp"
 #include "geometry/steps/stop.hpp"
-#include "scene/beds/material_map_sources.hpp"
+#include "scene/surfaces/material_map_sources.hpp"
 
 namespace tubefoot {
 

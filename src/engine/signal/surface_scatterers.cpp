@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/signal/bed_scatterers.hpp"
+#include "engine/signal/surface_scatterers.hpp"
 
 #include <fmt/format.h>
 
@@ -29,8 +29,8 @@ double gauss_error(int nodes, double change_rad) {
   return error;
 }
 
-std::vector<BedScatterer> bed_scatterers(const VisiblePolygons& seen, const SignalExtent& extent,
-                                         double tolerance) {
+std::vector<SurfaceScatterer> seabed_scatterers(const VisiblePolygons& seen, const SignalExtent& extent,
+                                                double tolerance) {
   if (!(tolerance > 0 && tolerance < 1))
     throw std::invalid_argument(fmt::format("a tolerance must be between 0 and 1, not {}", tolerance));
   if (extent.transmit_m.empty() || extent.receive_m.empty())
@@ -38,7 +38,7 @@ std::vector<BedScatterer> bed_scatterers(const VisiblePolygons& seen, const Sign
   double most_change = 0.25;
   while (gauss_error(most_rule_nodes, most_change * 1.05) <= tolerance) most_change *= 1.05;
   const SmoothPieces pieces(extent, most_change);
-  std::vector<BedScatterer> all;
+  std::vector<SurfaceScatterer> all;
   std::vector<SmoothPieces::Chunk> chunks;
   for (std::uint32_t number = 0; number < seen.patches.size(); ++number) {
     stop_if_wanted();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A flat Lambert bed has a closed form (physics.md 7.5): the whole program has to give it, however the bed is
-// cut into facets, and to the last bit whatever the arithmetic and the number of threads.
+// A flat Lambert seabed has a closed form (physics.md 7.5): the whole program has to give it, however the
+// seabed is cut into facets, and to the last bit whatever the arithmetic and the number of threads.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -18,15 +18,15 @@ namespace {
 constexpr double height_m = 10, fan_rad = 1.5 * std::numbers::pi / 180;
 const double mu = std::pow(10, -2.7);
 
-/// One beam of 1.5 degrees that hangs 10 m above the bed and sees it from nearly straight below out to 40 m.
-/// `bed`: a [[terrain]] or [[objects]] entry of material "bed".
-std::string flat_scene(double absorption_db_per_km, const std::string& bed, double heading_deg = 37) {
-  return still_water(absorption_db_per_km) + lambert_material("bed", -27) + bed +
+/// One beam of 1.5 degrees that hangs 10 m above the seabed and sees it from nearly straight below out to 40
+/// m. `seabed`: a [[terrain]] or [[objects]] entry of material "seabed".
+std::string flat_scene(double absorption_db_per_km, const std::string& seabed, double heading_deg = 37) {
+  return still_water(absorption_db_per_km) + lambert_material("bed", -27) + seabed +
          fixed_at(0, 0, 10, fmt::format("heading_deg = {}\n", heading_deg)) + downward_fan(1, 1.5, 640);
 }
 
 const std::string two_facets = flat_terrain(128, 128);
-const std::string mesh_bed = "[[objects]]\nname = \"bed\"\nshape = \"mesh\"\nfile = \"bed.obj\"\n";
+const std::string mesh_seabed = "[[objects]]\nname = \"bed\"\nshape = \"mesh\"\nfile = \"bed.obj\"\n";
 
 /// physics.md 7.5 for the slant ranges near_m to far_m.
 double closed_form(double absorption_db_per_km, double near_m, double far_m) {
@@ -55,13 +55,13 @@ double largest_error(const Echoes& echoes, double absorption_db_per_km) {
 }
 
 // The figures that the physics sheet prints, so that closed_form() itself is held to something.
-TEST(FlatBed, ClosedFormGivesThePublishedFigures) {
+TEST(FlatSeabed, ClosedFormGivesThePublishedFigures) {
   EXPECT_NEAR(closed_form(0, 20, 20.05), 8.111093200e-11, 1e-20);
   EXPECT_NEAR(closed_form(61.5, 20, 20.05), 4.600156e-11, 1e-17);
   EXPECT_NEAR(closed_form(423.68, 20, 20.05), 1.630223e-12, 1e-18);
 }
 
-TEST(FlatBed, WithoutAbsorptionEverySampleIsTheClosedForm) {
+TEST(FlatSeabed, WithoutAbsorptionEverySampleIsTheClosedForm) {
   for (const double heading_deg : {0.0, 37.0, 213.5}) {
     SCOPED_TRACE(heading_deg);
     const double error = largest_error(echoes_of(flat_scene(0, two_facets, heading_deg)), 0);
@@ -70,7 +70,7 @@ TEST(FlatBed, WithoutAbsorptionEverySampleIsTheClosedForm) {
   }
 }
 
-TEST(FlatBed, WithAbsorptionEverySampleIsTheClosedForm) {
+TEST(FlatSeabed, WithAbsorptionEverySampleIsTheClosedForm) {
   for (const double absorption : {61.5, 423.68, 2500.0}) {
     SCOPED_TRACE(absorption);
     const double error = largest_error(echoes_of(flat_scene(absorption, two_facets)), absorption);
@@ -80,7 +80,7 @@ TEST(FlatBed, WithAbsorptionEverySampleIsTheClosedForm) {
 }
 
 // The most that a scene file may ask for: echoes fade below the least double, which is no mistake.
-TEST(FlatBed, FadesToNothingInTheStrongestAbsorption) {
+TEST(FlatSeabed, FadesToNothingInTheStrongestAbsorption) {
   const Echoes echoes = echoes_of(flat_scene(100000, two_facets));
   const std::size_t near = echoes.sample_at(10.06);
   EXPECT_NEAR(echoes.at(0, 0, near) / closed_form(100000, echoes.first_m(near), echoes.last_m(near)), 1,
@@ -90,7 +90,7 @@ TEST(FlatBed, FadesToNothingInTheStrongestAbsorption) {
   EXPECT_EQ(echoes.at(0, 0, echoes.samples - 1), 0);
 }
 
-TEST(FlatBed, WaterColumnIsEmpty) {
+TEST(FlatSeabed, WaterColumnIsEmpty) {
   const Echoes echoes = echoes_of(flat_scene(61.5, two_facets));
   for (std::size_t k = 0; k < echoes.samples; ++k)
     if (echoes.last_m(k) <= height_m) {
@@ -99,26 +99,26 @@ TEST(FlatBed, WaterColumnIsEmpty) {
   EXPECT_GT(echoes.at(0, 0, echoes.sample_at(10.06)), 0);
 }
 
-TEST(FlatBed, CutIntoCellsIsTheSameBed) {
+TEST(FlatSeabed, CutIntoCellsIsTheSameSeabed) {
   const Echoes whole = echoes_of(flat_scene(61.5, two_facets));
   const Echoes cells = echoes_of(flat_scene(61.5, two_facets + "cell_m = 1.7\n"));
   EXPECT_LT(largest_error(cells, 61.5), 1e-6);
   EXPECT_LT(largest_relative_difference(whole, cells), 1e-11);
 }
 
-TEST(FlatBed, FromAMeshFileInAnyOrderIsTheSameBed) {
+TEST(FlatSeabed, FromAMeshFileInAnyOrderIsTheSameSeabed) {
   const Echoes whole = echoes_of(flat_scene(61.5, two_facets));
   const TestMesh mesh = relief(128, 16, [](double, double) { return 0.0; });
   for (const std::uint32_t seed : {1u, 2u}) {
     SCOPED_TRACE(seed);
     const TestFolder folder;
     folder.write("bed.obj", obj_text(shuffled(mesh, seed)));
-    EXPECT_LT(largest_relative_difference(whole, echoes_in(folder, flat_scene(61.5, mesh_bed))), 1e-11);
+    EXPECT_LT(largest_relative_difference(whole, echoes_in(folder, flat_scene(61.5, mesh_seabed))), 1e-11);
   }
 }
 
 // One of two neighbours is split at a point of their common edge: no half-edge mesh holds that.
-TEST(FlatBed, WithTJunctionsIsTheSameBed) {
+TEST(FlatSeabed, WithTJunctionsIsTheSameSeabed) {
   const Echoes whole = echoes_of(flat_scene(61.5, two_facets));
   TestMesh mesh = relief(128, 16, [](double, double) { return 0.0; });
   const std::size_t facets = mesh.facets.size();
@@ -131,17 +131,17 @@ TEST(FlatBed, WithTJunctionsIsTheSameBed) {
   }
   const TestFolder folder;
   folder.write("bed.obj", obj_text(mesh));
-  EXPECT_LT(largest_relative_difference(whole, echoes_in(folder, flat_scene(61.5, mesh_bed))), 1e-11);
+  EXPECT_LT(largest_relative_difference(whole, echoes_in(folder, flat_scene(61.5, mesh_seabed))), 1e-11);
 }
 
-TEST(FlatBed, ExactArithmeticsAgreeToTheLastBit) {
+TEST(FlatSeabed, ExactArithmeticsAgreeToTheLastBit) {
   const std::string scene = flat_scene(61.5, two_facets + "cell_m = 6.5\n");
   const Echoes fixed = echoes_of(scene, {"--arithmetic", "fixed"});
   EXPECT_EQ(fixed.energy, echoes_of(scene, {"--arithmetic", "filtered"}).energy);
   EXPECT_EQ(fixed.energy, echoes_of(scene, {"--arithmetic", "rational"}).energy);
 }
 
-TEST(FlatBed, ThreadsAgreeToTheLastBit) {
+TEST(FlatSeabed, ThreadsAgreeToTheLastBit) {
   const std::string scene = flat_scene(61.5, two_facets + "cell_m = 1.7\n");
   const Echoes alone = echoes_of(scene, {"--threads", "1"});
   for (const char* threads : {"2", "7"})

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "scene/beds/material_map_gdal.hpp"
+#include "scene/surfaces/material_map_gdal.hpp"
 
 #include <fmt/core.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "scene/beds/smooth_materials.hpp"
+#include "scene/surfaces/smooth_materials.hpp"
 
 #include <fmt/format.h>
 

@@ -10,8 +10,8 @@
 #include "files/gdal_input.hpp"
 #include "files/words.hpp"
 #include "geometry/steps/stop.hpp"
-#include "scene/beds/material_map_gdal.hpp"
-#include "scene/beds/material_map_sources.hpp"
+#include "scene/surfaces/material_map_gdal.hpp"
+#include "scene/surfaces/material_map_sources.hpp"
 
 namespace tubefoot {
 namespace {

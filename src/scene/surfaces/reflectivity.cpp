@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "scene/beds/reflectivity.hpp"
+#include "scene/surfaces/reflectivity.hpp"
 
 #include <fmt/format.h>
 

@@ -12,8 +12,8 @@
 namespace tubefoot {
 
 /// A part of a facet that is seen elsewhere than where it lies, and the rays to it. Places are relative to
-/// the apex that sees it. The end of a receiver pair sees the bed where its middle does, whose rays are its
-/// own but for direction and range, which are from the end.
+/// the apex that sees it. The end of a receiver pair sees the seabed where its middle does, whose rays are
+/// its own but for direction and range, which are from the end.
 struct RefractedFacet {
   FacetMap lies;          ///< from where places are seen to where they lie
   FacetMap seen;          ///< and back
@@ -42,9 +42,9 @@ RefractedFacet refracted_facet(glm::dvec3 apex_m, const glm::dvec3 (&seen_m)[3],
                                const glm::dvec3 (&lies_m)[3], const Eigenray (&rays)[3],
                                const ApparentMap& water, double reference_absorption_db_per_m);
 
-/// What an image sees of the bed.
-struct SeenBed {
-  SharedFootprints shared;                  ///< with itself, where it is seen; facets are named by the bed
+/// What an image sees of the seabed.
+struct VisibleSurface {
+  SharedFootprints shared;                  ///< with itself, where it is seen; facets are named by the seabed
   std::vector<RefractedFacet> refracted{};  ///< by facet there; empty: all lies where it is seen
 
   const RefractedFacet* refracted_of(const SharedFacet& facet) const {

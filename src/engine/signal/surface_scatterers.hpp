@@ -11,8 +11,8 @@ namespace tubefoot {
 /// Of a rule along an axis of a piece.
 constexpr int most_rule_nodes = 8;
 
-/// A point that stands for a piece of the bed.
-struct BedScatterer {
+/// A point that stands for a piece of the seabed.
+struct SurfaceScatterer {
   glm::dvec3 place_m{0};  ///< relative to the patches' origin
   double weight_m2 = 0;
   std::uint32_t patch = 0;
@@ -23,8 +23,8 @@ struct BedScatterer {
 /// Law Y2 (moments): their weights add up to the patches' areas.
 /// Law Y3 (covariance): sum of weight sigma h_a h_b* over them is R_ab, and so Hermitian and positive
 /// semi-definite whatever their number.
-std::vector<BedScatterer> bed_scatterers(const VisiblePolygons& seen, const SignalExtent& extent,
-                                         double tolerance);
+std::vector<SurfaceScatterer> seabed_scatterers(const VisiblePolygons& seen, const SignalExtent& extent,
+                                                double tolerance);
 
 /// Error of Gauss-Legendre's rule of n nodes for the mean of e^{i change x} over -1 .. 1, at most.
 double gauss_error(int nodes, double change_rad);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// References through refracting water of beds that are not Lambert's and even: against rings of one gradient
-// in closed form, with laws written anew here, against single rays, and against straight references in even
-// water.
+// References through refracting water of seabeds that are not Lambert's and even: against rings of one
+// gradient in closed form, with laws written anew here, against single rays, and against straight references
+// in even water.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -11,16 +11,16 @@
 #include <glm/geometric.hpp>
 #include <random>
 
-#include "fixtures/world/gradient_bed.hpp"
+#include "fixtures/world/gradient_seabed.hpp"
 #include "fixtures/world/textures.hpp"
 
 namespace tubefoot {
 namespace {
 
-using test::bed_fan;
-using test::bed_gradient;
-using test::BedRay;
-using test::GradientBed;
+using test::GradientSeabed;
+using test::seabed_fan;
+using test::seabed_gradient;
+using test::SeabedRay;
 using test::Triangle;
 
 constexpr double pi = std::numbers::pi, degree = pi / 180;
@@ -64,7 +64,7 @@ std::shared_ptr<const ScatteringModel> shared(const ScatteringModel& model) {
 double ring_energy(const Law& model, double g, double t1, double t2, double absorption) {
   return boost::math::quadrature::gauss_kronrod<double, 31>::integrate(
       [&](double t) {
-        const BedRay ray(g, t, absorption);
+        const SeabedRay ray(g, t, absorption);
         return model.value(std::acos(std::min(ray.sine, 1.0))) * ray.density;
       },
       t1, t2, 8, 1e-9);
@@ -72,7 +72,7 @@ double ring_energy(const Law& model, double g, double t1, double t2, double abso
 
 // Also that bounds have not much to spare: a fifth of one would fail somewhere, and all fail when energies
 // are moved by twice the bound.
-TEST(RefractedBed, HoldsTheClosedFormOfEveryLaw) {
+TEST(RefractedSeabed, HoldsTheClosedFormOfEveryLaw) {
   constexpr std::uint64_t seed = 31;
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(0, 1);
@@ -85,10 +85,11 @@ TEST(RefractedBed, HoldsTheClosedFormOfEveryLaw) {
       const double gap = std::pow(10, -2 - unit(random)), width_deg = 1 + 3 * unit(random);
       SCOPED_TRACE(fmt::format("{} seed {} trial {}: g {} absorption {} gap {}", model.name, seed, trial, g,
                                absorption, gap));
-      GradientBed bed;
-      bed.models = {shared(model.model), nullptr};
-      const RefractedReference found = bed.certified(bed_gradient(g, absorption), bed_fan(width_deg, 89.5),
-                                                     {.travel_path_error_m = gap}, samples, absorption, 1e-2);
+      GradientSeabed seabed;
+      seabed.models = {shared(model.model), nullptr};
+      const RefractedReference found =
+          seabed.certified(seabed_gradient(g, absorption), seabed_fan(width_deg, 89.5),
+                           {.travel_path_error_m = gap}, samples, absorption, 1e-2);
       EXPECT_EQ(found.unbounded, 0u);
       for (int k = 0; k < samples.count; ++k) {
         const double from = samples.first_m + k * samples.step_m;
@@ -105,16 +106,16 @@ TEST(RefractedBed, HoldsTheClosedFormOfEveryLaw) {
   }
 }
 
-TEST(RefractedBed, BoundsOfLawsShrinkWithTheGap) {
+TEST(RefractedSeabed, BoundsOfLawsShrinkWithTheGap) {
   const RangeSamples samples{21, 1, 40};
   for (const Law& model : models()) {
     SCOPED_TRACE(model.name);
-    GradientBed bed;
-    bed.models = {shared(model.model), nullptr};
+    GradientSeabed seabed;
+    seabed.models = {shared(model.model), nullptr};
     double before = 1;
     for (const double gap : {1e-2, 1e-3, 1e-4}) {
-      const RefractedReference found =
-          bed.certified(bed_gradient(-0.2), bed_fan(2, 89.5), {.travel_path_error_m = gap}, samples, 0, 1e-3);
+      const RefractedReference found = seabed.certified(seabed_gradient(-0.2), seabed_fan(2, 89.5),
+                                                        {.travel_path_error_m = gap}, samples, 0, 1e-3);
       double bounds = 0, energies = 0;
       for (std::size_t k = 0; k < found.certified.bound.size(); ++k) {
         bounds += found.certified.bound[k] / found.certified.echo.energy[k];
@@ -127,22 +128,22 @@ TEST(RefractedBed, BoundsOfLawsShrinkWithTheGap) {
   }
 }
 
-TEST(RefractedBed, IsovelocityWaterIsTheStraightReference) {
+TEST(RefractedSeabed, IsovelocityWaterIsTheStraightReference) {
   const WaterColumn even{SoundSpeedProfile({{0, 1500}, {50, 1500}}), {}};
-  const TubeSet tubes = bed_fan(4, 89.5);
+  const TubeSet tubes = seabed_fan(4, 89.5);
   const RangeSamples samples{21, 2, 12};
-  std::vector<GradientBed> beds(models().size() + 3, GradientBed({}, 64, 16));
-  for (std::size_t k = 0; k < models().size(); ++k) beds[k].models = {shared(models()[k].model), nullptr};
+  std::vector<GradientSeabed> seabeds(models().size() + 3, GradientSeabed({}, 64, 16));
+  for (std::size_t k = 0; k < models().size(); ++k) seabeds[k].models = {shared(models()[k].model), nullptr};
   const std::size_t textured = models().size();
-  beds[textured].textures = {test::perlin(6, 1, 0.5), nullptr};
-  beds[textured + 1].textures = {test::map_askew(), nullptr};
-  beds[textured + 2].models = {shared(models()[1].model), nullptr};
-  beds[textured + 2].textures = {test::perlin(3, 2, 0.5, 9), nullptr};
-  for (std::size_t b = 0; b < beds.size(); ++b) {
+  seabeds[textured].textures = {test::perlin(6, 1, 0.5), nullptr};
+  seabeds[textured + 1].textures = {test::map_askew(), nullptr};
+  seabeds[textured + 2].models = {shared(models()[1].model), nullptr};
+  seabeds[textured + 2].textures = {test::perlin(3, 2, 0.5, 9), nullptr};
+  for (std::size_t b = 0; b < seabeds.size(); ++b) {
     SCOPED_TRACE(b);
     const RefractedReference found =
-        beds[b].certified(even, tubes, {.travel_path_error_m = 1}, samples, 0, 1e-6);
-    const CertifiedEcho straight = beds[b].straight(tubes, samples, 1e-7);
+        seabeds[b].certified(even, tubes, {.travel_path_error_m = 1}, samples, 0, 1e-6);
+    const CertifiedEcho straight = seabeds[b].straight(tubes, samples, 1e-7);
     for (std::size_t k = 0; k < straight.bound.size(); ++k) {
       EXPECT_LE(std::abs(found.certified.echo.energy[k] - straight.echo.energy[k]),
                 found.certified.bound[k] + straight.bound[k])
@@ -160,21 +161,21 @@ double textured_energy(const ReflectivityField& texture, double g, double t1, do
   constexpr int n = 40;
   double sum = 0;
   for (int i = 0; i < 3 * n; ++i) {
-    const BedRay ray(g, t1 + (t2 - t1) * (i / 3 + (1 + node[std::size_t(i % 3)]) / 2) / n, 0);
+    const SeabedRay ray(g, t1 + (t2 - t1) * (i / 3 + (1 + node[std::size_t(i % 3)]) / 2) / n, 0);
     double around = 0;
     for (int k = 0; k < 3 * n; ++k) {
       const double a = half_width * (2 * (k / 3 + (1 + node[std::size_t(k % 3)]) / 2) / n - 1);
       around +=
           weight[std::size_t(k % 3)] *
-          texture.factor({ray.across_m * std::cos(a), ray.across_m * std::sin(a), -GradientBed::below_m});
+          texture.factor({ray.across_m * std::cos(a), ray.across_m * std::sin(a), -GradientSeabed::below_m});
     }
-    sum += weight[std::size_t(i % 3)] * GradientBed::mu * ray.sine * ray.sine * ray.density * around;
+    sum += weight[std::size_t(i % 3)] * GradientSeabed::mu * ray.sine * ray.sine * ray.density * around;
   }
   return sum * (t2 - t1) * 2 * half_width / (n * n);
 }
 
-// Where the bed lies, which is up to metres from where it is seen.
-TEST(RefractedBed, HoldsMicroTextureWhereTheBedLies) {
+// Where the seabed lies, which is up to metres from where it is seen.
+TEST(RefractedSeabed, HoldsMicroTextureWhereTheSeabedLies) {
   const RangeSamples samples{24, 0.7, 16};
   for (const double g : {-1.0, 0.4}) {
     for (int kind = 0; kind < 3; ++kind) {
@@ -185,10 +186,11 @@ TEST(RefractedBed, HoldsMicroTextureWhereTheBedLies) {
                       : test::random_map(40, 30, 4, {{-2, -8}, {0.9, 0.2}, {-0.1, 0.7}, true});
       double before = 1, closest = 0;
       for (const double gap : {4e-3, 4e-4}) {
-        GradientBed bed;
-        bed.textures = {texture, nullptr};
+        GradientSeabed seabed;
+        seabed.textures = {texture, nullptr};
         const CertifiedEcho found =
-            bed.certified(bed_gradient(g), bed_fan(6), {.travel_path_error_m = gap}, samples, 0, 1e-2)
+            seabed
+                .certified(seabed_gradient(g), seabed_fan(6), {.travel_path_error_m = gap}, samples, 0, 1e-2)
                 .certified;
         double bounds = 0, energies = 0;
         for (int k = 0; k < samples.count; ++k) {
@@ -210,16 +212,16 @@ TEST(RefractedBed, HoldsMicroTextureWhereTheBedLies) {
 }
 
 // A texture as fine as places are known is not claimed to be known.
-TEST(RefractedBed, WhatIsFinerThanPlacesAreKnownIsInTheBound) {
+TEST(RefractedSeabed, WhatIsFinerThanPlacesAreKnownIsInTheBound) {
   const RangeSamples samples{25, 6, 1};
-  GradientBed even, fine, coarse;
+  GradientSeabed even, fine, coarse;
   fine.textures = {test::perlin(0.2, 1, 0.5, 5), nullptr};
   coarse.textures = {test::perlin(20, 1, 0.5, 5), nullptr};
   double before = 2;
   for (const double gap : {1e-2, 1e-3}) {
-    const auto bound = [&](const GradientBed& bed) {
+    const auto bound = [&](const GradientSeabed& seabed) {
       const CertifiedEcho found =
-          bed.certified(bed_gradient(-1), bed_fan(1), {.travel_path_error_m = gap}, samples, 0, 1e-2)
+          seabed.certified(seabed_gradient(-1), seabed_fan(1), {.travel_path_error_m = gap}, samples, 0, 1e-2)
               .certified;
       return found.bound[0] / found.echo.energy[0];
     };
@@ -234,7 +236,7 @@ TEST(RefractedBed, WhatIsFinerThanPlacesAreKnownIsInTheBound) {
 }
 
 // Every enclosure of a facet by itself, against single eigenrays to places on it.
-TEST(RefractedBed, EnclosuresHoldWhatRaysToPlacesOnFacetsSay) {
+TEST(RefractedSeabed, EnclosuresHoldWhatRaysToPlacesOnFacetsSay) {
   constexpr std::uint64_t seed = 12;
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(0, 1);
@@ -252,15 +254,15 @@ TEST(RefractedBed, EnclosuresHoldWhatRaysToPlacesOnFacetsSay) {
       p = at + way -
           (trial % 5 == 0 ? 0.95 * glm::dot(way, glm::normalize(at)) * glm::normalize(at) : glm::dvec3(0));
     }
-    GradientBed site({t});
+    GradientSeabed site({t});
     site.models = {nullptr, shared(model.model)};
     const double absorption = 0.1;
-    const WaterColumn one = bed_gradient(trial % 2 ? 0.7 : -0.7, absorption);
+    const WaterColumn one = seabed_gradient(trial % 2 ? 0.7 : -0.7, absorption);
     const WaterColumn layers{SoundSpeedProfile({{0, 1530}, {11, 1515}, {13, 1495}, {30, 1490}}),
                              {0.1, 0.12, 0.09, 0.08, 0.1}};
     const WaterColumn& water = trial % 8 < 4 ? one : layers;
     const EigenrayOptions options{.deepest_turn_m = 30};
-    const ApparentMap apparent_map(water, glm::dvec3(0), GradientBed::apex_depth_m, options);
+    const ApparentMap apparent_map(water, glm::dvec3(0), GradientSeabed::apex_depth_m, options);
     std::vector<FacetId> facets{FacetId(site.base.facets.size() - 1)};
     const ApparentSurface ground =
         map_apparent(site.base, facets, site.grid, apparent_map, absorption, {.travel_path_error_m = 1e9});
@@ -310,7 +312,7 @@ TEST(RefractedBed, EnclosuresHoldWhatRaysToPlacesOnFacetsSay) {
   EXPECT_GT(closest_place, 0.3);
 }
 
-TEST(RefractedBed, WhatCannotBeEnclosedIsRefused) {
+TEST(RefractedSeabed, WhatCannotBeEnclosedIsRefused) {
   struct Ones final : ReflectivityField {
     double factor(glm::dvec3) const override { return 1; }
     double largest() const override { return 1; }
@@ -318,11 +320,11 @@ TEST(RefractedBed, WhatCannotBeEnclosedIsRefused) {
     std::span<const CellPlanes> cells() const override { return {}; }
     double change(double) const override { return 0; }
   };
-  GradientBed bed;
-  bed.textures = {std::make_shared<const Ones>(), nullptr};
-  EXPECT_THROW(
-      bed.certified(bed_gradient(0.4), bed_fan(2), {.travel_path_error_m = 0.1}, {24, 1, 4}, 0, 1e-2),
-      std::invalid_argument);
+  GradientSeabed seabed;
+  seabed.textures = {std::make_shared<const Ones>(), nullptr};
+  EXPECT_THROW(seabed.certified(seabed_gradient(0.4), seabed_fan(2), {.travel_path_error_m = 0.1}, {24, 1, 4},
+                                0, 1e-2),
+               std::invalid_argument);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "scene/beds/scattering.hpp"
+#include "scene/surfaces/scattering.hpp"
 
 #include <fmt/format.h>
 

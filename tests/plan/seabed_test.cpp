@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The bed of a drawing: heights of planes, distances to them, and profiles, in closed form.
-#include "plan/bed.hpp"
+// The seabed of a drawing: heights of planes, distances to them, and profiles, in closed form.
+#include "plan/seabed.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "plan/bed.hpp"
+#include "plan/seabed.hpp"
 
 #include <cairo.h>
 #include <fmt/format.h>
@@ -227,7 +227,7 @@ std::uint32_t byte_of(double component) {
 
 }  // namespace
 
-std::string bed_colour(double share_of_height) {
+std::string seabed_colour(double share_of_height) {
   const Components c = tint(share_of_height);
   return fmt::format("#{:02x}{:02x}{:02x}", byte_of(c[0]), byte_of(c[1]), byte_of(c[2]));
 }

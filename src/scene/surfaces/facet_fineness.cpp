@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "scene/beds/facet_fineness.hpp"
+#include "scene/surfaces/facet_fineness.hpp"
 
 #include <fmt/format.h>
 

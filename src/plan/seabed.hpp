@@ -60,7 +60,7 @@ class PlanHeights {
 /// is.
 std::string shaded(const PlanHeights& heights, double low_m, double high_m);
 /// "#rrggbb" of a height on that picture, without light.
-std::string bed_colour(double share_of_height);
+std::string seabed_colour(double share_of_height);
 
 /// How high the terrain is along a line seen from the side, column by column: in a plane, or between the
 /// lowest and the highest of all that lies before and behind it.

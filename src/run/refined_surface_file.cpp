@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "run/refined_bed_file.hpp"
+#include "run/refined_surface_file.hpp"
 
 #include <fmt/format.h>
 
@@ -17,7 +17,7 @@
 #include "files/input_registry.hpp"
 #include "files/streamed_file.hpp"
 #include "geometry/steps/stop.hpp"
-#include "scene/beds/material_map.hpp"
+#include "scene/surfaces/material_map.hpp"
 #include "scene/tiled_scene.hpp"
 
 namespace tubefoot {
@@ -119,7 +119,7 @@ class HashedPlaces {
 
 }  // namespace
 
-std::string bed_hash(const Scene& scene, double cell_m) {
+std::string seabed_hash(const Scene& scene, double cell_m) {
   Sha256 hash;
   const glm::dvec3 origin = scene.grid.origin_m();
   hash.update(fmt::format("bed 3, grid {} {} {} {}, cell {}, {}\n", scene.grid.exponent(), origin.x, origin.y,
@@ -150,43 +150,43 @@ std::string bed_hash(const Scene& scene, double cell_m) {
   return hash.hex_digest();
 }
 
-void write_refined_bed(const std::filesystem::path& file, const RefinedMesh& bed, const Scene& scene,
-                       const Ground& ground) {
+void write_refined_seabed(const std::filesystem::path& file, const RefinedMesh& seabed, const Scene& scene,
+                          const Ground& ground) {
   StreamedFile stream(file);
-  std::string bytes =
-      header(bed_hash(scene, ground.settings().cell_m), bed.mesh.vertices.size(), bed.mesh.facets.size());
+  std::string bytes = header(seabed_hash(scene, ground.settings().cell_m), seabed.mesh.vertices.size(),
+                             seabed.mesh.facets.size());
   const auto flush = [&](std::size_t above) {
     if (bytes.size() <= above) return;
     stream.append(bytes);
     bytes.clear();
   };
   constexpr std::size_t piece = 1 << 20;
-  for (const GridPoint& p : bed.mesh.vertices) {
+  for (const GridPoint& p : seabed.mesh.vertices) {
     stop_if_wanted();
     const glm::dvec3 m = scene.grid.to_metres(p);
     for (int k = 0; k < 3; ++k) put(bytes, m[k]);
     flush(piece);
   }
-  for (std::size_t f = 0; f < bed.mesh.facets.size(); ++f) {
+  for (std::size_t f = 0; f < seabed.mesh.facets.size(); ++f) {
     stop_if_wanted();
     put(bytes, std::uint8_t{3});
-    for (const VertexId v : bed.mesh.facets[f]) put(bytes, v);
-    put(bytes, bed.mesh.material[f]);
-    put(bytes, bed.mesh.component[f]);
-    put(bytes, bed.parent[f]);
+    for (const VertexId v : seabed.mesh.facets[f]) put(bytes, v);
+    put(bytes, seabed.mesh.material[f]);
+    put(bytes, seabed.mesh.component[f]);
+    put(bytes, seabed.parent[f]);
     flush(piece);
   }
   flush(0);
   stream.close();
 }
 
-InputError RefinedBedFile::refused(const std::string& why) const {
+InputError RefinedSurfaceFile::refused(const std::string& why) const {
   return InputError(place_, fmt::format("'{}' {}: make it with 'tubefoot refine {} -o {}'", file_.string(),
                                         why, scene_file_.string(), file_.string()));
 }
 
-RefinedBedFile::RefinedBedFile(std::filesystem::path file, const SourcePlace& place, const Scene& scene,
-                               double cell_m)
+RefinedSurfaceFile::RefinedSurfaceFile(std::filesystem::path file, const SourcePlace& place,
+                                       const Scene& scene, double cell_m)
     : file_(std::move(file)),
       scene_file_(scene.description.file),
       place_(place),
@@ -212,7 +212,7 @@ RefinedBedFile::RefinedBedFile(std::filesystem::path file, const SourcePlace& pl
   }
   vertices_ = number_after("element vertex ");
   facets_ = number_after("element face ");
-  const std::string hash = bed_hash(scene, cell_m);
+  const std::string hash = seabed_hash(scene, cell_m);
   if (head.find("\ncomment refined bed ") == std::string::npos) throw refused("is no refined bed");
   if (head.find("\n" + hash_line(hash) + "\n") == std::string::npos)
     throw refused("is the refined bed of another scene, or of other keys in [relief]");
@@ -223,9 +223,9 @@ RefinedBedFile::RefinedBedFile(std::filesystem::path file, const SourcePlace& pl
 }
 
 /// Records of the open file.
-class RefinedBedFile::Reader {
+class RefinedSurfaceFile::Reader {
  public:
-  explicit Reader(const RefinedBedFile& of)
+  explicit Reader(const RefinedSurfaceFile& of)
       : of_(of), input_(of.file_, of.place_), faces_at_(of.first_byte_ + of.vertices_ * vertex_bytes) {}
 
   /// The first face that is part of this facet or of a later one.
@@ -271,16 +271,16 @@ class RefinedBedFile::Reader {
     if (!stream) throw of_.refused("cannot be read any more");
   }
 
-  const RefinedBedFile& of_;
+  const RefinedSurfaceFile& of_;
   InputFile input_;
   std::uint64_t faces_at_;
   std::string buffer_;
 };
 
-RefinedMesh RefinedBedFile::read(std::span<const FacetId> base) const {
+RefinedMesh RefinedSurfaceFile::read(std::span<const FacetId> base) const {
   Reader reader(*this);
-  RefinedMesh bed;
-  FacetMesh& mesh = bed.mesh;
+  RefinedMesh seabed;
+  FacetMesh& mesh = seabed.mesh;
   for (std::size_t k = 0; k < base.size();) {
     std::size_t end = k + 1;
     while (end < base.size() && base[end] == base[end - 1] + 1) ++end;
@@ -299,7 +299,7 @@ RefinedMesh RefinedBedFile::read(std::span<const FacetId> base) const {
       mesh.facets.push_back(facet);
       mesh.material.push_back(material);
       mesh.component.push_back(component);
-      bed.parent.push_back(parent);
+      seabed.parent.push_back(parent);
     });
     if (next != base[end - 1] + 1) throw refused("is damaged");
     k = end;
@@ -346,7 +346,7 @@ RefinedMesh RefinedBedFile::read(std::span<const FacetId> base) const {
       }
       v = number[k];
     }
-  return bed;
+  return seabed;
 }
 
 }  // namespace tubefoot

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/paths/seen_bed.hpp"
+#include "engine/paths/visible_surface.hpp"
 
 #include <cmath>
 #include <glm/geometric.hpp>

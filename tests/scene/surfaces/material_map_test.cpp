@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "scene/beds/material_map.hpp"
+#include "scene/surfaces/material_map.hpp"
 
 #include <fmt/format.h>
 #include <gdal_priv.h>
@@ -27,7 +27,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-/// A bed of 20 m x 30 m about the origin; the map's table begins in line 11, its keys in 12.
+/// A seabed of 20 m x 30 m about the origin; the map's table begins in line 11, its keys in 12.
 std::string scene_with(const std::string& map) {
   return fmt::format(R"([[materials]]
 name = "sand"
@@ -82,7 +82,7 @@ class MaterialMaps : public testing::Test {
     folder_.write("areas.geojson", R"({"type":"FeatureCollection","features":[)" + features + "]}");
     return "kind = \"polygons\"\nfile = \"areas.geojson\"\ncoordinates = \"local\"\n" + more;
   }
-  /// An ASCII grid of 2 m cells over the whole bed, 10 x 15 of them, unless told otherwise.
+  /// An ASCII grid of 2 m cells over the whole seabed, 10 x 15 of them, unless told otherwise.
   std::string raster(const std::vector<int>& classes, const std::string& named, int columns = 10,
                      int rows = 15, double cell = 2, double x = -10, double y = -15) const {
     std::string text =
@@ -121,8 +121,8 @@ std::uint16_t material_below(const Scene& scene, const SceneTree& tree, double x
   return met.empty() ? std::uint16_t{0xffff} : scene.mesh.material[met.front()];
 }
 
-/// A half-edge mesh takes every facet with three corners, and from within the bed no tube finds water between
-/// facets.
+/// A half-edge mesh takes every facet with three corners, and from within the seabed no tube finds water
+/// between facets.
 void expect_closed(const Scene& scene) {
   // A border that all but follows an edge leaves slivers, of which corners may fall together on the grid.
   const auto slivers = std::ranges::count_if(
@@ -154,7 +154,7 @@ const std::string hills = "kind = \"fractal\"\ncell_m = 1.7\nrms_height_m = 0.3"
 constexpr double unit_area = 1e-4;  // 30 m borders moved by half a micrometre, many times over
 
 TEST_F(MaterialMaps, PolygonsGiveTheirAreas) {
-  // A square with a hole, a triangle over its corner, and one that lies half beyond the bed.
+  // A square with a hole, a triangle over its corner, and one that lies half beyond the seabed.
   const std::string map =
       polygons({{"mud", "[[-8,-8],[2,-8],[2,2],[-8,2],[-8,-8]],[[-6,-6],[-5,-6],[-5,-3],[-6,-3],[-6,-6]]"},
                 {"gravel", "[[0,0],[4.5,0],[0,6.5],[0,0]]"},
@@ -247,7 +247,7 @@ TEST_F(MaterialMaps, RasterCellsLieWhereTheyAre) {
   }
 }
 
-// Long straight borders are one piece, so that few facets come of them; what lies beyond the bed cuts
+// Long straight borders are one piece, so that few facets come of them; what lies beyond the seabed cuts
 // nothing.
 TEST_F(MaterialMaps, StraightBordersOfCellsAreMerged) {
   std::vector<int> halves(150, 1);
@@ -257,7 +257,7 @@ TEST_F(MaterialMaps, StraightBordersOfCellsAreMerged) {
   const Scene scene = load(map);
   EXPECT_EQ(scene.mesh.facets.size(), 6u);  // x = -2 through two facets: a triangle and a quadrilateral each
   EXPECT_NEAR(plan_areas(scene)[mud], 8 * 30, 1e-9);
-  // The same, placed by the scene file: the bed's western half lies under the raster's eastern columns.
+  // The same, placed by the scene file: the seabed's western half lies under the raster's eastern columns.
   EXPECT_NEAR(plan_areas(load(map + "origin_m = [-18, -200]\ncell_m = 25\n"))[mud], 600, 1e-9);
   EXPECT_NEAR(plan_areas(load(map + "origin_m = [-110, -200]\ncell_m = 25\n"))[mud], 0, 1e-9);
 }
@@ -269,7 +269,7 @@ TEST_F(MaterialMaps, MapsLargerSmallerAndElsewhere) {
   const Scene elsewhere = load(polygons({{"mud", "[[40,0],[50,0],[50,9],[40,0]]"}}));
   EXPECT_EQ(plan_areas(elsewhere)[sand], 600);
   EXPECT_EQ(elsewhere.mesh.facets.size(), 2u);
-  // Along the outline of the bed, and the same polygon twice.
+  // Along the outline of the seabed, and the same polygon twice.
   const std::string same = "[[-10,-15],[10,-15],[10,15],[-10,15],[-10,-15]]";
   const Scene outline = load(polygons({{"mud", same}, {"gravel", same}}));
   EXPECT_EQ(plan_areas(outline)[gravel], 600);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "scene/beds/relief_map.hpp"
+#include "scene/surfaces/relief_map.hpp"
 
 #include <fmt/core.h>
 

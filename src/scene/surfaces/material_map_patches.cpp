@@ -6,7 +6,7 @@
 #include <glm/common.hpp>
 
 #include "geometry/mesh/voronoi.hpp"
-#include "scene/beds/material_map_sources.hpp"
+#include "scene/surfaces/material_map_sources.hpp"
 
 namespace tubefoot {
 namespace {

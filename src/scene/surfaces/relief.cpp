@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "scene/beds/relief.hpp"
+#include "scene/surfaces/relief.hpp"
 
 #include <stdexcept>
 #include <utility>
 
 #include "engine/relief/relief_sum.hpp"
 #include "engine/relief/spectral_relief.hpp"
-#include "scene/beds/relief_map.hpp"
+#include "scene/surfaces/relief_map.hpp"
 
 namespace tubefoot {
 namespace {

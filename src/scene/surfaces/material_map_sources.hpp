@@ -4,7 +4,7 @@
 #include <glm/vec3.hpp>
 #include <string>
 
-#include "scene/beds/material_map.hpp"
+#include "scene/surfaces/material_map.hpp"
 
 namespace tubefoot {
 
