@@ -22,7 +22,7 @@ struct SidescanPing {
 /// heading; what came before the altitude is water and left out. Attitude beyond the heading is not corrected
 /// for.
 ///
-/// Each sample fills, by area, the strip of the seabed between the ground ranges at which it begins and ends
+/// Each sample fills, by area, the strip of the seabed between the surface ranges at which it begins and ends
 /// and half the way to the pings `before` and `after` on its line; null: there is none. A cell is the mean of
 /// the samples over it, weighted by area (sampled no coarser than a third of a cell): that of the sums of all
 /// pings (CellMeans). A ping asks for poses alone of its neighbours, so that all pings' sums may be made at a

@@ -44,7 +44,7 @@ struct GsfPing {
   double roll_deg = 0;                         ///< starboard down, -180 to 180
   double heave_m = 0;                          ///< down, as all of the format's z
   double course_deg = 0;                       ///< made good, clockwise from north, 0 to 360
-  double speed_m_s = 0;                        ///< over the ground
+  double speed_m_s = 0;                        ///< over the surface
   double tide_m = 0;                           ///< tide corrector, already in the depths
   double depth_corrector_m = 0;                ///< depth of the sonar, already in the depths
   double height_m = 0;                         ///< above the ellipsoid

@@ -62,7 +62,7 @@ struct XtfPlace {
   double heave_m = 0;      ///< up, from where the header has the sonar
   double depth_m = 0;      ///< of the sonar below the surface
   double altitude_m = 0;   ///< of the sonar above the bottom; 0 or more
-  double speed_m_s = 0;    ///< over the ground; 0 or more
+  double speed_m_s = 0;    ///< over the surface; 0 or more
 };
 
 struct XtfSidescanPing {

@@ -17,8 +17,8 @@ struct NavigationFix {
   double unix_time_s = 0;
   EarthPlace place{};
   PoseAngles lie{};
-  double course_deg = 0;  ///< over the ground; of a sensor that rests, its heading
-  double speed_m_s = 0;   ///< over the ground
+  double course_deg = 0;  ///< over the surface; of a sensor that rests, its heading
+  double speed_m_s = 0;   ///< over the surface
 };
 
 /// Of `count` pings from `first` on, with one transformation set up for all. Throws InputError where a ping
@@ -41,7 +41,7 @@ class NavigationTrack {
   std::vector<NavigationFix> block_;
 };
 
-/// Over the ground and up, in the scene's frame, from the ping before to the one after; 0 where there is
+/// Over the surface and up, in the scene's frame, from the ping before to the one after; 0 where there is
 /// none.
 glm::dvec3 velocity_m_s(const Recording& recording, std::size_t ping);
 

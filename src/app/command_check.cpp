@@ -165,7 +165,7 @@ void probe(const Transmissions& transmissions, const SharedTransmissions& group,
   for (std::size_t number = 0; number < transmissions.survey().sensor_set->transmissions_per_ping(group);
        ++number) {
     const Transmission transmission = around.of(group, ping, number);
-    if (const ApparentSurface* apparent = transmission.ground().apparent())
+    if (const ApparentSurface* apparent = transmission.surface_mesh().apparent())
       sum.largest_gap_m = std::max(sum.largest_gap_m, apparent->largest_gap_m);
     const History history = transmission.trace(&sum.candidates);
     sum.footprints += history.footprints.footprints.size();

@@ -8,7 +8,7 @@
 #include "run/console/say.hpp"
 #include "run/refined_surface_file.hpp"
 #include "run/settings.hpp"
-#include "run/transmission_ground.hpp"
+#include "run/transmission_surface.hpp"
 
 namespace tubefoot {
 
@@ -22,9 +22,9 @@ int refine_command(const RefineOptions& options) {
   Scene loaded = load_scene(description);
   const Scene scene = loaded.tiled.empty() ? std::move(loaded) : with_tiles(loaded, all_tiles(loaded));
   print_warnings(scene.report.warnings, options.quiet);
-  const std::unique_ptr<Ground> ground = relief_ground(scene);
-  const RefinedMesh seabed = refined_seabed(scene, *ground);
-  write_refined_seabed(output.path(), seabed, scene, *ground);
+  const std::unique_ptr<SurfaceMesh> surface_mesh = relief_surface(scene);
+  const RefinedMesh seabed = refined_seabed(scene, *surface_mesh);
+  write_refined_seabed(output.path(), seabed, scene, *surface_mesh);
   output.commit();
   tell("wrote {} ({} facets of {})\n", options.output.string(), seabed.mesh.facets.size(),
        scene.mesh.facets.size());

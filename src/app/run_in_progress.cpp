@@ -57,7 +57,7 @@ void print_relief(const LoadedScene& loaded_scene, const SimulationStats& stats)
          loaded_scene.relief.cell_m);
   else if (loaded_scene.is_tiled())
     tell("relief: {} facets made for {} pings\n", stats.refined_facets, stats.pings);
-  else if (loaded_scene.ground)
+  else if (loaded_scene.surface_mesh)
     tell("relief: {} facets made for {} pings; {} in cells of {:g} m over all of it\n", stats.refined_facets,
          stats.pings, loaded_scene.relief.uniform_facets, loaded_scene.relief.cell_m);
   else
@@ -197,7 +197,7 @@ void tell_all(const RunInProgress& run, const LoadedScene& loaded_scene,
   if (!run.options.quiet && loaded_scene.coarsening) print_coarsening(*loaded_scene.coarsening);
   if (!run.options.quiet && loaded_scene.relief.cell_m > 0) print_relief(loaded_scene, stats);
   if (run.request.reference_tolerance)
-    print_reference(*run.request.reference_tolerance, stats.reference, loaded_scene.ground != nullptr);
+    print_reference(*run.request.reference_tolerance, stats.reference, loaded_scene.surface_mesh != nullptr);
   if (run.identity.contains("advice")) print_tolerance(run.identity.at("advice"));
   for (const std::string& line : written_lines(run.options.output, files)) tell("{}\n", line);
 }

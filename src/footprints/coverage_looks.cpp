@@ -69,7 +69,7 @@ void add_straight(const Transmission& transmission, std::size_t sensor, std::uin
 class ImageSeabeds {
  public:
   explicit ImageSeabeds(const TransmissionImages& of) : of_(of) {
-    const RefinedMesh* own = of.ground().refined();
+    const RefinedMesh* own = of.surface_mesh().refined();
     if (own != nullptr) whole_ = made(own->mesh, own->parent, own->weights, {});
   }
   CoverageEnd end_of(const Image& image) const {
@@ -78,7 +78,7 @@ class ImageSeabeds {
     if (parts.of.empty()) return end;
     std::vector<FacetId> base = parts.of;
     std::vector<PartWeights> weights = parts.weights;
-    if (const RefinedMesh* own = of_.ground().refined(); own != nullptr)
+    if (const RefinedMesh* own = of_.surface_mesh().refined(); own != nullptr)
       for (FacetId f = 0; f < base.size(); ++f) {
         weights[f] = rounded_part_of_part(own->weights[base[f]], weights[f]);
         base[f] = own->parent[base[f]];

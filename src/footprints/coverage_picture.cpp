@@ -112,7 +112,7 @@ Canvas CoveragePicture::draw(const std::string& title) const {
   constexpr int nothing = -3;
   plan.value.assign(pixels, nothing);
   plan.top_m.assign(pixels, -infinity);
-  const auto draw_ground = [&](const Scene& scene) {
+  const auto draw_surface = [&](const Scene& scene) {
     for (const auto& facet : scene.mesh.facets) {
       stop_if_wanted();
       std::array<glm::dvec3, 3> corners;
@@ -120,10 +120,10 @@ Canvas CoveragePicture::draw(const std::string& title) const {
       plan.draw(corners, out_of_sector);
     }
   };
-  draw_ground(survey_.scene);
+  draw_surface(survey_.scene);
   for_tiles_within(survey_, {plan.origin_m, -infinity},
                    {plan.origin_m + plan.pixel_m * glm::dvec2(plan.width, plan.height), infinity},
-                   draw_ground);
+                   draw_surface);
   for (const Polygon& polygon : polygons_) {
     stop_if_wanted();
     plan.draw(std::span(corners_).subspan(polygon.first, polygon.count), polygon.pings);

@@ -16,7 +16,7 @@ namespace tubefoot {
 /// cell at their centre.
 class CoveragePicture {
  public:
-  /// The survey outlives this: the ground about what is covered is drawn, too.
+  /// The survey outlives this: the surface about what is covered is drawn, too.
   explicit CoveragePicture(const Survey& survey) : survey_(survey) {}
   void add(const CoveredFacet& facet);
   bool empty() const { return polygons_.empty(); }

@@ -197,7 +197,7 @@ class PathRows {
         s_(s),
         tubes_(tubes),
         images_(transmission, s, settings, PathEnds(transmission, s)),
-        model_(transmission, images_.ground(), s),
+        model_(transmission, images_.surface_mesh(), s),
         fans_(transmission.sensor(s).fan_of_tube(transmission.number())),
         rows_(transmission, s) {}
 
@@ -238,7 +238,7 @@ class PathRows {
   }
 
   FacetId number_of(FacetId facet) const {
-    return images_.images().is_cut() ? facet : images_.ground().number_of(facet);
+    return images_.images().is_cut() ? facet : images_.surface_mesh().number_of(facet);
   }
 
   void add(const ImagePair& pair) {
@@ -267,7 +267,7 @@ class PathRows {
       footprint.tube = sent.own_tube[window];
       rows_.add(
           footprint, seen.footprints, receive_tube, number_of(footprint.facet),
-          images_.ground().base_facet(images.uncut(footprint.facet)), images.seabed(), seen.area_m2(k),
+          images_.surface_mesh().base_facet(images.uncut(footprint.facet)), images.seabed(), seen.area_m2(k),
           energies.all_beams[k], energies.own_beam[k],
           of_either(tx_[pair.sent], window, rx, seen.receive_tube[k], footprint.facet),
           [&](glm::dvec3 corner) { return seen.place(k, corner, apex); }, path);
@@ -323,7 +323,7 @@ namespace {
 FootprintTable table_of_one_end(const Transmission& transmission, std::size_t s,
                                 std::span<const std::uint32_t> tubes) {
   const Scene& scene = transmission.scene();
-  const TransmissionGround& ground = transmission.ground();
+  const TransmissionSurface& surface_mesh = transmission.surface_mesh();
   History history = transmission.trace(only_tubes(transmission.tubes_of(s), tubes));
   for (Footprint& footprint : history.footprints.footprints) footprint.tube = tubes[footprint.tube];
   const std::vector<std::uint32_t>& beam_of_tube = transmission.sensor(s).beam_of_tube(transmission.number());
@@ -332,7 +332,7 @@ FootprintTable table_of_one_end(const Transmission& transmission, std::size_t s,
       transmission.sensor(s).samples(), transmission.model(s).model, transmission.request().binning);
 
   const FootprintSet& set = history.footprints;
-  const ApparentSurface* apparent = ground.apparent();
+  const ApparentSurface* apparent = surface_mesh.apparent();
   const glm::dvec3 apex = scene.grid.to_metres(history.tubes.apex);
   Rows rows(transmission, s);
   std::vector<FacetId> occluders;
@@ -342,8 +342,9 @@ FootprintTable table_of_one_end(const Transmission& transmission, std::size_t s,
     const FacetId facet = footprint.facet;
     occluders.clear();
     for (std::uint32_t o = 0; o < footprint.occluder_count; ++o)
-      occluders.push_back(ground.number_of(set.occluders[footprint.first_occluder + o]));
-    rows.add(footprint, set, footprint.tube, ground.number_of(facet), ground.base_facet(facet), ground.mesh(),
+      occluders.push_back(surface_mesh.number_of(set.occluders[footprint.first_occluder + o]));
+    rows.add(footprint, set, footprint.tube, surface_mesh.number_of(facet), surface_mesh.base_facet(facet),
+             surface_mesh.mesh(),
              footprint.area_m2 * (apparent == nullptr ? 1 : apparent->area_ratio(facet, scene.grid)),
              energies.all_beams[k], energies.own_beam[k], occluders, [&](glm::dvec3 corner) {
                return apparent == nullptr ? apex + corner

@@ -177,7 +177,7 @@ std::vector<Found> found_in(const Survey& survey, std::optional<std::size_t> onl
     found.push_back({tiles, d.terrains.front().place, "terrain is read by tiles"});
   if (survey.loaded_scene->relief.cell_m > 0)
     found.push_back({relief, d.refinement.place, "[relief] refines facets"});
-  if (survey.loaded_scene->ground)
+  if (survey.loaded_scene->surface_mesh)
     found.push_back({relief_each_transmission, d.refinement.place, "[relief] is refined anew for each shot"});
   const auto add_material = [&](Feature feature, const auto& list, const char* what) {
     const auto with = std::ranges::find_if(list, [](const auto& one) { return one != nullptr; });

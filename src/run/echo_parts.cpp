@@ -32,28 +32,30 @@ void add_refracted_pair_reference(const Transmission& transmission, PingSums& su
   const RefractedPairTransmission found = certify_refracted_pair_transmission(transmission);
   PingCounts& counts = sums.counts;
   counts.refraction.at_limit += found.at_limit;
-  for (const ApparentSurface* ground : {&found.pair.apparent.transmit, &found.pair.apparent.receive})
-    add_counts(counts.refraction, *ground, transmission);
-  if (transmission.loaded_scene().ground) counts.refined_facets += found.facets();
+  for (const ApparentSurface* surface_mesh : {&found.pair.apparent.transmit, &found.pair.apparent.receive})
+    add_counts(counts.refraction, *surface_mesh, transmission);
+  if (transmission.loaded_scene().surface_mesh) counts.refined_facets += found.facets();
   sums.add_finer_relief(transmission, found.history, found.pair.apparent.mesh,
                         transmission.sample_length_m());
   counts.tubes += found.history.transmit.tubes.size() + found.history.receive.tubes.size();
   counts.footprints += found.history.shared.facets.size();
   counts.pieces += found.history.shared.pieces.size();
   sums.add(transmission, transmission.first(), found.sensors.front().certified);
-  add_labels(transmission, transmission.first(), TransmissionGround(transmission.loaded_scene()),
+  add_labels(transmission, transmission.first(), TransmissionSurface(transmission.loaded_scene()),
              found.pair.apparent.mesh, found.history, sums);
 }
 
-/// Through refracting water a reference chooses its own apparent ground.
+/// Through refracting water a reference chooses its own apparent surface.
 void add_refracted_reference(const Transmission& transmission, PingSums& sums) {
   if (transmission.has_separate_receiver()) return add_refracted_pair_reference(transmission, sums);
   const RefractedTransmission found = certify_refracted_transmission(transmission);
   PingCounts& counts = sums.counts;
   counts.refraction.at_limit += found.at_limit;
-  add_counts(counts.refraction, *found.ground.apparent(), transmission);
-  if (transmission.loaded_scene().ground) counts.refined_facets += found.ground.mesh().facets.size();
-  sums.add_finer_relief(transmission, found.history, found.ground.mesh(), transmission.sample_length_m());
+  add_counts(counts.refraction, *found.surface_mesh.apparent(), transmission);
+  if (transmission.loaded_scene().surface_mesh)
+    counts.refined_facets += found.surface_mesh.mesh().facets.size();
+  sums.add_finer_relief(transmission, found.history, found.surface_mesh.mesh(),
+                        transmission.sample_length_m());
   counts.candidates += found.candidates;
   counts.tubes += found.history.tubes.tubes.size();
   counts.footprints += found.history.footprints.footprints.size();
@@ -61,7 +63,7 @@ void add_refracted_reference(const Transmission& transmission, PingSums& sums) {
   for (std::size_t k = 0; k < transmission.group().sensors.size(); ++k) {
     if (transmission.sensor(transmission.group().sensors[k]).has_receiver_pair()) continue;
     sums.add(transmission, transmission.group().sensors[k], found.sensors[k].certified);
-    add_labels(transmission, transmission.group().sensors[k], found.ground, found.ground.mesh(),
+    add_labels(transmission, transmission.group().sensors[k], found.surface_mesh, found.surface_mesh.mesh(),
                found.history, sums);
   }
 }
@@ -75,9 +77,9 @@ void add_refracted_receiver_pair_reference(const Transmission& transmission, Pin
       const RefractedReceiverPairTransmission found =
           certify_refracted_receiver_pair_transmission(transmission, s, fan);
       counts.refraction.at_limit += found.at_limit;
-      for (const ApparentSurface& ground : found.apparent.seen)
-        add_counts(counts.refraction, ground, transmission);
-      if (transmission.loaded_scene().ground) counts.refined_facets += found.facets();
+      for (const ApparentSurface& surface_mesh : found.apparent.seen)
+        add_counts(counts.refraction, surface_mesh, transmission);
+      if (transmission.loaded_scene().surface_mesh) counts.refined_facets += found.facets();
       sums.add_finer_relief(transmission, found.history, found.apparent.seabed.mesh,
                             transmission.sensor(s).samples().step_m);
       counts.tubes += 3 * found.history.transmit.tubes.size();
@@ -96,7 +98,7 @@ void add_both(const Transmission& transmission, const BistaticHistory& history, 
   sums.as_echo([&] {
     const std::size_t s = transmission.first();
     sums.add_finer_relief(transmission, history, mesh, transmission.sensor(s).samples().step_m);
-    SensorModel model(transmission, TransmissionGround(transmission.loaded_scene()), s);
+    SensorModel model(transmission, TransmissionSurface(transmission.loaded_scene()), s);
     model.model.material = mesh.material;
     const Echo echo = transmission.echo(history, s, model.model);
     if (const auto tolerance = transmission.request().reference_tolerance) {
@@ -115,19 +117,21 @@ void add_both(const Transmission& transmission, const BistaticHistory& history, 
   });
 }
 
-/// No energies: what the ground took that the parts after this one share.
-void count_ground(const Transmission& transmission, PingSums& sums) {
-  const TransmissionGround& ground = transmission.ground();
-  if (ground.apparent() != nullptr) add_counts(sums.counts.refraction, *ground.apparent(), transmission);
-  if (transmission.loaded_scene().ground) sums.counts.refined_facets += ground.mesh().facets.size();
+/// No energies: what the surface took that the parts after this one share.
+void count_surface(const Transmission& transmission, PingSums& sums) {
+  const TransmissionSurface& surface_mesh = transmission.surface_mesh();
+  if (surface_mesh.apparent() != nullptr)
+    add_counts(sums.counts.refraction, *surface_mesh.apparent(), transmission);
+  if (transmission.loaded_scene().surface_mesh)
+    sums.counts.refined_facets += surface_mesh.mesh().facets.size();
 }
 
 void add_separate_receiver(const Transmission& transmission, PingSums& sums) {
   const auto add = [&](const BistaticHistory& history) {
-    add_both(transmission, history, transmission.ground().mesh(), sums);
+    add_both(transmission, history, transmission.surface_mesh().mesh(), sums);
   };
   if (transmission.request().engine == Engine::ray)
-    transmission.trace_rays_of_both(*RayGround(transmission), rays_of(transmission), add);
+    transmission.trace_rays_of_both(*RaySurface(transmission), rays_of(transmission), add);
   else
     add(transmission.trace_both());
 }
@@ -172,16 +176,16 @@ void add_refracted_separate_receiver(const Transmission& transmission, PingSums&
   const RefractedPair pair = refracted_pair_of(transmission);
   const FacetMesh& mesh = pair.apparent.mesh;
   ApparentMapCounts& counts = sums.counts.refraction;
-  for (const ApparentSurface* ground : {&pair.apparent.transmit, &pair.apparent.receive})
-    add_counts(counts, *ground, transmission);
-  if (transmission.loaded_scene().ground) sums.counts.refined_facets += mesh.facets.size();
+  for (const ApparentSurface* surface_mesh : {&pair.apparent.transmit, &pair.apparent.receive})
+    add_counts(counts, *surface_mesh, transmission);
+  if (transmission.loaded_scene().surface_mesh) sums.counts.refined_facets += mesh.facets.size();
   const auto keep_misfit = [&](const std::vector<BistaticFacet>& facets) {
     for (const BistaticFacet& facet : facets)
       counts.largest_travel_path_error_m = std::max(counts.largest_travel_path_error_m, facet.misfit_m);
   };
   const std::size_t s = transmission.first();
   if (transmission.sensor(s).has_receiver_pair()) {
-    SensorModel model(transmission, TransmissionGround(transmission.loaded_scene()), s);
+    SensorModel model(transmission, TransmissionSurface(transmission.loaded_scene()), s);
     model.patterns.baselines = refracted_receiver_baselines(transmission, pair);
     return add_receiver_pair(
         transmission, s, model, mesh, sums, [&](std::uint32_t fan, const ReceiverBaseline& receiver_pair) {
@@ -204,7 +208,7 @@ void add_refracted_separate_receiver(const Transmission& transmission, PingSums&
 void add_receiver_pairs(const Transmission& transmission, PingSums& sums) {
   for (const std::size_t s : transmission.group().sensors)
     if (transmission.sensor(s).has_receiver_pair())
-      add_receiver_pair(transmission, s, transmission.model(s), transmission.ground().mesh(), sums,
+      add_receiver_pair(transmission, s, transmission.model(s), transmission.surface_mesh().mesh(), sums,
                         [&](std::uint32_t fan, const ReceiverBaseline& receiver_pair) {
                           return transmission.trace_receiver_pair(s, fan, receiver_pair);
                         });
@@ -220,9 +224,9 @@ void add_history(const Transmission& transmission, const History& history, PingS
         const SensorModel model = transmission.model(s);
         sums.with_echo(transmission, history, s, model.model,
                        [&](const LitEcho& made) { add(s, model.model, made); });
-        add_labels(transmission, s, model.model, transmission.ground().mesh(), history, sums);
+        add_labels(transmission, s, model.model, transmission.surface_mesh().mesh(), history, sums);
       }
-    sums.add_finer_relief(transmission, history, transmission.ground().mesh(),
+    sums.add_finer_relief(transmission, history, transmission.surface_mesh().mesh(),
                           transmission.sample_length_m());
     sums.counts.tubes += history.tubes.tubes.size();
     sums.counts.footprints += history.footprints.footprints.size();
@@ -265,7 +269,7 @@ void add_certified(const Transmission& transmission, PingSums& sums) {
   add_history(transmission, history, sums, [&](std::size_t s, const EchoModel& model, const LitEcho& made) {
     const Sensor& sensor = transmission.sensor(s);
     sums.add(transmission, s,
-             certify_echo(transmission.ground().mesh(), transmission.ground().tree(), history,
+             certify_echo(transmission.surface_mesh().mesh(), transmission.surface_mesh().tree(), history,
                           request.visibility, sensor.beam_of_tube(transmission.number()), sensor.samples(),
                           model, made.echo, *request.reference_tolerance));
   });
@@ -273,18 +277,18 @@ void add_certified(const Transmission& transmission, PingSums& sums) {
 
 /// Between different rays to one place, by tubes for rays too.
 void add_mixed_eigenrays(const Transmission& transmission, PingSums& sums) {
-  const ApparentSurface& ground = *transmission.ground().apparent();
+  const ApparentSurface& surface_mesh = *transmission.surface_mesh().apparent();
   const auto take = [&](const BistaticHistory& history) {
     for (const std::size_t s : transmission.group().sensors) {
       if (transmission.sensor(s).has_receiver_pair()) continue;
-      SensorModel model(transmission, TransmissionGround(transmission.loaded_scene()), s);
-      model.model.material = ground.part_material;
+      SensorModel model(transmission, TransmissionSurface(transmission.loaded_scene()), s);
+      model.model.material = surface_mesh.part_material;
       sums.add(transmission, s, 1, transmission.echo(history, s, model.model).energy);
-      add_labels_of_mixed_eigenrays(transmission, s, model.model, ground, history, sums);
+      add_labels_of_mixed_eigenrays(transmission, s, model.model, surface_mesh, history, sums);
     }
     sums.counts.pieces += history.shared.pieces.size();
   };
-  trace_mixed_eigenrays(ground, transmission.ground().tree(), transmission.scene().grid,
+  trace_mixed_eigenrays(surface_mesh, transmission.surface_mesh().tree(), transmission.scene().grid,
                         transmission.request().visibility, transmission.tubes(),
                         [&](const BistaticHistory& history) { sums.as_echo([&] { take(history); }); });
 }
@@ -299,7 +303,7 @@ void add_sampled(const Transmission& transmission, PingSums& sums) {
   };
   const RayGuide guide = guide_of(transmission);
   trace_rays(
-      *RayGround(transmission), history, rays_of(transmission),
+      *RaySurface(transmission), history, rays_of(transmission),
       transmission.sensor(transmission.first()).beam_of_tube(transmission.number()),
       [&] { add_history(transmission, history, sums, add); }, nullptr, &guide);
 }
@@ -307,8 +311,8 @@ void add_sampled(const Transmission& transmission, PingSums& sums) {
 /// What decides between the parts.
 struct EchoFlags {
   bool own_engine, mirrors;
-  bool direct;      ///< the way to a facet and straight back, by a built-in engine
-  bool one_ground;  ///< that, on the transmission's one ground
+  bool direct;       ///< the way to a facet and straight back, by a built-in engine
+  bool one_surface;  ///< that, on the transmission's one ground
   bool certified, refracted, apart, receiver_pairs, others, rays, signals;
 };
 
@@ -326,7 +330,7 @@ EchoFlags echo_flags_of(const Transmissions& transmissions, const SharedTransmis
   flags.certified = request.reference_tolerance.has_value();
   flags.refracted = survey.scene.water->refracts();
   flags.apart = sensor(group.sensors.front()).has_separate_receiver();
-  flags.one_ground = flags.direct && !(flags.refracted && (flags.certified || flags.apart));
+  flags.one_surface = flags.direct && !(flags.refracted && (flags.certified || flags.apart));
   // Only a transmitter in their middle can see for both receivers of a receiver pair.
   const bool apart = receiver_pairs_are_bistatic(request) || flags.apart;
   flags.receiver_pairs = apart && std::ranges::any_of(group.sensors, has_receiver_pair);
@@ -352,18 +356,18 @@ constexpr auto table = std::to_array<Row>({
      [](A a) { return a.direct && a.refracted && a.certified && a.receiver_pairs; }},
     {{"a receiver apart, through refracting water", add_refracted_separate_receiver},
      [](A a) { return a.direct && a.refracted && a.apart && !a.certified; }},
-    {{"the ground", count_ground},
-     [](A a) { return a.one_ground || (a.mirrors && !a.own_engine && !a.refracted); }},
+    {{"the ground", count_surface},
+     [](A a) { return a.one_surface || (a.mirrors && !a.own_engine && !a.refracted); }},
     {{"a receiver apart", add_separate_receiver},
-     [](A a) { return a.one_ground && a.apart && !a.receiver_pairs; }},
-    {{"each receiver of a staff", add_receiver_pairs}, [](A a) { return a.one_ground && a.receiver_pairs; }},
-    {{"sampled", add_sampled}, [](A a) { return a.one_ground && !a.apart && a.others && a.rays; }},
+     [](A a) { return a.one_surface && a.apart && !a.receiver_pairs; }},
+    {{"each receiver of a staff", add_receiver_pairs}, [](A a) { return a.one_surface && a.receiver_pairs; }},
+    {{"sampled", add_sampled}, [](A a) { return a.one_surface && !a.apart && a.others && a.rays; }},
     {{"certified", add_certified},
-     [](A a) { return a.one_ground && !a.apart && a.others && !a.rays && a.certified; }},
+     [](A a) { return a.one_surface && !a.apart && a.others && !a.rays && a.certified; }},
     {{"measured", add_measured},
-     [](A a) { return a.one_ground && !a.apart && a.others && !a.rays && !a.certified; }},
+     [](A a) { return a.one_surface && !a.apart && a.others && !a.rays && !a.certified; }},
     {{"out along one ray and home along another", add_mixed_eigenrays},
-     [](A a) { return a.one_ground && !a.apart && a.refracted; }},
+     [](A a) { return a.one_surface && !a.apart && a.refracted; }},
     {{"signals of elements", add_signals}, [](A a) { return a.signals && !a.own_engine; }},
 });
 
@@ -371,7 +375,7 @@ constexpr auto table = std::to_array<Row>({
 
 const History& traced(const Transmission& transmission, PingSums& sums) {
   std::vector<bool> wanted = wanted_tubes(transmission, sums);
-  const bool same = sums.seen && !transmission.loaded_scene().has_ground_per_transmission() &&
+  const bool same = sums.seen && !transmission.loaded_scene().has_surface_per_transmission() &&
                     sums.seen->wanted == wanted && sums.seen->history.tubes == transmission.tubes();
   if (!same) {
     sums.seen.reset();

@@ -21,7 +21,7 @@ struct EchoPart {
 std::vector<EchoPart> echo_parts(const Transmissions& transmissions, const SharedTransmissions& group);
 
 /// What a transmission's tubes see of its one ground. The cycles of a camera that stands still light the same
-/// tubes from the same place: what is seen of the ground that they share is looked for once, as it is for
+/// tubes from the same place: what is seen of the surface that they share is looked for once, as it is for
 /// several parts of one transmission.
 const History& traced(const Transmission& transmission, PingSums& sums);
 

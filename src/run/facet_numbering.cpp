@@ -10,7 +10,7 @@
 #include "geometry/steps/stop.hpp"
 #include "geometry/tubes/mirror.hpp"
 #include "run/loaded_scene.hpp"
-#include "run/transmission_ground.hpp"
+#include "run/transmission_surface.hpp"
 #include "scene/surfaces/material_map.hpp"
 
 namespace tubefoot {

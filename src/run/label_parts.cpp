@@ -12,10 +12,11 @@ namespace tubefoot {
 namespace {
 
 /// By part of a ground that several rays show.
-std::vector<std::uint16_t> owners_of_parts(const LabelChannels& labels, const ApparentSurface& ground) {
-  std::vector<std::uint16_t> owners(ground.part_material.size());
-  for (const RayOfPart& ray : ground.several)
-    owners[ray.part] = labels.owner(ground.refined.mesh.component[ray.seen], ground.part_material[ray.part]);
+std::vector<std::uint16_t> owners_of_parts(const LabelChannels& labels, const ApparentSurface& surface_mesh) {
+  std::vector<std::uint16_t> owners(surface_mesh.part_material.size());
+  for (const RayOfPart& ray : surface_mesh.several)
+    owners[ray.part] =
+        labels.owner(surface_mesh.refined.mesh.component[ray.seen], surface_mesh.part_material[ray.part]);
   return owners;
 }
 
@@ -34,18 +35,18 @@ void add_labels(const Transmission& transmission, std::size_t s, const EchoModel
   });
 }
 
-void add_labels(const Transmission& transmission, std::size_t s, const TransmissionGround& ground,
+void add_labels(const Transmission& transmission, std::size_t s, const TransmissionSurface& surface_mesh,
                 const FacetMesh& mesh, const CommonVisibility& visibility, PingSums& sums) {
   if (transmission.labels() == nullptr) return;
-  const SensorModel model(transmission, ground, s);
+  const SensorModel model(transmission, surface_mesh, s);
   add_labels(transmission, s, model.model, mesh, visibility, sums);
 }
 
 void add_labels_of_mixed_eigenrays(const Transmission& transmission, std::size_t s, const EchoModel& model,
-                                   const ApparentSurface& ground, const CommonVisibility& visibility,
+                                   const ApparentSurface& surface_mesh, const CommonVisibility& visibility,
                                    PingSums& sums) {
   if (transmission.labels() == nullptr) return;
-  LabelModels(transmission, s, model, owners_of_parts(*transmission.labels(), ground))
+  LabelModels(transmission, s, model, owners_of_parts(*transmission.labels(), surface_mesh))
       .add(sums, [&](const EchoModel& one) { return transmission.echo(visibility, s, one).energy; });
 }
 
@@ -73,7 +74,7 @@ void add_labels_of_receiver_pair(const Transmission& transmission, std::size_t s
 void add_labels_of_receiver_pair(const Transmission& transmission, std::size_t s, std::uint32_t fan,
                                  const FacetMesh& mesh, const BistaticHistory& history, PingSums& sums) {
   if (transmission.labels() == nullptr) return;
-  const SensorModel model(transmission, TransmissionGround(transmission.loaded_scene()), s);
+  const SensorModel model(transmission, TransmissionSurface(transmission.loaded_scene()), s);
   const std::size_t tubes = history.receive.tubes.size();
   const BeamPatterns patterns = patterns_of_fan(model.patterns, fan, tubes);
   EchoModel own = model.model;

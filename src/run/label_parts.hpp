@@ -17,11 +17,11 @@ namespace tubefoot {
 void add_labels(const Transmission& transmission, std::size_t sensor, const EchoModel& model,
                 const FacetMesh& mesh, const CommonVisibility& visibility, PingSums& sums);
 /// By the law of a ground.
-void add_labels(const Transmission& transmission, std::size_t sensor, const TransmissionGround& ground,
+void add_labels(const Transmission& transmission, std::size_t sensor, const TransmissionSurface& surface_mesh,
                 const FacetMesh& mesh, const CommonVisibility& visibility, PingSums& sums);
 /// Of parts of a ground that several rays show; `law.material` is by part.
 void add_labels_of_mixed_eigenrays(const Transmission& transmission, std::size_t sensor,
-                                   const EchoModel& model, const ApparentSurface& ground,
+                                   const EchoModel& model, const ApparentSurface& surface_mesh,
                                    const CommonVisibility& visibility, PingSums& sums);
 
 /// Of what the upper receiver of a fan receives.

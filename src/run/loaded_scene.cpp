@@ -3,8 +3,8 @@
 
 #include <tbb/task_arena.h>
 
-#include "engine/ground/ground.hpp"
 #include "engine/rays/ray_engine.hpp"
+#include "engine/surface/surface_mesh.hpp"
 #include "run/facet_numbering.hpp"
 
 namespace tubefoot {

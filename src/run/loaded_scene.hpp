@@ -15,7 +15,7 @@
 namespace tubefoot {
 
 class FacetNumbering;
-class Ground;
+class SurfaceMesh;
 class OmittedRelief;
 class RayScene;
 class RefinedSurfaceFile;
@@ -60,7 +60,8 @@ struct LoadedScene {
 
   Scene scene;
   SceneRelief relief;
-  std::unique_ptr<const Ground> ground;  ///< relief online: what transmissions refine, each for itself
+  std::unique_ptr<const SurfaceMesh>
+      surface_mesh;  ///< relief online: what transmissions refine, each for itself
   std::unique_ptr<const SceneTree> tree;
   bool is_cut = false;           ///< by the sea surface, above which no facet is
   std::size_t facets_given = 0;  ///< before planes were merged; 0: they were not
@@ -74,9 +75,9 @@ struct LoadedScene {
 
   bool is_tiled() const { return !scene.tiled.empty(); }
   /// Whether relief gets into facets as tiles are loaded.
-  bool refines_tiles() const { return is_tiled() && relief.cell_m > 0 && ground == nullptr; }
+  bool refines_tiles() const { return is_tiled() && relief.cell_m > 0 && surface_mesh == nullptr; }
   /// Whether each transmission meets facets of its own.
-  bool has_ground_per_transmission() const { return ground != nullptr || scene.water->refracts(); }
+  bool has_surface_per_transmission() const { return surface_mesh != nullptr || scene.water->refracts(); }
   /// The number that a facet of the mesh has where all of the scene is in memory. Thread-safe. Throws as
   /// FacetNumbering().
   FacetId number_of(FacetId facet) const;

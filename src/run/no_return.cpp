@@ -122,7 +122,7 @@ class Reason {
       return fmt::format(
           "it looks {}, {:.4g} m beside the terrain, which covers {}: move it there, or turn it", look(),
           beside_m, to_text(terrain_));
-    if (const auto words = of_level_ground()) return *words;
+    if (const auto words = of_level_surface()) return *words;
     return fmt::format("it looks {}, where nothing is{}; the terrain covers {}: turn it or move it", look(),
                        survey_.loaded_scene->is_tiled() ? " within its range window" : "", to_text(terrain_));
   }
@@ -160,7 +160,7 @@ class Reason {
 
   /// Of terrain that is read by tiles, which are not read to look farther than pings do: as if it were as far
   /// below everywhere as it is straight below.
-  std::optional<std::string> of_level_ground() const {
+  std::optional<std::string> of_level_surface() const {
     if (!survey_.loaded_scene->is_tiled() || std::isnan(altitude_m()) || elevation_.lo_m >= 0)
       return std::nullopt;
     const auto range_m = [&](double elevation_deg) {

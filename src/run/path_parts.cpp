@@ -25,16 +25,16 @@ class PathSeabed {
   PathSeabed(const Transmission& transmission, std::size_t s, const PathEnds& ends)
       : transmission_(transmission) {
     if (!transmission.scene().water->refracts()) return;
-    lying_.emplace(lying_ground_of(transmission));
+    lying_.emplace(lying_surface_of(transmission));
     water_.emplace(path_water(transmission, s, ends.transmit.reach * transmission.scene().grid.unit_m()));
   }
-  const TransmissionGround& operator*() const { return lying_ ? *lying_ : transmission_.ground(); }
+  const TransmissionSurface& operator*() const { return lying_ ? *lying_ : transmission_.surface_mesh(); }
   /// Null where it is even.
   const PathWater* water() const { return water_ ? &*water_ : nullptr; }
 
  private:
   const Transmission& transmission_;
-  std::optional<TransmissionGround> lying_;
+  std::optional<TransmissionSurface> lying_;
   std::optional<PathWater> water_;
 };
 
@@ -52,7 +52,7 @@ auto as_seen_by(const Transmission& transmission, const Work& work) {
 void count_paths(const Transmission& transmission, const auto& paths, PingSums& sums) {
   ApparentMapCounts& counts = sums.counts.refraction;
   add_counts(counts, paths.seen_by_patches, transmission);
-  for (const ApparentSurface& apparent : paths.grounds) add_counts(counts, apparent, transmission);
+  for (const ApparentSurface& apparent : paths.surface_meshes) add_counts(counts, apparent, transmission);
   counts.largest_travel_path_error_m = std::max(counts.largest_travel_path_error_m, paths.largest_misfit_m);
   sums.counts.images += paths.images;
   sums.counts.arrivals += paths.arrivals;
@@ -68,7 +68,7 @@ void add_paths_of(const Transmission& transmission, std::size_t s, const PathSet
   const std::vector<std::uint32_t> fans = sensor.fan_of_tube(transmission.number());
   const PathSeabed seabed(transmission, s, ends);
   const SensorModel model(transmission, *seabed, s);
-  std::optional<RayGround> rays;
+  std::optional<RaySurface> rays;
   if (transmission.request().engine == Engine::ray)
     settings.sampled = SampledPaths{seabed.water() != nullptr ? nullptr : &*rays.emplace(transmission),
                                     transmission.scene().grid, rays_of(transmission),
@@ -82,9 +82,9 @@ void add_paths_of(const Transmission& transmission, std::size_t s, const PathSet
   const auto trace = [&](const PathWater* water) {
     return trace_by((*seabed).mesh(), model.model, settings, water);
   };
-  const bool own_grounds = settings.reference_tolerance && seabed.water() != nullptr;
+  const bool own_surfaces = settings.reference_tolerance && seabed.water() != nullptr;
   RefractedPathsTransmission found = as_seen_by(transmission, [&] {
-    if (!own_grounds) return RefractedPathsTransmission{trace(seabed.water()), {}, false};
+    if (!own_surfaces) return RefractedPathsTransmission{trace(seabed.water()), {}, false};
     return certify_refracted_paths(transmission, *seabed.water(),
                                    ends.transmit.reach * transmission.scene().grid.unit_m(),
                                    [&](const PathWater& water) { return trace(&water); });
@@ -93,7 +93,7 @@ void add_paths_of(const Transmission& transmission, std::size_t s, const PathSet
   sums.counts.refraction.at_limit += found.at_limit;
   for (std::size_t order = 0; order < paths.by_order.size(); ++order) {
     if (!is_order_wanted(transmission.scene(), order)) continue;
-    if (own_grounds) {
+    if (own_surfaces) {
       sums.add(transmission, s, found.orders[order].certified, order);
       continue;
     }

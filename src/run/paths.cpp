@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/ground/sector.hpp"
+#include "engine/surface/sector.hpp"
 #include "geometry/tubes/window_tubes.hpp"
 #include "run/transmission.hpp"
 

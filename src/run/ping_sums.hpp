@@ -58,7 +58,7 @@ class PingSums {
     counts.echo_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
 
-  /// What the last transmission saw of the ground that all transmissions share, for one that looks through
+  /// What the last transmission saw of the surface that all transmissions share, for one that looks through
   /// the same tubes.
   struct Seen {
     History history;

@@ -12,7 +12,7 @@
 
 #include "geometry/search/vertical_line.hpp"
 #include "run/scene_below.hpp"
-#include "run/transmission_ground.hpp"
+#include "run/transmission_surface.hpp"
 #include "scene/extent.hpp"
 
 namespace tubefoot {
@@ -26,12 +26,12 @@ class Seabed {
   /// How high a place is above the highest terrain there, less than 0 below it; nothing beside all terrain.
   std::optional<double> height_over_m(glm::dvec3 place_m) {
     const LoadedScene& loaded_scene = below_.in_line_with(place_m);
-    const TransmissionGround ground = ground_in_line_with(loaded_scene, place_m);
+    const TransmissionSurface surface_mesh = surface_in_line_with(loaded_scene, place_m);
     const GridPoint point = loaded_scene.scene.grid.snap(place_m);
     std::vector<FacetId> near;
-    facets_near_vertical(ground.tree(), point, near);
+    facets_near_vertical(surface_mesh.tree(), point, near);
     std::optional<double> height;
-    for (const VerticalCrossings& c : vertical_crossings(ground.mesh(), near, point)) {
+    for (const VerticalCrossings& c : vertical_crossings(surface_mesh.mesh(), near, point)) {
       if (c.component >= loaded_scene.scene.description.terrains.size() || c.above + c.below == 0) continue;
       const double over =
           (c.above > 0 ? -c.lowest_above : c.highest_below) * loaded_scene.scene.grid.unit_m();
@@ -137,9 +137,9 @@ std::vector<SeabedPlacement> placements(const Survey& survey) {
   if (terrain.empty()) return all;
   const std::size_t terrains = scene.description.terrains.size();
   // Each place of a tiled terrain, or of one with relief, is loaded or made.
-  const std::size_t most = survey.loaded_scene->is_tiled()                      ? 4
-                           : survey.loaded_scene->has_ground_per_transmission() ? 30
-                                                                                : 300;
+  const std::size_t most = survey.loaded_scene->is_tiled()                       ? 4
+                           : survey.loaded_scene->has_surface_per_transmission() ? 30
+                                                                                 : 300;
   Seabed seabed(*survey.loaded_scene);
   for (std::size_t i = terrains; i < scene.report.components.size(); ++i) {
     const ComponentReport& object = scene.report.components[i];

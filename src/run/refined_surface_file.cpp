@@ -151,9 +151,9 @@ std::string seabed_hash(const Scene& scene, double cell_m) {
 }
 
 void write_refined_seabed(const std::filesystem::path& file, const RefinedMesh& seabed, const Scene& scene,
-                          const Ground& ground) {
+                          const SurfaceMesh& surface_mesh) {
   StreamedFile stream(file);
-  std::string bytes = header(seabed_hash(scene, ground.settings().cell_m), seabed.mesh.vertices.size(),
+  std::string bytes = header(seabed_hash(scene, surface_mesh.settings().cell_m), seabed.mesh.vertices.size(),
                              seabed.mesh.facets.size());
   const auto flush = [&](std::size_t above) {
     if (bytes.size() <= above) return;

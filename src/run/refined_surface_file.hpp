@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "engine/ground/ground.hpp"
+#include "engine/surface/surface_mesh.hpp"
 #include "scene/scene.hpp"
 
 namespace tubefoot {
@@ -20,7 +20,7 @@ std::string seabed_hash(const Scene& scene, double cell_m);
 /// component and the facet of the scene (`base_facet`) each is part of; the hash is a comment. Throws
 /// std::runtime_error.
 void write_refined_seabed(const std::filesystem::path& file, const RefinedMesh& seabed, const Scene& scene,
-                          const Ground& ground);
+                          const SurfaceMesh& surface_mesh);
 
 /// A file of write_refined_seabed(), to be read back, the same to the last bit. Thread-safe.
 class RefinedSurfaceFile {

@@ -32,11 +32,11 @@ RefractedTransmission certify(const Transmission& transmission, const Transmissi
   const std::vector<FacetId> parent = apparent.refined.parent;
   seen.seabed().name_by_scene(apparent);
   RefractedTransmission found{
-      TransmissionGround(transmission.loaded_scene(), std::move(apparent)), {}, 0, {}, false};
-  const FacetMesh& mesh = found.ground.mesh();
-  const MappedSeabed seabed{*found.ground.apparent(), found.ground.tree(), seen.seabed().mesh(), parent,
-                            scene.grid};
-  const TubeEngine engine(mesh, found.ground.tree(), scene.grid.unit_m(), options);
+      TransmissionSurface(transmission.loaded_scene(), std::move(apparent)), {}, 0, {}, false};
+  const FacetMesh& mesh = found.surface_mesh.mesh();
+  const MappedSeabed seabed{*found.surface_mesh.apparent(), found.surface_mesh.tree(), seen.seabed().mesh(),
+                            parent, scene.grid};
+  const TubeEngine engine(mesh, found.surface_mesh.tree(), scene.grid.unit_m(), options);
   found.history = engine.trace(transmission.tubes(), &found.candidates, false);
   const glm::dvec3 apex = scene.grid.to_metres(found.history.tubes.apex);
   for (const std::size_t s : transmission.group().sensors) {
@@ -47,7 +47,7 @@ RefractedTransmission certify(const Transmission& transmission, const Transmissi
     const ApparentMap apparent_map =
         apparent_map_of(transmission.loaded_scene(), transmission.survey().sensors[s], apex);
     const RayEnclosure rays(apparent_map, eigenray_options(transmission.loaded_scene()));
-    const SensorModel sensor_model(transmission, found.ground, s);
+    const SensorModel sensor_model(transmission, found.surface_mesh, s);
     const EchoModel& model = sensor_model.model;
     const Sensor& sensor = transmission.sensor(s);
     found.sensors.push_back(certify_refracted_echo(
@@ -61,8 +61,8 @@ RefractedPairTransmission certify(const Transmission& transmission, const PairAp
                                   RefractedPair pair) {
   const ApparentPair& apparent = pair.apparent;
   std::vector<FacetId> parent(apparent.mesh.facets.size());
-  const auto take = [&](const ApparentSurface& ground, const std::vector<FacetId>& origin) {
-    for (std::size_t k = 0; k < origin.size(); ++k) parent[origin[k]] = ground.refined.parent[k];
+  const auto take = [&](const ApparentSurface& surface_mesh, const std::vector<FacetId>& origin) {
+    for (std::size_t k = 0; k < origin.size(); ++k) parent[origin[k]] = surface_mesh.refined.parent[k];
   };
   take(apparent.transmit, apparent.transmit_origin);
   take(apparent.receive, apparent.receive_origin);
@@ -81,7 +81,7 @@ RefractedPairTransmission certify(const Transmission& transmission, const PairAp
       transmission.scene().grid,
       {own.transmit, tx_tree, own.transmit_origin, found.pair.transmit_water, tx_rays},
       {own.receive, rx_tree, own.receive_origin, found.pair.receive_water, rx_rays}};
-  SensorModel model(transmission, TransmissionGround(transmission.loaded_scene()), s);
+  SensorModel model(transmission, TransmissionSurface(transmission.loaded_scene()), s);
   model.model.material = own.mesh.material;
   const std::vector<std::uint32_t> fans = transmission.sensor(s).fan_of_tube(transmission.number());
   found.sensors.push_back(certify_refracted_echo(
@@ -93,7 +93,7 @@ RefractedPairTransmission certify(const Transmission& transmission, const PairAp
   return found;
 }
 
-/// One fan of a receiver pair, whose ends the ground was mapped for: transmitter, upper and lower
+/// One fan of a receiver pair, whose ends the surface was mapped for: transmitter, upper and lower
 /// receiver.
 struct ReceiverPairEnds {
   const EndsApparentMap& ends;
@@ -103,15 +103,15 @@ struct ReceiverPairEnds {
 };
 
 RefractedReceiverPairTransmission certify(const Transmission& transmission, const ReceiverPairEnds& seen,
-                                          CommonApparentSurfaces grounds) {
+                                          CommonApparentSurfaces surface_meshes) {
   const EndsApparentMap& ends = seen.ends;
   const Sensor& sensor = transmission.sensor(seen.sensor);
   const WorldGrid& grid = transmission.scene().grid;
   const VisibilityOptions& options = transmission.request().visibility;
-  RefractedReceiverPairTransmission found{std::move(grounds), {}, {}, false};
+  RefractedReceiverPairTransmission found{std::move(surface_meshes), {}, {}, false};
   const CommonApparentSurfaces& own = found.apparent;
   const FacetMesh& mesh = own.seabed.mesh;
-  SensorModel model(transmission, TransmissionGround(transmission.loaded_scene()), seen.sensor);
+  SensorModel model(transmission, TransmissionSurface(transmission.loaded_scene()), seen.sensor);
   const BeamPatterns patterns = patterns_of_fan(model.patterns, seen.fan, ends.tubes(1).tubes.size());
   model.model.material = mesh.material;
   model.model.patterns = &patterns;
@@ -141,7 +141,7 @@ RefractedReceiverPairTransmission certify(const Transmission& transmission, cons
       {BistaticTubes{ends.tubes(0), ends.tubes(1)}, BistaticTubes{ends.tubes(0), ends.tubes(2)}}, options,
       seen.receiver_pair, sensor.samples(), model.model, ordinary,
       *transmission.request().reference_tolerance));
-  for (ApparentSurface& ground : found.apparent.seen) ends.seabed().name_by_scene(ground);
+  for (ApparentSurface& surface_mesh : found.apparent.seen) ends.seabed().name_by_scene(surface_mesh);
   return found;
 }
 
@@ -192,15 +192,17 @@ ApparentMapSettings first_settings(const Transmission& transmission, double reac
   return settings;
 }
 
-std::size_t facets_of(const ApparentSurface& ground) { return ground.refined.mesh.facets.size(); }
+std::size_t facets_of(const ApparentSurface& surface_mesh) { return surface_mesh.refined.mesh.facets.size(); }
 std::size_t facets_of(const RefractedPair& pair) { return pair.apparent.mesh.facets.size(); }
-std::size_t facets_of(const CommonApparentSurfaces& grounds) { return grounds.seabed.mesh.facets.size(); }
-double largest_travel_path_error_m(const CommonApparentSurfaces& grounds) {
-  return std::ranges::max(grounds.seen, {}, &ApparentSurface::largest_travel_path_error_m)
+std::size_t facets_of(const CommonApparentSurfaces& surface_meshes) {
+  return surface_meshes.seabed.mesh.facets.size();
+}
+double largest_travel_path_error_m(const CommonApparentSurfaces& surface_meshes) {
+  return std::ranges::max(surface_meshes.seen, {}, &ApparentSurface::largest_travel_path_error_m)
       .largest_travel_path_error_m;
 }
-double largest_travel_path_error_m(const ApparentSurface& ground) {
-  return ground.largest_travel_path_error_m;
+double largest_travel_path_error_m(const ApparentSurface& surface_mesh) {
+  return surface_mesh.largest_travel_path_error_m;
 }
 double largest_travel_path_error_m(const RefractedPair& pair) {
   return std::max(pair.apparent.transmit.largest_travel_path_error_m,
@@ -208,13 +210,13 @@ double largest_travel_path_error_m(const RefractedPair& pair) {
 }
 
 /// Ever finer. `ground(settings)`: mapped so, for certify().
-template <class Seen, class Ground>
+template <class Seen, class SurfaceMesh>
 auto certify_until_tolerance(const Transmission& transmission, double reach_m, const Seen& seen,
-                             const Ground& ground_of) {
+                             const SurfaceMesh& surface_mesh_of) {
   const double unit = transmission.scene().grid.unit_m();
   ApparentMapSettings settings =
       first_settings(transmission, reach_m, apparent_map_settings(transmission, reach_m));
-  std::optional best(certify(transmission, seen, ground_of(settings)));
+  std::optional best(certify(transmission, seen, surface_mesh_of(settings)));
   std::size_t facets_before = best->facets();
   for (int tries = 1;; ++tries) {
     const Quality quality = quality_of(best->sensors);
@@ -224,30 +226,30 @@ auto certify_until_tolerance(const Transmission& transmission, double reach_m, c
     const double room = std::sqrt(most_facets / std::max(double(facets_before), 1.0));
     if (room < least_worth || tries == most_tries) break;
     const double finer = quality.finer(room);
-    const auto finer_ground = [&](double by) {
+    const auto finer_surface = [&](double by) {
       settings.travel_path_error_m = std::max(settings.travel_path_error_m / by, 2 * unit);
       settings.tolerance_db /= by;
-      return ground_of(settings);
+      return surface_mesh_of(settings);
     };
-    std::optional ground(finer_ground(finer));
+    std::optional surface_mesh(finer_surface(finer));
     const auto hardly_grown = [&] {
-      return double(facets_of(*ground)) < least_worth * double(facets_before);
+      return double(facets_of(*surface_mesh)) < least_worth * double(facets_before);
     };
     // Facets without a proven ray may be far finer than what they are cut by.
     if (quality.unbounded > 0)
       for (int halvings = 0; hardly_grown() && halvings < most_halvings; ++halvings)
-        ground.emplace(finer_ground(std::min(2.0, room)));
-    const std::size_t facets = facets_of(*ground);
+        surface_mesh.emplace(finer_surface(std::min(2.0, room)));
+    const std::size_t facets = facets_of(*surface_mesh);
     // Where it was about as fine as that already, the next one is to be finer than it is.
     const bool hardly_finer = hardly_grown();
     if (hardly_finer)
-      settings.travel_path_error_m =
-          std::min(settings.travel_path_error_m, std::max(largest_travel_path_error_m(*ground), 2 * unit));
+      settings.travel_path_error_m = std::min(settings.travel_path_error_m,
+                                              std::max(largest_travel_path_error_m(*surface_mesh), 2 * unit));
     const bool as_it_was = facets == facets_before;
     facets_before = facets;
     if (as_it_was && !quality.is_wide()) break;
     if (as_it_was) continue;
-    auto next = certify(transmission, seen, std::move(*ground));
+    auto next = certify(transmission, seen, std::move(*surface_mesh));
     const Quality found = quality_of(next.sensors);
     const bool worth_more = found.is_worth_more_than(quality);
     if (worth_more || found.over <= quality.over) best.emplace(std::move(next));
@@ -262,9 +264,9 @@ auto certify_until_tolerance(const Transmission& transmission, double reach_m, c
 
 RefractedTransmission certify_refracted_transmission(const Transmission& transmission) {
   const TransmissionApparentMap seen(transmission);
-  return certify_until_tolerance(transmission,
-                                 transmission.tubes().reach * transmission.scene().grid.unit_m(), seen,
-                                 [&](const ApparentMapSettings& settings) { return seen.ground(settings); });
+  return certify_until_tolerance(
+      transmission, transmission.tubes().reach * transmission.scene().grid.unit_m(), seen,
+      [&](const ApparentMapSettings& settings) { return seen.surface_mesh(settings); });
 }
 
 RefractedPairTransmission certify_refracted_pair_transmission(const Transmission& transmission) {
@@ -302,14 +304,14 @@ RefractedReceiverPairTransmission certify_refracted_receiver_pair_transmission(
     water.push_back(apparent_map_of(transmission.loaded_scene(), pings, at_m));
   }
   const EndsApparentMap ends(transmission, std::move(tubes), std::move(water));
-  return certify_until_tolerance(transmission, ends.reach_m(),
-                                 ReceiverPairEnds{ends, sensor, fan, receiver_pair},
-                                 [&](const ApparentMapSettings& settings) { return ends.grounds(settings); });
+  return certify_until_tolerance(
+      transmission, ends.reach_m(), ReceiverPairEnds{ends, sensor, fan, receiver_pair},
+      [&](const ApparentMapSettings& settings) { return ends.surface_meshes(settings); });
 }
 
 std::size_t RefractedPathsTransmission::facets() const {
   std::size_t all = 0;
-  for (const ApparentSurface& ground : paths.grounds) all += facets_of(ground);
+  for (const ApparentSurface& surface_mesh : paths.surface_meshes) all += facets_of(surface_mesh);
   return all;
 }
 

@@ -10,15 +10,15 @@
 
 namespace tubefoot {
 
-/// The certified echoes of one transmission through refracting water, and the ground that they are of.
+/// The certified echoes of one transmission through refracting water, and the surface that they are of.
 struct RefractedTransmission {
-  TransmissionGround ground;
+  TransmissionSurface surface_mesh;
   History history;
   std::size_t candidates = 0;
   std::vector<RefractedReference> sensors;  ///< as the group's; of receiver pairs nothing
   bool at_limit = false;  ///< bounds are wider than asked, and a finer ground would have too many facets
 
-  std::size_t facets() const { return ground.mesh().facets.size(); }
+  std::size_t facets() const { return surface_mesh.mesh().facets.size(); }
 };
 
 /// The same of a separate receiver, which has its transmissions for itself.
@@ -41,9 +41,9 @@ struct RefractedReceiverPairTransmission {
   std::size_t facets() const { return apparent.seabed.mesh.facets.size(); }
 };
 
-/// Straightens the ground of a transmission ever finer, until all but a two-hundredth of the bounds that are
-/// finite are within the tolerance that the run asks for, until that helps no more, or until the ground would
-/// have more facets than a reference is worth.
+/// Straightens the surface of a transmission ever finer, until all but a two-hundredth of the bounds that are
+/// finite are within the tolerance that the run asks for, until that helps no more, or until the surface
+/// would have more facets than a reference is worth.
 RefractedTransmission certify_refracted_transmission(const Transmission& transmission);
 RefractedPairTransmission certify_refracted_pair_transmission(const Transmission& transmission);
 RefractedReceiverPairTransmission certify_refracted_receiver_pair_transmission(

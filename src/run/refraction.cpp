@@ -39,7 +39,7 @@ auto made_for(const Transmission& transmission, const Make& make) {
   }
 }
 
-/// Whether a way is reported by more than one apparent ground: of those each shows what its first rays do.
+/// Whether a way is reported by more than one apparent surface: of those each shows what its first rays do.
 bool has_paths_of_first_rays(const Survey& survey) {
   return std::ranges::any_of(survey.sensors, [&](const SensorPings& pings) {
     const auto paths = path_settings(survey.scene, pings.sensor->frequency_khz());
@@ -204,7 +204,7 @@ ApparentMapSettings apparent_map_settings(const Transmission& transmission, doub
 TrueSurface::TrueSurface(const Transmission& transmission, std::span<const TubeSet> tubes,
                          std::span<const ViewBounds> all_view_bounds, bool weights)
     : loaded_scene_(transmission.loaded_scene()) {
-  if (!loaded_scene_.ground) return;
+  if (!loaded_scene_.surface_mesh) return;
   std::vector<Look> looks = transmission.looks(tubes);
   for (std::size_t k = 0; k < looks.size(); ++k) looks[k].view_bounds = &all_view_bounds[k];
   relief_ = relief_seen_by(transmission, looks, weights);
@@ -225,15 +225,15 @@ std::vector<FacetId> TrueSurface::facets(std::span<const ViewBounds> all_view_bo
   return all;
 }
 
-void TrueSurface::name_by_scene(ApparentSurface& ground) const {
+void TrueSurface::name_by_scene(ApparentSurface& surface_mesh) const {
   if (!tree_) return;
-  for (std::size_t k = 0; k < ground.refined.parent.size(); ++k) {
-    FacetId& facet = ground.refined.parent[k];
-    if (!ground.refined.weights.empty())
-      ground.refined.weights[k] = part_of_part(relief_.weights[facet], ground.refined.weights[k]);
+  for (std::size_t k = 0; k < surface_mesh.refined.parent.size(); ++k) {
+    FacetId& facet = surface_mesh.refined.parent[k];
+    if (!surface_mesh.refined.weights.empty())
+      surface_mesh.refined.weights[k] = part_of_part(relief_.weights[facet], surface_mesh.refined.weights[k]);
     facet = relief_.parent[facet];
   }
-  for (UnclearPlace& place : ground.unclear) place.facet = relief_.parent[place.facet];
+  for (UnclearPlace& place : surface_mesh.unclear) place.facet = relief_.parent[place.facet];
 }
 
 TransmissionApparentMap::TransmissionApparentMap(const Transmission& transmission, bool weights)
@@ -246,7 +246,7 @@ TransmissionApparentMap::TransmissionApparentMap(const Transmission& transmissio
       seabed_(transmission, {&tubes_, 1}, {&view_bounds_, 1}, weights),
       facets_(seabed_.facets({&view_bounds_, 1})) {}
 
-ApparentSurface TransmissionApparentMap::ground(const ApparentMapSettings& settings) const {
+ApparentSurface TransmissionApparentMap::surface_mesh(const ApparentMapSettings& settings) const {
   const Scene& scene = transmission_.scene();
   return made_for(transmission_, [&] {
     return map_apparent(seabed_.mesh(), facets_, scene.grid, apparent_map_,
@@ -255,14 +255,14 @@ ApparentSurface TransmissionApparentMap::ground(const ApparentMapSettings& setti
   });
 }
 
-TransmissionGround refracted_ground_of(const Transmission& transmission, bool weights) {
+TransmissionSurface refracted_surface_of(const Transmission& transmission, bool weights) {
   const TransmissionApparentMap seen(transmission, weights);
   ApparentMapSettings settings =
       apparent_map_settings(transmission, transmission.tubes().reach * transmission.scene().grid.unit_m());
   settings.later_arrivals = true;
-  ApparentSurface ground = seen.ground(settings);
-  seen.seabed().name_by_scene(ground);
-  return TransmissionGround(transmission.loaded_scene(), std::move(ground));
+  ApparentSurface surface_mesh = seen.surface_mesh(settings);
+  seen.seabed().name_by_scene(surface_mesh);
+  return TransmissionSurface(transmission.loaded_scene(), std::move(surface_mesh));
 }
 
 EndsApparentMap::EndsApparentMap(const Transmission& transmission, std::vector<TubeSet> tubes,
@@ -283,7 +283,7 @@ double EndsApparentMap::reach_m() const {
   return std::ranges::max_element(tubes_, {}, &TubeSet::reach)->reach * transmission_.scene().grid.unit_m();
 }
 
-CommonApparentSurfaces EndsApparentMap::grounds(const ApparentMapSettings& settings) const {
+CommonApparentSurfaces EndsApparentMap::surface_meshes(const ApparentMapSettings& settings) const {
   std::vector<const ApparentMap*> ways;
   std::vector<const ViewBounds*> all_view_bounds;
   for (std::size_t end = 0; end < tubes_.size(); ++end) {
@@ -314,14 +314,15 @@ PairApparentMap::PairApparentMap(const Transmission& transmission, bool weights)
             water_of_both(transmission), weights) {}
 
 RefractedPair PairApparentMap::pair(const ApparentMapSettings& settings) const {
-  CommonApparentSurfaces grounds = ends_.grounds(settings);
+  CommonApparentSurfaces surface_meshes = ends_.surface_meshes(settings);
   return {ends_.tubes(0),
           ends_.tubes(1),
           ends_.water(0),
           ends_.water(1),
           ends_.absorption_db_per_m(),
-          {std::move(grounds.seabed.mesh), std::move(grounds.seen[0]), std::move(grounds.seen[1]),
-           std::move(grounds.origin[0]), std::move(grounds.origin[1])}};
+          {std::move(surface_meshes.seabed.mesh), std::move(surface_meshes.seen[0]),
+           std::move(surface_meshes.seen[1]), std::move(surface_meshes.origin[0]),
+           std::move(surface_meshes.origin[1])}};
 }
 
 RefractedPair refracted_pair_of(const Transmission& transmission, bool weights) {
@@ -398,22 +399,24 @@ void trace_rays_of_both(const Transmission& transmission, const RefractedPair& p
              nullptr, &guide);
 }
 
-void add_counts(ApparentMapCounts& counts, const ApparentSurface& ground, const Transmission& transmission) {
-  add_counts(
-      counts,
-      GroundCounts{ground.refined.mesh.facets.size(), ground.facets_in_shadow, ground.facets_of_several,
-                   ground.facets_folded, ground.largest_travel_path_error_m, ground.unclear},
-      transmission);
+void add_counts(ApparentMapCounts& counts, const ApparentSurface& surface_mesh,
+                const Transmission& transmission) {
+  add_counts(counts,
+             SurfaceCounts{surface_mesh.refined.mesh.facets.size(), surface_mesh.facets_in_shadow,
+                           surface_mesh.facets_of_several, surface_mesh.facets_folded,
+                           surface_mesh.largest_travel_path_error_m, surface_mesh.unclear},
+             transmission);
 }
 
-void add_counts(ApparentMapCounts& counts, const GroundCounts& grounds, const Transmission& transmission) {
-  ApparentMapCounts own{grounds.facets, grounds.in_shadow, grounds.of_several, grounds.folded,
-                        grounds.largest_travel_path_error_m};
+void add_counts(ApparentMapCounts& counts, const SurfaceCounts& surface_meshes,
+                const Transmission& transmission) {
+  ApparentMapCounts own{surface_meshes.facets, surface_meshes.in_shadow, surface_meshes.of_several,
+                        surface_meshes.folded, surface_meshes.largest_travel_path_error_m};
   const glm::dvec3 apex = transmission.pose().position_m;
   const auto keep = [&](const UnclearPlace& place, std::array<double, 3>& kept) {
     if (kept[2] == 0) kept = polar(place.direction, glm::distance(place.at_m, apex));
   };
-  for (const UnclearPlace& place : grounds.unclear)
+  for (const UnclearPlace& place : surface_meshes.unclear)
     keep(place, place.eigenrays == 0 ? own.shadow : own.several);
   add_counts(counts, own);
 }

@@ -37,7 +37,7 @@ class TrueSurface {
   /// Of any of the view bounds, by increasing id.
   std::vector<FacetId> facets(std::span<const ViewBounds> all_view_bounds) const;
   /// From facets of this seabed to the scene's.
-  void name_by_scene(ApparentSurface& ground) const;
+  void name_by_scene(ApparentSurface& surface_mesh) const;
 
  private:
   const LoadedScene& loaded_scene_;
@@ -47,18 +47,18 @@ class TrueSurface {
 
 /// The facets of a transmission where it sees them, if asked for with RefinedMesh::weights about the scene's
 /// facets. Throws InputError where it takes too many.
-TransmissionGround refracted_ground_of(const Transmission& transmission, bool weights = false);
+TransmissionSurface refracted_surface_of(const Transmission& transmission, bool weights = false);
 
 /// What a transmission sees of its seabed, mapped as finely as one likes; facets are named by the seabed.
 class TransmissionApparentMap {
  public:
-  /// Throws as refracted_ground_of().
+  /// Throws as refracted_surface_of().
   explicit TransmissionApparentMap(const Transmission& transmission, bool weights = false);
   TransmissionApparentMap(const TransmissionApparentMap&) = delete;
   TransmissionApparentMap& operator=(const TransmissionApparentMap&) = delete;
   const TrueSurface& seabed() const { return seabed_; }
-  /// Throws as refracted_ground_of().
-  ApparentSurface ground(const ApparentMapSettings& settings) const;
+  /// Throws as refracted_surface_of().
+  ApparentSurface surface_mesh(const ApparentMapSettings& settings) const;
 
  private:
   const Transmission& transmission_;
@@ -88,7 +88,7 @@ struct RefractedPair {
 /// are named by the seabed.
 class EndsApparentMap {
  public:
-  /// Throws as refracted_ground_of().
+  /// Throws as refracted_surface_of().
   EndsApparentMap(const Transmission& transmission, std::vector<TubeSet> tubes,
                   std::vector<ApparentMap> water, bool weights = false);
   EndsApparentMap(const EndsApparentMap&) = delete;
@@ -98,8 +98,8 @@ class EndsApparentMap {
   const ApparentMap& water(std::size_t end) const { return water_[end]; }
   double absorption_db_per_m() const;
   double reach_m() const;
-  /// Throws as refracted_ground_of().
-  CommonApparentSurfaces grounds(const ApparentMapSettings& settings) const;
+  /// Throws as refracted_surface_of().
+  CommonApparentSurfaces surface_meshes(const ApparentMapSettings& settings) const;
 
  private:
   const Transmission& transmission_;
@@ -121,7 +121,7 @@ class PairApparentMap {
  private:
   EndsApparentMap ends_;
 };
-/// As the scene asks for, named by the scene. `weights` as there. Throws as refracted_ground_of().
+/// As the scene asks for, named by the scene. `weights` as there. Throws as refracted_surface_of().
 RefractedPair refracted_pair_of(const Transmission& transmission, bool weights = false);
 /// What the two share of it; the same by rays, in portions.
 BistaticHistory trace_both(const Transmission& transmission, const RefractedPair& pair);
@@ -135,8 +135,10 @@ ReceiverPairHistory trace_receiver_pair(const Transmission& transmission, const 
 std::vector<ReceiverBaseline> refracted_receiver_baselines(const Transmission& transmission,
                                                            const RefractedPair& pair);
 
-void add_counts(ApparentMapCounts& counts, const ApparentSurface& ground, const Transmission& transmission);
-void add_counts(ApparentMapCounts& counts, const GroundCounts& grounds, const Transmission& transmission);
+void add_counts(ApparentMapCounts& counts, const ApparentSurface& surface_mesh,
+                const Transmission& transmission);
+void add_counts(ApparentMapCounts& counts, const SurfaceCounts& surface_meshes,
+                const Transmission& transmission);
 void add_counts(ApparentMapCounts& sum, const ApparentMapCounts& more);
 
 /// For stats.json. `reference`: of a run with bounds.

@@ -54,7 +54,8 @@ BoundedCache<PingSimulation>::Loaded RegionalSimulation::load(std::size_t number
     const FacetMesh& mesh = survey.scene.mesh;
     std::size_t bytes = mesh.vertices.size() * sizeof(GridPoint) + mesh.facets.size() * 16 +
                         survey.loaded_scene->tree->bytes();
-    if (survey.loaded_scene->ground) bytes += survey.loaded_scene->tree->bytes() + mesh.vertices.size() * 32;
+    if (survey.loaded_scene->surface_mesh)
+      bytes += survey.loaded_scene->tree->bytes() + mesh.vertices.size() * 32;
     return BoundedCache<PingSimulation>::Loaded{std::move(simulation), bytes};
   });
 }

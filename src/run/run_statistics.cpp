@@ -10,7 +10,7 @@
 #include <numbers>
 #include <string>
 
-#include "engine/ground/ground.hpp"
+#include "engine/surface/surface_mesh.hpp"
 #include "run/checkpoint/build_identity.hpp"
 #include "run/refraction.hpp"
 #include "run/run_steps.hpp"
@@ -89,10 +89,10 @@ nlohmann::ordered_json statistics_json(const Survey& survey, const RunRequest& r
     const RefinementDescription& keys = scene.description.refinement;
     nlohmann::ordered_json& relief = json["relief"];
     relief = {{"mode", keys.mode}, {"cell_m", loaded_scene.relief.cell_m}, {"displace", keys.displace}};
-    if (loaded_scene.ground) relief["tolerance"] = loaded_scene.ground->settings().tolerance;
+    if (loaded_scene.surface_mesh) relief["tolerance"] = loaded_scene.surface_mesh->settings().tolerance;
     relief["base_facets"] = loaded_scene.relief.base_facets;
     if (!loaded_scene.refines_tiles())
-      relief["facets_made"] = loaded_scene.ground ? stats.refined_facets : scene.mesh.facets.size();
+      relief["facets_made"] = loaded_scene.surface_mesh ? stats.refined_facets : scene.mesh.facets.size();
     if (!loaded_scene.is_tiled()) relief["uniform_facets"] = loaded_scene.relief.uniform_facets;
     relief["change_by_finer_relief"] = {
         {"of", "a facet's energy, relative; mean over the worst ping, weighed by energy"},

@@ -127,7 +127,7 @@ RunRequest requested(const RunOptions& options, SceneDescription& description) {
     refuse_what_the_tolerance_picks(options);
     require_able(request, Feature::trial);
     request.tolerance = requested_tolerance(*options.tolerance);
-    // One dial: the ground is refined no further, and no less, unless the scene says how far.
+    // One dial: the surface is refined no further, and no less, unless the scene says how far.
     if (!description.refinement.tolerance)
       description.refinement.tolerance = relative_error(*request.tolerance);
     // Paths that together return less than a third of it are not worth following, either.

@@ -13,7 +13,7 @@ void RunWarnings::foresee(const Survey& survey, const RunRequest& request) {
   add(survey.scene.report.warnings);
   add(vast_windows(survey));
   if (request.reference_tolerance) add(open_signals(survey));
-  if (!survey.loaded_scene->has_ground_per_transmission() && !survey.loaded_scene->is_tiled())
+  if (!survey.loaded_scene->has_surface_per_transmission() && !survey.loaded_scene->is_tiled())
     add(expected_no_returns(survey, request));
 }
 

@@ -6,7 +6,7 @@ namespace tubefoot {
 std::unique_ptr<LoadedScene> loaded_with(const LoadedScene& loaded_scene, const TileChoice& choice) {
   auto part = std::make_unique<LoadedScene>(with_tiles(loaded_scene.scene, choice));
   part->relief = loaded_scene.relief;
-  if (loaded_scene.relief.cell_m > 0) part->ground = relief_ground(part->scene);
+  if (loaded_scene.relief.cell_m > 0) part->surface_mesh = relief_surface(part->scene);
   return part;
 }
 

@@ -14,7 +14,7 @@ namespace tubefoot {
 std::unique_ptr<LoadedScene> loaded_with(const LoadedScene& loaded_scene, const TileChoice& choice);
 
 /// The facets above and below one place after the other: of a tiled site with the tiles that lie there.
-/// ground_in_line_with() then has the relief.
+/// surface_in_line_with() then has the relief.
 class SceneBelow {
  public:
   explicit SceneBelow(const LoadedScene& loaded_scene);

@@ -7,21 +7,21 @@
 
 namespace tubefoot {
 
-SensorModel::SensorModel(const Transmission& transmission, const TransmissionGround& ground,
+SensorModel::SensorModel(const Transmission& transmission, const TransmissionSurface& surface_mesh,
                          std::size_t sensor) {
   const Scene& scene = transmission.scene();
   const SensorPings& pings = transmission.survey().sensors[sensor];
-  model = {scene.material_mu, ground.mesh().material, absorption_db_per_m(scene, *pings.sensor)};
+  model = {scene.material_mu, surface_mesh.mesh().material, absorption_db_per_m(scene, *pings.sensor)};
   model.reflectivity = scene.reflectivity;
   model.scattering = scene.scattering;
   model.path.tx.apex_m = scene.grid.to_metres(
       scene.grid.snap(pings.transmission_pose(transmission.ping(), transmission.number()).position_m));
-  if (ground.apparent() != nullptr) {
-    model.path.facet_factor = ground.apparent()->facet_factor;
+  if (surface_mesh.apparent() != nullptr) {
+    model.path.facet_factor = surface_mesh.apparent()->facet_factor;
     if (transmission.labels() != nullptr ||
         std::any_of(scene.reflectivity.begin(), scene.reflectivity.end(),
                     [](const auto& texture) { return texture != nullptr; })) {
-      facet_maps = ground.apparent()->facet_maps(model.path.tx.apex_m, scene.grid);
+      facet_maps = surface_mesh.apparent()->facet_maps(model.path.tx.apex_m, scene.grid);
       model.path.tx.facet_map = facet_maps;
     }
   }
@@ -29,7 +29,7 @@ SensorModel::SensorModel(const Transmission& transmission, const TransmissionGro
   patterns = pings.sensor->patterns(pings.transmission_pose(transmission.ping(), transmission.number()),
                                     pings.sound_speed_m_s, transmission.number());
   model.patterns = &patterns;
-  if (ground.apparent() == nullptr || patterns.baselines.empty()) return;
+  if (surface_mesh.apparent() == nullptr || patterns.baselines.empty()) return;
   // Phases turn by the speed of sound at the receiver pair, ranges are reported by that of its first place.
   const double depth_m = scene.water->surface_height_m() -
                          pings.transmission_pose(transmission.ping(), transmission.number()).position_m.z;

@@ -13,8 +13,8 @@ namespace tubefoot {
 SensorPlaces::SensorPlaces(LoadedScene& loaded_scene) : loaded_scene_(loaded_scene), below_(loaded_scene) {}
 
 SensorPlaces::Column SensorPlaces::column(const PingPlace& where) {
-  Column column{ground_in_line_with(below_.in_line_with(where.at_m), where.at_m), {}};
-  facets_near_vertical(column.ground.tree(), loaded_scene_.scene.grid.snap(where.at_m), column.near);
+  Column column{surface_in_line_with(below_.in_line_with(where.at_m), where.at_m), {}};
+  facets_near_vertical(column.surface_mesh.tree(), loaded_scene_.scene.grid.snap(where.at_m), column.near);
   return column;
 }
 
@@ -26,7 +26,7 @@ void SensorPlaces::refuse_on_facet(const Column& column, const PingPlace& where)
   const auto& [place, ping, time_s, at_m, what] = where;
   const Scene& scene = loaded_scene_.scene;
   const std::optional<FacetContact> contact =
-      contact_at(column.ground.mesh(), column.near, scene.grid.snap(at_m));
+      contact_at(column.surface_mesh.mesh(), column.near, scene.grid.snap(at_m));
   if (!contact) return;
   constexpr std::array<const char*, 3> parts{"a vertex", "an edge", "a facet"};
   throw InputError(
@@ -58,7 +58,7 @@ double SensorPlaces::check(const PingPlace& where, std::set<std::uint16_t>& insi
   const Column lying = column(where);
   refuse_on_facet(lying, where);
   for (const VerticalCrossings& c :
-       vertical_crossings(lying.ground.mesh(), lying.near, scene.grid.snap(where.at_m))) {
+       vertical_crossings(lying.surface_mesh.mesh(), lying.near, scene.grid.snap(where.at_m))) {
     if (is_terrain(c.component)) {
       refuse_below(c, where);
       if (c.below > 0) altitude_m = std::fmin(altitude_m, c.highest_below * scene.grid.unit_m());
@@ -103,8 +103,8 @@ void SensorPlaces::refuse_hidden(const ElementPlaces& elements) {
                                         places_m.size() > 1 ? fmt::format(" {}", k) : "", elements.sensor)};
       const Column lying = column(where);
       refuse_on_facet(lying, where);
-      for (const VerticalCrossings& c :
-           vertical_crossings(lying.ground.mesh(), lying.near, loaded_scene_.scene.grid.snap(where.at_m)))
+      for (const VerticalCrossings& c : vertical_crossings(lying.surface_mesh.mesh(), lying.near,
+                                                           loaded_scene_.scene.grid.snap(where.at_m)))
         if (is_terrain(c.component)) refuse_below(c, where);
       refuse_enclosed(where);
     }

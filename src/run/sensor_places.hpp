@@ -14,7 +14,7 @@
 #include "geometry/mesh/closed_shells.hpp"
 #include "geometry/search/vertical_line.hpp"
 #include "run/scene_below.hpp"
-#include "run/transmission_ground.hpp"
+#include "run/transmission_surface.hpp"
 
 namespace tubefoot {
 
@@ -56,7 +56,7 @@ class SensorPlaces {
 
  private:
   struct Column {
-    TransmissionGround ground;
+    TransmissionSurface surface_mesh;
     std::vector<FacetId> near;
   };
   Column column(const PingPlace& where);

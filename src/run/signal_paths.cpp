@@ -28,7 +28,7 @@ void for_signal_paths(const Transmission& transmission, std::size_t s,
                                  sensor.description().name));
   try {
     const TransmissionImages images(transmission, s, *settings, PathEnds(transmission, s));
-    const SensorModel model(transmission, images.ground(), s);
+    const SensorModel model(transmission, images.surface_mesh(), s);
     if (take.scattered)
       for_coherent_paths(images.images(), model.model, channels, [&](const CoherentPath& path) {
         if (is_order_wanted(scene, path.order)) take.scattered(path);

@@ -21,7 +21,7 @@ void add_signals(StoreLayout& layout, const Survey& survey, const std::vector<Ch
 
 /// The scatterers of a survey's ground, by its scene and by what its arrays can tell apart. The scene has an
 /// array.
-GroundField ground_field_of(const Survey& survey);
+SurfaceField surface_field_of(const Survey& survey);
 
 /// A transmission's ends as its elements are at it: a channel for each receiver, local frame.
 std::vector<SignalChannel> signal_channels(const Transmission& transmission, std::size_t sensor);

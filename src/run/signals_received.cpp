@@ -31,7 +31,7 @@ constexpr double most_scatterers = 1e10;
 constexpr double signal_floor = 1e-3;
 
 /// Throws std::invalid_argument for a field that has too many scatterers on what is seen.
-void check_number(const VisiblePolygons& seen, const GroundField& field) {
+void check_number(const VisiblePolygons& seen, const SurfaceField& field) {
   double count = 0;
   for (const VisiblePolygon& patch : seen.patches) {
     const std::span<const glm::dvec3> corners = seen.corners(patch);
@@ -98,13 +98,13 @@ void mix(ChannelSignals& signals, const SignalModel& model) {
 
 }  // namespace
 
-GroundField ground_field_of(const Survey& survey) {
+SurfaceField surface_field_of(const Survey& survey) {
   const ScatterersDescription& requested = survey.scene.description.scatterers;
-  GroundField field;
+  SurfaceField field;
   field.seed = survey.scene.description.run.seed;
-  field.texture = requested.texture == "gamma"        ? GroundTexture::gamma
-                  : requested.texture == "log_normal" ? GroundTexture::log_normal
-                                                      : GroundTexture::none;
+  field.texture = requested.texture == "gamma"        ? SurfaceTexture::gamma
+                  : requested.texture == "log_normal" ? SurfaceTexture::log_normal
+                                                      : SurfaceTexture::none;
   field.shape = requested.texture_shape;
   field.texture_cell_m = requested.texture_cell_m;
   field.spacing_m = requested.spacing_m.value_or(HUGE_VAL);
@@ -166,9 +166,9 @@ class TransmissionSignals {
       : transmission_(transmission),
         sensor_(s),
         model_(*transmission.sensor(s).signals()),
-        echo_model_(transmission, transmission.ground(), s),
+        echo_model_(transmission, transmission.surface_mesh(), s),
         receiver_(receiver_of(transmission, s)),
-        field_(ground_field_of(transmission.survey())) {}
+        field_(surface_field_of(transmission.survey())) {}
 
   ChannelSignals no_return() const { return silence_of(receiver_.channels); }
   /// What comes straight to what is seen and back: what all receivers receive of one common visibility, or
@@ -265,7 +265,7 @@ class TransmissionSignals {
     const TransmitWaveform& waveform = model_.waveform;
     const BistaticHistory* apart = visibility.two_apexes();
     const CertifiedSmoothSignals enclosing(
-        {transmission_.ground().mesh(),
+        {transmission_.surface_mesh().mesh(),
          apart != nullptr ? apart->transmit.apex : transmission_.tubes_of(sensor_).apex, visibility.rx_m(),
          visibility.grid_unit_m()},
         {waveform.start_hz, waveform.stop_hz, waveform.duration_s, waveform.taper}, receiver_.times,
@@ -302,8 +302,8 @@ class TransmissionSignals {
         glm::distance(receiver_m, transmission_.pose().position_m) / (2 * scene.grid.unit_m());
     sent.reach += apart;
     received.reach += apart;
-    return trace_bistatic(transmission_.ground().mesh(), transmission_.ground().tree(), scene.grid.unit_m(),
-                          transmission_.request().visibility, sent, received);
+    return trace_bistatic(transmission_.surface_mesh().mesh(), transmission_.surface_mesh().tree(),
+                          scene.grid.unit_m(), transmission_.request().visibility, sent, received);
   }
 
   const Transmission& transmission_;
@@ -311,7 +311,7 @@ class TransmissionSignals {
   const SignalModel& model_;
   SensorModel echo_model_;
   CoherentReceiver receiver_;
-  GroundField field_;
+  SurfaceField field_;
 };
 
 }  // namespace

@@ -55,7 +55,7 @@ PingSimulation::PingSimulation(const Survey& survey, const RunRequest& request)
   }
   for (const SharedTransmissions& group : survey.transmissions)
     parts_.push_back(echo_parts(transmissions_, group));
-  if (request.engine == Engine::ray && !survey.loaded_scene->has_ground_per_transmission())
+  if (request.engine == Engine::ray && !survey.loaded_scene->has_surface_per_transmission())
     survey.loaded_scene->rays();
 }
 
@@ -96,10 +96,11 @@ void for_each_ping(const Survey& survey, const StoreLayout& layout, const IsLeft
   Progress progress("pings", all, onlookers.quiet, onlookers.afterwards_s);
   const auto take = [&](std::size_t g, std::size_t ping) {
     if (!left(g, ping) || stop_wanted()) return;
-    // A thread that waits for others must not begin a second ping: each holds the ground of its transmission,
-    // or the signals of all its elements.
+    // A thread that waits for others must not begin a second ping: each holds the surface of its
+    // transmission, or the signals of all its elements.
     try {
-      if (survey.loaded_scene->ground || survey.loaded_scene->is_tiled() || places_of_signals(survey) > 0)
+      if (survey.loaded_scene->surface_mesh || survey.loaded_scene->is_tiled() ||
+          places_of_signals(survey) > 0)
         tbb::this_task_arena::isolate([&] { keep(g, ping); });
       else
         keep(g, ping);

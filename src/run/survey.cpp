@@ -10,7 +10,7 @@
 #include <optional>
 #include <set>
 
-#include "engine/ground/ground.hpp"
+#include "engine/surface/surface_mesh.hpp"
 #include "files/memory_at_hand.hpp"
 #include "geometry/mesh/merged_planes.hpp"
 #include "geometry/steps/steps.hpp"
@@ -20,7 +20,7 @@
 #include "run/refraction.hpp"
 #include "run/scene_below.hpp"
 #include "run/sensor_places.hpp"
-#include "run/transmission_ground.hpp"
+#include "run/transmission_surface.hpp"
 #include "scene/ping_times.hpp"
 #include "sensors/recordings/sensor_kind.hpp"
 
@@ -187,7 +187,7 @@ void check_places(LoadedScene& loaded_scene, SensorSet& sensor_set) {
 bool reaches_surface(const LoadedScene& loaded_scene) {
   if (loaded_scene.whole) return loaded_scene.whole->is_cut;
   const Scene& scene = loaded_scene.scene;
-  if (!scene.description.sea_surface || loaded_scene.ground)
+  if (!scene.description.sea_surface || loaded_scene.surface_mesh)
     return false;  // ground of its own each transmission cuts
   const std::int32_t height = scene.surface_height();
   return std::ranges::any_of(scene.mesh.vertices, [=](GridPoint v) { return v.z > height; }) ||

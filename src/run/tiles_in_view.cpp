@@ -7,9 +7,9 @@
 #include <optional>
 
 #include "engine/echo/receiver_pair_echo.hpp"
-#include "engine/ground/ground.hpp"
-#include "engine/ground/sector.hpp"
-#include "engine/ground/view_bounds.hpp"
+#include "engine/surface/sector.hpp"
+#include "engine/surface/surface_mesh.hpp"
+#include "engine/surface/view_bounds.hpp"
 #include "geometry/search/vertical_line.hpp"
 #include "run/paths.hpp"
 #include "run/refraction.hpp"
@@ -141,7 +141,7 @@ TileChoice TilesInView::looked_at(std::span<const Boxes> list, const Transmissio
         const Sector sector(tubes, grid.unit_m());
         for (const Boxes& boxes : list)
           boxes.add_to(choice,
-                       sector.facets(loaded_scene_.ground ? *boxes.tree : *boxes.column_tree, lift_m_));
+                       sector.facets(loaded_scene_.surface_mesh ? *boxes.tree : *boxes.column_tree, lift_m_));
       }
       for (const std::size_t s : group.sensors) {
         const Sensor& sensor = transmission.sensor(s);

@@ -80,17 +80,18 @@ std::vector<Look> Transmission::looks(std::span<const TubeSet> tubes) const {
   return looks;
 }
 
-const TransmissionGround& Transmission::ground() const {
-  if (!loaded_scene().has_ground_per_transmission()) return transmissions_.whole_;
-  if (!ground_) {
-    ground_.emplace(ground_of(*this));
-    own_engine_.emplace(ground_->mesh(), ground_->tree(), scene().grid.unit_m(), request().visibility);
+const TransmissionSurface& Transmission::surface_mesh() const {
+  if (!loaded_scene().has_surface_per_transmission()) return transmissions_.whole_;
+  if (!surface_mesh_) {
+    surface_mesh_.emplace(surface_mesh_of(*this));
+    own_engine_.emplace(surface_mesh_->mesh(), surface_mesh_->tree(), scene().grid.unit_m(),
+                        request().visibility);
   }
-  return *ground_;
+  return *surface_mesh_;
 }
 
 const TubeEngine& Transmission::engine() const {
-  ground();
+  surface_mesh();
   return own_engine_ ? *own_engine_ : transmissions_.engine_;
 }
 
@@ -107,8 +108,8 @@ std::vector<TubeAudit> Transmission::audit(std::uint64_t label) const {
 }
 
 BistaticHistory Transmission::trace_both() const {
-  return trace_bistatic(ground().mesh(), ground().tree(), scene().grid.unit_m(), request().visibility,
-                        tubes(), receive_tubes(first()));
+  return trace_bistatic(surface_mesh().mesh(), surface_mesh().tree(), scene().grid.unit_m(),
+                        request().visibility, tubes(), receive_tubes(first()));
 }
 
 void Transmission::trace_rays_of_both(const RayScene& rays, const RaySettings& settings,
@@ -122,14 +123,14 @@ void Transmission::trace_rays_of_both(const RayScene& rays, const RaySettings& s
   const RayGuide guide = guide_of(*this);
   trace_rays(
       rays, history, settings, sensor(first()).beam_of_tube(number_),
-      [&] { take(shared_hits(history, sent, received, ground().mesh())); }, nullptr, &guide);
+      [&] { take(shared_hits(history, sent, received, surface_mesh().mesh())); }, nullptr, &guide);
 }
 
 ReceiverPairHistory Transmission::trace_receiver_pair(std::size_t s, std::uint32_t fan,
                                                       const ReceiverBaseline& receiver_pair) const {
   const std::vector<std::uint32_t> fans = sensor(s).fan_of_tube(number_);
   return tubefoot::trace_receiver_pair(
-      ground().mesh(), ground().tree(), scene().grid.unit_m(), request().visibility,
+      surface_mesh().mesh(), surface_mesh().tree(), scene().grid.unit_m(), request().visibility,
       tubes_of_fan(tubes(), fans, fan),
       tubes_of_fan(has_separate_receiver() ? receive_tubes(s) : tubes(), fans, fan), receiver_pair);
 }

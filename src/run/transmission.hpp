@@ -14,7 +14,7 @@
 #include "run/run_request.hpp"
 #include "run/sensor_model.hpp"
 #include "run/survey.hpp"
-#include "run/transmission_ground.hpp"
+#include "run/transmission_surface.hpp"
 
 // The one way from a survey to what a transmission meets and returns: whatever computes, proves, draws or
 // writes a ping asks its transmissions.
@@ -44,7 +44,7 @@ class Transmissions {
   friend class Transmission;
   const Survey survey_;
   const RunRequest request_;
-  const TransmissionGround whole_;  ///< the loaded scene's own facets
+  const TransmissionSurface whole_;  ///< the loaded scene's own facets
   const TubeEngine engine_;  ///< of these: keeps its threads' buffers from transmission to transmission
   const std::unique_ptr<const LabelChannels> labels_;
 };
@@ -91,9 +91,9 @@ class Transmission {
   std::vector<Look> looks(std::span<const TubeSet> tubes) const;
   /// The facets that it meets, for all its sensors, and for a receiver that is apart. Throws InputError where
   /// that takes too many.
-  const TransmissionGround& ground() const;
-  /// How a sensor receives the ground.
-  SensorModel model(std::size_t sensor) const { return {*this, ground(), sensor}; }
+  const TransmissionSurface& surface_mesh() const;
+  /// How a sensor receives the surface.
+  SensorModel model(std::size_t sensor) const { return {*this, surface_mesh(), sensor}; }
 
   /// What its tubes see, those that are `wanted`, or others from the same place (TubeEngine).
   History trace(std::size_t* candidates = nullptr, bool measured = true,
@@ -125,7 +125,7 @@ class Transmission {
   const Transmissions& transmissions_;
   const SharedTransmissions& group_;
   std::size_t ping_, number_;
-  mutable std::optional<TransmissionGround> ground_;
+  mutable std::optional<TransmissionSurface> surface_mesh_;
   mutable std::optional<TubeEngine> own_engine_;  ///< of ground of its own
 };
 

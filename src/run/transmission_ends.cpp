@@ -13,28 +13,30 @@ TransmissionEnds::TransmissionEnds(const Transmission& transmission, std::size_t
     pair_.emplace(refracted_pair_of(transmission, weights));
     const ApparentPair& pair = pair_->apparent;
     pair_parent_.resize(pair.mesh.facets.size());
-    const auto add = [&](const TubeSet& tubes, const ApparentSurface& ground,
+    const auto add = [&](const TubeSet& tubes, const ApparentSurface& surface_mesh,
                          const std::vector<FacetId>& origin) {
-      for (std::size_t k = 0; k < origin.size(); ++k) pair_parent_[origin[k]] = ground.refined.parent[k];
+      for (std::size_t k = 0; k < origin.size(); ++k)
+        pair_parent_[origin[k]] = surface_mesh.refined.parent[k];
       trees_.push_back(
-          std::make_unique<SceneTree>(ground.refined.mesh, SceneTree::HeightFieldSearch::ignored));
-      ends_.push_back({tubes, &ground.refined.mesh, trees_.back().get(), &ground.refined, &ground, origin});
+          std::make_unique<SceneTree>(surface_mesh.refined.mesh, SceneTree::HeightFieldSearch::ignored));
+      ends_.push_back({tubes, &surface_mesh.refined.mesh, trees_.back().get(), &surface_mesh.refined,
+                       &surface_mesh, origin});
     };
     add(pair_->transmit_tubes, pair.transmit, pair.transmit_origin);
     add(pair_->receive_tubes, pair.receive, pair.receive_origin);
     return;
   }
-  if (weights && transmission.loaded_scene().has_ground_per_transmission())
-    ground_.emplace(ground_of(transmission, true));
-  const TransmissionGround& ground = ground_ ? *ground_ : transmission.ground();
+  if (weights && transmission.loaded_scene().has_surface_per_transmission())
+    surface_mesh_.emplace(surface_mesh_of(transmission, true));
+  const TransmissionSurface& surface_mesh = surface_mesh_ ? *surface_mesh_ : transmission.surface_mesh();
   const auto add = [&](TubeSet tubes) {
     ends_.push_back({std::move(tubes),
-                     &ground.mesh(),
-                     &ground.tree(),
-                     ground.refined(),
-                     ground.apparent(),
+                     &surface_mesh.mesh(),
+                     &surface_mesh.tree(),
+                     surface_mesh.refined(),
+                     surface_mesh.apparent(),
                      {},
-                     ground.is_own() ? nullptr : &transmission.loaded_scene()});
+                     surface_mesh.is_own() ? nullptr : &transmission.loaded_scene()});
   };
   add(apart ? transmission.tubes() : transmission.tubes_of(sensor));
   if (apart) add(transmission.receive_tubes(sensor));
@@ -50,7 +52,7 @@ FacetId TransmissionEnds::base_facet(FacetId shared) const {
 
 std::unique_ptr<SensorModel> TransmissionEnds::model(std::size_t sensor) const {
   auto model =
-      std::make_unique<SensorModel>(transmission_, TransmissionGround(transmission_.loaded_scene()), sensor);
+      std::make_unique<SensorModel>(transmission_, TransmissionSurface(transmission_.loaded_scene()), sensor);
   model->model.material = shared_mesh().material;
   return model;
 }

@@ -71,7 +71,7 @@ class TransmissionEnds {
   FootprintSharer sharer(const Looks& looks) const;
 
   const Transmission& transmission_;
-  std::optional<TransmissionGround> ground_;  ///< with weights
+  std::optional<TransmissionSurface> surface_mesh_;  ///< with weights
   std::optional<RefractedPair> pair_;
   std::vector<FacetId> pair_parent_;               ///< by facet of the pair's mesh: the scene's
   std::vector<std::unique_ptr<SceneTree>> trees_;  ///< of the pair

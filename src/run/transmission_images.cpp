@@ -27,14 +27,15 @@ TransmissionImages::TransmissionImages(const Transmission& transmission, std::si
     water_.emplace(path_water(transmission, s, ends_.transmit.reach * grid.unit_m()));
   if (water_) water_->limits.weights = weights;
   // Images in refracting water make apparent grounds of their own.
-  if (water_ || (weights && transmission.loaded_scene().has_ground_per_transmission()))
-    lying_.emplace(lying_ground_of(transmission, weights));
+  if (water_ || (weights && transmission.loaded_scene().has_surface_per_transmission()))
+    lying_.emplace(lying_surface_of(transmission, weights));
   VisibilityOptions options = transmission.request().visibility;
   options.open_water = open_water;
   try {
     images_ = std::make_unique<const PathImages>(
-        ground().mesh(), ground().tree(), grid.unit_m(), options, ends_.transmit, ends_.receive, settings_,
-        absorption_db_per_m(transmission.scene(), transmission.sensor(s)), water_ ? &*water_ : nullptr);
+        surface_mesh().mesh(), surface_mesh().tree(), grid.unit_m(), options, ends_.transmit, ends_.receive,
+        settings_, absorption_db_per_m(transmission.scene(), transmission.sensor(s)),
+        water_ ? &*water_ : nullptr);
   } catch (const RefinementTooLarge&) {
     rethrow_as_seen_by(transmission);
   } catch (const std::range_error&) {

@@ -36,14 +36,14 @@ class TransmissionImages {
   const PathSettings& settings() const { return settings_; }
   const PathEnds& ends() const { return ends_; }
   /// Where it lies.
-  const TransmissionGround& ground() const { return lying_ ? *lying_ : transmission_.ground(); }
+  const TransmissionSurface& surface_mesh() const { return lying_ ? *lying_ : transmission_.surface_mesh(); }
   const PathImages& images() const { return *images_; }
 
  private:
   const Transmission& transmission_;
   PathSettings settings_;
   PathEnds ends_;
-  std::optional<TransmissionGround> lying_;
+  std::optional<TransmissionSurface> lying_;
   std::optional<PathWater> water_;
   std::unique_ptr<const PathImages> images_;
 };

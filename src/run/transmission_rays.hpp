@@ -16,10 +16,11 @@ RaySettings rays_of(const Transmission& transmission);
 RayGuide guide_of(const Transmission& transmission);
 
 /// A transmission's ground, made ready for rays.
-class RayGround {
+class RaySurface {
  public:
-  explicit RayGround(const Transmission& transmission) : loaded_scene_(transmission.loaded_scene()) {
-    if (transmission.ground().is_own()) own_.emplace(transmission.ground().mesh(), transmission.scene().grid);
+  explicit RaySurface(const Transmission& transmission) : loaded_scene_(transmission.loaded_scene()) {
+    if (transmission.surface_mesh().is_own())
+      own_.emplace(transmission.surface_mesh().mesh(), transmission.scene().grid);
   }
   const RayScene& operator*() const { return own_ ? *own_ : loaded_scene_.rays(); }
 

@@ -58,8 +58,8 @@ void place_object(ComponentMesh& mesh, const ObjectDescription& object, const Lo
     lowest = std::min(lowest, p.z);
   }
   if (object.on_terrain_m) {
-    const auto ground = height_m(position.x, position.y);
-    if (!ground) {
+    const auto surface_mesh = height_m(position.x, position.y);
+    if (!surface_mesh) {
       throw InputError(
           object.place,
           fmt::format("on_terrain_m: there is no terrain below the object's position ({:.3f} m "
@@ -67,7 +67,7 @@ void place_object(ComponentMesh& mesh, const ObjectDescription& object, const Lo
                       "in position_m",
                       position.x, position.y, extent()));
     }
-    const double shift = *ground + *object.on_terrain_m - lowest;
+    const double shift = *surface_mesh + *object.on_terrain_m - lowest;
     for (glm::dvec3& p : mesh.points_m) p.z += shift;
   }
 }

@@ -135,15 +135,15 @@ struct Maker {
       return std::vector<double>(places.size(),
                                  survey.up_m.value_or(around.surface_height_m - survey.depth_m.value_or(0)));
     std::vector<double> heights;
-    const auto ground = around.terrain_heights_m(places);
+    const auto surface_mesh = around.terrain_heights_m(places);
     for (std::size_t p = 0; p < places.size(); ++p) {
-      if (!ground[p])
+      if (!surface_mesh[p])
         throw InputError(
             place, fmt::format("'altitude_m': there is no terrain below line {} at {:.3f} m east, {:.3f} "
                                "m north: move or shorten the survey, or give its height as 'up_m' or "
                                "'depth_m'",
                                p / places_a_line + 1, places[p].x, places[p].y));
-      heights.push_back(*ground[p] + *survey.altitude_m);
+      heights.push_back(*surface_mesh[p] + *survey.altitude_m);
     }
     return heights;
   }

@@ -221,15 +221,15 @@ class Waypoints {
                         positions_[i].x / 1e3, positions_[i].y / 1e3, far_m / 1e3));
     if (height_ != altitude_m) return;
     const std::vector<glm::dvec2> places(positions_.begin(), positions_.end());
-    const auto ground = around_.terrain_heights_m(places);
+    const auto surface_mesh = around_.terrain_heights_m(places);
     for (std::size_t i = 0; i < rows_.size(); ++i) {
-      if (!ground[i])
+      if (!surface_mesh[i])
         throw InputError(
             table_.place(i, altitude_m),
             fmt::format("there is no terrain below this waypoint ({:.3f} m east, {:.3f} m north): "
                         "give up_m or depth_m",
                         places[i].x, places[i].y));
-      positions_[i].z = *ground[i] + rows_[i][altitude_m];
+      positions_[i].z = *surface_mesh[i] + rows_[i][altitude_m];
     }
   }
 

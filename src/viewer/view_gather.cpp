@@ -183,21 +183,21 @@ class Gatherer {
   void add_one_end(const Transmission& transmission, const TransmissionEnd& end, std::uint32_t place) {
     const History history = transmission.trace();
     require_room(history.footprints.footprints.size());
-    const TransmissionGround& ground = transmission.ground();
+    const TransmissionSurface& surface_mesh = transmission.surface_mesh();
     const glm::dvec3 apex = transmission.scene().grid.to_metres(history.tubes.apex);
     const std::uint32_t first_tube = draw_tubes(transmission, history.tubes, history, place, apex);
     const auto first_footprint = static_cast<std::uint32_t>(view.footprints.size());
     for (const Footprint& f : history.footprints.footprints) {
-      const double ratio = ground.apparent() == nullptr
+      const double ratio = surface_mesh.apparent() == nullptr
                                ? 1
-                               : ground.apparent()->area_ratio(f.facet, transmission.scene().grid);
+                               : surface_mesh.apparent()->area_ratio(f.facet, transmission.scene().grid);
       add_footprint(transmission, f, history.footprints, place, f.tube, first_tube, first_tube,
-                    ground.base_facet(f.facet), ground.mesh(), ratio * f.area_m2, f.occluder_count,
-                    [&](glm::dvec3 seen_m) {
-                      return ground.apparent() == nullptr
+                    surface_mesh.base_facet(f.facet), surface_mesh.mesh(), ratio * f.area_m2,
+                    f.occluder_count, [&](glm::dvec3 seen_m) {
+                      return surface_mesh.apparent() == nullptr
                                  ? apex + seen_m
-                                 : ground.apparent()->true_place(f.facet, apex + seen_m,
-                                                                 transmission.scene().grid);
+                                 : surface_mesh.apparent()->true_place(f.facet, apex + seen_m,
+                                                                       transmission.scene().grid);
                     });
     }
     SensorModel model = transmission.model(index_);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Shadows in a synthetic aperture's picture lie where the exact footprints of its pings say. The ground's
-// speckle is the ground's: with a wall and without it, what is seen has the same picture, and what the wall
+// Shadows in a synthetic aperture's picture lie where the exact footprints of its pings say. The surface's
+// speckle is the surface's: with a wall and without it, what is seen has the same picture, and what the wall
 // hides has nothing of it.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -156,8 +156,8 @@ TEST_F(ApertureShadow, IsWhereTheFootprintsSay) {
   EXPECT_NEAR(std::abs(seen.both / seen.open - 1.0), 0, 0.02);
   EXPECT_NEAR(seen.walled / seen.open, 1, 0.02);
 
-  // The border along the range: half of the ground's speckle is left where the wall's upper edge puts it, and
-  // where the polygons of all pings end.
+  // The border along the range: half of the surface's speckle is left where the wall's upper edge puts it,
+  // and where the polygons of all pings end.
   constexpr double border_m = 6.05 * 6 / 5;
   double crossing_m = 0, footprint_m = 0, before = 0;
   for (std::size_t column = 15; column < plane.columns; ++column) {
@@ -179,11 +179,11 @@ TEST_F(ApertureShadow, IsWhereTheFootprintsSay) {
     before = part;
   }
   EXPECT_NEAR(footprint_m, border_m, plane.column_step_m.x);
-  // A quarter of a cell of resolution on the ground.
+  // A quarter of a cell of resolution on the surface.
   const double slant_m = std::hypot(border_m, seabed_up_m);
   EXPECT_NEAR(crossing_m, border_m, 0.25 * range_resolution_m * slant_m / border_m);
 
-  // Beside the wall, where some pings see the ground and others do not, the picture has the share of those
+  // Beside the wall, where some pings see the surface and others do not, the picture has the share of those
   // that do.
   double worst = 0;
   int partly = 0;

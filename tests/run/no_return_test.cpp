@@ -121,7 +121,7 @@ TEST(SeabedPlacement, IsWhereThingsWerePut) {
 
 // A grid of 40 x 40 m at -5 m, whole and by tiles; with relief that is refined for each transmission; in
 // refracting water: the same is said.
-TEST(NoReturn, IsExpectedOverEveryKindOfGround) {
+TEST(NoReturn, IsExpectedOverEveryKindOfSurface) {
   const TestFolder folder;
   std::string grid = "ncols 41\nnrows 41\nxllcorner -20.5\nyllcorner -20.5\ncellsize 1\n";
   for (int row = 0; row < 41; ++row) {

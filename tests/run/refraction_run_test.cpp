@@ -104,7 +104,7 @@ TEST(RefractionRun, TheGapThatIsRequestedIsKept) {
   }
 }
 
-TEST(RefractionRun, RaysSeeTheSameGround) {
+TEST(RefractionRun, RaysSeeTheSameSurface) {
   const double g = -0.5;
   const Echoes rays = echoes_of(scene_in(gradient(g)), {"--engine", "ray", "--rays", "200000"});
   EXPECT_LT(errors_of(rays, g, 0).sum, 0.015);  // of the rays' own sampling

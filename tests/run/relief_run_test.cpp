@@ -150,7 +150,7 @@ TEST(ReliefRun, ASeabedIsKnownByItsHeightsAllOverFewFacets) {
 }
 
 // Refined where bent rays look, with the receiver in the same place and apart.
-TEST(ReliefRun, RefractingWaterSeesTheTransmissionsGround) {
+TEST(ReliefRun, RefractingWaterSeesTheTransmissionsSurface) {
   const TestFolder folder;
   const std::string water =
       "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1600\ngradient_per_s = -10\nprofile_bottom_m = "
@@ -191,7 +191,7 @@ TEST(ReliefRun, RefractingWaterEndsReliefAtTheSurface) {
   EXPECT_GT(std::accumulate(online.energy.begin(), online.energy.end(), 0.0), 0);
 }
 
-TEST(ReliefRun, AuditAndFootprintsSeeTheTransmissionsGround) {
+TEST(ReliefRun, AuditAndFootprintsSeeTheTransmissionsSurface) {
   const TestFolder folder;
   const auto file = folder.write("scene.toml", replaced(scene, "tolerance = 0", "tolerance = 0.05"));
   const Outcome audit = run_program({"audit", file.string(), "--quiet"});
@@ -234,7 +234,7 @@ TEST(ReliefRun, TheRunsToleranceIsTheReliefsUnlessTheSceneSaysOne) {
   EXPECT_NEAR(taken("db", silent, {"--tolerance", "3dB"}), 1 - std::pow(10, -0.3), 1e-12);
   EXPECT_EQ(taken("relative", silent, {"--tolerance", "10%"}), 0.1);
   EXPECT_EQ(taken("spoken", spoken, {"--tolerance", "10%"}), 0.2);
-  // Of a reference it is the bound of the bins, and no wish for the ground.
+  // Of a reference it is the bound of the bins, and no wish for the surface.
   EXPECT_EQ(taken("reference", silent, {"--reference", "--tolerance", "0.1"}), 0.01);
 }
 
@@ -242,11 +242,11 @@ constexpr std::string_view apart = R"(
 lever_arm_m = [-0.03, 0, 0]
 receiver_arm_m = [0.03, 0, 0])";
 
-TEST(ReliefRun, ASeparateReceiverAndSensorsThatShareTransmissionsSeeTheTransmissionsGround) {
+TEST(ReliefRun, ASeparateReceiverAndSensorsThatShareTransmissionsSeeTheTransmissionsSurface) {
   const TestFolder folder;
   const std::string head(scene.substr(0, scene.find("[relief]"))), tail(scene.substr(scene.find("[relief]")));
   const std::string camera = head.substr(head.find("[[sensors]]"));
-  // The second receives farther: the ground must reach as far as the farthest.
+  // The second receives farther: the surface must reach as far as the farthest.
   const std::string two =
       head +
       replaced(replaced(camera, "\"camera\"", "\"far\""), "window_length_m = 2", "window_length_m = 3") +
@@ -273,7 +273,7 @@ TEST(ReliefRun, ASeparateReceiverAndSensorsThatShareTransmissionsSeeTheTransmiss
   }
 }
 
-TEST(ReliefRun, TransmissionsThatSeeNoReliefAreThoseOfFlatGround) {
+TEST(ReliefRun, TransmissionsThatSeeNoReliefAreThoseOfFlatSurface) {
   const TestFolder folder;
   // Relief on an object only, beside the track; and a track that looks past everything.
   const std::string object = replaced(scene, "[[terrain]]",

@@ -99,7 +99,7 @@ class HeightMarch {
   double slant_m(std::size_t ray, std::size_t k) const { return std::hypot(distance_m_[k], height(ray, k)); }
   static double sample_of(double slant) { return (slant - first_m) / length_m * samples; }
 
-  /// Samples where the ground between rays i and i + 1 may be seen are not dark. Two nodes of one distance
+  /// Samples where the surface between rays i and i + 1 may be seen are not dark. Two nodes of one distance
   /// that both appear higher hide all between their rays: one of each ray, at different distances, would not.
   void not_hidden(std::size_t i, std::vector<Light>& light) const {
     double ridge = -1e9;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the elements of an array record of a scene, held against sums over the ground's scatterers that know
+// What the elements of an array record of a scene, held against sums over the surface's scatterers that know
 // no polygons, and against the energies of the same run.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -12,7 +12,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "engine/signal/ground_field.hpp"
+#include "engine/signal/surface_field.hpp"
 #include "files/input_error.hpp"
 #include "fixtures/program.hpp"
 #include "fixtures/scene_texts.hpp"
@@ -78,8 +78,8 @@ double largest_difference(const ElementSignals& a, const ElementSignals& b) {
 }
 
 /// As of_points(), for ends that move: the delay of every sample by the vehicle's own motion.
-ElementSignals of_points_on_the_way(const ElementSignals& like, const GroundField& field, glm::dvec3 middle_m,
-                                    double half_m) {
+ElementSignals of_points_on_the_way(const ElementSignals& like, const SurfaceField& field,
+                                    glm::dvec3 middle_m, double half_m) {
   ElementSignals sum = like;
   std::fill(sum.pressure.begin(), sum.pressure.end(), 0);
   const double mu = std::pow(10, -2), until_s = like.sampling.end_s();
@@ -108,7 +108,7 @@ ElementSignals of_points_on_the_way(const ElementSignals& like, const GroundFiel
 
 /// All scatterers of a level square of Lambert's law that nothing hides, as points: transmit and receive
 /// along straight lines, a(x) = sqrt(mu sin sin) / (r s) in amplitude.
-ElementSignals of_points(const ElementSignals& like, const GroundField& field, glm::dvec3 middle_m,
+ElementSignals of_points(const ElementSignals& like, const SurfaceField& field, glm::dvec3 middle_m,
                          double half_m) {
   ElementSignals sum = like;
   std::fill(sum.pressure.begin(), sum.pressure.end(), 0);
@@ -141,7 +141,7 @@ ElementSignals of_points(const ElementSignals& like, const GroundField& field, g
 
 // From the scene file to what the elements record, with motion from ping to ping, elements off the middle, a
 // mounting and a frequency that is mixed with beside the band's middle.
-TEST_F(SignalsRun, AreThoseOfTheGroundsScatterers) {
+TEST_F(SignalsRun, AreThoseOfTheSurfacesScatterers) {
   const ElementSignals signals = signals_of(scene(
       "baseband_khz = 30.5\nsampling_frequency_khz = 20\nsignal_tolerance = 1e-6\nlever_arm_m = [0.1, 0.2, "
       "0.3]\n"
@@ -149,7 +149,7 @@ TEST_F(SignalsRun, AreThoseOfTheGroundsScatterers) {
       "[trajectory]\nkind = \"line\"\nstart_m = [0.1, -0.3, 0]\nend_m = [0.2, 0.7, 0.2]\nspeed_m_s = 0.5\n"));
   ASSERT_EQ(signals.pings(), 2u);
   ASSERT_EQ(signals.receivers(), 3u);
-  const ElementSignals points = of_points(signals, ground_field_of(*survey), {0.3, 6, -6}, 0.75);
+  const ElementSignals points = of_points(signals, surface_field_of(*survey), {0.3, 6, -6}, 0.75);
   ASSERT_GT(largest(points), 0);
   EXPECT_LE(largest_difference(signals, points), 1e-5 * largest(points));
   EXPECT_NEAR(glm::distance(signals.motion.ping_pose(1).position_m, signals.motion.ping_pose(0).position_m),
@@ -161,14 +161,14 @@ TEST_F(SignalsRun, HaveTheEnergiesOfTheSameVisibility) {
   const std::string box =
       "[[objects]]\nname = \"box\"\nshape = \"box\"\nsize_m = [0.5, 0.2, 0.6]\nposition_m = [0.2, 5.8, "
       "-5.7]\n";
-  constexpr int grounds = 60;
+  constexpr int surface_meshes = 60;
   std::vector<double> mean, energy;
-  for (int seed = 1; seed <= grounds; ++seed) {
+  for (int seed = 1; seed <= surface_meshes; ++seed) {
     const ElementSignals signals =
         signals_of(scene("receivers = 1\n", at_rest + box + fmt::format("[run]\nseed = {}\n", seed), 3));
     mean.resize(signals.samples());
     for (std::size_t k = 0; k < signals.samples(); ++k)
-      mean[k] += std::norm(signals.channel(0, 0)[k]) / signals.sampling.rate_hz / grounds;
+      mean[k] += std::norm(signals.channel(0, 0)[k]) / signals.sampling.rate_hz / surface_meshes;
     energy.assign(recordings[0].energy.begin(), recordings[0].energy.end());
   }
   ASSERT_EQ(mean.size(), energy.size());
@@ -181,7 +181,7 @@ TEST_F(SignalsRun, HaveTheEnergiesOfTheSameVisibility) {
   EXPECT_NEAR(all / expected, 1, 0.1);
 }
 
-TEST_F(SignalsRun, AreTheGroundsForEveryoneAndEveryThread) {
+TEST_F(SignalsRun, AreTheSurfacesForEveryoneAndEveryThread) {
   const std::string two =
       scene("receivers = 3\n", at_rest) +
       "[[sensors]]\nname = \"other\"\nkind = \"array\"\ntilt_deg = 45\nfrequency_khz = 30\nbandwidth_khz = "
@@ -196,12 +196,12 @@ TEST_F(SignalsRun, AreTheGroundsForEveryoneAndEveryThread) {
   EXPECT_GT(largest_difference(first, signals_of(two + "[run]\nseed = 2\n")), 0.3 * largest(first));
 }
 
-TEST_F(SignalsRun, OfASeparateReceiverAreThoseOfTheGroundsScatterers) {
+TEST_F(SignalsRun, OfASeparateReceiverAreThoseOfTheSurfacesScatterers) {
   const ElementSignals signals = signals_of(scene(
       "receiver_arm_m = [1, 0.5, 0.2]\nreceivers_m = [[0, 0, 0], [0.1, 0, 0]]\nsignal_tolerance = 1e-6\n",
       at_rest));
   EXPECT_NEAR(signals.array.receivers_m[1].x, 1.1, 1e-12);
-  const ElementSignals points = of_points(signals, ground_field_of(*survey), {0.3, 6, -6}, 0.75);
+  const ElementSignals points = of_points(signals, surface_field_of(*survey), {0.3, 6, -6}, 0.75);
   EXPECT_LE(largest_difference(signals, points), 1e-5 * largest(points));
 }
 
@@ -230,14 +230,14 @@ TEST_F(SignalsRun, OfOwnViewsAreThoseOfSeparateReceivers) {
 
 // At 12 m/s a ping's Doppler turns its pulse by a quarter of a cycle, and a hop from ping to ping is 6 m
 // long.
-TEST_F(SignalsRun, OfAVehicleOnTheWayAreThoseOfTheGroundsScatterers) {
+TEST_F(SignalsRun, OfAVehicleOnTheWayAreThoseOfTheSurfacesScatterers) {
   const std::string track =
       "[trajectory]\nkind = \"line\"\nstart_m = [0.1, -3, 0]\nend_m = [0.2, 9, 0.2]\nspeed_m_s = 12\n";
   const std::string sensor =
       "lever_arm_m = [0.1, 0.2, 0.3]\nreceivers_m = [[0, 0, 0], [0.4, 0, -0.1]]\nsignal_tolerance = 1e-6\n"
       "first_ping_s = 0.2\n";
   const ElementSignals moving = signals_of(scene(sensor + "stop_and_hop = false\n", track));
-  const ElementSignals points = of_points_on_the_way(moving, ground_field_of(*survey), {0.3, 6, -6}, 0.75);
+  const ElementSignals points = of_points_on_the_way(moving, surface_field_of(*survey), {0.3, 6, -6}, 0.75);
   EXPECT_FALSE(moving.motion.stop_and_hop());
   EXPECT_LE(largest_difference(moving, points), 1e-5 * largest(points));
   const ElementSignals hopping = signals_of(scene(sensor, track));
@@ -277,7 +277,7 @@ TEST_F(SignalsRun, OfOneThatIsTurnedToLook) {
   const ElementSignals signals = signals_of(
       replaced(scene("look_at_m = [0.3, 6, -6]\nreceivers = 2\nsignal_tolerance = 1e-6\n", at_rest),
                "tilt_deg = 45\n", ""));
-  const ElementSignals points = of_points(signals, ground_field_of(*survey), {0.3, 6, -6}, 0.75);
+  const ElementSignals points = of_points(signals, surface_field_of(*survey), {0.3, 6, -6}, 0.75);
   EXPECT_LE(largest_difference(signals, points), 1e-5 * largest(points));
 }
 

@@ -151,11 +151,11 @@ TEST_P(TiledCommands, AnEngineOfOnesOwnMeetsTheFacetsOfTheWhole) {
                     const History history = transmission.trace();
                     std::size_t k = 0;
                     for (const Footprint& footprint : history.footprints.footprints) {
-                      const FacetMesh& mesh = transmission.ground().mesh();
+                      const FacetMesh& mesh = transmission.surface_mesh().mesh();
                       const GridPoint corner = mesh.vertices[mesh.facets[footprint.facet][0]];
                       energy[k++ % energy.size()] += footprint.area_m2 * std::abs(1.0 * corner.x + corner.z);
                       // By what it is called, too.
-                      energy[k++ % energy.size()] += transmission.ground().base_facet(footprint.facet);
+                      energy[k++ % energy.size()] += transmission.surface_mesh().base_facet(footprint.facet);
                     }
                   }});
     SimulationStats stats;

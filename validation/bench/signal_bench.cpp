@@ -72,11 +72,11 @@ struct Place {
 };
 
 double spacing_for(double bandwidth_hz) {
-  return ground_spacing_m(bandwidth_hz, wavelength, sound_speed, 60 * degree);
+  return surface_spacing_m(bandwidth_hz, wavelength, sound_speed, 60 * degree);
 }
 
 /// Each scatterer to each element, one after the other.
-ChannelSignals direct_sum(const Place& place, const CoherentReceiver& receiver, const GroundField& field,
+ChannelSignals direct_sum(const Place& place, const CoherentReceiver& receiver, const SurfaceField& field,
                           std::size_t& scatterers) {
   ChannelSignals all{receiver.channels.size(), receiver.times.count, {}};
   all.value.assign(all.channels * all.samples, 0);
@@ -151,7 +151,7 @@ void run(double reach_m, int most_elements, bool direct) {
   ChannelSignals signals;
   const auto measure = [&](const Place& of, const CoherentReceiver& receiver, double bandwidth,
                            double tolerance) {
-    const GroundField field{1, spacing_for(bandwidth)};
+    const SurfaceField field{1, spacing_for(bandwidth)};
     const double by_field =
         seconds([&] { signals = element_signals(of.seen, receiver, of.model, field, tolerance); });
     ChannelSignals drawn;
@@ -181,7 +181,7 @@ void run(double reach_m, int most_elements, bool direct) {
   }
   const auto beside_direct = [&](const Place& some, const char* what) {
     const CoherentReceiver receiver = array_of(64, 10e3, apex, reach_m);
-    const GroundField field{1, spacing_for(10e3)};
+    const SurfaceField field{1, spacing_for(10e3)};
     ChannelSignals truth;
     std::size_t scatterers = 0;
     const double direct_s = seconds([&] { truth = direct_sum(some, receiver, field, scatterers); });

@@ -96,7 +96,7 @@ class FrameLookup {
 }  // namespace
 
 PixelMap ground_picture(const Recording& recording, std::size_t ping, std::span<const double> energies,
-                        const GroundLayout& layout) {
+                        const SurfaceLayout& layout) {
   const Sensor& sensor = *recording.sensor;
   const Pose& pose = recording.ping_pose[ping];
   const RangeSamples& samples = sensor.samples();
@@ -138,7 +138,7 @@ glm::dvec3 place_seen(const Pose& pose, TrackStep there, double seabed_m) {
 }
 
 TrackEstimate estimate_track(const Recording& recording, const std::vector<std::vector<double>>& frames,
-                             const GroundLayout& layout, int most_shift) {
+                             const SurfaceLayout& layout, int most_shift) {
   TrackEstimate estimate;
   estimate.least_correlation = 1;
   estimate.largest_correlation = -1;

@@ -9,7 +9,7 @@
 namespace tubefoot {
 
 /// How camera frames are laid out on a flat seabed.
-struct GroundLayout {
+struct SurfaceLayout {
   double seabed_m = 0;  ///< height of the seabed in the local frame
   double pixel_m = 0;   ///< side of a pixel on the seabed
 };
@@ -20,7 +20,7 @@ struct GroundLayout {
 /// elevation pattern are the same for all beams. Throws std::invalid_argument for a camera that sees no
 /// seabed.
 PixelMap ground_picture(const Recording& recording, std::size_t ping, std::span<const double> energies,
-                        const GroundLayout& layout);
+                        const SurfaceLayout& layout);
 
 /// A step of a carrier between two frames, in the first one's heading, metres.
 struct TrackStep {
@@ -43,6 +43,6 @@ struct TrackEstimate {
 
 /// Estimates the way of a camera from its frames (find_shift() of neighbours). `frames`: one a ping.
 TrackEstimate estimate_track(const Recording& recording, const std::vector<std::vector<double>>& frames,
-                             const GroundLayout& layout, int most_shift);
+                             const SurfaceLayout& layout, int most_shift);
 
 }  // namespace tubefoot

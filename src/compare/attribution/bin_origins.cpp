@@ -50,16 +50,16 @@ class Origins {
  private:
   void add_one_end(const Transmission& transmission) {
     const History history = transmission.trace();
-    const TransmissionGround& ground = transmission.ground();
+    const TransmissionSurface& surface_mesh = transmission.surface_mesh();
     SensorModel model = transmission.model(index_);
     model.patterns.baselines.clear();  // what the transmitter sees
     add_parts(
         transmission, history, {transmission.beams(index_), sensor_.beam_of_tube(transmission.number())},
-        transmission.echo(history, index_, model.model), model.model, ground.mesh(),
+        transmission.echo(history, index_, model.model), model.model, surface_mesh.mesh(),
         [&](std::size_t number) { return history.footprints.footprints[number].facet; },
-        [&](FacetId facet) { return ground.base_facet(facet); });
-    add_edges(transmission, history, ground.mesh(), glm::dvec3(0),
-              [&](FacetId facet) { return ground.base_facet(facet); });
+        [&](FacetId facet) { return surface_mesh.base_facet(facet); });
+    add_edges(transmission, history, surface_mesh.mesh(), glm::dvec3(0),
+              [&](FacetId facet) { return surface_mesh.base_facet(facet); });
   }
 
   void add_two_ends(const Transmission& transmission, const TransmissionEnds& ends) {

@@ -77,7 +77,8 @@ void run_rays(const Survey& survey, const SensorPlace& place, const BeamSampling
 class TransmissionRays {
  public:
   explicit TransmissionRays(const Transmission& transmission) : transmission_(transmission) {
-    if (transmission.ground().is_own()) own_.emplace(transmission.ground().mesh(), transmission.scene().grid);
+    if (transmission.surface_mesh().is_own())
+      own_.emplace(transmission.surface_mesh().mesh(), transmission.scene().grid);
   }
   const RayScene& operator*() const { return own_ ? *own_ : transmission_.loaded_scene().rays(); }
 

@@ -284,14 +284,14 @@ ApparentEnclosures enclose(const MappedSeabed& seabed, const RayEnclosure& rays,
     const auto& whole = seabed.base.facets[seabed.parent[f]];
     for (std::size_t k = 0; k < 3; ++k) {
       base[k] = seabed.grid.to_metres(seabed.base.vertices[whole[k]]) - apex;
-      truth[k] = seabed.ground.truth[mesh.facets[f][k]] - apex;
+      truth[k] = seabed.surface_mesh.truth[mesh.facets[f][k]] - apex;
       seen[k] = seabed.grid.to_metres(mesh.vertices[mesh.facets[f][k]]) - apex;
     }
     all.facets[f] = encloser.enclose(base, truth, seen, 2 * seabed.grid.unit_m(), surfaces[mesh.material[f]]);
   });
   for (const FacetEnclosure& facet : all.facets)
     if (facet.state == FacetEnclosure::State::unproven) all.unproven.push_back(facet);
-  for (const auto& corners : seabed.ground.left_out_m) {
+  for (const auto& corners : seabed.surface_mesh.left_out_m) {
     FacetEnclosure facet;
     for (std::size_t k = 0; k < 3; ++k) facet.seen[k] = corners[k] - apex;
     facet.nearest_m = nearest_of(facet.seen) * rays.least_stretch();

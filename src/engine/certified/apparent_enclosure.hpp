@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "engine/ground/refracted_ground.hpp"
 #include "engine/scattering/echo_model.hpp"
+#include "engine/surface/refracted_surface.hpp"
 #include "engine/water/ray_enclosure.hpp"
 #include "geometry/search/scene_tree.hpp"
 
@@ -43,22 +43,22 @@ struct FacetEnclosure {
 };
 
 struct ApparentEnclosures {
-  std::vector<FacetEnclosure> facets;    ///< as the apparent ground's
+  std::vector<FacetEnclosure> facets;    ///< as the apparent surface's
   std::vector<FacetEnclosure> unproven;  ///< facets that may be seen, among them those that were left out
 };
 
-/// An apparent ground, and the facets that it is mapped of.
+/// An apparent surface, and the facets that it is mapped of.
 struct MappedSeabed {
-  const ApparentSurface& ground;
+  const ApparentSurface& surface_mesh;
   const SceneTree& tree;              ///< of the apparent facets
   const FacetMesh& base;              ///< flat facets, where they lie
   std::span<const FacetId> parent{};  ///< by apparent facet: the one that it is part of
   const WorldGrid& grid;
 
-  const FacetMesh& mesh() const { return ground.refined.mesh; }
+  const FacetMesh& mesh() const { return surface_mesh.refined.mesh; }
 };
 
-/// Encloses the facets of an apparent ground. `model`: that of apparent ranges.
+/// Encloses the facets of an apparent surface. `model`: that of apparent ranges.
 ApparentEnclosures enclose(const MappedSeabed& seabed, const RayEnclosure& rays, const EchoModel& model);
 
 }  // namespace tubefoot

@@ -83,7 +83,7 @@ class BistaticEncloser {
       FacetEnclosure& facet = found.end[std::size_t(e)];
       for (std::size_t k = 0; k < 3; ++k) {
         seen[std::size_t(e)][k] =
-            seabed_.grid.to_metres(end.ground.refined.mesh.vertices[vertices[k]]) - end.water.apex_m();
+            seabed_.grid.to_metres(end.surface_mesh.refined.mesh.vertices[vertices[k]]) - end.water.apex_m();
         facet.seen[k] = unproven_place(end, lies[k]);
       }
       facet.nearest_m = nearest_of(facet.seen) * end.rays.least_stretch();
@@ -102,8 +102,9 @@ class BistaticEncloser {
     if (sees[2]) {
       FacetCorners seen_there;
       for (std::size_t k = 0; k < 3; ++k)
-        seen_there[k] = seabed_.grid.to_metres(seabed_.beside->ground.refined.mesh.vertices[vertices[k]]) -
-                        seabed_.beside->water.apex_m();
+        seen_there[k] =
+            seabed_.grid.to_metres(seabed_.beside->surface_mesh.refined.mesh.vertices[vertices[k]]) -
+            seabed_.beside->water.apex_m();
       beside.end.emplace(*seabed_.beside, flat, lies, pad_m, seen_there);
       if (!beside.end->valid()) beside.end.reset();
     }
@@ -559,7 +560,7 @@ BistaticEnclosures enclose(const BistaticSurface& seabed, std::span<const Shared
     ApparentEnclosures& own = all.ends[e];
     for (const FacetEnclosure& facet : own.facets)
       if (facet.state == State::unproven) own.unproven.push_back(facet);
-    for (const auto& corners : end.ground.left_out_m) {
+    for (const auto& corners : end.surface_mesh.left_out_m) {
       FacetEnclosure facet;
       for (std::size_t k = 0; k < 3; ++k) {
         facet.seen[k] = end.water.unfolded(corners[k]) - end.water.apex_m();

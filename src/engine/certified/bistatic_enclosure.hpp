@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/certified/apparent_enclosure.hpp"
-#include "engine/ground/bistatic_facet.hpp"
+#include "engine/surface/bistatic_facet.hpp"
 
 // What is proven of facets that two ends of a path see elsewhere.
 namespace tubefoot {
@@ -15,7 +15,7 @@ namespace tubefoot {
 /// An end of a path, and what it sees of a seabed: vertices of its ground have the numbers of the seabed's.
 /// Its apex may lie beside the grid point that its tubes look from.
 struct BistaticEnd {
-  const ApparentSurface& ground;
+  const ApparentSurface& surface_mesh;
   const SceneTree& tree;            ///< of its apparent facets
   std::span<const FacetId> origin;  ///< by apparent facet: that of the seabed
   const ApparentMap& water;

@@ -85,7 +85,7 @@ class BistaticReference {
       look.tubes.reach += margin_m_ / unit_m_;
       for (std::uint32_t tube = 0; tube < look.tubes.tubes.size(); ++tube)
         look.sectors.push_back(sector_of(look.tubes, tube, unit_m_));
-      look.seen = tubefoot::look(end.ground.refined.mesh, end.tree, look.tubes, options);
+      look.seen = tubefoot::look(end.surface_mesh.refined.mesh, end.tree, look.tubes, options);
       look.apparent_of.assign(seabed.mesh.facets.size(), none);
       for (std::size_t k = 0; k < end.origin.size(); ++k) {
         look.apparent_of[end.origin[k]] = FacetId(k);
@@ -97,8 +97,8 @@ class BistaticReference {
   /// What both ends see, laid out and enclosed.
   void enclose_shared(const Flattening& flatten) {
     const FootprintSharer sharer(
-        {looks_[0].tubes, looks_[0].seen, &seabed_.tx.ground.refined.mesh, seabed_.tx.origin},
-        {looks_[1].tubes, looks_[1].seen, &seabed_.rx.ground.refined.mesh, seabed_.rx.origin}, unit_m_);
+        {looks_[0].tubes, looks_[0].seen, &seabed_.tx.surface_mesh.refined.mesh, seabed_.tx.origin},
+        {looks_[1].tubes, looks_[1].seen, &seabed_.rx.surface_mesh.refined.mesh, seabed_.rx.origin}, unit_m_);
     shared_ = sharer.all();
     bistatic_ = flatten(shared_);
     enclosures_ = enclose(seabed_, shared_.facets, bistatic_, model_);
@@ -217,7 +217,7 @@ class BistaticReference {
   void add_ambiguities_of(std::size_t e, std::vector<BinIntervals>& bins) const {
     const BistaticEnd& end = seabed_.end(int(e));
     const EndLook& look = looks_[e];
-    const FacetMesh& mesh = end.ground.refined.mesh;
+    const FacetMesh& mesh = end.surface_mesh.refined.mesh;
     const ApparentEnclosures& own = enclosures_.ends[e];
     const UncertainEdges edges(mesh, look.parent, own, AmbiguitiesOf::places);
     const Unknown unknown(own.unproven, end.rays);
@@ -405,8 +405,8 @@ RefractedReference certify_refracted_echo(const BistaticSurface& seabed, const B
   const PatternsOfEnds own(model);
   BistaticReference reference(seabed, tubes, options, beams, samples, own.model, ordinary, tolerance);
   reference.enclose_shared([&](const SharedFootprints& shared) {
-    return bistatic_facets(shared, seabed.mesh, {seabed.tx.ground, seabed.tx.water},
-                           {seabed.rx.ground, seabed.rx.water}, seabed.grid, model.absorption_db_per_m);
+    return bistatic_facets(shared, seabed.mesh, {seabed.tx.surface_mesh, seabed.tx.water},
+                           {seabed.rx.surface_mesh, seabed.rx.water}, seabed.grid, model.absorption_db_per_m);
   });
   const BinIntervals total = added_up(reference.parts().bins);
   return reference_between({&total, 1}, ordinary, tolerance);

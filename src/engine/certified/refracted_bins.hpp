@@ -10,7 +10,7 @@
 
 #include "engine/certified/apparent_enclosure.hpp"
 #include "engine/certified/reference.hpp"
-#include "engine/ground/sector.hpp"
+#include "engine/surface/sector.hpp"
 
 // What references through refracting water share: bins that hold no less and no more, samples whose borders
 // are not quite certain, and who looks where.

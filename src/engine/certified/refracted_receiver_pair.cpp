@@ -70,7 +70,7 @@ RefractedReference certify_refracted_receiver_pair(const std::array<BistaticSurf
     both[e].beside = &seabeds[1 - e].rx;
     both[e].ranges_within_m = tolerance / (16 * receiver_pair.wavenumber_rad_m);
   }
-  ReceiverPairFlattening receiver_pair_out(seabeds[0].mesh, {seabeds[0].tx.ground, seabeds[0].tx.water},
+  ReceiverPairFlattening receiver_pair_out(seabeds[0].mesh, {seabeds[0].tx.surface_mesh, seabeds[0].tx.water},
                                            {&seabeds[0].rx.water, &seabeds[1].rx.water}, seabeds[0].grid);
   std::array<Flattening, 2> flatten;
   for (const std::size_t e : {0, 1})

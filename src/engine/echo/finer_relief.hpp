@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "engine/ground/relief_error.hpp"
+#include "engine/surface/relief_error.hpp"
 #include "engine/visibility/common_visibility.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
 

@@ -160,7 +160,7 @@ void superpose(const ChannelSignals& part, std::complex<double> factor, ChannelS
 }
 
 ChannelSignals mirrored_signals(const PathImages& images, const CoherentReceiver& receiver,
-                                const EchoModel& model, const GroundField& field, double tolerance) {
+                                const EchoModel& model, const SurfaceField& field, double tolerance) {
   ChannelSignals sum{receiver.channels.size(), receiver.times.count, {}};
   sum.value.assign(sum.channels * sum.samples, 0);
   CoherentReceiver own = receiver;

@@ -71,9 +71,9 @@ void add_arrival(const CoherentArrival& arrival, const CoherentReceiver& receive
 /// not.
 void superpose(const ChannelSignals& part, std::complex<double> factor, ChannelSignals& sum);
 
-/// All of it by a field that belongs to the ground: element_signals() of every path, and arrivals; what comes
-/// straight is not in it. Paths meet the same field, so they interfere. Throws as these.
+/// All of it by a field that belongs to the surface: element_signals() of every path, and arrivals; what
+/// comes straight is not in it. Paths meet the same field, so they interfere. Throws as these.
 ChannelSignals mirrored_signals(const PathImages& images, const CoherentReceiver& receiver,
-                                const EchoModel& model, const GroundField& field, double tolerance = 1e-3);
+                                const EchoModel& model, const SurfaceField& field, double tolerance = 1e-3);
 
 }  // namespace tubefoot

@@ -72,7 +72,7 @@ double distance_rad(const glm::dvec3& direction, const glm::dvec3& from, const g
 /// What is proven of what the images of a way see.
 struct EnclosedImages::Seabed {
   Seabed(const BistaticSurface& seen, const EchoModel& model) : end(seen.tx) {
-    const BistaticEnd nothing{end.ground, end.tree, {}, end.water, end.rays};
+    const BistaticEnd nothing{end.surface_mesh, end.tree, {}, end.water, end.rays};
     all = std::move(
         enclose({seen.mesh, seen.parent, seen.base, seen.grid, end, nothing}, {}, {}, model).ends.front());
     for (const FacetEnclosure& facet : all.facets) spread.push_back(spread_of(facet));

@@ -62,7 +62,7 @@ struct Sent {
   std::vector<Bin> bins;
   std::vector<Link> links;
   std::size_t pieces = 0;
-  GroundCounts seen;
+  SurfaceCounts seen;
 };
 
 /// Patches of a generation while it is lit: one for each facet, side of it, cube, fan and number of

@@ -26,7 +26,7 @@ WaterColumn continued_below(const WaterColumn& water, double depth_m, double fur
   return column;
 }
 
-void GroundCounts::add(const GroundCounts& more) {
+void SurfaceCounts::add(const SurfaceCounts& more) {
   facets += more.facets;
   in_shadow += more.in_shadow;
   of_several += more.of_several;
@@ -39,14 +39,14 @@ void GroundCounts::add(const GroundCounts& more) {
       unclear.push_back(place);
 }
 
-GroundCounts counts_from(const ApparentSurface& ground, const ApparentMap& water, glm::dvec3 front,
-                         double before_m) {
-  GroundCounts counts;
-  counts.facets = ground.refined.mesh.facets.size();
-  counts.of_several = ground.facets_of_several;
-  counts.largest_travel_path_error_m = ground.largest_travel_path_error_m;
+SurfaceCounts counts_from(const ApparentSurface& surface_mesh, const ApparentMap& water, glm::dvec3 front,
+                          double before_m) {
+  SurfaceCounts counts;
+  counts.facets = surface_mesh.refined.mesh.facets.size();
+  counts.of_several = surface_mesh.facets_of_several;
+  counts.largest_travel_path_error_m = surface_mesh.largest_travel_path_error_m;
   const glm::dvec3 apex_m = water.apex_m();
-  for (const auto& corners : ground.left_out_m) {
+  for (const auto& corners : surface_mesh.left_out_m) {
     const bool lies_before =
         front == glm::dvec3(0) || std::ranges::any_of(corners, [&](const glm::dvec3& corner) {
           return glm::dot(front, corner - apex_m) > before_m;
@@ -57,8 +57,8 @@ GroundCounts counts_from(const ApparentSurface& ground, const ApparentMap& water
     counts.unclear.push_back({0, centre, 0, glm::normalize(centre - apex_m)});
   }
   const auto several =
-      std::ranges::find_if(ground.unclear, [](const UnclearPlace& p) { return p.eigenrays > 1; });
-  if (several != ground.unclear.end()) counts.unclear.push_back(*several);
+      std::ranges::find_if(surface_mesh.unclear, [](const UnclearPlace& p) { return p.eigenrays > 1; });
+  if (several != surface_mesh.unclear.end()) counts.unclear.push_back(*several);
   return counts;
 }
 

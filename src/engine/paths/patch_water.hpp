@@ -15,18 +15,18 @@ namespace tubefoot {
 WaterColumn continued_below(const WaterColumn& water, double depth_m, double further_m);
 
 /// What came of several apparent maps, counted (ApparentSurface).
-struct GroundCounts {
+struct SurfaceCounts {
   std::size_t facets = 0, in_shadow = 0, of_several = 0, folded = 0;
   double largest_travel_path_error_m = 0;
   std::vector<UnclearPlace> unclear{};  ///< the first without a ray, and the first with several
 
-  void add(const GroundCounts& more);
+  void add(const SurfaceCounts& more);
 };
 
 /// Of what an apex on the seabed has mapped, but for folded facets. A place without a ray counts if it
 /// lies more than `before_m` before the plane that `front` is the normal of; 0: everywhere.
-GroundCounts counts_from(const ApparentSurface& ground, const ApparentMap& water, glm::dvec3 front,
-                         double before_m);
+SurfaceCounts counts_from(const ApparentSurface& surface_mesh, const ApparentMap& water, glm::dvec3 front,
+                          double before_m);
 
 /// How many facets are seen from the other side than rays come to; not of those that are seen edge-on, which
 /// the gap alone may turn over.

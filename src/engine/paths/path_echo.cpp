@@ -500,7 +500,7 @@ PathEcho path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_uni
                              received = one_place ? std::vector<Image>{} : refracted.images_of(1);
     PathEcho echo = path_echo(mesh, grid_unit_m, {finder, sent, one_place ? sent : received, &refracted},
                               receive, beams, samples, model, settings);
-    echo.grounds = refracted.take_grounds();
+    echo.surface_meshes = refracted.take_surfaces();
     return echo;
   }
   const std::vector<Image> sent = finder.images_of(transmit, settings.order, {{receive.apex}});

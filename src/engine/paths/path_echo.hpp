@@ -72,9 +72,9 @@ struct PathEcho {
   std::vector<ArrivedEnergy> arrived;  ///< by image and beam; part of the energies
   /// In refracting water: what each chain of mirrors made of the seabed, and the largest misfit of its facets
   /// (BistaticFacet).
-  std::vector<ApparentSurface> grounds;
+  std::vector<ApparentSurface> surface_meshes;
   double largest_misfit_m = 0;
-  GroundCounts seen_by_patches;  ///< what all patches made of it
+  SurfaceCounts seen_by_patches;  ///< what all patches made of it
 };
 
 /// The echoes over mirrors of a transmission from `transmit`'s apex, received at `receive`'s (both the same

@@ -114,7 +114,7 @@ class ReceiverPairTracer {
     multiply_scattered();
     multiply_arrivals(arrived);
     if (settings_.scatterings > 1) add_scattered();
-    if (refracted_) echo_.grounds = refracted_->take_grounds();
+    if (refracted_) echo_.surface_meshes = refracted_->take_surfaces();
     return std::move(echo_);
   }
 

@@ -15,9 +15,9 @@ struct ReceiverPairPathEcho {
   std::vector<ReceiverPairEcho> by_order;
   std::vector<ReceiverPairEcho> bound_by_order{};  ///< with a reference: half-widths of their enclosures
   std::size_t images = 0, shared_pieces = 0, arrivals = 0, patches = 0;
-  std::vector<ApparentSurface> grounds;  ///< as PathEcho's
+  std::vector<ApparentSurface> surface_meshes;  ///< as PathEcho's
   double largest_misfit_m = 0;
-  GroundCounts seen_by_patches;  ///< as PathEcho's
+  SurfaceCounts seen_by_patches;  ///< as PathEcho's
 };
 
 /// Tubes of one fan, from the transmitter and from the middle of a receiver pair (the same for one place),

@@ -442,7 +442,7 @@ std::optional<std::size_t> RefractedImages::way_before(const Image& image) const
 
 VisibleSurface RefractedImages::seen_by(const Image& image) const {
   const MirrorPath& mirror_path = mirror_paths_[image.mirror_path];
-  const ApparentSurface& ground = alike_.seen[image.mirror_path];
+  const ApparentSurface& surface_mesh = alike_.seen[image.mirror_path];
   const FacetMesh& mesh = *image.mesh;
   const glm::dvec3 apex_m = water_.grid.to_metres(image.windows.apex);
   VisibleSurface seabed{shared_with_itself(mesh, {image.windows, image.seen}, water_.grid.unit_m())};
@@ -454,7 +454,7 @@ VisibleSurface RefractedImages::seen_by(const Image& image) const {
     for (std::size_t k = 0; k < 3; ++k) {
       const VertexId v = mesh.facets[facet.facet][k];
       seen[k] = water_.grid.to_metres(mesh.vertices[v]);
-      lies[k] = ground.truth[v];
+      lies[k] = surface_mesh.truth[v];
       const auto [known, is_new] = rays.try_emplace(v);
       if (is_new) known->second = mirror_path.apparent_map.apparent(lies[k])->ray;  // or it would not be seen
       ray[k] = known->second;
@@ -466,8 +466,8 @@ VisibleSurface RefractedImages::seen_by(const Image& image) const {
   return seabed;
 }
 
-GroundCounts RefractedImages::counts(std::span<const VisibleSurface> seen) const {
-  GroundCounts all;
+SurfaceCounts RefractedImages::counts(std::span<const VisibleSurface> seen) const {
+  SurfaceCounts all;
   for (std::size_t k = 0; k < mirror_paths_.size(); ++k)
     all.add(counts_from(alike_.seen[k], mirror_paths_[k].apparent_map,
                         mirror_paths_[k].heights.empty() ? surface_apex_.front : glm::dvec3(0),
@@ -476,27 +476,27 @@ GroundCounts RefractedImages::counts(std::span<const VisibleSurface> seen) const
   return all;
 }
 
-std::vector<ApparentSurface> RefractedImages::take_grounds() {
-  std::vector<ApparentSurface> grounds;
+std::vector<ApparentSurface> RefractedImages::take_surfaces() {
+  std::vector<ApparentSurface> surface_meshes;
   for (std::size_t k = 0; k < alike_.seen.size(); ++k) {
     if (mirror_paths_[k].heights.empty()) continue;
     for (UnclearPlace& place : alike_.seen[k].unclear)
       if (place.eigenrays > 0) place.direction.z *= mirror_paths_[k].apparent_map.unfolding().sign;
-    grounds.push_back(std::move(alike_.seen[k]));
+    surface_meshes.push_back(std::move(alike_.seen[k]));
   }
-  return grounds;
+  return surface_meshes;
 }
 
 bool RefractedImages::is_hidden(const Image& image, const GridPoint& from, const GridPoint& to) {
   if (image.mesh != nullptr) return !in_view(*image.mesh, *image.tree, from, to);
   // Of the last mirror nothing is scattered: what lies behind it has not been mapped.
   MirrorPath& mirror_path = mirror_paths_[image.mirror_path];
-  const ApparentSurface ground =
+  const ApparentSurface surface_mesh =
       map_apparent(*mesh_, mirror_path.view_bounds.facets(*mesh_, *tree_, water_.grid), water_.grid,
                    mirror_path.apparent_map, absorption_db_per_m_, water_.apparent_map, water_.limits, {},
                    &mirror_path.view_bounds);
-  const SceneTree tree(ground.refined.mesh, SceneTree::HeightFieldSearch::ignored);
-  return !in_view(ground.refined.mesh, tree, from, to);
+  const SceneTree tree(surface_mesh.refined.mesh, SceneTree::HeightFieldSearch::ignored);
+  return !in_view(surface_mesh.refined.mesh, tree, from, to);
 }
 
 std::vector<MirroredRay> RefractedImages::rays_to(const Image& image, GridPoint place) {

@@ -9,9 +9,9 @@
 #include <span>
 #include <vector>
 
-#include "engine/ground/bistatic_facet.hpp"
 #include "engine/paths/image_tree.hpp"
 #include "engine/paths/patch_water.hpp"
+#include "engine/surface/bistatic_facet.hpp"
 
 // Apexes and their images in level mirrors, in refracting water. docs/paths.md, "In refracting water"
 namespace tubefoot {
@@ -79,7 +79,7 @@ class RefractedImages {
   /// What an image that has looked sees.
   VisibleSurface seen_by(const Image& image) const;
   /// Of all that was mapped for an apex on the seabed, which sees that.
-  GroundCounts counts(std::span<const VisibleSurface> seen) const;
+  SurfaceCounts counts(std::span<const VisibleSurface> seen) const;
   /// By facet of that: the one of the mesh that it is a part of.
   FacetId uncut(FacetId facet) const {
     facet = alike_.seabed.parent[facet];
@@ -100,7 +100,7 @@ class RefractedImages {
   std::optional<std::size_t> way_before(const Image& image) const;
   /// What came of apparent map, but for the apexes' own; by chain of mirrors. Directions are those of
   /// launch.
-  std::vector<ApparentSurface> take_grounds();
+  std::vector<ApparentSurface> take_surfaces();
 
   /// All rays from an image over its mirrors to a place, those through its windows not hidden by facets.
   std::vector<MirroredRay> rays_to(const Image& image, GridPoint place);

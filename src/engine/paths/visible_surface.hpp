@@ -5,8 +5,8 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "engine/ground/refracted_ground.hpp"
 #include "engine/scattering/facet_map.hpp"
+#include "engine/surface/refracted_surface.hpp"
 #include "geometry/footprints/shared_footprints.hpp"
 
 namespace tubefoot {

@@ -20,10 +20,10 @@ enum class Purpose : std::uint32_t {
   texture = 1,
   noise = 2,
   phase = 3,
-  ground_place = 4,    ///< where in a cell of the ground its scatterer lies
-  ground = 5,          ///< the field there
-  ground_texture = 6,  ///< and how strong it is
-  drawn = 7            ///< of signals drawn by their covariances
+  surface_place = 4,    ///< where in a cell of the surface its scatterer lies
+  surface_mesh = 5,     ///< the field there
+  surface_texture = 6,  ///< and how strong it is
+  drawn = 7             ///< of signals drawn by their covariances
 };
 
 /// The random numbers of one range sample, or of one cell of a lattice in space (its three numbers): a

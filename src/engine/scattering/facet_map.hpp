@@ -11,7 +11,7 @@
 namespace tubefoot {
 
 /// Where the points of a facet lie that is seen elsewhere (an apparent facet in refracting water,
-/// refracted_ground.hpp): as a point lies between the corners that are seen, so it lies between the true
+/// refracted_surface.hpp): as a point lies between the corners that are seen, so it lies between the true
 /// ones.
 struct FacetMap {
   glm::dvec3 seen_m{0};  ///< a corner as it is seen, relative to the apex

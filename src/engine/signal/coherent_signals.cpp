@@ -135,7 +135,7 @@ void in_tasks(std::size_t count, std::size_t per_task, Values& all, const Make& 
 class ScatterersOnPolygon {
  public:
   ScatterersOnPolygon(const VisiblePolygons& patches, const CoherentReceiver& receiver,
-                      const GroundField& field, const ChebyshevNodes& nodes)
+                      const SurfaceField& field, const ChebyshevNodes& nodes)
       : patches_(patches),
         field_(field),
         wavenumber_(wavenumber(receiver)),
@@ -178,7 +178,7 @@ class ScatterersOnPolygon {
 
  private:
   const VisiblePolygons& patches_;
-  const GroundField& field_;
+  const SurfaceField& field_;
   double wavenumber_, first_m_, last_m_;
   ChebyshevMoments moments_;
   std::vector<SmoothPieces::Chunk> chunks_;
@@ -186,7 +186,7 @@ class ScatterersOnPolygon {
 };
 
 ChannelSignals moving_signals(const VisiblePolygons& patches, const MovingEnds& ends, const EchoModel& model,
-                              const GroundField& field, double tolerance) {
+                              const SurfaceField& field, double tolerance) {
   const CoherentReceiver& receiver = ends.held();
   const SignalExtent extent = extent_of(receiver, model.path, false, tolerance);
   const ChebyshevNodes nodes(tolerance);
@@ -228,7 +228,7 @@ void check(const CoherentReceiver& receiver, const EchoModel& model) {
 }
 
 ChannelSignals element_signals(const VisiblePolygons& patches, const CoherentReceiver& receiver,
-                               const EchoModel& model, const GroundField& field, double tolerance) {
+                               const EchoModel& model, const SurfaceField& field, double tolerance) {
   check(receiver, model);
   check(field);
   if (has_paths(receiver)) {

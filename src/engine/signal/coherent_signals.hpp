@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "engine/signal/baseband_pulse.hpp"
-#include "engine/signal/ground_field.hpp"
 #include "engine/signal/low_rank.hpp"
 #include "engine/signal/signal_channel.hpp"
+#include "engine/signal/surface_field.hpp"
 #include "engine/signal/visible_polygons.hpp"
 
 namespace tubefoot {
@@ -43,12 +43,12 @@ void check(const CoherentReceiver& receiver, const EchoModel& model);
 // covariances, about, relative to what they would be without interference and with all of a pulse's
 // frequencies in phase (of a chirp: after its matched filter).
 
-/// Channels by a field that belongs to the ground. The field's scatterers are summed up as moments over
+/// Channels by a field that belongs to the surface. The field's scatterers are summed up as moments over
 /// pieces of the seabed on which channels are polynomials but for a phase that all have, so that a scatterer
 /// costs the same for any number of channels and samples. A scatterer's own echo is right to about
 /// `tolerance` of its size. The same bits for any number of threads.
 ChannelSignals element_signals(const VisiblePolygons& patches, const CoherentReceiver& receiver,
-                               const EchoModel& model, const GroundField& field, double tolerance = 1e-3);
+                               const EchoModel& model, const SurfaceField& field, double tolerance = 1e-3);
 
 /// Channels with the same covariances, of a seabed that nobody sees twice: from nodes of Gauss rules, each
 /// with a random amplitude of its own. Far fewer are needed than a field has scatterers. `ping` tells draws

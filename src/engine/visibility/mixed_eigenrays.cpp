@@ -80,16 +80,16 @@ struct Sheet {
 
 }  // namespace
 
-void trace_mixed_eigenrays(const ApparentSurface& ground, const SceneTree& tree, const WorldGrid& grid,
+void trace_mixed_eigenrays(const ApparentSurface& surface_mesh, const SceneTree& tree, const WorldGrid& grid,
                            const VisibilityOptions& options, const TubeSet& tubes,
                            const std::function<void(const BistaticHistory&)>& take) {
   std::set<Family> families;
-  for (const RayOfPart& ray : ground.several) families.emplace(ray.rank, ray.crossed);
+  for (const RayOfPart& ray : surface_mesh.several) families.emplace(ray.rank, ray.crossed);
   if (families.size() < 2) return;
-  const FacetMesh& mesh = ground.refined.mesh;
+  const FacetMesh& mesh = surface_mesh.refined.mesh;
   const glm::dvec3 apex = grid.to_metres(tubes.apex);
   std::vector<FacetId> part_of(mesh.facets.size(), 0);
-  for (const RayOfPart& ray : ground.several) part_of[ray.seen] = ray.part;
+  for (const RayOfPart& ray : surface_mesh.several) part_of[ray.seen] = ray.part;
   const View straight{tubes, mesh, look(mesh, tree, tubes, options)};
   std::optional<View> mirror;
   const auto in_mirror = [&]() -> const View& {
@@ -102,8 +102,8 @@ void trace_mixed_eigenrays(const ApparentSurface& ground, const SceneTree& tree,
   };
   const auto sheet_of = [&](const Family& family) {
     Sheet sheet{std::vector<char>(mesh.facets.size(), 0),
-                std::vector<const RayOfPart*>(ground.part_material.size(), nullptr)};
-    for (const RayOfPart& ray : ground.several)
+                std::vector<const RayOfPart*>(surface_mesh.part_material.size(), nullptr)};
+    for (const RayOfPart& ray : surface_mesh.several)
       if (Family(ray.rank, ray.crossed) == family) {
         sheet.is_own[ray.seen] = 1;
         sheet.rays[ray.part] = &ray;
@@ -120,7 +120,7 @@ void trace_mixed_eigenrays(const ApparentSurface& ground, const SceneTree& tree,
           const VertexId t = mesh.facets[sent.seen][corner[k]], r = mesh.facets[received.seen][corner[k]];
           from_t[k] = grid.to_metres(mesh.vertices[t]) - apex;
           from_r[k] = grid.to_metres(mesh.vertices[r]) - apex;
-          lies[k] = ground.truth[t];
+          lies[k] = surface_mesh.truth[t];
         }
       };
       place();

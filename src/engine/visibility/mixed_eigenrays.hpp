@@ -15,7 +15,7 @@ namespace tubefoot {
 ///
 /// Of two sheets one of which is turned over, the home one is looked at in a mirror: so both turn alike, and
 /// what both see of one side of the seabed can be intersected, exactly as ever.
-void trace_mixed_eigenrays(const ApparentSurface& ground, const SceneTree& tree, const WorldGrid& grid,
+void trace_mixed_eigenrays(const ApparentSurface& surface_mesh, const SceneTree& tree, const WorldGrid& grid,
                            const VisibilityOptions& options, const TubeSet& tubes,
                            const std::function<void(const BistaticHistory&)>& take);
 

@@ -6,9 +6,9 @@
 
 namespace tubefoot {
 
-/// Apparent facets of transmissions through refracting water (engine/ground/refracted_ground.hpp), and where
-/// some have not exactly one ray: azimuth and elevation in degrees and range in metres, from the sonar in the
-/// local frame.
+/// Apparent facets of transmissions through refracting water (engine/surface/refracted_surface.hpp), and
+/// where some have not exactly one ray: azimuth and elevation in degrees and range in metres, from the sonar
+/// in the local frame.
 struct ApparentMapCounts {
   std::uint64_t facets = 0, in_shadow = 0, of_several = 0, folded = 0;
   double largest_travel_path_error_m = 0;

@@ -9,7 +9,8 @@
 // What a scene file says: scene/description/scene_description.hpp.
 namespace tubefoot {
 
-/// The scatterers that signals come from (kind "array"): one field that belongs to the ground, whoever looks.
+/// The scatterers that signals come from (kind "array"): one field that belongs to the surface, whoever
+/// looks.
 struct ScatterersDescription {
   SourcePlace place;
   std::optional<double> spacing_m;  ///< none: as close as the scene's arrays can tell scatterers apart

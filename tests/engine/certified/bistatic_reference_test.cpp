@@ -160,7 +160,7 @@ TEST(BistaticReference, InOnePlaceItIsTheReferenceOfOneApex) {
 
 // Energies there and back differ by the squared ratio of the speeds at the ends (docs/bistatic.md); coarse
 // grounds hold what fine ones know, behind the board, too.
-TEST(BistaticReference, ExchangeAndCoarserGroundsAgree) {
+TEST(BistaticReference, ExchangeAndCoarserSurfacesAgree) {
   const RangeSamples samples{24, 1.5, 8};
   const double g = -0.4;
   GradientSeabed seabed(board(), 32, 8);

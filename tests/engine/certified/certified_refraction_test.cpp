@@ -98,7 +98,7 @@ TEST(CertifiedRefraction, IsovelocityWaterIsTheStraightReference) {
 }
 
 // What stands in the water hides and is hidden: the coarse bounds have to hold the energies of a fine ground.
-TEST(CertifiedRefraction, HoldsFinerGroundsBehindObjects) {
+TEST(CertifiedRefraction, HoldsFinerSurfacesBehindObjects) {
   constexpr std::uint64_t seed = 4;
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(0, 1);
@@ -161,19 +161,19 @@ struct EnclosuresAgainstRays {
     const EigenrayOptions options{.deepest_turn_m = 30};
     const ApparentMap apparent_map(water, glm::dvec3(0), GradientSeabed::apex_depth_m, options);
     std::vector<FacetId> facets{FacetId(site.base.facets.size() - 1)};
-    const ApparentSurface ground =
+    const ApparentSurface surface_mesh =
         map_apparent(site.base, facets, site.grid, apparent_map, absorption, {.travel_path_error_m = 1e9});
     const RayEnclosure rays(apparent_map, options);
-    const SceneTree tree(ground.refined.mesh);
-    const EchoModel model = site.model(ground.refined.mesh, absorption);
+    const SceneTree tree(surface_mesh.refined.mesh);
+    const EchoModel model = site.model(surface_mesh.refined.mesh, absorption);
     const ApparentEnclosures all =
-        enclose({ground, tree, site.base, ground.refined.parent, site.grid}, rays, model);
+        enclose({surface_mesh, tree, site.base, surface_mesh.refined.parent, site.grid}, rays, model);
     unproven += all.unproven.size();
     for (std::size_t f = 0; f < all.facets.size(); ++f) {
       const FacetEnclosure& facet = all.facets[f];
       if (facet.state != FacetEnclosure::State::proven) continue;
       Triangle lies;
-      for (int k = 0; k < 3; ++k) lies[k] = ground.truth[ground.refined.mesh.facets[f][k]];
+      for (int k = 0; k < 3; ++k) lies[k] = surface_mesh.truth[surface_mesh.refined.mesh.facets[f][k]];
       const glm::dvec3 normal = glm::normalize(glm::cross(lies[1] - lies[0], lies[2] - lies[0]));
       for (int k = 0; k < 40; ++k) {
         double a = unit(random), b = unit(random);

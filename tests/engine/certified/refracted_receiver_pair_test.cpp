@@ -66,8 +66,8 @@ struct Staffed {
     model.patterns = &own;
     const RayEnclosure tx_rays(tx, options), upper_rays(upper, options), lower_rays(lower, options);
     std::vector<SceneTree> trees;
-    for (const ApparentSurface& ground : alike.seen)
-      trees.emplace_back(ground.refined.mesh, SceneTree::HeightFieldSearch::ignored);
+    for (const ApparentSurface& surface_mesh : alike.seen)
+      trees.emplace_back(surface_mesh.refined.mesh, SceneTree::HeightFieldSearch::ignored);
     const std::array<ApparentMap const*, 2> waters{&upper, &lower};
     const std::array<RayEnclosure const*, 2> rays{&upper_rays, &lower_rays};
     std::array<Echo, 2> ordinary;

@@ -264,20 +264,21 @@ TEST(RefractedSeabed, EnclosuresHoldWhatRaysToPlacesOnFacetsSay) {
     const EigenrayOptions options{.deepest_turn_m = 30};
     const ApparentMap apparent_map(water, glm::dvec3(0), GradientSeabed::apex_depth_m, options);
     std::vector<FacetId> facets{FacetId(site.base.facets.size() - 1)};
-    const ApparentSurface ground =
+    const ApparentSurface surface_mesh =
         map_apparent(site.base, facets, site.grid, apparent_map, absorption, {.travel_path_error_m = 1e9});
     const RayEnclosure rays(apparent_map, options);
-    const SceneTree tree(ground.refined.mesh);
-    const ApparentEnclosures all = enclose({ground, tree, site.base, ground.refined.parent, site.grid}, rays,
-                                           site.model(ground.refined.mesh, absorption));
-    const std::vector<FacetMap> maps = ground.facet_maps(glm::dvec3(0), site.grid);
+    const SceneTree tree(surface_mesh.refined.mesh);
+    const ApparentEnclosures all =
+        enclose({surface_mesh, tree, site.base, surface_mesh.refined.parent, site.grid}, rays,
+                site.model(surface_mesh.refined.mesh, absorption));
+    const std::vector<FacetMap> maps = surface_mesh.facet_maps(glm::dvec3(0), site.grid);
     for (std::size_t f = 0; f < all.facets.size(); ++f) {
       const FacetEnclosure& facet = all.facets[f];
       if (facet.state != FacetEnclosure::State::proven) continue;
       ++proven;
       ASSERT_TRUE(facet.model);
       Triangle lies;
-      for (int k = 0; k < 3; ++k) lies[k] = ground.truth[ground.refined.mesh.facets[f][k]];
+      for (int k = 0; k < 3; ++k) lies[k] = surface_mesh.truth[surface_mesh.refined.mesh.facets[f][k]];
       const glm::dvec3 normal = glm::normalize(glm::cross(lies[1] - lies[0], lies[2] - lies[0]));
       for (int k = 0; k < 60; ++k) {
         double a = unit(random), b = unit(random);

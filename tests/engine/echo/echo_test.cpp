@@ -223,8 +223,9 @@ TEST(Echo, HitsOnABorderFallWhereFootprintsAreCut) {
 
 TEST(Echo, ANarrowTubeAndAHitOfItsSolidAngleAgree) {
   // E = mu H dOmega / R^3 for a narrow beam on a flat seabed (physics sheet 7.5).
-  const double r = 20, w = 1e-3, ground = std::sqrt(r * r - height * height);
-  const Polygon2 small{{ground - w, -w}, {ground + w, -w}, {ground + w, w}, {ground - w, w}};
+  const double r = 20, w = 1e-3, surface_mesh = std::sqrt(r * r - height * height);
+  const Polygon2 small{
+      {surface_mesh - w, -w}, {surface_mesh + w, -w}, {surface_mesh + w, w}, {surface_mesh - w, w}};
   History tube, ray;
   add_footprint(tube, 0, 0, flat_seabed(height), {small});
   measure(tube.footprints);

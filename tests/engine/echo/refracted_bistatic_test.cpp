@@ -235,11 +235,11 @@ TEST(RefractedBistatic, InOnePlaceItIsTheMonostaticEcho) {
   const Echo apart = scenery.echo(scenery.history(tubes, tubes), samples);
   std::vector<FacetId> all(base.facets.size());
   std::iota(all.begin(), all.end(), 0u);
-  const ApparentSurface ground = map_apparent(
+  const ApparentSurface surface_mesh = map_apparent(
       base, all, grid, ApparentMap(water, transmitter, surface_m, {}, 1500), 0, {.travel_path_error_m = gap});
-  const FacetMesh& mesh = ground.refined.mesh;
+  const FacetMesh& mesh = surface_mesh.refined.mesh;
   EchoModel model{material_mu, mesh.material, 0, nullptr};
-  model.path.facet_factor = ground.facet_factor;
+  model.path.facet_factor = surface_mesh.facet_factor;
   const std::vector<std::uint32_t> beam(tubes.tubes.size(), 0);
   const SceneTree tree(mesh);
   const Echo one =

@@ -56,7 +56,7 @@ CoherentReceiver receiver_of(std::vector<SignalChannel> channels, double carrier
 
 /// A lone scatterer on a small square of material 0.
 struct LoneScatterer {
-  GroundField field;
+  SurfaceField field;
   glm::dvec3 at_m{0}, normal{0};
   Complex amplitude = 0;
 
@@ -111,7 +111,7 @@ std::vector<Complex> returned(const LoneScatterer& one, double mu, const std::ve
   return y;
 }
 
-ChannelSignals all_signals(const Mirrored& m, const CoherentReceiver& receiver, const GroundField& field) {
+ChannelSignals all_signals(const Mirrored& m, const CoherentReceiver& receiver, const SurfaceField& field) {
   ChannelSignals sum = mirrored_signals(*m.images, receiver, m.model, field);
   if (m.images->one_place()) {
     const History history = TubeEngine(m.s.mesh, m.tree, unit, {}).trace(m.s.transmit);
@@ -319,16 +319,16 @@ TEST(CoherentPaths, TheirVariancesAreEnergies) {
 
 // Of two ways that differ, energies add up over grounds; the two ways round of one place are one signal
 // twice.
-TEST(CoherentPaths, OverGroundsTheyAddUpAsEnergiesButForWaysRoundThatAreOne) {
+TEST(CoherentPaths, OverSurfacesTheyAddUpAsEnergiesButForWaysRoundThatAreOne) {
   const Setting s = furnished_seabed(false);
   const Mirrored m(s);
   const glm::dvec3 at = metres(s.transmit.apex);
   const CoherentReceiver receiver =
       receiver_of({{at, at}, {at + glm::dvec3(1.5, 0, 0.5), at}}, 20e3, 1e-4, {0, 25e3, 1600});
   std::array<double, 2> together{}, alone{};
-  constexpr int grounds = 12;
-  for (int seed = 1; seed <= grounds; ++seed) {
-    const GroundField field{std::uint64_t(seed), 0.25};
+  constexpr int surface_meshes = 12;
+  for (int seed = 1; seed <= surface_meshes; ++seed) {
+    const SurfaceField field{std::uint64_t(seed), 0.25};
     ChannelSignals sum{2, receiver.times.count, {}};
     sum.value.assign(sum.channels * sum.samples, 0);
     CoherentReceiver own = receiver;
@@ -350,7 +350,7 @@ TEST(CoherentPaths, OverGroundsTheyAddUpAsEnergiesButForWaysRoundThatAreOne) {
   Setting surface_only = s;
   surface_only.reflection = {0, 0};
   const double energy = total(surface_only.run().by_order[2]);
-  EXPECT_NEAR(alone[0] / grounds / receiver.times.rate_hz, energy, 0.15 * energy);
+  EXPECT_NEAR(alone[0] / surface_meshes / receiver.times.rate_hz, energy, 0.15 * energy);
 }
 
 // Nodes that stand for many scatterers resolve what a rough surface leaves of amplitudes.
@@ -368,7 +368,7 @@ TEST(CoherentPaths, ResolveWhatARoughSurfaceLeaves) {
   for_coherent_paths(*m.images, m.model, receiver.channels, [&](const CoherentPath& path) {
     ++paths;
     receiver.channels = path.channels;
-    const GroundField field{7, 0.05};
+    const SurfaceField field{7, 0.05};
     const ChannelSignals fine = element_signals(path.patches, receiver, path.model, field, 1e-8),
                          coarse = element_signals(path.patches, receiver, path.model, field, 1e-3);
     expect_near(coarse, 0, fine.value, 1e-3);

@@ -231,7 +231,7 @@ TEST(RefractedPatches, ShadowsBeforeAPatchAreCounted) {
     RefractedImages from(seabed, water, front_tubes(apex, normal, 30 / unit), 1, {normal, 0.05});
     const std::vector<Image> images = from.images_of(0);
     const VisibleSurface seen = from.seen_by(images.at(0));
-    const GroundCounts counts = from.counts({&seen, 1});
+    const SurfaceCounts counts = from.counts({&seen, 1});
     // Chords of 4 m need (4 m)^2 / 8 g / c = 7 cm of water over them.
     EXPECT_EQ(counts.in_shadow > 0, depth < 0.07) << depth;
     if (counts.in_shadow > 0) {

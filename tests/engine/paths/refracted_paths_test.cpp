@@ -238,13 +238,13 @@ TEST(RefractedPaths, ASurfaceIsItsImage) {
   for (GridPoint& v : above.vertices) v.z = -v.z;
   std::vector<FacetId> all{0, 1};
   const ApparentMap apparent_map(mirrored, {0, 0, -5}, 60, {}, c_ref);
-  const ApparentSurface ground =
+  const ApparentSurface surface_mesh =
       map_apparent(above, all, grid, apparent_map, 0, {.travel_path_error_m = 2e-4});
   const std::vector<std::uint32_t> beam(s.transmit.tubes.size(), 0);
-  EchoModel model{s.mu, ground.refined.mesh.material, 0, nullptr};
-  model.path.facet_factor = ground.facet_factor;
-  const SceneTree tree(ground.refined.mesh);
-  const History history = TubeEngine(ground.refined.mesh, tree, unit, {}).trace(s.transmit);
+  EchoModel model{s.mu, surface_mesh.refined.mesh.material, 0, nullptr};
+  model.path.facet_factor = surface_mesh.facet_factor;
+  const SceneTree tree(surface_mesh.refined.mesh);
+  const History history = TubeEngine(surface_mesh.refined.mesh, tree, unit, {}).trace(s.transmit);
   const Echo direct = integrate_echo(history, {1, beam}, s.samples, model);
   for (int k = 0; k < s.samples.count; ++k)
     EXPECT_NEAR(paths.by_order[3].at(0, k), 0.36 * direct.at(0, k), 3e-4 * 0.36 * direct.at(0, k)) << k;

@@ -12,8 +12,8 @@
 #include <random>
 
 #include "engine/echo/echo.hpp"
-#include "engine/ground/bistatic_facet.hpp"
 #include "engine/scattering/perlin_reflectivity.hpp"
+#include "engine/surface/bistatic_facet.hpp"
 #include "fixtures/world/ray_scenes.hpp"
 
 namespace tubefoot {

@@ -272,7 +272,7 @@ TEST(LowRankFactor, AnArraysRankIsItsSpaceBandwidthProduct) {
 
 /// The direct sum over the field's scatterers.
 ChannelSignals by_every_scatterer(const VisiblePolygons& seen, const CoherentReceiver& receiver,
-                                  const EchoModel& model, const GroundField& field) {
+                                  const EchoModel& model, const SurfaceField& field) {
   ChannelSignals all{receiver.channels.size(), receiver.times.count, {}};
   all.value.assign(all.channels * all.samples, 0);
   const double k = 2 * pi * receiver.carrier_hz / receiver.sound_speed_m_s;
@@ -311,7 +311,7 @@ TEST(ElementSignals, AreTheSumOverAllScatterersOfTheField) {
     CoherentReceiver receiver = receiver_at(view.apex_m);
     receiver.times.count = 50;
     receiver.channels[1].receive = {Directivity::Kind::line, {1, 0, 0}, false, 0, 3};
-    const GroundField field{7, 0.015};
+    const SurfaceField field{7, 0.015};
     EchoModel model = view.model;
     model.absorption_db_per_m = 0.1;
     const VisiblePolygons seen = view.patches();
@@ -344,7 +344,7 @@ TEST(ElementSignals, AreThatSumForFlanksOfAnyLength) {
       receiver.pulse = {envelope, 0, length_s, sweep_hz + 2 * (1 + taper) / length_s};
       set_flanks(receiver.pulse, taper, sweep_hz);
       receiver.times = {5e-3, 40e3, 130};
-      const GroundField field{7, 0.03};
+      const SurfaceField field{7, 0.03};
       const VisiblePolygons seen = view.patches();
       const ChannelSignals direct = by_every_scatterer(seen, receiver, view.model, field);
       const double loudest = loudest_of(direct);
@@ -360,11 +360,11 @@ TEST(ElementSignals, TheSamePoseHasTheSameBitsForAnyThreads) {
   const test::SignalScene scene = test::signal_scenes()[1];
   const SignalView view(scene, {0.0, 0.0, 0.0}), again(scene, {0.0, 0.0, 0.0});
   const CoherentReceiver receiver = receiver_at(view.apex_m);
-  const GroundField field{9, 0.02};
+  const SurfaceField field{9, 0.02};
   const ChannelSignals one = element_signals(view.patches(), receiver, view.model, field);
   const tbb::global_control alone(tbb::global_control::max_allowed_parallelism, 1);
   EXPECT_EQ(one.value, element_signals(again.patches(), receiver, again.model, field).value);
-  GroundField other = field;
+  SurfaceField other = field;
   other.seed = 10;
   const ChannelSignals two = element_signals(view.patches(), receiver, view.model, other);
   EXPECT_GT(worst_of(one, two), 0.1 * loudest_of(one));
@@ -401,7 +401,8 @@ class DrawnCovariances {
   int draws_ = 0;
 };
 
-// Three routes to one covariance: the field of the ground, rules with amplitudes of their own, and R = L L^H.
+// Three routes to one covariance: the field of the surface, rules with amplitudes of their own, and R = L
+// L^H.
 TEST(ElementSignals, FieldRulesAndFactorsDrawTheSameCovariances) {
   const std::uint64_t seed = 20261124;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -437,7 +438,7 @@ TEST(ElementSignals, FieldRulesAndFactorsDrawTheSameCovariances) {
 }
 
 // Another pose has the coherence that covariances say, of what both see.
-TEST(ElementSignals, AnotherPoseSeesTheSameGround) {
+TEST(ElementSignals, AnotherPoseSeesTheSameSurface) {
   const std::uint64_t seed = 77;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   const test::SignalScene scene = test::signal_scenes()[0];
@@ -471,7 +472,7 @@ TEST(ElementSignals, AnotherPoseSeesTheSameGround) {
   own(seen_there, b, 4);
   DrawnCovariances drawn(8);
   for (int n = 0; n < draws; ++n) {
-    const GroundField field{seed + std::uint64_t(n), 0.06};
+    const SurfaceField field{seed + std::uint64_t(n), 0.06};
     const ChannelSignals y = element_signals(seen_here, a, here.model, field, 1e-3),
                          z = element_signals(seen_there, b, there.model, field, 1e-3);
     std::vector<Complex> row;
@@ -510,23 +511,23 @@ TEST(ElementSignals, RefuseWhatIsNone) {
   const test::SignalScene scene = test::signal_scenes()[0];
   const SignalView view(scene, {0.0, 0.0, 0.0});
   const VisiblePolygons seen = view.patches();
-  const GroundField field;
+  const SurfaceField field;
   const auto refuses = [&](const auto& change) {
     CoherentReceiver receiver = receiver_at(view.apex_m);
-    GroundField its = field;
+    SurfaceField its = field;
     change(receiver, its);
     EXPECT_THROW(element_signals(seen, receiver, view.model, its), std::invalid_argument);
   };
-  refuses([](CoherentReceiver& r, GroundField&) { r.channels.clear(); });
-  refuses([](CoherentReceiver& r, GroundField&) { r.carrier_hz = 0; });
-  refuses([](CoherentReceiver& r, GroundField&) { r.sound_speed_m_s = -1; });
-  refuses([](CoherentReceiver& r, GroundField&) { r.times.count = 0; });
-  refuses([](CoherentReceiver& r, GroundField&) { r.times.rate_hz = r.pulse.bandwidth_hz / 2; });
-  refuses([](CoherentReceiver& r, GroundField&) { r.pulse.envelope = nullptr; });
-  refuses([](CoherentReceiver&, GroundField& f) { f.spacing_m = 0; });
-  refuses([](CoherentReceiver&, GroundField& f) { f.spacing_m = 1e-10; });
-  refuses([](CoherentReceiver&, GroundField& f) {
-    f.texture = GroundTexture::gamma;
+  refuses([](CoherentReceiver& r, SurfaceField&) { r.channels.clear(); });
+  refuses([](CoherentReceiver& r, SurfaceField&) { r.carrier_hz = 0; });
+  refuses([](CoherentReceiver& r, SurfaceField&) { r.sound_speed_m_s = -1; });
+  refuses([](CoherentReceiver& r, SurfaceField&) { r.times.count = 0; });
+  refuses([](CoherentReceiver& r, SurfaceField&) { r.times.rate_hz = r.pulse.bandwidth_hz / 2; });
+  refuses([](CoherentReceiver& r, SurfaceField&) { r.pulse.envelope = nullptr; });
+  refuses([](CoherentReceiver&, SurfaceField& f) { f.spacing_m = 0; });
+  refuses([](CoherentReceiver&, SurfaceField& f) { f.spacing_m = 1e-10; });
+  refuses([](CoherentReceiver&, SurfaceField& f) {
+    f.texture = SurfaceTexture::gamma;
     f.shape = -1;
   });
   const std::vector<SignalSample> beyond{{9, 0}};

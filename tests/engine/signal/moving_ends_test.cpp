@@ -72,7 +72,7 @@ double amplitude_of(glm::dvec3 x, glm::dvec3 normal, double mu, double db_per_m,
 
 /// Every scatterer to every channel and sample.
 ChannelSignals by_every_scatterer(const VisiblePolygons& seen, const CoherentReceiver& receiver,
-                                  const EchoModel& model, const GroundField& field) {
+                                  const EchoModel& model, const SurfaceField& field) {
   ChannelSignals all{receiver.channels.size(), receiver.times.count, {}};
   all.value.assign(all.channels * all.samples, 0);
   const double k = 2 * pi * receiver.carrier_hz / c;
@@ -155,7 +155,7 @@ TEST(MovingEnds, HearTheSumOverAllScatterersOfTheField) {
     const VisiblePolygons seen = view.patches();
     EchoModel model = view.model;
     model.absorption_db_per_m = 0.1;
-    const GroundField field{7, number == 0 ? 0.035 : 0.06};
+    const SurfaceField field{7, number == 0 ? 0.035 : 0.06};
     for (std::size_t k = 0; k < 4; ++k) {
       const CoherentReceiver receiver = receiver_on(view.apex_m, motions[k]);
       const ChannelSignals direct = by_every_scatterer(seen, receiver, model, field);
@@ -180,7 +180,7 @@ TEST(MovingEnds, OneEndMayMoveAndTheOtherRest) {
   const test::SignalScene scene = test::signal_scenes()[1];
   const SignalView view(scene, {0.0, 0.0, 0.0});
   const VisiblePolygons seen = view.patches();
-  const GroundField field{3, 0.06};
+  const SurfaceField field{3, 0.06};
   CoherentReceiver receiver = receiver_on(view.apex_m, {});
   receiver.channels[0].transmit_motion = straight(view.apex_m, {0, 9, -3});
   receiver.channels[1].receive_motion = turning(view.apex_m, {3, 0, 0}, 2, {0, 0.5, 0});
@@ -197,7 +197,7 @@ TEST(MovingEnds, AtRestHearTheSameBits) {
   const test::SignalScene scene = test::signal_scenes()[1];
   const SignalView view(scene, {0.0, 0.0, 0.0});
   const VisiblePolygons seen = view.patches();
-  const GroundField field{9, 0.02};
+  const SurfaceField field{9, 0.02};
   const CoherentReceiver fixed = receiver_on(view.apex_m, {}),
                          still = receiver_on(view.apex_m, [](glm::dvec3 p) { return straight(p, {}); }),
                          creeping = receiver_on(view.apex_m, [](glm::dvec3 p) {
@@ -217,7 +217,7 @@ TEST(MovingEnds, HaveTheSameBitsForAnyThreads) {
   const test::SignalScene scene = test::signal_scenes()[2];
   const SignalView view(scene, {0.0, 0.0, 0.0});
   const VisiblePolygons seen = view.patches();
-  const GroundField field{9, 0.03};
+  const SurfaceField field{9, 0.03};
   const CoherentReceiver receiver = receiver_on(view.apex_m, [](glm::dvec3 p) {
     return refracted(p, {1, 2, 0}, 7e-4);
   });
@@ -256,7 +256,7 @@ struct OnePlace {
   static constexpr std::array<double, 1> mu{0.1};
   static constexpr std::array<std::uint16_t, 1> material{0};
   VisiblePolygons seen;
-  GroundField field;
+  SurfaceField field;
   glm::dvec3 x{0};
   Complex z;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One scatterer of the ground's field beside the closed form of a point, the vehicle being on the way.
+// One scatterer of the surface's field beside the closed form of a point, the vehicle being on the way.
 #include <gtest/gtest.h>
 
 #include <numbers>

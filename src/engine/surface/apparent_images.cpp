@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/ground/apparent_images.hpp"
+#include "engine/surface/apparent_images.hpp"
 
 #include <algorithm>
 #include <glm/common.hpp>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/ground/eigenray_branches.hpp"
+#include "engine/surface/eigenray_branches.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "engine/ground/grazing_sine.hpp"
+#include "engine/surface/grazing_sine.hpp"
 #include "geometry/numbers/int128.hpp"
 
 namespace tubefoot {
@@ -65,11 +65,11 @@ double mean_inverse_width(const std::array<double, 3>& width, double least) {
 
 EigenrayBranches::EigenrayBranches(const FineFacets& fine, const Images& images, const WorldGrid& grid,
                                    std::span<const std::shared_ptr<const ScatteringModel>> models,
-                                   ApparentSurface& ground)
-    : fine_(fine), images_(images), grid_(grid), models_(models), ground_(ground) {}
+                                   ApparentSurface& surface_mesh)
+    : fine_(fine), images_(images), grid_(grid), models_(models), surface_mesh_(surface_mesh) {}
 
 VertexId EigenrayBranches::add_vertex(const SeenPoint& seen, const glm::dvec3& lies_m) {
-  std::vector<GridPoint>& vertices = ground_.refined.mesh.vertices;
+  std::vector<GridPoint>& vertices = surface_mesh_.refined.mesh.vertices;
   vertices.push_back(grid_.snap(seen.at_m));
   truth_.push_back(lies_m);
   return VertexId(vertices.size() - 1);
@@ -141,7 +141,7 @@ std::optional<EigenrayBranches::Border> EigenrayBranches::find_border(VertexId r
 }
 
 void EigenrayBranches::add(FacetId facet) {
-  ++ground_.facets_of_several;
+  ++surface_mesh_.facets_of_several;
   const std::array<VertexId, 3>& corner = fine_.mesh.mesh.facets[facet];
   const PartWeights weights = fine_.mesh.weights.empty() ? all_of_it : fine_.mesh.weights[facet];
   std::array<const Border*, 3> border;  // opposite to each corner
@@ -190,8 +190,8 @@ void EigenrayBranches::add(FacetId facet) {
 void EigenrayBranches::add_part(FacetId facet, const std::array<Corner, 3>& corners) {
   const glm::dvec3 lies[3] = {corners[0].place->at_m, corners[1].place->at_m, corners[2].place->at_m};
   const auto leave_out = [&] {
-    ++ground_.facets_in_shadow;
-    ground_.left_out_m.push_back({lies[0], lies[1], lies[2]});
+    ++surface_mesh_.facets_in_shadow;
+    surface_mesh_.left_out_m.push_back({lies[0], lies[1], lies[2]});
   };
   std::size_t least = 0;
   for (std::size_t k = 1; k < 3; ++k)
@@ -207,15 +207,15 @@ void EigenrayBranches::add_part(FacetId facet, const std::array<Corner, 3>& corn
   std::vector<SeenPoint> centre = middle.several;
   if (centre.empty() && middle.seen()) centre.push_back(middle);
   const bool is_known = are_alike(centre, fewest);
-  FacetMesh& mesh = ground_.refined.mesh;
+  FacetMesh& mesh = surface_mesh_.refined.mesh;
   for (std::size_t ray = 0; ray < fewest.size(); ++ray) {
     const std::array<std::size_t, 3> rays{same[0][ray], same[1][ray], same[2][ray]};
     const std::size_t before = mesh.facets.size();
     add_seen(facet, corners, rays, is_known ? &centre[ray] : nullptr);
     if (fewest.size() == 1 || mesh.facets.size() == before) continue;
-    RayOfPart& of = ground_.several.emplace_back();
+    RayOfPart& of = surface_mesh_.several.emplace_back();
     of.seen = FacetId(before);
-    of.part = FacetId(ground_.part_material.size());
+    of.part = FacetId(surface_mesh_.part_material.size());
     of.rank = std::uint32_t(ray);
     of.crossed = fewest[ray].crossed();
     for (std::size_t k = 0; k < 3; ++k) {
@@ -223,12 +223,12 @@ void EigenrayBranches::add_part(FacetId facet, const std::array<Corner, 3>& corn
       of.corners[k] = {grazing_sine(normal_of(lies), point.returned.arrival), point.gain(), point.range_m};
     }
   }
-  if (fewest.size() > 1) ground_.part_material.push_back(fine_.mesh.mesh.material[facet]);
+  if (fewest.size() > 1) surface_mesh_.part_material.push_back(fine_.mesh.mesh.material[facet]);
 }
 
 void EigenrayBranches::add_seen(FacetId facet, const std::array<Corner, 3>& corners,
                                 const std::array<std::size_t, 3>& ray, const SeenPoint* centre) {
-  FacetMesh& mesh = ground_.refined.mesh;
+  FacetMesh& mesh = surface_mesh_.refined.mesh;
   const FacetMesh& from = fine_.mesh.mesh;
   glm::dvec3 lies[3], seen[3], towards{0};
   std::array<VertexId, 3> vertex;
@@ -255,8 +255,8 @@ void EigenrayBranches::add_seen(FacetId facet, const std::array<Corner, 3>& corn
   if (!images_.may_show(middle + apex, longest)) return;
   // Rays to the corners are the same ones: one to the centre lies between them.
   if (centre != nullptr && glm::distance(centre->at_m - apex, middle) > longest) {
-    ++ground_.facets_in_shadow;
-    ground_.left_out_m.push_back({lies[0], lies[1], lies[2]});
+    ++surface_mesh_.facets_in_shadow;
+    surface_mesh_.left_out_m.push_back({lies[0], lies[1], lies[2]});
     return;
   }
   const std::uint16_t material = from.material[facet];
@@ -265,11 +265,11 @@ void EigenrayBranches::add_seen(FacetId facet, const std::array<Corner, 3>& corn
   mesh.facets.push_back(vertex);
   mesh.material.push_back(material);
   mesh.component.push_back(from.component[facet]);
-  ground_.refined.parent.push_back(fine_.mesh.parent[facet]);
+  surface_mesh_.refined.parent.push_back(fine_.mesh.parent[facet]);
   if (!fine_.mesh.weights.empty())
-    ground_.refined.weights.push_back({corners[0].weights, corners[1].weights, corners[2].weights});
-  ground_.facets_folded += glm::dot(normal_of(lies), towards) * glm::dot(normal_of(seen), middle) < 0;
-  ground_.facet_factor.push_back(
+    surface_mesh_.refined.weights.push_back({corners[0].weights, corners[1].weights, corners[2].weights});
+  surface_mesh_.facets_folded += glm::dot(normal_of(lies), towards) * glm::dot(normal_of(seen), middle) < 0;
+  surface_mesh_.facet_factor.push_back(
       is_wide ? facet_factor(lies, seen, returns, centre != nullptr ? &centre->returned : nullptr, absorption,
                              [model](double sine) { return sigma_of(model, sine); })
               : factor_beside_caustic(lies, seen, rays, absorption, model));

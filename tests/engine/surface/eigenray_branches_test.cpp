@@ -2,7 +2,7 @@
 // Several rays to the seabed: under a thermocline that turns rays back down every place beyond some 310 m is
 // reached by three. One gradient above the sonar and isovelocity water below it leave all in closed form by
 // launch angle; rays are fanned out over that and binned by where and when they land.
-#include "engine/ground/eigenray_branches.hpp"
+#include "engine/surface/eigenray_branches.hpp"
 
 #include <gtest/gtest.h>
 
@@ -62,7 +62,7 @@ ApparentMapSettings fine(double shortest_m = 0.25) {
 }
 
 struct Seen {
-  ApparentSurface ground;
+  ApparentSurface surface_mesh;
   History history;
   Echo echo;
 };
@@ -77,12 +77,12 @@ Seen see(const FacetMesh& seabed, const TubeSet& tubes, const RangeSamples& samp
   std::vector<FacetId> all(seabed.facets.size());
   std::iota(all.begin(), all.end(), 0u);
   Seen seen{map_apparent(seabed, all, WorldGrid(20, glm::dvec3(0)), apparent_map, 0, settings), {}, {}};
-  const FacetMesh& mesh = seen.ground.refined.mesh;
+  const FacetMesh& mesh = seen.surface_mesh.refined.mesh;
   const SceneTree tree(mesh, SceneTree::HeightFieldSearch::ignored);
   seen.history = TubeEngine(mesh, tree, 0x1p-20, {}).trace(tubes);
   const std::vector<double> material_mu{mu};
   EchoModel model{material_mu, mesh.material, 0, nullptr};
-  model.path.facet_factor = seen.ground.facet_factor;
+  model.path.facet_factor = seen.surface_mesh.facet_factor;
   std::vector<std::uint32_t> beams(tubes.tubes.size());
   std::iota(beams.begin(), beams.end(), 0u);
   seen.echo = integrate_echo(seen.history, {int(beams.size()), beams}, samples, model);
@@ -113,8 +113,8 @@ TEST(EigenrayBranches, WhatIsSentIsWhatLands) {
     // Azimuth edges are planes; chords of sheets cut corners where they end.
     EXPECT_NEAR(found[k] / solid_angle(elevations[k], elevations[k + 1]), 1, 3e-4) << elevations[k];
   }
-  EXPECT_GT(seen.ground.facets_of_several, 0u);
-  EXPECT_GT(seen.ground.facets_folded, 0u);
+  EXPECT_GT(seen.surface_mesh.facets_of_several, 0u);
+  EXPECT_GT(seen.surface_mesh.facets_folded, 0u);
 }
 
 // Energy a beam and sample: what is sent, scattered once, by the area of the tube back.
@@ -172,14 +172,14 @@ TEST(EigenrayBranches, MixedEigenraysAreThoseBetweenAllRaysToAPlace) {
   const Seen seen = see(seabed, tubes, samples, fine());
   const std::size_t beams = tubes.tubes.size(), count = std::size_t(samples.count);
   std::vector<double> found(beams * count, 0.0), wanted(beams * count, 0.0);
-  const SceneTree tree(seen.ground.refined.mesh, SceneTree::HeightFieldSearch::ignored);
+  const SceneTree tree(seen.surface_mesh.refined.mesh, SceneTree::HeightFieldSearch::ignored);
   const std::vector<double> material_mu{mu};
   std::vector<std::uint32_t> own(beams);
   std::iota(own.begin(), own.end(), 0u);
   int histories = 0;
-  trace_mixed_eigenrays(seen.ground, tree, WorldGrid(20, glm::dvec3(0)), {}, tubes,
+  trace_mixed_eigenrays(seen.surface_mesh, tree, WorldGrid(20, glm::dvec3(0)), {}, tubes,
                         [&](const BistaticHistory& history) {
-                          const EchoModel model{material_mu, seen.ground.part_material, 0, nullptr};
+                          const EchoModel model{material_mu, seen.surface_mesh.part_material, 0, nullptr};
                           const Echo echo = integrate_echo(history, {int(beams), own}, samples, model);
                           for (std::size_t k = 0; k < found.size(); ++k) found[k] += echo.energy[k];
                           ++histories;
@@ -213,9 +213,9 @@ TEST(EigenrayBranches, OneRayIsOneSheet) {
   one.later_arrivals = false;
   const Seen all = see(seabed, tubes_of({-12, -5}), {0, 500, 1}, fine()),
              first = see(seabed, tubes_of({-12, -5}), {0, 500, 1}, one);
-  EXPECT_EQ(all.ground.refined.mesh.vertices, first.ground.refined.mesh.vertices);
-  EXPECT_EQ(all.ground.refined.mesh.facets, first.ground.refined.mesh.facets);
-  EXPECT_EQ(all.ground.facet_factor, first.ground.facet_factor);
+  EXPECT_EQ(all.surface_mesh.refined.mesh.vertices, first.surface_mesh.refined.mesh.vertices);
+  EXPECT_EQ(all.surface_mesh.refined.mesh.facets, first.surface_mesh.refined.mesh.facets);
+  EXPECT_EQ(all.surface_mesh.facet_factor, first.surface_mesh.facet_factor);
   EXPECT_EQ(all.echo.energy, first.echo.energy);
 }
 
@@ -293,13 +293,13 @@ TEST(EigenrayBranches, AWallAcrossAChannelIsSeenByManyTurns) {
   const FacetMesh wall = mesh_of(facets);
   std::vector<FacetId> all(wall.facets.size());
   std::iota(all.begin(), all.end(), 0u);
-  const ApparentSurface ground =
+  const ApparentSurface surface_mesh =
       map_apparent(wall, all, WorldGrid(20, glm::dvec3(0)), apparent_map, 0, fine(1));
   std::vector<double> edges;
   for (int e = -8; e <= 8; ++e) edges.push_back(e);
-  Seen seen{ground, {}, {}};
-  const SceneTree tree(ground.refined.mesh, SceneTree::HeightFieldSearch::ignored);
-  seen.history = TubeEngine(ground.refined.mesh, tree, 0x1p-20, {}).trace(tubes_of(edges));
+  Seen seen{surface_mesh, {}, {}};
+  const SceneTree tree(surface_mesh.refined.mesh, SceneTree::HeightFieldSearch::ignored);
+  seen.history = TubeEngine(surface_mesh.refined.mesh, tree, 0x1p-20, {}).trace(tubes_of(edges));
   const std::vector<double> found = solid_angles(seen);
   for (std::size_t k = 0; k + 1 < edges.size(); ++k)
     EXPECT_NEAR(found[k] / solid_angle(edges[k], edges[k + 1]), 1, 1e-3) << edges[k];

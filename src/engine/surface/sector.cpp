@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/ground/sector.hpp"
+#include "engine/surface/sector.hpp"
 
 #include <algorithm>
 #include <cmath>

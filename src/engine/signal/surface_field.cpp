@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/signal/ground_field.hpp"
+#include "engine/signal/surface_field.hpp"
 
 #include <fmt/format.h>
 
@@ -8,13 +8,13 @@
 
 namespace tubefoot {
 
-double GroundField::texture_of(glm::dvec3 cell) const {
-  if (texture == GroundTexture::none) return 1;
+double SurfaceField::texture_of(glm::dvec3 cell) const {
+  if (texture == SurfaceTexture::none) return 1;
   const double uniform =
       SampleRandom(seed, std::uint32_t(std::int64_t(cell.z)), std::uint32_t(std::int64_t(cell.y)),
                    std::uint32_t(std::int64_t(cell.x)))
-          .uniform_pair(Purpose::ground_texture)[0];
-  if (texture == GroundTexture::gamma) return gamma_quantile(uniform, shape);
+          .uniform_pair(Purpose::surface_texture)[0];
+  if (texture == SurfaceTexture::gamma) return gamma_quantile(uniform, shape);
   const double log_variance = std::log1p(1 / shape);
   return std::exp(std::sqrt(log_variance) * normal_quantile(uniform) - log_variance / 2);
 }
@@ -36,8 +36,8 @@ void check_seen(double bandwidth_hz, double wavelength_m, double sound_speed_m_s
 
 }  // namespace
 
-double ground_spacing_m(double bandwidth_hz, double wavelength_m, double sound_speed_m_s,
-                        double look_angles_rad, double grazing_cosine) {
+double surface_spacing_m(double bandwidth_hz, double wavelength_m, double sound_speed_m_s,
+                         double look_angles_rad, double grazing_cosine) {
   check_seen(bandwidth_hz, wavelength_m, sound_speed_m_s, look_angles_rad, grazing_cosine);
   const double per_m2 =
       2 * bandwidth_hz * grazing_cosine / sound_speed_m_s * (2 * look_angles_rad / wavelength_m);
@@ -57,21 +57,21 @@ double speckle_spacing_m(double bandwidth_hz, double wavelength_m, double sound_
          std::sqrt(least_cosine);
 }
 
-void check(const GroundField& field) {
+void check(const SurfaceField& field) {
   const auto wrong = [](double value) { return !(value > 0 && std::isfinite(value)); };
   if (wrong(field.spacing_m))
     throw std::invalid_argument(
         fmt::format("a ground field's spacing must be above 0 and finite, not {} m", field.spacing_m));
-  if (field.texture != GroundTexture::none && (wrong(field.shape) || wrong(field.texture_cell_m)))
+  if (field.texture != SurfaceTexture::none && (wrong(field.shape) || wrong(field.texture_cell_m)))
     throw std::invalid_argument(
         fmt::format("a ground field's texture needs a shape and cells above 0 and finite, not {} and {} m",
                     field.shape, field.texture_cell_m));
 }
 
-void check_reach(const GroundField& field, glm::dvec3 place_m) {
+void check_reach(const SurfaceField& field, glm::dvec3 place_m) {
   const double farthest =
       0x1p31 * std::min(field.spacing_m,
-                        field.texture == GroundTexture::none ? field.spacing_m : field.texture_cell_m);
+                        field.texture == SurfaceTexture::none ? field.spacing_m : field.texture_cell_m);
   for (int axis = 0; axis < 3; ++axis)
     if (!(std::abs(place_m[axis]) < farthest))
       throw std::invalid_argument(fmt::format(

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "engine/ground/view_bounds.hpp"
 #include "engine/scattering/facet_map.hpp"
 #include "engine/scattering/scattering_model.hpp"
+#include "engine/surface/view_bounds.hpp"
 #include "engine/water/apparent_map.hpp"
 #include "geometry/mesh/edge_refinement.hpp"
 

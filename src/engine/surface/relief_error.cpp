@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/ground/relief_error.hpp"
+#include "engine/surface/relief_error.hpp"
 
 #include <algorithm>
 #include <cmath>

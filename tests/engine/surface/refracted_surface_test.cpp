@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/ground/refracted_ground.hpp"
+#include "engine/surface/refracted_surface.hpp"
 
 #include <gtest/gtest.h>
 
@@ -33,7 +33,8 @@ struct Site {
     base = builder.finish(report);
   }
 
-  ApparentSurface ground(const WaterColumn& water, double travel_path_error_m, double absorption = 0) const {
+  ApparentSurface surface_mesh(const WaterColumn& water, double travel_path_error_m,
+                               double absorption = 0) const {
     std::vector<FacetId> all(base.facets.size());
     std::iota(all.begin(), all.end(), 0u);
     const ApparentMap apparent_map(water, glm::dvec3(0), apex_depth_m);
@@ -100,34 +101,34 @@ double ring_energy(double g, double t1, double t2) {
          boost::math::quadrature::gauss_kronrod<double, 31>::integrate(density, t1, t2, 5, 1e-13);
 }
 
-TEST(RefractedGround, IsovelocityWaterIsTheStraightEngine) {
+TEST(RefractedSurface, IsovelocityWaterIsTheStraightEngine) {
   const Site site;
   const WaterColumn water{SoundSpeedProfile({{0, 1480}, {50, 1480}}), {0.05, 0.05, 0.05}};
-  const ApparentSurface ground = site.ground(water, 1e-6, 0.05);
-  EXPECT_EQ(ground.refined.mesh.vertices, site.base.vertices);
-  EXPECT_EQ(ground.refined.mesh.facets, site.base.facets);
-  EXPECT_TRUE(ground.unclear.empty());
-  EXPECT_EQ(ground.reference_speed_m_s, 1480);
-  EXPECT_LT(ground.largest_travel_path_error_m, 1e-11);
-  for (const double factor : ground.facet_factor) EXPECT_NEAR(factor, 1, 1e-11);
+  const ApparentSurface surface_mesh = site.surface_mesh(water, 1e-6, 0.05);
+  EXPECT_EQ(surface_mesh.refined.mesh.vertices, site.base.vertices);
+  EXPECT_EQ(surface_mesh.refined.mesh.facets, site.base.facets);
+  EXPECT_TRUE(surface_mesh.unclear.empty());
+  EXPECT_EQ(surface_mesh.reference_speed_m_s, 1480);
+  EXPECT_LT(surface_mesh.largest_travel_path_error_m, 1e-11);
+  for (const double factor : surface_mesh.facet_factor) EXPECT_NEAR(factor, 1, 1e-11);
   const Echo straight = hear(site.base, {}, range_samples, 0.05).echo;
-  const Echo refracted = hear(ground.refined.mesh, ground.facet_factor, range_samples, 0.05).echo;
+  const Echo refracted = hear(surface_mesh.refined.mesh, surface_mesh.facet_factor, range_samples, 0.05).echo;
   for (std::size_t k = 0; k < straight.energy.size(); ++k) {
     EXPECT_GT(straight.energy[k], 0);
     EXPECT_NEAR(refracted.energy[k] / straight.energy[k], 1, 1e-10);
   }
 }
 
-TEST(RefractedGround, FlatSeabedUnderOneGradientConvergesToTheClosedForm) {
+TEST(RefractedSurface, FlatSeabedUnderOneGradientConvergesToTheClosedForm) {
   const Site site;
   for (const double g : {-0.5, 0.3}) {
     SCOPED_TRACE(g);
     double before = 0;
     for (const double gap : {0.16, 0.04, 0.01}) {
-      const ApparentSurface ground = site.ground(gradient(g), gap);
-      EXPECT_TRUE(ground.unclear.empty());
-      EXPECT_LE(ground.largest_travel_path_error_m, gap);
-      const Echo echo = hear(ground.refined.mesh, ground.facet_factor, range_samples).echo;
+      const ApparentSurface surface_mesh = site.surface_mesh(gradient(g), gap);
+      EXPECT_TRUE(surface_mesh.unclear.empty());
+      EXPECT_LE(surface_mesh.largest_travel_path_error_m, gap);
+      const Echo echo = hear(surface_mesh.refined.mesh, surface_mesh.facet_factor, range_samples).echo;
       double sum = 0, found = 0, wanted = 0;
       for (int k = 0; k < range_samples.count; ++k) {
         const double r1 = range_samples.first_m + k * range_samples.step_m, r2 = r1 + range_samples.step_m;
@@ -148,15 +149,15 @@ TEST(RefractedGround, FlatSeabedUnderOneGradientConvergesToTheClosedForm) {
   }
 }
 
-TEST(RefractedGround, PointsConvergeAtSecondOrder) {
+TEST(RefractedSurface, PointsConvergeAtSecondOrder) {
   // The gap is what a facet's middle is off: halving edges quarters it.
   const WaterColumn water = gradient(-0.5);
   const ApparentMap apparent_map(water, glm::dvec3(0), Site::apex_depth_m);
   double before = 0;
   for (const double cell : {32., 16., 8., 4.}) {
     const Site site(128, cell);
-    const ApparentSurface ground = site.ground(water, 1e9);
-    ASSERT_EQ(ground.refined.mesh.facets, site.base.facets);
+    const ApparentSurface surface_mesh = site.surface_mesh(water, 1e9);
+    ASSERT_EQ(surface_mesh.refined.mesh.facets, site.base.facets);
     double gap = 0;
     for (const auto& f : site.base.facets)
       for (std::size_t k = 0; k < 3; ++k) {
@@ -166,8 +167,8 @@ TEST(RefractedGround, PointsConvergeAtSecondOrder) {
             gap, edge_travel_path_error_m(apparent_map.apparent(a)->at_m, apparent_map.apparent(b)->at_m,
                                           apparent_map.apparent((a + b) / 2.0)->at_m));
       }
-    EXPECT_LE(gap, ground.largest_travel_path_error_m);  // a bound, where it was not measured
-    EXPECT_LT(ground.largest_travel_path_error_m, 5 * gap);
+    EXPECT_LE(gap, surface_mesh.largest_travel_path_error_m);  // a bound, where it was not measured
+    EXPECT_LT(surface_mesh.largest_travel_path_error_m, 5 * gap);
     if (before > 0) {
       EXPECT_NEAR(before / gap, 4, 1) << cell;
     }
@@ -175,67 +176,70 @@ TEST(RefractedGround, PointsConvergeAtSecondOrder) {
   }
 }
 
-TEST(RefractedGround, TubesOverApparentFacetsClose) {
+TEST(RefractedSurface, TubesOverApparentFacetsClose) {
   const Site site;
-  const ApparentSurface ground = site.ground(gradient(-0.5), 0.02);
-  EXPECT_GT(ground.refined.mesh.facets.size(), 100u);
-  const SceneTree tree(ground.refined.mesh);
-  const TubeEngine engine(ground.refined.mesh, tree, 0x1p-20, {});
+  const ApparentSurface surface_mesh = site.surface_mesh(gradient(-0.5), 0.02);
+  EXPECT_GT(surface_mesh.refined.mesh.facets.size(), 100u);
+  const SceneTree tree(surface_mesh.refined.mesh);
+  const TubeEngine engine(surface_mesh.refined.mesh, tree, 0x1p-20, {});
   for (const TubeAudit& audit : engine.audit(fan(), 1)) EXPECT_TRUE(audit.closes);
 }
 
-TEST(RefractedGround, ShadowsAreReportedAndLeftOut) {
+TEST(RefractedSurface, ShadowsAreReportedAndLeftOut) {
   const Site site;
   // Rays part from the fastest depth, 20 m, between apex and seabed: the last to pass is horizontal there.
   const WaterColumn water{SoundSpeedProfile({{0, 1460}, {20, 1500}, {40, 1460}}), {}};
   const double edge = 2 * std::sqrt((1500 - 1480) * (1500 + 1480.)) / 2;
-  const ApparentSurface ground = site.ground(water, 0.05);
-  ASSERT_FALSE(ground.unclear.empty());
-  EXPECT_GT(ground.facets_in_shadow, 0u);
-  for (const UnclearPlace& place : ground.unclear) {
+  const ApparentSurface surface_mesh = site.surface_mesh(water, 0.05);
+  ASSERT_FALSE(surface_mesh.unclear.empty());
+  EXPECT_GT(surface_mesh.facets_in_shadow, 0u);
+  for (const UnclearPlace& place : surface_mesh.unclear) {
     EXPECT_EQ(place.eigenrays, 0);
     EXPECT_GT(std::hypot(place.at_m.x, place.at_m.y), edge * (1 - 1e-9));
     EXPECT_NEAR(glm::length(place.direction), 1, 1e-12);
   }
-  EXPECT_GT(ground.facet_factor.size(), 0u);
+  EXPECT_GT(surface_mesh.facet_factor.size(), 0u);
 }
 
 // Where rays bend up before they reach the seabed, those that would come through it from below are behind it.
-TEST(RefractedGround, SeabedBehindTheLastRayIsHidden) {
+TEST(RefractedSurface, SeabedBehindTheLastRayIsHidden) {
   const Site site;
   const double g = 2, cr = 1500 + 20 * g;
   const double last_s =
       std::atanh(std::sqrt((cr - 1500) * (cr + 1500)) / cr) / g;  // to the grazing ray's touch
-  const ApparentSurface ground = site.ground(gradient(g), 0.02);
-  const Echo echo = hear(ground.refined.mesh, ground.facet_factor, {1500 * last_s + 1, 1, 100}).echo;
-  const Echo before = hear(ground.refined.mesh, ground.facet_factor, {1500 * last_s - 12, 1, 10}).echo;
+  const ApparentSurface surface_mesh = site.surface_mesh(gradient(g), 0.02);
+  const Echo echo =
+      hear(surface_mesh.refined.mesh, surface_mesh.facet_factor, {1500 * last_s + 1, 1, 100}).echo;
+  const Echo before =
+      hear(surface_mesh.refined.mesh, surface_mesh.facet_factor, {1500 * last_s - 12, 1, 10}).echo;
   const auto sum = [](const Echo& e) { return std::accumulate(e.energy.begin(), e.energy.end(), 0.0); };
   EXPECT_GT(sum(before), 0);
   EXPECT_LT(sum(echo), 1e-2 * sum(before));
 }
 
-TEST(RefractedGround, TruePlacesAndAreasAreThoseOfTheSeabed) {
+TEST(RefractedSurface, TruePlacesAndAreasAreThoseOfTheSeabed) {
   const Site site;
-  const ApparentSurface ground = site.ground(gradient(-0.5), 0.02);
+  const ApparentSurface surface_mesh = site.surface_mesh(gradient(-0.5), 0.02);
   double area_m2 = 0;
-  for (FacetId f = 0; f < ground.refined.mesh.facets.size(); ++f) {
+  for (FacetId f = 0; f < surface_mesh.refined.mesh.facets.size(); ++f) {
     glm::dvec3 seen[3], centre(0);
     for (std::size_t k = 0; k < 3; ++k) {
-      seen[k] = site.grid.to_metres(ground.refined.mesh.vertices[ground.refined.mesh.facets[f][k]]);
+      seen[k] =
+          site.grid.to_metres(surface_mesh.refined.mesh.vertices[surface_mesh.refined.mesh.facets[f][k]]);
       centre += seen[k] / 3.0;
-      EXPECT_LT(glm::distance(ground.true_place(f, seen[k], site.grid),
-                              ground.truth[ground.refined.mesh.facets[f][k]]),
+      EXPECT_LT(glm::distance(surface_mesh.true_place(f, seen[k], site.grid),
+                              surface_mesh.truth[surface_mesh.refined.mesh.facets[f][k]]),
                 1e-9);
     }
-    EXPECT_NEAR(ground.true_place(f, centre, site.grid).z, -Site::below_m, 1e-9);
-    area_m2 +=
-        ground.area_ratio(f, site.grid) * glm::length(glm::cross(seen[1] - seen[0], seen[2] - seen[0])) / 2;
+    EXPECT_NEAR(surface_mesh.true_place(f, centre, site.grid).z, -Site::below_m, 1e-9);
+    area_m2 += surface_mesh.area_ratio(f, site.grid) *
+               glm::length(glm::cross(seen[1] - seen[0], seen[2] - seen[0])) / 2;
   }
   EXPECT_NEAR(area_m2 / (512. * 512.), 1, 1e-12);
 }
 
 // No facet that has an image in the tubes is missing.
-TEST(RefractedGround, FacetsSeenHoldAllWithAnImageInTheTubes) {
+TEST(RefractedSurface, FacetsSeenHoldAllWithAnImageInTheTubes) {
   const Site site(128, 4);
   const SceneTree tree(site.base);
   for (const double g : {-0.5, -0.05, 0.3}) {
@@ -266,7 +270,7 @@ TEST(RefractedGround, FacetsSeenHoldAllWithAnImageInTheTubes) {
 }
 
 // A law that is Lambert's by another name returns the same; one that is not, by its own angles.
-TEST(RefractedGround, OtherLawsScatterAtTrueGrazingAngles) {
+TEST(RefractedSurface, OtherLawsScatterAtTrueGrazingAngles) {
   const Site site(32, 2);
   std::vector<FacetId> all(site.base.facets.size());
   std::iota(all.begin(), all.end(), 0u);
@@ -274,7 +278,7 @@ TEST(RefractedGround, OtherLawsScatterAtTrueGrazingAngles) {
   const ApparentMap apparent_map(water, glm::dvec3(0), Site::apex_depth_m);
   const std::vector<std::shared_ptr<const ScatteringModel>> models{std::make_shared<const ScatteringModel>(
       ScatteringModel::gsab({.oblique = 0.1, .oblique_exponent = 5}))};
-  const ApparentSurface lambert = site.ground(water, 1);
+  const ApparentSurface lambert = site.surface_mesh(water, 1);
   const ApparentSurface other =
       map_apparent(site.base, all, site.grid, apparent_map, 0, {.travel_path_error_m = 1}, {}, models);
   ASSERT_EQ(lambert.facet_factor.size(), other.facet_factor.size());
@@ -295,7 +299,7 @@ TEST(RefractedGround, OtherLawsScatterAtTrueGrazingAngles) {
   }
 }
 
-TEST(RefractedGround, FactorsAreReadByEveryIntegrator) {
+TEST(RefractedSurface, FactorsAreReadByEveryIntegrator) {
   const Site site(64, 16);
   std::vector<double> factor(site.base.facets.size());
   for (std::size_t f = 0; f < factor.size(); ++f) factor[f] = 1 + double(f % 5);
@@ -318,9 +322,9 @@ TEST(RefractedGround, FactorsAreReadByEveryIntegrator) {
   EXPECT_THROW(integrate_echo(history, {1, beams}, {25, 5, 6}, model), std::invalid_argument);
 }
 
-TEST(RefractedGround, RefusesGapsThatAreNone) {
+TEST(RefractedSurface, RefusesGapsThatAreNone) {
   const Site site;
-  EXPECT_THROW(site.ground(gradient(0.1), 0), std::invalid_argument);
+  EXPECT_THROW(site.surface_mesh(gradient(0.1), 0), std::invalid_argument);
 }
 
 }  // namespace

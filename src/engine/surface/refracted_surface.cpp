@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/ground/refracted_ground.hpp"
+#include "engine/surface/refracted_surface.hpp"
 
 #include <tbb/concurrent_unordered_map.h>
 #include <tbb/parallel_for.h>
@@ -16,9 +16,9 @@
 #include <tuple>
 #include <unordered_map>
 
-#include "engine/ground/apparent_images.hpp"
-#include "engine/ground/bistatic_facet.hpp"
-#include "engine/ground/eigenray_branches.hpp"
+#include "engine/surface/apparent_images.hpp"
+#include "engine/surface/bistatic_facet.hpp"
+#include "engine/surface/eigenray_branches.hpp"
 #include "geometry/mesh/weld_table.hpp"
 #include "geometry/steps/stop.hpp"
 
@@ -168,15 +168,15 @@ ApparentSurface seen_of(FineFacets fine, const Images& images, const WorldGrid& 
                         const ApparentMap& apparent_map, const ApparentMapSettings& settings,
                         std::span<const std::shared_ptr<const ScatteringModel>> models,
                         std::vector<FacetId>* origin = nullptr) {
-  ApparentSurface ground;
-  ground.reference_speed_m_s = apparent_map.reference_speed_m_s();
-  FacetMesh& mesh = ground.refined.mesh;
+  ApparentSurface surface_mesh;
+  surface_mesh.reference_speed_m_s = apparent_map.reference_speed_m_s();
+  FacetMesh& mesh = surface_mesh.refined.mesh;
   mesh.vertices.reserve(fine.at_m.size());
   for (std::size_t v = 0; v < fine.at_m.size(); ++v)  // facets of points without image are left out
     mesh.vertices.push_back(grid.snap(fine.image[v].seen() ? fine.image[v].at_m : fine.at_m[v]));
   const FacetMesh& from = fine.mesh.mesh;
   mesh.facets.reserve(from.facets.size());
-  EigenrayBranches sheets(fine, images, grid, models, ground);
+  EigenrayBranches sheets(fine, images, grid, models, surface_mesh);
   for (std::size_t f = 0; f < from.facets.size(); ++f) {
     stop_if_wanted();
     glm::dvec3 corners[3], seen[3];
@@ -194,7 +194,7 @@ ApparentSurface seen_of(FineFacets fine, const Images& images, const WorldGrid& 
     if (!images.may_see(corners)) continue;  // a part of a large facet
     if (std::ranges::any_of(from.facets[f], [&](VertexId v) { return !fine.image[v].several.empty(); })) {
       for (const VertexId v : from.facets[f]) note(fine.at_m[v], fine.image[v]);
-      ground.unclear.push_back(*unclear);
+      surface_mesh.unclear.push_back(*unclear);
       sheets.add(FacetId(f));
       continue;
     }
@@ -208,11 +208,11 @@ ApparentSurface seen_of(FineFacets fine, const Images& images, const WorldGrid& 
     std::optional<ApparentImage> middle;
     if (kept && (!regular || !images.is_small(corners, seen))) middle = images.make(centre);
     if (kept && !regular) note(centre, *middle);
-    if (unclear) ground.unclear.push_back(*unclear);
-    ground.facets_of_several += kept && several;
+    if (unclear) surface_mesh.unclear.push_back(*unclear);
+    surface_mesh.facets_of_several += kept && several;
     if (!kept) {
-      ++ground.facets_in_shadow;
-      ground.left_out_m.push_back({corners[0], corners[1], corners[2]});
+      ++surface_mesh.facets_in_shadow;
+      surface_mesh.left_out_m.push_back({corners[0], corners[1], corners[2]});
       continue;
     }
     for (int i = 0; i < 3; ++i) {
@@ -224,27 +224,27 @@ ApparentSurface seen_of(FineFacets fine, const Images& images, const WorldGrid& 
         if (between.seen()) gap = images.travel_path_error_m(corners[i], corners[k], a, b, &between);
       }
       if (std::isfinite(gap))
-        ground.largest_travel_path_error_m = std::max(ground.largest_travel_path_error_m, gap);
+        surface_mesh.largest_travel_path_error_m = std::max(surface_mesh.largest_travel_path_error_m, gap);
     }
     const glm::dvec3 towards = returns[0].arrival + returns[1].arrival + returns[2].arrival;
-    ground.facets_folded +=
+    surface_mesh.facets_folded +=
         glm::dot(normal_of(corners), towards) * glm::dot(normal_of(seen), seen[0] + seen[1] + seen[2]) < 0;
     const std::uint16_t material = from.material[f];
     mesh.facets.push_back(from.facets[f]);
     mesh.material.push_back(material);
     mesh.component.push_back(from.component[f]);
-    ground.refined.parent.push_back(fine.mesh.parent[f]);
-    if (!fine.mesh.weights.empty()) ground.refined.weights.push_back(fine.mesh.weights[f]);
+    surface_mesh.refined.parent.push_back(fine.mesh.parent[f]);
+    if (!fine.mesh.weights.empty()) surface_mesh.refined.weights.push_back(fine.mesh.weights[f]);
     if (origin != nullptr) origin->push_back(FacetId(f));
     const ScatteringModel* model = models.empty() ? nullptr : models[material].get();
-    ground.facet_factor.push_back(facet_factor(
+    surface_mesh.facet_factor.push_back(facet_factor(
         corners, seen, returns, middle && middle->seen() ? &middle->returned : nullptr,
         images.reference_absorption_db_per_m(), [model](double sine) { return sigma_of(model, sine); }));
   }
-  ground.truth = std::move(fine.at_m);
-  ground.truth.insert(ground.truth.end(), sheets.truth().begin(), sheets.truth().end());
-  thin_out(ground.unclear);
-  return ground;
+  surface_mesh.truth = std::move(fine.at_m);
+  surface_mesh.truth.insert(surface_mesh.truth.end(), sheets.truth().begin(), sheets.truth().end());
+  thin_out(surface_mesh.unclear);
+  return surface_mesh;
 }
 
 /// Cuts what any of several rules cuts.
@@ -281,11 +281,12 @@ ApparentPair map_apparent_pair(const FacetMesh& base, std::span<const FacetId> f
                                double reference_absorption_db_per_m, const ApparentMapSettings& settings,
                                const RefinementLimits& limits, const ViewBounds* transmit_view_bounds,
                                const ViewBounds* receive_view_bounds) {
-  CommonApparentSurfaces grounds = map_apparent_together(
+  CommonApparentSurfaces surface_meshes = map_apparent_together(
       base, facets, grid, std::array{&transmit, &receive}, reference_absorption_db_per_m, settings, limits,
       std::array{transmit_view_bounds, receive_view_bounds});
-  return {std::move(grounds.seabed.mesh), std::move(grounds.seen[0]), std::move(grounds.seen[1]),
-          std::move(grounds.origin[0]), std::move(grounds.origin[1])};
+  return {std::move(surface_meshes.seabed.mesh), std::move(surface_meshes.seen[0]),
+          std::move(surface_meshes.seen[1]), std::move(surface_meshes.origin[0]),
+          std::move(surface_meshes.origin[1])};
 }
 
 CommonApparentSurfaces map_apparent_together(const FacetMesh& base, std::span<const FacetId> facets,
@@ -301,16 +302,16 @@ CommonApparentSurfaces map_apparent_together(const FacetMesh& base, std::span<co
     any.rules.emplace_back(
         images.emplace_back(*ways[k], reference_absorption_db_per_m, settings, all_view_bounds[k]), base,
         grid);
-  CommonApparentSurfaces grounds;
-  grounds.seabed = refine(
+  CommonApparentSurfaces surface_meshes;
+  surface_meshes.seabed = refine(
       base, facets, grid, any, [](const BasePoint& p) { return p.at_m; }, limits);
-  grounds.seen.resize(ways.size());
-  grounds.origin.resize(ways.size());
+  surface_meshes.seen.resize(ways.size());
+  surface_meshes.origin.resize(ways.size());
   tbb::parallel_for(std::size_t{0}, ways.size(), [&](std::size_t k) {
-    grounds.seen[k] = seen_of(with_images(grounds.seabed, grid, any.rules[k]), images[k], grid, *ways[k],
-                              settings, {}, &grounds.origin[k]);
+    surface_meshes.seen[k] = seen_of(with_images(surface_meshes.seabed, grid, any.rules[k]), images[k], grid,
+                                     *ways[k], settings, {}, &surface_meshes.origin[k]);
   });
-  return grounds;
+  return surface_meshes;
 }
 
 glm::dvec3 ApparentSurface::true_place(FacetId facet, glm::dvec3 seen_m, const WorldGrid& grid) const {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/signal/ground_field.hpp"
+#include "engine/signal/surface_field.hpp"
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ using Complex = std::complex<double>;
 constexpr double pi = std::numbers::pi;
 using Places = std::map<std::array<double, 3>, Complex>;
 
-Places places_of(const GroundField& field, const std::vector<glm::dvec3>& corners, glm::dvec3 normal) {
+Places places_of(const SurfaceField& field, const std::vector<glm::dvec3>& corners, glm::dvec3 normal) {
   Places all;
   field.for_scatterers(corners, normal, [&](glm::dvec3 p, Complex z) {
     EXPECT_TRUE(all.insert({{p.x, p.y, p.z}, z}).second);
@@ -48,7 +48,7 @@ const std::vector<Plate> plates{
 };
 
 // Law Y4.
-TEST(GroundField, ASquareMetreHasVarianceOneOnEverySlopeAndWall) {
+TEST(SurfaceField, ASquareMetreHasVarianceOneOnEverySlopeAndWall) {
   const std::uint64_t seed = 11;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   constexpr int draws = 4000;
@@ -60,7 +60,7 @@ TEST(GroundField, ASquareMetreHasVarianceOneOnEverySlopeAndWall) {
       for (int n = 0; n < draws / (spacing < 0.1 ? 4 : 1); ++n) {
         Complex y = 0;
         double own = 0;
-        GroundField{seed + std::uint64_t(n), spacing}.for_scatterers(
+        SurfaceField{seed + std::uint64_t(n), spacing}.for_scatterers(
             plate.corners(), plate.normal(), [&](glm::dvec3 p, Complex z) {
               y += z * std::polar(1.0, glm::dot(q, p));
               own += std::norm(z);
@@ -83,11 +83,11 @@ TEST(GroundField, ASquareMetreHasVarianceOneOnEverySlopeAndWall) {
 }
 
 // Law Y5.
-TEST(GroundField, DoesNotDependOnFacetsOrOnWhoCutsThem) {
+TEST(SurfaceField, DoesNotDependOnFacetsOrOnWhoCutsThem) {
   std::mt19937_64 random(4);
   std::uniform_real_distribution<double> share(0.2, 0.8);
   for (const Plate& plate : plates) {
-    const GroundField field{5, 0.03};
+    const SurfaceField field{5, 0.03};
     const Places whole = places_of(field, plate.corners(), plate.normal());
     ASSERT_GT(whole.size(), 500u);
     EXPECT_EQ(whole, places_of(field, plate.corners(), plate.normal()));
@@ -111,8 +111,8 @@ TEST(GroundField, DoesNotDependOnFacetsOrOnWhoCutsThem) {
   }
 }
 
-TEST(GroundField, LayersAndSeedsAreStrangers) {
-  const GroundField field{5, 0.05};
+TEST(SurfaceField, LayersAndSeedsAreStrangers) {
+  const SurfaceField field{5, 0.05};
   const Plate& low = plates[0];
   Plate high = low;
   high.corner.z += 0.5;
@@ -129,36 +129,37 @@ TEST(GroundField, LayersAndSeedsAreStrangers) {
   EXPECT_NE(places_of({6, 0.05}, low.corners(), low.normal()).begin()->second, below.begin()->second);
 }
 
-TEST(GroundField, DensityIsWhatTheSheetAsksFor) {
+TEST(SurfaceField, DensityIsWhatTheSheetAsksFor) {
   const double b = 20e3, wavelength = 0.02, c = 1500, look = 0.5;
-  const double spacing = ground_spacing_m(b, wavelength, c, look);
+  const double spacing = surface_spacing_m(b, wavelength, c, look);
   const double per_m2 = 2 * b / c * (2 * look / wavelength);
   for (const Plate& plate : plates) {
     const double count = double(places_of({1, spacing}, plate.corners(), plate.normal()).size());
     EXPECT_GT(count / plate.area(), 0.9 * per_m2) << plate.name;
     EXPECT_LT(count / plate.area(), 2 * per_m2) << plate.name;
   }
-  EXPECT_THROW(ground_spacing_m(0, 1, 1, 1), std::invalid_argument);
+  EXPECT_THROW(surface_spacing_m(0, 1, 1, 1), std::invalid_argument);
 }
 
 // Of a resolution cell within one cell of texture: E[I^2] / E[I]^2 = 2 (1 + 1 / shape), and the texture's own
 // moments; of one that holds many, less.
-TEST(GroundField, TexturesHaveTheirMoments) {
+TEST(SurfaceField, TexturesHaveTheirMoments) {
   const std::uint64_t seed = 31;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
-  for (const GroundTexture texture : {GroundTexture::none, GroundTexture::gamma, GroundTexture::log_normal})
+  for (const SurfaceTexture texture :
+       {SurfaceTexture::none, SurfaceTexture::gamma, SurfaceTexture::log_normal})
     for (const double shape : {2.0, 5.0}) {
       std::vector<double> factors, intensities;
       constexpr int draws = 6000;
       for (int n = 0; n < draws; ++n) {
-        const GroundField field{seed + std::uint64_t(n) * 7919, 0.02, texture, shape, 10};
+        const SurfaceField field{seed + std::uint64_t(n) * 7919, 0.02, texture, shape, 10};
         factors.push_back(field.texture_at({1, 2, 3}));
         Complex y = 0;
         field.for_scatterers(std::vector<glm::dvec3>{{1, 1, -3}, {1.1, 1, -3}, {1.1, 1.1, -3}, {1, 1.1, -3}},
                              {0, 0, 1}, [&](glm::dvec3, Complex z) { y += z; });
         intensities.push_back(std::norm(y));
       }
-      const double variance = texture == GroundTexture::none ? 0 : 1 / shape;
+      const double variance = texture == SurfaceTexture::none ? 0 : 1 / shape;
       EXPECT_NEAR(statistics::mean(factors), 1, 5 * std::sqrt(variance / draws) + 1e-15);
       EXPECT_NEAR(statistics::variance(factors), variance, 0.25 * variance + 1e-15);
       // 25 cells: places alone make 1 / 25 of it or less.
@@ -170,16 +171,16 @@ TEST(GroundField, TexturesHaveTheirMoments) {
 
 // Not only their moments: intensities over their mean are exponential, or of the K law, by Kolmogorov's
 // distance. P(I > x) = 2 / Gamma(nu) (nu x)^(nu/2) K_nu(2 sqrt(nu x)).
-TEST(GroundField, GammaTexturesMakeIntensitiesOfTheKLaw) {
+TEST(SurfaceField, GammaTexturesMakeIntensitiesOfTheKLaw) {
   const std::uint64_t seed = 5000;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   const std::vector<glm::dvec3> square{{1, 1, -3}, {1.1, 1, -3}, {1.1, 1.1, -3}, {1, 1.1, -3}};  // 25 cells
   constexpr int draws = 8000;
-  const auto distance = [&](GroundTexture texture, double shape, const auto& above) {
+  const auto distance = [&](SurfaceTexture texture, double shape, const auto& above) {
     std::vector<double> drawn;
     for (int n = 0; n < draws; ++n) {
       Complex y = 0;
-      GroundField{seed + std::uint64_t(n) * 104729, 0.02, texture, shape, 10}.for_scatterers(
+      SurfaceField{seed + std::uint64_t(n) * 104729, 0.02, texture, shape, 10}.for_scatterers(
           square, {0, 0, 1}, [&](glm::dvec3, Complex z) { y += z; });
       drawn.push_back(std::norm(y) / 0.01);
     }
@@ -191,20 +192,20 @@ TEST(GroundField, GammaTexturesMakeIntensitiesOfTheKLaw) {
   };
   constexpr double one_in_a_thousand = 1.95;
   const auto exponential = [](double x) { return std::exp(-x); };
-  EXPECT_LT(distance(GroundTexture::none, 1, exponential), one_in_a_thousand);
+  EXPECT_LT(distance(SurfaceTexture::none, 1, exponential), one_in_a_thousand);
   for (const double nu : {0.5, 1.0, 4.0}) {
     const auto k_model = [nu](double x) {
       const double root = std::sqrt(nu * x);
       return 2 / std::tgamma(nu) * std::pow(root, nu) * boost::math::cyl_bessel_k(nu, 2 * root);
     };
-    EXPECT_LT(distance(GroundTexture::gamma, nu, k_model), one_in_a_thousand) << nu;
-    EXPECT_GT(distance(GroundTexture::gamma, nu, exponential), 2 * one_in_a_thousand) << nu;
+    EXPECT_LT(distance(SurfaceTexture::gamma, nu, k_model), one_in_a_thousand) << nu;
+    EXPECT_GT(distance(SurfaceTexture::gamma, nu, exponential), 2 * one_in_a_thousand) << nu;
   }
 }
 
 // E[I^2] / E[I]^2 of N scatterers of one strength is 2 - 1/N, which the field's own, of circular amplitudes,
 // is not: it is 2 for any number of them.
-TEST(GroundField, FewScatterersAreAsManyForTheSecondMoment) {
+TEST(SurfaceField, FewScatterersAreAsManyForTheSecondMoment) {
   const std::uint64_t seed = 77;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   constexpr int draws = 20000;
@@ -216,12 +217,12 @@ TEST(GroundField, FewScatterersAreAsManyForTheSecondMoment) {
     for (int draw = 0; draw < draws; ++draw) {
       Complex sum = 0, of_one_strength = 0;
       int count = 0;
-      GroundField{seed + std::uint64_t(draw), 0.1}.for_scatterers(corners, {0, 0, 1},
-                                                                  [&](glm::dvec3, Complex z) {
-                                                                    sum += z;
-                                                                    of_one_strength += z / std::abs(z);
-                                                                    ++count;
-                                                                  });
+      SurfaceField{seed + std::uint64_t(draw), 0.1}.for_scatterers(corners, {0, 0, 1},
+                                                                   [&](glm::dvec3, Complex z) {
+                                                                     sum += z;
+                                                                     of_one_strength += z / std::abs(z);
+                                                                     ++count;
+                                                                   });
       ASSERT_EQ(count, n);
       own.push_back(std::norm(sum));
       even.push_back(std::norm(of_one_strength));
@@ -247,7 +248,7 @@ struct FocusedSpeckle {
       corners.push_back(-3.0 * normal + reach * (at.x * along_m * frame.u + at.y * across_m * frame.v));
     std::vector<double> means, intensities;
     for (int draw = 0; draw < draws; ++draw) {
-      const GroundField field{seed + std::uint64_t(draw) * 7919, spacing_m};
+      const SurfaceField field{seed + std::uint64_t(draw) * 7919, spacing_m};
       double mean = 0;
       Complex sum = 0;
       field.for_scatterers(corners, normal, [&](glm::dvec3 place, Complex z) {
@@ -267,7 +268,7 @@ struct FocusedSpeckle {
 
 // At the spacing that runs take where the scene gives none, fully focused speckle has the moments of circular
 // Gaussian signals: 2 to 0.02, on level seabeds and on slopes, of square cells and of long ones.
-TEST(GroundField, DefaultSpacingHasTheSecondMomentOfSpeckle) {
+TEST(SurfaceField, DefaultSpacingHasTheSecondMomentOfSpeckle) {
   const std::uint64_t seed = 20261127;
   std::cout << "seed " << seed << '\n';
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -285,19 +286,19 @@ TEST(GroundField, DefaultSpacingHasTheSecondMomentOfSpeckle) {
   // Four standard errors of 2 / sqrt(draws).
   EXPECT_NEAR(drawn.by_draws, 2, 0.02 + 8 / std::sqrt(many));
   // The density that whiteness alone asks for is too low.
-  const FocusedSpeckle white(ground_spacing_m(c / (2 * across), wavelength, c, look), across, across,
+  const FocusedSpeckle white(surface_spacing_m(c / (2 * across), wavelength, c, look), across, across,
                              {0, 0, 1}, seed, draws);
   EXPECT_GT(white.by_places, 2.08);
   EXPECT_THROW(speckle_spacing_m(0, 1, 1, 1), std::invalid_argument);
 }
 
-TEST(GroundField, RefusesWhatIsNone) {
-  EXPECT_THROW(check(GroundField{1, 0}), std::invalid_argument);
-  EXPECT_THROW(check(GroundField{1, HUGE_VAL}), std::invalid_argument);
-  EXPECT_THROW(check(GroundField{1, 1, GroundTexture::gamma, 0}), std::invalid_argument);
-  EXPECT_THROW(check(GroundField{1, 1, GroundTexture::log_normal, 1, -1}), std::invalid_argument);
-  EXPECT_THROW(check_reach(GroundField{1, 1e-6}, {3000, 0, 0}), std::invalid_argument);
-  EXPECT_NO_THROW(check_reach(GroundField{1, 1e-3}, {3000, 0, 0}));
+TEST(SurfaceField, RefusesWhatIsNone) {
+  EXPECT_THROW(check(SurfaceField{1, 0}), std::invalid_argument);
+  EXPECT_THROW(check(SurfaceField{1, HUGE_VAL}), std::invalid_argument);
+  EXPECT_THROW(check(SurfaceField{1, 1, SurfaceTexture::gamma, 0}), std::invalid_argument);
+  EXPECT_THROW(check(SurfaceField{1, 1, SurfaceTexture::log_normal, 1, -1}), std::invalid_argument);
+  EXPECT_THROW(check_reach(SurfaceField{1, 1e-6}, {3000, 0, 0}), std::invalid_argument);
+  EXPECT_NO_THROW(check_reach(SurfaceField{1, 1e-3}, {3000, 0, 0}));
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "engine/ground/apparent_images.hpp"
+#include "engine/surface/apparent_images.hpp"
 
 namespace tubefoot {
 
@@ -21,9 +21,10 @@ namespace tubefoot {
 /// do: the first along a launch direction is where its ray first meets the seabed.
 class EigenrayBranches {
  public:
-  /// Adds to `ground`; all outlive it. `models` as in straighten().
+  /// Adds to `surface_mesh`; all outlive it. `models` as in straighten().
   EigenrayBranches(const FineFacets& fine, const Images& images, const WorldGrid& grid,
-                   std::span<const std::shared_ptr<const ScatteringModel>> models, ApparentSurface& ground);
+                   std::span<const std::shared_ptr<const ScatteringModel>> models,
+                   ApparentSurface& surface_mesh);
   /// All that is seen of a facet.
   void add(FacetId facet);
   /// Where the vertices lie that were added to the mesh.
@@ -61,7 +62,7 @@ class EigenrayBranches {
   const Images& images_;
   const WorldGrid& grid_;
   std::span<const std::shared_ptr<const ScatteringModel>> models_;
-  ApparentSurface& ground_;
+  ApparentSurface& surface_mesh_;
   std::unordered_map<VertexId, Place> places_;
   std::unordered_map<std::uint64_t, std::optional<Border>> borders_;
   std::vector<glm::dvec3> truth_;

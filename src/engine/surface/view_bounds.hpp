@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/ground/sector.hpp"
+#include "engine/surface/sector.hpp"
 #include "engine/water/apparent_map.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
 #include "geometry/numbers/world_grid.hpp"

@@ -6,8 +6,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "engine/ground/refracted_ground.hpp"
 #include "engine/scattering/facet_map.hpp"
+#include "engine/surface/refracted_surface.hpp"
 #include "geometry/footprints/shared_footprints.hpp"
 
 // Transmitter and separate receiver in refracting water: facets that each sees elsewhere. docs/bistatic.md
@@ -64,9 +64,9 @@ struct FlattenedFacet {
 FlattenedFacet flatten_between(const glm::dvec3 (&from_transmitter)[3], const glm::dvec3 (&from_receiver)[3],
                                const glm::dvec3 (&lies)[3]);
 
-/// One end of a path, and where it sees the seabed: vertices of the ground have the numbers of the seabed's.
+/// One end of a path, and where it sees the seabed: vertices of the surface have the numbers of the seabed's.
 struct ApparentEnd {
-  const ApparentSurface& ground;
+  const ApparentSurface& surface_mesh;
   const ApparentMap& water;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/ground/bistatic_facet.hpp"
+#include "engine/surface/bistatic_facet.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <numbers>
 #include <unordered_map>
 
-#include "engine/ground/grazing_sine.hpp"
+#include "engine/surface/grazing_sine.hpp"
 #include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
@@ -142,7 +142,7 @@ std::vector<BistaticFacet> bistatic_facets(const SharedFootprints& shared, const
                                            const ApparentEnd& transmit_end, const ApparentEnd& receive_end,
                                            const WorldGrid& grid, double absorption_db_per_m) {
   const ApparentMap &transmit = transmit_end.water, &receive = receive_end.water;
-  const ApparentSurface &sent_to = transmit_end.ground, &received_from = receive_end.ground;
+  const ApparentSurface &sent_to = transmit_end.surface_mesh, &received_from = receive_end.surface_mesh;
   std::vector<BistaticFacet> bistatic;
   bistatic.reserve(shared.facets.size());
   Rays sent(transmit), received(receive);
@@ -203,9 +203,9 @@ std::vector<BistaticFacet> ReceiverPairFlattening::of(const SharedFootprints& sh
     glm::dvec3 from_t[3], lies[3], from_r[2][3];
     const auto take = [&] {
       for (std::size_t k = 0; k < 3; ++k) {
-        from_t[k] =
-            grid_.to_metres(transmit_.ground.refined.mesh.vertices[vertex[k]]) - transmit_.water.apex_m();
-        lies[k] = transmit_.ground.truth[vertex[k]];
+        from_t[k] = grid_.to_metres(transmit_.surface_mesh.refined.mesh.vertices[vertex[k]]) -
+                    transmit_.water.apex_m();
+        lies[k] = transmit_.surface_mesh.truth[vertex[k]];
       }
     };
     take();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/ground/view_bounds.hpp"
+#include "engine/surface/view_bounds.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/ground/ground.hpp"
+#include "engine/surface/surface_mesh.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -87,27 +87,27 @@ TubeSet camera(double height_m, double tilt_deg, int beams, double width_deg = 1
 constexpr RangeSamples samples{2, 0.05, 120};
 
 struct Transmission {
-  RefinedMesh ground;
+  RefinedMesh surface_mesh;
   History history;
   Echo echo;
 };
 
-Transmission fired(const RefinedMesh& ground, const TubeSet& tubes) {
-  Transmission transmission{ground, {}, {}};
-  const SceneTree tree(transmission.ground.mesh, SceneTree::HeightFieldSearch::ignored);
-  const TubeEngine engine(transmission.ground.mesh, tree, grid.unit_m(), {});
+Transmission fired(const RefinedMesh& surface_mesh, const TubeSet& tubes) {
+  Transmission transmission{surface_mesh, {}, {}};
+  const SceneTree tree(transmission.surface_mesh.mesh, SceneTree::HeightFieldSearch::ignored);
+  const TubeEngine engine(transmission.surface_mesh.mesh, tree, grid.unit_m(), {});
   transmission.history = engine.trace(tubes);
   std::vector<std::uint32_t> beams(tubes.tubes.size());
   std::iota(beams.begin(), beams.end(), 0u);
   const std::vector<double> mu(4, 0.01);
   transmission.echo = integrate_echo(transmission.history, {static_cast<int>(beams.size()), beams}, samples,
-                                     {mu, transmission.ground.mesh.material, 0});
+                                     {mu, transmission.surface_mesh.mesh.material, 0});
   return transmission;
 }
 
 double total(const Echo& echo) { return std::accumulate(echo.energy.begin(), echo.energy.end(), 0.0); }
 
-GroundSettings cells(double cell_m, double tolerance = 0) {
+SurfaceSettings cells(double cell_m, double tolerance = 0) {
   return {cell_m, Displacement::vertical, tolerance};
 }
 
@@ -129,16 +129,16 @@ std::vector<std::vector<double>> polygons(const Transmission& transmission) {
 }
 
 /// Of a scene refined equally, both modes see the same, to the last bit.
-TEST(Ground, OnlineAndOfflineSeeTheSame) {
+TEST(SurfaceMesh, OnlineAndOfflineSeeTheSame) {
   const FacetMesh base = seabed(grid, 3, 16, 0.1);
   for (int seed = 0; seed < 3; ++seed) {
     SCOPED_TRACE(seed);
     const Fields fields{std::make_shared<SineField>(0.04, 0.5, seed), nullptr};
-    const Ground ground(base, grid, fields, cells(0.06));
-    const RefinedMesh everywhere = ground.everywhere({});
+    const SurfaceMesh surface_mesh(base, grid, fields, cells(0.06));
+    const RefinedMesh everywhere = surface_mesh.everywhere({});
     const TubeSet tubes = camera(1.5 + 0.3 * seed, 20 + 10 * seed, 6);
     const std::array<Look, 1> looks{look_of(tubes)};
-    const RefinedMesh seen = ground.seen_by(looks, {});
+    const RefinedMesh seen = surface_mesh.seen_by(looks, {});
     EXPECT_LT(2 * seen.mesh.facets.size(), everywhere.mesh.facets.size());
     const Transmission offline = fired(everywhere, tubes), online = fired(seen, tubes);
     EXPECT_GT(online.history.footprints.footprints.size(), 500u);
@@ -147,15 +147,16 @@ TEST(Ground, OnlineAndOfflineSeeTheSame) {
   }
 }
 
-TEST(Ground, RefiningWithoutDisplacementChangesNoEnergy) {
+TEST(SurfaceMesh, RefiningWithoutDisplacementChangesNoEnergy) {
   // A seabed whose every halving is on the grid even where it slopes, and a level one of odd measures.
   for (const auto& [side, slope] : {std::pair{16.0, 0.25}, std::pair{14.37, 0.0}}) {
     const FacetMesh base = seabed(grid, 2, side, slope);
-    const Ground ground(base, grid, Fields{std::make_shared<SineField>(0.0, 0.5), nullptr}, cells(0.12));
+    const SurfaceMesh surface_mesh(base, grid, Fields{std::make_shared<SineField>(0.0, 0.5), nullptr},
+                                   cells(0.12));
     const TubeSet tubes = camera(2, 25, 6);
     RefinedMesh plain;
     plain.mesh = base;
-    const Transmission coarse = fired(plain, tubes), fine = fired(ground.everywhere({}), tubes);
+    const Transmission coarse = fired(plain, tubes), fine = fired(surface_mesh.everywhere({}), tubes);
     ASSERT_GT(total(coarse.echo), 0);
     EXPECT_GT(fine.history.footprints.footprints.size(), 8 * coarse.history.footprints.footprints.size());
     const double largest = *std::max_element(coarse.echo.energy.begin(), coarse.echo.energy.end());
@@ -166,14 +167,14 @@ TEST(Ground, RefiningWithoutDisplacementChangesNoEnergy) {
 }
 
 /// Tubes wholly inside a displaced seabed see no water: the proof is exact.
-TEST(Ground, IsWatertightWhateverItsLevels) {
+TEST(SurfaceMesh, IsWatertightWhateverItsLevels) {
   const FacetMesh base = seabed(grid, 3, 16);
   const Fields fields{std::make_shared<SineField>(0.08, 0.4), std::make_shared<SineField>(0.02, 0.9)};
   for (const double tolerance : {0.0, 0.02, 0.2, 1.0}) {
     const TubeSet tubes = camera(1.2, 45, 5, 12, 6);
     std::array<Look, 1> looks{look_of(tubes)};
     looks[0].first_m = tolerance;  // near ranges finer or not
-    const RefinedMesh seen = Ground(base, grid, fields, cells(0.04, tolerance)).seen_by(looks, {});
+    const RefinedMesh seen = SurfaceMesh(base, grid, fields, cells(0.04, tolerance)).seen_by(looks, {});
     const SceneTree tree(seen.mesh, SceneTree::HeightFieldSearch::ignored);
     const TubeEngine engine(seen.mesh, tree, grid.unit_m(), {});
     for (const TubeAudit& audit : engine.audit(tubes, 0)) EXPECT_TRUE(audit.closes);
@@ -189,13 +190,13 @@ TEST(Ground, IsWatertightWhateverItsLevels) {
   }
 }
 
-TEST(Ground, BordersOfMaterialsFit) {
+TEST(SurfaceMesh, BordersOfMaterialsFit) {
   const auto checkered = [](int i, int j) { return static_cast<std::uint16_t>((i + j) % 2); };
   const FacetMesh base = seabed(grid, 4, 8, 0.05, checkered);
   for (const Fields& fields :
        {Fields{std::make_shared<SineField>(0.1, 0.7), std::make_shared<SineField>(0.06, 0.4, 1)},
         Fields{std::make_shared<SineField>(0.1, 0.7), nullptr}}) {
-    const RefinedMesh refined = Ground(base, grid, fields, cells(0.2)).everywhere({});
+    const RefinedMesh refined = SurfaceMesh(base, grid, fields, cells(0.2)).everywhere({});
     std::map<std::pair<VertexId, VertexId>, int> facets;
     for (const auto& f : refined.mesh.facets)
       for (int k = 0; k < 3; ++k) ++facets[std::minmax(f[k], f[(k + 1) % 3])];
@@ -220,7 +221,7 @@ TEST(Ground, BordersOfMaterialsFit) {
   }
 }
 
-TEST(Ground, NormalDisplacementOfASphereStaysClosed) {
+TEST(SurfaceMesh, NormalDisplacementOfASphereStaysClosed) {
   // An octahedron on a sphere, refined into one by hand: four halvings.
   std::vector<glm::dvec3> points{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   std::vector<std::array<std::uint32_t, 3>> facets{{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
@@ -242,7 +243,7 @@ TEST(Ground, NormalDisplacementOfASphereStaysClosed) {
   MeshReport report;
   const FacetMesh base = builder.finish(report);
   const Fields fields{std::make_shared<SineField>(0.05, 0.5)};
-  const RefinedMesh refined = Ground(base, grid, fields, {0.05, Displacement::normal, 0}).everywhere({});
+  const RefinedMesh refined = SurfaceMesh(base, grid, fields, {0.05, Displacement::normal, 0}).everywhere({});
   OpenMesh::TriMesh_ArrayKernelT<> mesh;
   std::vector<OpenMesh::VertexHandle> handle;
   double outermost = 0, innermost = 2;
@@ -261,14 +262,15 @@ TEST(Ground, NormalDisplacementOfASphereStaysClosed) {
   EXPECT_LT(outermost, 1.051);
 }
 
-TEST(Ground, DoesNotDependOnThreads) {
+TEST(SurfaceMesh, DoesNotDependOnThreads) {
   const FacetMesh base = seabed(grid, 2, 16);
-  const Ground ground(base, grid, Fields{std::make_shared<SineField>(0.05, 0.5), nullptr}, cells(0.05, 0.02));
+  const SurfaceMesh surface_mesh(base, grid, Fields{std::make_shared<SineField>(0.05, 0.5), nullptr},
+                                 cells(0.05, 0.02));
   const TubeSet tubes = camera(1.7, 30, 8);
   const std::array<Look, 1> looks{look_of(tubes)};
   const auto with_threads = [&](std::size_t threads) {
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-    return ground.seen_by(looks, {});
+    return surface_mesh.seen_by(looks, {});
   };
   const RefinedMesh one = with_threads(1), four = with_threads(4);
   EXPECT_EQ(one.mesh.vertices, four.mesh.vertices);
@@ -278,17 +280,17 @@ TEST(Ground, DoesNotDependOnThreads) {
 
 /// Where the tolerance leaves facets coarse, samples' energies change by no more than it says (RMS over the
 /// samples that are lit throughout), and fewer facets are made.
-TEST(Ground, ToleranceIsKept) {
+TEST(SurfaceMesh, ToleranceIsKept) {
   const FacetMesh base = seabed(grid, 1, 16);
   for (int seed = 0; seed < 3; ++seed) {
     const Fields fields{std::make_shared<SineField>(0.01, 0.4, seed), nullptr};
     const TubeSet tubes = camera(2, 35, 6);
     const std::array<Look, 1> looks{look_of(tubes)};
-    const RefinedMesh fine = Ground(base, grid, fields, cells(0.015)).seen_by(looks, {});
+    const RefinedMesh fine = SurfaceMesh(base, grid, fields, cells(0.015)).seen_by(looks, {});
     const Transmission truth = fired(fine, tubes);
     std::size_t last = fine.mesh.facets.size();
     for (const double tolerance : {0.03, 0.3}) {
-      const RefinedMesh some = Ground(base, grid, fields, cells(0.015, tolerance)).seen_by(looks, {});
+      const RefinedMesh some = SurfaceMesh(base, grid, fields, cells(0.015, tolerance)).seen_by(looks, {});
       EXPECT_LT(some.mesh.facets.size(), last);
       last = some.mesh.facets.size();
       const Transmission transmission = fired(some, tubes);
@@ -306,16 +308,17 @@ TEST(Ground, ToleranceIsKept) {
   }
 }
 
-TEST(Ground, FinerReliefChangesNoMoreThanStated) {
+TEST(SurfaceMesh, FinerReliefChangesNoMoreThanStated) {
   const FacetMesh base = seabed(grid, 1, 16);
   for (int seed = 0; seed < 3; ++seed) {
     SCOPED_TRACE(seed);
     const Fields fields{std::make_shared<SineField>(0.01, 0.4, seed), nullptr};
     const TubeSet tubes = camera(2, 35, 6);
     const std::array<Look, 1> looks{look_of(tubes)};
-    const Ground coarse(base, grid, fields, cells(0.05)), fine(base, grid, fields, cells(0.02));
+    const SurfaceMesh coarse(base, grid, fields, cells(0.05)), fine(base, grid, fields, cells(0.02));
     const Transmission a = fired(coarse.seen_by(looks, {}), tubes), b = fired(fine.seen_by(looks, {}), tubes);
-    const double stated = finer_relief(a.history, a.ground.mesh, coarse.omitted(), samples.step_m).largest;
+    const double stated =
+        finer_relief(a.history, a.surface_mesh.mesh, coarse.omitted(), samples.step_m).largest;
     double changed = 0;
     for (std::size_t k = 0; k < a.echo.energy.size(); ++k)
       changed += std::abs(a.echo.energy[k] - b.echo.energy[k]);
@@ -324,12 +327,13 @@ TEST(Ground, FinerReliefChangesNoMoreThanStated) {
   }
 }
 
-TEST(Ground, FindsTheSeabedInLineWithAPlace) {
+TEST(SurfaceMesh, FindsTheSeabedInLineWithAPlace) {
   const FacetMesh base = seabed(grid, 1, 64);
   const SineField field(0.3, 1.1);
-  const Ground ground(base, grid, Fields{std::make_shared<SineField>(field), nullptr}, cells(0.02));
+  const SurfaceMesh surface_mesh(base, grid, Fields{std::make_shared<SineField>(field), nullptr},
+                                 cells(0.02));
   for (const glm::dvec3 at : {glm::dvec3{3.3, -7.1, 2}, {0, 0, 1}, {-20.01, 11.4, 0.2}}) {
-    const RefinedMesh line = ground.in_line_with(at);
+    const RefinedMesh line = surface_mesh.in_line_with(at);
     EXPECT_LT(line.mesh.facets.size(), 20000u);
     double nearest = 1e9, height = 0;
     for (const GridPoint p : line.mesh.vertices) {
@@ -343,11 +347,12 @@ TEST(Ground, FindsTheSeabedInLineWithAPlace) {
   }
 }
 
-TEST(Ground, RefusesTooMuch) {
+TEST(SurfaceMesh, RefusesTooMuch) {
   const FacetMesh base = seabed(grid, 1, 100);
-  const Ground ground(base, grid, Fields{std::make_shared<SineField>(0.01, 0.4), nullptr}, cells(0.01));
-  EXPECT_EQ(ground.uniform_count(), std::size_t{1} << 29);
-  EXPECT_THROW(ground.everywhere({10000}), RefinementTooLarge);
+  const SurfaceMesh surface_mesh(base, grid, Fields{std::make_shared<SineField>(0.01, 0.4), nullptr},
+                                 cells(0.01));
+  EXPECT_EQ(surface_mesh.uniform_count(), std::size_t{1} << 29);
+  EXPECT_THROW(surface_mesh.everywhere({10000}), RefinementTooLarge);
 }
 
 }  // namespace

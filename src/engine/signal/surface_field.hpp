@@ -22,14 +22,14 @@ inline int lattice_axis(glm::dvec3 normal) {
   return size.z >= size.x && size.z >= size.y ? 2 : size.y >= size.x ? 1 : 0;
 }
 
-/// Modulation of the seabed's cross-section: a positive field of mean 1, even over cells of the ground.
-enum class GroundTexture {
+/// Modulation of the seabed's cross-section: a positive field of mean 1, even over cells of the surface.
+enum class SurfaceTexture {
   none,
   gamma,      ///< variance 1 / shape: amplitudes K-distributed (Jakeman & Pusey 1976)
   log_normal  ///< of the same variance
 };
 
-/// Speckle that belongs to the ground: S(x), circular, complex, Gaussian and white,
+/// Speckle that belongs to the surface: S(x), circular, complex, Gaussian and white,
 ///     E[S(x) S*(x')] = delta(x - x'),
 /// as one scatterer in each cell of a lattice that is fixed in the local frame. Its place in the cell and its
 /// amplitude are functions of seed and cell alone: whoever looks, whenever and from wherever, sees the same.
@@ -42,10 +42,10 @@ enum class GroundTexture {
 /// Law Y4 (variance): the mean over seeds of |sum of amplitude f|^2 is the integral of |f|^2 dA over the
 /// polygon, for every spacing and every f: places are even over their cells.
 /// Law Y5 (ground): a scatterer depends on the plane of its facet, not on how the plane is cut into facets.
-struct GroundField {
+struct SurfaceField {
   std::uint64_t seed = 1;
   double spacing_m = 0.01;
-  GroundTexture texture = GroundTexture::none;
+  SurfaceTexture texture = SurfaceTexture::none;
   double shape = 1;             ///< above 0
   double texture_cell_m = 0.1;  ///< side of the cubes over which the texture is even
 
@@ -70,8 +70,8 @@ struct GroundField {
 /// The widest spacing whose scatterers are as many a square metre, on any slope, as a sensor can tell apart:
 /// (2 B cos / c) (2 Phi / lambda), B the bandwidth, cos of the least grazing angle, Phi the range of look
 /// angles [rad].
-double ground_spacing_m(double bandwidth_hz, double wavelength_m, double sound_speed_m_s,
-                        double look_angles_rad, double grazing_cosine = 1);
+double surface_spacing_m(double bandwidth_hz, double wavelength_m, double sound_speed_m_s,
+                         double look_angles_rad, double grazing_cosine = 1);
 
 /// A spacing whose speckle is as it should be where all of a bandwidth and all look angles are brought to one
 /// focus: there the mean intensity, which depends on where scatterers are in their cells, varies by less than
@@ -80,13 +80,13 @@ double speckle_spacing_m(double bandwidth_hz, double wavelength_m, double sound_
                          double look_angles_rad, double grazing_cosine = 1);
 
 /// Throws std::invalid_argument for spacings, shapes or cells that are not above 0, or not finite.
-void check(const GroundField& field);
+void check(const SurfaceField& field);
 /// For places so far away that lattices of 2^31 cells do not reach them.
-void check_reach(const GroundField& field, glm::dvec3 place_m);
+void check_reach(const SurfaceField& field, glm::dvec3 place_m);
 
 template <class Take>
-void GroundField::for_scatterers(std::span<const glm::dvec3> corners_m, glm::dvec3 normal,
-                                 const Take& take) const {
+void SurfaceField::for_scatterers(std::span<const glm::dvec3> corners_m, glm::dvec3 normal,
+                                  const Take& take) const {
   if (corners_m.size() < 3) return;
   const int up = lattice_axis(normal), x = (up + 1) % 3, y = (up + 2) % 3;
   // By rows of the lattice: where the polygon's edges are.
@@ -123,7 +123,7 @@ void GroundField::for_scatterers(std::span<const glm::dvec3> corners_m, glm::dve
     }
     for (auto i = std::int64_t(std::floor(low_x * per_m)); double(i) * spacing_m <= high_x; ++i) {
       const SampleRandom cell(seed, std::uint32_t(up), std::uint32_t(j), std::uint32_t(i));
-      const auto [s, t] = cell.uniform_pair(Purpose::ground_place);
+      const auto [s, t] = cell.uniform_pair(Purpose::surface_place);
       glm::dvec3 place;
       place[x] = (double(i) + s) * spacing_m;
       place[y] = (double(j) + t) * spacing_m;
@@ -148,8 +148,8 @@ void GroundField::for_scatterers(std::span<const glm::dvec3> corners_m, glm::dve
       const auto layer = std::int64_t(std::floor(place[up] * per_m + 0.38196601125010515));
       const SampleRandom cube(seed ^ (std::uint64_t(up + 1) << 62), std::uint32_t(layer), std::uint32_t(j),
                               std::uint32_t(i));
-      std::complex<double> amplitude = root_area * circular_normal(cube.uniform_pair(Purpose::ground));
-      if (texture != GroundTexture::none) {
+      std::complex<double> amplitude = root_area * circular_normal(cube.uniform_pair(Purpose::surface_mesh));
+      if (texture != SurfaceTexture::none) {
         if (const glm::dvec3 within = texture_cell(place); within != texture_cell_before) {
           texture_cell_before = within;
           root_texture = std::sqrt(texture_of(within));

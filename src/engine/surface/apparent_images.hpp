@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "engine/ground/refracted_ground.hpp"
+#include "engine/surface/refracted_surface.hpp"
 
 // Places of the seabed as one apex sees them through refracting water, by each of the rays that lead there:
 // what straighten() makes its facets of.

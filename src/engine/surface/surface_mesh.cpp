@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/ground/ground.hpp"
+#include "engine/surface/surface_mesh.hpp"
 
 #include <fmt/format.h>
 
@@ -36,22 +36,22 @@ void insert(std::vector<std::uint16_t>& sorted, std::uint16_t material) {
 }  // namespace
 
 /// Edges of textured facets that are longer than a cell.
-class Ground::Cells : public EdgeRule {
+class SurfaceMesh::Cells : public EdgeRule {
  public:
-  explicit Cells(const Ground& of) : ground(of) {}
+  explicit Cells(const SurfaceMesh& of) : surface_mesh(of) {}
   bool cuts(const BasePoint& a, const BasePoint& b) const final {
     const double edge2 = length2(a.at_m - b.at_m);
-    return edge2 > ground.settings_.cell_m * ground.settings_.cell_m && wants(a, b, edge2) &&
-           ground.textured_along(a, b);
+    return edge2 > surface_mesh.settings_.cell_m * surface_mesh.settings_.cell_m && wants(a, b, edge2) &&
+           surface_mesh.textured_along(a, b);
   }
   virtual bool wants(const BasePoint&, const BasePoint&, double) const { return true; }
 
  protected:
-  const Ground& ground;
+  const SurfaceMesh& surface_mesh;
 };
 
-struct Ground::Seen : Cells {
-  Seen(const Ground& g, std::span<const Look> l) : Cells(g), looks(l) {
+struct SurfaceMesh::Seen : Cells {
+  Seen(const SurfaceMesh& g, std::span<const Look> l) : Cells(g), looks(l) {
     for (const Look& look : looks) {
       sectors.emplace_back(*look.tubes, g.grid_.unit_m());
       apexes.push_back(g.grid_.to_metres(look.tubes->apex));
@@ -59,22 +59,24 @@ struct Ground::Seen : Cells {
   }
 
   bool wants(const BasePoint& a, const BasePoint& b, double edge2) const override {
-    if (ground.mirrors_along(a, b)) return true;
+    if (surface_mesh.mirrors_along(a, b)) return true;
     const glm::dvec3 middle = 0.5 * (a.at_m + b.at_m);
-    const double length = std::sqrt(edge2), lift = ground.omitted_.largest_height_m() + ground.grid_.unit_m();
+    const double length = std::sqrt(edge2),
+                 lift = surface_mesh.omitted_.largest_height_m() + surface_mesh.grid_.unit_m();
     for (std::size_t k = 0; k < looks.size(); ++k) {
       const glm::dvec3 from_apex = middle - apexes[k];
       const double radius = 2 * length + lift;
       if (looks[k].view_bounds != nullptr ? !looks[k].view_bounds->may_see(middle, radius)
                                           : !sectors[k].may_meet(from_apex, radius))
         continue;
-      if (ground.settings_.tolerance <= 0) return true;
+      if (surface_mesh.settings_.tolerance <= 0) return true;
       Resolution cell;
       cell.range_m = std::max({glm::length(from_apex) - length - lift, looks[k].first_m, looks[k].sample_m});
-      cell.sine_grazing = ground.sine_grazing(a, b, from_apex, length);
+      cell.sine_grazing = surface_mesh.sine_grazing(a, b, from_apex, length);
       cell.sample_m = looks[k].sample_m;
       cell.beam_rad = looks[k].beam_rad > 0 ? looks[k].beam_rad : sectors[k].narrowest_rad();
-      if (omitted_change(ground.omitted_.at(edge2), edge2, cell) > ground.settings_.tolerance) return true;
+      if (omitted_change(surface_mesh.omitted_.at(edge2), edge2, cell) > surface_mesh.settings_.tolerance)
+        return true;
     }
     return false;
   }
@@ -84,18 +86,19 @@ struct Ground::Seen : Cells {
   std::vector<glm::dvec3> apexes;
 };
 
-struct Ground::InLine : Cells {
-  InLine(const Ground& g, glm::dvec3 place_m) : Cells(g), at(place_m) {}
+struct SurfaceMesh::InLine : Cells {
+  InLine(const SurfaceMesh& g, glm::dvec3 place_m) : Cells(g), at(place_m) {}
   bool wants(const BasePoint& a, const BasePoint& b, double edge2) const override {
     const glm::dvec3 middle = 0.5 * (a.at_m + b.at_m);
     return std::hypot(middle.x - at.x, middle.y - at.y) <=
-           2 * std::sqrt(edge2) + ground.omitted_.largest_height_m() + 2 * ground.grid_.unit_m();
+           2 * std::sqrt(edge2) + surface_mesh.omitted_.largest_height_m() + 2 * surface_mesh.grid_.unit_m();
   }
   glm::dvec3 at;
 };
 
-Ground::Ground(const FacetMesh& base, const WorldGrid& grid,
-               std::span<const std::shared_ptr<const ElevationField>> relief, const GroundSettings& settings)
+SurfaceMesh::SurfaceMesh(const FacetMesh& base, const WorldGrid& grid,
+                         std::span<const std::shared_ptr<const ElevationField>> relief,
+                         const SurfaceSettings& settings)
     : base_(base),
       grid_(grid),
       relief_(relief.begin(), relief.end()),
@@ -106,7 +109,7 @@ Ground::Ground(const FacetMesh& base, const WorldGrid& grid,
   find_normals();
 }
 
-void Ground::find_borders() {
+void SurfaceMesh::find_borders() {
   // Only vertices of more than one material, and their edges, are worth a note.
   std::vector<std::uint16_t> first(base_.vertices.size());
   std::vector<bool> met(base_.vertices.size());
@@ -130,7 +133,7 @@ void Ground::find_borders() {
   std::erase_if(edge_materials_, [](const auto& entry) { return entry.second.size() < 2; });
 }
 
-void Ground::find_normals() {
+void SurfaceMesh::find_normals() {
   normals_.resize(base_.vertices.size());
   const std::vector<glm::dvec3> normals = vertex_normals(base_);
   for (VertexId v = 0; v < normals.size(); ++v) normals_[v].normal = normals[v];
@@ -147,7 +150,7 @@ void Ground::find_normals() {
   }
 }
 
-std::span<const std::uint16_t> Ground::materials_at(const BasePoint& point) const {
+std::span<const std::uint16_t> SurfaceMesh::materials_at(const BasePoint& point) const {
   const std::span<const std::uint16_t> own(&base_.material[point.facet], 1);
   if (vertex_materials_.empty()) return own;
   const auto& corner = base_.facets[point.facet];
@@ -165,12 +168,12 @@ std::span<const std::uint16_t> Ground::materials_at(const BasePoint& point) cons
   return own;
 }
 
-bool Ground::textured_at(const BasePoint& point) const {
+bool SurfaceMesh::textured_at(const BasePoint& point) const {
   const auto materials = materials_at(point);
   return std::any_of(materials.begin(), materials.end(), [&](std::uint16_t m) { return textured(m); });
 }
 
-std::span<const std::uint16_t> Ground::materials_along(const BasePoint& a, const BasePoint& b) const {
+std::span<const std::uint16_t> SurfaceMesh::materials_along(const BasePoint& a, const BasePoint& b) const {
   const std::span<const std::uint16_t> own(&base_.material[a.facet], 1);
   const std::size_t k = common_edge(a, b);
   if (k == 3 || edge_materials_.empty()) return own;
@@ -179,20 +182,20 @@ std::span<const std::uint16_t> Ground::materials_along(const BasePoint& a, const
   return found == edge_materials_.end() ? own : found->second;
 }
 
-bool Ground::textured_along(const BasePoint& a, const BasePoint& b) const {
+bool SurfaceMesh::textured_along(const BasePoint& a, const BasePoint& b) const {
   // A flat facet is cut where an edge ends on relief, so that what its border does to it ends there too.
   if (textured_at(a) || textured_at(b)) return true;
   return textured(base_.material[a.facet]) &&
          std::ranges::any_of(materials_along(a, b), [&](std::uint16_t m) { return textured(m); });
 }
 
-bool Ground::mirrors_along(const BasePoint& a, const BasePoint& b) const {
+bool SurfaceMesh::mirrors_along(const BasePoint& a, const BasePoint& b) const {
   return !settings_.mirrors.empty() &&
          std::ranges::any_of(materials_along(a, b), [&](std::uint16_t m) { return mirrors(m); });
 }
 
-double Ground::sine_grazing(const BasePoint& a, const BasePoint& b, glm::dvec3 from_apex,
-                            double radius_m) const {
+double SurfaceMesh::sine_grazing(const BasePoint& a, const BasePoint& b, glm::dvec3 from_apex,
+                                 double radius_m) const {
   const double range = glm::length(from_apex);
   const auto lowest = [&](glm::dvec3 normal, double spread_rad) {
     return std::max(0.0,
@@ -209,7 +212,7 @@ double Ground::sine_grazing(const BasePoint& a, const BasePoint& b, glm::dvec3 f
   return std::min(lowest(p.normal, p.spread_rad), lowest(q.normal, q.spread_rad));
 }
 
-glm::dvec3 Ground::place(const BasePoint& point) const {
+glm::dvec3 SurfaceMesh::place(const BasePoint& point) const {
   double sum = 0;
   const auto materials = materials_at(point);
   for (const std::uint16_t m : materials)
@@ -224,19 +227,19 @@ glm::dvec3 Ground::place(const BasePoint& point) const {
   return length > 0 ? point.at_m + height / length * normal : point.at_m;
 }
 
-RefinedMesh Ground::refined(std::span<const FacetId> facets, const EdgeRule& rule,
-                            const RefinementLimits& limits) const {
+RefinedMesh SurfaceMesh::refined(std::span<const FacetId> facets, const EdgeRule& rule,
+                                 const RefinementLimits& limits) const {
   return refine(
       base_, facets, grid_, rule, [this](const BasePoint& p) { return place(p); }, limits);
 }
 
-RefinedMesh Ground::everywhere(const RefinementLimits& limits) const {
+RefinedMesh SurfaceMesh::everywhere(const RefinementLimits& limits) const {
   std::vector<FacetId> all(base_.facets.size());
   std::iota(all.begin(), all.end(), 0u);
   return everywhere(all, limits);
 }
 
-RefinedMesh Ground::everywhere(std::span<const FacetId> facets, const RefinementLimits& limits) const {
+RefinedMesh SurfaceMesh::everywhere(std::span<const FacetId> facets, const RefinementLimits& limits) const {
   // Known before it is tried, which would take as long as all that may be made.
   std::size_t count = 0;
   for (const FacetId f : facets) {
@@ -248,7 +251,7 @@ RefinedMesh Ground::everywhere(std::span<const FacetId> facets, const Refinement
   return refined(facets, Cells(*this), limits);
 }
 
-RefinedMesh Ground::seen_by(std::span<const Look> looks, const RefinementLimits& limits) const {
+RefinedMesh SurfaceMesh::seen_by(std::span<const Look> looks, const RefinementLimits& limits) const {
   const Seen rule(*this, looks);
   std::vector<FacetId> facets;
   const double lift = omitted_.largest_height_m() + grid_.unit_m();
@@ -263,8 +266,8 @@ RefinedMesh Ground::seen_by(std::span<const Look> looks, const RefinementLimits&
   return refined(facets, rule, limits);
 }
 
-RefinedMesh Ground::mirrors_within(glm::dvec3 place_m, double distance_m,
-                                   const RefinementLimits& limits) const {
+RefinedMesh SurfaceMesh::mirrors_within(glm::dvec3 place_m, double distance_m,
+                                        const RefinementLimits& limits) const {
   std::vector<FacetId> facets;
   tree_.query(grid_.snap(place_m), std::span<const SceneTree::HalfSpace>(), distance_m / grid_.unit_m(),
               omitted_.largest_height_m() / grid_.unit_m() + 1, facets);
@@ -273,7 +276,7 @@ RefinedMesh Ground::mirrors_within(glm::dvec3 place_m, double distance_m,
   return refined(facets, Cells(*this), limits);
 }
 
-RefinedMesh Ground::in_line_with(glm::dvec3 place_m) const {
+RefinedMesh SurfaceMesh::in_line_with(glm::dvec3 place_m) const {
   std::vector<FacetId> facets;
   const double margin = omitted_.largest_height_m() / grid_.unit_m() + 1;
   facets_near_vertical(tree_, grid_.snap(place_m), margin, facets);
@@ -281,7 +284,7 @@ RefinedMesh Ground::in_line_with(glm::dvec3 place_m) const {
   return refined(facets, InLine(*this, place_m), {});
 }
 
-std::size_t Ground::uniform_count() const {
+std::size_t SurfaceMesh::uniform_count() const {
   std::size_t sum = 0;
   for (FacetId f = 0; f < base_.facets.size(); ++f) {
     stop_if_wanted();

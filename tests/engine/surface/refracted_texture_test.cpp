@@ -9,7 +9,7 @@
 #include <random>
 
 #include "engine/echo/echo.hpp"
-#include "engine/ground/refracted_ground.hpp"
+#include "engine/surface/refracted_surface.hpp"
 #include "engine/visibility/tube_engine.hpp"
 #include "fixtures/geometry/metre_meshes.hpp"
 #include "fixtures/world/textures.hpp"
@@ -51,8 +51,8 @@ TubeSet fan() {
 
 const RangeSamples range_samples{25, 2.5, 12};
 
-/// Of an apparent ground, or of a mesh as it is.
-std::vector<double> hear(const FacetMesh& mesh, const ApparentSurface* ground, const Field& texture,
+/// Of an apparent surface, or of a mesh as it is.
+std::vector<double> hear(const FacetMesh& mesh, const ApparentSurface* surface_mesh, const Field& texture,
                          double tolerance = 1e-10, bool one_beam = true, Binning binning = Binning::exact) {
   const SceneTree tree(mesh);
   const std::vector<double> material_mu{mu};
@@ -60,9 +60,9 @@ std::vector<double> hear(const FacetMesh& mesh, const ApparentSurface* ground, c
   std::vector<FacetMap> maps;
   EchoModel model{material_mu, mesh.material, 0, nullptr, tolerance};
   if (texture) model.reflectivity = textures;
-  if (ground != nullptr) {
-    model.path.facet_factor = ground->facet_factor;
-    maps = ground->facet_maps(glm::dvec3(0), grid);
+  if (surface_mesh != nullptr) {
+    model.path.facet_factor = surface_mesh->facet_factor;
+    maps = surface_mesh->facet_maps(glm::dvec3(0), grid);
     model.path.tx.facet_map = maps;
   }
   const TubeSet tubes = fan();
@@ -83,14 +83,14 @@ TEST(RefractedTexture, IsovelocityWaterIsTheStraightEngine) {
   const WaterColumn water{SoundSpeedProfile({{0, 1480}, {50, 1480}}), {}};
   std::vector<FacetId> all(base.facets.size());
   std::iota(all.begin(), all.end(), 0u);
-  const ApparentSurface ground =
+  const ApparentSurface surface_mesh =
       map_apparent(base, all, grid, ApparentMap(water, glm::dvec3(0), 10), 0, {.travel_path_error_m = 1e-6});
-  ASSERT_EQ(ground.refined.mesh.facets, base.facets);
+  ASSERT_EQ(surface_mesh.refined.mesh.facets, base.facets);
   for (const std::uint64_t seed : {1, 2}) {
     SCOPED_TRACE(seed);
     for (const Field& texture : {perlin(1.3, 2, 0.8, seed), map_askew(seed)}) {
       const std::vector<double> straight = hear(base, nullptr, texture);
-      const std::vector<double> refracted = hear(ground.refined.mesh, &ground, texture);
+      const std::vector<double> refracted = hear(surface_mesh.refined.mesh, &surface_mesh, texture);
       for (std::size_t k = 0; k < straight.size(); ++k) {
         EXPECT_GT(straight[k], 0);
         EXPECT_NEAR(refracted[k] / straight[k], 1, 1e-12) << k;
@@ -100,11 +100,11 @@ TEST(RefractedTexture, IsovelocityWaterIsTheStraightEngine) {
 }
 
 TEST(RefractedTexture, AConstantTextureIsNone) {
-  const ApparentSurface ground = apparent(flat_seabed(128, 256), gradient(-0.5), 0.02);
-  ASSERT_GT(ground.refined.mesh.facets.size(), 100u);
+  const ApparentSurface surface_mesh = apparent(flat_seabed(128, 256), gradient(-0.5), 0.02);
+  ASSERT_GT(surface_mesh.refined.mesh.facets.size(), 100u);
   const Field one = std::make_shared<PerlinReflectivity>(PerlinReflectivity::Settings{.depth = 0});
-  const std::vector<double> even = hear(ground.refined.mesh, &ground, nullptr),
-                            textured = hear(ground.refined.mesh, &ground, one);
+  const std::vector<double> even = hear(surface_mesh.refined.mesh, &surface_mesh, nullptr),
+                            textured = hear(surface_mesh.refined.mesh, &surface_mesh, one);
   for (std::size_t k = 0; k < even.size(); ++k) EXPECT_NEAR(textured[k] / even[k], 1, 1e-9) << k;
 }
 
@@ -147,11 +147,12 @@ double closed_form(double g, double t1, double t2, double azimuth1, double azimu
 TEST(RefractedTexture, UnderOneGradientItLiesWhereTheSeabedIs) {
   const FacetMesh base = flat_seabed(128, 256);
   for (const double g : {-1.0, 0.4}) {
-    const ApparentSurface ground = apparent(base, gradient(g), 1e-3);
+    const ApparentSurface surface_mesh = apparent(base, gradient(g), 1e-3);
     for (const std::uint64_t seed : {3, 4}) {
       SCOPED_TRACE(testing::Message() << "g " << g << " seed " << seed);
       const Field texture = perlin(1.5, 1, 0.8, seed);
-      const std::vector<double> received = hear(ground.refined.mesh, &ground, texture, 1e-7, false);
+      const std::vector<double> received =
+          hear(surface_mesh.refined.mesh, &surface_mesh, texture, 1e-7, false);
       std::size_t compared = 0;
       for (int k = 0; k < range_samples.count; ++k) {
         const double r1 = range_samples.first_m + k * range_samples.step_m, r2 = r1 + range_samples.step_m;

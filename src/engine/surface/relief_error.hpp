@@ -35,7 +35,7 @@ class OmittedRelief {
   std::vector<std::array<ElevationField::LeftOut, steps>> by_material_;
 };
 
-/// A beam's range sample on the ground.
+/// A beam's range sample on the surface.
 struct Resolution {
   double range_m = 1;       ///< slant range
   double sine_grazing = 1;  ///< of the grazing angle

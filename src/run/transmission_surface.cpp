@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "run/transmission_ground.hpp"
+#include "run/transmission_surface.hpp"
 
 #include <fmt/format.h>
 
@@ -81,7 +81,7 @@ void check_cell(const Scene& scene, double cell_m) {
 
 }  // namespace
 
-std::unique_ptr<Ground> relief_ground(const Scene& scene) {
+std::unique_ptr<SurfaceMesh> relief_surface(const Scene& scene) {
   const RefinementDescription& keys = scene.description.refinement;
   if (!has_relief(scene))
     throw InputError(keys.place, keys.mode == "off"
@@ -90,26 +90,27 @@ std::unique_ptr<Ground> relief_ground(const Scene& scene) {
                                        "to refine");
   const double cell_m = cell_of(scene);
   check_cell(scene, cell_m);
-  return std::make_unique<Ground>(
+  return std::make_unique<SurfaceMesh>(
       scene.mesh, scene.grid, scene.relief,
-      GroundSettings{cell_m, keys.displace == "normal" ? Displacement::normal : Displacement::vertical,
-                     keys.tolerance.value_or(GroundSettings().tolerance), mirror_materials(scene)});
+      SurfaceSettings{cell_m, keys.displace == "normal" ? Displacement::normal : Displacement::vertical,
+                      keys.tolerance.value_or(SurfaceSettings().tolerance), mirror_materials(scene)});
 }
 
-RefinedMesh refined_seabed(const Scene& scene, const Ground& ground) {
-  const std::size_t count = ground.uniform_count();
+RefinedMesh refined_seabed(const Scene& scene, const SurfaceMesh& surface_mesh) {
+  const std::size_t count = surface_mesh.uniform_count();
   const auto too_many = [&] {
     return InputError(scene.description.refinement.place,
                       fmt::format("a bed in cells of {:.3g} m has {} facets, more than {}: use mode = "
                                   "\"online\", a larger 'cell_m' or a smaller terrain",
-                                  ground.settings().cell_m, count, most_offline.facets));
+                                  surface_mesh.settings().cell_m, count, most_offline.facets));
   };
   if (count > most_offline.facets) throw too_many();
-  require_memory(bytes_a_facet * static_cast<double>(count), scene.description.refinement.place,
-                 fmt::format("a bed in cells of {:.3g} m and its {} facets", ground.settings().cell_m, count),
-                 "use mode = \"online\", a larger 'cell_m' or a smaller terrain");
+  require_memory(
+      bytes_a_facet * static_cast<double>(count), scene.description.refinement.place,
+      fmt::format("a bed in cells of {:.3g} m and its {} facets", surface_mesh.settings().cell_m, count),
+      "use mode = \"online\", a larger 'cell_m' or a smaller terrain");
   try {
-    return ground.everywhere(most_offline);
+    return surface_mesh.everywhere(most_offline);
   } catch (const RefinementTooLarge&) {
     throw too_many();
   }
@@ -127,7 +128,7 @@ RefinedMesh refined_part(const LoadedScene& whole, const Scene& part, std::span<
   const auto at_hand = static_cast<std::size_t>(std::min(memory_at_hand() / bytes_a_facet, 1e12));
   const RefinementLimits most{.facets = std::min(most_offline.facets, at_hand)};
   try {
-    return relief_ground(part)->everywhere(facets, most);
+    return relief_surface(part)->everywhere(facets, most);
   } catch (const RefinementTooLarge&) {
     throw InputError(place, fmt::format("the tiles that are needed at once have more than {} facets in cells "
                                         "of {:.3g} m: use mode = \"online\", a larger 'cell_m', fewer pings "
@@ -137,7 +138,7 @@ RefinedMesh refined_part(const LoadedScene& whole, const Scene& part, std::span<
 }
 
 void refine_part(const LoadedScene& whole, const TileChoice& tiles, LoadedScene& part) {
-  part.ground.reset();
+  part.surface_mesh.reset();
   const std::vector<FacetId> facets = all_facets(part.scene.mesh);
   RefinedMesh seabed =
       refined_part(whole, part.scene, facets, whole.relief.file ? whole.base_numbering().of(tiles) : facets);
@@ -149,13 +150,13 @@ void lay_relief(LoadedScene& loaded_scene) {
   Scene& scene = loaded_scene.scene;
   if (!has_relief(scene)) return;
   const RefinementDescription& keys = scene.description.refinement;
-  std::unique_ptr<Ground> ground = relief_ground(scene);
-  loaded_scene.relief.cell_m = ground->settings().cell_m;
+  std::unique_ptr<SurfaceMesh> surface_mesh = relief_surface(scene);
+  loaded_scene.relief.cell_m = surface_mesh->settings().cell_m;
   loaded_scene.relief.base_facets = facets_of(scene);
-  if (!loaded_scene.is_tiled()) loaded_scene.relief.uniform_facets = ground->uniform_count();
-  loaded_scene.relief.omitted = std::make_shared<const OmittedRelief>(ground->omitted());
+  if (!loaded_scene.is_tiled()) loaded_scene.relief.uniform_facets = surface_mesh->uniform_count();
+  loaded_scene.relief.omitted = std::make_shared<const OmittedRelief>(surface_mesh->omitted());
   if (keys.mode == "online") {
-    loaded_scene.ground = std::move(ground);
+    loaded_scene.surface_mesh = std::move(surface_mesh);
     return;
   }
   std::shared_ptr<const RefinedSurfaceFile> file;
@@ -171,8 +172,8 @@ void lay_relief(LoadedScene& loaded_scene) {
     loaded_scene.relief.file = std::move(file);
     return;
   }
-  RefinedMesh seabed = file ? file->read(all_facets(scene.mesh)) : refined_seabed(scene, *ground);
-  ground.reset();
+  RefinedMesh seabed = file ? file->read(all_facets(scene.mesh)) : refined_seabed(scene, *surface_mesh);
+  surface_mesh.reset();
   scene.mesh = std::move(seabed.mesh);
   loaded_scene.relief.parent = std::move(seabed.parent);
 }
@@ -195,7 +196,7 @@ RefinedMesh refined_for(const Transmission& transmission, const Refine& refine) 
 
 RefinedMesh relief_seen_by(const Transmission& transmission, std::span<const Look> looks, bool weights) {
   RefinedMesh seabed = refined_for(transmission, [&] {
-    return transmission.loaded_scene().ground->seen_by(looks, {most_per_transmission.facets, weights});
+    return transmission.loaded_scene().surface_mesh->seen_by(looks, {most_per_transmission.facets, weights});
   });
   cut_at_surface(transmission.scene(), seabed.mesh, seabed.parent, weights ? &seabed.weights : nullptr);
   return seabed;
@@ -203,8 +204,8 @@ RefinedMesh relief_seen_by(const Transmission& transmission, std::span<const Loo
 
 RefinedMesh mirrors_about(const Transmission& transmission, double distance_m) {
   RefinedMesh mirrors = refined_for(transmission, [&] {
-    return transmission.loaded_scene().ground->mirrors_within(transmission.pose().position_m, distance_m,
-                                                              most_per_transmission);
+    return transmission.loaded_scene().surface_mesh->mirrors_within(transmission.pose().position_m,
+                                                                    distance_m, most_per_transmission);
   });
   cut_at_surface(transmission.scene(), mirrors.mesh, mirrors.parent);
   return mirrors;
@@ -232,26 +233,26 @@ bool cut_at_surface(const Scene& scene, FacetMesh& mesh, std::vector<FacetId>& p
   return true;
 }
 
-TransmissionGround ground_of(const Transmission& transmission, bool weights) {
-  return transmission.scene().water->refracts() ? refracted_ground_of(transmission, weights)
-                                                : lying_ground_of(transmission, weights);
+TransmissionSurface surface_mesh_of(const Transmission& transmission, bool weights) {
+  return transmission.scene().water->refracts() ? refracted_surface_of(transmission, weights)
+                                                : lying_surface_of(transmission, weights);
 }
 
-TransmissionGround lying_ground_of(const Transmission& transmission, bool weights) {
+TransmissionSurface lying_surface_of(const Transmission& transmission, bool weights) {
   const LoadedScene& loaded_scene = transmission.loaded_scene();
-  if (!loaded_scene.ground) return TransmissionGround(loaded_scene);
+  if (!loaded_scene.surface_mesh) return TransmissionSurface(loaded_scene);
   std::vector<TubeSet> tubes{transmission.tubes()};
   if (transmission.has_separate_receiver()) tubes.push_back(transmission.receive_tubes(transmission.first()));
   std::vector<Look> looks = transmission.looks(tubes);
   const std::vector<PathLook> of_paths = looks_of_paths(transmission);
   for (const PathLook& look : of_paths)
     looks.push_back({&look.tubes, 0, transmission.sample_length_m(), nullptr, look.beam_rad});
-  return TransmissionGround(loaded_scene, relief_seen_by(transmission, looks, weights));
+  return TransmissionSurface(loaded_scene, relief_seen_by(transmission, looks, weights));
 }
 
-TransmissionGround ground_in_line_with(const LoadedScene& loaded_scene, glm::dvec3 place_m) {
-  if (!loaded_scene.ground) return TransmissionGround(loaded_scene);
-  return TransmissionGround(loaded_scene, loaded_scene.ground->in_line_with(place_m));
+TransmissionSurface surface_in_line_with(const LoadedScene& loaded_scene, glm::dvec3 place_m) {
+  if (!loaded_scene.surface_mesh) return TransmissionSurface(loaded_scene);
+  return TransmissionSurface(loaded_scene, loaded_scene.surface_mesh->in_line_with(place_m));
 }
 
 }  // namespace tubefoot

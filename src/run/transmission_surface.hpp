@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "engine/ground/ground.hpp"
-#include "engine/ground/refracted_ground.hpp"
+#include "engine/surface/refracted_surface.hpp"
+#include "engine/surface/surface_mesh.hpp"
 #include "run/loaded_scene.hpp"
 
 namespace tubefoot {
@@ -13,17 +13,17 @@ class Transmission;
 
 /// The facets that a transmission meets: the loaded scene's own, or a refinement for this transmission, which
 /// lives as long as this.
-class TransmissionGround {
+class TransmissionSurface {
  public:
   /// The site's own facets.
-  explicit TransmissionGround(const LoadedScene& loaded_scene) : loaded_scene_(&loaded_scene) {}
-  TransmissionGround(const LoadedScene& loaded_scene, RefinedMesh refined)
+  explicit TransmissionSurface(const LoadedScene& loaded_scene) : loaded_scene_(&loaded_scene) {}
+  TransmissionSurface(const LoadedScene& loaded_scene, RefinedMesh refined)
       : loaded_scene_(&loaded_scene),
         refined_(std::make_unique<RefinedMesh>(std::move(refined))),
         tree_(std::make_unique<SceneTree>(refined_->mesh, SceneTree::HeightFieldSearch::ignored)) {}
 
   /// As the sonar sees it through refracting water.
-  TransmissionGround(const LoadedScene& loaded_scene, ApparentSurface apparent)
+  TransmissionSurface(const LoadedScene& loaded_scene, ApparentSurface apparent)
       : loaded_scene_(&loaded_scene),
         apparent_(std::make_unique<ApparentSurface>(std::move(apparent))),
         tree_(std::make_unique<SceneTree>(apparent_->refined.mesh, SceneTree::HeightFieldSearch::ignored)) {}
@@ -52,11 +52,11 @@ class TransmissionGround {
   std::unique_ptr<SceneTree> tree_;
 };
 
-/// The ground of a transmission (Transmission::ground() keeps it), if asked for with RefinedMesh::weights
+/// The surface of a transmission (Transmission::ground() keeps it), if asked for with RefinedMesh::weights
 /// about the scene's facets. Throws InputError where it takes too many facets.
-TransmissionGround ground_of(const Transmission& transmission, bool weights = false);
+TransmissionSurface surface_mesh_of(const Transmission& transmission, bool weights = false);
 /// The same where it lies, also in water that refracts.
-TransmissionGround lying_ground_of(const Transmission& transmission, bool weights = false);
+TransmissionSurface lying_surface_of(const Transmission& transmission, bool weights = false);
 /// The relief that a transmission sees. Throws InputError where it takes too many facets.
 RefinedMesh relief_seen_by(const Transmission& transmission, std::span<const Look> looks,
                            bool weights = false);
@@ -67,11 +67,11 @@ RefinedMesh mirrors_about(const Transmission& transmission, double distance_m);
 /// belongs to it; of `weights`, if given, where it lies. False: all of it was.
 bool cut_at_surface(const Scene& scene, FacetMesh& mesh, std::vector<FacetId>& parent,
                     std::vector<PartWeights>* weights = nullptr);
-/// The ground above and below a place.
-TransmissionGround ground_in_line_with(const LoadedScene& loaded_scene, glm::dvec3 place_m);
+/// The surface above and below a place.
+TransmissionSurface surface_in_line_with(const LoadedScene& loaded_scene, glm::dvec3 place_m);
 
-/// Settles how a scene's relief gets into its facets: nothing without relief; online, what ground_of() needs;
-/// offline, the scene's facets are refined (or loaded) here, and of a tiled site those of tiles by
+/// Settles how a scene's relief gets into its facets: nothing without relief; online, what surface_mesh_of()
+/// needs; offline, the scene's facets are refined (or loaded) here, and of a tiled site those of tiles by
 /// refine_part(). Throws InputError.
 void lay_relief(LoadedScene& loaded_scene);
 /// Refines a part of a tiled site, that has these tiles and its ground. Throws InputError.
@@ -81,9 +81,9 @@ void refine_part(const LoadedScene& whole, const TileChoice& tiles, LoadedScene&
 RefinedMesh refined_part(const LoadedScene& whole, const Scene& part, std::span<const FacetId> facets,
                          std::span<const FacetId> names);
 
-/// The ground that lay_relief() refines, for a scene with relief. Throws InputError.
-std::unique_ptr<Ground> relief_ground(const Scene& scene);
+/// The surface that lay_relief() refines, for a scene with relief. Throws InputError.
+std::unique_ptr<SurfaceMesh> relief_surface(const Scene& scene);
 /// All of it in cells. Throws InputError where those are too many.
-RefinedMesh refined_seabed(const Scene& scene, const Ground& ground);
+RefinedMesh refined_seabed(const Scene& scene, const SurfaceMesh& surface_mesh);
 
 }  // namespace tubefoot

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Where tubes may look through refracting water, against the rays themselves.
-#include "engine/ground/view_bounds.hpp"
+#include "engine/surface/view_bounds.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,10 +6,10 @@
 #include <unordered_map>
 #include <vector>
 
-#include "engine/ground/relief_error.hpp"
-#include "engine/ground/sector.hpp"
-#include "engine/ground/view_bounds.hpp"
 #include "engine/relief/elevation_field.hpp"
+#include "engine/surface/relief_error.hpp"
+#include "engine/surface/sector.hpp"
+#include "engine/surface/view_bounds.hpp"
 #include "geometry/mesh/edge_refinement.hpp"
 #include "geometry/search/scene_tree.hpp"
 
@@ -19,7 +19,7 @@ namespace tubefoot {
 
 enum class Displacement { vertical, normal };
 
-struct GroundSettings {
+struct SurfaceSettings {
   double cell_m = 0.01;  ///< no edge of a refined facet is cut that is no longer than this
   Displacement displacement = Displacement::vertical;
   /// RMS change of a range sample's energy, relative, that coarser facets may make; 0: cells everywhere.
@@ -29,7 +29,7 @@ struct GroundSettings {
   std::vector<bool> mirrors{};
 };
 
-/// What a transmission asks of the ground.
+/// What a transmission asks of the surface.
 struct Look {
   const TubeSet* tubes = nullptr;
   double first_m = 0;                       ///< slant range where its samples begin
@@ -38,12 +38,12 @@ struct Look {
   double beam_rad = 0;                      ///< width of its beams; 0: of the narrowest tube
 };
 
-class Ground {
+class SurfaceMesh {
  public:
-  /// `base` outlives the ground. Relief by material, null where facets are flat. The grid has to hold the
+  /// `base` outlives the surface. Relief by material, null where facets are flat. The grid has to hold the
   /// base displaced by the largest relief.
-  Ground(const FacetMesh& base, const WorldGrid& grid,
-         std::span<const std::shared_ptr<const ElevationField>> relief, const GroundSettings& settings);
+  SurfaceMesh(const FacetMesh& base, const WorldGrid& grid,
+              std::span<const std::shared_ptr<const ElevationField>> relief, const SurfaceSettings& settings);
 
   /// All facets; those with relief in cells. Throws RefinementTooLarge.
   RefinedMesh everywhere(const RefinementLimits& limits) const;
@@ -62,7 +62,7 @@ class Ground {
   std::size_t uniform_count() const;
 
   const OmittedRelief& omitted() const { return omitted_; }
-  const GroundSettings& settings() const { return settings_; }
+  const SurfaceSettings& settings() const { return settings_; }
   const FacetMesh& base() const { return base_; }
 
  private:
@@ -90,7 +90,7 @@ class Ground {
   const FacetMesh& base_;
   WorldGrid grid_;
   std::vector<std::shared_ptr<const ElevationField>> relief_;
-  GroundSettings settings_;
+  SurfaceSettings settings_;
   OmittedRelief omitted_;
   SceneTree tree_;
   /// Materials that meet at base edges (both vertices) and vertices of more than one; sorted.
