@@ -23,7 +23,7 @@ class ScanningSonar : public Sensor {
     frequency_khz_ = 675;
     samples_ = samples;
     const double width_rad = 2 * std::numbers::pi / steps;
-    Shot shot;
+    Transmission transmission;
     AngularGrid sector;
     for (int step = 0; step <= steps; ++step)
       sector.azimuth_edges_rad.push_back(-std::numbers::pi + step * width_rad);
@@ -32,13 +32,13 @@ class ScanningSonar : public Sensor {
     sector.frame = {glm::dvec3(0, 1, 0), glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 1)};
     for (int step = 0; step < steps; ++step) {
       beams_.push_back({-std::numbers::pi + (step + 0.5) * width_rad, 0, width_rad, height_rad});
-      shot.beams.push_back(static_cast<std::uint32_t>(step));
-      shot.beam_of_tube.push_back(static_cast<std::uint32_t>(step));
+      transmission.beams.push_back(static_cast<std::uint32_t>(step));
+      transmission.beam_of_tube.push_back(static_cast<std::uint32_t>(step));
     }
-    shot.sectors.push_back(sector);
+    transmission.sectors.push_back(sector);
     const auto all = static_cast<std::uint32_t>(steps);
-    shot.fans.push_back({0, all, all});
-    shots_.push_back(shot);
+    transmission.fans.push_back({0, all, all});
+    transmissions_.push_back(transmission);
   }
 
  private:
