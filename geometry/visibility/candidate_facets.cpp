@@ -67,7 +67,7 @@ bool CandidateFacets::gather(const FacetMesh& mesh, const SceneTree& tree, const
     }
   }
   candidates_.clear();
-  const HeightFields* sheets = tree.sheets();
+  const HeightFields* sheets = tree.height_fields();
   if (count > 1) {
     const std::array<SceneTree::Fan, 4> fans{SceneTree::Fan(walls_[0]), SceneTree::Fan(walls_[1]),
                                              SceneTree::Fan(walls_[2]), SceneTree::Fan(walls_[3])};

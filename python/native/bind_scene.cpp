@@ -129,19 +129,20 @@ void bind_scene(py::module_& module) {
              const auto survey = s.survey();
              return survey->sensors[survey->sensor_set->sensor_named(sensor)].times_s.size();
            })
-      .def("shots",
+      .def("transmissions",
            [](NativeScene& s, const std::string& sensor) {
              const py::gil_scoped_release released;
              const auto survey = s.survey();
              return survey->sensors[survey->sensor_set->sensor_named(sensor)].sensor->transmissions();
            })
-      .def("shot", [](NativeScene& s, const std::string& sensor, std::size_t ping, std::size_t transmission) {
-        const py::gil_scoped_release released;
-        const auto survey = s.survey();
-        return std::make_shared<NativeTransmission>(
-            *survey, request_of(s.description().run),
-            ReceivedTransmission{survey->sensor_set->sensor_named(sensor), ping, transmission});
-      });
+      .def("transmission",
+           [](NativeScene& s, const std::string& sensor, std::size_t ping, std::size_t transmission) {
+             const py::gil_scoped_release released;
+             const auto survey = s.survey();
+             return std::make_shared<NativeTransmission>(
+                 *survey, request_of(s.description().run),
+                 ReceivedTransmission{survey->sensor_set->sensor_named(sensor), ping, transmission});
+           });
   module.def(
       "read_scene",
       [](const std::string& file, bool confined) {

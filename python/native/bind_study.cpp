@@ -50,7 +50,7 @@ struct ChartRequest {
   std::vector<std::string> builtin;  ///< tube, ray
   std::vector<std::pair<std::string, py::object>> own;
   std::string output;  ///< may be empty
-  std::size_t pings = 1;
+  std::string pings = "0";
   int repeats = 3;
   double seconds = 4;
 };
@@ -80,7 +80,7 @@ std::vector<Trial> chart(const ChartRequest& request, RunWatch& watch) {
   std::set<std::string> names;
   std::vector<Trial> trials;
   for (const auto& described : request.scenes) {
-    TrialScene scene(described->description(), first_pings(request.pings), chart_reference_tolerance);
+    TrialScene scene(described->description(), chosen_pings(request.pings), chart_reference_tolerance);
     if (!names.insert(scene.name()).second)
       throw UsageError("two scenes are called '" + scene.name() + "': the chart could not tell them apart");
     std::vector<EngineSetting> settings = settings_of(request.builtin, scene.beams());
@@ -109,7 +109,7 @@ std::vector<py::dict> chart_from_python(const py::dict& requested, const py::obj
   request.builtin = requested["builtin"].cast<decltype(request.builtin)>();
   request.own = requested["own"].cast<decltype(request.own)>();
   request.output = requested["output"].cast<std::string>();
-  request.pings = requested["pings"].cast<std::size_t>();
+  request.pings = requested["pings"].cast<std::string>();
   request.repeats = requested["repeats"].cast<int>();
   request.seconds = requested["seconds"].cast<double>();
   RunWatch watch;
@@ -133,14 +133,18 @@ std::vector<py::dict> chart_from_python(const py::dict& requested, const py::obj
 }
 
 /// What advice is given on, and how it reads, as `tubefoot advise --json`.
-std::string advise_from_python(const NativeScene& scene, const std::string& tolerance, std::size_t pings) {
+std::string advise_from_python(const NativeScene& scene, const std::string& tolerance,
+                               const std::string& pings, std::size_t trial_pings,
+                               std::optional<int> threads) {
   std::string said;
   RunWatch watch;
   run_apart(watch, py::none(), [&] {
     AdviceOptions options;
     options.pings = pings;
+    options.trial_pings = trial_pings;
     options.seed = scene.description().run.seed;
     options.quiet = true;
+    const ThreadLimit limit(threads.value_or(scene.description().run.threads));
     said = text_of(
         json_of(advise(scene.description(), requested_tolerance(tolerance), options), scene.description()));
   });

@@ -82,11 +82,12 @@ py::array attitude(const NativeTransmission& transmission) {
 }
 
 void bind_transmission_class(py::module_& module) {
-  py::class_<NativeTransmission, std::shared_ptr<NativeTransmission>>(module, "Shot")
+  py::class_<NativeTransmission, std::shared_ptr<NativeTransmission>>(module, "Transmission")
       .def_property_readonly("sensor",
                              [](const NativeTransmission& s) { return s.sensor().description().name; })
       .def_property_readonly("ping", [](const NativeTransmission& s) { return s.which().ping; })
-      .def_property_readonly("shot", [](const NativeTransmission& s) { return s.which().transmission; })
+      .def_property_readonly("transmission",
+                             [](const NativeTransmission& s) { return s.which().transmission; })
       .def_property_readonly("frequency_khz",
                              [](const NativeTransmission& s) { return s.sensor().frequency_khz(); })
       .def_property_readonly("sound_speed_m_s",
@@ -119,7 +120,7 @@ void bind_transmission_class(py::module_& module) {
                                return by_beam(s, [](const BeamAxis& b) { return b.elevation_rad; });
                              })
       .def_property_readonly("range_edges_m", &range_edges)
-      .def_property_readonly("staff_m", &receiver_pairs)
+      .def_property_readonly("receiver_baseline_m", &receiver_pairs)
       .def_property_readonly("rays", [](const NativeTransmission& s) { return rays(s.tubes()); })
       .def_property_readonly("receive_rays",
                              [](const NativeTransmission& s) { return rays(s.receive_tubes()); })

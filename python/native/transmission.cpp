@@ -19,8 +19,8 @@ RunRequest checked(const Survey& survey, RunRequest request, const ReceivedTrans
     throw UsageError(
         fmt::format("ping {}: sensor '{}' has pings 0 to {}", which.ping, name, pings.times_s.size() - 1));
   if (which.transmission >= pings.sensor->transmissions())
-    throw UsageError(fmt::format("shot {}: a ping of sensor '{}' has shots 0 to {}", which.transmission, name,
-                                 pings.sensor->transmissions() - 1));
+    throw UsageError(fmt::format("transmission {}: a ping of sensor '{}' has transmissions 0 to {}",
+                                 which.transmission, name, pings.sensor->transmissions() - 1));
   request.own_engine.reset();
   require_able(survey, request, Feature::transmission, which.sensor);
   return request;

@@ -86,16 +86,16 @@ def test_keys_that_are_no_number_are_named(folder, keys, value):
 
 
 @pytest.mark.parametrize("value, text", [
-    (np.ma.masked, "engine 'odd' returned a masked value in beam 3 and sample 5 of shot 0 of ping 1 of sensor 'camera': "),
-    (-1, "engine 'odd' returned energies that are negative or not finite: -1.0 in beam 3 and sample 5 of shot 0 of ping 1 "),
-    (np.nan, "engine 'odd' returned energies that are negative or not finite: nan in beam 3 and sample 5 of shot 0 of ping 1 "),
-    (np.inf, "engine 'odd' returned energies that are negative or not finite: inf in beam 3 and sample 5 of shot 0 of ping 1 "),
+    (np.ma.masked, "engine 'odd' returned a masked value in beam 3 and sample 5 of transmission 0 of ping 1 of sensor 'camera': "),
+    (-1, "engine 'odd' returned energies that are negative or not finite: -1.0 in beam 3 and sample 5 of transmission 0 of ping 1 "),
+    (np.nan, "engine 'odd' returned energies that are negative or not finite: nan in beam 3 and sample 5 of transmission 0 of ping 1 "),
+    (np.inf, "engine 'odd' returned energies that are negative or not finite: inf in beam 3 and sample 5 of transmission 0 of ping 1 "),
 ])
 def test_an_engines_energies_are_named_by_beam_and_sample(scene, value, text):
     @tubefoot.engine("odd")
-    def odd(shot):
-        energy = np.ma.array(np.full(shot.energy_shape, HIDDEN))
-        if shot.ping == 1:
+    def odd(transmission):
+        energy = np.ma.array(np.full(transmission.energy_shape, HIDDEN))
+        if transmission.ping == 1:
             energy[3, 5] = value
         return energy
     with pytest.raises(ValueError) as error:
@@ -105,8 +105,8 @@ def test_an_engines_energies_are_named_by_beam_and_sample(scene, value, text):
 
 def test_an_engine_may_return_a_masked_array_that_hides_nothing(scene):
     @tubefoot.engine("whole")
-    def whole(shot):
-        return np.ma.ones(shot.energy_shape)
+    def whole(transmission):
+        return np.ma.ones(transmission.energy_shape)
     assert (tubefoot.run(scene, engine=whole)["camera"].energy == 1).all()
 
 

@@ -83,7 +83,7 @@ def without_seconds(advice):
 
 def test_advice_is_the_commands(scene, folder, program):
     said = json.loads(program("advise", folder / "scene.toml", "--tolerance", "1e-3", "--json", "-", "--pings", 2))
-    advice = tubefoot.advise(scene, "1e-3", pings=2)
+    advice = tubefoot.advise(scene, "1e-3", trial_pings=2)
     exact, told = advice["candidates"][0], said["candidates"][0]
     assert without_seconds(exact) == without_seconds(told)
     for key in ("scene", "scene_hash", "tolerance", "measure", "confidence", "sensors", "silent_sensors"):
@@ -95,10 +95,10 @@ def test_advice_is_the_commands(scene, folder, program):
 
 
 def test_advised_options_make_a_run_that_holds(scene):
-    advice = tubefoot.advise(scene, "50%", pings=2)
+    advice = tubefoot.advise(scene, "50%", trial_pings=2)
     assert advice["cheapest"]["holds"]
     result = tubefoot.run(scene, **advice["cheapest"]["options"])
     for figures in tubefoot.compare(tubefoot.run(scene), result)["sensors"]:
         assert figures["l1_error"] <= 0.5
     with pytest.raises(tubefoot.UsageError, match="pings: 1 is not 2 or more"):
-        tubefoot.advise(scene, "50%", pings=1)
+        tubefoot.advise(scene, "50%", trial_pings=1)

@@ -15,21 +15,21 @@ from tubefoot._words import in_python
 @tubefoot.sensor("centroids")
 def centroids(history):
     """All of a footprint's energy in the sample of its centroid: binning = "centroid", by Lambert's law."""
-    shot = history.shot
+    transmission = history.transmission
     ranges = np.linalg.norm(history.centroid_m, axis=1)
-    mu = shot.material_mu[shot.material[history.facet]]
-    loss = 10 ** (-2 * shot.absorption_db_per_m * ranges / 10)
+    mu = transmission.material_mu[transmission.material[history.facet]]
+    loss = 10 ** (-2 * transmission.absorption_db_per_m * ranges / 10)
     energy = mu * np.sin(history.grazing_rad) ** 2 * history.area_m2 / ranges**4 * loss
-    sample = np.searchsorted(shot.range_edges_m, ranges, side="right") - 1
-    inside = (sample >= 0) & (sample < shot.energy_shape[1])
-    total = np.zeros(shot.energy_shape)
+    sample = np.searchsorted(transmission.range_edges_m, ranges, side="right") - 1
+    inside = (sample >= 0) & (sample < transmission.energy_shape[1])
+    total = np.zeros(transmission.energy_shape)
     np.add.at(total, (history.beam[inside], sample[inside]), energy[inside])
     return total
 
 
 @tubefoot.engine("nothing")
-def nothing(shot):
-    return np.zeros(shot.energy_shape)
+def nothing(transmission):
+    return np.zeros(transmission.energy_shape)
 
 
 def test_a_sensor_in_numpy_is_the_built_in_binning(scene):
@@ -45,20 +45,20 @@ def test_a_sensor_in_numpy_is_the_built_in_binning(scene):
 def test_an_engine_sees_the_scene(scene):
     @tubefoot.engine("middle rays")
     @np.errstate(all="ignore")  # facets that a ray is parallel to
-    def middle_rays(shot):
+    def middle_rays(transmission):
         """The whole beam at the range of its middle ray, if that hits."""
-        energy = np.zeros(shot.energy_shape)
-        corners = shot.vertices_m[shot.facets] - shot.apex_m
+        energy = np.zeros(transmission.energy_shape)
+        corners = transmission.vertices_m[transmission.facets] - transmission.apex_m
         normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        for tube, beam in zip(shot.tubes, shot.beam_of_tube):
-            ray = shot.rays[tube].sum(axis=0)
+        for tube, beam in zip(transmission.tubes, transmission.beam_of_tube):
+            ray = transmission.rays[tube].sum(axis=0)
             ray /= np.linalg.norm(ray)
             ranges = (corners[:, 0] * normal).sum(axis=1) / (normal @ ray)
             point = ranges[:, None, None] * ray
             sides = [((np.cross(corners[:, (k + 1) % 3] - corners[:, k], point[:, 0] - corners[:, k])) * normal).sum(1)
                      for k in range(3)]
             hit = np.where((np.min(sides, axis=0) >= 0) & (ranges > 0), ranges, np.inf).min()
-            sample = np.searchsorted(shot.range_edges_m, hit, side="right") - 1
+            sample = np.searchsorted(transmission.range_edges_m, hit, side="right") - 1
             if 0 <= sample < energy.shape[1]:
                 energy[beam, sample] += 1
         return energy
@@ -71,9 +71,9 @@ def test_each_shot_is_asked_for_once_with_its_ping(scene):
     asked = []
 
     @tubefoot.engine("asked")
-    def engine(shot):
-        asked.append((shot.sensor, shot.ping, shot.shot))
-        return np.full(shot.energy_shape, 1.0 + shot.ping)
+    def engine(transmission):
+        asked.append((transmission.sensor, transmission.ping, transmission.transmission))
+        return np.full(transmission.energy_shape, 1.0 + transmission.ping)
     result = tubefoot.run(scene, engine=engine, threads=3)
     assert sorted(asked) == [("camera", p, 0) for p in range(3)] + [("side", p, 0) for p in range(2)]
     assert (result["camera"].energy == np.arange(1, 4)[:, None, None]).all()
@@ -83,9 +83,9 @@ def test_a_function_that_waits_for_another_thread_is_no_deadlock(scene):
     go = threading.Event()
 
     @tubefoot.engine("waits")
-    def engine(shot):
+    def engine(transmission):
         assert go.wait(60)
-        return np.zeros(shot.energy_shape)
+        return np.zeros(transmission.energy_shape)
     threading.Timer(0.2, go.set).start()
     tubefoot.run(scene, engine=engine)
 
@@ -94,9 +94,9 @@ def test_shots_may_be_kept(scene):
     kept = []
 
     @tubefoot.engine("keeps")
-    def engine(shot):
-        kept.append((shot, shot.facets, shot.vertices_m))
-        return np.zeros(shot.energy_shape)
+    def engine(transmission):
+        kept.append((transmission, transmission.facets, transmission.vertices_m))
+        return np.zeros(transmission.energy_shape)
     tubefoot.run(scene, engine=engine)
     del scene
     assert all(facets.shape == (6, 3) and np.isfinite(vertices).all() for _, facets, vertices in kept)
@@ -105,7 +105,7 @@ def test_shots_may_be_kept(scene):
 
 def test_what_a_function_raises_comes_out_and_leaves_nothing(scene, folder):
     @tubefoot.engine("broken")
-    def broken(shot):
+    def broken(transmission):
         raise ZeroDivisionError("mine")
     before = sorted(folder.iterdir())
     with pytest.raises(ZeroDivisionError, match="mine"):
@@ -122,20 +122,20 @@ def test_what_a_function_raises_comes_out_and_leaves_nothing(scene, folder):
 ])
 def test_energies_that_are_none(scene, energy, text):
     @tubefoot.engine("odd")
-    def odd(shot):
+    def odd(transmission):
         value = {"negative": -1.0, "nan": np.nan, "complex": 1j}.get(energy) if isinstance(energy, str) else None
-        return energy if value is None else np.full(shot.energy_shape, value)
+        return energy if value is None else np.full(transmission.energy_shape, value)
     with pytest.raises(ValueError, match="engine 'odd' .*" + text):
         tubefoot.run(scene, engine=odd)
 
 
 def test_engines_that_are_none(scene):
     with pytest.raises(tubefoot.UsageError, match="not function"):
-        tubefoot.run(scene, engine=lambda shot: None)
+        tubefoot.run(scene, engine=lambda transmission: None)
     with pytest.raises(tubefoot.UsageError, match="built in"):
         tubefoot.run(scene, engine=nothing, tolerance=1e-3)
     with pytest.raises(tubefoot.UsageError, match="needs a name"):
-        tubefoot.engine("")(lambda shot: None)
+        tubefoot.engine("")(lambda transmission: None)
 
 
 @pytest.fixture
@@ -148,19 +148,19 @@ def two_receivers(folder):
 @tubefoot.sensor("two centroids")
 def two_centroids(history):
     """binning = "centroid" of two receivers: each by its own range, and their product where samples are the same."""
-    shot = history.shot
-    if shot.staff_m is None:
+    transmission = history.transmission
+    if transmission.receiver_baseline_m is None:
         return centroids(history)
-    at, staff = history.centroid_m, shot.staff_m[history.beam]
+    at, baseline = history.centroid_m, transmission.receiver_baseline_m[history.beam]
     ranges = np.linalg.norm(at, axis=1)
-    upper, lower = np.linalg.norm(at - staff / 2, axis=1), np.linalg.norm(at + staff / 2, axis=1)
-    mu = shot.material_mu[shot.material[history.facet]]
-    loss = 10 ** (-2 * shot.absorption_db_per_m * ranges / 10)
+    upper, lower = np.linalg.norm(at - baseline / 2, axis=1), np.linalg.norm(at + baseline / 2, axis=1)
+    mu = transmission.material_mu[transmission.material[history.facet]]
+    loss = 10 ** (-2 * transmission.absorption_db_per_m * ranges / 10)
     energy = mu * np.sin(history.grazing_rad) ** 2 * history.area_m2 / ranges**4 * loss
-    product = energy * np.exp(2j * np.pi * 1000 * shot.frequency_khz / shot.sound_speed_m_s * (upper - lower))
-    total = np.zeros(shot.energy_shape)
-    sample = [np.searchsorted(shot.range_edges_m, (ranges + own) / 2, side="right") - 1 for own in (upper, lower)]
-    inside = [(k >= 0) & (k < shot.energy_shape[-1]) for k in sample]
+    product = energy * np.exp(2j * np.pi * 1000 * transmission.frequency_khz / transmission.sound_speed_m_s * (upper - lower))
+    total = np.zeros(transmission.energy_shape)
+    sample = [np.searchsorted(transmission.range_edges_m, (ranges + own) / 2, side="right") - 1 for own in (upper, lower)]
+    inside = [(k >= 0) & (k < transmission.energy_shape[-1]) for k in sample]
     for channel in (0, 1):
         heard = inside[channel]
         np.add.at(total[channel], (history.beam[heard], sample[channel][heard]), energy[heard])
@@ -182,7 +182,7 @@ def test_two_receivers_in_numpy_are_the_built_in_binning(two_receivers):
 
 
 @pytest.mark.parametrize("channels, text", [
-    ((1, 1, 1.01, 0), r"engine 'odd': in beam 0 and sample 0 of shot 0 of ping \d of sensor 'side' the mean product .* more than"),
+    ((1, 1, 1.01, 0), r"engine 'odd': in beam 0 and sample 0 of transmission 0 of ping \d of sensor 'side' the mean product .* more than"),
     ((1, 1, 0.8, -0.8), "more than the root of the product"),
     ((0, 1, 0.1, 0), "more than the root of the product"),
     ((1, -1, 0, 0), "negative or not finite"),
@@ -191,20 +191,20 @@ def test_two_receivers_in_numpy_are_the_built_in_binning(two_receivers):
 ])
 def test_channels_that_no_two_receivers_have(two_receivers, channels, text):
     @tubefoot.engine("odd")
-    def odd(shot):
-        if shot.staff_m is None:
-            return np.zeros(shot.energy_shape)
+    def odd(transmission):
+        if transmission.receiver_baseline_m is None:
+            return np.zeros(transmission.energy_shape)
         if channels is None:
-            return np.zeros(shot.energy_shape[1:])
-        return np.ones(shot.energy_shape) * np.array(channels, dtype=float)[:, None, None]
+            return np.zeros(transmission.energy_shape[1:])
+        return np.ones(transmission.energy_shape) * np.array(channels, dtype=float)[:, None, None]
     with pytest.raises(ValueError, match=text):
         tubefoot.run(two_receivers, engine=odd)
 
 
 def test_signals_that_are_as_alike_as_can_be(two_receivers):
     @tubefoot.engine("alike")
-    def alike(shot):
-        return np.ones(shot.energy_shape) * ([1.0] if shot.staff_m is None else np.array([4, 1, 1.2, -1.6])[:, None, None])
+    def alike(transmission):
+        return np.ones(transmission.energy_shape) * ([1.0] if transmission.receiver_baseline_m is None else np.array([4, 1, 1.2, -1.6])[:, None, None])
     result = tubefoot.run(two_receivers, engine=alike)["side"]
     assert (result.energy == 4).all() and (result.energy_lower == 1).all() and (result.cross == 1.2 - 1.6j).all()
 

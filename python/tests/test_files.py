@@ -71,7 +71,7 @@ def written(folder, program):
     program("run", folder / "scene.toml", "-o", folder / "labels", "--labels")
     program("run", folder / "scene.toml", "-o", folder / "bounds", "--reference", "--tolerance", "1e-3")
     program("footprints", folder / "scene.toml", "--sensor", "camera", "-o", folder / "footprints.nc")
-    program("strength", folder / "thing.obj", "--frequency", "5kHz", "-o", folder / "strength.nc")
+    program("strength", folder / "thing.obj", "--frequencies", "5kHz", "-o", folder / "strength.nc")
     return sorted(folder.rglob("*.nc"))
 
 

@@ -26,17 +26,17 @@ def flat(keys):
 
 def test_footprints_of_a_flat_bed(flat):
     history = tubefoot.history(flat, "camera", ping=1)
-    shot = history.shot
-    assert shot.position_m == pytest.approx([0, 0.2, 2]) and shot.time_s == pytest.approx(0.2)
-    assert shot.apex_m == pytest.approx(shot.position_m, abs=1e-6)
+    transmission = history.transmission
+    assert transmission.position_m == pytest.approx([0, 0.2, 2]) and transmission.time_s == pytest.approx(0.2)
+    assert transmission.apex_m == pytest.approx(transmission.position_m, abs=1e-6)
     # The bed is seen whole: a tube's solid angle is that between its rays.
-    a, b, c, d = (shot.rays[shot.tubes[:, k]] for k in range(4))
+    a, b, c, d = (transmission.rays[transmission.tubes[:, k]] for k in range(4))
 
     def solid_angle(x, y, z):
         triple = np.einsum("ij,ij->i", x, np.cross(y, z))
         return 2 * np.arctan2(np.abs(triple), 1 + sum(np.einsum("ij,ij->i", p, q) for p, q in ((x, y), (y, z), (z, x))))
     whole = solid_angle(a, b, c) + solid_angle(a, c, d)
-    found = np.bincount(history.tube, history.solid_angle_sr, len(shot.tubes))
+    found = np.bincount(history.tube, history.solid_angle_sr, len(transmission.tubes))
     assert found == pytest.approx(whole, rel=1e-9)
     # Straight down it is 2 m to the bed; lines of sight go down.
     assert history.centroid_m[:, 2] == pytest.approx(-2, abs=1e-5)
@@ -54,30 +54,30 @@ def test_pieces_are_polygons_of_the_footprints_area(scene):
         assert sum(map(areas, polygons)) == pytest.approx(history.area_m2[i], rel=1e-9)
         # They lie on the facet.
         corners = np.concatenate(polygons)
-        facet = history.shot.vertices_m[history.shot.facets[history.facet[i]]]
+        facet = history.transmission.vertices_m[history.transmission.facets[history.facet[i]]]
         normal = np.cross(facet[1] - facet[0], facet[2] - facet[0])
         assert (corners - facet[0]) @ normal / np.linalg.norm(normal) == pytest.approx(0, abs=1e-9)
     # The tetrahedron hides some of the bed, and nothing hides the tetrahedron's front.
-    on_bed = history.shot.component[history.facet] == 0
+    on_bed = history.transmission.component[history.facet] == 0
     hides = set()
     for i in np.flatnonzero(on_bed & (history.occluders > 0)):
         first = history.first_occluder[i]
         hides.update(history.occluder_facets[first:first + history.occluders[i]])
-    assert hides and all(history.shot.component[f] == 1 for f in hides)
+    assert hides and all(history.transmission.component[f] == 1 for f in hides)
 
 
 def test_facets_are_those_of_the_scene(scene):
-    shot = tubefoot.shot(scene, "side", 1)
-    assert scene.components == ["terrain", "thing"] and shot.material_names == ["sand", "steel"]
-    assert shot.facets.shape == (6, 3) and list(shot.component) == [0, 0, 1, 1, 1, 1]
-    assert list(shot.material) == [0, 0, 1, 1, 1, 1]
-    assert shot.material_mu == pytest.approx([10**-2.7, 0.1])
-    assert shot.vertices_m[shot.facets[2]] == pytest.approx(np.array([[0, 3, 0], [0, 4, 0], [1, 3, 0]]), abs=1e-6)
-    assert shot.energy_shape == (2, 100) and len(shot.range_edges_m) == 101
-    assert (shot.range_edges_m[0], shot.range_edges_m[-1]) == pytest.approx((0.5, 12))
-    assert sorted(set(shot.beam_of_tube)) == [0, 1]
-    assert shot.frequency_khz == 455 and shot.absorption_db_per_m == pytest.approx(0.4)
-    assert shot.beam_azimuth_rad == pytest.approx([-np.pi / 2, np.pi / 2])
+    transmission = tubefoot.transmission(scene, "side", 1)
+    assert scene.components == ["terrain", "thing"] and transmission.material_names == ["sand", "steel"]
+    assert transmission.facets.shape == (6, 3) and list(transmission.component) == [0, 0, 1, 1, 1, 1]
+    assert list(transmission.material) == [0, 0, 1, 1, 1, 1]
+    assert transmission.material_mu == pytest.approx([10**-2.7, 0.1])
+    assert transmission.vertices_m[transmission.facets[2]] == pytest.approx(np.array([[0, 3, 0], [0, 4, 0], [1, 3, 0]]), abs=1e-6)
+    assert transmission.energy_shape == (2, 100) and len(transmission.range_edges_m) == 101
+    assert (transmission.range_edges_m[0], transmission.range_edges_m[-1]) == pytest.approx((0.5, 12))
+    assert sorted(set(transmission.beam_of_tube)) == [0, 1]
+    assert transmission.frequency_khz == 455 and transmission.absorption_db_per_m == pytest.approx(0.4)
+    assert transmission.beam_azimuth_rad == pytest.approx([-np.pi / 2, np.pi / 2])
 
 
 def test_columns_are_the_engines_own_memory(scene):
@@ -89,13 +89,13 @@ def test_columns_are_the_engines_own_memory(scene):
             first[...] = 0
     # Columns of one record lie side by side.
     assert history.area_m2.strides == history.tube.strides == history.centroid_m.strides[:1]
-    facets = history.shot.facets
-    assert facets.ctypes.data == tubefoot.shot(scene, "camera").facets.ctypes.data
+    facets = history.transmission.facets
+    assert facets.ctypes.data == tubefoot.transmission(scene, "camera").facets.ctypes.data
 
 
 def test_arrays_outlive_everything_else(scene):
     history = tubefoot.history(scene, "camera")
-    area, facets, corners = history.area_m2, history.shot.facets, history.corners_m
+    area, facets, corners = history.area_m2, history.transmission.facets, history.corners_m
     copies = area.copy(), facets.copy(), corners.copy()
     del scene, history
     gc.collect()
@@ -106,9 +106,9 @@ def test_arrays_outlive_everything_else(scene):
 @pytest.mark.parametrize("call, text", [
     (lambda s: tubefoot.history(s, "sonar"), "the scene has no sensor 'sonar'; it has 'camera', 'side'"),
     (lambda s: tubefoot.history(s, "camera", 3), "ping 3: sensor 'camera' has pings 0 to 2"),
-    (lambda s: tubefoot.shot(s, "camera", 0, 1), "shot 1: a ping of sensor 'camera' has shots 0 to 0"),
-    (lambda s: tubefoot.shot(s, "camera", 0.5), "ping: expected a whole number, not 0.5"),
-    (lambda s: tubefoot.shot(s, "camera", -1), "ping -1: counted from 0"),
+    (lambda s: tubefoot.transmission(s, "camera", 0, 1), "transmission 1: a ping of sensor 'camera' has transmissions 0 to 0"),
+    (lambda s: tubefoot.transmission(s, "camera", 0.5), "ping: expected a whole number, not 0.5"),
+    (lambda s: tubefoot.transmission(s, "camera", -1), "ping -1: counted from 0"),
 ])
 def test_shots_that_are_not_there(scene, call, text):
     with pytest.raises(tubefoot.UsageError) as error:
@@ -124,24 +124,24 @@ def apart(keys, arm=(1, 0, 0.2)):
 def test_a_receiver_apart_shares_its_footprints(keys, folder):
     alone = tubefoot.history(tubefoot.Scene.from_dict(keys, base=folder), "camera", ping=1)
     assert (alone.receive_tube == alone.tube).all()
-    assert (alone.shot.receiver_apex_m == alone.shot.apex_m).all()
+    assert (alone.transmission.receiver_apex_m == alone.transmission.apex_m).all()
     scene = tubefoot.Scene.from_dict(apart(keys), base=folder)
     history = tubefoot.history(scene, "camera", ping=1)
-    shot = history.shot
-    assert shot.receiver_apex_m - shot.apex_m == pytest.approx([1, 0, 0.2], abs=1e-6)
+    transmission = history.transmission
+    assert transmission.receiver_apex_m - transmission.apex_m == pytest.approx([1, 0, 0.2], abs=1e-6)
     # The tubes of both point alike; a pair of them shares what it shares once.
-    assert shot.receive_rays == pytest.approx(shot.rays, abs=1e-9)
+    assert transmission.receive_rays == pytest.approx(transmission.rays, abs=1e-9)
     pairs = set(zip(history.tube, history.receive_tube, history.facet))
     assert len(pairs) == len(history) > 8 and any(t != r for t, r, _ in pairs)
     for i in range(len(history)):
         polygons = history.polygons_m(i)
         assert sum(map(areas, polygons)) == pytest.approx(history.area_m2[i], rel=1e-9)
         corners = np.concatenate(polygons)
-        half = sum(np.linalg.norm(corners - apex, axis=1) for apex in (shot.apex_m, shot.receiver_apex_m)) / 2
+        half = sum(np.linalg.norm(corners - apex, axis=1) for apex in (transmission.apex_m, transmission.receiver_apex_m)) / 2
         assert history.range_max_m[i] == pytest.approx(half.max())
         assert history.range_min_m[i] <= half.min() * (1 + 1e-12)
-        facet = shot.vertices_m[shot.facets[history.facet[i]]]
-        assert history.receive_distance_m[i] == pytest.approx(abs((shot.receiver_apex_m - facet[0]) @ history.normal[i]))
+        facet = transmission.vertices_m[transmission.facets[history.facet[i]]]
+        assert history.receive_distance_m[i] == pytest.approx(abs((transmission.receiver_apex_m - facet[0]) @ history.normal[i]))
     # What the receiver hears is less than what the transmitter sees.
     assert history.area_m2.sum() < alone.area_m2.sum()
 
@@ -149,17 +149,17 @@ def test_a_receiver_apart_shares_its_footprints(keys, folder):
 def test_an_engine_of_ones_own_hears_a_receiver_apart(keys, folder):
     """Footprints as points between two ends: near to the tube engine's echo of fine beams."""
     @tubefoot.engine("points")
-    def points(shot):
-        history = shot.history()
-        centroid = shot.apex_m + history.centroid_m
-        out, home = (np.linalg.norm(centroid - apex, axis=1) for apex in (shot.apex_m, shot.receiver_apex_m))
+    def points(transmission):
+        history = transmission.history()
+        centroid = transmission.apex_m + history.centroid_m
+        out, home = (np.linalg.norm(centroid - apex, axis=1) for apex in (transmission.apex_m, transmission.receiver_apex_m))
         plane = np.abs(np.einsum("ij,ij->i", history.centroid_m, history.normal))
-        mu = shot.material_mu[shot.material[history.facet]]
-        loss = 10 ** (-shot.absorption_db_per_m * (out + home) / 10)
+        mu = transmission.material_mu[transmission.material[history.facet]]
+        loss = 10 ** (-transmission.absorption_db_per_m * (out + home) / 10)
         energy = mu * plane / out * history.receive_distance_m / home * history.area_m2 / (out * home) ** 2 * loss
-        sample = np.searchsorted(shot.range_edges_m, (out + home) / 2, side="right") - 1
-        heard = (sample >= 0) & (sample < shot.energy_shape[1])
-        total = np.zeros(shot.energy_shape)
+        sample = np.searchsorted(transmission.range_edges_m, (out + home) / 2, side="right") - 1
+        heard = (sample >= 0) & (sample < transmission.energy_shape[1])
+        total = np.zeros(transmission.energy_shape)
         np.add.at(total, (history.beam[heard], sample[heard]), energy[heard])
         return total
     keys["terrain"].update(cell_m=0.1, kind="fractal", rms_height_m=0.001)
@@ -170,7 +170,7 @@ def test_an_engine_of_ones_own_hears_a_receiver_apart(keys, folder):
 
 
 def test_footprints_are_the_commands_file(scene, folder, program):
-    program("footprints", folder / "scene.toml", "--sensor", "camera", "--ping", "0:1", "--beam", "2:5", "-o",
+    program("footprints", folder / "scene.toml", "--sensor", "camera", "--pings", "0:1", "--beams", "2:5", "-o",
             folder / "f.nc")
     table = tubefoot.footprints(scene, "camera", range(0, 2), "2:5")
     with netCDF4.Dataset(folder / "f.nc") as file:

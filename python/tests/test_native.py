@@ -66,7 +66,7 @@ def said_by_python(script, *arguments):
 
 
 def test_there_are_classes():
-    assert {"Scene", "Shot", "History", "Result", "Picture", "Coverage", "Footprints", "Signals"} <= {
+    assert {"Scene", "Transmission", "History", "Result", "Picture", "Coverage", "Footprints", "Signals"} <= {
         c.__name__ for c in CLASSES}
 
 
@@ -84,7 +84,7 @@ def test_functions_take_nothing_for_none():
     with pytest.raises(TypeError):
         _native.compare(None, None, None, 1, False)
     with pytest.raises(TypeError):
-        _native.chart(dict(scenes=[None], builtin=["tube"], own=[], output="", pings=1, repeats=1, seconds=1.0), None)
+        _native.chart(dict(scenes=[None], builtin=["tube"], own=[], output="", pings="0", repeats=1, seconds=1.0), None)
 
 
 def test_an_object_is_not_copied_and_keeps_its_class(scene):

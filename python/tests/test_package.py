@@ -47,7 +47,7 @@ def test_everything_public_has_hints_and_says_what_it_does(name, function):
 
 
 def test_arrays_say_shape_and_unit():
-    for cls in (tubefoot.Shot, tubefoot.History, tubefoot.SensorResult, tubefoot.Footprints, tubefoot.Coverage,
+    for cls in (tubefoot.Transmission, tubefoot.History, tubefoot.SensorResult, tubefoot.Footprints, tubefoot.Coverage,
                 tubefoot.Picture, tubefoot.Signals):
         for member, value in vars(cls).items():
             if isinstance(value, property) and "ndarray" in value.fget.__annotations__["return"]:

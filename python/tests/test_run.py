@@ -330,7 +330,7 @@ def test_a_file_name_is_a_scene(scene, folder):
     assert equal_energies(tubefoot.run(file), plain) and equal_energies(tubefoot.run(str(file)), plain)
     assert equal_energies(tubefoot.reference(file, 1e-6), tubefoot.reference(scene, 1e-6))
     assert (tubefoot.footprints(file, "camera")["area_m2"] == tubefoot.footprints(scene, "camera")["area_m2"]).all()
-    assert (tubefoot.shot(str(file), "side", ping=1).apex_m == tubefoot.shot(scene, "side", ping=1).apex_m).all()
+    assert (tubefoot.transmission(str(file), "side", ping=1).apex_m == tubefoot.transmission(scene, "side", ping=1).apex_m).all()
     assert len(tubefoot.history(file, "camera")) == len(tubefoot.history(scene, "camera"))
     assert tubefoot.chart([file], "tube", repeats=1)[0]["scene"] == tubefoot.chart(file, "tube", repeats=1)[0]["scene"]
 
@@ -338,7 +338,7 @@ def test_a_file_name_is_a_scene(scene, folder):
 def test_what_is_neither_scene_nor_name(scene):
     for call in (tubefoot.run, tubefoot.reference, lambda s: tubefoot.chart([s]), tubefoot.coverage,
                  lambda s: tubefoot.advise(s, 1e-3), lambda s: tubefoot.footprints(s, "camera"),
-                 lambda s: tubefoot.history(s, "camera"), lambda s: tubefoot.shot(s, "camera")):
+                 lambda s: tubefoot.history(s, "camera"), lambda s: tubefoot.transmission(s, "camera")):
         with pytest.raises(TypeError, match="expected a tubefoot.Scene or the name of a scene file, not (Result|dict)"):
             call({} if call is not tubefoot.run else tubefoot.run(scene))
     with pytest.raises(tubefoot.InputError, match="none.toml: there is no such scene file"):

@@ -25,7 +25,7 @@ def test_a_scene_of_a_dict_equals_that_of_its_file(scene, folder, keys):
     built = tubefoot.Scene.from_dict(keys, base=folder)
     assert equal_energies(tubefoot.run(built), tubefoot.run(scene))
     assert (built.title, built.sensors, built.materials) == (scene.title, scene.sensors, scene.materials)
-    assert built.pings("camera") == 3 and built.shots("camera") == 1
+    assert built.pings("camera") == 3 and built.transmissions("camera") == 1
 
 
 def test_the_text_of_a_dict_is_a_scene_file(folder, keys):
@@ -80,13 +80,13 @@ def test_heights_lie_from_south_to_north_and_west_to_east_with_holes(folder, key
     heights = np.arange(12.0).reshape(3, 4)
     heights[2, 3] = np.nan
     keys["terrain"] = {"material": "sand", "heights": heights, "cell_m": 2, "origin_m": (-3, -20)}
-    shot = tubefoot.shot(tubefoot.Scene.from_dict(keys, base=folder), "camera")
-    bed = shot.facets[shot.component == 0]
+    transmission = tubefoot.transmission(tubefoot.Scene.from_dict(keys, base=folder), "camera")
+    bed = transmission.facets[transmission.component == 0]
     assert len(bed) == 2 * 6 - 2  # both of a cell touch its north-east corner
-    corners = {tuple(v) for v in shot.vertices_m[np.unique(bed)].round(3)}
+    corners = {tuple(v) for v in transmission.vertices_m[np.unique(bed)].round(3)}
     assert corners == {(-3 + 2 * x, -20 + 2 * y, heights[y, x]) for y in range(3) for x in range(4)
                        if (y, x) != (2, 3)}
-    sides = shot.vertices_m[bed]
+    sides = transmission.vertices_m[bed]
     assert (np.cross(sides[:, 1] - sides[:, 0], sides[:, 2] - sides[:, 0])[:, 2] > 0).all()  # face up
 
 

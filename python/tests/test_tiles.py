@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Terrain that is read by tiles: shots, footprints and engines of one's own see what they see of the whole."""
+"""Terrain that is read by tiles: transmissions, footprints and engines of one's own see what they see of the whole."""
 
 import numpy as np
 import pytest
@@ -32,26 +32,26 @@ def scenes(tmp_path):
 @tubefoot.sensor("corners")
 def corners(history):
     """Energies by what footprints are of, and by what that is called."""
-    shot = history.shot
-    total = np.zeros(shot.energy_shape)
-    places = np.abs(shot.vertices_m[shot.facets[history.facet]]).sum(axis=(1, 2))
-    sample = np.searchsorted(shot.range_edges_m, history.range_min_m, side="right") - 1
-    heard = (sample >= 0) & (sample < shot.energy_shape[1])
-    weights = history.area_m2 * places + shot.base_facet[history.facet] + shot.material_mu[shot.material[history.facet]]
+    transmission = history.transmission
+    total = np.zeros(transmission.energy_shape)
+    places = np.abs(transmission.vertices_m[transmission.facets[history.facet]]).sum(axis=(1, 2))
+    sample = np.searchsorted(transmission.range_edges_m, history.range_min_m, side="right") - 1
+    heard = (sample >= 0) & (sample < transmission.energy_shape[1])
+    weights = history.area_m2 * places + transmission.base_facet[history.facet] + transmission.material_mu[transmission.material[history.facet]]
     np.add.at(total, (history.beam[heard], sample[heard]), weights[heard])
     return total
 
 
-def test_a_shot_meets_what_it_meets_of_the_whole(scenes):
+def test_a_transmission_meets_what_it_meets_of_the_whole(scenes):
     whole, tiles = (tubefoot.history(scene, "side", ping=1) for scene in scenes)
     assert len(whole) > 100
-    assert len(tiles.shot.facets) < len(whole.shot.facets)
+    assert len(tiles.transmission.facets) < len(whole.transmission.facets)
     for name in ("tube", "area_m2", "centroid_m", "normal", "range_min_m", "pieces", "corners_m", "occluders"):
         assert getattr(tiles, name).tobytes() == getattr(whole, name).tobytes(), name
-    assert (whole.shot.base_facet == np.arange(len(whole.shot.facets))).all()
+    assert (whole.transmission.base_facet == np.arange(len(whole.transmission.facets))).all()
     for name in ("facet", "occluder_facets"):
-        assert (tiles.shot.base_facet[getattr(tiles, name)] == getattr(whole, name)).all()
-    assert (tiles.shot.vertices_m[tiles.shot.facets[tiles.facet]] == whole.shot.vertices_m[whole.shot.facets[whole.facet]]).all()
+        assert (tiles.transmission.base_facet[getattr(tiles, name)] == getattr(whole, name)).all()
+    assert (tiles.transmission.vertices_m[tiles.transmission.facets[tiles.facet]] == whole.transmission.vertices_m[whole.transmission.facets[whole.facet]]).all()
 
 
 def test_footprints_and_engines_of_ones_own(scenes):

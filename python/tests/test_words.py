@@ -23,8 +23,8 @@ ELSEWHERE = ("src/run/partial_run.cpp", "src/run/part_run.cpp", "src/run/ranks/"
     ("--tolerance of a --reference is a relative bound", "tolerance of tubefoot.reference is a relative bound"),
     ("less than that is for 'run --reference'", "less than that is for tubefoot.reference"),
     ("compare all the same with --any-scene", "compare all the same with any_scene=True"),
-    ("--beam '3:2': the sensor has beams 0 to 7", "beams '3:2': the sensor has beams 0 to 7"),
-    ("use `gdal_translate --config GDAL_NETCDF_BOTTOMUP NO bed.nc bed_new.tif` with --beam 3",
+    ("--beams '3:2': the sensor has beams 0 to 7", "beams '3:2': the sensor has beams 0 to 7"),
+    ("use `gdal_translate --config GDAL_NETCDF_BOTTOMUP NO bed.nc bed_new.tif` with --beams 3",
      "use `gdal_translate --config GDAL_NETCDF_BOTTOMUP NO bed.nc bed_new.tif` with beams 3"),
     ("scene.toml:3:1: 5 -- 7 and 'a--b' stay -1", "scene.toml:3:1: 5 -- 7 and 'a--b' stay -1"),
 ])
@@ -78,3 +78,18 @@ def test_columns_that_were_meant(scene):
         tubefoot.footprints(scene, "camera", 0)["area"]
     with pytest.raises(KeyError, match="no column 'seenm2'.*did you mean 'seen_m2'"):
         tubefoot.coverage(scene, "camera", 0)["seenm2"]
+
+
+@pytest.mark.parametrize("call, name", [
+    (lambda s: tubefoot.shot(s, "camera"), "'shot' is now 'transmission'"),
+    (lambda s: tubefoot.Shot, "'Shot' is now 'Transmission'"),
+    (lambda s: s.shots("camera"), "'shots' is now 'transmissions'"),
+    (lambda s: tubefoot.history(s, "camera", shot=0), "'shot' is now 'transmission'"),
+    (lambda s: tubefoot.history(s, "camera").shot.shot, "'shot' is now 'transmission'"),
+    (lambda s: tubefoot.transmission(s, "camera").staff_m, "'staff_m' is now 'receiver_baseline_m'"),
+    (lambda s: tubefoot.advise(s, "50%", pings=2), "'pings' of advise"),
+    (lambda s: tubefoot.chart(s, "tube", pings=1, repeats=1, seconds=0.1), "use '0:0'"),
+])
+def test_former_names_warn(scene, call, name):
+    with pytest.warns(DeprecationWarning, match=re.escape(name)):
+        call(scene)

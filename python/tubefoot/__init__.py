@@ -10,23 +10,34 @@ docs/python.md is a tutorial. Lengths are metres, times seconds, energies J/m² 
 units are in the names.
 """
 
+from typing import Any
+
 from . import _native
 from ._coverage import Coverage, coverage
 from ._engines import Engine, engine, sensor
 from ._errors import InputError, SceneWarning, SilenceWarning, UsageError
 from ._footprints import Footprints, footprints
-from ._history import History, Shot, history, shot
+from ._history import History, Transmission, history, transmission
 from ._picture import Picture
 from ._result import Result, SensorResult, open, reference, run
 from ._scene import Scene, load
 from ._signals import Signals, Waveform, point_signals, signals, window_weights
 from ._study import advise, chart, compare
+from ._words import former
 
 __version__: str = _native.version
 
 __all__ = [
     "Coverage", "Engine", "Footprints", "History", "InputError", "Picture", "Result", "Scene", "SceneWarning",
-    "SensorResult", "Shot", "Signals", "SilenceWarning", "UsageError", "Waveform", "advise", "chart", "compare", "coverage",
-    "engine", "footprints", "history", "load", "open", "point_signals", "reference", "run", "sensor", "shot", "signals",
+    "SensorResult", "Transmission", "Signals", "SilenceWarning", "UsageError", "Waveform", "advise", "chart", "compare", "coverage",
+    "engine", "footprints", "history", "load", "open", "point_signals", "reference", "run", "sensor", "transmission", "signals",
     "window_weights",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    renamed = {"Shot": "Transmission", "shot": "transmission"}
+    if name not in renamed:
+        raise AttributeError(f"module 'tubefoot' has no attribute {name!r}")
+    former(name, renamed[name])
+    return globals()[renamed[name]]

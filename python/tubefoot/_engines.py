@@ -11,7 +11,7 @@ import numpy as np
 from . import _native
 from ._arrays import first_of, values_and_mask
 from ._errors import UsageError
-from ._history import History, Shot
+from ._history import History, Transmission
 
 
 class Engine:
@@ -31,50 +31,50 @@ class Engine:
         self._takes_history = takes_history
         self.__doc__ = function.__doc__
 
-    def __call__(self, seen: Union[Shot, History]) -> np.ndarray:
+    def __call__(self, seen: Union[Transmission, History]) -> np.ndarray:
         return self.function(seen)
 
-    def checked(self, native: _native.Shot) -> np.ndarray:
-        """Energies of a shot, of its energy_shape, float64, finite; not negative, but for products."""
-        shot = Shot(native)
-        returned = self.function(shot.history() if self._takes_history else shot)
+    def checked(self, native: _native.Transmission) -> np.ndarray:
+        """Energies of a transmission, of its energy_shape, float64, finite; not negative, but for products."""
+        transmission = Transmission(native)
+        returned = self.function(transmission.history() if self._takes_history else transmission)
         energy, hidden = values_and_mask(returned)
-        if energy.shape != shot.energy_shape:
-            axes = "(beams, samples)" if len(shot.energy_shape) == 2 else "(channels, beams, samples)"
+        if energy.shape != transmission.energy_shape:
+            axes = "(beams, samples)" if len(transmission.energy_shape) == 2 else "(channels, beams, samples)"
             raise ValueError(f"engine '{self.name}' returned an array of shape {energy.shape}, expected "
-                             f"{axes} = {shot.energy_shape}")
+                             f"{axes} = {transmission.energy_shape}")
         try:
             energy = energy.astype(np.float64, casting="safe", copy=False)
         except TypeError:
             raise ValueError(f"engine '{self.name}' returned {energy.dtype}, expected float64") from None
         if hidden.any():
-            raise ValueError(f"engine '{self.name}' returned a masked value{_at(hidden, shot)}: expected energies "
+            raise ValueError(f"engine '{self.name}' returned a masked value{_at(hidden, transmission)}: expected energies "
                              "without a mask; fill it, with 0 where there is no echo")
         wrong = ~np.isfinite(energy)
         of_energies = ... if energy.ndim == 2 else slice(2)  # products have signs
         wrong[of_energies] |= energy[of_energies] < 0
         if wrong.any():
             raise ValueError(f"engine '{self.name}' returned energies that are negative or not finite: "
-                             f"{energy[first_of(wrong)]}{_at(wrong, shot)}")
+                             f"{energy[first_of(wrong)]}{_at(wrong, transmission)}")
         return np.ascontiguousarray(energy)
 
     def __repr__(self) -> str:
         return f"<tubefoot.Engine {self.name!r}>"
 
 
-def _at(chosen: np.ndarray, shot: Shot) -> str:
+def _at(chosen: np.ndarray, transmission: Transmission) -> str:
     *channel, beam, sample = first_of(chosen)
     of_channel = f" of channel {channel[0]}" if channel else ""
-    return (f" in beam {beam} and sample {sample}{of_channel} of shot {shot.shot} of ping {shot.ping} of sensor "
-            f"{shot.sensor!r}")
+    return (f" in beam {beam} and sample {sample}{of_channel} of transmission {transmission.transmission} of ping {transmission.ping} of sensor "
+            f"{transmission.sensor!r}")
 
 
-def engine(name: str) -> Callable[[Callable[[Shot], np.ndarray]], Engine]:
+def engine(name: str) -> Callable[[Callable[[Transmission], np.ndarray]], Engine]:
     """Marks a function as an engine: ``@tubefoot.engine("mine")``.
 
-    The function gets a :class:`Shot` (facets, tubes and pose as arrays) and returns the energies of the shot's beams,
+    The function gets a :class:`Transmission` (facets, tubes and pose as arrays) and returns the energies of the transmission's beams,
     (beams, samples) float64 in J/m², for a source of 1 J/sr at 1 m; of two receivers (4, beams, samples), see
-    :attr:`Shot.energy_shape`. It is called once a shot, in no certain order.
+    :attr:`Transmission.energy_shape`. It is called once a transmission, in no certain order.
     """
     return lambda function: Engine(name, function, False)
 
@@ -82,7 +82,7 @@ def engine(name: str) -> Callable[[Callable[[Shot], np.ndarray]], Engine]:
 def sensor(name: str) -> Callable[[Callable[[History], np.ndarray]], Engine]:
     """Marks a function as a sensor: ``@tubefoot.sensor("mine")``.
 
-    The function gets the :class:`History` of a shot (the visible footprints as arrays, found by the exact engine) and
+    The function gets the :class:`History` of a transmission (the visible footprints as arrays, found by the exact engine) and
     returns energies as that of an :func:`engine` does: how footprints become samples is its own.
     """
     return lambda function: Engine(name, function, True)

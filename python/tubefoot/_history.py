@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a shot meets, as arrays: for looking at, and for engines and sensors of one's own."""
+"""What a transmission meets, as arrays: for looking at, and for engines and sensors of one's own."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ import numpy as np
 from . import _native
 from ._errors import UsageError, whole
 from ._scene import PathLike, Scene, a_scene
-from ._words import with_named_arguments
+from ._words import former, with_named_arguments
 
 
-class Shot:
-    """One shot of one sensor: the scene's facets, the tubes that it looks through and how it listens.
+class Transmission:
+    """One transmission of one sensor: the scene's facets, the tubes that it looks through and how it listens.
 
     Arrays are read-only; large ones share the scene's memory. ``V`` vertices, ``F`` facets, ``R`` rays, ``T`` tubes,
-    ``B`` beams that listen to the shot and ``K`` range samples.
+    ``B`` beams that listen to the transmission and ``K`` range samples.
     """
 
-    def __init__(self, native: _native.Shot) -> None:
+    def __init__(self, native: _native.Transmission) -> None:
         self._native = native
 
     @property
@@ -34,9 +34,9 @@ class Shot:
         return self._native.ping
 
     @property
-    def shot(self) -> int:
-        """The shot of the ping, from 0."""
-        return self._native.shot
+    def transmission(self) -> int:
+        """The transmission of the ping, from 0."""
+        return self._native.transmission
 
     @property
     def energy_shape(self) -> tuple[int, ...]:
@@ -44,13 +44,25 @@ class Shot:
         and of the lower one, and real and imaginary part of the mean product of the upper one's signal with the
         conjugate of the lower one's."""
         cells = len(self._native.beams), len(self._native.range_edges_m) - 1
-        return cells if self.staff_m is None else (4, *cells)
+        return cells if self.receiver_baseline_m is None else (4, *cells)
+
+    @property
+    def shot(self) -> int:
+        """The former name of :attr:`transmission`, with a DeprecationWarning."""
+        former("shot", "transmission")
+        return self.transmission
 
     @property
     def staff_m(self) -> Optional[np.ndarray]:
+        """(B, 3) float64: the former name of :attr:`receiver_baseline_m`, with a DeprecationWarning."""
+        former("staff_m", "receiver_baseline_m")
+        return self.receiver_baseline_m
+
+    @property
+    def receiver_baseline_m(self) -> Optional[np.ndarray]:
         """(B, 3) float64: way from the lower to the upper receiver of each beam in m, east, north, up; the
         transmitter is in its middle. None with one receiver."""
-        return self._native.staff_m
+        return self._native.receiver_baseline_m
 
     @property
     def vertices_m(self) -> np.ndarray:
@@ -59,7 +71,7 @@ class Shot:
 
     @property
     def facets(self) -> np.ndarray:
-        """(F, 3) uint32: vertices of each facet. With relief, or through refracting water, of this shot's ground; of
+        """(F, 3) uint32: vertices of each facet. With relief, or through refracting water, of this transmission's ground; of
         terrain that is read by tiles, those in the tiles that its ping needs."""
         return self._native.facets
 
@@ -126,12 +138,12 @@ class Shot:
 
     @property
     def beam_of_tube(self) -> np.ndarray:
-        """(T,) uint32: beam of each tube, as the shot numbers them (a row of the energies)."""
+        """(T,) uint32: beam of each tube, as the transmission numbers them (a row of the energies)."""
         return self._native.beam_of_tube
 
     @property
     def beams(self) -> np.ndarray:
-        """(B,) uint32: the sensor's number of each beam of the shot."""
+        """(B,) uint32: the sensor's number of each beam of the transmission."""
         return self._native.beams
 
     @property
@@ -166,7 +178,7 @@ class Shot:
 
     @property
     def time_s(self) -> float:
-        """When the shot is fired, s on the scene's clock."""
+        """When the transmission is fired, s on the scene's clock."""
         return self._native.time_s
 
     def history(self) -> History:
@@ -174,11 +186,11 @@ class Shot:
         return History(self._native.trace(), self)
 
     def __repr__(self) -> str:
-        return f"<tubefoot.Shot {self.shot} of ping {self.ping} of {self.sensor!r}>"
+        return f"<tubefoot.Transmission {self.transmission} of ping {self.ping} of {self.sensor!r}>"
 
 
 class History:
-    """Which part of which facet each tube of a shot touches first, in order of tubes, then of facets.
+    """Which part of which facet each tube of a transmission touches first, in order of tubes, then of facets.
 
     With the receiver apart: which part one tube of the transmitter and one of the receiver both touch first, in order of
     tubes, receive tubes, then facets. Ranges are then half paths; the other measures are as the transmitter sees it.
@@ -187,19 +199,25 @@ class History:
     ``C`` corners of those. Positions are relative to the apex.
     """
 
-    def __init__(self, native: _native.History, shot: Shot) -> None:
+    def __init__(self, native: _native.History, transmission: Transmission) -> None:
         self._native = native
-        self._shot = shot
+        self._transmission = transmission
 
     @property
-    def shot(self) -> Shot:
-        """The shot."""
-        return self._shot
+    def transmission(self) -> Transmission:
+        """The transmission."""
+        return self._transmission
+
+    @property
+    def shot(self) -> Transmission:
+        """The former name of :attr:`transmission`, with a DeprecationWarning."""
+        former("shot", "transmission")
+        return self._transmission
 
     @property
     def apex_m(self) -> np.ndarray:
         """(3,) float64: the apex, east, north, up in m."""
-        return self._shot.apex_m
+        return self._transmission.apex_m
 
     @property
     def tube(self) -> np.ndarray:
@@ -213,8 +231,8 @@ class History:
 
     @property
     def beam(self) -> np.ndarray:
-        """(N,) uint32, a copy: beam that hears each footprint, as the shot numbers them (a row of the energies)."""
-        return self._shot.beam_of_tube[self.receive_tube]
+        """(N,) uint32, a copy: beam that hears each footprint, as the transmission numbers them (a row of the energies)."""
+        return self._transmission.beam_of_tube[self.receive_tube]
 
     @property
     def facet(self) -> np.ndarray:
@@ -313,28 +331,28 @@ class History:
         return len(self.tube)
 
     def __repr__(self) -> str:
-        return f"<tubefoot.History of {self._shot!r}: {len(self)} footprints>"
+        return f"<tubefoot.History of {self._transmission!r}: {len(self)} footprints>"
 
 
 @with_named_arguments
-def shot(scene: Union[Scene, PathLike], sensor: str, ping: int = 0, shot: int = 0) -> Shot:
-    """One shot of a ping of a sensor, both counted from 0. The scene may be the name of its file.
+def transmission(scene: Union[Scene, PathLike], sensor: str, ping: int = 0, transmission: int = 0) -> Transmission:
+    """One transmission of a ping of a sensor, both counted from 0. The scene may be the name of its file.
 
     Raises:
         InputError: the scene is wrong.
-        UsageError: there is no such sensor, ping or shot.
+        UsageError: there is no such sensor, ping or transmission.
     """
     known = a_scene(scene)
     with known._explained():
-        return Shot(known._native.shot(sensor, _counted("ping", ping), _counted("shot", shot)))
+        return Transmission(known._native.transmission(sensor, _counted("ping", ping), _counted("transmission", transmission)))
 
 
 @with_named_arguments
-def history(scene: Union[Scene, PathLike], sensor: str, ping: int = 0, shot: int = 0) -> History:
-    """The footprints of one shot, found by the exact engine; as :func:`shot`."""
+def history(scene: Union[Scene, PathLike], sensor: str, ping: int = 0, transmission: int = 0) -> History:
+    """The footprints of one transmission, found by the exact engine; as :func:`transmission`."""
     known = a_scene(scene)
     with known._explained():
-        return Shot(known._native.shot(sensor, _counted("ping", ping), _counted("shot", shot))).history()
+        return Transmission(known._native.transmission(sensor, _counted("ping", ping), _counted("transmission", transmission))).history()
 
 
 def _counted(name: str, number: int) -> int:

@@ -6,7 +6,6 @@ from __future__ import annotations
 import json
 import operator
 import os
-import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Optional, Union
 
@@ -19,7 +18,7 @@ from ._errors import InputError, UsageError, warn, whole
 from ._picture import Picture, as_html, drawn, plural
 from ._scene import PathLike, Scene, a_scene
 from ._signals import Signals
-from ._words import CHOICES, in_python, meant, one_of, with_named_arguments
+from ._words import CHOICES, former, in_python, meant, one_of, with_named_arguments
 
 if TYPE_CHECKING:
     import xarray
@@ -238,7 +237,7 @@ class SensorResult:
     @property
     def truth(self) -> Optional[dict[str, Any]]:
         """The former name of :attr:`labels`, with a DeprecationWarning."""
-        warnings.warn("'truth' of a sensor's result is now 'labels'", DeprecationWarning, stacklevel=2)
+        former("truth", "labels")
         return self.labels
 
     @property

@@ -15,7 +15,7 @@ from . import _native
 from ._arrays import finite, first_of, place_of, unmasked, with_holes
 from ._errors import InputError, UsageError
 from ._toml import Text
-from ._words import in_python, with_named_arguments
+from ._words import former, in_python, with_named_arguments
 
 PathLike = Union[str, "os.PathLike[str]"]
 
@@ -100,10 +100,15 @@ class Scene:
         with self._explained():
             return self._native.pings(sensor)
 
-    def shots(self, sensor: str) -> int:
-        """Number of shots of a ping of a sensor. Loads the scene."""
+    def transmissions(self, sensor: str) -> int:
+        """Number of transmissions of a ping of a sensor. Loads the scene."""
         with self._explained():
-            return self._native.shots(sensor)
+            return self._native.transmissions(sensor)
+
+    def shots(self, sensor: str) -> int:
+        """The former name of :meth:`transmissions`, with a DeprecationWarning."""
+        former("shots", "transmissions")
+        return self.transmissions(sensor)
 
     def warnings(self) -> list[str]:
         """What may not be meant, as ``tubefoot check`` tells it: sensors that will hear nothing, objects in the bed or in

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import os
+import warnings
 from collections.abc import Sequence
 from typing import Any, Optional, Union
 
@@ -51,14 +52,18 @@ def _native_echoes(echoes: Echoes) -> Union[_native.Result, str]:
 
 
 @with_named_arguments
-def advise(scene: Union[Scene, PathLike], tolerance: Union[float, str], *, pings: int = 8) -> dict[str, Any]:
-    """Which engine and settings hold a tolerance most cheaply, measured on a few pings: the figures of
+def advise(scene: Union[Scene, PathLike], tolerance: Union[float, str], *, pings: Union[int, str, None] = None,
+           trial_pings: int = 8, threads: Optional[int] = None) -> dict[str, Any]:
+    """The fastest engine and settings that keep a tolerance, measured on a few pings: the figures of
     ``tubefoot advise --json`` (docs/advise.md).
 
     Args:
         scene: the scene, or the name of its file.
-        tolerance: error allowed, relative (``1e-3``; 1e-6 to 0.1), ``"20%"`` or ``"0.1dB"``.
-        pings: pings of each sensor to predict on, and as many others to measure; at least 2.
+        tolerance: permitted error, relative (``1e-3``; 1e-6 to 0.1), ``"20%"`` or ``"0.1dB"``.
+        pings: ``"A:B"`` selects the trial pings from these pings of each sensor, both included, counted from 0. An
+            integer is the former meaning, a number of trial pings, and gives a DeprecationWarning.
+        trial_pings: number of pings per sensor for the prediction, and of others for the measurement; at least 2.
+        threads: threads for loading the scene. Settings are always measured on one thread.
 
     Returns:
         ``sensors``, ``candidates``, the first of them exact, and ``cheapest``, the cheapest that holds. Of each
@@ -70,12 +75,17 @@ def advise(scene: Union[Scene, PathLike], tolerance: Union[float, str], *, pings
         InputError: the scene is wrong.
         UsageError: the tolerance is none.
     """
-    if whole("pings", pings) < 2:
-        raise UsageError(f"pings: {pings} is not 2 or more")
+    if pings is not None and not isinstance(pings, str):
+        trial_pings, pings = whole("pings", pings), None
+        warnings.warn("an integer for 'pings' of advise() is now 'trial_pings'", DeprecationWarning, stacklevel=3)
+    if whole("trial_pings", trial_pings) < 2:
+        raise UsageError(f"trial_pings: {trial_pings} is not 2 or more")
+    if threads is not None and not 1 <= whole("threads", threads) <= 4096:
+        raise UsageError(f"threads: {threads} is not from 1 to 4096")
     text = tolerance if isinstance(tolerance, str) else repr(float(tolerance))
     known = a_scene(scene)
     with known._explained():
-        advice = json.loads(_native.advise(known._native, text, pings))
+        advice = json.loads(_native.advise(known._native, text, ":" if pings is None else pings, trial_pings, threads))
     for candidate in [*advice["candidates"], advice["cheapest"]]:
         words = candidate["options"].split()
         candidate["options"] = {in_python(option): int(value) if value.isdigit() else value
@@ -86,16 +96,17 @@ def advise(scene: Union[Scene, PathLike], tolerance: Union[float, str], *, pings
 @with_named_arguments
 def chart(scenes: Union[Scene, PathLike, Sequence[Union[Scene, PathLike]]],
           engines: Union[str, Engine, Sequence[Union[str, Engine]]] = ("tube", "ray"), *,
-          output: Optional[PathLike] = None, pings: int = 1, repeats: int = 3, seconds: float = 4,
+          output: Optional[PathLike] = None, pings: Union[int, str] = "0", repeats: int = 3, seconds: float = 4,
           progress: Optional[Progress] = None) -> list[dict[str, Any]]:
     """Runs engines on scenes and holds their errors against the time they take, as ``tubefoot chart`` does.
 
     Args:
-        scenes: a scene or several, or the names of their files; of each, the first pings of the first sensor, on one thread.
+        scenes: a scene or several, or the names of their files. The chart uses the first sensor of each, on one thread.
         engines: one or several: ``"tube"`` and ``"ray"``, each in all its settings, and functions marked by
             :func:`engine` or :func:`sensor`.
         output: folder for the page, the table and the diagrams: whole or not at all.
-        pings: pings of each scene.
+        pings: ``"A:B"``, pings of each scene, both included, counted from 0. An integer is the former meaning, a number
+            of first pings, and gives a DeprecationWarning.
         repeats: runs of each setting; the median of their seconds counts.
         seconds: leave out rays that would take longer than this for one run.
         progress: called now and then with the settings finished and all settings; what it raises ends the work.
@@ -123,9 +134,15 @@ def chart(scenes: Union[Scene, PathLike, Sequence[Union[Scene, PathLike]]],
         raise UsageError("a chart needs a scene and an engine")
     if len(set(names)) < len(names):
         raise UsageError(f"two engines have one name: {', '.join(names)}")
-    pings, repeats = whole("pings", pings), whole("repeats", repeats)
-    if pings < 1 or repeats < 1 or not seconds > 0:
-        raise UsageError("pings and repeats are 1 or more, seconds above 0")
+    repeats = whole("repeats", repeats)
+    if not isinstance(pings, str):
+        count = whole("pings", pings)
+        if count < 1:
+            raise UsageError("pings: expected 1 or more")
+        pings = f"0:{count - 1}"
+        warnings.warn(f"an integer for 'pings' of chart() is deprecated: use {pings!r}", DeprecationWarning, stacklevel=3)
+    if repeats < 1 or not seconds > 0:
+        raise UsageError("repeats is 1 or more, seconds above 0")
     folder = "" if output is None else os.fspath(output)
     asked = dict(scenes=[s._native for s in known], builtin=builtin, own=own, output=folder, pings=pings,
                  repeats=repeats, seconds=float(seconds))

@@ -17,8 +17,7 @@ CHOICES = {"engine": ("tube", "ray"), "arithmetic": ("fixed", "filtered", "ratio
            "sampling": ("stratified", "sobol", "adaptive", "regular", "random", "column")}
 
 _FLAGS = ("any-scene", "confined")
-_ARGUMENTS = {"beam": "beams"}
-FORMER_ARGUMENTS = {"truth": "labels"}
+FORMER_ARGUMENTS = {"truth": "labels", "shot": "transmission"}
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -50,6 +49,11 @@ def one_of(names: Iterable[str]) -> str:
     """``'a', 'b' or 'c'``."""
     quoted = [repr(n) for n in names]
     return " or ".join([", ".join(quoted[:-1]), quoted[-1]] if len(quoted) > 1 else quoted)
+
+
+def former(before: str, now: str) -> None:
+    """Warns that a name of the module has changed."""
+    warnings.warn(f"{before!r} is now {now!r}", DeprecationWarning, stacklevel=3)
 
 
 def with_named_arguments(function: Callable[P, R]) -> Callable[P, R]:

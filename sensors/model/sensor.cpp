@@ -28,7 +28,7 @@ std::optional<std::shared_ptr<const PatternTable>> opened(const PatternDescripti
 
 /// Whether a fan's receive patterns differ, in more than rounding, which is taken out of them. One pattern
 /// for all, such as a vertical one of a fan ahead, does not tell its beams apart (beam_angles.hpp).
-bool resolved(std::span<Directivity> beams) {
+bool are_resolved(std::span<Directivity> beams) {
   constexpr double rounding = 1e-12;
   const Directivity first = beams.front();
   const bool differ = std::ranges::any_of(beams, [&](const Directivity& beam) {
@@ -112,7 +112,7 @@ BeamPatterns Sensor::patterns(const Pose& sensor_pose, double sound_speed_m_s,
         made.receive[beam] = directivity(description_.receive, *receive_, fan,
                                          direction_of(beams_[fired.beams[beam]]), turn, sound_speed_m_s);
       apart.push_back(
-          resolved(std::span(made.receive).subspan(fan.first_beam, fan.end_beam - fan.first_beam)));
+          are_resolved(std::span(made.receive).subspan(fan.first_beam, fan.end_beam - fan.first_beam)));
     }
     if (has_receiver_pair())
       made.baselines.push_back({glm::normalize(turn * fan.receiver_pair), receiver_pair_.baseline_m,

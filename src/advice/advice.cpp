@@ -189,6 +189,7 @@ std::vector<TrialPings> pings_of(const std::vector<LookedAt>& sensors, bool prob
 void measure_on_others(Advice& advice, const SceneDescription& scene, std::uint64_t seed) {
   TrialScene others(
       scene, [&](const Survey&) { return pings_of(advice.sensors, false); }, std::nullopt);
+  const ThreadLimit one_thread(1);
   for (Candidate& candidate : advice.candidates) {
     if (!candidate.tried) continue;
     stop_if_wanted();
@@ -245,7 +246,6 @@ LookedAt looked_at(std::size_t pings, std::size_t count) {
 }
 
 Advice advise(const SceneDescription& scene, const Tolerance& tolerance, const AdviceOptions& options) {
-  const ThreadLimit one_thread(1);  // or a setting's seconds were those of one of several
   Advice advice;
   advice.tolerance = tolerance;
   {
@@ -253,12 +253,19 @@ Advice advise(const SceneDescription& scene, const Tolerance& tolerance, const A
         scene,
         [&](const Survey& survey) {
           for (const SensorPings& s : survey.sensors) {
-            advice.sensors.push_back(looked_at(s.times_s.size(), options.pings));
-            advice.sensors.back().sensor = s.sensor->description().name;
+            const std::string& name = s.sensor->description().name;
+            const PingRange range = resolved(options.pings, s.times_s.size(), name);
+            LookedAt sensor =
+                looked_at(static_cast<std::size_t>(range.last - range.first + 1), options.trial_pings);
+            for (std::vector<std::size_t>* pings : {&sensor.probes, &sensor.others})
+              for (std::size_t& ping : *pings) ping += static_cast<std::size_t>(range.first);
+            sensor.sensor = name;
+            advice.sensors.push_back(std::move(sensor));
           }
           return pings_of(advice.sensors, true);
         },
         std::nullopt);
+    const ThreadLimit one_thread(1);  // the seconds of a setting are those of one thread
     advice.silent = probe_pings.silent_sensors();
     const Probes probes(probe_pings, advice.sensors, tolerance.measure);
     constexpr std::array binnings{Binning::exact, Binning::spread, Binning::centroid};

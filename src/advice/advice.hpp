@@ -14,10 +14,11 @@
 namespace tubefoot {
 
 struct AdviceOptions {
-  std::size_t pings = 8;    ///< probe pings of each sensor, and as many others to measure; at least 2
-  bool measure = true;      ///< measure on other pings what the probe pings predict
-  double largest_cost = 3;  ///< rays that take longer than this many exact tube runs are not tried
-  std::uint64_t seed = 1;   ///< of the rays
+  std::string pings = ":";      ///< of each sensor, as resolved() reads them: trial pings are among these
+  std::size_t trial_pings = 8;  ///< probe pings of each sensor, and as many others to measure; at least 2
+  bool measure = true;          ///< measure on other pings what the probe pings predict
+  double largest_cost = 3;      ///< rays that take longer than this many exact tube runs are not tried
+  std::uint64_t seed = 1;       ///< of the rays
   /// Of rays, to try.
   std::vector<RaySampling> samplings{RaySampling::stratified, RaySampling::sobol, RaySampling::adaptive,
                                      RaySampling::regular, RaySampling::column};
@@ -39,7 +40,7 @@ struct Candidate {
 /// Pings of a sensor that the advice rests on.
 struct LookedAt {
   std::string sensor;
-  std::size_t pings = 0;  ///< that the sensor has
+  std::size_t pings = 0;  ///< pings to choose from
   std::vector<std::size_t> probes;
   std::vector<std::size_t> others;  ///< the probes again where the sensor has no more pings
   bool others_are_probes = false;

@@ -22,12 +22,11 @@ void write_pictures_of(const std::filesystem::path& folder, const std::string& s
 
 }  // namespace
 
-std::string chart_origin(const std::string& program, std::size_t pings, int repeats) {
+std::string chart_origin(const std::string& program, const std::string& pings, int repeats) {
   return fmt::format(
-      "Made by {}, version {}: {} of each scene's first sensor, one thread, median of {} runs. The "
+      "Made by {}, version {}: pings {} of each scene's first sensor, one thread, median of {} runs. The "
       "reference is certified (docs/reference.md); trees are built beforehand.",
-      program, TUBEFOOT_VERSION, pings == 1 ? "the first ping" : fmt::format("the first {} pings", pings),
-      repeats);
+      program, TUBEFOOT_VERSION, pings, repeats);
 }
 
 void write_chart(const std::filesystem::path& folder, std::span<const Trial> trials,

@@ -14,7 +14,7 @@ namespace tubefoot {
 constexpr double chart_reference_tolerance = 1e-7;
 
 /// A sentence on how a chart was made; `program` is HTML.
-std::string chart_origin(const std::string& program, std::size_t pings, int repeats);
+std::string chart_origin(const std::string& program, const std::string& pings, int repeats);
 
 /// Writes index.html, chart.csv and each scene's diagrams. Throws std::runtime_error naming the file.
 void write_chart(const std::filesystem::path& folder, std::span<const Trial> trials,

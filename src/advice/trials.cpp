@@ -16,6 +16,7 @@
 #include "geometry/steps/stop.hpp"
 #include "run/abilities.hpp"
 #include "run/run_steps.hpp"
+#include "run/settings.hpp"
 #include "run/simulation.hpp"
 
 namespace tubefoot {
@@ -103,6 +104,16 @@ std::vector<EngineSetting> ray_settings(std::size_t beams) {
     for (const std::int64_t rays : {1, 11, 23, 114, 400, 1500, 5000, 17000, 60000, 200000, 700000})
       all.push_back(ray_setting(sampling, rays, beams));
   return all;
+}
+
+TrialScene::Choice chosen_pings(const std::string& text) {
+  return [text](const Survey& survey) {
+    const PingRange range = resolved(text, survey.sensors.front().times_s.size());
+    TrialPings chosen;
+    for (std::int64_t p = range.first; p <= range.last; ++p)
+      chosen.pings.push_back(static_cast<std::size_t>(p));
+    return std::vector{chosen};
+  };
 }
 
 TrialScene::Choice first_pings(std::size_t count) {

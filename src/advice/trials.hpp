@@ -99,5 +99,7 @@ std::vector<Trial> all_trials(
 
 /// The first pings of the first sensor.
 TrialScene::Choice first_pings(std::size_t count);
+/// Pings of the first sensor, as resolved() reads them.
+TrialScene::Choice chosen_pings(const std::string& text);
 
 }  // namespace tubefoot

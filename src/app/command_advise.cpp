@@ -27,7 +27,7 @@ void print_advice(const Advice& advice) {
       tell("measured on    {}\n", pings_text(s.sensor, s.others, s.pings));
   }
   for (const std::string& name : advice.silent)
-    tell("note           {} hears nothing on these pings: nothing but exact cuts was tried\n", name);
+    tell("note           {} receives nothing on these pings: only exact binning was tried\n", name);
   tell("\n{:<44} {:>10} {:>10} {:>10} {:>10}  {}\n", "", "predicted", "seconds", "measured", "seconds",
        "within");
   tell("{:<44} {:>10} {:>10} {:>10} {:>10}  {}\n", "", "error", "a ping", "error", "a ping",
@@ -63,9 +63,16 @@ int advise_command(const AdviseOptions& options) {
   std::optional<OutputFile> output;
   if (options.json && *options.json != "-") output.emplace(*options.json, inputs_of(scene));
   AdviceOptions requested;
-  requested.pings = options.pings;
+  requested.trial_pings = options.trial_pings;
+  if (options.pings) {
+    if (const auto count = number_of_pings(*options.pings, "--trial-pings N", options.quiet))
+      requested.trial_pings = *count;
+    else
+      requested.pings = *options.pings;
+  }
   requested.seed = scene.run.seed;
   requested.quiet = options.quiet;
+  const ThreadLimit limit(options.threads.value_or(scene.run.threads));
   const Advice advice = advise(scene, tolerance, requested);
   const std::string json = text_of(json_of(advice, scene)) + "\n";
   if (options.json == "-") {

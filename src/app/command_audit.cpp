@@ -56,7 +56,7 @@ int audit_command(const AuditOptions& options) {
   const auto fail = [&](const Transmission& transmission, const std::string& what, double defect,
                         const char* whole) {
     if (++failures <= 10)
-      say("sensor '{}', ping {}, shot {}, {}: off by {:.3e} of {}\n",
+      say("sensor '{}', ping {}, transmission {}, {}: off by {:.3e} of {}\n",
           transmission.pings().sensor->description().name, transmission.ping(), transmission.number(), what,
           defect, whole);
     worst = std::max(worst, std::abs(defect));
@@ -98,7 +98,7 @@ int audit_command(const AuditOptions& options) {
     add_shared(transmission, "two images", paths.shared);
   };
   TransmissionsAround around(all);
-  Progress progress("audited shots", transmissions.size(), options.quiet);
+  Progress progress("audited transmissions", transmissions.size(), options.quiet);
   for (const CommandOptions& requested : transmissions) {
     stop_if_wanted();
     const Transmission transmission = around.at(*requested.group, requested.ping)
@@ -117,7 +117,7 @@ int audit_command(const AuditOptions& options) {
     progress.step();
   }
   tell("arithmetic     {}\n", description.run.arithmetic);
-  tell("shots          {}\n", transmissions.size());
+  tell("transmissions  {}\n", transmissions.size());
   tell("tubes          {}\n", tubes);
   tell("footprints     {}\n", facets);
   tell("pieces         {}\n", pieces);

@@ -37,12 +37,16 @@ int chart_command(const ChartOptions& options) {
     const Inputs its = inputs_of(scenes.back());
     inputs.insert(inputs.end(), its.begin(), its.end());
   }
+  const std::optional<std::size_t> count =
+      options.pings ? number_of_pings(*options.pings, "--pings 0:N-1", options.quiet) : std::nullopt;
+  const std::string pings = options.pings.value_or("0");
   OutputFolder output(options.output, inputs);
   const ThreadLimit one_thread(1);  // so that a setting's seconds do not depend on what else runs
   std::vector<Trial> trials;
   Progress progress("settings", options.scenes.size() * builtin_settings(1).size(), options.quiet);
   for (const SceneDescription& description : scenes) {
-    TrialScene scene(description, first_pings(options.pings), chart_reference_tolerance);
+    TrialScene scene(description, count ? first_pings(*count) : chosen_pings(pings),
+                     chart_reference_tolerance);
     if (!names.insert(scene.name()).second)
       throw UsageError(
           fmt::format("two scenes are called '{}': the chart could not tell them apart", scene.name()));
@@ -52,7 +56,8 @@ int chart_command(const ChartOptions& options) {
     trials.insert(trials.end(), own.begin(), own.end());
   }
   write_chart(output.staging(), trials,
-              chart_origin("<code>tubefoot chart</code>", options.pings, options.repeats));
+              chart_origin("<code>tubefoot chart</code>", count ? fmt::format("0:{}", *count - 1) : pings,
+                           options.repeats));
   output.commit();
   tell("{:<22} {:<14} {:>14} {:>14} {:>14}\n", "scene", "in", "rays/tubes", "rays/tubes", "rays cheaper");
   tell("{:<22} {:<14} {:>14} {:>14} {:>14}\n", "", "", "at 0.1 dB RMS", "at 1e-3 L1", "above L1 of");

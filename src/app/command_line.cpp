@@ -15,12 +15,14 @@
 #include <cstring>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "app/command_options.hpp"
 #include "app/commands.hpp"
+#include "app/help_formatter.hpp"
 #include "app/library_versions.hpp"
 #include "files/absolute_path.hpp"
 #include "files/input_error.hpp"
@@ -43,7 +45,8 @@ CLI::Validator finite_number(double least, bool above) {
         double value = 0;
         const bool number = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
         if (number && (above ? value > least : value >= least)) return {};
-        return fmt::format("'{}' is no number {} {:g}", text, above ? "above" : "of at least", least);
+        return fmt::format("invalid value '{}': expected a number {} {:g}", text,
+                           above ? "above" : "of at least", least);
       },
       "NUMBER");
 }
@@ -59,16 +62,19 @@ CLI::Validator echoes_of_run() {
       "");
 }
 
-void add_common(CLI::App& command, CommonOptions& options) {
+void add_common(CLI::App& command, CommonOptions& options, const std::string& group) {
   command.add_option("SCENE", options.scene, "scene file (docs/scene-file.md)")->required();
   command
       .add_option("--arithmetic", options.arithmetic,
-                  "number type of the exact kernel; default: as the scene says")
-      ->check(CLI::IsMember({"fixed", "filtered", "rational", "double"}));
+                  "number type of exact visibility (default: 'arithmetic' of the scene)")
+      ->check(CLI::IsMember({"fixed", "filtered", "rational", "double"}))
+      ->group(group);
   command
-      .add_option("--threads", options.threads, "threads to use; default: as the scene says, else all cores")
-      ->check(CLI::Range(1, 4096));
-  add_scene_flags(command, options);
+      .add_option("--threads", options.threads,
+                  "number of threads (default: 'threads' of the scene, else all cores)")
+      ->check(CLI::Range(1, 4096))
+      ->group(group);
+  add_scene_flags(command, options, group);
 }
 
 namespace {
@@ -87,7 +93,13 @@ struct RenamedOption {
 };
 constexpr std::array renamed_options{RenamedOption{"--truth", "--labels"},
                                      RenamedOption{"--recipe", "--output-model"},
-                                     RenamedOption{"--part", "--shard"}};
+                                     RenamedOption{"--part", "--shard"},
+                                     RenamedOption{"--keep-parts", "--keep-shards"},
+                                     RenamedOption{"--ping", "--pings"},
+                                     RenamedOption{"--beam", "--beams"},
+                                     RenamedOption{"--frequency", "--frequencies"},
+                                     RenamedOption{"--azimuth", "--azimuths"},
+                                     RenamedOption{"--elevation", "--elevations"}};
 
 /// The words of the command line with present names of options, and `help COMMAND` as `COMMAND --help`.
 std::vector<std::string> present_words(int argc, char** argv) {
@@ -100,6 +112,10 @@ std::vector<std::string> present_words(int argc, char** argv) {
         if (!quiet) say("warning: {} is deprecated: use {}\n", before, now);
         break;
       }
+  if (words.size() > 1 && words[1] == "pack") {
+    words[1] = "suite";
+    if (!quiet) say("warning: the command pack is deprecated: use suite\n");
+  }
   if (words.size() > 1 && words[1] == "help") {
     words.erase(words.begin() + 1);
     words.resize(std::min<std::size_t>(words.size(), 2));
@@ -165,7 +181,9 @@ int obeyed(int argc, char** argv) {
   app.set_version_flag(
       "--version", [] { return "tubefoot " TUBEFOOT_VERSION "\n" + build_in_words() + library_versions(); });
   app.require_subcommand(1);
-  app.get_formatter()->column_width(34);
+  const auto formatter = std::make_shared<HelpFormatter>();
+  formatter->column_width(16);
+  app.formatter(formatter);
   app.footer(
       "Exit status:\n  0  done\n  1  the run failed\n  2  the input or the command line is wrong\n"
       "  3  a comparison found more error than was allowed");

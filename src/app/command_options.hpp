@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <string>
 
 #include "app/commands.hpp"
 
@@ -33,14 +34,16 @@ struct CommandOptions {
 
 /// Of every command that reads a scene.
 template <class Options>
-void add_scene_flags(CLI::App& command, Options& options) {
-  command.add_flag("--confined", options.confined,
-                   "read nothing that lies outside of the scene file's folder, links followed");
-  command.add_flag("--quiet", options.quiet, "print results and errors only");
+void add_scene_flags(CLI::App& command, Options& options, const std::string& group = "Options") {
+  command
+      .add_flag("--confined", options.confined,
+                "reject a scene that names files outside of its folder, also through links")
+      ->group(group);
+  command.add_flag("--quiet", options.quiet, "print results and errors only")->group(group);
 }
 
 /// Of every command that computes with one.
-void add_common(CLI::App& command, CommonOptions& options);
+void add_common(CLI::App& command, CommonOptions& options, const std::string& group = "Options");
 
 /// CLI11's own range checks let NaN through, as it is neither too small nor too large.
 CLI::Validator finite_number(double least, bool above);

@@ -15,8 +15,8 @@ namespace tubefoot {
 namespace {
 
 StrengthRequest request_of(const StrengthOptions& options) {
-  StrengthRequest request{angles_of(options.azimuths, "--azimuth"),
-                          angles_of(options.elevations, "--elevation"),
+  StrengthRequest request{angles_of(options.azimuths, "--azimuths"),
+                          angles_of(options.elevations, "--elevations"),
                           frequencies_of(options.frequencies),
                           options.sound_speed,
                           surface_of(options.reflection, options.roughness_m),
@@ -24,15 +24,15 @@ StrengthRequest request_of(const StrengthOptions& options) {
                           options.reference ? std::optional(options.tolerance) : std::nullopt};
   if (request.elevations_deg.front() < -90 || request.elevations_deg.back() > 90)
     throw UsageError(
-        fmt::format("--elevation '{}': elevations are from -90 to 90 degrees", options.elevations));
+        fmt::format("--elevations '{}': elevations are from -90 to 90 degrees", options.elevations));
   if (request.azimuths_deg.front() < -360 || request.azimuths_deg.back() > 360)
-    throw UsageError(fmt::format("--azimuth '{}': azimuths are from -360 to 360 degrees", options.azimuths));
+    throw UsageError(fmt::format("--azimuths '{}': azimuths are from -360 to 360 degrees", options.azimuths));
   for (const double hertz : {request.frequencies_hz.front(), request.frequencies_hz.back()}) {
     constexpr double shortest_m = 1e-9, longest_m = 1e9;
     const double wavelength_m = request.sound_speed / hertz;
     if (!(wavelength_m >= shortest_m && wavelength_m <= longest_m))
       throw UsageError(fmt::format(
-          "--frequency '{}': at {:g} m/s the wavelength of {:g} Hz is {:g} m, must be {:g} to {:g} m",
+          "--frequencies '{}': at {:g} m/s the wavelength of {:g} Hz is {:g} m, must be {:g} to {:g} m",
           options.frequencies, request.sound_speed, hertz, wavelength_m, shortest_m, longest_m));
   }
   if (!(options.tolerance >= 1e-12 && options.tolerance <= 0.1))
@@ -46,7 +46,7 @@ StrengthRequest request_of(const StrengthOptions& options) {
   if (cells > most_cells)
     throw UsageError(
         fmt::format("{:g} target strengths are asked for, more than {:g}: widen the steps of "
-                    "--azimuth, --elevation or --frequency",
+                    "--azimuths, --elevations or --frequencies",
                     cells, most_cells));
   return request;
 }

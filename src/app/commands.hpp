@@ -106,7 +106,7 @@ struct CompareOptions {
 struct ChartOptions {
   std::vector<std::filesystem::path> scenes;
   std::filesystem::path output;
-  std::size_t pings = 1;
+  std::optional<std::string> pings;  ///< as resolved() reads them; none: the first
   int repeats = 3;
   double seconds_per_trial = 4;
   bool confined = false;
@@ -116,7 +116,9 @@ struct ChartOptions {
 struct AdviseOptions {
   std::filesystem::path scene;
   std::string tolerance;
-  std::size_t pings = 8;
+  std::optional<std::string> pings;  ///< of each sensor, as resolved() reads them; none: all
+  std::size_t trial_pings = 8;
+  std::optional<int> threads;
   bool confined = false;
   std::optional<std::string> json;  ///< file, or "-" for stdout
   bool quiet = false;

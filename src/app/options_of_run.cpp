@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The options of the commands that write a result folder: run and join.
 #include <cstdint>
 #include <string>
 
@@ -7,7 +8,10 @@
 namespace tubefoot {
 namespace {
 
-/// Of commands that write pictures of a run.
+constexpr const char *what = "What to compute", *how = "How to compute it", *written = "What to write",
+                     *where = "Where to write";
+
+/// Options of the pictures of a run.
 void add_pictures(CLI::App& command, RunOptions& run) {
   command
       .add_option_function<std::string>(
@@ -16,13 +20,18 @@ void add_pictures(CLI::App& command, RunOptions& run) {
             using Which = PictureSettings::Which;
             run.pictures.which = word == "none" ? Which::none : word == "all" ? Which::all : Which::sequence;
           },
-          "none; sequence: those of several pings at once; all: and of each ping, where a sonar shows such "
-          "(default: as the sensor says, else all)")
-      ->check(CLI::IsMember({"none", "sequence", "all"}));
-  command.add_flag("--animate", run.pictures.animated,
-                   "also write pings of cameras and imaging sonars one after the other, as a GIF");
-  command.add_option("--picture-bits", run.pictures.bits, "bits a colour of a PNG: 8 or 16 (default: 8)")
-      ->check(CLI::IsMember({8, 16}));
+          "pictures to draw. sequence: pictures that show several pings. all: also pictures of each ping, "
+          "where the sonar has such pictures. Default: 'pictures' of the scene, else all")
+      ->check(CLI::IsMember({"none", "sequence", "all"}))
+      ->group(written);
+  command
+      .add_flag("--animate", run.pictures.animated,
+                "also write the pings of cameras and imaging sonars as an animated GIF")
+      ->group(written);
+  command
+      .add_option("--picture-bits", run.pictures.bits, "bits per colour channel of PNG files (default: 8)")
+      ->check(CLI::IsMember({8, 16}))
+      ->group(written);
 }
 
 }  // namespace
@@ -30,57 +39,90 @@ void add_pictures(CLI::App& command, RunOptions& run) {
 void add_run(CLI::App& app, CommandOptions& requested) {
   RunOptions& run = requested.run;
   CLI::App* command =
-      app.add_subcommand("run", "Simulate all pings of a scene and write echoes, pictures and statistics");
-  add_common(*command, run);
-  command->add_option("-o,--output", run.output, "folder to write; made whole or not at all")->required();
-  command->add_option("--sensor", run.selection.sensor, "only this sensor");
-  command->add_option("--ping,--pings", run.selection.pings,
-                      "only pings A:B of each sensor, both included, counted from 0 (default: all)");
-  command->add_option(
-      "--beam,--beams", run.selection.beams,
-      "only echoes of beams A:B, both included, or several such between commas (default: all)");
-  add_pictures(*command, run);
-  command->add_option("--engine", run.engine, "tube (exact) or ray (sampling)")
-      ->check(CLI::IsMember({"tube", "ray"}));
+      app.add_subcommand("run", "Simulate the pings of a scene and write echoes, pictures and statistics");
+  command->add_option("--sensor", run.selection.sensor, "compute this sensor only")
+      ->option_text("NAME")
+      ->group(what);
   command
-      ->add_option("--binning", run.binning,
-                   "tube engine: cut footprints at the samples' borders (exact), or use their centroid's "
-                   "energy, spread over their ranges or not")
-      ->check(CLI::IsMember({"exact", "spread", "centroid"}));
+      ->add_option("--pings", run.selection.pings,
+                   "compute pings A to B of each sensor, both included, counted from 0 (default: all)")
+      ->option_text("A:B")
+      ->group(what);
   command
-      ->add_option("--sampling", run.sampling,
-                   "ray engine: stratified, sobol, adaptive, regular, random or column")
-      ->check(CLI::IsMember({"stratified", "sobol", "adaptive", "regular", "random", "column"}));
+      ->add_option("--beams", run.selection.beams,
+                   "keep the echoes of beams A to B, both included. Separate several ranges by commas "
+                   "(default: all)")
+      ->option_text("A:B")
+      ->group(what);
+  command
+      ->add_flag("--reference", run.reference,
+                 "certify each energy: the file then also contains energy_bound (tube engine)")
+      ->group(what);
+  command
+      ->add_flag("--labels", run.labels,
+                 "also compute the shares of objects and materials in each range bin, its label, mean height "
+                 "and mean range (docs/truth.md)")
+      ->group(what);
+  command
+      ->add_option("--label-level", run.label_level_db,
+                   "with --labels: label a range bin by contributions within this many dB of the two-way "
+                   "peak of the beam pattern (default: 20)")
+      ->option_text("DB")
+      ->group(what);
+  command
+      ->add_option(
+          "--tolerance", run.tolerance,
+          "permitted error: 0.1dB (RMS over bins with an echo), 1e-3 or 0.1% (relative L1). tubefoot "
+          "then selects engine and settings as 'advise' does. With --reference: the relative bound "
+          "(default: 1e-9)")
+      ->option_text("ERROR")
+      ->group(how);
+  command->add_option("--engine", run.engine, "tube computes exact footprints, ray samples them")
+      ->check(CLI::IsMember({"tube", "ray"}))
+      ->group(how);
+  command
+      ->add_option(
+          "--binning", run.binning,
+          "tube engine: exact cuts footprints at the borders of range bins. spread and centroid use "
+          "the energy at the footprint's centroid; spread distributes it over the footprint's ranges")
+      ->check(CLI::IsMember({"exact", "spread", "centroid"}))
+      ->group(how);
+  command
+      ->add_option("--coarsen", run.coarsen,
+                   "merge facets where no point moves by more than this share of the sonars' resolution, 0 "
+                   "to 1 (default: 0, no merging; docs/coarse.md)")
+      ->option_text("SHARE")
+      ->group(how);
+  command->add_option("--sampling", run.sampling, "ray engine: distribution of rays")
+      ->check(CLI::IsMember({"stratified", "sobol", "adaptive", "regular", "random", "column"}))
+      ->group(how);
   CLI::Option* rays = command->add_option("--rays", run.rays, "ray engine: rays per ping")
-                          ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000'000}));
-  command->add_option("--rays-per-beam", run.rays_per_beam, "ray engine: rays per beam instead")
+                          ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000'000}))
+                          ->group(how);
+  command->add_option("--rays-per-beam", run.rays_per_beam, "ray engine: rays per beam, instead of --rays")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000'000}))
-      ->excludes(rays);
-  command->add_option("--seed", run.seed, "ray engine: seed of the sampling")->check(CLI::NonNegativeNumber);
-  command->add_flag("--reference", run.reference,
-                    "tube engine: certify every energy and write energy_bound beside it");
-  command->add_option("--tolerance", run.tolerance,
-                      "error allowed, 0.1dB (RMS of lit bins), 1e-3 or 0.1% (relative L1): picks engine and "
-                      "settings as 'advise' does; with --reference: the bound asked for (default: 1e-9)");
-  command->add_option("--coarsen", run.coarsen,
-                      "let facets become fewer and larger where no point of them moves by more than this "
-                      "part of what the scene's sonars tell apart there, 0 to 1 (default: 0, not at all; "
-                      "docs/coarse.md)");
-  command->add_flag("--labels", run.labels,
-                    "write the shares of objects and materials in each range bin, its label, mean height and "
-                    "mean range (docs/truth.md)");
-  command->add_option(
-      "--label-level", run.label_level_db,
-      "with --labels: label a range bin by contributions within this many dB of the two-way peak of the "
-      "beam pattern (default: 20)");
-  command->add_flag(
-      "--resume", run.resume,
-      "go on with a run that was interrupted or killed, from '<output>.partial'; begin if there is "
-      "none");
-  command->add_option(
-      "--shard", run.part,
-      "compute only shard I of N (I/N) of the pings, into '<output>.part-I-of-N'; 'join' combines all "
-      "shards");
+      ->excludes(rays)
+      ->group(how);
+  command->add_option("--seed", run.seed, "ray engine: seed of the sampling")
+      ->check(CLI::NonNegativeNumber)
+      ->group(how);
+  command
+      ->add_option("--shard", run.part,
+                   "compute shard I of N of the pings, into OUTPUT.part-I-of-N. 'join' combines all shards")
+      ->option_text("I/N")
+      ->group(how);
+  command
+      ->add_flag("--resume", run.resume,
+                 "continue an interrupted run from OUTPUT.partial; start from the beginning if there is none")
+      ->group(how);
+  add_common(*command, run, how);
+  add_pictures(*command, run);
+  command
+      ->add_option("-o,--output", run.output,
+                   "result folder. It appears when the run is complete; a failed run leaves no folder")
+      ->required()
+      ->option_text("FOLDER")
+      ->group(where);
   command->footer(
       "Example:\n  tubefoot run scenes/wellhead/scene.toml -o out/wellhead\n"
       "  tubefoot run scenes/wellhead/scene.toml -o out/some --sensor sidescan --pings 100:120");
@@ -91,14 +133,14 @@ void add_run(CLI::App& app, CommandOptions& requested) {
 void add_join(CLI::App& app, CommandOptions& requested) {
   JoinOptions& join = requested.join;
   CLI::App* command = app.add_subcommand("join", "Combine the shards of a run (run --shard)");
-  command->add_option("SCENE", join.scene, "the scene file of the parts")->required();
-  command
-      ->add_option("-o,--output", join.output,
-                   "the output that the parts were given: folder to write; made whole or not at all")
-      ->required();
+  command->add_option("SCENE", join.scene, "scene file of the shards")->required();
+  command->add_option("-o,--output", join.output, "the folder that the shards were computed for")
+      ->required()
+      ->option_text("FOLDER");
   add_pictures(*command, join);
-  command->add_flag("--keep-parts", join.keep_parts, "leave the parts' files beside the result");
-  command->add_option("--threads", join.threads, "threads to use; default: as the scene says, else all cores")
+  command->add_flag("--keep-shards", join.keep_parts, "do not remove the files of the shards");
+  command
+      ->add_option("--threads", join.threads, "number of threads (default: 'threads' of the scene, else all)")
       ->check(CLI::Range(1, 4096));
   add_scene_flags(*command, join);
   command->footer(

@@ -6,10 +6,13 @@ namespace tubefoot {
 void add_check(CLI::App& app, CommandOptions& requested) {
   CheckOptions& check = requested.check;
   CLI::App* command =
-      app.add_subcommand("check", "Load everything a scene names and say what was understood");
+      app.add_subcommand("check", "Load a scene with all its files, and print what it contains");
   add_common(*command, check);
-  command->add_option("--png", check.picture,
-                      "draw the scene: plan and side views with bed, objects, tracks and where sensors look");
+  command
+      ->add_option(
+          "--png", check.picture,
+          "draw the scene into this file: plan and side views with seabed, objects, tracks and sectors")
+      ->option_text("FILE");
   command->footer("Example:\n  tubefoot check scenes/wellhead/scene.toml --png scene.png");
   command->callback(
       [&requested] { requested.command = [&requested] { return check_command(requested.check); }; });
@@ -18,10 +21,13 @@ void add_check(CLI::App& app, CommandOptions& requested) {
 void add_audit(CLI::App& app, CommandOptions& requested) {
   AuditOptions& audit = requested.audit;
   CLI::App* command = app.add_subcommand(
-      "audit", "Prove the closure law, tube by tube, in rationals: visible pieces + open water = the tube");
+      "audit",
+      "Verify in rational arithmetic that visible polygons and unobstructed region add up to each tube");
   add_common(*command, audit);
-  command->add_option("--sensor", audit.sensor, "only this sensor");
-  command->add_option("--pings", audit.pings, "pings A:B, both included, counted from 0 (default: all)");
+  command->add_option("--sensor", audit.sensor, "audit this sensor only")->option_text("NAME");
+  command
+      ->add_option("--pings", audit.pings, "audit pings A to B, both included, counted from 0 (default: all)")
+      ->option_text("A:B");
   command->footer("Example:\n  tubefoot audit scenes/wellhead/scene.toml --sensor camera --pings 0:2");
   command->callback(
       [&requested] { requested.command = [&requested] { return audit_command(requested.audit); }; });
@@ -32,21 +38,27 @@ void add_footprints(CLI::App& app, CommandOptions& requested) {
   CLI::App* command =
       app.add_subcommand("footprints", "Write the visible polygons of some pings of a sensor");
   add_common(*command, footprints);
-  command->add_option("--sensor", footprints.sensor, "the sensor; one")->required();
-  command->add_option("--ping,--pings", footprints.pings,
-                      "pings A:B, both included, counted from 0 (default: 0)");
-  command->add_option("--beam,--beams", footprints.beams,
-                      "beams A:B, both included, or several such between commas (default: all)");
+  command->add_option("--sensor", footprints.sensor, "name of the sensor")->required()->option_text("NAME");
+  command->add_option("--pings", footprints.pings, "pings A to B, both included, counted from 0 (default: 0)")
+      ->option_text("A:B");
   command
-      ->add_option("-o,--output", footprints.output,
-                   "file: .gpkg (GeoPackage), .geojson, .csv (WKT), .vtp (VTK, ParaView), .obj, .ply, .nc "
-                   "(netCDF), .txt (exact corners); docs/footprints.md")
-      ->required();
-  command->add_option("--rationals", footprints.rationals,
-                      "write the exact corners, as fractions, into this file as well");
+      ->add_option("--beams", footprints.beams,
+                   "beams A to B, both included. Separate several ranges by commas (default: all)")
+      ->option_text("A:B");
+  command
+      ->add_option(
+          "-o,--output", footprints.output,
+          "file to write. Its suffix selects the format: .gpkg (GeoPackage), .geojson, .csv (WKT), .vtp "
+          "(VTK, ParaView), .obj, .ply, .nc (netCDF) or .txt (exact corners); docs/footprints.md")
+      ->required()
+      ->option_text("FILE");
+  command
+      ->add_option("--rationals", footprints.rationals,
+                   "also write the exact corners, as fractions, into this file")
+      ->option_text("FILE");
   command->footer(
-      "Example:\n  tubefoot footprints scenes/wellhead/scene.toml --sensor camera --ping 0 -o camera.gpkg\n"
-      "  tubefoot footprints scenes/wellhead/scene.toml --sensor camera --beam 40:50 -o beams.vtp");
+      "Example:\n  tubefoot footprints scenes/wellhead/scene.toml --sensor camera --pings 0 -o camera.gpkg\n"
+      "  tubefoot footprints scenes/wellhead/scene.toml --sensor camera --beams 40:50 -o beams.vtp");
   command->callback([&requested] {
     requested.command = [&requested] { return footprints_command(requested.footprints); };
   });
@@ -54,22 +66,27 @@ void add_footprints(CLI::App& app, CommandOptions& requested) {
 
 void add_coverage(CLI::App& app, CommandOptions& requested) {
   CoverageOptions& coverage = requested.coverage;
-  CLI::App* command = app.add_subcommand(
-      "coverage", "Measure exactly what a survey's pings see of each facet: how often, or never");
+  CLI::App* command =
+      app.add_subcommand("coverage", "Compute which parts of each facet a survey insonifies, and how often");
   add_common(*command, coverage);
-  command->add_option("--sensor", coverage.sensor, "only this sensor");
-  command->add_option("--pings", coverage.pings,
-                      "pings A:B of each sensor, both included, counted from 0 (default: all)");
+  command->add_option("--sensor", coverage.sensor, "use this sensor only")->option_text("NAME");
+  command
+      ->add_option("--pings", coverage.pings,
+                   "pings A to B of each sensor, both included, counted from 0 (default: all)")
+      ->option_text("A:B");
   command
       ->add_option("-o,--output", coverage.output,
-                   "file: .gpkg (GeoPackage: polygons and tables) or .csv (a row a facet); else a folder for "
-                   "both and a picture")
-      ->required();
+                   "file to write: .gpkg (GeoPackage with polygons and tables) or .csv (one row per facet). "
+                   "Another name is a folder for both files and a picture")
+      ->required()
+      ->option_text("FILE");
   command
-      ->add_option("--order", coverage.order,
-                   "what paths of up to so many interactions see; 1: straight ways only; else [paths] says")
+      ->add_option(
+          "--order", coverage.order,
+          "largest number of interactions per path; 1: direct paths only (default: 'order' of [paths])")
       ->check(CLI::Range(1, 8));
-  command->add_option("--picture", coverage.picture, "also draw a plan of it into this PNG");
+  command->add_option("--picture", coverage.picture, "also draw a plan into this PNG file")
+      ->option_text("FILE");
   command->footer("Example:\n  tubefoot coverage scenes/survey/scene.toml --pings 200:299 -o out/coverage");
   command->callback(
       [&requested] { requested.command = [&requested] { return coverage_command(requested.coverage); }; });
@@ -80,47 +97,61 @@ void add_strength(CLI::App& app, CommandOptions& requested) {
   CLI::App* command = app.add_subcommand(
       "strength",
       "Compute the target strength of a mesh over directions and frequencies (docs/smooth-surfaces.md)");
-  command->add_option("MESH", strength.mesh, "mesh file, as scenes take them: .obj, .ply, .stl, .off, ...")
+  command->add_option("MESH", strength.mesh, "mesh file in a format of scenes: .obj, .ply, .stl, .off, ...")
       ->required();
   command
-      ->add_option("--frequency,--frequencies", strength.frequencies,
-                   "FIRST:LAST:STEP or numbers between commas, in Hz, kHz or MHz: 38kHz,120kHz")
-      ->required();
-  command->add_option(
-      "--azimuth,--azimuths", strength.azimuths,
-      "of the sonar, FIRST:LAST:STEP or numbers, degrees from x towards y (default: 0:359:1)");
-  command->add_option("--elevation,--elevations", strength.elevations,
-                      "of the sonar, likewise, towards z (default: 0)");
-  command->add_option("--sound-speed", strength.sound_speed, "of the water, m/s (default: 1500)")
+      ->add_option("--frequencies", strength.frequencies,
+                   "FIRST:LAST:STEP, or numbers separated by commas, in Hz, kHz or MHz: 38kHz,120kHz")
+      ->required()
+      ->option_text("LIST");
+  command
+      ->add_option("--azimuths", strength.azimuths,
+                   "directions to the sonar in degrees from x towards y, as FIRST:LAST:STEP or a list "
+                   "(default: 0:359:1)")
+      ->option_text("LIST");
+  command
+      ->add_option("--elevations", strength.elevations,
+                   "elevations of the sonar in degrees towards z, as FIRST:LAST:STEP or a list (default: 0)")
+      ->option_text("LIST");
+  command
+      ->add_option("--sound-speed", strength.sound_speed, "sound speed of the water in m/s (default: 1500)")
       ->check(finite_number(0, true));
-  command->add_option("--reflection", strength.reflection,
-                      "of the surface: rigid, soft, a number from -1 to 1, or fluid:DENSITY:SPEED[:LOSS] "
-                      "(default: rigid)");
-  command->add_option("--roughness", strength.roughness_m, "standard deviation of its height, m (default: 0)")
+  command
+      ->add_option("--reflection", strength.reflection,
+                   "reflection coefficient of the surface: rigid, soft, a number from -1 to 1, or "
+                   "fluid:DENSITY:SPEED[:LOSS] (default: rigid)")
+      ->option_text("VALUE");
+  command
+      ->add_option("--roughness", strength.roughness_m,
+                   "standard deviation of the surface height in m (default: 0)")
       ->check(finite_number(0, false));
-  CLI::Option* reference =
-      command->add_flag("--reference", strength.reference,
-                        "certify every length: a bound beside each, from balls (docs/smooth-surfaces.md)");
+  CLI::Option* reference = command->add_flag(
+      "--reference", strength.reference,
+      "certify each value: the output then contains a bound for each (docs/smooth-surfaces.md)");
   command
       ->add_option("--tolerance", strength.tolerance,
-                   "with --reference: the bound asked for, relative, 1e-12 to 0.1; wider ones are told "
+                   "with --reference: requested relative bound, 1e-12 to 0.1; wider bounds cause a warning "
                    "(default: 1e-3)")
       ->check(finite_number(0, true))
       ->needs(reference);
   command
-      ->add_option("--unit", strength.unit_m, "metres of the mesh's unit (default: as the file says, else 1)")
+      ->add_option("--unit", strength.unit_m,
+                   "length of the mesh's unit in m (default: the unit that the file states, else 1)")
       ->check(finite_number(0, true));
   command
-      ->add_option("--up", strength.up, "the mesh's axis that becomes z (default: as the file says, else z)")
+      ->add_option("--up", strength.up,
+                   "axis of the mesh that becomes z (default: the axis that the file states, else z)")
       ->check(CLI::IsMember({"x", "y", "z"}));
   command
       ->add_option("-o,--output", strength.output,
-                   "file: .csv, .nc (netCDF) or .png; else a folder for all three")
-      ->required();
-  command->add_option("--threads", strength.threads, "threads to use (default: all cores)")
+                   "file to write: .csv, .nc (netCDF) or .png. Another name is a folder for all three")
+      ->required()
+      ->option_text("FILE");
+  command->add_option("--threads", strength.threads, "number of threads (default: all cores)")
       ->check(CLI::Range(1, 4096));
   command->add_flag("--quiet", strength.quiet, "print results and errors only");
-  command->footer("Example:\n  tubefoot strength mine.stl --unit 1e-3 --frequency 38kHz,120kHz -o out/mine");
+  command->footer(
+      "Example:\n  tubefoot strength mine.stl --unit 1e-3 --frequencies 38kHz,120kHz -o out/mine");
   command->callback(
       [&requested] { requested.command = [&requested] { return strength_command(requested.strength); }; });
 }
@@ -128,31 +159,40 @@ void add_strength(CLI::App& app, CommandOptions& requested) {
 void add_view(CLI::App& app, CommandOptions& requested) {
   ViewOptions& view = requested.view;
   CLI::App* command = app.add_subcommand(
-      "view", "Write a page that shows footprints in 3-D beside the picture they make (docs/viewer.md)");
-  command->add_option("RESULT", view.scene, "folder that 'run' wrote, or a scene file")->required();
-  command->add_option("-o,--output", view.output, "HTML file to write; needs no network")->required();
-  command->add_option("--sensor", view.sensor, "the sensor (default: the scene's first)");
-  command->add_option("--pings", view.pings,
-                      "pings A:B, both included, counted from 0 (default: 0; of a sidescan or an echosounder "
-                      "as many as a page shows well)");
+      "view", "Write an HTML page that shows footprints in 3-D and the sonar picture (docs/viewer.md)");
+  command->add_option("RESULT", view.scene, "result folder of 'run', or a scene file")->required();
+  command->add_option("-o,--output", view.output, "HTML file to write; the page needs no network")
+      ->required()
+      ->option_text("FILE");
+  command->add_option("--sensor", view.sensor, "name of the sensor (default: the first of the scene)")
+      ->option_text("NAME");
+  command
+      ->add_option("--pings", view.pings,
+                   "pings A to B, both included, counted from 0 (default: 0; for a sidescan or an "
+                   "echosounder, as many pings as fit on the page)")
+      ->option_text("A:B");
   CLI::Option* candidate =
       command
           ->add_option(
               "--candidate", view.candidate,
               "echo file of another engine, or the folder of its run: show its picture and its error")
-          ->transform(echoes_of_run());
+          ->transform(echoes_of_run())
+          ->option_text("FILE");
   command
-      ->add_option(
-          "--reference", view.reference,
-          "with --candidate: echo file of the reference, or the folder of its run (default: RESULT's)")
+      ->add_option("--reference", view.reference,
+                   "with --candidate: echo file of the reference, or the folder of its run (default: RESULT)")
       ->needs(candidate)
-      ->transform(echoes_of_run());
-  command->add_option("--scene", view.moved_scene, "where the scene of RESULT is, if it has moved");
+      ->transform(echoes_of_run())
+      ->option_text("FILE");
+  command->add_option("--scene", view.moved_scene, "scene file of RESULT, if the file has moved")
+      ->option_text("FILE");
   command
       ->add_option("--arithmetic", view.arithmetic,
-                   "number type of the exact kernel; default: as the run or the scene says")
+                   "number type of exact visibility (default: that of the run or the scene)")
       ->check(CLI::IsMember({"fixed", "filtered", "rational", "double"}));
-  command->add_option("--threads", view.threads, "threads to use; default: as the scene says, else all cores")
+  command
+      ->add_option("--threads", view.threads,
+                   "number of threads (default: 'threads' of the scene, else all cores)")
       ->check(CLI::Range(1, 4096));
   add_scene_flags(*command, view);
   command->footer("Example:\n  tubefoot view out/wellhead -o wellhead.html --sensor camera");
@@ -163,9 +203,9 @@ void add_view(CLI::App& app, CommandOptions& requested) {
 void add_refine(CLI::App& app, CommandOptions& requested) {
   RefineOptions& refine = requested.refine;
   CLI::App* command = app.add_subcommand(
-      "refine", "Write the seabed with its relief in facets, for mesh tools and for mode = \"offline\"");
+      "refine", "Write the seabed with its relief as a mesh, for mesh tools and for mode = \"offline\"");
   command->add_option("SCENE", refine.scene, "scene file (docs/scene-file.md)")->required();
-  command->add_option("-o,--output", refine.output, "PLY file to write")->required();
+  command->add_option("-o,--output", refine.output, "PLY file to write")->required()->option_text("FILE");
   command->add_option("--threads", refine.threads, "number of threads (default: all cores)")
       ->check(CLI::Range(0, 1024));
   add_scene_flags(*command, refine);
@@ -177,19 +217,23 @@ void add_refine(CLI::App& app, CommandOptions& requested) {
 void add_export(CLI::App& app, CommandOptions& requested) {
   ExportOptions& exported = requested.exported;
   CLI::App* command = app.add_subcommand(
-      "export", "Write a scene for another engine: same triangles, same pose, same sonar (docs/exchange.md)");
+      "export", "Write a scene for another engine, with the same mesh, poses and sonar (docs/exchange.md)");
   command->add_option("SCENE", exported.scene, "scene file (docs/scene-file.md)")->required();
-  command->add_option("--threads", exported.threads, "threads to use; default: all cores")
+  command->add_option("--threads", exported.threads, "number of threads (default: all cores)")
       ->check(CLI::Range(1, 4096));
   add_scene_flags(*command, exported);
-  command->add_option("--to", exported.to, "sdf (Gazebo), stonefish (.scn), gltf, obj or holoocean (JSON)")
+  command
+      ->add_option("--to", exported.to,
+                   "format: sdf for Gazebo, stonefish for Stonefish (.scn), holoocean for HoloOcean (JSON)")
       ->required()
       ->check(CLI::IsMember({"sdf", "stonefish", "gltf", "obj", "holoocean"}));
-  command->add_option("-o,--output", exported.output, "folder to write; made whole or not at all")
-      ->required();
-  command->add_option("--ping", exported.ping, "the ping whose pose goes out, counted from 0 (default: 0)")
+  command->add_option("-o,--output", exported.output, "folder to write; a failed export leaves no folder")
+      ->required()
+      ->option_text("FOLDER");
+  command->add_option("--pings", exported.ping, "export the pose of this ping, counted from 0 (default: 0)")
       ->check(CLI::NonNegativeNumber);
-  command->add_option("--sensor", exported.sensor, "only this sensor (default: all)");
+  command->add_option("--sensor", exported.sensor, "export this sensor only (default: all)")
+      ->option_text("NAME");
   command->footer("Example:\n  tubefoot export scenes/imaging/scene.toml --to stonefish -o out/imaging-scn");
   command->callback(
       [&requested] { requested.command = [&requested] { return export_command(requested.exported); }; });
@@ -197,8 +241,8 @@ void add_export(CLI::App& app, CommandOptions& requested) {
 
 void add_presets(CLI::App& app, CommandOptions& requested) {
   PresetsOptions& presets = requested.presets;
-  CLI::App* command =
-      app.add_subcommand("presets", "List the sonars that a scene's sensors can be, with their sources");
+  CLI::App* command = app.add_subcommand(
+      "presets", "List the presets of commercial sonars with their sources, or print the keys of one");
   command->add_option(
       "NAME", presets.name,
       "print the keys of the preset with this name, or list the presets that contain this text");

@@ -112,11 +112,11 @@ void note_sensors(const Survey& survey, const std::vector<std::size_t>& chosen,
       out.push_back(fmt::format("sensor '{}': that its receiver is apart: it hears where it sends", name));
     if (sensor.transmissions() > 1)
       out.push_back(
-          fmt::format("sensor '{}': that a ping is {} shots, one after the other: all are where the "
+          fmt::format("sensor '{}': a ping has {} transmissions, one after the other: all are where the "
                       "first is",
                       name, sensor.transmissions()));
     if (!survey.sensors[k].poses.empty() && survey.sensors[k].times_s.size() > 1)
-      out.push_back(fmt::format("sensor '{}': its other pings ({} in all): --ping K takes another", name,
+      out.push_back(fmt::format("sensor '{}': its other pings ({} in all): --pings K takes another", name,
                                 survey.sensors[k].times_s.size()));
   }
 }
@@ -165,7 +165,7 @@ ExchangedScene exchanged_scene(const Survey& survey, const std::optional<std::st
     for (std::size_t k = 0; k < survey.sensors.size(); ++k) chosen.push_back(k);
   for (const std::size_t k : chosen)
     if (const std::size_t pings = survey.sensors[k].times_s.size(); ping >= pings)
-      throw UsageError(fmt::format("--ping {}: sensor '{}' has pings 0 to {}: choose one of them{}", ping,
+      throw UsageError(fmt::format("--pings {}: sensor '{}' has pings 0 to {}: choose one of them{}", ping,
                                    survey.sensors[k].sensor->description().name, pings - 1,
                                    chosen.size() > 1 ? ", or one sensor with --sensor" : ""));
   ExchangedScene scene;

@@ -32,7 +32,7 @@ std::vector<CoverageLook> look(const Transmissions& transmissions, std::span<con
          ++transmission)
       requested.push_back({p, transmission});
   std::vector<std::vector<CoverageLook>> found(requested.size());
-  Progress progress("shots", requested.size(), quiet);
+  Progress progress("transmissions", requested.size(), quiet);
   tbb::parallel_for(std::size_t{0}, requested.size(), [&](std::size_t l) {
     stop_if_wanted();
     const auto& [listed, transmission] = requested[l];

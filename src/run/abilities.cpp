@@ -24,7 +24,7 @@ constexpr std::array<std::string_view, features> names{"refraction",
                                                        "signals",
                                                        "tiles",
                                                        "relief",
-                                                       "relief each shot",
+                                                       "relief of each transmission",
                                                        "scattering law",
                                                        "micro-texture",
                                                        "unbounded texture",
@@ -44,7 +44,7 @@ constexpr std::array<std::string_view, features> names{"refraction",
                                                        "exact corners",
                                                        "refine",
                                                        "chart, advise, --tolerance",
-                                                       "a shot in Python"};
+                                                       "a transmission in Python"};
 
 constexpr auto table = std::to_array<Refusal>({
     {inclined_mirrors,
@@ -178,7 +178,8 @@ std::vector<Found> found_in(const Survey& survey, std::optional<std::size_t> onl
   if (survey.loaded_scene->relief.cell_m > 0)
     found.push_back({relief, d.refinement.place, "[relief] refines facets"});
   if (survey.loaded_scene->surface_mesh)
-    found.push_back({relief_each_transmission, d.refinement.place, "[relief] is refined anew for each shot"});
+    found.push_back(
+        {relief_each_transmission, d.refinement.place, "[relief] is refined for each transmission"});
   const auto add_material = [&](Feature feature, const auto& list, const char* what) {
     const auto with = std::ranges::find_if(list, [](const auto& one) { return one != nullptr; });
     if (with == list.end()) return;

@@ -149,7 +149,7 @@ void keep_apart(const LoadedScene& loaded_scene, std::vector<double>& most_move)
 
 }  // namespace
 
-std::vector<double> resolved(const LoadedScene& loaded_scene, const SensorSet& sensor_set) {
+std::vector<double> resolved_lengths_m(const LoadedScene& loaded_scene, const SensorSet& sensor_set) {
   const FacetMesh& mesh = loaded_scene.scene.mesh;
   std::vector<Looks> all;
   for (const SensorPings& pings : sensor_set.sensors) all.push_back(looks_of(pings, loaded_scene.scene.grid));
@@ -174,7 +174,7 @@ void coarsen(LoadedScene& loaded_scene, const SensorSet& sensor_set, double tole
                  loaded_scene.scene.description.run.place,
                  fmt::format("coarsening {} facets", loaded_scene.scene.mesh.facets.size()),
                  "leave out --coarsen");
-  std::vector<double> most_move = resolved(loaded_scene, sensor_set);
+  std::vector<double> most_move = resolved_lengths_m(loaded_scene, sensor_set);
   for (double& move : most_move) move *= tolerance;
   keep_apart(loaded_scene, most_move);
   CoarseMesh coarse = coarsened(loaded_scene.scene.mesh, most_move, std::sqrt(tolerance));

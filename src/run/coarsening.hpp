@@ -10,7 +10,7 @@ namespace tubefoot {
 /// By facet of the loaded scene's mesh, grid units: the least that any sensor tells apart on it, over all
 /// transmissions: a sample of range, or the width of the narrowest beam at the facet's nearest point,
 /// whichever is less. 0 for facets out of every transmission's reach.
-std::vector<double> resolved(const LoadedScene& loaded_scene, const SensorSet& sensor_set);
+std::vector<double> resolved_lengths_m(const LoadedScene& loaded_scene, const SensorSet& sensor_set);
 
 /// In place of the loaded scene's facets: fewer, of which no point is moved by more than `tolerance` times
 /// what is resolved there, nor turned by more than the square root of the tolerance in radians. What comes

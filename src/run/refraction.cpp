@@ -495,10 +495,10 @@ std::vector<std::string> refraction_warnings(const Survey& survey, bool referenc
         "shadow, or as short as the grid allows, are not cut further",
         where, *requested_m, counts.largest_travel_path_error_m));
   if (counts.at_limit > 0)
-    warnings.push_back(
-        fmt::format("{}: bounds of {} shots are true but wider than asked: narrower ones take more apparent "
-                    "facets than a reference makes; raise --tolerance",
-                    where, counts.at_limit));
+    warnings.push_back(fmt::format(
+        "{}: bounds of {} transmissions are true but wider than requested: narrower ones take more apparent "
+        "facets than a reference makes; raise --tolerance",
+        where, counts.at_limit));
   return warnings;
 }
 

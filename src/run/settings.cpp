@@ -54,6 +54,15 @@ Tolerance requested_tolerance(const std::string& text) {
   }
 }
 
+std::optional<std::size_t> number_of_pings(const std::string& text, const std::string& instead, bool quiet) {
+  if (text.empty() || !std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; })) return {};
+  const std::int64_t count = parse_ping_range(text).first;
+  if (count < 1)
+    throw UsageError(fmt::format("--pings '{}': expected a number of pings of at least 1", text));
+  if (!quiet) say("warning: a bare number of --pings is deprecated here: use {}\n", instead);
+  return static_cast<std::size_t>(count);
+}
+
 PingRange resolved(const std::string& text, std::size_t pings, const std::string& sensor) {
   PingRange range;
   try {
@@ -79,12 +88,12 @@ std::vector<std::uint32_t> resolved_beams(const std::string& text, std::size_t b
       range = parse_ping_range(text.substr(begin, comma - begin));
     } catch (const std::invalid_argument&) {
       throw UsageError(fmt::format(
-          "--beam '{}': expected beams as N, A:B, A: or :B, several of them between commas, counted from 0",
+          "--beams '{}': expected beams as N, A:B, A: or :B, several of them between commas, counted from 0",
           text));
     }
     if (range.last < 0) range.last = last;
     if (range.first > range.last || range.last > last)
-      throw UsageError(fmt::format("--beam '{}': {} has beams 0 to {}", text, named(sensor), last));
+      throw UsageError(fmt::format("--beams '{}': {} has beams 0 to {}", text, named(sensor), last));
     for (std::int64_t beam = range.first; beam <= range.last; ++beam)
       chosen.push_back(static_cast<std::uint32_t>(beam));
     begin = comma + 1;

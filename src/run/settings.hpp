@@ -38,6 +38,10 @@ void print_warnings(const std::vector<std::string>& warnings, bool quiet);
 /// A tolerance of the command line; throws UsageError.
 Tolerance requested_tolerance(const std::string& text);
 
+/// The number of pings that a bare number meant in earlier versions of 'advise' and 'chart', with a warning
+/// that names the present option. None for other texts. Throws UsageError for 0.
+std::optional<std::size_t> number_of_pings(const std::string& text, const std::string& instead, bool quiet);
+
 /// Checks a ping range against a number of pings, of a sensor of that name; throws UsageError.
 PingRange resolved(const std::string& text, std::size_t pings, const std::string& sensor = {});
 

@@ -83,7 +83,7 @@ void place_transmissions(SensorPings& pings, const Trajectory& trajectory) {
           sensor.transmission_delay_s(transmission) > 0)
         throw InputError(
             sensor.description().place,
-            fmt::format("shot {} of the ping at {:.9g} s of sensor '{}' is fired at {:.9g} s, after "
+            fmt::format("transmission {} of the ping at {:.9g} s of sensor '{}' is sent at {:.9g} s, after "
                         "its trajectory ends at {:.9g} s: ask for fewer pings or a longer trajectory",
                         transmission, time_s, sensor.description().name, at_s, trajectory.end_s()));
       const Pose carrier = trajectory.at(at_s);
@@ -267,7 +267,7 @@ SensorPings pings_of(LoadedScene& loaded_scene, const SensorDescription& descrip
   const double transmissions = static_cast<double>(pings.sensor->transmissions()) * count;
   require_memory(transmissions * sizeof(Pose) * (pings.sensor->has_separate_receiver() ? 2 : 1) +
                      count * (sizeof(Pose) + 2.0 * sizeof(double)),
-                 description.place, fmt::format("the poses of {:.3g} shots", transmissions),
+                 description.place, fmt::format("the poses of {:.3g} transmissions", transmissions),
                  "ask for fewer pings, in several scenes");
   pings.times_s = times.times_s();
   pings.line_starts = times.line_starts();

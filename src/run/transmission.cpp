@@ -45,7 +45,8 @@ Transmission::Transmission(const Transmissions& transmissions, const SharedTrans
     : transmissions_(transmissions), group_(group), ping_(ping), number_(number) {}
 
 std::string Transmission::name() const {
-  return fmt::format("shot {} of ping {} of sensor '{}'", number_, ping_, pings().sensor->description().name);
+  return fmt::format("transmission {} of ping {} of sensor '{}'", number_, ping_,
+                     pings().sensor->description().name);
 }
 
 double Transmission::sample_length_m() const {

@@ -82,9 +82,9 @@ std::vector<double> angles_of(const std::string& text, const std::string& what) 
 
 std::vector<double> frequencies_of(const std::string& text) {
   const std::string expected = "FIRST:LAST:STEP or numbers between commas, in Hz, kHz or MHz: 38kHz,120kHz";
-  std::vector<double> values = values_of(text, "--frequency", expected, std::nullopt, frequency);
+  std::vector<double> values = values_of(text, "--frequencies", expected, std::nullopt, frequency);
   if (!(values.front() > 0))
-    throw UsageError(fmt::format("--frequency '{}': frequencies are above 0; expected {}", text, expected));
+    throw UsageError(fmt::format("--frequencies '{}': frequencies are above 0; expected {}", text, expected));
   return values;
 }
 

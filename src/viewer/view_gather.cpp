@@ -99,7 +99,7 @@ class Gatherer {
           fmt::format("Only the first {} hidden parts of facets are drawn.", limits_.shadow_polygons));
     if (!own_mesh_.facets.empty() && view.pings.size() * sensor_.transmissions() > 1)
       view.notes.push_back(
-          "Relief is refined shot by shot; the scene's facets are drawn as the first shot has them.");
+          "Relief is refined for each transmission; the page shows the facets of the first transmission.");
     if (scene.water->refracts())
       view.notes.push_back(
           "The water refracts: footprints are where they truly are, tubes are bent and not "

@@ -260,7 +260,7 @@ TEST_F(AdviseProgram, PrintsATableAndNamesTheCheapest) {
 
 TEST_F(AdviseProgram, JsonHasEveryCandidate) {
   const Outcome outcome =
-      run_program({"advise", scene, "--tolerance", "2%", "--pings", "3", "--json", "-", "--quiet"});
+      run_program({"advise", scene, "--tolerance", "2%", "--trial-pings", "3", "--json", "-", "--quiet"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const auto json = nlohmann::json::parse(outcome.out);
   EXPECT_EQ(json["tolerance"], "0.02");
@@ -275,6 +275,30 @@ TEST_F(AdviseProgram, JsonHasEveryCandidate) {
       EXPECT_GE(c["measured"]["seconds"], json["cheapest"]["measured"]["seconds"]);
     }
   }
+}
+
+TEST_F(AdviseProgram, TrialPingsComeFromTheSelectedPings) {
+  const Outcome outcome = run_program({"advise", scene, "--tolerance", "2%", "--pings", "4:7",
+                                       "--trial-pings", "2", "--threads", "2", "--json", "-", "--quiet"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto sensor = nlohmann::json::parse(outcome.out)["sensors"][0];
+  EXPECT_EQ(sensor["pings"], 4);
+  for (const char* which : {"probe_pings", "measured_pings"}) {
+    EXPECT_EQ(sensor[which].size(), 2u);
+    for (const int ping : sensor[which]) {
+      EXPECT_GE(ping, 4);
+      EXPECT_LE(ping, 7);
+    }
+  }
+}
+
+TEST_F(AdviseProgram, ABareNumberOfPingsKeepsItsMeaningWithAWarning) {
+  const Outcome outcome = run_program(
+      {"advise", scene, "--tolerance", "2%", "--pings", "3", "--json", (folder / "a.json").string()});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("a bare number of --pings is deprecated here: use --trial-pings N"));
+  const auto json = nlohmann::json::parse(bytes_of(folder / "a.json"));
+  EXPECT_EQ(json["sensors"][0]["probe_pings"].size(), 3u);
 }
 
 TEST_F(AdviseProgram, ARunWithAToleranceSaysWhatItLeftOut) {
@@ -323,7 +347,11 @@ TEST_F(AdviseProgram, BadTolerancesAreRefused) {
     expect_refused({"run", scene, "-o", output, "--reference", "--tolerance", bad},
                    "relative bound, 1e-12 to 0.1");
   expect_refused({"advise", scene}, "--tolerance is required");
-  expect_refused({"advise", scene, "--tolerance", "1%", "--pings", "0"}, "--pings");
+  expect_refused({"advise", scene, "--tolerance", "1%", "--pings", "0"},
+                 "--pings '0': expected a number of pings");
+  expect_refused({"advise", scene, "--tolerance", "1%", "--pings", "7:900"}, "has pings 0 to ");
+  expect_refused({"advise", scene, "--tolerance", "1%", "--trial-pings", "1"}, "--trial-pings");
+  expect_refused({"advise", scene, "--tolerance", "1%", "--threads", "0"}, "--threads");
   expect_refused({"advise", scene, "--tolerance", "1%", "--json", folder.path().string()},
                  "no file to write");
 }

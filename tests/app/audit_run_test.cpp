@@ -105,7 +105,7 @@ TEST(Audit, InterpenetratingBodiesCloseAndHashAlikeInEveryExactArithmetic) {
   const auto scene = folder.write("scene.toml", std::string(interpenetrating) + std::string(looks));
   auto fixed = audited(scene, {"--arithmetic", "fixed"});
   EXPECT_EQ(fixed["arithmetic"], "fixed");
-  EXPECT_EQ(fixed["shots"], "3");
+  EXPECT_EQ(fixed["transmissions"], "3");
   EXPECT_GT(std::stoi(fixed["footprints"]), 500);
   EXPECT_GE(std::stoi(fixed["pieces"]), std::stoi(fixed["footprints"]));
   for (const char* arithmetic : {"filtered", "rational"}) {
@@ -167,9 +167,9 @@ TEST(Audit, HashFollowsWhatIsVisible) {
 TEST(Audit, SensorAndPingsChooseWhatIsAudited) {
   const TestFolder folder;
   const auto scene = folder.write("scene.toml", std::string(interpenetrating) + std::string(looks));
-  EXPECT_EQ(audited(scene, {"--sensor", "sidescan"})["shots"], "2");
-  EXPECT_EQ(audited(scene, {"--sensor", "sidescan", "--pings", "1"})["shots"], "1");
-  EXPECT_EQ(audited(scene, {"--sensor", "camera", "--pings", "0:"})["shots"], "1");
+  EXPECT_EQ(audited(scene, {"--sensor", "sidescan"})["transmissions"], "2");
+  EXPECT_EQ(audited(scene, {"--sensor", "sidescan", "--pings", "1"})["transmissions"], "1");
+  EXPECT_EQ(audited(scene, {"--sensor", "camera", "--pings", "0:"})["transmissions"], "1");
 }
 
 // A separate receiver: both ends' tubes, and the parts that they share. It went through the transmitter's

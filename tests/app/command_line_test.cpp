@@ -87,6 +87,46 @@ TEST_F(CommandLine, EarlierNamesOfOptionsKeepTheirMeaningWithAWarning) {
   EXPECT_EQ(output_model.exit_code, 2);
   EXPECT_THAT(output_model.err, HasSubstr("warning: --recipe is deprecated: use --output-model"));
   EXPECT_THAT(output_model.err, HasSubstr("none.toml"));
+  const Outcome pings = run_program({"footprints", scene, "--sensor", "camera", "--ping", "0", "-o", table});
+  EXPECT_EQ(pings.exit_code, 0) << pings.err;
+  EXPECT_THAT(pings.err, HasSubstr("warning: --ping is deprecated: use --pings"));
+  const Outcome suite = run_program({"pack", "--help"});
+  EXPECT_EQ(suite.exit_code, 0) << suite.err;
+  EXPECT_THAT(suite.err, HasSubstr("warning: the command pack is deprecated: use suite"));
+  EXPECT_THAT(suite.out, HasSubstr("tubefoot suite"));
+}
+
+TEST_F(CommandLine, HelpGroupsTheOptionsOfARunByPurpose) {
+  const std::string help = run_program({"run", "--help"}).out;
+  std::size_t at = 0;
+  for (const char* group : {"\nWhat to compute:\n", "\nHow to compute it:\n", "\nWhat to write:\n",
+                            "\nWhere to write:\n", "\nExample:\n"}) {
+    const std::size_t found = help.find(group);
+    ASSERT_NE(found, std::string::npos) << group << help;
+    EXPECT_GT(found, at);
+    at = found;
+  }
+  EXPECT_THAT(help, HasSubstr("--engine tube|ray"));
+  EXPECT_THAT(help, HasSubstr("--output FOLDER (required)"));
+}
+
+TEST_F(CommandLine, HelpOfEveryCommandFitsItsColumnsAndShowsNoTypes) {
+  std::istringstream commands(run_program({"help"}).out);
+  std::size_t tried = 0;
+  bool listed = false;
+  for (std::string line; std::getline(commands, line);) {
+    listed = line.empty() ? false : listed || line.starts_with("Subcommands");
+    if (!listed || !line.starts_with("  ") || line[2] == ' ') continue;
+    const std::string command = line.substr(2, line.find(' ', 2) - 2);
+    const std::string help = run_program({command, "--help"}).out;
+    EXPECT_THAT(help, Not(HasSubstr("TEXT"))) << command;
+    EXPECT_THAT(help, Not(HasSubstr(":{"))) << command;
+    std::istringstream lines(help);
+    for (std::string text; std::getline(lines, text);)
+      if (text.starts_with("   ")) EXPECT_LE(text.size(), 100U) << text;
+    ++tried;
+  }
+  EXPECT_GE(tried, 17U);
 }
 
 TEST_F(CommandLine, TheFolderOfARunStandsForItsEchoes) {
@@ -131,10 +171,11 @@ TEST_F(CommandLine, VersionNamesTheBuildAndItsLibraries) {
 
 TEST_F(CommandLine, NumbersThatAreNoneAreRefused) {
   expect_refused({"compare", "a.nc", "b.nc", "--within", "nan"},
-                 "--within: 'nan' is no number of at least 0");
-  expect_refused({"compare", "a.nc", "b.nc", "--within-db", "inf"}, "'inf' is no number of at least 0");
+                 "--within: invalid value 'nan': expected a number of at least 0");
+  expect_refused({"compare", "a.nc", "b.nc", "--within-db", "inf"},
+                 "invalid value 'inf': expected a number of at least 0");
   for (const char* bad : {"nan", "1e999", "0"})
-    expect_refused({"chart", scene, "-o", output, "--seconds", bad}, "is no number above 0");
+    expect_refused({"chart", scene, "-o", output, "--seconds", bad}, "expected a number above 0");
   expect_refused({"run", scene, "-o", output, "--rays", "nan"}, "--rays");
 }
 

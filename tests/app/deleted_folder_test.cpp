@@ -40,7 +40,7 @@ TEST_F(DeletedFolder, IsNamedByEveryCommandThatWritesBesideIt) {
       {"join", scene, "-o", "here"},
       {"footprints", scene, "--sensor", "camera", "-o", "here.csv"},
       {"coverage", scene, "-o", "here.csv"},
-      {"strength", at("thing.obj"), "--frequency", "5kHz", "-o", "here.csv"},
+      {"strength", at("thing.obj"), "--frequencies", "5kHz", "-o", "here.csv"},
       {"view", scene, "-o", "here.html"},
       {"refine", scene, "-o", "here.ply"},
       {"export", scene, "--to", "gltf", "-o", "here"},
@@ -48,7 +48,7 @@ TEST_F(DeletedFolder, IsNamedByEveryCommandThatWritesBesideIt) {
       {"compare", echoes, echoes, "--json", "here.json"},
       {"compare", echoes, echoes, "--png", "here.png"},
       {"chart", scene, "-o", "here"},
-      {"pack", "-o", "here"},
+      {"suite", "-o", "here"},
       {"check", scene, "--png", "here.png"}};
   for (const std::vector<std::string>& command : commands) {
     SCOPED_TRACE(testing::PrintToString(command));
@@ -70,7 +70,7 @@ TEST_F(DeletedFolder, IsNoReasonForALibrarysWordsAboutFilesThatAreRead) {
       {"advise", "scene.toml", "--tolerance", "1e-3"},
       {"footprints", "scene.toml", "--sensor", "camera", "-o", at("f.csv")},
       {"coverage", "scene.toml", "-o", at("c.csv")},
-      {"strength", "thing.obj", "--frequency", "5kHz", "-o", at("s.csv")},
+      {"strength", "thing.obj", "--frequencies", "5kHz", "-o", at("s.csv")},
       {"view", "scene.toml", "-o", at("v.html")},
       {"refine", "scene.toml", "-o", at("r.ply")},
       {"export", "scene.toml", "--to", "sdf", "-o", at("sdf")},

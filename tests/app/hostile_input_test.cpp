@@ -125,8 +125,9 @@ TEST_F(Hostile, NumbersInASceneFile) {
   expect_refused(sphere(1e-12), {"scene.toml:8:1: ", "at most 2e+07 are made", "larger chord_error_m"});
   expect_refused(replaced(small_scene, "beams = 4", "beams = 4096\nsamples = 65536"),
                  {"scene.toml:19:11: ", "268435456 range samples a ping, at most 67108864"});
-  expect_refused(replaced(small_scene, "beams = 4\n", "beams = 4000\ncycles = 4000\npings = 10000000\n"),
-                 {"scene.toml:20:", "of 4000 shots each make 40000000000, at most 100000000", "fewer pings"});
+  expect_refused(
+      replaced(small_scene, "beams = 4\n", "beams = 4000\ncycles = 4000\npings = 10000000\n"),
+      {"scene.toml:20:", "of 4000 transmissions each make 40000000000, at most 100000000", "fewer pings"});
   const std::string relief =
       "name = \"sand\"\n[[materials.relief]]\nkind = \"fbm\"\ntile_m = 1000\nresolution_m = 1e-6\nhurst = "
       "0.5\nrms_height_m = 0.1\n";
@@ -153,7 +154,7 @@ TEST_F(HostileToMemory, NumbersWithinAllOtherLimits) {
       {"scene.toml:4:1: ", "4.9e+07 cells need 7.84 GB of memory", "GB are at hand", "larger cell_m"});
   expect_refused(sphere(3e-7), {"scene.toml:8:1: ", "facets need", "larger chord_error_m"});
   expect_refused(replaced(small_scene, "beams = 4\n", "beams = 4\npings = 10000000\n"),
-                 {"scene.toml:15:1: ", "the poses of 1e+07 shots need 1.28 GB", "fewer pings"});
+                 {"scene.toml:15:1: ", "the poses of 1e+07 transmissions need 1.28 GB", "fewer pings"});
   folder.write("grid.tif", sparse_tiff(7000, 7000, 100));
   expect_refused(with_raster("load = \"whole\""),
                  {"facets between 7000 x 7000 cells need 7.84 GB of memory", "decimate"});

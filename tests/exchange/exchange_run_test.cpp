@@ -280,7 +280,7 @@ TEST_F(Exchange, TellsWhatCannotGoOut) {
 TEST_F(Exchange, RefusesPingsAndSensorsThatAreNotThere) {
   folder.write("scene.toml", scene_with("imaging"));
   const Outcome ping =
-      run_program({"export", name("scene.toml"), "--to", "obj", "--ping", "1", "-o", name("obj")});
+      run_program({"export", name("scene.toml"), "--to", "obj", "--pings", "1", "-o", name("obj")});
   EXPECT_EQ(ping.exit_code, 2);
   EXPECT_THAT(ping.err, HasSubstr("pings 0 to 0"));
   EXPECT_EQ(run_program({"export", name("scene.toml"), "--to", "obj", "--sensor", "x", "-o", name("obj")})

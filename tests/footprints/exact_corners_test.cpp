@@ -117,7 +117,7 @@ TEST_P(ExactCorners, AreThoseOfTheTable) {
                                  "-o",          (folder / "f.csv").string(),
                                  "--rationals", (folder / "f.txt").string(),
                                  "--quiet"};
-  if (of_a_beam) words.insert(words.end(), {"--beam", "1"});
+  if (of_a_beam) words.insert(words.end(), {"--beams", "1"});
   const Outcome outcome = run_program(words);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const Polygons exact = read(folder / "f.txt");

@@ -88,7 +88,7 @@ TEST_P(FootprintEnergies, SumToTheEchoes) {
   }
   const TestFolder folder;
   const Echoes echoes = echoes_in(folder, scene, {}, "camera");
-  const Rows rows = rows_of(footprints(folder, scene, "camera", "camera.csv", {"--ping", ":"}));
+  const Rows rows = rows_of(footprints(folder, scene, "camera", "camera.csv", {"--pings", ":"}));
   ASSERT_GT(echoes.total(), 0);
   EXPECT_NEAR(rows.sum("energy_j"), echoes.total(), tolerance * echoes.total());
   EXPECT_EQ(rows.values("path_order"), std::set<double>{1});
@@ -115,15 +115,15 @@ TEST(FootprintChoice, OfBeamsLeavesTheOthersOutAndChangesNothing) {
   const TestFolder folder;
   const std::string scene = box_scene("");
   const Rows all = rows_of(footprints(folder, scene, "camera", "all.csv"));
-  const Rows some = rows_of(footprints(folder, scene, "camera", "some.csv", {"--beam", "4:,1,0:1"}));
+  const Rows some = rows_of(footprints(folder, scene, "camera", "some.csv", {"--beams", "4:,1,0:1"}));
   EXPECT_EQ(some.values("beam"), (std::set<double>{0, 1, 4, 5}));
   std::vector<Row> expected;
   for (const Row& row : all.rows)
     if (row.at("beam") != 2 && row.at("beam") != 3) expected.push_back(row);
   EXPECT_EQ(some.rows, expected);
-  EXPECT_EQ(
-      rows_of(footprints(folder, scene, "camera", "one.csv", {"--beams", "3", "--ping", "1"})).values("ping"),
-      std::set<double>{1});
+  EXPECT_EQ(rows_of(footprints(folder, scene, "camera", "one.csv", {"--beams", "3", "--pings", "1"}))
+                .values("ping"),
+            std::set<double>{1});
 }
 
 TEST(FootprintChoice, ThatCannotBeIsRefused) {
@@ -139,12 +139,12 @@ TEST(FootprintChoice, ThatCannotBeIsRefused) {
   };
   for (const char* beams : {"1,", "a", "1:2:3", "-1"}) {
     SCOPED_TRACE(beams);
-    EXPECT_THAT(refused({"--sensor", "camera", "--beam=" + std::string(beams)}),
-                HasSubstr(fmt::format("--beam '{}': expected beams as N, A:B", beams)));
+    EXPECT_THAT(refused({"--sensor", "camera", "--beams=" + std::string(beams)}),
+                HasSubstr(fmt::format("--beams '{}': expected beams as N, A:B", beams)));
   }
   for (const char* beams : {"0:6", "4:2"})
-    EXPECT_THAT(refused({"--sensor", "camera", "--beam", beams}), HasSubstr("the sensor has beams 0 to 5"));
-  EXPECT_THAT(refused({"--sensor", "camera", "--ping", "2"}), HasSubstr("the sensor has pings 0 to 1"));
+    EXPECT_THAT(refused({"--sensor", "camera", "--beams", beams}), HasSubstr("the sensor has beams 0 to 5"));
+  EXPECT_THAT(refused({"--sensor", "camera", "--pings", "2"}), HasSubstr("the sensor has pings 0 to 1"));
   EXPECT_THAT(refused({"--sensor", "camera", "--sensor", "other"}), HasSubstr("--sensor"));
   EXPECT_THAT(refused({"--sensor", "camera", "-o", (folder / "a.txt").string(), "--rationals",
                        (folder / "b.txt").string()}),
@@ -326,7 +326,7 @@ TEST(FootprintFileBytes, DependOnNeitherThreadsNorTime) {
     SCOPED_TRACE(ending);
     const auto bytes = [&](const char* threads) {
       return bytes_of(footprints(folder, scene, "camera", std::string("camera") + ending,
-                                 {"--ping", ":", "--threads", threads}));
+                                 {"--pings", ":", "--threads", threads}));
     };
     const std::string one = bytes("1");
     EXPECT_GT(one.size(), 1000u);
@@ -352,7 +352,7 @@ TEST(FootprintFileBytes, OfALateFailureAreTakenAway) {
     SCOPED_TRACE(ending);
     Surroundings full_disk;
     full_disk.largest_file_bytes = 9000;
-    const Outcome outcome = run_program({"footprints", scene.string(), "--sensor", "camera", "--ping", ":",
+    const Outcome outcome = run_program({"footprints", scene.string(), "--sensor", "camera", "--pings", ":",
                                          "-o", (folder / ("camera" + std::string(ending))).string()},
                                         full_disk);
     EXPECT_EQ(outcome.exit_code, 1) << outcome.out << outcome.err;
@@ -374,7 +374,7 @@ TEST(FootprintFileBytes, OfAnInterruptedCommandAreTakenAway) {
         if (name.starts_with(".camera") && name.ends_with(ending)) return true;
       return false;
     };
-    const Outcome outcome = run_program({"footprints", scene.string(), "--sensor", "camera", "--ping", ":",
+    const Outcome outcome = run_program({"footprints", scene.string(), "--sensor", "camera", "--pings", ":",
                                          "-o", (folder / ("camera" + std::string(ending))).string()},
                                         impatient);
     EXPECT_EQ(outcome.exit_code, 1) << outcome.out;

@@ -170,7 +170,7 @@ TEST_F(FootprintExamples, NetcdfIsReadAsRaggedColumns) {
 }
 
 TEST_F(FootprintExamples, FractionsCloseEveryTube) {
-  const fs::path file = footprints("camera.txt", {"--beam", "2:3"});
+  const fs::path file = footprints("camera.txt", {"--beams", "2:3"});
   const std::string output = run("## Exact corners", file);
   if (output.empty()) GTEST_SKIP() << "Debian's python3 is not installed";
   const auto tubes = std::size_t(behind(output, ""));

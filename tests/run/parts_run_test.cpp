@@ -104,7 +104,7 @@ TEST_F(Parts, JoinToTheBytesOfOneRun) {
 TEST_F(Parts, OfMoreThanThereArePingsJoin) {
   ASSERT_EQ(run(folder / "whole").exit_code, 0);
   all_parts(16);  // of 14 pings
-  ASSERT_EQ(join({"--keep-parts"}).exit_code, 0);
+  ASSERT_EQ(join({"--keep-shards"}).exit_code, 0);
   expect_same(folder / "whole", results);
   EXPECT_TRUE(fs::exists(file(16, 16)));
 }
@@ -226,7 +226,7 @@ TEST_F(Parts, WithAnyByteChangedJoinToTheSameOrAreRefused) {
                     "ray",      "--rays", "20",      "--pictures", "none"};
   all_parts(1, small);
   const std::string good = bytes_of(file(1, 1));
-  ASSERT_EQ(join({"--pictures", "none", "--keep-parts"}).exit_code, 0);
+  ASSERT_EQ(join({"--pictures", "none", "--keep-shards"}).exit_code, 0);
   const std::string whole = bytes_of(results / "echoes.nc");
   int refused = 0, joined = 0;
   // Some; every one of a file is PartFiles' test. Most of them in the header and in the pings.
@@ -236,7 +236,7 @@ TEST_F(Parts, WithAnyByteChangedJoinToTheSameOrAreRefused) {
     std::string damaged = good;
     damaged[at] = static_cast<char>(damaged[at] ^ (1 << (at % 8)));
     folder.write(file(1, 1).filename().string(), damaged);
-    const Outcome outcome = join({"--quiet", "--pictures", "none", "--keep-parts"});
+    const Outcome outcome = join({"--quiet", "--pictures", "none", "--keep-shards"});
     if (outcome.exit_code == 0) {
       ++joined;
       EXPECT_TRUE(bytes_of(results / "echoes.nc") == whole);

@@ -63,7 +63,7 @@ TEST(RefractedReferenceRun, CountsBinsWithoutABoundOfTheChosenBeams) {
   scene = replaced(replaced(scene, "beams = 1", "beams = 3"), "horizontal_deg = 1.5", "horizontal_deg = 4.5");
   scene = replaced(replaced(scene, "samples = 128", "samples = 32"), "width_m = 256\nlength_m = 256",
                    "width_m = 100\nlength_m = 100");
-  const Checkpoint run(scene, {"--reference", "--tolerance", "1e-1", "--beam", "1"});
+  const Checkpoint run(scene, {"--reference", "--tolerance", "1e-1", "--beams", "1"});
   ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
   const Echoes echoes = read_echoes(run.folder / "out/echoes.nc");
   EXPECT_EQ(echoes.energy_bound.size(), echoes.samples);

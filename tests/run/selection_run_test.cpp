@@ -222,10 +222,10 @@ TEST_F(SelectionRun, RefusesWhatThereIsNot) {
   refused({"--pings", "3:2"}, {"--pings '3:2'", "has pings 0 to 5"});
   refused({"--pings", ""}, {"--pings ''", "N, A:B"});
   refused({"--pings", "-1"}, {"--pings"});
-  refused({"--beams", "4"}, {"--beam '4'", "sensor 'side' has beams 0 to 1"});
-  refused({"--sensor", "far", "--beams", "20"}, {"--beam '20'", "sensor 'far' has beams 0 to 19"});
+  refused({"--beams", "4"}, {"--beams '4'", "sensor 'side' has beams 0 to 1"});
+  refused({"--sensor", "far", "--beams", "20"}, {"--beams '20'", "sensor 'far' has beams 0 to 19"});
   refused({"--beams", ""}, {"--beams names no beam"});
-  refused({"--beams", "1,,2"}, {"--beam '1,,2'"});
+  refused({"--beams", "1,,2"}, {"--beams '1,,2'"});
 }
 
 TEST_F(SelectionRun, IsGoneOnWithOnlyByTheSameSelection) {

@@ -36,10 +36,10 @@ std::string refusal(const std::function<void()>& task) {
 }
 
 TEST(StrengthRequest, RangesAndLists) {
-  EXPECT_THAT(angles_of("0:90:30", "--azimuth"), ElementsAre(0, 30, 60, 90));
-  EXPECT_THAT(angles_of("-1:1", "--azimuth"), ElementsAre(-1, 0, 1));
-  EXPECT_THAT(angles_of("5", "--azimuth"), ElementsAre(5));
-  EXPECT_EQ(angles_of("0:360:0.1", "--azimuth").size(), 3601U);
+  EXPECT_THAT(angles_of("0:90:30", "--azimuths"), ElementsAre(0, 30, 60, 90));
+  EXPECT_THAT(angles_of("-1:1", "--azimuths"), ElementsAre(-1, 0, 1));
+  EXPECT_THAT(angles_of("5", "--azimuths"), ElementsAre(5));
+  EXPECT_EQ(angles_of("0:360:0.1", "--azimuths").size(), 3601U);
   EXPECT_THAT(frequencies_of("38kHz,0.12MHz,200e3,300000Hz"), ElementsAre(38e3, 120e3, 200e3, 300e3));
   EXPECT_THAT(frequencies_of("10kHz:30kHz:10kHz"), ElementsAre(10e3, 20e3, 30e3));
 }
@@ -47,12 +47,12 @@ TEST(StrengthRequest, RangesAndLists) {
 TEST(StrengthRequest, SaysWhatIsWrong) {
   for (const char* wrong : {"", "a", "1,,2", "2,1", "1,1", "0:10:0", "0:10:-1", "10:0:1", "1:2:3:4",
                             "0:1e9:1e-3", "nan", "inf", "1e999"})
-    EXPECT_THAT(refusal([&] { angles_of(wrong, "--azimuth"); }),
-                AllOf(HasSubstr("--azimuth"), HasSubstr("expected FIRST:LAST:STEP")))
+    EXPECT_THAT(refusal([&] { angles_of(wrong, "--azimuths"); }),
+                AllOf(HasSubstr("--azimuths"), HasSubstr("expected FIRST:LAST:STEP")))
         << wrong;
   for (const char* wrong :
        {"0", "-5", "38khz", "kHz", "1kHz:2kHz", "0:10:1", "1e305MHz", "1e305MHz:1e305MHz:1Hz"})
-    EXPECT_THAT(refusal([&] { frequencies_of(wrong); }), AllOf(HasSubstr("--frequency"), HasSubstr("Hz")))
+    EXPECT_THAT(refusal([&] { frequencies_of(wrong); }), AllOf(HasSubstr("--frequencies"), HasSubstr("Hz")))
         << wrong;
   for (const char* wrong :
        {"", "hard", "2", "-1.5", "nan", "fluid", "fluid:2", "fluid:0:1", "fluid:2:1:-1", "fluid:2:1:1:1"})
@@ -217,25 +217,25 @@ TEST(StrengthCommand, WritesAFolderAndRefusesWhatIsWrong) {
     for (std::string word; words >> word;) arguments.push_back(word);
     return run_program(arguments);
   };
-  const auto good = run("--frequency 100kHz --elevation 90 --azimuth 0 -o " + (folder / "out").string());
+  const auto good = run("--frequencies 100kHz --elevations 90 --azimuths 0 -o " + (folder / "out").string());
   EXPECT_EQ(good.exit_code, 0) << good.err;
   EXPECT_THAT(good.out, HasSubstr("strength       -7.96 to -7.96 dB re 1 m2"));
   EXPECT_THAT(good.err, HasSubstr("the mesh is open"));
   for (const char* name : {"strength.csv", "strength.nc", "strength.png"})
     EXPECT_TRUE(std::filesystem::exists(folder / "out" / name)) << name;
   // In millimetres it is a millionth of the area.
-  const auto small =
-      run("--frequency 100kHz --elevation 90 --azimuth 0 --unit 1e-3 -o " + (folder / "small.csv").string());
+  const auto small = run("--frequencies 100kHz --elevations 90 --azimuths 0 --unit 1e-3 -o " +
+                         (folder / "small.csv").string());
   EXPECT_THAT(small.out, HasSubstr("-127.96"));
-  EXPECT_EQ(run("--frequency 100kHz --elevation 91 -o " + (folder / "x.csv").string()).exit_code, 2);
-  EXPECT_EQ(run("--frequency 100kHz -o " + (folder / "x.txt").string()).exit_code, 2);
-  EXPECT_EQ(run("--frequency 100kHz -o " + mesh.string()).exit_code, 2);
+  EXPECT_EQ(run("--frequencies 100kHz --elevations 91 -o " + (folder / "x.csv").string()).exit_code, 2);
+  EXPECT_EQ(run("--frequencies 100kHz -o " + (folder / "x.txt").string()).exit_code, 2);
+  EXPECT_EQ(run("--frequencies 100kHz -o " + mesh.string()).exit_code, 2);
   EXPECT_EQ(run("-o " + (folder / "x.csv").string()).exit_code, 2);
-  EXPECT_EQ(run("--frequency 1:1e5:1 --azimuth 0:359:0.1 -o " + (folder / "x.csv").string()).exit_code, 2);
+  EXPECT_EQ(run("--frequencies 1:1e5:1 --azimuths 0:359:0.1 -o " + (folder / "x.csv").string()).exit_code, 2);
   // Beyond all numbers, and directions that are none.
   for (const char* wrong :
-       {"--frequency 1e300", "--frequency 1e-300", "--frequency 1kHz --sound-speed 1e-300",
-        "--frequency 1kHz --azimuth 1e18", "--frequency 1kHz --azimuth -400:0:10"}) {
+       {"--frequencies 1e300", "--frequencies 1e-300", "--frequencies 1kHz --sound-speed 1e-300",
+        "--frequencies 1kHz --azimuths 1e18", "--frequencies 1kHz --azimuths -400:0:10"}) {
     const auto outcome = run(std::string(wrong) + " -o " + (folder / "x.csv").string());
     EXPECT_EQ(outcome.exit_code, 2) << wrong;
     EXPECT_THAT(outcome.err, testing::AnyOf(HasSubstr("wavelength"), HasSubstr("-360 to 360"))) << wrong;
@@ -243,14 +243,15 @@ TEST(StrengthCommand, WritesAFolderAndRefusesWhatIsWrong) {
   // Nothing to see is reported.
   const std::filesystem::path line = folder.write("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
   EXPECT_THAT(
-      run_program({"strength", line.string(), "--frequency", "10kHz", "-o", (folder / "line.csv").string()})
+      run_program({"strength", line.string(), "--frequencies", "10kHz", "-o", (folder / "line.csv").string()})
           .err,
       HasSubstr("anything of it seen"));
-  EXPECT_THAT(run("--frequency 100kHz --elevation 0 --azimuth 0 -o " + (folder / "edge.csv").string()).err,
-              HasSubstr("anything of it seen"));
+  EXPECT_THAT(
+      run("--frequencies 100kHz --elevations 0 --azimuths 0 -o " + (folder / "edge.csv").string()).err,
+      HasSubstr("anything of it seen"));
   EXPECT_THAT(good.err, testing::Not(HasSubstr("anything of it seen")));
   // Certified, the tolerance kept and not.
-  const std::string plate = "--frequency 100kHz --elevation 90 --azimuth 0 --reference ";
+  const std::string plate = "--frequencies 100kHz --elevations 90 --azimuths 0 --reference ";
   const auto kept = run(plate + "-o " + (folder / "kept.csv").string());
   EXPECT_EQ(kept.exit_code, 0) << kept.err;
   EXPECT_THAT(kept.out,
@@ -261,10 +262,11 @@ TEST(StrengthCommand, WritesAFolderAndRefusesWhatIsWrong) {
     EXPECT_EQ(run(plate + "--tolerance " + wrong + " -o " + (folder / "x.csv").string()).exit_code, 2)
         << wrong;
   EXPECT_EQ(
-      run("--frequency 100kHz --azimuth 0 --tolerance 1e-3 -o " + (folder / "x.csv").string()).exit_code, 2);
+      run("--frequencies 100kHz --azimuths 0 --tolerance 1e-3 -o " + (folder / "x.csv").string()).exit_code,
+      2);
   const std::filesystem::path point = folder.write("point.obj", "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n");
   const auto none =
-      run_program({"strength", point.string(), "--frequency", "1kHz", "-o", (folder / "x.csv").string()});
+      run_program({"strength", point.string(), "--frequencies", "1kHz", "-o", (folder / "x.csv").string()});
   EXPECT_EQ(none.exit_code, 2);
   EXPECT_THAT(none.err, HasSubstr("point.obj"));
   EXPECT_FALSE(std::filesystem::exists(folder / "x.csv"));

@@ -23,7 +23,7 @@ inline std::filesystem::path reference_folder() {
 
 inline std::filesystem::path packed(const TestFolder& folder, const std::string& name,
                                     const std::vector<std::string>& options) {
-  std::vector<std::string> words{"pack", "-o", (folder / name).string(), "--quiet"};
+  std::vector<std::string> words{"suite", "-o", (folder / name).string(), "--quiet"};
   words.insert(words.end(), options.begin(), options.end());
   const Outcome outcome = run_program(words);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;

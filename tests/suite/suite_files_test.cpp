@@ -159,7 +159,7 @@ TEST(Suite, HoldsAnswersInThreeFormsAndTheirBounds) {
 TEST(Suite, RefusesWhatItCannotBe) {
   const TestFolder folder;
   const auto said = [&](std::vector<std::string> words) {
-    words.insert(words.begin(), {"pack", "-o", (folder / "out").string()});
+    words.insert(words.begin(), {"suite", "-o", (folder / "out").string()});
     const Outcome outcome = run_program(words);
     EXPECT_EQ(outcome.exit_code, 2);
     EXPECT_FALSE(fs::exists(folder / "out"));
@@ -172,7 +172,7 @@ TEST(Suite, RefusesWhatItCannotBe) {
   EXPECT_THAT(said({"--seed", std::string(201, 'x')}), testing::HasSubstr("not of 201"));
   fs::create_directory(folder / "there");
   folder.write("there/file.txt", "mine");
-  const Outcome outcome = run_program({"pack", "-o", (folder / "there").string(), "--scenes", "grazing"});
+  const Outcome outcome = run_program({"suite", "-o", (folder / "there").string(), "--scenes", "grazing"});
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_THAT(outcome.err, testing::HasSubstr("is there already"));
   EXPECT_EQ(bytes_of(folder / "there/file.txt"), "mine");
@@ -182,7 +182,8 @@ TEST(Suite, LeavesNothingWhereTheDiskIsFull) {
   const TestFolder folder;
   Surroundings full;
   full.largest_file_bytes = 20000;  // less than an answer
-  const Outcome outcome = run_program({"pack", "-o", (folder / "out").string(), "--scenes", "grazing"}, full);
+  const Outcome outcome =
+      run_program({"suite", "-o", (folder / "out").string(), "--scenes", "grazing"}, full);
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.err, testing::HasSubstr("cannot write"));
   EXPECT_TRUE(names_below(folder.path()).empty());

@@ -40,20 +40,20 @@ Bounded bounded(const Ball& x) {
 }  // namespace
 
 void certify_arrival(const Arrival& arrival, const RangeSamples& samples, const TakeArrival& take) {
-  const BallVector two_way{Ball(double(arrival.two_way.x)), Ball(double(arrival.two_way.y)),
-                           Ball(double(arrival.two_way.z))};
-  const Ball units = root(squared(two_way[0]) + squared(two_way[1]) + squared(two_way[2])),
+  const BallVector displacement{Ball(double(arrival.displacement.x)), Ball(double(arrival.displacement.y)),
+                                Ball(double(arrival.displacement.z))};
+  const Ball units = root(squared(displacement[0]) + squared(displacement[1]) + squared(displacement[2])),
              length = units * Ball(arrival.unit_m),
              beta = Ball(arrival.absorption_db_per_m) * log(Ball(10)) / Ball(10);
-  const BallVector direction{two_way[0] / units, two_way[1] / units, two_way[2] / units};
+  const BallVector direction{displacement[0] / units, displacement[1] / units, displacement[2] / units};
   certify_arrival({length / Ball(2), exp(-(beta * length)) / squared(length), direction, direction}, arrival,
                   true, samples, take);
 }
 
 std::optional<EnclosedRay> enclose_ray(const ApparentMap& water, const RayEnclosure& rays,
                                        const glm::dvec3& place_m) {
-  const glm::dvec3 two_way = water.unfolded(place_m) - water.apex_m(), u(1, 0, 0), v(0, 1, 0);
-  const std::array<Interval, 3> at{two_way.x, two_way.y, two_way.z};
+  const glm::dvec3 displacement = water.unfolded(place_m) - water.apex_m(), u(1, 0, 0), v(0, 1, 0);
+  const std::array<Interval, 3> at{displacement.x, displacement.y, displacement.z};
   const auto found = rays.over(at, u, v, 0.0, 0.0);
   if (!found) return std::nullopt;
   const auto ball = [](const Interval& x) { return Ball::between(x.lo, x.hi); };
@@ -116,10 +116,10 @@ void certify_arrival(const EnclosedRay& ray, const Arrival& arrival, bool sure, 
   }
 }
 
-std::array<Bounded, 2> certify_arrivals_product(const GridPoint& two_way, double unit_m,
+std::array<Bounded, 2> certify_arrivals_product(const GridPoint& displacement, double unit_m,
                                                 const ReceiverBaseline& receiver_pair, const Bounded& upper,
                                                 const Bounded& lower) {
-  const std::array<double, 3> units{double(two_way.x), double(two_way.y), double(two_way.z)};
+  const std::array<double, 3> units{double(displacement.x), double(displacement.y), double(displacement.z)};
   Ball along, to_upper, to_lower;
   for (std::size_t k = 0; k < 3; ++k) {
     const Ball middle = Ball(units[k]) * Ball(unit_m),

@@ -17,8 +17,8 @@ namespace tubefoot {
 
 /// What comes straight from an apex, or from its image, to a receiver (path_echo.hpp).
 struct Arrival {
-  GridPoint two_way{};  ///< from the one to the other, grid units
-  double unit_m = 1;    ///< of the grid
+  GridPoint displacement{};  ///< from the one to the other, grid units
+  double unit_m = 1;         ///< of the grid
   double absorption_db_per_m = 0;
   const Leg* leg = nullptr;                   ///< of the image
   const TransmitPattern* transmit = nullptr;  ///< null: without patterns
@@ -50,9 +50,9 @@ struct Bounded {
 };
 
 /// What the signals of two receivers on a receiver pair, of these energies, have in common that came straight
-/// from one place: the root of both energies, with the phase between the two ends. `two_way`: from there to
-/// the receiver pair's middle, grid units. Real and imaginary part.
-std::array<Bounded, 2> certify_arrivals_product(const GridPoint& two_way, double unit_m,
+/// from one place: the root of both energies, with the phase between the two ends. `displacement`: from there
+/// to the receiver pair's middle, grid units. Real and imaginary part.
+std::array<Bounded, 2> certify_arrivals_product(const GridPoint& displacement, double unit_m,
                                                 const ReceiverBaseline& receiver_pair, const Bounded& upper,
                                                 const Bounded& lower);
 

@@ -130,7 +130,7 @@ EnclosedImages::EnclosedImages(RefractedImages& images, const EchoModel& model,
     for (const Image& image : list) {
       if (image.seen.empty()) continue;
       const Seabed& seabed = seabed_of(image);
-      double& beyond = beyond_[image.way];
+      double& beyond = beyond_[image.mirror_path];
       beyond = std::max(beyond, off_rad(image));
       look_at_windows(image, seabed, reflection, beyond);
     }
@@ -179,7 +179,7 @@ void EnclosedImages::look_at_windows(const Image& image, const Seabed& seabed,
 }
 
 const EnclosedImages::Seabed& EnclosedImages::seabed_of(const Image& image) {
-  auto& seabed = seabeds_[image.way];
+  auto& seabed = seabeds_[image.mirror_path];
   if (!seabed) seabed = std::make_unique<const Seabed>(images_.seabed_between(image, image), model_);
   return *seabed;
 }

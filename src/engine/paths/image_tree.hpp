@@ -50,7 +50,7 @@ struct Image {
   /// the borders, radians.
   double mirror_sr = 0, border_rad = 0;
 
-  std::size_t way = 0;  ///< in refracting water: its chain of mirrors (refracted_images.hpp)
+  std::size_t mirror_path = 0;  ///< in refracting water: its chain of mirrors (refracted_images.hpp)
 
   /// What it sees: `origin` empty if that is the whole mesh.
   const FacetMesh* mesh = nullptr;

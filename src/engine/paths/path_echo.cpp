@@ -339,8 +339,8 @@ class PathTracer {
     const auto add = [&](std::uint32_t beam, double weight) {
       const std::size_t bin = std::size_t(beam) * std::size_t(samples_.count) + std::size_t(sample);
       echo_.by_order[image.mirrors].energy[bin] += weight * energy;
-      echo_.arrived.push_back(
-          {image.windows.apex, GridPoint{} - arrival.back, image.way, image.mirrors, bin, weight * energy});
+      echo_.arrived.push_back({image.windows.apex, GridPoint{} - arrival.back, image.mirror_path,
+                               image.mirrors, bin, weight * energy});
     };
     ++echo_.arrivals;
     if (model_.patterns == nullptr) return add(beams_.of_tube[receive_tube], 1);
@@ -456,8 +456,8 @@ class PathTracer {
                       received = true;
                       const std::size_t bin = (first + beam) * std::size_t(samples_.count) + sample;
                       take({image.mirrors, bin, energy, bound});
-                      echo_.arrived.push_back(
-                          {image.windows.apex, arrival.way, image.way, image.mirrors, bin, energy, bound});
+                      echo_.arrived.push_back({image.windows.apex, arrival.displacement, image.mirror_path,
+                                               image.mirrors, bin, energy, bound});
                     });
     if (received) ++echo_.arrivals;
   }

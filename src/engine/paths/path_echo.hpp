@@ -55,8 +55,8 @@ struct PathSettings {
 struct ArrivedEnergy {
   GridPoint from;
   /// To the receiver, as it arrives there; in refracting water as long as its time by the reference speed.
-  GridPoint way;
-  std::size_t chain = 0;  ///< Image::way: in refracting water images are where the transmitter is
+  GridPoint displacement;
+  std::size_t chain = 0;  ///< Image::mirror_path: in refracting water images are where the transmitter is
   std::size_t order = 0, bin = 0;
   double energy_j = 0, bound_j = 0;
 };

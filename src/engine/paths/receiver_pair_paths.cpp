@@ -130,7 +130,7 @@ class ReceiverPairTracer {
 
   /// What tells chains of mirrors apart, in isovelocity water or in water that refracts.
   using Chain = std::pair<std::vector<MirrorPlane>, std::size_t>;
-  static Chain chain_of(const Image& image) { return {image.chain, image.way}; }
+  static Chain chain_of(const Image& image) { return {image.chain, image.mirror_path}; }
 
   /// The lower receiver's images in the same mirrors as one of the upper one's.
   std::span<const std::size_t> lower_of(const Image& upper) const {
@@ -235,7 +235,7 @@ class ReceiverPairTracer {
     const auto apart = [](const ArrivedEnergy& a, const ArrivedEnergy& b) {
       if (!(a.from == b.from) || a.chain != b.chain || a.order != b.order)
         return std::numeric_limits<double>::infinity();
-      return glm::length(way_m(a.way, b.way, 1));
+      return glm::length(way_m(a.displacement, b.displacement, 1));
     };
     std::array<std::vector<double>, 2> nearest;
     for (std::size_t end = 0; end < 2; ++end)
@@ -254,7 +254,9 @@ class ReceiverPairTracer {
           add(upper.order, upper.bin, real, imag);
           continue;
         }
-        const glm::dvec3 way = (way_m({}, upper.way, unit_m_) + way_m({}, lower.way, unit_m_)) / 2.0,
+        const glm::dvec3 way = (way_m({}, upper.displacement, unit_m_) +
+                                way_m({}, lower.displacement, unit_m_)) /
+                               2.0,
                          half = receiver_pair_.baseline_m / 2 * receiver_pair_.axis;
         const double further = 4 * glm::dot(way, half) / (glm::length(way + half) + glm::length(way - half));
         add(upper.order, upper.bin,

@@ -363,7 +363,7 @@ class ChannelOfSmooth {
     const glm::dvec2 place = piece.first + centroid_offset(piece);
     const glm::dvec3 there = -plane_.distance_m * plane_.normal + place.x * frame_->u + place.y * frame_->v;
     const glm::dvec3 tx = glm::normalize(there), rx = glm::normalize(there - back_m_);
-    return std::sqrt(path_.tx.loss.at(out) * path_.back().loss.at(rx)) *
+    return std::sqrt(path_.tx.loss.at(tx) * path_.back().loss.at(rx)) *
            amplitude_pattern(channel_.transmit, tx) * amplitude_pattern(channel_.receive, rx);
   }
 

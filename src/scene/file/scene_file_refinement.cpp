@@ -11,8 +11,9 @@ void check_refinement(const RefinementDescription& refinement, const TomlTable& 
     throw InputError(table.place_of("file"),
                      "'file' holds a bed that is refined once: it needs mode = \"offline\"");
   if (refinement.mode != "online" && table.has("tolerance"))
-    throw InputError(table.place_of("tolerance"),
-                     "'tolerance' says how far each shot refines its ground: it needs mode = \"online\"");
+    throw InputError(
+        table.place_of("tolerance"),
+        "'tolerance' says the fineness of the surface of each transmission: it needs mode = \"online\"");
 }
 
 }  // namespace

@@ -75,7 +75,7 @@ void check_amounts(const SensorDescription& sensor, const TomlTable& table) {
   if (transmissions > limits::sensor_transmissions)
     throw InputError(
         table.place_of("pings"),
-        fmt::format("'pings' of {} shots each make {}, at most {} are taken: ask for fewer pings, in "
+        fmt::format("'pings' of {} transmissions each make {}, at most {} are taken: ask for fewer pings, in "
                     "several scenes",
                     figures.transmissions, transmissions, limits::sensor_transmissions));
 }

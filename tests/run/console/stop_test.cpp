@@ -117,11 +117,11 @@ TEST_F(Stop, RaysInTheMiddleOfAPing) {
 
 TEST_F(Stop, AnAuditInTheMiddleOfATransmission) {
   const Outcome outcome = run_program({"audit", scene.string(), "--arithmetic", "rational", "--threads", "1"},
-                                      stopped_once_said("audited shots 0/1; tubes [0-9]+/[0-9]+"));
+                                      stopped_once_said("audited transmissions 0/1; tubes [0-9]+/[0-9]+"));
   expect_stopped(outcome);
   EXPECT_THAT(outcome.out, Not(HasSubstr("topology hash")));
   expect_stopped_within_a_second({"audit", scene.string(), "--arithmetic", "rational", "--threads", "1"},
-                                 "audited shots 0/1; tubes [0-9]+/[0-9]+");
+                                 "audited transmissions 0/1; tubes [0-9]+/[0-9]+");
 }
 
 TEST_F(Stop, FootprintsInTheMiddleOfAPing) {
@@ -134,7 +134,7 @@ TEST_F(Stop, FootprintsInTheMiddleOfAPing) {
 TEST_F(Stop, CoverageInTheMiddleOfATransmission) {
   expect_stopped_within_a_second({"coverage", scene.string(), "--arithmetic", "rational", "--threads", "1",
                                   "-o", (folder / "coverage.csv").string()},
-                                 "shots 0/1; tubes [0-9]+/[0-9]+");
+                                 "transmissions 0/1; tubes [0-9]+/[0-9]+");
 }
 
 // Each of 40 pings sees two facets in 48 tubes. A few seconds go into cutting, and ten times as many into
