@@ -142,11 +142,11 @@ def test_a_receiver_apart_shares_its_footprints(keys, folder):
         assert history.range_min_m[i] <= half.min() * (1 + 1e-12)
         facet = transmission.vertices_m[transmission.facets[history.facet[i]]]
         assert history.receive_distance_m[i] == pytest.approx(abs((transmission.receiver_apex_m - facet[0]) @ history.normal[i]))
-    # What the receiver hears is less than what the transmitter sees.
+    # The receiver receives less than the transmitter insonifies.
     assert history.area_m2.sum() < alone.area_m2.sum()
 
 
-def test_an_engine_of_ones_own_hears_a_receiver_apart(keys, folder):
+def test_an_own_engine_receives_at_a_separate_receiver(keys, folder):
     """Footprints as points between two ends: near to the tube engine's echo of fine beams."""
     @tubefoot.engine("points")
     def points(transmission):

@@ -403,7 +403,7 @@ def test_a_silent_sensor_is_a_warning_of_its_own_with_the_commands_words(folder)
     silences = [w for w in caught if w.category is tubefoot.SilenceWarning]
     assert len(silences) == 1 and silences[0].filename == __file__
     text = str(silences[0].message)
-    assert "sensor 'camera' hears nothing" in text and "degrees up" in text
+    assert "sensor 'camera' receives nothing" in text and "degrees up" in text
     assert "warning: " + text in said_by("run", file, "-o", folder / "out")
     assert "warning: " + text in said_by("check", file)
     assert text in result.warnings and text in tubefoot.load(file).warnings()
@@ -415,7 +415,7 @@ def test_a_silence_that_is_an_error_ends_the_run_before_its_first_ping(folder):
     seen, before = [], sorted(folder.iterdir())
     with warnings.catch_warnings():
         warnings.simplefilter("error", tubefoot.SilenceWarning)
-        with pytest.raises(tubefoot.SilenceWarning, match="hears nothing"):
+        with pytest.raises(tubefoot.SilenceWarning, match="receives nothing"):
             tubefoot.run(silent_scene(folder), engine="ray", rays=2_000_000, threads=1, output=folder / "out",
                          progress=lambda done, total: seen.append(done))
     assert len(seen) < 5 and sorted(folder.iterdir()) == sorted([*before, folder / "silent.toml"])
@@ -424,9 +424,9 @@ def test_a_silence_that_is_an_error_ends_the_run_before_its_first_ping(folder):
 def test_a_silence_of_a_scene_in_code_names_its_key(folder, keys):
     keys["sensors"][0]["tilt_deg"] = -40
     scene = tubefoot.Scene.from_dict(keys, base=folder)
-    with pytest.warns(tubefoot.SilenceWarning, match=r"^sensors\[0\]: sensor 'camera' hears nothing"):
+    with pytest.warns(tubefoot.SilenceWarning, match=r"^sensors\[0\]: sensor 'camera' receives nothing"):
         result = tubefoot.run(scene)
-    assert result.warnings == [w for w in scene.warnings() if "hears nothing" in w]
+    assert result.warnings == [w for w in scene.warnings() if "receives nothing" in w]
 
 
 def test_a_scene_that_is_heard_warns_of_nothing(scene):

@@ -53,7 +53,7 @@ class SceneWarning(UserWarning):
 
 
 class SilenceWarning(SceneWarning):
-    """A sensor hears nothing: which, where, why, and what to do."""
+    """A sensor receives nothing: which, where, why, and what to do."""
 
 
 def warn(message: str, is_silence: bool = False) -> None:

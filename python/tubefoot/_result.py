@@ -30,7 +30,7 @@ _VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
     "energy": (("ping", "beam", "sample"), "J m-2",
                "received energy density per beam and range sample, for a source of 1 J/sr at 1 m"),
     "energy_lower": (("ping", "beam", "sample"), "J m-2",
-                     "echo energy per beam and range sample that the lower receiver hears; energy is the upper's"),
+                     "received energy density per beam and range bin at the lower receiver; energy is that of the upper receiver"),
     "cross_real": (("ping", "beam", "sample"), "J m-2",
                    "mean product of the upper receiver's signal and the lower one's conjugate, real part"),
     "cross_imag": (("ping", "beam", "sample"), "J m-2",
@@ -427,7 +427,7 @@ def run(scene: Union[Scene, PathLike], *, engine: Union[str, Engine, None] = Non
         progress: called now and then with the pings finished and all pings; what it raises ends the run.
 
     Other Python threads run meanwhile. Ctrl-C ends the run, pings at hand unfinished; nothing half-written is left. What may
-    not be meant is a :class:`SceneWarning`, a sensor that hears nothing a :class:`SilenceWarning`, as soon as it is known:
+    not be meant is a :class:`SceneWarning`, a sensor that receives nothing a :class:`SilenceWarning`, as soon as it is known:
     with ``warnings.simplefilter("error", tubefoot.SilenceWarning)`` such a run ends before its first ping.
 
     Raises:

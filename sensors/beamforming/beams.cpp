@@ -124,11 +124,11 @@ std::vector<Complex> phase_and_sum(const ElementSignals& signals, std::size_t pi
   for (std::size_t beam = 0; beam < steering.directions.size(); ++beam)
     for (std::size_t receiver = 0; receiver < signals.receivers(); ++receiver)
       longest_s = std::max(longest_s, std::abs(far_delay_s(signals, steering, beam, receiver)));
-  require(
-      longest_s * sampling.rate_hz <= static_cast<double>(signals.samples()),
-      fmt::format("a receiver hears a beam {:.3g} s sooner or later than the array's place, longer than the "
-                  "record: place the receivers nearer to each other",
-                  longest_s));
+  require(longest_s * sampling.rate_hz <= static_cast<double>(signals.samples()),
+          fmt::format("a receiver receives a beam {:.3g} s earlier or later than the reference point of the "
+                      "array, longer than the "
+                      "record: place the receivers nearer to each other",
+                      longest_s));
   // Behind the record as many zeros as anything moves: nothing comes round from the other end.
   const SignalTransform transform(signals.samples() +
                                   static_cast<std::size_t>(std::ceil(longest_s * sampling.rate_hz)));

@@ -22,7 +22,7 @@ void Sensor::refuse_narrow() const {
     if (width_rad < narrowest_rad * (1 - 1e-9))
       throw InputError(
           description_.place,
-          fmt::format("{} of sensor '{}' {:.3g} degrees, and directions are told apart to 6e-8 degrees only: "
+          fmt::format("{} of sensor '{}' {:.3g} degrees, and directions are resolved to 6e-8 degrees only: "
                       "at least {:g} degrees are taken; {}",
                       what, description_.name, degrees(width_rad), degrees(narrowest_rad), remedy));
   };
@@ -33,9 +33,9 @@ void Sensor::refuse_narrow() const {
   }
   for (const Transmission& transmission : transmissions_)
     for (const AngularGrid& sector : transmission.sectors) {
-      const char* overlap = "widen what is lit, heard, or both";
-      refuse(span(sector.azimuth_edges_rad), "the sector that is lit and heard", overlap);
-      refuse(span(sector.elevation_edges_rad), "the sector that is lit and heard", overlap);
+      const char* overlap = "widen the transmit sector, the receive sector, or both";
+      refuse(span(sector.azimuth_edges_rad), "the transmit and receive sector", overlap);
+      refuse(span(sector.elevation_edges_rad), "the transmit and receive sector", overlap);
     }
 }
 

@@ -48,7 +48,7 @@ Canvas draw_phases(const Recording& recording, const std::string& font, const In
       fmt::format("{}   phase of upper against lower receiver", sensor.description().name);
   const Sensor::ReceiverPair& receiver_pair = sensor.receiver_pair();
   const std::string subtitle = fmt::format(
-      "{:g} kHz, baseline {:g} m, staff tilted by {:g} degrees; brightness: coherence{}",
+      "{:g} kHz, baseline {:g} m, receiver pair tilted by {:g} degrees; brightness: coherence{}",
       sensor.frequency_khz(), receiver_pair.baseline_m, receiver_pair.tilt_deg, noise ? "; as received" : "");
   const int page_width = margin + std::max({middle + side + DecibelScale::legend_width + margin,
                                             margin + text_width(title, title_size, font),

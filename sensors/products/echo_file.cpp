@@ -31,7 +31,8 @@ constexpr struct {
   const char *name, *long_name;
 } receiver_pair_variables[] = {
     {"energy_lower",
-     "echo energy per beam and range sample that the lower receiver hears; energy is the upper's"},
+     "received energy density per beam and range bin at the lower receiver; energy is that of the upper "
+     "receiver"},
     {"cross_real", "mean product of the upper receiver's signal and the lower one's conjugate, real part"},
     {"cross_imag",
      "mean product of the upper receiver's signal and the lower one's conjugate, imaginary part"},

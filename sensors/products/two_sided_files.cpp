@@ -217,7 +217,7 @@ std::string no_mosaic_at_rest(const std::string& name, std::size_t pings) {
   return fmt::format(
       "{}-mosaic.tif is not written: {} a line on the bed and no area; a mosaic needs a sensor that moves or "
       "turns "
-      "from ping to ping (the waterfall shows what was heard)",
+      "from ping to ping (the waterfall shows all received echoes)",
       name, pings == 1 ? "one ping covers" : "the sensor is at rest, so that its pings cover");
 }
 
@@ -238,8 +238,8 @@ std::vector<fs::path> write_map(const fs::path& folder, const Recording& recordi
                     "left out",
                     file.string(), map.left_out, map.pings));
   if (map.cells.empty()) {
-    warnings.push_back(fmt::format(
-        "{} was not written: nothing was heard from beyond the seabed straight below", file.string()));
+    warnings.push_back(fmt::format("{} was not written: no echo came from beyond the seabed below the sonar",
+                                   file.string()));
     return {};
   }
   write_cells(folder / file, map.cells, run.frame, "Backscatter", "uPa");

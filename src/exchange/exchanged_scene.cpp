@@ -109,7 +109,8 @@ void note_sensors(const Survey& survey, const std::vector<std::size_t>& chosen,
     if (sensor.has_receiver_pair())
       out.push_back(fmt::format("sensor '{}': its second receiver, and so its phases", name));
     if (sensor.has_separate_receiver())
-      out.push_back(fmt::format("sensor '{}': that its receiver is apart: it hears where it sends", name));
+      out.push_back(fmt::format(
+          "sensor '{}': its separate receiver: the exported sonar receives where it transmits", name));
     if (sensor.transmissions() > 1)
       out.push_back(
           fmt::format("sensor '{}': a ping has {} transmissions, one after the other: all are where the "
@@ -187,8 +188,8 @@ ExchangedScene exchanged_scene(const Survey& survey, const std::optional<std::st
         "one sonar, with its own");
   for (const ExchangedSonar& sonar : scene.sonars)
     if (sonar.narrowly_lit)
-      scene.left_out.push_back(
-          fmt::format("sensor '{}': its transmit sector: what it hears goes out", sonar.name));
+      scene.left_out.push_back(fmt::format(
+          "sensor '{}': its transmit sector: the exported sonar has its receive sector", sonar.name));
   return scene;
 }
 

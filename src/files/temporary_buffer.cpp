@@ -57,7 +57,8 @@ void TemporaryBuffer::flush() {
 }
 
 void TemporaryBuffer::read(std::uint64_t first, void* bytes, std::size_t count) const {
-  if (first > size() || count > size() - first) throw std::out_of_range("bytes that a spool has not");
+  if (first > size() || count > size() - first)
+    throw std::out_of_range("bytes beyond the end of a temporary buffer");
   auto* to = static_cast<char*>(bytes);
   while (count > 0 && first < on_disk_) {
     const ssize_t got =

@@ -101,10 +101,10 @@ RationalsFile::RationalsFile(const std::filesystem::path& file, const Transmissi
   state_.reset(new State{StreamedFile(file), sensor, {}});
   state_->write(fmt::format(
       "# tubefoot exact footprints, version 1\n"
-      "# shot PING SHOT APEX; tube NUMBER BEAM AXIS RAY RAY RAY RAY; piece FACET N POINT...; open "
+      "# shot PING TRANSMISSION APEX; tube NUMBER BEAM AXIS RAY RAY RAY RAY; piece FACET N POINT...; open "
       "N DIRECTION...\n"
       "# through refracting water, after each piece: seen N DIRECTION...\n"
-      "# of a receiver apart: receiver APEX, its tubes, and shared FACET TUBE RECEIVE_TUBE N POINT...\n"
+      "# with a separate receiver: receiver APEX, its tubes, and shared FACET TUBE RECEIVE_TUBE N POINT...\n"
       "# points: metres east, north and up in the local frame; axes, rays and directions: "
       "integers of any length\nsensor {}\n",
       transmissions.survey().sensors[sensor].sensor->description().name));

@@ -23,7 +23,7 @@ constexpr double degrees = 180 / std::numbers::pi;
 using T = FootprintTable;
 const std::array<FootprintColumn, 23> columns{{
     {"ping", "1", "ping, counted from 0", &T::ping},
-    {"shot", "1", "shot of the ping, counted from 0", &T::transmission},
+    {"shot", "1", "transmission of the ping, counted from 0", &T::transmission},
     {"beam", "1", "beam that the receive tube belongs to, counted from 0", &T::beam},
     {"tube", "1", "tube of the transmission, counted from 0", &T::tube},
     {"receive_tube", "1", "tube of the receiver, counted from 0; the same unless it is apart",

@@ -76,7 +76,7 @@ void add_meanings(Column& column, const SceneMarks& marks) {
     column.words(meaning, faint);
     column.skip(3);
   };
-  sector("fill-opacity=\"0.42\"", "heard: in the range window");
+  sector("fill-opacity=\"0.42\"", "received: within the range gate");
   sector("fill-opacity=\"0.2\" stroke-dasharray=\"4 3\"", "in it, but behind the bed");
   sector("fill-opacity=\"0.07\" stroke-dasharray=\"1 3\"", "nearer than the range window");
   sheet.circle(column.middle(), 3.6, "fill=\"#555555\" stroke=\"#ffffff\" stroke-width=\"1.2\"");

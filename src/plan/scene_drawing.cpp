@@ -310,7 +310,7 @@ void write_scene_picture(const std::filesystem::path& file, const Survey& survey
 }
 
 void write_scene_picture(const std::filesystem::path& file, const Survey& survey) {
-  const bool soon = !survey.loaded_scene->has_ground_per_transmission() && !survey.loaded_scene->is_tiled();
+  const bool soon = !survey.loaded_scene->has_surface_per_transmission() && !survey.loaded_scene->is_tiled();
   write_scene_picture(file, survey, soon ? placements(survey) : std::vector<SeabedPlacement>());
 }
 

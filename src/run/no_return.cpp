@@ -226,7 +226,7 @@ NoReturn no_return(const Survey& survey, const RunRequest& request, std::size_t 
   const SensorPings& pings = survey.sensors[s];
   const std::size_t ping = requested.first + (requested.end - requested.first) / 2;
   const Reason reason(survey, request, s, ping);
-  return {s, fmt::format("{}: sensor '{}' hears nothing{}: at ping {} ({}) {}",
+  return {s, fmt::format("{}: sensor '{}' receives nothing{}: at ping {} ({}) {}",
                          to_string(pings.sensor->description().place), pings.sensor->description().name, when,
                          ping, reason.place(), reason.in_words())};
 }
@@ -290,7 +290,7 @@ std::vector<NoReturn> met_no_returns(const Survey& survey, const RunRequest& req
     const std::size_t first = recording.number_of(0);
     if (!recording.beam_numbers
              .empty())  // others may receive something: there is nothing wrong with the sensor
-      found.push_back({s, fmt::format("{}: sensor '{}' hears nothing in the beams that are asked for: all "
+      found.push_back({s, fmt::format("{}: sensor '{}' receives nothing in the requested beams: all "
                                       "samples are 0",
                                       to_string(sensor.place), sensor.name)});
     else

@@ -52,7 +52,7 @@ std::vector<std::string> open_signals(const Survey& survey) {
             : "";
     if (!what.empty())
       warnings.push_back(
-          fmt::format("'{}': 'pressure_bound' of its signals is infinite where that is heard: "
+          fmt::format("'{}': 'pressure_bound' of its signals is infinite where that is received: "
                       "{}; energies have bounds all the same",
                       sensor.description().name, what));
   }

@@ -102,7 +102,7 @@ void add_paths_of(const Transmission& transmission, std::size_t s, const PathSet
       continue;
     }
     CertifiedEcho certified{paths.by_order[order], paths.bound_by_order[order]};
-    hold_against(certified, *settings.reference_tolerance);
+    compare_with(certified, *settings.reference_tolerance);
     sums.add(transmission, s, certified, order);
   }
   sums.counts.hits += paths.hits;

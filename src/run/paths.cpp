@@ -145,7 +145,7 @@ void check_paths(const Scene& scene, const SensorSet& sensor_set) {
     for (const Pose& pose : pings.receiver_poses.empty() ? pings.transmission_poses : pings.receiver_poses)
       for (const ReceiverBaseline& receiver_pair :
            pings.sensor->patterns(pose, pings.sound_speed_m_s).baselines)
-        check("the staff of " + name,
+        check("the receiver pair of " + name,
               pose.position_m.z + receiver_pair.baseline_m / 2 * std::abs(receiver_pair.axis.z));
   }
 }

@@ -49,7 +49,7 @@ void count_chosen(CertifiedEcho& certified, const Sensor& sensor, const std::vec
   if (!sensor.has_receiver_pair()) {
     for (std::size_t beam = 0; beam < beams.size(); ++beam)
       if (!chosen.place_of(beams[beam])) std::ranges::fill(row_of(certified.bound, beam), 0.0);
-    hold_against(certified, tolerance);
+    compare_with(certified, tolerance);
     return;
   }
   certified.bins_over = 0;

@@ -94,13 +94,12 @@ SeabedPlacement told(const std::string& name, const Extent& object, const Extent
     placement.words = "has no facet in the water";
     warn("has no facet in the water: it is above the sea surface");
   } else if (heights.over_terrain == 0) {
-    const double travel_path_error_m = terrain.distance_in_plan_m((object.lo_m + object.hi_m) / 2.0);
-    placement.words =
-        travel_path_error_m > 0
-            ? fmt::format("beside the terrain, {:.4g} m from it to its middle", travel_path_error_m)
-            : std::string("over a hole of the terrain, or beside it");
+    const double beside_m = terrain.distance_in_plan_m((object.lo_m + object.hi_m) / 2.0);
+    placement.words = beside_m > 0
+                          ? fmt::format("beside the terrain, {:.4g} m from it to its middle", beside_m)
+                          : std::string("over a hole of the terrain, or beside it");
     const std::string frames = mixed_frames((object.lo_m + object.hi_m) / 2.0, terrain);
-    if (travel_path_error_m > 0)
+    if (beside_m > 0)
       warn(fmt::format("lies beside the terrain, which covers {}: {}", to_text(terrain),
                        frames.empty() ? "move it there, if that is not meant" : frames));
   } else if (heights.highest_m < 0) {

@@ -60,7 +60,7 @@ std::string turning_points(const Survey& survey) {
 /// Which of several rays to a place are followed; empty: every one, transmit and receive along any two.
 std::string rays_left_out(const Survey& survey, bool reference) {
   if (reference || has_paths_of_first_rays(survey))
-    return "to receivers apart, over mirrors and in references only the first to arrive is followed";
+    return "for separate receivers, over mirrors and in references, tubefoot follows the first arrival only";
   if (has_receiver_pair(survey))
     return "two receivers' phases have each of them out and home again, but not what goes out along one and "
            "comes home along another";
@@ -486,7 +486,7 @@ std::vector<std::string> refraction_warnings(const Survey& survey, bool referenc
   if (counts.unbounded > 0)
     warnings.push_back(fmt::format(
         "{}: {} bins have no bound (energy_bound is infinite): facets to which it is not proven that "
-        "exactly one ray leads may be heard in them, or hide what is",
+        "exactly one ray leads may return echoes in them, or hide facets that do",
         where, counts.unbounded));
   const std::optional<double> requested_m = survey.scene.description.water.travel_path_error_m;
   if (requested_m && counts.largest_travel_path_error_m > *requested_m)

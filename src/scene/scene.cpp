@@ -200,13 +200,14 @@ void warn_about(Scene& scene) {
         });
     if (above > 0) {
       warnings.push_back(fmt::format(
-          "{} facets reach above the sea surface: they end there, and what is above is not heard", above));
+          "{} facets reach above the sea surface: they end there, and the part above returns no echoes",
+          above));
     }
     for (std::size_t i = 0; i < scene.tiled.size(); ++i)
       if (scene.tiled[i].tiles && scene.tiled[i].tiles->hi_m().z > surface->height_m)
-        warnings.push_back(
-            fmt::format("'{}' reaches above the sea surface: it ends there, and what is above is not heard",
-                        scene.report.components[i].name));
+        warnings.push_back(fmt::format(
+            "'{}' reaches above the sea surface: it ends there, and the part above returns no echoes",
+            scene.report.components[i].name));
   }
   constexpr double kCoarse_m = 1e-3;
   if (scene.grid.unit_m() > kCoarse_m && !scene.description.run.grid_exponent) {

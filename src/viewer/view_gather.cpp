@@ -102,7 +102,7 @@ class Gatherer {
           "Relief is refined for each transmission; the page shows the facets of the first transmission.");
     if (scene.water->refracts())
       view.notes.push_back(
-          "The water refracts: footprints are where they truly are, tubes are bent and not "
+          "The water refracts: footprints are at their true positions; tubes are curved and not "
           "drawn; angles and ranges are apparent ones.");
     if (sensor_.has_separate_receiver())
       view.notes.push_back(
@@ -112,7 +112,7 @@ class Gatherer {
           "either and hidden from it.");
     if (view.weak_links_left_out)
       view.notes.push_back(
-          "Beams have patterns, and every beam hears every footprint of its fan: what adds "
+          "Beams have patterns, and each beam receives each footprint of its fan: what adds "
           "less than a thousandth to a sample is not linked to it.");
   }
 

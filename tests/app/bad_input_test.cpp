@@ -201,7 +201,7 @@ TEST_F(BadInput, NothingInViewIsAWarning) {
   const Outcome outcome = run();
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("warning: "));
-  EXPECT_THAT(outcome.err, HasSubstr("sensor 'camera' hears nothing"));
+  EXPECT_THAT(outcome.err, HasSubstr("sensor 'camera' receives nothing"));
   EXPECT_EQ(read_echoes(folder / "results" / "echoes.nc").total(), 0);
 }
 

@@ -329,7 +329,7 @@ TEST(InputRegistryOfShippedScenes, OpensWhatTheHashIsOf) {
     const WatchedRun run = run_watched({"check", scene.string()});
     EXPECT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
     // What is shipped is right.
-    for (const char* alarm : {"hears nothing", "is buried", "beside the terrain", "times the terrain",
+    for (const char* alarm : {"receives nothing", "is buried", "beside the terrain", "times the terrain",
                               "radians", "antenna", "in metres?", "seconds?"})
       EXPECT_THAT(run.outcome.err, Not(HasSubstr(alarm)));
     EXPECT_EQ(run.opened.read, hashed);

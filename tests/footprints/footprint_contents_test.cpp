@@ -106,7 +106,7 @@ TEST_P(FootprintEnergies, SumToTheEchoes) {
       EXPECT_EQ(energy, all[place]);
     } else {
       EXPECT_GT(energy, 0);
-      EXPECT_LE(energy, received * (1 + 1e-5)) << "others add to what a beam hears of its own tubes";
+      EXPECT_LE(energy, received * (1 + 1e-5)) << "others add to what a beam receives of its own tubes";
     }
   }
 }

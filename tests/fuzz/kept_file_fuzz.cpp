@@ -153,15 +153,15 @@ void part_file(Bytes& bytes) {
 /// A seabed of four facets with relief.
 struct Seabed {
   Scene scene;
-  std::optional<Ground> ground;
+  std::optional<SurfaceMesh> surface_mesh;
   std::string text;
 
   Seabed() : scene(load_scene(description())) {
-    GroundSettings settings;
+    SurfaceSettings settings;
     settings.cell_m = 0.5;
-    ground.emplace(scene.mesh, scene.grid, scene.relief, settings);
+    surface_mesh.emplace(scene.mesh, scene.grid, scene.relief, settings);
     const auto file = scratch_folder() / "made.ply";
-    write_refined_seabed(file, ground->everywhere({}), scene, *ground);
+    write_refined_seabed(file, surface_mesh->everywhere({}), scene, *surface_mesh);
     std::ifstream stream(file, std::ios::binary);
     text.assign(std::istreambuf_iterator<char>(stream), {});
   }
@@ -199,7 +199,8 @@ void refined_seabed(Bytes& bytes) {
     std::vector<FacetId> all(good.scene.mesh.facets.size());
     std::iota(all.begin(), all.end(), FacetId{0});
     const RefinedMesh seabed =
-        RefinedSurfaceFile(file, {"scene.toml", 1, 1}, good.scene, good.ground->settings().cell_m).read(all);
+        RefinedSurfaceFile(file, {"scene.toml", 1, 1}, good.scene, good.surface_mesh->settings().cell_m)
+            .read(all);
     for (std::size_t f = 0; f < seabed.mesh.facets.size(); ++f) {
       for (const VertexId v : seabed.mesh.facets[f])
         if (v >= seabed.mesh.vertices.size()) finding("a corner out of range");

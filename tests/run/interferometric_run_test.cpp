@@ -365,7 +365,7 @@ TEST(InterferometricRun, AReceiverPairOverTheSurfaceIsRefused) {
   const SceneRun run(short_scene("interferometric", replaced(surface, "height_m = 4", "height_m = 0.005"),
                                  "baseline_m = 0.02\nstaff_tilt_deg = 0\n"));
   EXPECT_EQ(run.outcome.exit_code, 2);
-  EXPECT_NE(run.outcome.err.find("the staff of sensor 'swath' is 0.005 m above the sea surface"),
+  EXPECT_NE(run.outcome.err.find("the receiver pair of sensor 'swath' is 0.005 m above the sea surface"),
             std::string::npos)
       << run.outcome.err;
 }

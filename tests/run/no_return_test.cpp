@@ -81,7 +81,7 @@ TEST(NoReturn, IsNotExpectedOfATrackThatReceivesSomethingOnce) {
   EXPECT_TRUE(expected_no_returns(*survey_of(track(-270)), request).empty());
   const auto beside = expected_no_returns(*survey_of(track(15)), request);
   ASSERT_EQ(beside.size(), 1U);
-  EXPECT_THAT(beside.front().warning, HasSubstr("hears nothing at any ping: at ping 15"));
+  EXPECT_THAT(beside.front().warning, HasSubstr("receives nothing at any ping: at ping 15"));
   EXPECT_THAT(beside.front().warning, HasSubstr("155 m beside the terrain"));
 }
 

@@ -93,7 +93,7 @@ TEST(SensorPlace, InThePlaneOfAFacetButNotOnItIsAPlaceLikeAnother) {
 TEST(NarrowBeams, BelowWhatDirectionsTellApartAreRefused) {
   for (const char* sensor : {"beams = 4\nhorizontal_deg = 4e-7\n", "beams = 4\nhorizontal_deg = 3.9e-5\n",
                              "beams = 4096\nhorizontal_deg = 0.04\n"})
-    expect_refused(scene("[0, 0, 3]", sensor), {"degrees, and directions are told apart to 6e-8 degrees only",
+    expect_refused(scene("[0, 0, 3]", sensor), {"degrees, and directions are resolved to 6e-8 degrees only",
                                                 "at least 1e-05 degrees", "fewer beams"});
   std::string thin = scene("[0, 0, 3]");
   thin.replace(thin.find("vertical_deg = 20"), 17, "vertical_deg = 1e-7");

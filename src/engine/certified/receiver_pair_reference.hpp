@@ -29,7 +29,7 @@ std::vector<double> receiver_pair_targets(std::span<const double> upper_j, std::
 
 /// The rows of such an echo.
 Echo rows_of(const ReceiverPairEcho& echo);
-/// Counts the bins of these rows whose bound is above what was asked for (as hold_against()).
+/// Counts the bins of these rows whose bound is above what was asked for (as compare_with()).
 void compare_receiver_pair_with(CertifiedEcho& certified, double tolerance);
 
 }  // namespace tubefoot

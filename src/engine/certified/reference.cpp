@@ -183,7 +183,7 @@ std::vector<double> reference_targets(const Echo& echo, double tolerance) {
   return target;
 }
 
-void hold_against(CertifiedEcho& certified, double tolerance) {
+void compare_with(CertifiedEcho& certified, double tolerance) {
   // What surely is there says how narrow a bound has to be.
   const auto row = std::size_t(certified.echo.samples);
   certified.bins_over = 0;

@@ -30,7 +30,7 @@ struct CertifiedEcho {
 /// What each energy's bound is to be.
 std::vector<double> reference_targets(const Echo& echo, double tolerance);
 /// Counts the bins whose bound is above that, what surely is there taken for their energy.
-void hold_against(CertifiedEcho& certified, double tolerance);
+void compare_with(CertifiedEcho& certified, double tolerance);
 
 /// The first material whose micro-texture no reference can enclose: certify_echo() would refuse it. Perlin
 /// noise, maps and products of them can be enclosed.

@@ -21,7 +21,7 @@ CertifiedEcho enclosed_echo(const Echo& ordinary, const std::vector<Ball>& total
     certified.echo.energy[bin] = energy;
     certified.bound[bin] = std::max({off.hi(), -off.lo(), 0.0});
   }
-  hold_against(certified, tolerance);
+  compare_with(certified, tolerance);
   return certified;
 }
 

@@ -121,7 +121,7 @@ RefractedReference reference_between(std::span<const BinIntervals> parts, const 
 
 RefractedReference reference_of(CertifiedEcho echo, double tolerance) {
   return reference_of(
-      std::move(echo), [&](CertifiedEcho& held) { hold_against(held, tolerance); },
+      std::move(echo), [&](CertifiedEcho& held) { compare_with(held, tolerance); },
       [&](Echo&& least) { return reference_targets(least, tolerance); });
 }
 

@@ -38,7 +38,9 @@ void check_one_apex(const CommonVisibility& visibility, const ReceiveBeams& beam
                          samples.first_m));
   if (!model.patterns->baselines.empty() && binning == Binning::exact &&
       visibility.first() < visibility.end())
-    refuse("footprints of one apex cannot be cut for the two receivers of a staff (receiver_pair_echo.hpp)");
+    refuse(
+        "footprints of one apex cannot be cut for the two receivers of a receiver pair "
+        "(receiver_pair_echo.hpp)");
 }
 
 void check_two_apexes(const BistaticHistory& history, const ReceiveBeams& beams, const RangeSamples& samples,

@@ -122,9 +122,10 @@ void for_coherent_arrivals(const PathImages& images, const EchoModel& model,
       const glm::dvec3 way = channel.receive_m - frame.image_of(channel.transmit_m, sent);
       const double length = glm::length(way);
       if (!(length > 0))
-        throw std::invalid_argument(fmt::format(
-            "channel {} hears in the place where it sends: move one of its ends, or leave out the direct way",
-            arrival.waves.size()));
+        throw std::invalid_argument(
+            fmt::format("channel {} transmits and receives at one place: move one of its ends, or leave out "
+                        "the direct path",
+                        arrival.waves.size()));
       const glm::dvec3 direction = way / length;
       arrival.waves.push_back({length, std::sqrt(loss.at(direction) * std::exp(-beta * length)) / length *
                                            amplitude_pattern(channel.transmit, sent.leg.to_true * direction) *

@@ -31,12 +31,12 @@ ScatteringModel ScatteringModel::lambert(double mu) { return gsab({.oblique = mu
 ScatteringModel ScatteringModel::gsab(const Gsab& p) {
   for (const double level : {p.specular, p.oblique, p.transition})
     if (!(level >= 0 && std::isfinite(level)))
-      refuse(fmt::format("a scattering law's levels must be finite and not negative, not {}", level));
+      refuse(fmt::format("a scattering model's levels must be finite and not negative, not {}", level));
   for (const double width : {p.specular_width_rad, p.transition_width_rad})
     if (!(width > 0 && std::isfinite(width)))
-      refuse(fmt::format("a lobe of a scattering law must have a width above 0, not {}", width));
+      refuse(fmt::format("a lobe of a scattering model must have a width above 0, not {}", width));
   if (!(p.oblique_exponent >= 0 && std::isfinite(p.oblique_exponent)))
-    refuse(fmt::format("a scattering law's exponent must not be negative, not {}", p.oblique_exponent));
+    refuse(fmt::format("a scattering model's exponent must not be negative, not {}", p.oblique_exponent));
   Piece piece;
   const auto lobe = [&](double level, double width) {
     if (level > 0) piece.terms.push_back({level, 0, 1 / (2 * width * width), 0});
@@ -44,7 +44,7 @@ ScatteringModel ScatteringModel::gsab(const Gsab& p) {
   lobe(p.specular, p.specular_width_rad);
   if (p.oblique > 0) piece.terms.push_back({p.oblique, 0, 0, p.oblique_exponent});
   lobe(p.transition, p.transition_width_rad);
-  if (piece.terms.empty()) refuse("a scattering law needs a level above 0");
+  if (piece.terms.empty()) refuse("a scattering model needs a level above 0");
   ScatteringModel model;
   model.pieces_.push_back(std::move(piece));
   return model;

@@ -160,7 +160,7 @@ void thin_out(std::vector<UnclearPlace>& unclear) {
 void check(const ApparentMapSettings& settings) {
   if (!(settings.travel_path_error_m > 0 && settings.shortest_edge_m > 0 && settings.shadow_edge_m > 0 &&
         settings.tolerance_db > 0))
-    throw std::invalid_argument("the lengths and the tolerance of straightening must be above 0");
+    throw std::invalid_argument("the lengths and the tolerance of the apparent map must be above 0");
 }
 
 /// What an apex sees of facets that are fine enough. `origin`: by apparent facet, which it is of.

@@ -72,11 +72,11 @@ class HelpingRank {
   /// Says the last word, and leaves with rank 0.
   void leave(const std::string& last) {
     link_.send(0, last);
-    std::optional<Clock::time_point> scene_request;
+    std::optional<Clock::time_point> stop_seen;
     while (!stopped_) {
       next();
-      if (!scene_request && stop_wanted()) scene_request = Clock::now();
-      if (scene_request && Clock::now() - *scene_request > patience_when_interrupted) return;
+      if (!stop_seen && stop_wanted()) scene_request = Clock::now();
+      if (stop_seen && Clock::now() - *scene_request > patience_when_interrupted) return;
       std::this_thread::sleep_for(link_.pause());
     }
     link_.leave();
@@ -108,14 +108,14 @@ class HelpingRank {
       }));
     });
     const OpenedAtExit opened{send_queue};
-    bool scene_request = false;
+    bool has_requested = false;
     for (bool last = false; !last;) {
       last = workers.finished();  // before the results are looked at
       while (const auto message = next()) {
         const std::vector<PingUnit> units = units_in(*message);
         if (units.empty()) workers.close();
         workers.add(units);
-        scene_request = false;
+        has_requested = false;
       }
       if (stopped_) stop_requested = true;  // also the pings in progress: nobody waits for them
       if (over()) {
@@ -123,9 +123,9 @@ class HelpingRank {
         send_queue.open();
       }
       for (std::string& result : send_queue.take(link_.unsent())) link_.send(0, std::move(result));
-      if (const std::size_t wanted = workers.wanted(); wanted > 0 && !scene_request) {
+      if (const std::size_t wanted = workers.wanted(); wanted > 0 && !has_requested) {
         link_.send(0, wanted_note(wanted));
-        scene_request = true;
+        has_requested = true;
       }
       if (!last) workers.rest(link_.pause());
     }

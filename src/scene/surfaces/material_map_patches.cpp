@@ -72,7 +72,7 @@ MaterialMap patch_material_map(const PatchMaterialMap& map, const MaterialMapSet
     }
   std::vector<MaterialBorder> borders;
   for (const VoronoiEdge& edge : voronoi_edges(sites)) {
-    const std::uint32_t r = region[edge.loaded_scene], s = region[edge.other_loaded_scene];
+    const std::uint32_t r = region[edge.site], s = region[edge.other_site];
     if (r != s) borders.push_back({edge.a, edge.b, std::min(r, s), std::max(r, s)});
   }
   check_border_count(borders.size(), setting.place);

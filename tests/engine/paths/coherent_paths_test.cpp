@@ -319,7 +319,7 @@ TEST(CoherentPaths, TheirVariancesAreEnergies) {
 
 // Of two ways that differ, energies add up over grounds; the two ways round of one place are one signal
 // twice.
-TEST(CoherentPaths, OverSurfacesTheyAddUpAsEnergiesButForWaysRoundThatAreOne) {
+TEST(CoherentPaths, OverSurfacesTheyAddUpAsEnergiesExceptForOneRoundPath) {
   const Setting s = furnished_seabed(false);
   const Mirrored m(s);
   const glm::dvec3 at = metres(s.transmit.apex);

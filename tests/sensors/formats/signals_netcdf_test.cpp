@@ -92,7 +92,7 @@ TEST_F(SignalsNetcdf, ComeBackToTheBit) {
   EXPECT_EQ(bytes_of(written(signals())), bytes);
 }
 
-TEST_F(SignalsNetcdf, AreLaidOutAsTheirPageSays) {
+TEST_F(SignalsNetcdf, HaveTheLayoutOfTheirPage) {
   const ElementSignals own = signals();
   const NetcdfReader file(written(own));
   EXPECT_EQ(file.dimensions("/", "pressure"), "ping,receiver,sample,complex");

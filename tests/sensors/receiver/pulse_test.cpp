@@ -53,7 +53,7 @@ TEST(Pulse, IsTheEchoAndTheBoxFoldedWhateverItsExtent) {
   }
 }
 
-TEST(Pulse, KeepsTheEnergyButForWhatLeavesTheWindow) {
+TEST(Pulse, KeepsTheEnergyExceptWhatLeavesTheRangeGate) {
   std::mt19937_64 random(7);
   std::exponential_distribution<double> energy;
   for (const double extent_m : {1e-12, 0.001, 0.05, 0.0501, 0.7, 3.0}) {
