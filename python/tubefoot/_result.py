@@ -216,7 +216,7 @@ class SensorResult:
 
     @property
     def labels(self) -> Optional[dict[str, Any]]:
-        """Objects and materials of each range bin, by the names of echoes.nc (docs/truth.md); None except for a run with
+        """Objects and materials of each range bin, by the names of echoes.nc (docs/labels.md); None except for a run with
         ``labels=True``.
 
         ``object_share`` (P, objects, B, K) and ``material_share`` (P, materials, B, K): shares of the energy.

@@ -128,7 +128,7 @@ struct PresetsOptions {
   std::optional<std::string> name;
 };
 
-/// The benchmark suite (docs/reference-pack.md).
+/// The benchmark suite (docs/benchmark-suite.md).
 struct SuiteOptions {
   std::filesystem::path output;
   std::optional<std::string> seed;  ///< of a validation set; none: the debug set

@@ -61,7 +61,7 @@ void add_run(CLI::App& app, CommandOptions& requested) {
   command
       ->add_flag("--labels", run.labels,
                  "also compute the shares of objects and materials in each range bin, its label, mean height "
-                 "and mean range (docs/truth.md)")
+                 "and mean range (docs/labels.md)")
       ->group(what);
   command
       ->add_option("--label-level", run.label_level_db,

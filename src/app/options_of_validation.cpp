@@ -52,7 +52,7 @@ void add_compare(CLI::App& app, CommandOptions& requested) {
   command
       ->add_option("--output-model", compare.output_model,
                    "convert the reference to the units of the candidate by the steps in this file "
-                   "(docs/recipes.md)")
+                   "(docs/output-models.md)")
       ->option_text("FILE");
   command->add_option("--json", compare.json, "write all figures into this file; -: print them instead")
       ->option_text("FILE");
@@ -296,8 +296,9 @@ void add_suite(CLI::App& app, CommandOptions& requested) {
                    "published set)")
       ->option_text("TEXT");
   command
-      ->add_option("--scenes", suite.scenes,
-                   "write these scenes only; separate names by commas (default: all; docs/reference-pack.md)")
+      ->add_option(
+          "--scenes", suite.scenes,
+          "write these scenes only; separate names by commas (default: all; docs/benchmark-suite.md)")
       ->option_text("LIST");
   command->add_flag("--without-answers", suite.without_answers, "write scenes without references");
   command->add_option("--threads", suite.threads, "number of threads (default: all cores)")

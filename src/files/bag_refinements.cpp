@@ -150,7 +150,7 @@ std::uint32_t most_parts(const std::set<NodeRow>& rows, double side) {
 std::string advised_resampling(const std::filesystem::path& file, double cell_x, double cell_y) {
   std::set<NodeRow> along_x, along_y;
   try {
-    const Hdf5Silence no_return;
+    const Hdf5Silence silence;
     keep_libraries_to_themselves();
     const Hdf5Handle opened(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
     if (opened < 0) return advised_command(coarser, file);
@@ -171,7 +171,7 @@ std::string advised_resampling(const std::filesystem::path& file, double cell_x,
 }
 
 bool has_bag_refinements(const std::filesystem::path& path) {
-  const Hdf5Silence no_return;
+  const Hdf5Silence silence;
   keep_libraries_to_themselves();
   const Hdf5Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   return file >= 0 && H5Lexists(file, "/BAG_root", H5P_DEFAULT) > 0 &&
@@ -180,7 +180,7 @@ bool has_bag_refinements(const std::filesystem::path& path) {
 
 BagRefinements read_bag_refinements(const std::filesystem::path& path) {
   const SourcePlace place{path.string(), 0, 0};
-  const Hdf5Silence no_return;
+  const Hdf5Silence silence;
   keep_libraries_to_themselves();
   const Hdf5Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (file < 0) throw InputError(place, "cannot be read as BAG (HDF5): it is cut off or damaged");

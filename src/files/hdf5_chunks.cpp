@@ -125,7 +125,7 @@ bool unpack_chunk(std::span<const unsigned char> packed, std::span<double> value
 }
 
 std::vector<unsigned char> empty_hdf5_file(const std::filesystem::path& path) {
-  const Hdf5Silence no_return;
+  const Hdf5Silence silence;
   keep_libraries_to_themselves();
   const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   const Hdf5Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
@@ -141,7 +141,7 @@ std::vector<unsigned char> empty_hdf5_file(const std::filesystem::path& path) {
 }
 
 Hdf5Chunks::Hdf5Chunks(std::filesystem::path file) : path_(std::move(file)) {
-  const Hdf5Silence no_return;
+  const Hdf5Silence silence;
   keep_libraries_to_themselves();
   file_ = std::make_unique<Hdf5Handle>(H5Fopen(path_.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
   if (*file_ < 0) throw write_error(path_, "HDF5 cannot open it again to add values");
@@ -149,7 +149,7 @@ Hdf5Chunks::Hdf5Chunks(std::filesystem::path file) : path_(std::move(file)) {
 
 Hdf5Chunks::Hdf5Chunks(std::filesystem::path file, std::span<const unsigned char> image)
     : path_(std::move(file)), in_memory_(true) {
-  const Hdf5Silence no_return;
+  const Hdf5Silence silence;
   keep_libraries_to_themselves();
   const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   if (keeps_in_memory(access) &&
@@ -160,13 +160,13 @@ Hdf5Chunks::Hdf5Chunks(std::filesystem::path file, std::span<const unsigned char
 }
 
 Hdf5Chunks::~Hdf5Chunks() {
-  const Hdf5Silence no_return;
+  const Hdf5Silence silence;
   variables_.clear();
   file_.reset();
 }
 
 void Hdf5Chunks::write(const std::string& variable, std::size_t ping, std::span<const unsigned char> packed) {
-  const Hdf5Silence no_return;
+  const Hdf5Silence silence;
   std::unique_ptr<Hdf5Handle>& opened = variables_[variable];
   if (!opened)
     opened = std::make_unique<Hdf5Handle>(H5Dopen2(*file_, variable.c_str(), H5P_DEFAULT), H5Dclose);
@@ -178,7 +178,7 @@ void Hdf5Chunks::write(const std::string& variable, std::size_t ping, std::span<
 }
 
 void Hdf5Chunks::close() {
-  const Hdf5Silence no_return;
+  const Hdf5Silence silence;
   variables_.clear();
   if (H5Fflush(*file_, H5F_SCOPE_LOCAL) < 0) throw write_error(path_, "cannot complete the file");
   std::vector<unsigned char> image;

@@ -106,7 +106,7 @@ herr_t look_at_object(hid_t file, const char* name, const H5O_info_t* object, vo
 }
 
 std::string references_of(const fs::path& path) {
-  const Hdf5Silence no_return;
+  const Hdf5Silence silence;
   keep_libraries_to_themselves();
   const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (file < 0) return "cannot be read as netCDF-4 or BAG (HDF5): it is cut off or damaged";

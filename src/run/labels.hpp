@@ -13,7 +13,7 @@
 #include "run/transmission.hpp"
 #include "sensors/recordings/label_recording.hpp"
 
-// Whose each energy is, and where it comes from (docs/truth.md). A share is the same integral over fewer
+// Whose each energy is, and where it comes from (docs/labels.md). A share is the same integral over fewer
 // facets, and a mean height the same with the height as one more factor of the density, as micro-texture is:
 // whatever the engine integrates, it integrates once more for each channel, by another law.
 namespace tubefoot {

@@ -10,7 +10,7 @@
 #include "run/survey.hpp"
 #include "suite/suite_scene.hpp"
 
-// The benchmark suite v2, from nothing: scenes, meshes, answers, checksums (docs/reference-pack.md).
+// The benchmark suite v2, from nothing: scenes, meshes, answers, checksums (docs/benchmark-suite.md).
 namespace tubefoot {
 
 struct SuiteRequest {

@@ -134,7 +134,7 @@ class InABrowser(unittest.TestCase):
         self.assertIn("struct GridPoint", self.page.js("return document.getElementById('gridpoint').textContent"))
 
     def test_a_phone_shows_pages_in_its_width(self):
-        for name in ["index.html", "docs/physics.html", "docs/gallery.html", "docs/scene-file.html", "docs/house.html",
+        for name in ["index.html", "docs/physics.html", "docs/gallery.html", "docs/scene-file.html", "docs/architecture.html",
                      "api/python.html", "api/src-engine-echo.html", "validation/atlas.html"]:
             self.open(name, 390, 844)
             self.assertLessEqual(self.page.js("return document.documentElement.scrollWidth"), 390, name)

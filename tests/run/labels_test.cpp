@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Whose each energy is (docs/truth.md): shares that are the energies', whatever makes them, and means that
+// Whose each energy is (docs/labels.md): shares that are the energies', whatever makes them, and means that
 // are closed forms.
 #include "run/labels.hpp"
 

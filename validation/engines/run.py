@@ -42,7 +42,7 @@ def without_objects(text, names):
 
 
 def of_solid_angles(text):
-    """docs/recipes.md: every material scatters by the cosine of incidence, and nothing is absorbed."""
+    """docs/output-models.md: every material scatters by the cosine of incidence, and nothing is absorbed."""
     text = re.sub(r"^lambert_db = .*$", 'law = "gsab"\noblique_db = 0\noblique_exponent = 1\nunbounded = true', text, flags=re.M)
     return re.sub(r"^absorption_db_per_km = .*$", "absorption_db_per_km = 0", text, flags=re.M)
 

@@ -51,9 +51,10 @@ void put(const RangeLawStep& step, const SourcePlace&, BoundedPicture& picture) 
 
 void require_solid_angles(const SourcePlace& place, const BoundedPicture& picture, const char* what) {
   if (picture.solid_angle_sr.empty())
-    throw InputError(place, std::string(what) +
-                                " needs the solid angle of what each bin sees: give the "
-                                "recipe solid_angles = \"FILE.nc\" (docs/recipes.md says how to make it)");
+    throw InputError(place,
+                     std::string(what) +
+                         " needs the solid angle of what each bin sees: give the "
+                         "recipe solid_angles = \"FILE.nc\" (docs/output-models.md says how to make it)");
 }
 
 /// The median solid angle of each row's bins that see something, as its bounds let it be; ping by ping.

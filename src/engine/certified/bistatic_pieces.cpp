@@ -6,7 +6,7 @@
 #include <map>
 
 #include "engine/certified/certified_cells.hpp"
-#include "engine/certified/laid_out.hpp"
+#include "engine/certified/flattened_facet.hpp"
 #include "geometry/numbers/enclosure_slack.hpp"
 
 namespace tubefoot {

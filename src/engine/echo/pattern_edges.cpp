@@ -76,8 +76,8 @@ bool PatternIntegrator::find_edge_path() {
   if (way_.outside) return true;
   way_.nearest2 = near2;
   for (Edge& edge : edges_) edge.sample = sample_of(edge.nearest2 + edge.from * edge.from);
-  const double origin = (lowest + highest) / 2, refracted = longest2 / (2 * near2);
-  way_.reach = (highest - lowest) / 2 + refracted;
+  const double origin = (lowest + highest) / 2, curved = longest2 / (2 * near2);
+  way_.reach = (highest - lowest) / 2 + curved;
   // R grows with range, and the level changes with it one way only.
   const double steep2 = glm::dot(axis.plane, axis.plane);
   const double radius2 = steep2 * (1 - piece_.distance2 / near2), radius = std::sqrt(std::max(radius2, 0.0));

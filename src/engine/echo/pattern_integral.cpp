@@ -325,9 +325,9 @@ void PatternIntegrator::integrate(double t0, double t1, int depth) {
 
 /// `stretched_by`: the farther range over the nearer one.
 int PatternIntegrator::nodes_of_model(double t0, double t1, double stretched_by, double rho) const {
-  constexpr double refracted = 1.3 / 2;  // the way is not straight
-  return std::max(model_nodes_->by_angle.nodes(refracted * (incidence_at(t1) - incidence_at(t0)), rho),
-                  model_nodes_->by_range.nodes(refracted * std::log(stretched_by), rho));
+  constexpr double curved = 1.3 / 2;  // the way is not straight
+  return std::max(model_nodes_->by_angle.nodes(curved * (incidence_at(t1) - incidence_at(t0)), rho),
+                  model_nodes_->by_range.nodes(curved * std::log(stretched_by), rho));
 }
 
 /// Nodes for the change of patterns and texture as the arcs' ends, or a full circle, move. The rule for a
@@ -356,8 +356,8 @@ int PatternIntegrator::nodes_along(double t0, double t1, double rho) const {
           std::array<double, 3> w{};
           for (std::size_t i = 0; i < 3; ++i)
             w[i] = (axis.away + glm::dot(axis.plane, point_at(c, t2[i]))) * over_r[i];
-          const double refracted = std::abs(w[0] - 2 * w[1] + w[2]) / 2;
-          extent = std::max(extent, std::abs(w[2] - w[0]) / 2 + 4 * refracted);
+          const double curved = std::abs(w[0] - 2 * w[1] + w[2]) / 2;
+          extent = std::max(extent, std::abs(w[2] - w[0]) / 2 + 4 * curved);
         }
       extent *= change.scale;
     } else {

@@ -64,8 +64,8 @@ int PatternIntegrator::nodes_along_spans(double t0, double t1, double rho) {
     end.gap = piece_.q2 - edge.nearest2;
     std::array<double, 3>& w = end.cosine;
     for (std::size_t i = 0; i < 3; ++i) w[i] = end_at(end, t2[i], sweep_.per_r[i]);
-    const double refracted = std::abs(w[0] - 2 * w[1] + w[2]) / 2;
-    extent = std::max(extent, std::abs(w[2] - w[0]) / 2 + 4 * refracted);
+    const double curved = std::abs(w[0] - 2 * w[1] + w[2]) / 2;
+    extent = std::max(extent, std::abs(w[2] - w[0]) / 2 + 4 * curved);
   }
   const Change& change = receiver_->changes.front();
   const int model =

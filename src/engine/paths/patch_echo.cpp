@@ -17,7 +17,7 @@ namespace {
 /// Longest part, over its distance from the nearer end.
 constexpr double largest_angle = 0.125;
 /// How far the lines of equal path may be from straight, in samples.
-constexpr double most_refracted = 0.1;
+constexpr double most_curved = 0.1;
 /// Near the point parts need not be smaller than this, over `longest_m`: it stands for a patch of that size.
 constexpr double smallest_part = 1.0 / 16;
 /// How far the phase between two receivers may turn over a part: its mean then is a thousandth too large.
@@ -73,14 +73,14 @@ PatchEcho::PatchEcho(const EchoModel& model, const ReceiveBeams& beams, double l
 
 std::size_t PatchEcho::add(const VisibleSurface& seabed, const Point& point, const ImageReceiver& received,
                            glm::dvec3 local_m, const RangeSamples& samples, double borders_m,
-                           SparseEnergy& tx) {
+                           SparseEnergy& energy) {
   const SharedFootprints& seen = seabed.shared;
   point_ = &point;
   received_ = &received;
   local_m_ = local_m;
   samples_ = samples;
   borders_m_ = borders_m;
-  tx_ = &tx;
+  energy_ = &energy;
   const std::vector<ReceiverViews::End>& ends = received.receives.ends();
   const glm::dvec3 received_at = ends.front().apex_m, from_received = point.at_m - received_at;
   std::size_t met = 0;
@@ -156,7 +156,7 @@ void PatchEcho::halve(std::size_t level) {
   const bool small =
       !turned && (diameter <= smallest_part * longest_m_ ||
                   (diameter <= longest_m_ && diameter <= largest_angle * std::min(rt, rr) &&
-                   diameter * diameter * (1 / rt + 1 / rr) / 16 <= most_refracted * samples_.step_m));
+                   diameter * diameter * (1 / rt + 1 / rr) / 16 <= most_curved * samples_.step_m));
   if (small) return cut_into_samples(levels_[level], centre);
   if (levels_.size() < level + 3) levels_.resize(level + 3);
   const int axis = size.x >= size.y ? 0 : 1;
@@ -262,10 +262,11 @@ void PatchEcho::take(const Polygon& polygon, double sample) {
   const double energy = energy_by(0);
   if (received_->is_product()) return take_product(sample, p, energy, energy_by(1));
   const auto bin = [&](std::size_t beam) { return beam * std::size_t(samples_.count) + std::size_t(sample); };
-  if (received_->row) return tx_->add(bin(*received_->row), energy);
-  if (model_.patterns == nullptr) return tx_->add(bin(beams_.of_tube[own_tube_]), energy);
+  if (received_->row) return energy_->add(bin(*received_->row), energy);
+  if (model_.patterns == nullptr) return energy_->add(bin(beams_.of_tube[own_tube_]), energy);
   const auto [begin, end] = model_.patterns->beams_of_tube[own_tube_];
-  for (std::uint32_t beam = begin; beam < end; ++beam) tx_->add(bin(beam), energy * gain_of(beam, true_back));
+  for (std::uint32_t beam = begin; beam < end; ++beam)
+    energy_->add(bin(beam), energy * gain_of(beam, true_back));
 }
 
 double PatchEcho::gain_of(std::size_t beam, glm::dvec3 true_back) const {
@@ -282,8 +283,8 @@ void PatchEcho::take_product(double sample, glm::dvec2 p, double upper, double l
   double size = std::sqrt(upper * lower);
   if (borders_m_ > 0) size *= std::max(1 - std::abs(further) / 2 / borders_m_, 0.0);
   const std::size_t bin = std::size_t(*received_->row) * std::size_t(samples_.count) + std::size_t(sample);
-  tx_->add(bin, size * std::cos(received_->wavenumber_rad_m * further));
-  tx_->add(bin + std::size_t(samples_.count), size * std::sin(received_->wavenumber_rad_m * further));
+  energy_->add(bin, size * std::cos(received_->wavenumber_rad_m * further));
+  energy_->add(bin + std::size_t(samples_.count), size * std::sin(received_->wavenumber_rad_m * further));
 }
 
 }  // namespace tubefoot

@@ -78,7 +78,7 @@ class PatchEcho {
   /// receive in sample k; with `borders_m` above 0, where samples are that far apart but do not begin where
   /// these do, it is in that of the mean of both half paths, as much of it as both have in one on average.
   std::size_t add(const VisibleSurface& seabed, const Point& point, const ImageReceiver& received,
-                  glm::dvec3 local_m, const RangeSamples& samples, double borders_m, SparseEnergy& tx);
+                  glm::dvec3 local_m, const RangeSamples& samples, double borders_m, SparseEnergy& energy);
 
  private:
   using Polygon = std::vector<glm::dvec2>;
@@ -106,7 +106,7 @@ class PatchEcho {
   glm::dvec3 local_m_{0};
   double borders_m_ = 0;
   RangeSamples samples_;
-  SparseEnergy* tx_ = nullptr;
+  SparseEnergy* energy_ = nullptr;
   std::uint32_t own_tube_ = 0;
   const ScatteringModel* scattering_ = nullptr;
   const ReflectivityField* texture_ = nullptr;

@@ -112,7 +112,7 @@ void add_up(Values& all, const Values& part) {
   for (std::size_t k = 0; k < part.size(); ++k) all[k] += part[k];
 }
 
-ChannelSignals no_return(const CoherentReceiver& receiver) {
+ChannelSignals zero_signals(const CoherentReceiver& receiver) {
   ChannelSignals signals{receiver.channels.size(), receiver.times.count, {}};
   signals.value.assign(signals.channels * signals.samples, 0);
   return signals;
@@ -190,7 +190,7 @@ ChannelSignals moving_signals(const VisiblePolygons& patches, const MovingEnds& 
   const CoherentReceiver& receiver = ends.held();
   const SignalExtent extent = extent_of(receiver, model.path, false, tolerance);
   const ChebyshevNodes nodes(tolerance);
-  ChannelSignals signals = no_return(receiver);
+  ChannelSignals signals = zero_signals(receiver);
   in_tasks(patches.patches.size(), patches_per_task, signals.value,
            [&](std::size_t begin, std::size_t end, Values& part) {
              MovingChannels channels(ends, patches, model, extent, tolerance);
@@ -240,7 +240,7 @@ ChannelSignals element_signals(const VisiblePolygons& patches, const CoherentRec
   const SignalExtent extent = extent_of(receiver, model.path, false, tolerance);
   const ChebyshevNodes nodes(tolerance);
   const SmoothPieces pieces(extent, nodes.most_change());
-  ChannelSignals signals = no_return(receiver);
+  ChannelSignals signals = zero_signals(receiver);
   in_tasks(patches.patches.size(), patches_per_task, signals.value,
            [&](std::size_t begin, std::size_t end, Values& part) {
              ChannelsOnPolygon channels(patches, receiver, model);
@@ -274,7 +274,7 @@ ChannelSignals drawn_signals(const VisiblePolygons& patches, const CoherentRecei
   if (ends) ends->widen(extent);
   const PulseTable table(receiver.pulse, receiver.times, tolerance);
   const std::vector<SurfaceScatterer> seabed = seabed_scatterers(patches, extent, tolerance);
-  ChannelSignals signals = no_return(receiver);
+  ChannelSignals signals = zero_signals(receiver);
   const auto draw = [&](std::size_t n, const SurfaceProperties& on) {
     const SampleRandom random(seed, ping, std::uint32_t(std::uint64_t(n) >> 32), std::uint32_t(n));
     return std::sqrt(seabed[n].weight_m2 * texture_at(on, patches, seabed[n].place_m)) *

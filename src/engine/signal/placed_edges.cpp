@@ -41,7 +41,7 @@ PlacedEdges::PlacedEdges(std::span<const glm::dvec3> points,
     Edge edge{sides[k].from, sides[k].to, {sides[k].facet, sides[k].facet}};
     if (end - k == 2) {
       edge.facets[1] = sides[k + 1].facet;
-      edge.bistatic = true;
+      edge.is_shared = true;
       edge.same_way = sides[k].forwards == sides[k + 1].forwards;
     }
     edges.push_back(edge);

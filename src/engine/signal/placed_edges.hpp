@@ -17,8 +17,8 @@ struct PlacedEdges {
   struct Edge {
     std::uint32_t from = 0, to = 0;
     std::array<std::uint32_t, 2> facets{};
-    bool bistatic = false;  ///< of just two facets; else of `facets[0]` and any number of others
-    bool same_way = false;  ///< both facets go along it the same way
+    bool is_shared = false;  ///< of just two facets; else of `facets[0]` and any number of others
+    bool same_way = false;   ///< both facets go along it the same way
   };
   std::vector<Edge> edges;
 

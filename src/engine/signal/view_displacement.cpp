@@ -78,7 +78,7 @@ ViewDisplacement::ViewDisplacement(const FarViewGrid& grid, std::span<const glm:
     const double within = 6 * across_ * length + 9 * disc;
     const int one = side[edge.facets[0]], other = side[edge.facets[1]];
     // Facets lie on either side of an edge if they turn the same way and go along it in opposite directions.
-    const bool inner = edge.bistatic && one != 0 && other != 0 && (one == other) != edge.same_way;
+    const bool inner = edge.is_shared && one != 0 && other != 0 && (one == other) != edge.same_way;
     if (inner)
       inner_.push_back({edge.facets, within});
     else

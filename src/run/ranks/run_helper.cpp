@@ -75,8 +75,8 @@ class HelpingRank {
     std::optional<Clock::time_point> stop_seen;
     while (!stopped_) {
       next();
-      if (!stop_seen && stop_wanted()) scene_request = Clock::now();
-      if (stop_seen && Clock::now() - *scene_request > patience_when_interrupted) return;
+      if (!stop_seen && stop_wanted()) stop_seen = Clock::now();
+      if (stop_seen && Clock::now() - *stop_seen > patience_when_interrupted) return;
       std::this_thread::sleep_for(link_.pause());
     }
     link_.leave();

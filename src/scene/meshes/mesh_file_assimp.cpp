@@ -115,9 +115,9 @@ class Gathered {
         left.push_back({child, visit.to_model * matrix(child->mTransformation)});
       }
     }
-    if (refracted_ > 0)
+    if (deformed_ > 0)
       model_.polygons.warnings.push_back(
-          std::to_string(refracted_) +
+          std::to_string(deformed_) +
           " meshes hang on bones: they are taken as they were modelled, not as "
           "the bones bend them");
     return std::move(model_);
@@ -129,7 +129,7 @@ class Gathered {
     const std::size_t first = polygons.points.size();
     if (first + mesh.mNumVertices >= std::numeric_limits<std::uint32_t>::max())
       throw std::runtime_error("it has more than 2^32 vertices");
-    if (mesh.mNumBones > 0) ++refracted_;
+    if (mesh.mNumBones > 0) ++deformed_;
     for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
       const aiVector3D& p = mesh.mVertices[v];
       polygons.points.emplace_back(to_model * glm::dvec4(p.x, p.y, p.z, 1));
@@ -173,7 +173,7 @@ class Gathered {
   std::uint64_t most_, placed_ = 0;
   std::vector<std::uint64_t> size_of_;  ///< by mesh: vertices and corners
   Model model_;
-  std::size_t refracted_ = 0;
+  std::size_t deformed_ = 0;
 };
 
 template <typename T>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/certified/laid_out.hpp"
+#include "engine/certified/flattened_facet.hpp"
 
 #include <algorithm>
 #include <cmath>
