@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""tubefoot: a sonar simulator that measures footprints instead of sampling them.
+"""tubefoot: an exact sonar simulator that computes footprints instead of sampling them with rays.
 
 >>> import tubefoot
 >>> result = tubefoot.run("scenes/wellhead/scene.toml")
 >>> result["camera"].energy  # (pings, beams, samples) in J/m²
->>> result["camera"].picture(0)  # as the program draws it; notebooks show it
+>>> result["camera"].picture(0)  # the same picture as that of the program; notebooks display it
 
-docs/python.md is a tutorial. Lengths are metres, times seconds, energies J/m² for a source of 1 J/sr at 1 m; other
-units are in the names.
+docs/python.md is a tutorial. Lengths are in metres and times in seconds. Energies are in J/m² for a source of 1 J/sr at
+1 m. The names of quantities in other units contain the unit.
 """
 
 from typing import Any

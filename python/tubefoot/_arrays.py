@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Arrays that a caller hands over: finite, and without values that a mask hides."""
+"""Checks of array arguments: values must be finite and not hidden by a mask."""
 
 from __future__ import annotations
 
@@ -16,7 +16,10 @@ def _has_masks(values: Any) -> bool:
 
 
 def values_and_mask(values: Any) -> tuple[npt.NDArray[Any], npt.NDArray[np.bool_]]:
-    """The values as an array, and which of them a mask hides, also in lists of masked arrays."""
+    """Returns the values as an array, and a boolean array that is true for each masked value.
+
+    The values may be lists or tuples of masked arrays.
+    """
     if isinstance(values, (list, tuple)) and _has_masks(values):
         parts = [values_and_mask(v) for v in values]
         return np.array([shown for shown, _ in parts]), np.array([hidden for _, hidden in parts])
@@ -27,22 +30,22 @@ def values_and_mask(values: Any) -> tuple[npt.NDArray[Any], npt.NDArray[np.bool_
 
 
 def place_of(index: tuple[int, ...]) -> str:
-    """Where in an array: ``row 2, column 5``."""
+    """Returns the position in an array as text: ``row 2, column 5``."""
     if len(index) == 2:
         return f"row {index[0]}, column {index[1]}"
     return f"element {', '.join(map(str, index))}" if index else "it"
 
 
 def first_of(chosen: npt.NDArray[np.bool_]) -> tuple[int, ...]:
-    """Index of the first element that is true; there is one."""
+    """Returns the index of the first true element. At least one element must be true."""
     return tuple(int(k) for k in np.unravel_index(int(np.argmax(chosen)), chosen.shape))
 
 
 def unmasked(values: Any, name: str) -> npt.NDArray[Any]:
-    """The values as an array.
+    """Returns the values as an array.
 
     Raises:
-        UsageError: a mask hides one of them; the text says where.
+        UsageError: a mask hides a value; the message names the first position.
     """
     shown, hidden = values_and_mask(values)
     if hidden.any():
@@ -52,10 +55,10 @@ def unmasked(values: Any, name: str) -> npt.NDArray[Any]:
 
 
 def finite(values: Any, name: str, dtype: type = float) -> npt.NDArray[Any]:
-    """The values as an array of the type, without infinite values and values that are not a number.
+    """Returns the values as an array of the given type. All values must be finite.
 
     Raises:
-        UsageError: there is such a value, or a mask hides one; the text says where.
+        UsageError: a value is infinite or NaN, or a mask hides a value; the message names the first position.
     """
     array = np.asarray(unmasked(values, name), dtype)
     wrong = ~np.isfinite(array)
@@ -66,10 +69,10 @@ def finite(values: Any, name: str, dtype: type = float) -> npt.NDArray[Any]:
 
 
 def with_holes(values: Any, name: str) -> npt.NDArray[np.float64]:
-    """The values as float64; not a number where a mask hides one, too.
+    """Returns the values as a float64 array with NaN for each masked value.
 
     Raises:
-        UsageError: a value is infinite; the text says where.
+        UsageError: a value is infinite; the message names the first position.
     """
     shown, hidden = values_and_mask(values)
     array = np.where(hidden, np.nan, np.asarray(shown, np.float64))

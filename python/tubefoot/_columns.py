@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A table as columns by name."""
+"""Tables as columns by name."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ._words import meant
 
 
 class Columns(Mapping[str, np.ndarray]):
-    """Columns of equal length by name; what is inherited by tables, which say how many rows they have."""
+    """Base class of tables: columns of equal length by name. Each derived class has a property ``rows``."""
 
     _columns: dict[str, np.ndarray]
 
@@ -25,5 +25,5 @@ class Columns(Mapping[str, np.ndarray]):
         return iter(self._columns)
 
     def __len__(self) -> int:
-        """Number of columns; rows are counted by ``rows``."""
+        """Number of columns. The property ``rows`` is the number of rows."""
         return len(self._columns)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What pings see of a scene's facets, how often, and what none sees."""
+"""Parts of a scene's facets that pings see, the number of pings that see them, and the parts that no ping sees."""
 
 from __future__ import annotations
 
@@ -18,11 +18,12 @@ from ._words import with_named_arguments
 
 
 class Coverage(Columns):
-    """What pings see of the facets in their sectors, as columns of one element a facet: ``coverage["seen_m2"]``.
+    """Visible parts of the facets in the sectors of the pings, as columns with one element per facet.
 
-    Names and units are those of the table ``facets`` in docs/coverage.md: areas in m2, shares of the facet's area from 0 to
-    1, ``facet``, ``most_pings`` and ``mean_pings`` numbers. Arrays are read-only. ``N`` facets, ``D`` pairs of a facet and
-    a number of pings.
+    For example, ``coverage["seen_m2"]`` is the area that at least one ping sees. Names and units are those of the table
+    ``facets`` in docs/coverage.md. Areas are in m², and shares of the facet's area are from 0 to 1. ``facet``,
+    ``most_pings`` and ``mean_pings`` are numbers. Arrays are read-only. ``N`` is the number of facets. ``D`` is the number
+    of pairs of a facet and a number of pings.
     """
 
     def __init__(self, native: _native.Coverage) -> None:
@@ -32,7 +33,7 @@ class Coverage(Columns):
 
     @property
     def rows(self) -> int:
-        """Number of facets that lie in the sector of a ping, N."""
+        """Number of facets in the sector of at least one ping, N."""
         return len(self._columns["facet"])
 
     @property
@@ -42,7 +43,7 @@ class Coverage(Columns):
 
     @property
     def pings(self) -> list[tuple[str, int]]:
-        """The pings that count: sensor and number."""
+        """Pings that this coverage includes: sensor and number."""
         return self._native.pings
 
     @property
@@ -57,7 +58,7 @@ class Coverage(Columns):
 
     @property
     def area_by_pings_m2(self) -> dict[int, float]:
-        """Area in m2 that so many pings see, by their number; 0 is what none sees of these facets."""
+        """Area in m² by the number of pings that see it. The key 0 gives the area of these facets that no ping sees."""
         return self._native.by_pings
 
     @property
@@ -72,11 +73,11 @@ class Coverage(Columns):
 
     @property
     def depth_share(self) -> np.ndarray:
-        """(D,) float64: share of the facet's area that so many pings see; those of a facet add up to 1."""
+        """(D,) float64: share of the facet's area that this number of pings sees. The shares of a facet add up to 1."""
         return self._depths["share"]
 
     def picture(self) -> Picture:
-        """The plan that ``tubefoot coverage`` draws: how many pings see what, north up.
+        """Draws the plan of ``tubefoot coverage``: the number of pings that see each part, north up.
 
         Raises:
             UsageError: no facet lies in the sector of a ping.
@@ -93,19 +94,20 @@ class Coverage(Columns):
 @with_named_arguments
 def coverage(scene: Union[Scene, PathLike], sensor: Optional[str] = None, pings: Optional[Numbers] = None, *,
              output: Optional[PathLike] = None) -> Coverage:
-    """What pings see of the scene's facets, as ``tubefoot coverage`` measures it (docs/coverage.md).
+    """Measures the parts of the scene's facets that pings see, as ``tubefoot coverage`` does (docs/coverage.md).
 
     Args:
         scene: the scene, or the name of its file.
-        sensor: name of the one sensor that counts; by default all.
-        pings: a ping, a ``range`` of step 1, or text as of the command: ``"2:5"`` (both included); by default all.
-        output: what to write as well: a name that ends with ``.gpkg`` or ``.csv``, or a folder; whole or not at all.
+        sensor: name of the only sensor to include; by default all sensors.
+        pings: a ping, a ``range`` of step 1, or text as in the command: ``"2:5"`` (both included); by default all.
+        output: name of an output file that ends with ``.gpkg`` or ``.csv``, or of a folder. Files appear only when
+            complete.
 
-    Other Python threads run meanwhile; Ctrl-C ends it.
+    Other Python threads continue during the computation. Ctrl-C stops it.
 
     Raises:
-        InputError: the scene is wrong.
-        UsageError: there is no such sensor or ping, or the place cannot be written.
+        InputError: the scene is invalid.
+        UsageError: the sensor or ping does not exist, or the output cannot be written.
     """
     if output is not None and not os.fspath(output):
         raise UsageError("output: the name is empty")

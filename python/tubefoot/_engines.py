@@ -15,11 +15,12 @@ from ._history import History, Transmission
 
 
 class Engine:
-    """A Python function that :func:`run` and :func:`chart` take as an engine. Made by :func:`engine` or
-    :func:`sensor`; calling it calls the function.
+    """A Python function that :func:`run` and :func:`chart` accept as an engine.
+
+    :func:`engine` and :func:`sensor` create engines. A call of the engine calls the function.
 
     Attributes:
-        name: what results and charts call it.
+        name: name of the engine in results and charts.
         function: the function itself.
     """
 
@@ -35,7 +36,10 @@ class Engine:
         return self.function(seen)
 
     def checked(self, native: _native.Transmission) -> np.ndarray:
-        """Energies of a transmission, of its energy_shape, float64, finite; not negative, but for products."""
+        """Calls the function and returns the energies of a transmission as float64, with the shape ``energy_shape``.
+
+        All values must be finite. Energies must not be negative; products may be negative.
+        """
         transmission = Transmission(native)
         returned = self.function(transmission.history() if self._takes_history else transmission)
         energy, hidden = values_and_mask(returned)
@@ -51,7 +55,7 @@ class Engine:
             raise ValueError(f"engine '{self.name}' returned a masked value{_at(hidden, transmission)}: expected energies "
                              "without a mask; fill it, with 0 where there is no echo")
         wrong = ~np.isfinite(energy)
-        of_energies = ... if energy.ndim == 2 else slice(2)  # products have signs
+        of_energies = ... if energy.ndim == 2 else slice(2)  # Products of signals may be negative.
         wrong[of_energies] |= energy[of_energies] < 0
         if wrong.any():
             raise ValueError(f"engine '{self.name}' returned energies that are negative or not finite: "
@@ -72,9 +76,10 @@ def _at(chosen: np.ndarray, transmission: Transmission) -> str:
 def engine(name: str) -> Callable[[Callable[[Transmission], np.ndarray]], Engine]:
     """Marks a function as an engine: ``@tubefoot.engine("mine")``.
 
-    The function gets a :class:`Transmission` (facets, tubes and pose as arrays) and returns the energies of the transmission's beams,
-    (beams, samples) float64 in J/m², for a source of 1 J/sr at 1 m; of two receivers (4, beams, samples), see
-    :attr:`Transmission.energy_shape`. It is called once a transmission, in no certain order.
+    The function receives a :class:`Transmission`, which contains facets, tubes and pose as arrays. The function returns the
+    energies of the transmission's beams: (beams, samples) float64 in J/m², for a source of 1 J/sr at 1 m. With two
+    receivers the shape is (4, beams, samples), see :attr:`Transmission.energy_shape`. tubefoot calls the function once per
+    transmission, in no fixed order.
     """
     return lambda function: Engine(name, function, False)
 
@@ -82,14 +87,15 @@ def engine(name: str) -> Callable[[Callable[[Transmission], np.ndarray]], Engine
 def sensor(name: str) -> Callable[[Callable[[History], np.ndarray]], Engine]:
     """Marks a function as a sensor: ``@tubefoot.sensor("mine")``.
 
-    The function gets the :class:`History` of a transmission (the visible footprints as arrays, found by the exact engine) and
-    returns energies as that of an :func:`engine` does: how footprints become samples is its own.
+    The function receives the :class:`History` of a transmission, which contains the visible footprints of the exact engine
+    as arrays. The function returns energies as the function of an :func:`engine` does. The function decides how footprints
+    contribute to range bins.
     """
     return lambda function: Engine(name, function, True)
 
 
 def own_engine(engine: Union[str, Engine, None]) -> Optional[Engine]:
-    """The engine if it is a function; None if it is built in."""
+    """Returns the engine if it is a function, and None if it is built in."""
     if engine is None or isinstance(engine, str):
         return None
     if isinstance(engine, Engine):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What goes wrong, with the texts of the command line in Python's words, and what may not be meant."""
+"""Errors and warnings of the package. Their messages are those of the command line, adapted to Python."""
 
 from __future__ import annotations
 
@@ -7,21 +7,20 @@ import operator
 import sys
 import warnings
 
-from ._words import in_python as in_python  # the native module takes it from here, as the classes
+from ._words import in_python as in_python  # The native module imports it and the classes from here.
 
 
 class InputError(ValueError):
-    """A scene, or a file that it names, is wrong.
+    """A scene, or a file that the scene names, is invalid.
 
-    The text says where, what was expected and what to do, as ``tubefoot`` prints it, with arguments in place of
-    options. Of a scene that was built in
-    code, the place is the path of a key, such as ``sensors[0].beams``.
+    The message gives the location, the expected value and a remedy. It is the message of ``tubefoot``, with arguments in
+    place of options. For a scene that was built in code, the location is the path of a key, such as ``sensors[0].beams``.
 
     Attributes:
-        file: file name, or the scene's name in code.
-        line: line, from 1; 0 where it is not known.
-        column: column, from 1; 0 where it is not known.
-        key: path of the key in the keys that the scene was made of; empty for scene files.
+        file: file name, or the name of a scene in code.
+        line: line, counted from 1; 0 if it is unknown.
+        column: column, counted from 1; 0 if it is unknown.
+        key: path of the key in the keys of a scene in code; empty for scene files.
     """
 
     def __init__(self, message: str, file: str = "", line: int = 0, column: int = 0, key: str = "") -> None:
@@ -36,12 +35,18 @@ class InputError(ValueError):
 
 
 class UsageError(ValueError):
-    """A function is asked for something that cannot be, as the command line says it, with arguments in place of
-    options."""
+    """A request is invalid, for example an argument out of range or a ping that does not exist.
+
+    The message is that of the command line, with arguments in place of options.
+    """
 
 
 def whole(name: str, value: object) -> int:
-    """The number, if it is a whole one."""
+    """Returns the value as an integer.
+
+    Raises:
+        UsageError: the value is not a whole number.
+    """
     try:
         return operator.index(value)  # type: ignore[arg-type]
     except TypeError:
@@ -49,15 +54,15 @@ def whole(name: str, value: object) -> int:
 
 
 class SceneWarning(UserWarning):
-    """A scene loads, but something in it may not be meant."""
+    """The scene loads, but a part of it is probably a mistake."""
 
 
 class SilenceWarning(SceneWarning):
-    """A sensor receives nothing: which, where, why, and what to do."""
+    """A sensor receives nothing. The message gives the sensor, the location, the reason and a remedy."""
 
 
 def warn(message: str, is_silence: bool = False) -> None:
-    """Tells whoever called the package."""
+    """Issues a warning at the line of the first caller outside the package."""
     level, frame = 1, sys._getframe()
     while frame is not None and frame.f_globals.get("__name__", "").startswith("tubefoot."):
         level, frame = level + 1, frame.f_back  # type: ignore[assignment]

@@ -22,10 +22,11 @@ Numbers = Union[int, str, range, Iterable[int]]
 
 
 class Footprints(Columns):
-    """Footprints of a sensor's pings as columns of one element a footprint: ``footprints["area_m2"]``.
+    """Footprints of a sensor's pings, as columns with one element per footprint: ``footprints["area_m2"]``.
 
-    Names and units are those of docs/footprints.md (:attr:`units`). Arrays are read-only and share the memory of the
-    table. ``N`` footprints, ``P`` convex pieces and ``C`` corners of those, in the scene's local frame.
+    Names are those of docs/footprints.md, and :attr:`units` gives the units. Arrays are read-only and share the memory of
+    the table. ``N`` is the number of footprints, ``P`` the number of their convex pieces, and ``C`` the number of corners
+    of these pieces. Corners are in the scene's local frame.
     """
 
     def __init__(self, native: _native.Footprints) -> None:
@@ -42,17 +43,17 @@ class Footprints(Columns):
 
     @property
     def sensor(self) -> str:
-        """The sensor's name."""
+        """Name of the sensor."""
         return self._native.sensor
 
     @property
     def units(self) -> dict[str, str]:
-        """Unit of each column; ``"1"`` for numbers of things."""
+        """Unit of each column; ``"1"`` for indices and counts."""
         return dict(self._units)
 
     @property
     def meanings(self) -> dict[str, str]:
-        """What each column is."""
+        """Meaning of each column."""
         return dict(self._meanings)
 
     @property
@@ -77,29 +78,28 @@ class Footprints(Columns):
 
     @property
     def corners_m(self) -> np.ndarray:
-        """(C, 3) float64: corners, counter-clockwise for the sensor; east, north, up in m."""
+        """(C, 3) float64: corners in m, east, north, up; counter-clockwise as seen from the sensor."""
         return self._native.corners_m
 
     @property
     def first_occluder(self) -> np.ndarray:
-        """(N + 1,) uint64: footprint i has the occluders ``first_occluder[i]`` to ``first_occluder[i + 1]``
-        (excluded)."""
+        """(N + 1,) uint64: footprint i has the occluders ``first_occluder[i]`` to ``first_occluder[i + 1]`` (excluded)."""
         return self._native.first_occluder
 
     @property
     def occluders(self) -> np.ndarray:
-        """(any,) uint32: facets that hide something of the footprints' facets."""
+        """(any,) uint32: facets that hide a part of the footprints' facets."""
         return self._native.occluders
 
     def polygons_m(self, row: int) -> list[np.ndarray]:
-        """The pieces of a footprint: arrays (corners, 3) float64, east, north, up in m."""
+        """Returns the pieces of a footprint: arrays (corners, 3) float64, east, north, up in m."""
         pieces = range(int(self.first_piece[row]), int(self.first_piece[row + 1]))
         return [self.corners_m[int(self.first_corner[p]):int(self.first_corner[p + 1])] for p in pieces]
 
     def to_geopandas(self) -> geopandas.GeoDataFrame:
-        """Columns and multipolygons, in the scene's CRS if it has one, else in local metres.
+        """Returns columns and multipolygons in the scene's CRS, or in local metres if the scene has no CRS.
 
-        Needs GeoPandas (Debian: python3-geopandas). The same as the file that ``tubefoot footprints`` writes.
+        The method needs GeoPandas (Debian: python3-geopandas). The content is that of the file of ``tubefoot footprints``.
         """
         import geopandas
         from shapely.geometry import MultiPolygon, Polygon
@@ -118,18 +118,19 @@ class Footprints(Columns):
 @with_named_arguments
 def footprints(scene: Union[Scene, PathLike], sensor: str, pings: Numbers = 0, beams: Optional[Numbers] = None, *,
                progress: Optional[Progress] = None) -> Footprints:
-    """The visible polygons of pings of a sensor, with their measures and energies (docs/footprints.md).
+    """Computes the visible polygons of a sensor's pings, with their measures and energies (docs/footprints.md).
 
     Args:
         scene: the scene, or the name of its file.
         sensor: name of the sensor.
-        pings: a ping, a ``range`` of step 1, or text as of the command: ``"3"``, ``"2:5"`` (both included), ``":"``.
-        beams: a beam, several, or text as of the command: ``"2:5,9"``; by default all.
-        progress: called now and then with the pings finished and all pings; what it raises ends the work.
+        pings: a ping, a ``range`` of step 1, or text as in the command: ``"3"``, ``"2:5"`` (both included), ``":"``.
+        beams: a beam, several beams, or text as in the command: ``"2:5,9"``; by default all.
+        progress: function that is called occasionally with the number of finished pings and of all pings. An exception
+            from this function stops the computation.
 
     Raises:
-        InputError: the scene is wrong.
-        UsageError: there is no such sensor, ping or beam.
+        InputError: the scene is invalid.
+        UsageError: the sensor, ping or beam does not exist.
     """
     known = a_scene(scene)
     with known._explained():
@@ -138,7 +139,11 @@ def footprints(scene: Union[Scene, PathLike], sensor: str, pings: Numbers = 0, b
 
 
 def as_text(name: str, numbers: Numbers) -> str:
-    """As the command line takes them."""
+    """Returns the numbers as the command line expects them.
+
+    Raises:
+        UsageError: there is no number, or one is not a whole number.
+    """
     if isinstance(numbers, str):
         return numbers
     if isinstance(numbers, range) and numbers.step == 1 and len(numbers) > 0:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a transmission meets, as arrays: for looking at, and for engines and sensors of one's own."""
+"""Transmissions and their footprints as arrays, for inspection and for custom engines and sensors."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ from ._words import former, with_named_arguments
 
 
 class Transmission:
-    """One transmission of one sensor: the scene's facets, the tubes that it looks through and how it listens.
+    """One transmission of a sensor: the facets of the scene, the sensor's tubes, its pose and its reception.
 
-    Arrays are read-only; large ones share the scene's memory. ``V`` vertices, ``F`` facets, ``R`` rays, ``T`` tubes,
-    ``B`` beams that listen to the transmission and ``K`` range samples.
+    Arrays are read-only, and large arrays share the scene's memory. ``V`` is the number of vertices, ``F`` of facets, ``R``
+    of rays and ``T`` of tubes. ``B`` is the number of beams that receive the transmission, and ``K`` the number of range
+    samples.
     """
 
     def __init__(self, native: _native.Transmission) -> None:
@@ -25,24 +26,26 @@ class Transmission:
 
     @property
     def sensor(self) -> str:
-        """The sensor's name."""
+        """Name of the sensor."""
         return self._native.sensor
 
     @property
     def ping(self) -> int:
-        """The ping, from 0."""
+        """Number of the ping, counted from 0."""
         return self._native.ping
 
     @property
     def transmission(self) -> int:
-        """The transmission of the ping, from 0."""
+        """Number of the transmission within its ping, counted from 0."""
         return self._native.transmission
 
     @property
     def energy_shape(self) -> tuple[int, ...]:
-        """(B, K): shape of the energies that an engine returns. With two receivers (4, B, K): energies of the upper
-        and of the lower one, and real and imaginary part of the mean product of the upper one's signal with the
-        conjugate of the lower one's."""
+        """(B, K): shape of the energies that an engine returns. With two receivers the shape is (4, B, K).
+
+        The first two channels are the energies of the upper and of the lower receiver. The other two are the real and the
+        imaginary part of a mean product: the upper receiver's signal times the conjugate of the lower receiver's signal.
+        """
         cells = len(self._native.beams), len(self._native.range_edges_m) - 1
         return cells if self.receiver_baseline_m is None else (4, *cells)
 
@@ -60,8 +63,10 @@ class Transmission:
 
     @property
     def receiver_baseline_m(self) -> Optional[np.ndarray]:
-        """(B, 3) float64: way from the lower to the upper receiver of each beam in m, east, north, up; the
-        transmitter is in its middle. None with one receiver."""
+        """(B, 3) float64: vector from the lower to the upper receiver of each beam in m, east, north, up.
+
+        The transmitter is at the midpoint of this vector. The property is None with one receiver.
+        """
         return self._native.receiver_baseline_m
 
     @property
@@ -71,8 +76,11 @@ class Transmission:
 
     @property
     def facets(self) -> np.ndarray:
-        """(F, 3) uint32: vertices of each facet. With relief, or through refracting water, of this transmission's ground; of
-        terrain that is read by tiles, those in the tiles that its ping needs."""
+        """(F, 3) uint32: vertices of each facet.
+
+        With relief or refraction, the facets are those of the transmission's own surface mesh. For terrain in tiles, the
+        facets are those of the tiles that the ping needs.
+        """
         return self._native.facets
 
     @property
@@ -87,38 +95,38 @@ class Transmission:
 
     @property
     def base_facet(self) -> np.ndarray:
-        """(F,) uint32, a copy: the facet of the scene as loaded, whole, that each facet is, or is a part of."""
+        """(F,) uint32, a copy: the identical or enclosing facet of the loaded scene, for each facet."""
         return self._native.base_facet
 
     @property
     def material_mu(self) -> np.ndarray:
-        """(materials,) float64: Lambert parameter mu (linear) by material."""
+        """(materials,) float64: Lambert parameter mu (linear) of each material."""
         return self._native.material_mu
 
     @property
     def material_names(self) -> list[str]:
-        """Names by material."""
+        """Name of each material."""
         return self._native.material_names
 
     @property
     def apex_m(self) -> np.ndarray:
-        """(3,) float64: where all rays start, east, north, up in m: the sensor's position on the scene's grid."""
+        """(3,) float64: origin of all rays in m, east, north, up. It is the sensor's position on the scene's grid."""
         return self._native.apex_m
 
     @property
     def receiver_apex_m(self) -> np.ndarray:
-        """(3,) float64: where the receiver's rays start: :attr:`apex_m`, unless it is apart."""
+        """(3,) float64: origin of the receiver's rays in m. It equals :attr:`apex_m` unless the sonar is bistatic."""
         return self._native.receiver_apex_m
 
     @property
     def position_m(self) -> np.ndarray:
-        """(3,) float64: the sensor's position, east, north, up in m."""
+        """(3,) float64: position of the sensor in m, east, north, up."""
         return self._native.position_m
 
     @property
     def attitude(self) -> np.ndarray:
-        """(4,) float64: unit quaternion w, x, y, z that turns the sensor's axes (starboard, forward, up) into the
-        local frame."""
+        """(4,) float64: unit quaternion w, x, y, z that rotates the sensor's axes (starboard, forward, up) into the local
+        frame."""
         return self._native.attitude
 
     @property
@@ -128,17 +136,17 @@ class Transmission:
 
     @property
     def receive_rays(self) -> np.ndarray:
-        """(R, 3) float64: the same of the tubes that the receiver hears in, whose rays :attr:`tubes` numbers alike."""
+        """(R, 3) float64: unit directions of the corner rays of the receiver's tubes. The indices in :attr:`tubes` apply."""
         return self._native.receive_rays
 
     @property
     def tubes(self) -> np.ndarray:
-        """(T, 4) uint32: rays of each tube, counter-clockwise for someone who looks back at the apex."""
+        """(T, 4) uint32: rays of each tube, counter-clockwise for a viewer who looks back at the apex."""
         return self._native.tubes
 
     @property
     def beam_of_tube(self) -> np.ndarray:
-        """(T,) uint32: beam of each tube, as the transmission numbers them (a row of the energies)."""
+        """(T,) uint32: beam of each tube, numbered within the transmission (a row of the energies)."""
         return self._native.beam_of_tube
 
     @property
@@ -158,7 +166,7 @@ class Transmission:
 
     @property
     def range_edges_m(self) -> np.ndarray:
-        """(K + 1,) float64: slant ranges in m between which the samples lie."""
+        """(K + 1,) float64: slant ranges in m that separate the range samples."""
         return self._native.range_edges_m
 
     @property
@@ -178,11 +186,14 @@ class Transmission:
 
     @property
     def time_s(self) -> float:
-        """When the transmission is fired, s on the scene's clock."""
+        """Time of the transmission in s on the scene's clock."""
         return self._native.time_s
 
     def history(self) -> History:
-        """The footprints that the exact engine finds. Computed at each call; other threads run meanwhile."""
+        """Computes the footprints with the exact engine.
+
+        Each call repeats the computation. Other Python threads continue during a call.
+        """
         return History(self._native.trace(), self)
 
     def __repr__(self) -> str:
@@ -190,13 +201,14 @@ class Transmission:
 
 
 class History:
-    """Which part of which facet each tube of a transmission touches first, in order of tubes, then of facets.
+    """Visible footprints of a transmission, in order of tubes, then of facets.
 
-    With the receiver apart: which part one tube of the transmitter and one of the receiver both touch first, in order of
-    tubes, receive tubes, then facets. Ranges are then half paths; the other measures are as the transmitter sees it.
+    A footprint is the part of a facet that a tube meets first. In a bistatic history, one tube of the transmitter and one
+    tube of the receiver both meet this part first. The rows of a bistatic history are in order of tubes, receive tubes, then
+    facets. Its ranges are half of the path length, and its other measures refer to the transmitter.
 
-    Arrays are read-only and share the engine's memory. ``N`` footprints, ``P`` convex pieces that they consist of and
-    ``C`` corners of those. Positions are relative to the apex.
+    Arrays are read-only and share the engine's memory. ``N`` is the number of footprints, ``P`` the number of their convex
+    pieces, and ``C`` the number of corners of these pieces. Positions are relative to the apex.
     """
 
     def __init__(self, native: _native.History, transmission: Transmission) -> None:
@@ -205,7 +217,7 @@ class History:
 
     @property
     def transmission(self) -> Transmission:
-        """The transmission."""
+        """The transmission of this history."""
         return self._transmission
 
     @property
@@ -216,7 +228,7 @@ class History:
 
     @property
     def apex_m(self) -> np.ndarray:
-        """(3,) float64: the apex, east, north, up in m."""
+        """(3,) float64: position of the apex in m, east, north, up."""
         return self._transmission.apex_m
 
     @property
@@ -226,12 +238,13 @@ class History:
 
     @property
     def receive_tube(self) -> np.ndarray:
-        """(N,) uint32: tube that each footprint is heard in: :attr:`tube`, unless the receiver is apart."""
+        """(N,) uint32: tube that receives each footprint. It equals :attr:`tube` unless the sonar is bistatic."""
         return self._native.receive_tube
 
     @property
     def beam(self) -> np.ndarray:
-        """(N,) uint32, a copy: beam that hears each footprint, as the transmission numbers them (a row of the energies)."""
+        """(N,) uint32, a copy: beam that receives each footprint, numbered within the transmission (a row of the
+        energies)."""
         return self._transmission.beam_of_tube[self.receive_tube]
 
     @property
@@ -241,7 +254,7 @@ class History:
 
     @property
     def area_m2(self) -> np.ndarray:
-        """(N,) float64: area in m2."""
+        """(N,) float64: area in m²."""
         return self._native.area_m2
 
     @property
@@ -256,22 +269,22 @@ class History:
 
     @property
     def normal(self) -> np.ndarray:
-        """(N, 3) float64: unit normal of the facet, to the apex's side."""
+        """(N, 3) float64: unit normal of the facet on the side of the apex."""
         return self._native.normal
 
     @property
     def grazing_rad(self) -> np.ndarray:
-        """(N,) float64: angle between line of sight and facet at the centroid in rad."""
+        """(N,) float64: angle between the line of sight and the facet at the centroid in rad."""
         return self._native.grazing_rad
 
     @property
     def range_min_m(self) -> np.ndarray:
-        """(N,) float64: slant range of the nearest point in m; half of the shortest path, if the receiver is apart."""
+        """(N,) float64: slant range of the nearest point in m. For a bistatic sonar it is half of the shortest path."""
         return self._native.range_min_m
 
     @property
     def range_max_m(self) -> np.ndarray:
-        """(N,) float64: slant range of the farthest point in m; half of the longest path."""
+        """(N,) float64: slant range of the farthest point in m. For a bistatic sonar it is half of the longest path."""
         return self._native.range_max_m
 
     @property
@@ -286,7 +299,7 @@ class History:
 
     @property
     def pieces(self) -> np.ndarray:
-        """(N,) uint32: number of pieces of each footprint; their interiors are disjoint."""
+        """(N,) uint32: number of pieces of each footprint. The interiors of the pieces are disjoint."""
         return self._native.pieces
 
     @property
@@ -301,27 +314,29 @@ class History:
 
     @property
     def corners_m(self) -> np.ndarray:
-        """(C, 3) float64: corners of all pieces, counter-clockwise for the apex, relative to it in m."""
+        """(C, 3) float64: corners of all pieces in m, relative to the apex; counter-clockwise as seen from the apex."""
         return self._native.corners_m
 
     @property
     def occluders(self) -> np.ndarray:
-        """(N,) uint32: number of facets that hide something of each footprint's facet; not told if the receiver is
-        apart."""
+        """(N,) uint32: number of facets that hide a part of each footprint's facet.
+
+        Bistatic histories do not report occluders.
+        """
         return self._native.occluders
 
     @property
     def first_occluder(self) -> np.ndarray:
-        """(N,) uint32: first of them in :attr:`occluder_facets`."""
+        """(N,) uint32: index of each footprint's first occluder in :attr:`occluder_facets`."""
         return self._native.first_occluder
 
     @property
     def occluder_facets(self) -> np.ndarray:
-        """(any,) uint32: the facets that hide something, footprint by footprint."""
+        """(any,) uint32: facets that hide a part of a footprint's facet, in order of footprints."""
         return self._native.occluder_facets
 
     def polygons_m(self, footprint: int) -> list[np.ndarray]:
-        """The pieces of a footprint: arrays (corners, 3) float64, east, north, up in m in the scene's frame."""
+        """Returns the pieces of a footprint: arrays (corners, 3) float64, east, north, up in m in the scene's frame."""
         first = int(self.first_piece[footprint])
         pieces = range(first, first + int(self.pieces[footprint]))
         starts, counts = self.piece_first_corner, self.piece_corners
@@ -336,11 +351,13 @@ class History:
 
 @with_named_arguments
 def transmission(scene: Union[Scene, PathLike], sensor: str, ping: int = 0, transmission: int = 0) -> Transmission:
-    """One transmission of a ping of a sensor, both counted from 0. The scene may be the name of its file.
+    """Returns one transmission of a ping of a sensor.
+
+    Pings and transmissions are counted from 0. The scene may be the name of its file.
 
     Raises:
-        InputError: the scene is wrong.
-        UsageError: there is no such sensor, ping or transmission.
+        InputError: the scene is invalid.
+        UsageError: the sensor, ping or transmission does not exist.
     """
     known = a_scene(scene)
     with known._explained():
@@ -349,7 +366,10 @@ def transmission(scene: Union[Scene, PathLike], sensor: str, ping: int = 0, tran
 
 @with_named_arguments
 def history(scene: Union[Scene, PathLike], sensor: str, ping: int = 0, transmission: int = 0) -> History:
-    """The footprints of one transmission, found by the exact engine; as :func:`transmission`."""
+    """Computes the footprints of one transmission with the exact engine.
+
+    Arguments and errors are those of :func:`transmission`.
+    """
     known = a_scene(scene)
     with known._explained():
         return Transmission(known._native.transmission(sensor, _counted("ping", ping), _counted("transmission", transmission))).history()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures, as the program draws them."""
+"""Pictures that the program draws."""
 
 from __future__ import annotations
 
@@ -17,8 +17,10 @@ from ._scene import PathLike
 
 
 class Picture:
-    """A picture that the program would write, with its labels and scale. Notebooks show it; ``np.asarray(picture)``,
-    and so ``plt.imshow(picture)``, take its pixels."""
+    """A picture of the program, with labels and a scale.
+
+    Notebooks display the picture. ``np.asarray(picture)`` returns its pixels, and ``plt.imshow(picture)`` draws them.
+    """
 
     def __init__(self, native: _native.Picture) -> None:
         self._native = native
@@ -26,22 +28,22 @@ class Picture:
 
     @property
     def title(self) -> str:
-        """What it shows, as its file's description says."""
+        """Title of the picture, as in the description in its file."""
         return self._native.title
 
     @property
     def pixels(self) -> np.ndarray:
-        """(height, width, 3) uint8: red, green and blue (sRGB), rows from the top. Read-only."""
+        """(height, width, 3) uint8: red, green and blue (sRGB), rows from the top. The array is read-only."""
         if self._pixels is None:
             self._pixels = self._native.pixels()
             self._pixels.flags.writeable = False
         return self._pixels
 
     def save(self, file: PathLike) -> None:
-        """Writes a PNG, as the program does: whole or not at all.
+        """Writes a PNG file as the program does. The file appears only when complete.
 
         Raises:
-            UsageError: the name does not end with ``.png``, or the place cannot be written.
+            UsageError: the name does not end with ``.png``, or the file cannot be written.
         """
         if os.path.splitext(os.fspath(file))[1] != ".png":
             raise UsageError(f"{os.fspath(file)!r}: a picture is a .png")
@@ -59,7 +61,7 @@ class Picture:
 
 
 def as_html(heading: str, facts: str, picture: Optional[Picture]) -> str:
-    """A heading, a line and a picture for notebooks."""
+    """Returns a heading, a line of text and a picture as HTML for notebooks."""
     page = f"<div><b>{html.escape(heading)}</b> {html.escape(facts)}"
     if picture is not None:
         data = base64.b64encode(picture._repr_png_()).decode()
@@ -68,10 +70,10 @@ def as_html(heading: str, facts: str, picture: Optional[Picture]) -> str:
 
 
 def plural(count: int, what: str) -> str:
-    """``3 pings``."""
+    """Returns a count and its noun, for example ``3 pings``."""
     return f"{count} {what}" + ("" if count == 1 else "s")
 
 
 def drawn(*arguments: Any) -> Picture:
-    """Of what the native module draws."""
+    """Returns the picture that the native module draws."""
     return Picture(_native.picture(*arguments))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs, what comes out of them, and what they wrote."""
+"""Runs, their results and their files."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 Progress = Callable[[int, int], Any]
 
-# Dimensions, units and meaning of echoes.nc (docs/echo-file.md).
+# Dimensions, unit and meaning of each variable of echoes.nc (docs/echo-file.md).
 _VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
     "energy": (("ping", "beam", "sample"), "J m-2",
                "received energy density per beam and range sample, for a source of 1 J/sr at 1 m"),
@@ -54,12 +54,12 @@ _VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
                        "north"),
     "sensor_pitch": (("ping",), "degree", "pitch of the sensor, forward axis up positive"),
     "sensor_roll": (("ping",), "degree", "roll of the sensor, starboard down positive"),
-    # Of a part of a run.
+    # Only in files of a part of a run.
     "ping_number": (("ping",), "1", "ping of the scene, counted from 0"),
     "beam_number": (("beam",), "1", "beam of the sonar, counted from 0"),
-    # Of a survey with lines.
+    # Only for a survey with lines.
     "line": (("ping",), "1", "line of the survey, counted from 1"),
-    # Of a scene with a place on Earth.
+    # Only for a scene with a place on Earth.
     "sensor_longitude": (("ping",), "degrees_east", "longitude of the sensor on WGS 84"),
     "sensor_latitude": (("ping",), "degrees_north", "latitude of the sensor on WGS 84"),
     "sensor_height": (("ping",), "m", "height of the sensor, up positive, as the scene's heights count"),
@@ -72,19 +72,19 @@ _COORDINATES = ("ping_time", "slant_range", "slant_range_bounds", "two_way_trave
 class SensorResult:
     """The echoes of one sensor, as read-only arrays that share the run's memory.
 
-    ``P`` pings, ``B`` beams and ``K`` range samples; names and units are those of echoes.nc (docs/echo-file.md). What an
-    opened file does not say is not a number.
+    ``P`` is the number of pings, ``B`` of beams and ``K`` of range samples. Names and units are those of echoes.nc
+    (docs/echo-file.md). Values that are missing in an opened file are NaN.
 
-    ``echoes[2:5]``, ``echoes[-1]`` and ``echoes[[0, 7]]`` are some of its pings, counted as NumPy counts, as another
-    SensorResult, whose pings begin at 0; one ping, too, is a result with ``P = 1``.
+    ``echoes[2:5]``, ``echoes[-1]`` and ``echoes[[0, 7]]`` select pings by the indexing rules of NumPy. A selection is
+    another SensorResult with pings numbered from 0. One ping is a result with ``P = 1``, too.
     """
 
     def __init__(self, native: _native.Result, index: int) -> None:
         self._native = native
         self._index = index
-        self._pings: Optional[np.ndarray] = None  # of a slice: their places in what it is a slice of
-        self._labels: Optional[dict[str, Any]] = None  # once it was asked for
-        self._signals: Optional[Signals] = None  # the same
+        self._pings: Optional[np.ndarray] = None  # indices of a selection of pings in the whole result
+        self._labels: Optional[dict[str, Any]] = None  # set at the first access
+        self._signals: Optional[Signals] = None  # set at the first access
         self._values: dict[str, np.ndarray] = {**native.arrays(index), **native.axes(index)}
         self._altitude: Optional[np.ndarray] = self._values.pop("altitude", None)
         self._attributes: dict[str, Any] = native.attributes(index)
@@ -145,22 +145,25 @@ class SensorResult:
 
     @property
     def pings(self) -> np.ndarray:
-        """(P,) int64: the number that each ping has in the run."""
+        """(P,) int64: number of each ping in the run."""
         if "ping_number" in self._values:
             return self._values["ping_number"].astype(np.int64)
         return np.arange(len(self)) if self._pings is None else self._pings
 
     @with_named_arguments
     def picture(self, ping: Optional[int] = None) -> Picture:
-        """What the echoes look like, as the program draws it: of a fan ahead the ping, or several side by side; of beams
-        to both sides the waterfall; of beams downwards the echogram of the steepest. Ideal, not as received.
+        """Draws the echoes as the program does.
+
+        For a forward-looking fan, the picture shows one ping, or several pings side by side. For beams to both sides, the
+        picture is a waterfall. For beams downwards, the picture is the echogram of the steepest beam. The picture shows
+        ideal echoes, not received ones.
 
         Args:
-            ping: one ping of a fan; by default all, of a sequence 20 at most.
+            ping: one ping of a forward-looking fan; by default all pings, at most 20 of a sequence.
 
         Raises:
-            UsageError: there is no ping, or pings of this sensor are drawn side by side only.
-            InputError: samples of an opened file are not evenly spaced.
+            UsageError: the result has no ping, or the argument ``ping`` is given and the sensor has no picture of one ping.
+            InputError: the samples of an opened file are not uniformly spaced.
         """
         if not len(self):
             raise UsageError(f"sensor {self.name!r} has no ping to draw")
@@ -181,13 +184,15 @@ class SensorResult:
 
     @property
     def name(self) -> str:
-        """The sensor's name."""
+        """Name of the sensor."""
         return self._attributes["sensor_name"]
 
     @property
     def kind(self) -> str:
-        """The kind of sensor as scene files name it, such as ``didson`` or ``sidescan`` (docs/sensors.md); empty where an
-        opened file does not say."""
+        """Kind of the sensor as in scene files, such as ``didson`` or ``sidescan`` (docs/sensors.md).
+
+        The text is empty if an opened file does not give the kind.
+        """
         return self._attributes.get("sensor_kind", "")
 
     @property
@@ -197,18 +202,20 @@ class SensorResult:
 
     @property
     def energy_bound(self) -> Optional[np.ndarray]:
-        """(P, B, K) float64: certified half-width of the energy in J/m²; None but for a reference."""
+        """(P, B, K) float64: certified half-width of the energy in J/m²; None except for a reference."""
         return self._values.get("energy_bound")
 
     @property
     def energy_lower(self) -> Optional[np.ndarray]:
-        """(P, B, K) float64: what the lower of two receivers hears in J/m² (``energy`` is the upper one's); None but
-        for ``interferometric``. The coherence is abs(cross) / sqrt(energy * energy_lower)."""
+        """(P, B, K) float64: energy density at the lower of two receivers in J/m²; None except for ``interferometric``.
+
+        ``energy`` is the energy density at the upper receiver. The coherence is abs(cross) / sqrt(energy * energy_lower).
+        """
         return self._values.get("energy_lower")
 
     @property
     def cross(self) -> Optional[np.ndarray]:
-        """(P, B, K) complex128, a copy: mean product of two receivers' signals in J/m²; None but for
+        """(P, B, K) complex128, a copy: mean product of two receivers' signals in J/m²; None except for
         ``interferometric``."""
         if "cross_real" not in self._values:
             return None
@@ -216,15 +223,19 @@ class SensorResult:
 
     @property
     def labels(self) -> Optional[dict[str, Any]]:
-        """Objects and materials of each range bin, by the names of echoes.nc (docs/labels.md); None except for a run with
-        ``labels=True``.
+        """Objects and materials of each range bin, by the names of echoes.nc (docs/labels.md).
 
-        ``object_share`` (P, objects, B, K) and ``material_share`` (P, materials, B, K): shares of the energy.
-        ``mean_height`` and ``mean_range`` (P, B, K) in m. ``object_label`` and ``material_label`` (P, B, K) int16: the
-        largest contribution near the peak of the beam pattern (``label_level``), -1 in empty bins. Over mirrors also
-        ``unscattered_share`` (P, B, K). ``objects`` and ``materials`` are lists of names.
-        The arrays are copies, made at the first access. Names read from a file have underscores instead of blanks;
-        unknown values are NaN.
+        The property is None except for a run with ``labels=True``. It contains these entries:
+
+        * ``object_share`` (P, objects, B, K) and ``material_share`` (P, materials, B, K): shares of the energy.
+        * ``mean_height`` and ``mean_range`` (P, B, K): means in m.
+        * ``object_label`` and ``material_label`` (P, B, K) int16: the largest contribution near the peak of the beam pattern
+          (``label_level``), -1 in empty bins.
+        * ``unscattered_share`` (P, B, K): share of the energy that no object scatters, only with mirrors.
+        * ``objects`` and ``materials``: lists of names.
+
+        The arrays are copies, which the first access creates. Names from a file have underscores instead of blanks. Unknown
+        values are NaN.
         """
         if self._labels is None:
             labels = self._native.labels(self._index)
@@ -242,11 +253,12 @@ class SensorResult:
 
     @property
     def signals(self) -> Optional[Signals]:
-        """What a sensor's elements received, with phase (docs/sensors.md): of all pings of the run, also where this is
-        some of them. None for sensors that keep energies alone, and for files: those of signals are opened by
-        :func:`tubefoot.signals`.
+        """Signals of the sensor's elements with phase (docs/sensors.md).
 
-        Made when this is first asked for; what its arrays show is the program's own memory.
+        The signals are those of all pings of the run, even if this result is a selection of pings. The property is None for
+        sensors that record only energies, and for opened files. :func:`tubefoot.signals` opens files of signals.
+
+        The first access creates the object. Its arrays are views of the program's own memory.
         """
         if self._signals is None:
             native = self._native.signals(self._index)
@@ -265,8 +277,8 @@ class SensorResult:
 
     @property
     def attitudes(self) -> np.ndarray:
-        """(P, 4) float64: unit quaternions w, x, y, z that turn the sensor's axes (starboard, forward, up) into the
-        local frame."""
+        """(P, 4) float64: unit quaternions w, x, y, z that rotate the sensor's axes (starboard, forward, up) into the local
+        frame."""
         return self._value("sensor_attitude", 4)
 
     @property
@@ -277,8 +289,10 @@ class SensorResult:
 
     @property
     def altitudes(self) -> np.ndarray:
-        """(P,) float64: height of the sensor above the terrain straight below in m; not a number without one, and of an
-        opened file."""
+        """(P,) float64: height of the sensor above the terrain directly below in m.
+
+        The value is NaN if there is no terrain below, and for an opened file.
+        """
         return self._unknown("ping_time") if self._altitude is None else self._altitude
 
     @property
@@ -288,7 +302,7 @@ class SensorResult:
 
     @property
     def slant_range_bounds(self) -> np.ndarray:
-        """(K, 2) float64: where each sample begins and ends in m."""
+        """(K, 2) float64: start and end of each sample in m."""
         return self._value("slant_range_bounds", 2)
 
     @property
@@ -302,10 +316,10 @@ class SensorResult:
         return self._value("beam_elevation")
 
     def to_xarray(self) -> xarray.Dataset:
-        """A dataset laid out as echoes.nc: its dimensions, names, ``units`` and ``long_name``; ``ping_utc`` as dates.
+        """Returns a dataset with the layout of echoes.nc: dimensions, names, ``units`` and ``long_name``.
 
-        What describes pings, beams and samples are coordinates, energies and poses are data. Energies are not copied.
-        Needs xarray (Debian: python3-xarray).
+        ``ping_utc`` contains dates. Descriptions of pings, beams and samples are coordinates; energies and poses are data.
+        The method does not copy energies. The method needs xarray (Debian: python3-xarray).
         """
         import xarray
 
@@ -331,8 +345,10 @@ class SensorResult:
 
 
 class Result(Mapping[str, SensorResult]):
-    """The echoes of a run, or of what one wrote (:func:`open`), by sensor: ``result["camera"].energy``. Notebooks show
-    their pictures."""
+    """The echoes of a run, or of the files of a run (:func:`open`), by sensor: ``result["camera"].energy``.
+
+    Notebooks display the pictures of the sensors.
+    """
 
     def __init__(self, native: _native.Result, warnings: list[str]) -> None:
         self._native = native
@@ -354,19 +370,19 @@ class Result(Mapping[str, SensorResult]):
 
     @property
     def stats(self) -> dict[str, Any]:
-        """What stats.json of a run says: counts, seconds, settings, warnings. Empty of an echo file by itself."""
+        """The content of the run's stats.json: counts, seconds, settings, warnings. It is empty for a single echo file."""
         return json.loads(self._native.statistics or "{}")
 
     @property
     def warnings(self) -> list[str]:
-        """What may not be meant, and what the files leave out."""
+        """Warnings about probable mistakes, and about data that the files omit."""
         return list(self._warnings)
 
     def _repr_html_(self) -> str:
         return "".join(sensor._repr_html_() for sensor in self.values())
 
     def to_xarray(self) -> dict[str, xarray.Dataset]:
-        """A dataset a sensor (:meth:`SensorResult.to_xarray`), by name."""
+        """Returns one dataset per sensor (:meth:`SensorResult.to_xarray`), by name."""
         return {name: sensor.to_xarray() for name, sensor in self.items()}
 
     def __repr__(self) -> str:
@@ -398,41 +414,45 @@ def run(scene: Union[Scene, PathLike], *, engine: Union[str, Engine, None] = Non
         seed: Optional[int] = None, sensor: Optional[str] = None, pings: Union[int, str, None] = None,
         beams: Union[int, str, None] = None, coarsen: float = 0, labels: bool = False, label_level: Optional[float] = None,
         output: Optional[PathLike] = None, progress: Optional[Progress] = None) -> Result:
-    """Simulates all pings of a scene, as ``tubefoot run`` does, into memory.
+    """Simulates all pings of a scene in memory, as ``tubefoot run`` does.
 
     Args:
         scene: the scene, or the name of its file.
-        engine: ``"tube"`` (exact) or ``"ray"`` (sampling), or a function marked by :func:`engine` or :func:`sensor`;
-            by default, as the scene says.
-        tolerance: error allowed, relative (``1e-3``; 1e-6 to 0.1), ``"20%"`` or ``"0.1dB"``: picks engine and settings.
-        threads: threads to use, 1 to 4096; by default as the scene says, else all cores. Runs at the same time share
-            the least that any of them asks for.
+        engine: ``"tube"`` (exact), ``"ray"`` (sampling), or a function marked by :func:`engine` or :func:`sensor`; by
+            default the engine of the scene.
+        tolerance: permitted error, relative (``1e-3``; 1e-6 to 0.1), ``"20%"`` or ``"0.1dB"``. tubefoot selects engine
+            and settings.
+        threads: number of threads, 1 to 4096; by default the number in the scene, else all cores. Simultaneous runs use
+            the smallest number that any of them requests.
         arithmetic: ``"fixed"``, ``"filtered"``, ``"rational"`` or ``"double"``.
         binning: tube engine: ``"exact"``, ``"spread"`` or ``"centroid"``.
         sampling: ray engine: ``"stratified"``, ``"sobol"``, ``"adaptive"``, ``"regular"``, ``"random"`` or ``"column"``.
-        rays: ray engine: rays a ping.
-        rays_per_beam: ray engine: rays a beam, instead.
+        rays: ray engine: number of rays per ping.
+        rays_per_beam: ray engine: number of rays per beam, instead of ``rays``.
         seed: ray engine: seed of the sampling.
-        sensor: only this sensor, by its name.
-        pings: only these of each sensor: one, or ``"A:B"``, both included, counted from 0. Their energies are the
-            whole run's.
-        beams: only these of each sensor, as ``pings``, or several such between commas.
-        coarsen: lets facets become fewer where no point of them moves by more than this part of what the scene's sonars
-            tell apart there, 0 (not at all) to 1; ``stats["coarsening"]`` tells the bounds.
+        sensor: name of the only sensor to run.
+        pings: pings of each sensor to run: one, or ``"A:B"``, both included, counted from 0. Their energies are those of
+            the whole run.
+        beams: beams of each sensor to run, in the form of ``pings``, or several such parts separated by commas.
+        coarsen: largest displacement of a point of a facet when facets are merged, from 0 (no merging) to 1. The unit is the
+            resolution of the scene's sonars at that point. ``stats["coarsening"]`` contains the bounds.
         labels: also compute the objects and materials of each range bin, and its mean height and range
             (:attr:`SensorResult.labels`). The former name ``truth`` gives a DeprecationWarning.
         label_level: with ``labels``: level in dB below the two-way peak of the beam pattern. An object owns a label only
             through contributions above this level; by default 20.
-        output: folder to write as well, as ``tubefoot run -o`` does: whole or not at all.
-        progress: called now and then with the pings finished and all pings; what it raises ends the run.
+        output: folder for the files of ``tubefoot run -o``. The files appear only when complete.
+        progress: function that is called occasionally with the number of finished pings and of all pings. An exception
+            from this function stops the run.
 
-    Other Python threads run meanwhile. Ctrl-C ends the run, pings at hand unfinished; nothing half-written is left. What may
-    not be meant is a :class:`SceneWarning`, a sensor that receives nothing a :class:`SilenceWarning`, as soon as it is known:
-    with ``warnings.simplefilter("error", tubefoot.SilenceWarning)`` such a run ends before its first ping.
+    Other Python threads continue during a run. Ctrl-C stops the run within its current pings and leaves no partial files.
+
+    A probable mistake in the scene gives a :class:`SceneWarning`. A sensor that receives nothing gives a
+    :class:`SilenceWarning`. Each warning appears as soon as its cause is known. With
+    ``warnings.simplefilter("error", tubefoot.SilenceWarning)`` such a run stops before its first ping.
 
     Raises:
-        InputError: the scene is wrong.
-        UsageError: options contradict each other, or the output folder is somebody else's.
+        InputError: the scene is invalid.
+        UsageError: options contradict each other, or the output folder contains files that tubefoot did not write.
     """
     options = dict(threads=threads, arithmetic=arithmetic, binning=binning, sampling=sampling, rays=rays,
                    rays_per_beam=rays_per_beam, seed=seed, labels=bool(labels),
@@ -458,15 +478,17 @@ def run(scene: Union[Scene, PathLike], *, engine: Union[str, Engine, None] = Non
 def reference(scene: Union[Scene, PathLike], tolerance: float = 1e-9, *, arithmetic: Optional[str] = None,
               threads: Optional[int] = None, output: Optional[PathLike] = None,
               progress: Optional[Progress] = None) -> Result:
-    """Certified echoes, as ``tubefoot run --reference``: ``energy`` and ``energy_bound`` of each sensor.
+    """Computes certified echoes, as ``tubefoot run --reference`` does: ``energy`` and ``energy_bound`` of each sensor.
 
     Args:
         scene: the scene, or the name of its file.
-        tolerance: relative bound asked for, 1e-12 to 0.1; :attr:`Result.stats` tells of bins that miss it.
-        arithmetic, threads, output, progress: as of :func:`run`.
+        tolerance: requested relative bound, 1e-12 to 0.1. :attr:`Result.stats` reports bins that exceed it.
+        arithmetic, threads, output, progress: as for :func:`run`.
 
-    The true energy of every ping, beam and sample lies within ``energy`` +- ``energy_bound``, in J/m²
-    (docs/reference.md). Raises what :func:`run` raises.
+    The true energy of every ping, beam and sample lies within ``energy`` +- ``energy_bound``, in J/m² (docs/reference.md).
+
+    Raises:
+        InputError, UsageError: as for :func:`run`.
     """
     options = dict(arithmetic=arithmetic, threads=threads, reference=True, tolerance=repr(float(tolerance)),
                    output=None if output is None else os.fspath(output))
@@ -485,15 +507,15 @@ def _run(scene: Union[Scene, PathLike], options: dict[str, Any], own: Optional[E
 
 @with_named_arguments
 def open(result: PathLike) -> Result:
-    """What a run wrote, as it returned it: ``tubefoot.open("out/wellhead")["camera"].energy``.
+    """Reads the files of a run and returns its result: ``tubefoot.open("out/wellhead")["camera"].energy``.
 
     Args:
-        result: a folder that :func:`run` or ``tubefoot run`` wrote, or an echo file, ours or of anybody who keeps to
-            docs/echo-file.md. All of the echo file is read into memory, with variables that only it has
-            (:meth:`SensorResult.to_xarray`).
+        result: a folder that :func:`run` or ``tubefoot run`` wrote, or an echo file. The echo file may come from another
+            program that follows docs/echo-file.md. The function reads the whole echo file into memory.
+            :meth:`SensorResult.to_xarray` includes additional variables of the file.
 
     Raises:
-        InputError: there is no such file, or it is no echo file.
+        InputError: the file does not exist, or it is not an echo file.
     """
     native = _native.open(os.fspath(result))
     try:

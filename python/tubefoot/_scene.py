@@ -24,10 +24,11 @@ _HEIGHT_KEYS = {"heights", "cell_m", "origin_m"}
 
 
 class Scene:
-    """What a sonar looks at, and the sonars: described, and loaded when something is computed.
+    """The description of surfaces and sonars. tubefoot loads a scene when a computation needs it.
 
-    Made by :func:`load` or :meth:`from_dict`. A scene does not change; results do not need it to live. It can be pickled,
-    for other processes: the names of its files with it, not what they hold, which must then be the same.
+    :func:`load` and :meth:`from_dict` create scenes. A scene does not change, and results remain valid without the scene. Scenes
+    can be pickled for other processes. The pickled data contain the names of the scene's files, but not their contents. The
+    contents must be the same when the scene is unpickled.
     """
 
     def __init__(self, native: _native.Scene, text: Optional[Text] = None, meshes: Optional[list[tuple]] = None,
@@ -40,24 +41,25 @@ class Scene:
     @classmethod
     @with_named_arguments
     def from_dict(cls, keys: Mapping[str, Any], base: PathLike = ".", name: str = "scene.dict") -> Scene:
-        """A scene of the keys of a scene file (docs/scene-file.md).
+        """Creates a scene from the keys of a scene file (docs/scene-file.md).
 
         Args:
             keys: sections as dicts or lists of dicts, with the keys, units and defaults of scene files. Values may be
-                NumPy numbers and arrays. Beyond scene files, entries of ``objects`` and ``terrain`` may have
+                NumPy numbers and arrays. In addition to the keys of scene files, entries of ``objects`` and ``terrain`` may
+                have
 
-                * ``vertices``: (n, 3) float, metres in the object's own axes (a terrain's: east, north, up in the
-                  scene's frame), and ``facets``: (m, 3) int, indices of vertices, in place of ``shape`` or ``kind``
-                  and its keys;
+                * ``vertices``: (n, 3) float, metres in the object's own axes (for a terrain: east, north, up in the
+                  scene's frame), and ``facets``: (m, 3) int, indices of vertices. Both replace ``shape`` or ``kind`` and
+                  its keys.
                 * terrain only: ``heights``: (rows, columns) float, metres up, rows from south to north and columns
-                  from west to east, not a number or masked where there is a hole; ``cell_m``: distance of neighbours
-                  in metres; ``origin_m``: (east, north) of ``heights[0, 0]`` in metres, (0, 0) by default.
-            base: folder that relative file names start from.
-            name: what messages call the scene; the chart's name of it, without its ending.
+                  from west to east. A NaN or masked height is a hole. ``cell_m`` is the distance of neighbours in metres.
+                  ``origin_m`` is (east, north) of ``heights[0, 0]`` in metres, by default (0, 0).
+            base: folder to which file names are relative.
+            name: name of the scene in messages. The chart uses this name without its extension.
 
         Raises:
-            InputError: a key or a value is wrong; ``key`` is its path.
-            UsageError: a value has a type that scenes do not hold.
+            InputError: a key or a value is invalid; ``key`` is its path.
+            UsageError: a value has a type that scenes do not support.
         """
         plain, meshes = _without_arrays(keys)
         text = Text(plain)
@@ -67,17 +69,17 @@ class Scene:
 
     @property
     def title(self) -> str:
-        """The scene's title; may be empty."""
+        """Title of the scene; it may be empty."""
         return self._native.title
 
     @property
     def file(self) -> str:
-        """The scene file, or where it would be."""
+        """Name of the scene file, or the name that the file of a scene in code would have."""
         return self._native.file
 
     @property
     def hash(self) -> str:
-        """SHA-256 of the scene's text, of the files that it names and of its arrays; 64 hexadecimal digits."""
+        """SHA-256 of the scene's text, of the files that it names and of its arrays, as 64 hexadecimal digits."""
         return self._native.hash
 
     @property
@@ -87,21 +89,21 @@ class Scene:
 
     @property
     def materials(self) -> list[str]:
-        """Names of the materials; materials of facets are indices into these."""
+        """Names of the materials. Materials of facets are indices into this list."""
         return self._native.materials
 
     @property
     def components(self) -> list[str]:
-        """Names of terrains, then objects; components of facets are indices into these."""
+        """Names of terrains, then of objects. Components of facets are indices into this list."""
         return self._native.components
 
     def pings(self, sensor: str) -> int:
-        """Number of pings of a sensor. Loads the scene."""
+        """Returns the number of pings of a sensor. The call loads the scene."""
         with self._explained():
             return self._native.pings(sensor)
 
     def transmissions(self, sensor: str) -> int:
-        """Number of transmissions of a ping of a sensor. Loads the scene."""
+        """Returns the number of transmissions per ping of a sensor. The call loads the scene."""
         with self._explained():
             return self._native.transmissions(sensor)
 
@@ -111,13 +113,19 @@ class Scene:
         return self.transmissions(sensor)
 
     def warnings(self) -> list[str]:
-        """What may not be meant, as ``tubefoot check`` tells it: sensors that will hear nothing, objects in the bed or in
-        the air, files that a run leaves out. Loads the scene and looks at a few pings."""
+        """Returns the warnings of ``tubefoot check`` about probable mistakes.
+
+        Examples are sensors that will receive nothing, objects that are buried or in the air, and files that a run omits.
+        The call loads the scene and examines a few pings.
+        """
         with self._explained():
             return [self._said(text) for text, _ in self._native.warnings()]
 
     def to_toml(self) -> str:
-        """The text of the scene's file; of a scene with arrays, with the name of each in its place."""
+        """Returns the text of the scene file.
+
+        For a scene with arrays, the text contains the name of each array in its place.
+        """
         if self._text is not None:
             return str(self._text)
         with open(self.file, encoding="utf-8") as file:
@@ -156,20 +164,20 @@ def _again(text: Optional[Text], meshes: list[tuple], file: str, confined: bool,
 
 @with_named_arguments
 def load(file: PathLike, *, confined: bool = False) -> Scene:
-    """The scene of a scene file (TOML, docs/scene-file.md).
+    """Reads the scene of a scene file (TOML, docs/scene-file.md).
 
     Args:
-        confined: read nothing that lies outside of the file's folder, links followed; otherwise such files are read and
-            told in ``Scene.warnings()``.
+        confined: reads no file outside the folder of the scene file, after following links. Otherwise tubefoot reads such
+            files, and ``Scene.warnings()`` lists them.
 
     Raises:
-        InputError: the file is missing or wrong; ``file``, ``line`` and ``column`` say where.
+        InputError: the file is missing or invalid; ``file``, ``line`` and ``column`` give the location.
     """
     return Scene(_native.read_scene(os.fspath(file), confined), confined=confined)
 
 
 def a_scene(scene: Union[Scene, PathLike]) -> Scene:
-    """The scene, or that of the file of this name."""
+    """Returns the scene itself, or the scene of the file with this name."""
     if isinstance(scene, Scene):
         return scene
     if isinstance(scene, (str, os.PathLike)):
@@ -265,5 +273,5 @@ def _heights(entry: Mapping[str, Any], path: str) -> tuple[np.ndarray, np.ndarra
         holes = np.isnan(heights)
         raise UsageError(f"{path}.heights: {holes.sum()} of {holes.size} heights are holes, the first in "
                          f"{place_of(first_of(holes))}: expected neighbours that make a facet; fill holes with metres")
-    vertices[~known] = 0  # of no facet
+    vertices[~known] = 0  # These vertices belong to no facet.
     return vertices, facets

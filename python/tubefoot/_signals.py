@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the elements of a sonar receive, with phase; beams and pictures of it."""
+"""Signals of a sonar's elements with phase, and the beams and pictures that they yield."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ Vector = Union[Sequence[float], np.ndarray]
 
 
 class Waveform(NamedTuple):
-    """What a sonar transmits: a pulse of one frequency, or an even chirp; its energy is 1."""
+    """The transmitted waveform: a pulse of one frequency, or a linear chirp. Its energy is 1."""
 
     start: float
     """First frequency in Hz."""
     stop: float
-    """Last frequency in Hz; the first one again: no chirp."""
+    """Last frequency in Hz. For a pulse of one frequency it equals ``start``."""
     duration: float
-    """In s."""
+    """Duration in s."""
     taper: float = 0.0
-    """Share of the duration in both raised-cosine flanks: 0 a rectangle, 1 a Hann window."""
+    """Share of the duration in both raised-cosine flanks together: 0 for a rectangle, 1 for a Hann window."""
 
 
 class Signals:
-    """Complex baseband signals of pings, receivers and samples; the time factor is exp(-i omega t).
+    """Complex baseband signals by ping, receiver and sample. The time factor is exp(-i omega t).
 
-    ``P`` pings, ``R`` receivers, ``S`` samples. Arrays are read-only; the large one is the program's own memory.
-    docs/files-signals.md has the file, docs/beamforming.md the formulas.
+    ``P`` is the number of pings, ``R`` of receivers and ``S`` of samples. Arrays are read-only. The large array is the
+    program's own memory. docs/files-signals.md describes the file, and docs/beamforming.md gives the formulas.
     """
 
     def __init__(self, native: _native.Signals) -> None:
@@ -49,69 +49,70 @@ class Signals:
 
     @property
     def ping_times(self) -> np.ndarray:
-        """(P,) float64: starts of the transmissions in s on the scene's clock."""
+        """(P,) float64: start times of the transmissions in s on the scene's clock."""
         return self._arrays["ping_times"]
 
     @property
     def sample_times(self) -> np.ndarray:
-        """(S,) float64, a copy: times of the samples in s after their ping's start."""
+        """(S,) float64, a copy: times of the samples in s after the start of their ping."""
         return self._arrays["sample_times"]
 
     @property
     def positions(self) -> np.ndarray:
-        """(P, 3) float64, a copy: of the vehicle at the pings' starts in m, east, north, up."""
+        """(P, 3) float64, a copy: positions of the vehicle at the starts of the pings in m, east, north, up."""
         return self._arrays["positions"]
 
     @property
     def attitudes(self) -> np.ndarray:
-        """(P, 4) float64, a copy: quaternions w, x, y, z that turn the vehicle's axes into the local frame."""
+        """(P, 4) float64, a copy: quaternions w, x, y, z that rotate the vehicle's axes into the local frame."""
         return self._arrays["attitudes"]
 
     @property
     def receivers(self) -> np.ndarray:
-        """(R, 3) float64: places on the vehicle in m, starboard, forward, up."""
+        """(R, 3) float64: positions of the receivers on the vehicle in m, starboard, forward, up."""
         return self._arrays["receivers"]
 
     @property
     def transmitter(self) -> np.ndarray:
-        """(3,) float64, a copy: its place on the vehicle in m."""
+        """(3,) float64, a copy: position of the transmitter on the vehicle in m."""
         return np.array(self._numbers["transmitter"])
 
     @property
     def waveform(self) -> Waveform:
-        """What was transmitted."""
+        """The transmitted waveform."""
         return Waveform(*self._numbers["waveform"])
 
     @property
     def baseband_frequency(self) -> float:
-        """In Hz: what the signals are a baseband about."""
+        """Frequency in Hz about which the signals are a complex baseband."""
         return self._numbers["baseband_frequency"]
 
     @property
     def sample_rate(self) -> float:
-        """Complex samples a second."""
+        """Number of complex samples per second."""
         return self._numbers["sample_rate"]
 
     @property
     def sound_speed(self) -> float:
-        """In m/s."""
+        """Sound speed in m/s."""
         return self._numbers["sound_speed"]
 
     @property
     def stop_and_hop(self) -> bool:
-        """Whether the vehicle stands still during a ping."""
+        """True if the vehicle does not move during a ping."""
         return self._numbers["stop_and_hop"]
 
     @property
     def is_matched_filtered(self) -> bool:
-        """Whether the waveform is compressed, so that echoes peak at their delay."""
+        """True if the waveform is compressed, so that echoes have their peak at their delay."""
         return self._numbers["matched_filtered"]
 
     @with_named_arguments
     def matched_filtered(self, window: str = "uniform", *, side_lobe_db: float = 30, nearly_equal: int = 4) -> Signals:
-        """Signals with the waveform compressed; arguments as of :func:`window_weights`.
+        """Returns the signals after the matched filter. Arguments are those of :func:`window_weights`.
 
-        Raises ValueError for signals that are matched filtered already.
+        Raises:
+            ValueError: the signals are matched filtered already.
         """
         return Signals(self._native.matched_filtered(window, side_lobe_db, nearly_equal))
 
@@ -119,18 +120,20 @@ class Signals:
     def beams(self, directions: Vector, pings: Optional[Sequence[int]] = None, *, weights: Optional[Vector] = None,
               reference: Vector = (0, 0, 0), near_field: bool = False, by_phase: bool = False, band: float = 0.8,
               error: float = 1e-5) -> np.ndarray:
-        """Receive beams by delay and sum, (pings, beams, S) complex128.
+        """Computes receive beams by delay and sum, (pings, beams, S) complex128.
 
         Args:
-            directions: (beams, 3), on the vehicle's axes.
-            pings: by number; all, unless given.
-            weights: (R,), as of :func:`window_weights`; all 1, unless given.
-            reference: place on the vehicle that times and phases are counted from, in m.
-            near_field: every sample is focused at its own distance, by exact delays.
-            by_phase: by phases of spectra instead of delays in time; of plane waves only.
-            band, error: of the interpolator: share of half the sampling rate that signals fill, and the largest error.
+            directions: (beams, 3), in the vehicle's axes.
+            pings: numbers of the pings; by default all.
+            weights: (R,), for example from :func:`window_weights`; by default all 1.
+            reference: position on the vehicle to which times and phases refer, in m.
+            near_field: focuses every sample at its own distance with exact delays.
+            by_phase: uses phases of spectra instead of delays in time. This option is for plane waves only.
+            band, error: settings of the interpolator. ``band`` is the share of half the sampling rate that signals occupy,
+                and ``error`` is the largest error.
 
-        Raises ValueError for what makes no beams.
+        Raises:
+            ValueError: the arguments do not define beams.
         """
         chosen = range(len(self.ping_times)) if pings is None else pings
         return self._native.beams([_count(p, "a ping's number") for p in chosen], finite(directions, "directions"),
@@ -142,18 +145,22 @@ class Signals:
                        ping_weights: Optional[Vector] = None, receiver_weights: Optional[Vector] = None,
                        half_beam_rad: Optional[float] = None, spreading_undone: bool = True, band: float = 0.8,
                        error: float = 1e-5) -> np.ndarray:
-        """A picture of a plane, focused by all pings, (rows, columns) complex128; a point has its strength in m.
+        """Computes an image of a plane by back-projection of all pings, (rows, columns) complex128.
+
+        The value of a point is its strength in m.
 
         Args:
-            first: place of the first pixel in the scene's frame, in m.
-            column_step, row_step: from one column, or row, to the next, in m.
-            columns, rows: how many there are.
-            ping_weights, receiver_weights: all 1, unless given.
-            half_beam_rad: pings that a pixel lies further from abeam of are left out.
-            spreading_undone: multiplies each echo by its distances out and home.
-            band, error: of the interpolator, as of :meth:`beams`.
+            first: position of the first pixel in the scene's frame, in m.
+            column_step, row_step: vector from one column, or row, to the next, in m.
+            columns, rows: number of columns and of rows.
+            ping_weights, receiver_weights: weights of the pings and of the receivers; by default all 1.
+            half_beam_rad: largest angle of a pixel from abeam, in rad. A ping does not contribute to pixels beyond this
+                angle. By default all pings contribute.
+            spreading_undone: multiplies each echo by its distances to the transmitter and to the receiver.
+            band, error: settings of the interpolator, as for :meth:`beams`.
 
-        Raises ValueError for what makes no picture.
+        Raises:
+            ValueError: the arguments do not define an image.
         """
         return self._native.focused(_vector(first, "first"), _vector(column_step, "column_step"),
                                     _vector(row_step, "row_step"), _count(columns, "columns"), _count(rows, "rows"),
@@ -162,9 +169,10 @@ class Signals:
 
     @with_named_arguments
     def write(self, file: PathLike) -> None:
-        """Writes signals.nc: whole, or not at all.
+        """Writes signals.nc. The file appears only when complete.
 
-        Raises UsageError for a place that nothing can be written at.
+        Raises:
+            UsageError: the file cannot be written.
         """
         self._native.write(os.fspath(file))
 
@@ -186,10 +194,12 @@ def _count(value: int, what: str) -> int:
 
 @with_named_arguments
 def signals(file: PathLike) -> Signals:
-    """Signals of a file, ours or of anybody who keeps to docs/files-signals.md: ``tubefoot.signals("signals.nc").pressure``.
+    """Reads the signals of a file: ``tubefoot.signals("signals.nc").pressure``.
+
+    The file may come from tubefoot or from another program that follows docs/files-signals.md.
 
     Raises:
-        InputError: there is no such file, or something in it is wrong.
+        InputError: the file does not exist, or its content is invalid.
     """
     return Signals(_native.read_signals(os.fspath(file)))
 
@@ -200,22 +210,25 @@ def point_signals(targets: Vector, strengths: Vector, *, receivers: Vector, tran
                   first_sample: float = 0.0, ping_times: Vector = (0.0,), track_times: Vector = (0.0,),
                   positions: Vector = ((0.0, 0.0, 0.0),), attitudes: Optional[Vector] = None,
                   stop_and_hop: bool = True, sound_speed: float = 1500.0) -> Signals:
-    """What elements receive of point scatterers in open water, in closed form: exact delays, no occlusion.
+    """Computes the signals of point scatterers in unobstructed water in closed form, with exact delays and no occlusion.
 
     Args:
-        targets: (N, 3), places in m.
+        targets: (N, 3), positions in m.
         strengths: (N,) complex, in m: target strength is ``10 log |f|^2``.
-        receivers: (R, 3), places on the vehicle in m.
-        transmitter: its place on the vehicle.
-        waveform: what is transmitted.
-        baseband_frequency, sample_rate, samples, first_sample: how it is sampled: Hz, Hz, number, s after the start.
-        ping_times: starts of the transmissions in s.
-        track_times, positions, attitudes: (K,), (K, 3) and (K, 4): the vehicle's way; without attitudes it looks north.
-        stop_and_hop: the vehicle stands still during a ping; else it moves while sound is under way.
-        sound_speed: in m/s.
+        receivers: (R, 3), positions on the vehicle in m.
+        transmitter: position of the transmitter on the vehicle in m.
+        waveform: the transmitted waveform.
+        baseband_frequency, sample_rate, samples, first_sample: sampling of the signals: in Hz, in Hz, a number, and in s
+            after the start of the ping.
+        ping_times: start times of the transmissions in s.
+        track_times, positions, attitudes: (K,), (K, 3) and (K, 4), the track of the vehicle. Without attitudes the
+            vehicle faces north.
+        stop_and_hop: the vehicle does not move during a ping; otherwise it moves while sound travels.
+        sound_speed: sound speed in m/s.
 
-    Raises ValueError, saying what to do, for bands above half the sampling rate, waveforms longer than the record, and
-    whatever else makes no signals.
+    Raises:
+        ValueError: the band exceeds half the sampling rate, the waveform is longer than the record, or the arguments do
+            not define signals for another reason. The message gives a remedy.
     """
     way = finite(positions, "positions")
     turns = np.tile([1.0, 0, 0, 0], (len(way), 1)) if attitudes is None else finite(attitudes, "attitudes")
@@ -228,12 +241,12 @@ def point_signals(targets: Vector, strengths: Vector, *, receivers: Vector, tran
 
 @with_named_arguments
 def window_weights(window: str, elements: int, *, side_lobe_db: float = 30, nearly_equal: int = 4) -> np.ndarray:
-    """Weights of evenly spaced elements, (elements,) float64.
+    """Computes the weights of uniformly spaced elements, (elements,) float64.
 
     Args:
         window: "uniform", "hann", "hamming", "taylor" or "chebyshev".
-        elements: how many there are.
-        side_lobe_db: of the last two, below the main lobe.
-        nearly_equal: of Taylor's: how many side lobes, less one, are near that.
+        elements: number of elements.
+        side_lobe_db: for "taylor" and "chebyshev": level of the side lobes below the main lobe in dB.
+        nearly_equal: for "taylor": the first ``nearly_equal`` - 1 side lobes are near this level.
     """
     return _native.window_weights(window, _count(elements, "elements"), side_lobe_db, nearly_equal)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far engines are from the truth, and at what cost."""
+"""Errors of engines relative to a reference, and the costs of the engines."""
 
 from __future__ import annotations
 
@@ -22,22 +22,22 @@ Echoes = Union[Result, PathLike]
 @with_named_arguments
 def compare(reference: Echoes, candidate: Echoes, *, sensor: Optional[str] = None, worst: int = 5,
             any_scene: bool = False) -> dict[str, Any]:
-    """How far a candidate's energies are from a reference's: the figures of ``tubefoot compare --json``.
+    """Compares a candidate's energies with a reference's, and returns the figures of ``tubefoot compare --json``.
 
     Args:
-        reference: what is taken for true: a result, an echo file (docs/echo-file.md) or a folder that a run wrote.
+        reference: the reference: a result, an echo file (docs/echo-file.md) or a folder that a run wrote.
         candidate: the same pings, beams and samples from another engine.
-        sensor: only this one.
+        sensor: name of the only sensor to compare.
         worst: number of worst bins to list.
-        any_scene: compare although the scenes' hashes differ.
+        any_scene: compares even if the scenes' hashes differ.
 
     Returns:
-        ``notes`` and, for each of ``sensors``, ``l1_error`` (relative), ``rms_db_error`` (dB), ``energy_ratio``,
+        ``notes``, and for each entry of ``sensors``: ``l1_error`` (relative), ``rms_db_error`` (dB), ``energy_ratio``,
         ``first_return``, ``within_bound``, ``worst_bins`` and more (docs/compare.md). Figures that are not finite are
         None.
 
     Raises:
-        InputError: a file is wrong, or the two sides do not go together.
+        InputError: a file is invalid, or the reference and the candidate do not match.
     """
     if whole("worst", worst) < 0:
         raise UsageError(f"worst: {worst} is no number of bins")
@@ -54,8 +54,9 @@ def _native_echoes(echoes: Echoes) -> Union[_native.Result, str]:
 @with_named_arguments
 def advise(scene: Union[Scene, PathLike], tolerance: Union[float, str], *, pings: Union[int, str, None] = None,
            trial_pings: int = 8, threads: Optional[int] = None) -> dict[str, Any]:
-    """The fastest engine and settings that keep a tolerance, measured on a few pings: the figures of
-    ``tubefoot advise --json`` (docs/advise.md).
+    """Finds the fastest engine and settings within a tolerance by measurements on a few pings.
+
+    The figures are those of ``tubefoot advise --json`` (docs/advise.md).
 
     Args:
         scene: the scene, or the name of its file.
@@ -63,17 +64,20 @@ def advise(scene: Union[Scene, PathLike], tolerance: Union[float, str], *, pings
         pings: ``"A:B"`` selects the trial pings from these pings of each sensor, both included, counted from 0. An
             integer is the former meaning, a number of trial pings, and gives a DeprecationWarning.
         trial_pings: number of pings per sensor for the prediction, and of others for the measurement; at least 2.
-        threads: threads for loading the scene. Settings are always measured on one thread.
+        threads: threads for loading the scene. tubefoot always measures settings on one thread.
 
     Returns:
-        ``sensors``, ``candidates``, the first of them exact, and ``cheapest``, the cheapest that holds. Of each
-        ``predicted`` and ``measured`` errors (relative, or in dB, as ``measure`` says) and seconds a ping, what it leaves out
-        and whether it ``holds``; ``options`` are the arguments that make :func:`run` compute so:
-        ``tubefoot.run(scene, **advice["cheapest"]["options"])``. Runs on one thread; Ctrl-C ends it.
+        ``sensors``, ``candidates`` and ``cheapest``. The first candidate is exact. ``cheapest`` is the cheapest candidate
+        within the tolerance. Each candidate has ``predicted`` and ``measured`` errors (relative, or in dB, see
+        ``measure``) and seconds per ping. It also states its neglected effects, and ``holds`` is true if it satisfies the
+        tolerance. ``options`` are the arguments of :func:`run` for these settings:
+        ``tubefoot.run(scene, **advice["cheapest"]["options"])``.
+
+    The measurements run on one thread. Ctrl-C stops the measurements.
 
     Raises:
-        InputError: the scene is wrong.
-        UsageError: the tolerance is none.
+        InputError: the scene is invalid.
+        UsageError: the tolerance is invalid.
     """
     if pings is not None and not isinstance(pings, str):
         trial_pings, pings = whole("pings", pings), None
@@ -98,23 +102,24 @@ def chart(scenes: Union[Scene, PathLike, Sequence[Union[Scene, PathLike]]],
           engines: Union[str, Engine, Sequence[Union[str, Engine]]] = ("tube", "ray"), *,
           output: Optional[PathLike] = None, pings: Union[int, str] = "0", repeats: int = 3, seconds: float = 4,
           progress: Optional[Progress] = None) -> list[dict[str, Any]]:
-    """Runs engines on scenes and holds their errors against the time they take, as ``tubefoot chart`` does.
+    """Runs engines on scenes and compares their errors with their times, as ``tubefoot chart`` does.
 
     Args:
         scenes: a scene or several, or the names of their files. The chart uses the first sensor of each, on one thread.
         engines: one or several: ``"tube"`` and ``"ray"``, each in all its settings, and functions marked by
             :func:`engine` or :func:`sensor`.
-        output: folder for the page, the table and the diagrams: whole or not at all.
+        output: folder for the page, the table and the diagrams. The files appear only when complete.
         pings: ``"A:B"``, pings of each scene, both included, counted from 0. An integer is the former meaning, a number
             of first pings, and gives a DeprecationWarning.
-        repeats: runs of each setting; the median of their seconds counts.
-        seconds: leave out rays that would take longer than this for one run.
-        progress: called now and then with the settings finished and all settings; what it raises ends the work.
+        repeats: number of runs of each setting. The chart uses the median of their times.
+        seconds: excludes numbers of rays for which one run would take longer than this time, in s.
+        progress: function that is called occasionally with the number of finished settings and of all settings. An
+            exception from this function stops the chart.
 
     Returns:
-        One dict a trial: ``scene``, ``engine``, ``setting``, ``l1_error`` (relative), ``rms_db_error`` (dB),
-        ``seconds`` (a ping), ``processor_seconds`` (of those, that its thread was running), ``instructions``
-        (None where the machine does not count them), ``bound`` (of the reference, relative) and ``rays`` (a ping).
+        One dict per trial: ``scene``, ``engine``, ``setting``, ``l1_error`` (relative), ``rms_db_error`` (dB), ``seconds``
+        (per ping), ``processor_seconds`` (the part of these in which the thread was running), ``instructions`` (None if
+        the machine does not count them), ``bound`` (of the reference, relative) and ``rays`` (per ping).
     """
     several = [scenes] if isinstance(scenes, (Scene, str, os.PathLike)) else scenes
     known = [a_scene(s) for s in several]

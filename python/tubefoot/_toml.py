@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Keys of a scene as TOML, and back from a place in that text to the key."""
+"""Conversion of a scene's keys to TOML, and of lines of this text back to keys."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def _is_list(value: object) -> bool:
 
 
 def _value(value: Any, path: str) -> str:
-    """A value in one line."""
+    """Returns a value as one line of TOML."""
     if isinstance(value, (np.ndarray, np.generic)):
         value = unmasked(value, path).tolist()
     if isinstance(value, os.PathLike):
@@ -62,7 +62,7 @@ def _value(value: Any, path: str) -> str:
 
 
 class Text:
-    """The TOML of a scene's keys, one key a line, and the path of the key in each line."""
+    """The TOML text of a scene's keys with one key per line, and the path of the key in each line."""
 
     def __init__(self, keys: Mapping[str, Any]) -> None:
         self.lines: list[str] = []
@@ -99,11 +99,11 @@ class Text:
         return self.paths[line - 1] if 0 < line <= len(self.paths) else ""
 
     def placed(self, message: str, file: str) -> str:
-        """A message with paths of keys in place of lines of this text."""
+        """Returns the message with paths of keys in place of lines of this text."""
         return re.sub(re.escape(file) + r":(\d+)(?::\d+)?", lambda m: self._path_of(int(m[1])) or m[0], message)
 
     def explained(self, error: InputError, file: str) -> InputError:
-        """The error with paths of keys in place of lines of this text."""
+        """Returns the error with paths of keys in place of lines of this text."""
         message = self.placed(str(error), file)
         if error.file != file:
             return InputError(message, error.file, error.line, error.column)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Messages in Python's words, and names that were meant."""
+"""Messages adapted to Python, suggestions of similar names, and former names."""
 
 from __future__ import annotations
 
@@ -24,15 +24,18 @@ R = TypeVar("R")
 
 
 def in_python(text: str) -> str:
-    """A message of the command line, with arguments in place of its options: ``rays_per_beam`` for
-    ``--rays-per-beam``, ``engine="ray"`` for ``--engine ray``. Commands of GDAL between backticks stay."""
+    """Returns a message of the command line with arguments in place of its options.
+
+    For example, ``rays_per_beam`` replaces ``--rays-per-beam``, and ``engine="ray"`` replaces ``--engine ray``. Commands of
+    GDAL between backticks do not change.
+    """
     text = re.sub(r"\b[Aa] --reference\b|'run --reference'|--reference\b", "tubefoot.reference", text)
     for name, choices in CHOICES.items():
         text = re.sub(rf"--{name} ({'|'.join(choices)})\b", rf'{name}="\1"', text)
 
     def argument(match: re.Match[str]) -> str:
         option = match[1]
-        if option is None:  # a command of GDAL
+        if option is None:  # The match is a command of GDAL.
             return match[0]
         name = _ARGUMENTS.get(option, option.replace("-", "_"))
         return f"{name}=True" if option in _FLAGS else name
@@ -40,13 +43,13 @@ def in_python(text: str) -> str:
 
 
 def meant(word: object, names: Iterable[str]) -> str:
-    """``": did you mean 'camera'?"``, or nothing where no name is near the word."""
+    """Returns ``": did you mean 'camera'?"``, or an empty text if no name is similar to the word."""
     near = _native.nearest(word, [str(n) for n in names]) if isinstance(word, str) else ""
     return f": did you mean {near!r}?" if near else ""
 
 
 def one_of(names: Iterable[str]) -> str:
-    """``'a', 'b' or 'c'``."""
+    """Returns the names as a choice: ``'a', 'b' or 'c'``."""
     quoted = [repr(n) for n in names]
     return " or ".join([", ".join(quoted[:-1]), quoted[-1]] if len(quoted) > 1 else quoted)
 
@@ -57,9 +60,10 @@ def former(before: str, now: str) -> None:
 
 
 def with_named_arguments(function: Callable[P, R]) -> Callable[P, R]:
-    """The function, which accepts former names of its arguments with a DeprecationWarning.
+    """Returns the function with support for former names of its arguments, which give a DeprecationWarning.
 
-    The error about an unknown argument suggests the nearest name."""
+    The error about an unknown argument suggests the most similar name.
+    """
     names = list(inspect.signature(function).parameters)
 
     @functools.wraps(function)

@@ -52,6 +52,10 @@ void DecibelScale::draw_legend(Canvas& canvas, int x, int y0, int y1) const {
     canvas.fill(x + bar + 1, y, x + bar + 6, y + 1, palette.faint_ink);
     canvas.label(x + bar + 11, y, tick_label(decibel, 10), label_size, palette.ink);
   }
+  const int middle = y1 - label_size / 2;
+  canvas.fill(x - 1, middle - 8, x + bar + 1, middle + 8, palette.faint_ink);
+  canvas.fill(x, middle - 7, x + bar, middle + 7, palette.no_echo);
+  canvas.label(x + bar + 11, middle, "no echo", label_size, palette.ink);
 }
 
 }  // namespace tubefoot

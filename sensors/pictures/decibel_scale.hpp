@@ -7,10 +7,21 @@
 
 namespace tubefoot {
 
+/// Colours for what has no level, and around the data.
+struct Palette {
+  Colour background{0.155f, 0.165f, 0.18f};
+  Colour ink{0.90f, 0.90f, 0.88f};
+  Colour faint_ink{0.62f, 0.64f, 0.66f};
+  Colour grid{0.75f, 0.85f, 0.90f};
+  Colour no_echo{0.05f, 0.07f, 0.20f};
+  Colour beyond{0.255f, 0.275f, 0.30f};  ///< where a beam has no surface any more (Recording::surfaces)
+};
+inline constexpr Palette palette;
+
 /// How a picture shows energies: in dB below its brightest echoes, dark copper to pale.
 class DecibelScale {
  public:
-  /// Dynamic range of the pictures: what is weaker than this is as dark as no echo.
+  /// Dynamic range of the pictures. Weaker echoes have the darkest colour of the scale.
   static constexpr double range_db = 50;
 
   /// 0 dB is the 99.9th percentile of the energies above zero: a few specular returns do not darken the rest.
@@ -21,7 +32,8 @@ class DecibelScale {
   double reference_j() const { return reference_j_; }
   /// 0 (no echo, or range_db below the reference) to 1 (the reference and above).
   double level(double energy_j) const;
-  Colour colour(double energy_j) const { return at_level(level(energy_j)); }
+  /// palette.no_echo for a zero energy, so that a shadow differs from a weak echo.
+  Colour colour(double energy_j) const { return energy_j > 0 ? at_level(level(energy_j)) : palette.no_echo; }
   /// Of a pixel of which a part lies where there is no surface (Recording::surfaces).
   Colour colour(double energy_j, double beyond) const;
   /// Lightness grows evenly with the level, so the picture reads the same in grey.
@@ -34,16 +46,6 @@ class DecibelScale {
  private:
   double reference_j_ = 0;
 };
-
-/// The colours around the data.
-struct Palette {
-  Colour background{0.155f, 0.165f, 0.18f};
-  Colour ink{0.90f, 0.90f, 0.88f};
-  Colour faint_ink{0.62f, 0.64f, 0.66f};
-  Colour grid{0.75f, 0.85f, 0.90f};
-  Colour beyond{0.255f, 0.275f, 0.30f};  ///< where a beam has no surface any more (Recording::surfaces)
-};
-inline constexpr Palette palette;
 
 inline constexpr int title_size = 22, label_size = 17;
 

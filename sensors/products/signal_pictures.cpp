@@ -36,7 +36,7 @@ GridPanel phase_panel(std::string title, std::vector<Complex> values, std::size_
         power += std::norm(values[row * columns + column]);
       }
     const auto cells = static_cast<double>((down.end - down.first) * (across.end - across.first));
-    return power > 0 ? phase_colour(std::arg(sum), scale.level(power / cells)) : phase_colour(0, 0);
+    return power > 0 ? phase_colour(std::arg(sum), scale.level(power / cells)) : palette.no_echo;
   };
   return panel;
 }

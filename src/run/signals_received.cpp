@@ -177,7 +177,7 @@ class TransmissionSignals {
     ChannelSignals all = silence_of({});
     for_views(history, [&](const CommonVisibility& visibility, const std::vector<SignalChannel>& channels) {
       const ChannelSignals its =
-          of(visible_polygons(visibility, echo_model_.echo_model), channels, echo_model_.echo_model);
+          of(visible_polygons(visibility, echo_model_.model), channels, echo_model_.model);
       all.channels += its.channels;
       all.value.insert(all.value.end(), its.value.begin(), its.value.end());
     });
@@ -201,7 +201,7 @@ class TransmissionSignals {
   void add_mirrored(ChannelSignals& sum) const {
     for_signal_paths(transmission_, sensor_, receiver_.channels,
                      {[&](const CoherentPath& path) {
-                        superpose(of(path.patches, path.channels, path.echo_model), path.phase, sum);
+                        superpose(of(path.patches, path.channels, path.model), path.phase, sum);
                       },
                       [&](const CoherentArrival& arrival) { add_arrival(arrival, receiver_, sum); }});
   }
@@ -253,7 +253,7 @@ class TransmissionSignals {
   }
   CertifiedSignals certified(const CommonVisibility& visibility, const std::vector<SignalChannel>& channels,
                              double tolerance) const {
-    const EchoModel& echo_model = echo_model_.echo_model;
+    const EchoModel& echo_model = echo_model_.model;
     const SplitPolygons patches =  // those with a bound first
         split_polygons(visible_polygons(visibility, echo_model), [&](FacetId facet) {
           const SmoothSurface* surface = surface_of(facet, echo_model);

@@ -540,7 +540,7 @@ TEST(Pictures, ShowWhereABeamHasNoSurfaceAnyMore) {
   const Image before = read(draw_camera_frame(made.recording, 0, ""));
   made.recording.surfaces = [&](std::size_t) { return std::vector<int>(beams, 10); };
   const Image image = read(draw_camera_frame(made.recording, 0, ""));
-  const Colour dark = DecibelScale::at_level(0);
+  const Colour dark = palette.no_echo;
   // Grid lines lie over the fan: the spots are beside them.
   expect_colour(colour_at(before, beyond.x, beyond.y), dark, "nobody knows");
   expect_colour(colour_at(image, shadow.x, shadow.y), dark, "shadow");
@@ -600,6 +600,19 @@ TEST(DecibelScale, IsRelativeToTheStrongestThousandthOfTheEchoes) {
   EXPECT_EQ(DecibelScale(std::vector<double>(10, 0.0)).level(0), 0);
   EXPECT_NEAR(DecibelScale(energies, 10).level(1e-14), 0.8, 1e-12);  // a display gain of 10 dB
   EXPECT_NEAR(DecibelScale(energies, -10).level(1e-12), 0.8, 1e-12);
+}
+
+TEST(DecibelScale, NoEchoAndAWeakEchoHaveDifferentColours) {
+  const auto distance = [](Colour a, Colour b) {
+    return std::abs(a.red - b.red) + std::abs(a.green - b.green) + std::abs(a.blue - b.blue);
+  };
+  const DecibelScale scale(std::vector<double>{1e-9});
+  expect_colour(scale.colour(0), palette.no_echo, "no echo");
+  expect_colour(scale.colour(1e-9 * 1e-30), DecibelScale::at_level(0),
+                "an echo below the range of the scale");
+  for (int k = 0; k <= 100; ++k)
+    EXPECT_GT(distance(DecibelScale::at_level(k / 100.0), palette.no_echo), 0.15) << k;
+  EXPECT_GT(distance(palette.beyond, palette.no_echo), 0.3);
 }
 
 TEST(DecibelScale, GrowsLighterEverywhere) {
