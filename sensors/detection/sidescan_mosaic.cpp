@@ -41,7 +41,7 @@ Place place_of(const Pose& pose) {
 }
 
 /// Where a sample lies on the seabed, from the track outwards, and in how many steps it is filled.
-struct SurfaceApex {
+struct SeabedInterval {
   std::size_t sample = 0;
   double near_m = 0, far_m = 0;
   int steps = 0;
@@ -59,7 +59,7 @@ class Strips {
       const double slant_m = ping.first_m + static_cast<double>(k) * ping.step_m;
       const double near_m = ground_range(slant_m), far_m = ground_range(slant_m + ping.step_m);
       if (far_m > near_m)
-        surface_apex_.push_back({k, near_m, far_m, steps_over(far_m - near_m)});  // else water
+        seabed_intervals_.push_back({k, near_m, far_m, steps_over(far_m - near_m)});  // else water
     }
   }
 
@@ -84,7 +84,7 @@ class Strips {
   }
 
   void fill_side(double side, std::span<const float> samples, const Place& other, double way) {
-    for (const SurfaceApex& seabed : surface_apex_) {
+    for (const SeabedInterval& seabed : seabed_intervals_) {
       if (seabed.sample >= samples.size()) break;
       const float value = samples[seabed.sample];
       if (!std::isfinite(value)) continue;
@@ -108,7 +108,7 @@ class Strips {
   const SidescanPing& ping_;
   Place own_;
   double spacing_m_;
-  std::vector<SurfaceApex> surface_apex_;
+  std::vector<SeabedInterval> seabed_intervals_;
   CellSums sums_;
 };
 

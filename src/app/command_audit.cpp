@@ -27,13 +27,13 @@ int audit_command(const AuditOptions& options) {
   const Transmissions all(*survey, request_of(description.run));
   require_able(*survey, all.request(), Feature::audit, options.sensor ? std::optional(only) : std::nullopt);
 
-  struct CommandOptions {
+  struct RequestedTransmission {
     const SharedTransmissions* group;
     std::size_t ping, transmission;
     std::uint64_t label;  ///< of all three, so that a transmission's share of the hash does not depend on
                           ///< what else is audited
   };
-  std::vector<CommandOptions> transmissions;
+  std::vector<RequestedTransmission> transmissions;
   for (const SharedTransmissions& group : survey->transmissions) {
     if (options.sensor && std::find(group.sensors.begin(), group.sensors.end(), only) == group.sensors.end())
       continue;
@@ -99,7 +99,7 @@ int audit_command(const AuditOptions& options) {
   };
   TransmissionsAround around(all);
   Progress progress("audited transmissions", transmissions.size(), options.quiet);
-  for (const CommandOptions& requested : transmissions) {
+  for (const RequestedTransmission& requested : transmissions) {
     stop_if_wanted();
     const Transmission transmission = around.at(*requested.group, requested.ping)
                                           .of(*requested.group, requested.ping, requested.transmission);

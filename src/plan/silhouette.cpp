@@ -113,7 +113,7 @@ void Silhouette::add(std::span<const glm::dvec2> points) {
 
 // Each side between a covered cell and one that is not is a step, with what is covered on its right.
 std::vector<std::vector<glm::dvec2>> Silhouette::loops() const {
-  enum TwoWayRange { east, south, west, north };
+  enum Step { east, south, west, north };
   constexpr std::array<int, 4> step_x{1, 0, -1, 0}, step_y{0, 1, 0, -1};
   const std::size_t width = columns_ + 1;
   std::vector<std::uint8_t> steps(width * (rows_ + 1));
@@ -133,22 +133,22 @@ std::vector<std::vector<glm::dvec2>> Silhouette::loops() const {
     while (steps[start] != 0) {
       std::vector<glm::dvec2> loop;
       std::size_t at = start;
-      int way = -1;
+      int step = -1;
       while (steps[at] != 0) {
         int next = 0;
         // Where four cells meet, to the right, so that loops touch and do not cross.
         for (const int side : {1, 0, 3})
-          if (next = way < 0 ? 0 : (way + side) % 4; way < 0 || (steps[at] >> next & 1) != 0) break;
-        if (way < 0)
+          if (next = step < 0 ? 0 : (step + side) % 4; step < 0 || (steps[at] >> next & 1) != 0) break;
+        if (step < 0)
           while ((steps[at] >> next & 1) == 0) ++next;
-        if (next != way)
+        if (next != step)
           loop.push_back({within_.left + cell * static_cast<double>(at % width),
                           within_.top + cell * static_cast<double>(at / width)});
         steps[at] &= static_cast<std::uint8_t>(~(1 << next));
-        way = next;
+        step = next;
         at = static_cast<std::size_t>(
-            static_cast<std::ptrdiff_t>(at) + step_x[static_cast<std::size_t>(way)] +
-            step_y[static_cast<std::size_t>(way)] * static_cast<std::ptrdiff_t>(width));
+            static_cast<std::ptrdiff_t>(at) + step_x[static_cast<std::size_t>(step)] +
+            step_y[static_cast<std::size_t>(step)] * static_cast<std::ptrdiff_t>(width));
         if (at == start) break;
       }
       all.push_back(std::move(loop));

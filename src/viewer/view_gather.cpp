@@ -286,8 +286,9 @@ class Gatherer {
     }
   }
 
-  void link(const Transmission& transmission, const CommonVisibility& visibility, const ReceiveBeams& hearing,
-            const Echo& echo, const EchoModel& model, std::uint32_t place, std::uint32_t first_footprint) {
+  void link(const Transmission& transmission, const CommonVisibility& visibility,
+            const ReceiveBeams& receivers, const Echo& echo, const EchoModel& model, std::uint32_t place,
+            std::uint32_t first_footprint) {
     const std::vector<std::uint32_t>& beams = sensor_.beams_of_transmission(transmission.number());
     const std::size_t picture = place * cells_, count = static_cast<std::size_t>(sensor_.samples().count);
     const bool patterns = model.patterns != nullptr;
@@ -296,7 +297,7 @@ class Gatherer {
         view.energy_j[picture + beams[b] * count + k] += echo.energy[b * count + k];
     view.weak_links_left_out = view.weak_links_left_out || patterns;
     for (const Contribution& c :
-         contributions(visibility, hearing, sensor_.samples(), model, transmission.request().binning, echo,
+         contributions(visibility, receivers, sensor_.samples(), model, transmission.request().binning, echo,
                        patterns ? least_share_with_patterns : 0)) {
       view.links.push_back({first_footprint + c.footprint,
                             static_cast<std::uint32_t>(picture + beams[c.beam] * count + c.sample),

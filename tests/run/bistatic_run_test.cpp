@@ -118,18 +118,18 @@ TEST(BistaticRun, RefractingWaterBendsBothWays) {
   const Echoes straight = echoes_of(even), refracted = echoes_of(layered);
   std::vector<double> expected(refracted.samples);
   const double cell = 0.005, step = refracted.last_m(0) - refracted.first_m(0);
-  struct TwoWayRange {
+  struct Arc {
     double time_s, sine, tube_m2;
   };
   const auto way = [&](double x, double y) {
     const double along = std::hypot(x, y), chord = std::hypot(along, h);
     const double time = std::acosh(1 + g * g * chord * chord / (2 * cs * cr)) / -g;
-    return TwoWayRange{time, std::sin(std::asin(h / chord) - std::atan(g * along / (cs + cr))),
-                       std::pow(cr * std::sinh(g * time) / g, 2)};
+    return Arc{time, std::sin(std::asin(h / chord) - std::atan(g * along / (cs + cr))),
+               std::pow(cr * std::sinh(g * time) / g, 2)};
   };
   for (double x = -6 + cell / 2; x < 6; x += cell)
     for (double y = cell / 2; y < 5; y += cell) {  // and the other half
-      const TwoWayRange tx = way(x - b / 2, y), rx = way(x + b / 2, y);
+      const Arc tx = way(x - b / 2, y), rx = way(x + b / 2, y);
       const double sample = (cs * (tx.time_s + rx.time_s) / 2 - refracted.first_m(0)) / step;
       if (sample >= double(expected.size())) continue;
       expected[std::size_t(sample)] +=

@@ -62,29 +62,29 @@ std::vector<CommandCase> cases() {
 }
 
 /// How the terrain is read.
-struct TwoWayRange {
+struct TileUse {
   const char *name, *load;
   int cache_mb;
 };
-constexpr TwoWayRange whole{"whole", "whole", 512}, in_one{"in_one", "tiles", 512},
+constexpr TileUse whole{"whole", "whole", 512}, in_one{"in_one", "tiles", 512},
     in_parts{"in_parts", "tiles", 0};
 
 class TiledCommands : public testing::TestWithParam<CommandCase> {
  protected:
   TiledCommands() { write_mosaic(folder, GetParam().holes, GetParam().island); }
 
-  std::string text(const TwoWayRange& way) const {
-    return replaced(GetParam().text, "{}", terrain("mosaic.vrt", way.load, GetParam().more)) +
+  std::string text(const TileUse& use) const {
+    return replaced(GetParam().text, "{}", terrain("mosaic.vrt", use.load, GetParam().more)) +
            (GetParam().text.find("[run]") == std::string::npos ? "[run]\n" : "") +
-           fmt::format("terrain_cache_mb = {}\n", way.cache_mb);
+           fmt::format("terrain_cache_mb = {}\n", use.cache_mb);
   }
-  SceneDescription described(const TwoWayRange& way) const {
-    return read_scene_text(text(way), folder / "scene.toml");
+  SceneDescription described(const TileUse& use) const {
+    return read_scene_text(text(use), folder / "scene.toml");
   }
   /// What a command says, and writes into the folder or file that is its last word.
-  std::map<std::string, std::string> answers(const TwoWayRange& way, std::vector<std::string> words) const {
+  std::map<std::string, std::string> answers(const TileUse& use, std::vector<std::string> words) const {
     const fs::path output = folder / words.back();
-    words.insert(words.begin() + 1, folder.write("scene.toml", text(way)).string());
+    words.insert(words.begin() + 1, folder.write("scene.toml", text(use)).string());
     if (words[words.size() - 2] == "-o") words.back() = output.string();
     const Outcome outcome = run_program(words);
     EXPECT_LE(outcome.exit_code, 2) << outcome.err;
@@ -102,12 +102,12 @@ class TiledCommands : public testing::TestWithParam<CommandCase> {
   }
   void expect_same(const std::vector<std::string>& words) const {
     const auto expected = answers(whole, words);
-    for (const TwoWayRange& way : {in_one, in_parts}) {
-      const auto found = answers(way, words);
+    for (const TileUse& use : {in_one, in_parts}) {
+      const auto found = answers(use, words);
       EXPECT_EQ(found.size(), expected.size());
       for (const auto& [name, bytes] : expected)
         EXPECT_TRUE(found.contains(name) && found.at(name) == bytes)
-            << words.front() << ", " << way.name << ": " << name
+            << words.front() << ", " << use.name << ": " << name
             << " differs; whole: " << bytes.substr(0, 600)
             << "\ntiles: " << (found.contains(name) ? found.at(name).substr(0, 600) : "none");
     }
@@ -128,8 +128,8 @@ TEST_P(TiledCommands, ExactCornersNameTheFacetsOfTheWhole) {
 }
 
 TEST_P(TiledCommands, APageShowsWhatItShowsOfTheWhole) {
-  const auto page = [&](const TwoWayRange& way) {
-    const auto survey = open_survey(described(way));
+  const auto page = [&](const TileUse& use) {
+    const auto survey = open_survey(described(use));
     ViewData view = gather_view(Transmissions(*survey, request_of(survey->scene.description.run)), 0,
                                 PingRange{1, 2}, true);
     EXPECT_GT(view.mesh_facets.size(), 1000u);
@@ -142,8 +142,8 @@ TEST_P(TiledCommands, APageShowsWhatItShowsOfTheWhole) {
 
 // The facets of a history as an engine of one's own sees them, and their corners: no number of theirs.
 TEST_P(TiledCommands, AnEngineOfOnesOwnMeetsTheFacetsOfTheWhole) {
-  const auto energies = [&](const TwoWayRange& way) {
-    const SceneDescription description = described(way);
+  const auto energies = [&](const TileUse& use) {
+    const SceneDescription description = described(use);
     const auto survey = open_survey(description);
     RunRequest request = request_of(description.run);
     request.own_engine = std::make_shared<const OwnEngine>(
@@ -168,8 +168,8 @@ TEST_P(TiledCommands, AnEngineOfOnesOwnMeetsTheFacetsOfTheWhole) {
 }
 
 TEST_P(TiledCommands, TrialsHaveTheErrorsOfTheWhole) {
-  const auto trial = [&](const TwoWayRange& way) {
-    const TrialScene trials(described(way), first_pings(2), std::nullopt);
+  const auto trial = [&](const TileUse& use) {
+    const TrialScene trials(described(use), first_pings(2), std::nullopt);
     const Trial found = trials.run(tube_setting(Binning::centroid), 1);
     return std::vector<double>{found.l1_error, found.rms_db_error};
   };

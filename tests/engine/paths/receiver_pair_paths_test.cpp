@@ -60,14 +60,14 @@ class Rays {
   /// A mirror: the surface (none), or the facets whose plane is that of a facet.
   using Mirror = std::optional<std::size_t>;
 
-  struct TwoWayRange {
+  struct Ray {
     double length;
     glm::dvec3 arrives;  // direction at the point
   };
-  std::optional<TwoWayRange> way(glm::dvec3 apex, const std::vector<Mirror>& chain, glm::dvec3 point) const {
+  std::optional<Ray> way(glm::dvec3 apex, const std::vector<Mirror>& chain, glm::dvec3 point) const {
     std::vector<glm::dvec3> images{apex};
     for (const Mirror& mirror : chain) images.push_back(reflected(images.back(), mirror));
-    const TwoWayRange way{glm::distance(images.back(), point), glm::normalize(point - images.back())};
+    const Ray way{glm::distance(images.back(), point), glm::normalize(point - images.back())};
     glm::dvec3 to = point;
     for (std::size_t k = chain.size(); k-- > 0;) {
       const auto [normal, offset] = plane(chain[k]);
@@ -148,7 +148,7 @@ std::array<ReceiverPairSums, 3> over_points(const Setting& s, const ReceiverBase
       for (int y = 0; x + y < n; ++y)
         for (int part = 0; part < (x + y + 1 < n ? 2 : 1); ++part) {
           const glm::dvec3 p = a + (x + (1 + part) / 3.0) * u + (y + (1 + part) / 3.0) * v;
-          std::vector<std::array<std::optional<Rays::TwoWayRange>, 3>> ways;
+          std::vector<std::array<std::optional<Rays::Ray>, 3>> ways;
           for (const auto& chain : chains)
             ways.push_back({rays.way(metres(s.transmit.apex), chain, p), rays.way(middle + half, chain, p),
                             rays.way(middle - half, chain, p)});
@@ -156,7 +156,7 @@ std::array<ReceiverPairSums, 3> over_points(const Setting& s, const ReceiverBase
             for (std::size_t rx = 0; rx < chains.size(); ++rx) {
               const std::size_t mirrors = chains[tx].size() + chains[rx].size();
               if (mirrors > 2 || !ways[tx][0]) continue;
-              const Rays::TwoWayRange& there = *ways[tx][0];
+              const Rays::Ray& there = *ways[tx][0];
               std::array<double, 2> energy{0, 0}, way{0, 0};
               for (std::size_t end = 0; end < 2; ++end) {
                 const auto& back = ways[rx][1 + end];
@@ -181,7 +181,7 @@ void add_arrivals(const Setting& s, const ReceiverBaseline& receiver_pair, Recei
   const glm::dvec3 half = receiver_pair.baseline_m / 2 * receiver_pair.axis, middle = metres(s.receive.apex);
   for (const std::vector<Rays::Mirror>& chain :
        {std::vector<Rays::Mirror>{{}, 2}, std::vector<Rays::Mirror>{2, {}}}) {
-    std::array<std::optional<Rays::TwoWayRange>, 2> ways;
+    std::array<std::optional<Rays::Ray>, 2> ways;
     std::array<double, 2> energy{}, length{};
     for (std::size_t end = 0; end < 2; ++end) {
       ways[end] = rays.way(metres(s.transmit.apex), chain, end == 0 ? middle + half : middle - half);
@@ -295,12 +295,10 @@ TEST(ReceiverPairPaths, ArrivalsHaveThePhaseOfTheirLengths) {
     const auto u = rays.way(from, {mirror}, middle + half), l = rays.way(from, {mirror}, middle - half);
     if (!u || !l) continue;
     ++met;
-    const auto energy = [&](const Rays::TwoWayRange& way) {
+    const auto energy = [&](const Rays::Ray& way) {
       return (mirror ? 0.6 : 0.8) * std::pow(10, -0.005 * way.length) / (way.length * way.length);
     };
-    const auto sample = [&](const Rays::TwoWayRange& way) {
-      return std::size_t((way.length / 2 - 0.5) / 0.5);
-    };
+    const auto sample = [&](const Rays::Ray& way) { return std::size_t((way.length / 2 - 0.5) / 0.5); };
     upper[sample(*u)] += energy(*u);
     lower[sample(*l)] += energy(*l);
     if (sample(*u) == sample(*l))
