@@ -9,10 +9,10 @@
 
 namespace tubefoot::atlas {
 
-/// The double arithmetic of an engine that subtracts no origin: points are absolute coordinates in metres,
-/// and planes are n . x = c in them. (Concept: geometry/arithmetic/arithmetic_fixed.hpp.) Rays and
-/// constructed corners are points at `arm_m` from the apex along their direction, as far away as the scene
-/// is.
+/// Double arithmetic of an engine that subtracts no origin. Points are absolute coordinates in metres, and
+/// planes are n . x = c in these coordinates. (Concept: geometry/arithmetic/arithmetic_fixed.hpp.) Rays and
+/// constructed corners are points at `arm_m` from the apex along their direction. This distance is about that
+/// of the scene.
 struct AbsoluteDouble {
   static constexpr bool uses_names = true, signs_are_exact = false;
   double tolerance = 0;

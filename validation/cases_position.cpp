@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Adversarial cases with the apex and the walls of tubes in special positions: near planes of facets, along
+// edges, on vertices and on faces.
 #include <array>
 #include <cmath>
 
@@ -8,20 +10,21 @@
 namespace tubefoot::atlas {
 namespace {
 
-/// Rays of a lattice with large coordinates that no power of two divides: their products do not fit a double.
+/// Rays of a lattice with large coordinates that no power of two divides. Their products do not fit in a
+/// double.
 constexpr std::int32_t lattice_step = 104729, lattice_depth = 299993;
 
 GridPoint on_lattice(std::int32_t i, std::int32_t j, std::int32_t times) {
   return {i * lattice_step * times, lattice_depth * times, j * lattice_step * times};
 }
 
-/// Four tubes whose walls go through the even rays of the lattice.
+/// Four tubes whose walls pass through the rays of even index of the lattice.
 TubeSet lattice_tubes() {
   constexpr std::int32_t step = 2 * lattice_step;
   return parallelogram_tubes({0, 0, 0}, {-step, lattice_depth, -step}, {step, 0, 0}, {0, 0, step}, 2, 2);
 }
 
-/// A rough sheet all round the origin, so that some facet can be put under the apex.
+/// A rough sheet all around the origin, so that a facet can be moved below the apex.
 FacetMesh surroundings(Random& random, int n) {
   constexpr std::int32_t cell = 1 << 22;
   FacetMesh mesh;

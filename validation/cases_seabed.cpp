@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Adversarial cases of ordinary scenes: interpenetrating surfaces, large coordinate offsets (UTM, ECEF),
+// small facets and terrain at grazing angles.
 #include <algorithm>
 
 #include "validation/case.hpp"
@@ -9,8 +11,8 @@ namespace {
 
 constexpr std::int32_t metre = 1 << 20, millimetre = metre / 1000;
 
-/// A seabed of 20 m x 20 m with a ball sunk in it and a ramp of coplanar panels that meet in T-junctions,
-/// from 3 m above one edge.
+/// A seabed of 20 m x 20 m with a partly buried sphere and a ramp, seen from 3 m above one edge. The ramp
+/// consists of coplanar panels that meet in T-junctions.
 void add_harbour_seabed(Case& c, std::uint64_t seed, Size size) {
   Random random(seed);
   const int n = size == Size::page ? 40 : 12;

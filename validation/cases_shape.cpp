@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Adversarial cases with facets of difficult shape or at small distances: slivers, needles, T-junctions,
+// coincident facets, and many close layers.
 #include <cmath>
 #include <numbers>
 
@@ -8,8 +10,8 @@
 namespace tubefoot::atlas {
 namespace {
 
-/// Points of a tilted plane through integer points only: no coordinate along its edges is round, yet all are
-/// exactly coplanar, and exactly collinear where a or b is the same.
+/// Points of a tilted plane, at integer coordinates only. No coordinate along its edges is a round number.
+/// All points are exactly coplanar, and exactly collinear if a or b is the same.
 GridPoint tilted(std::int32_t a, std::int32_t b) {
   return {-250000013 + 7368787 * a + 1299827 * b, 400000009 + 2750161 * a - 1500451 * b,
           -240000011 - 611953 * a + 6495139 * b};

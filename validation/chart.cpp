@@ -12,7 +12,8 @@ namespace {
 
 using Rational = CGAL::Exact_rational;
 
-/// Pieces turn clockwise in (u, v). One so small that its rounded corners coincide covers nothing.
+/// Returns whether a piece covers a point. Pieces are clockwise in (u, v). A piece whose rounded corners
+/// coincide covers nothing.
 bool covers(const std::vector<glm::dvec2>& corners, glm::dvec2 p) {
   bool inside = false;
   for (std::size_t k = 0; k < corners.size(); ++k) {

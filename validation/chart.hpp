@@ -16,8 +16,9 @@
 
 namespace tubefoot::atlas {
 
-/// The section of one tube, coordinates (u, v): direction = ray 0 + u (ray 3 - ray 0) + v (ray 1 - ray 0).
-/// The tube is the unit square, and area in it is area of the gnomonic plane over the tube's own.
+/// Section of one tube with coordinates (u, v), with direction = ray 0 + u (ray 3 - ray 0) + v (ray 1 - ray
+/// 0). The tube is the unit square. An area in it is the area in the gnomonic plane divided by that of the
+/// tube.
 class Chart {
  public:
   /// Throws std::invalid_argument if the tube is not a parallelogram.
@@ -28,9 +29,9 @@ class Chart {
   struct Polygon {
     FacetId facet = 0;
     std::vector<glm::dvec2> corners;  ///< exact, then rounded once
-    CGAL::Exact_rational area;        ///< signed: positive if it turns as the tube does
+    CGAL::Exact_rational area;        ///< signed: positive for the orientation of the tube
   };
-  /// What the names of a piece stand for; false if they stand for no cone before the apex.
+  /// Evaluates the names of a piece. Returns false if they do not describe a cone in front of the apex.
   bool polygon(const NameContext& context, const TubeVisibility& seen, const NamedPiece& piece,
                Polygon& result) const;
 
@@ -39,11 +40,11 @@ class Chart {
   std::array<ExactVector, 3> dual_;
 };
 
-/// Facet numbers at sample points. Beyond the facets themselves:
+/// Special values of facet numbers at sample points.
 constexpr FacetId nothing_there = 0xffffffffu, several_there = 0xfffffffeu;
 
-/// Which facet's polygon covers each point; points are ordered by the cells of an n x n grid (row by row,
-/// v upwards), one inside each cell.
+/// Returns the facet whose polygon covers each point. Points are ordered by the cells of an n x n grid (row
+/// by row, v upwards), one inside each cell.
 std::vector<FacetId> locate(std::span<const Chart::Polygon> polygons, std::span<const glm::dvec2> points,
                             std::uint32_t n);
 

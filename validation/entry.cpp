@@ -15,7 +15,8 @@ Answer answer(const Case& scene, const CommonVisibility& truth, Arithmetic arith
   return a;
 }
 
-/// The best of the sweep: the least error, then the fewest tubes that do not close, then the least tolerance.
+/// Selects the best tolerance of the sweep. The criteria are least error, then fewest tubes that do not
+/// close, then least tolerance.
 void tune(Entry& entry) {
   const CommonVisibility& truth = entry.rational.visibility;
   entry.sweep = sweep(entry.scene, truth);

@@ -9,12 +9,12 @@
 
 namespace tubefoot::atlas {
 
-/// One arithmetic's answer against that of `rational`.
+/// Result of one arithmetic compared with that of `rational`.
 struct Answer {
   CommonVisibility visibility;
   double error = 0;
   bool same_hash = false;
-  /// Equal areas, and every tube closes. (The hash also tells of pieces without area.)
+  /// Returns whether areas are equal and every tube closes. (The hash also depends on pieces without area.)
   bool is_right() const { return error == 0 && visibility.unclosed == 0; }
   bool is_exact() const { return is_right() && same_hash; }
 };
@@ -24,22 +24,22 @@ struct Entry {
   Case scene;
   Answer rational, fixed, filtered, plain;
   std::vector<Tolerance> sweep;
-  Answer tuned;              ///< double with the best tolerance of the sweep,
-  double tolerance = 0;      ///< which is this,
-  double as_good_up_to = 0;  ///< or any other of the sweep from it to this one
+  Answer tuned;              ///< double with the best tolerance of the sweep
+  double tolerance = 0;      ///< that tolerance
+  double as_good_up_to = 0;  ///< largest tolerance of the sweep that is as good; all between are as good, too
   Sampling sampling;
   RayResult usual, robust;
 
-  /// Whether the exact arithmetics agree with `rational`, which closes.
+  /// Returns whether the exact arithmetics agree with `rational`, which closes.
   bool exact_ones_agree() const {
     return rational.visibility.unclosed == 0 && fixed.is_exact() && filtered.is_exact();
   }
 };
 
-/// Runs everything on a case; `rays` is n for n x n rays a tube.
+/// Runs all methods on a case; `rays` is n for n x n rays per tube.
 Entry evaluate(Case scene, std::uint32_t rays);
 
-/// Rays along one side of a tube's grid.
+/// Number of rays along one side of the grid of a tube.
 constexpr std::uint32_t rays_of(Size size, bool one_tube) {
   return (size == Size::page ? 512u : 64u) / (one_tube ? 1u : 2u);
 }

@@ -11,7 +11,7 @@ namespace {
 
 double unit_m(const Case& scene) { return std::ldexp(1.0, -scene.grid_exponent); }
 
-/// As see(), in the coordinates of an engine that subtracts no origin.
+/// Computes visibility in the coordinates of an engine that subtracts no origin.
 void see_absolutely(const Case& scene, const SceneTree& tree, std::uint32_t tube,
                     const VisibilityOptions& options, CandidateFacets& candidate_facets,
                     VisibilitySolver<AbsoluteDouble>& solver, TubeVisibility& out) {
@@ -35,7 +35,7 @@ CommonVisibility look(const Case& scene, Arithmetic arithmetic, double tolerance
   options.tolerance = tolerance;
   options.open_water = audited == Audit::yes;
   const bool absolute = arithmetic == Arithmetic::plain_double && scene.origin_m != glm::dvec3(0);
-  // An engine of doubles proves no height fields.
+  // An engine in doubles does not prove height fields.
   const SceneTree tree =
       absolute ? SceneTree(scene.mesh, SceneTree::HeightFieldSearch::ignored) : SceneTree(scene.mesh);
   VisibilityScratch scratch;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The stability atlas: tubefoot_atlas FOLDER writes FOLDER/atlas.md and its pictures; tubefoot_atlas --quick
-// only checks, on smaller scenes. Exits with 1 where an exact arithmetic is not exact.
+// The stability atlas. tubefoot_atlas FOLDER writes FOLDER/atlas.md and its pictures. tubefoot_atlas
+// --quick only checks, on smaller scenes. The exit code is 1 if an exact arithmetic is not exact.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 
 using namespace tubefoot::atlas;
 
-/// False, with the reason on stderr, if a promise of the atlas does not hold.
+/// Returns whether the claims of the atlas are true. Prints the reasons to stderr if not.
 bool check(const std::vector<Entry>& entries) {
   bool holds = true;
   const auto demand = [&](bool condition, const std::string& reason) {
@@ -31,7 +31,7 @@ bool check(const std::vector<Entry>& entries) {
     demand(!e.rational.visibility.tubes.empty() && e.rational.visibility.facets > 1,
            e.scene.name + ": shows nothing");
   }
-  // The atlas is worth its name only if it shows the others failing.
+  // The atlas must also contain failures of the other methods.
   const auto some = [&](const auto& is_wrong) {
     return std::any_of(entries.begin(), entries.end(), is_wrong);
   };

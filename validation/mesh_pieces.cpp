@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Elements of the cases: random numbers, facets, sheets, spheres, seabeds and parallelogram tubes, directly
+// on the integer grid.
 #include "validation/mesh_pieces.hpp"
 
 #include <algorithm>

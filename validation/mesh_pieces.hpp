@@ -7,19 +7,19 @@
 #include "geometry/mesh/facet_mesh.hpp"
 #include "geometry/tubes/tube.hpp"
 
-// What the cases are built from, straight on the grid.
+// Elements of the cases, directly on the integer grid.
 namespace tubefoot::atlas {
 
 using Random = std::mt19937_64;
 
-/// Uniform in [lo, hi], the same with every standard library.
+/// Returns a uniform number in [lo, hi], the same with every standard library.
 std::int32_t uniform(Random& random, std::int32_t lo, std::int32_t hi);
 
 VertexId add_vertex(FacetMesh& mesh, GridPoint p);
 void add_facet(FacetMesh& mesh, VertexId a, VertexId b, VertexId c);
 void add_facet(FacetMesh& mesh, GridPoint a, GridPoint b, GridPoint c);
 
-/// A sheet of 2 nu nv facets through the points at(u, v), u = 0..nu, v = 0..nv.
+/// Adds a sheet of 2 nu nv facets through the points at(u, v), u = 0..nu, v = 0..nv.
 template <class At>
 void add_sheet(FacetMesh& mesh, int nu, int nv, const At& at) {
   const auto first = static_cast<VertexId>(mesh.vertices.size());
@@ -33,19 +33,20 @@ void add_sheet(FacetMesh& mesh, int nu, int nv, const At& at) {
     }
 }
 
-/// An octahedron whose facets were split in four `times` times, vertices on a sphere (to the grid).
+/// Adds an octahedron whose facets are split into four `times` times, with vertices on a sphere, rounded to
+/// the grid.
 void add_sphere(FacetMesh& mesh, GridPoint centre, std::int32_t radius, int times);
 
-/// A height field of 2 n^2 facets over [-width / 2, width / 2] x [0, width] about the height z, smooth relief
-/// of `swell` and white roughness of `roughness`.
+/// Adds a height field of 2 n^2 facets over [-width / 2, width / 2] x [0, width] about the height z. It has
+/// smooth relief of `swell` and white roughness of `roughness`.
 void add_seabed(Random& random, FacetMesh& mesh, int n, std::int32_t width, std::int32_t z,
                 std::int32_t swell, std::int32_t roughness);
 
-/// Gives vertices at the same grid point the same id, as loading does.
+/// Gives vertices at the same grid point the same index, as loading does.
 void weld(FacetMesh& mesh);
 
-/// columns x rows tubes between the rays first + i * across + j * up. Someone who looks along them sees
-/// `across` to the right and `up` upwards.
+/// Returns columns x rows tubes between the rays first + i * across + j * up. Along the rays, `across` is
+/// to the right and `up` is upwards.
 TubeSet parallelogram_tubes(GridPoint apex, GridPoint first, GridPoint across, GridPoint up, int columns = 1,
                             int rows = 1);
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Embree in the simplest use by a ray engine, and its errors compared with exact visibility. The expected
+// sampling error comes from several draws of points on the exact result.
 #include "validation/naive_rays.hpp"
 
 #include <fmt/format.h>
@@ -14,7 +16,7 @@
 namespace tubefoot::atlas {
 namespace {
 
-/// Sum over facets of |share of the points - true area|.
+/// Sum over facets of |share of the points - exact area|.
 double error_of_counts(const std::vector<FacetId>& facets, const Areas& truth) {
   std::map<FacetId, double> shares;
   for (const FacetId f : facets)

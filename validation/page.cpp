@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Writes the page of the stability atlas: errors of each method per case, results of each tolerance, and
+// pictures of the failures.
 #include "validation/page.hpp"
 
 #include <fmt/format.h>
@@ -12,7 +14,7 @@
 namespace tubefoot::atlas {
 namespace {
 
-/// Two digits are enough: 0, 0.19, 3e-12.
+/// Formats a number with at most two digits: 0, 0.19, 3e-12.
 std::string number(double x) {
   if (x == 0) return "0";
   return x >= 0.001 ? fmt::format("{:.2g}", x) : fmt::format("{:.0e}", x);
@@ -104,7 +106,8 @@ void write_table(std::string& page, std::span<const Entry> entries) {
                     ray_cell(e.robust, e.sampling), number(e.sampling.mean), number(e.sampling.deviation));
 }
 
-/// One tolerance has to serve all scenes of a user: which does?
+/// Writes the results of each single tolerance for all cases, because a user needs one tolerance for all
+/// scenes.
 void write_sweep(std::string& page, std::span<const Entry> entries) {
   page +=
       "\n## One tolerance for all\n\nAn engine cannot choose its tolerance scene by scene, knowing the "

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Draws the panels of a case of the stability atlas: the exact visible polygons, and the points at which
+// each method is wrong.
 #include "validation/picture.hpp"
 
 #include <fmt/format.h>
@@ -13,14 +15,14 @@ namespace tubefoot::atlas {
 namespace {
 
 constexpr int panel = 240, margin = 12, head = 30, foot = 30, text_size = 14;
-/// A pixel is the redder the more of fine x fine points in it are wrong, and clearly red with one of them,
-/// lest thin cracks go unseen.
+/// Number of test points per pixel in each direction. The red of a pixel increases with the number of wrong
+/// points. A single wrong point is clearly visible, so that thin cracks appear.
 constexpr int fine = 3;
 
 constexpr Colour paper{1, 1, 1}, ink{0.1f, 0.1f, 0.12f}, open_water{0.9f, 0.92f, 0.94f},
     wrong{0.87f, 0, 0.05f};
 
-/// Hues from yellow over green and blue to violet: red is taken.
+/// Hues from yellow over green and blue to violet, because red marks errors.
 Colour colour_of(FacetId facet) {
   if (facet >= several_there) return open_water;
   const double spread = facet * 0.6180339887498949, hue = 0.13 + 0.67 * (spread - std::floor(spread));
@@ -32,8 +34,8 @@ Colour colour_of(FacetId facet) {
   return {component(0), component(2.0 / 3), component(1.0 / 3)};
 }
 
-/// Points of one tube's part of a panel, `fine` a pixel each way. Off the middle, where scenes on lattices
-/// have their edges.
+/// Returns the test points of the part of a panel that shows one tube, `fine` per pixel in each direction.
+/// They avoid the centres, on which scenes on lattices have their edges.
 std::vector<glm::dvec2> points_of(std::uint32_t n) {
   std::vector<glm::dvec2> points;
   for (std::uint32_t j = 0; j < n; ++j)

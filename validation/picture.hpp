@@ -7,9 +7,10 @@
 
 namespace tubefoot::atlas {
 
-/// Draws four panels side by side, each the tubes as their apex sees them: the exact answer, a colour a
-/// facet; then, pale, the same with red where double without tolerance, double with its best tolerance and
-/// Embree are wrong. Throws std::runtime_error naming the file.
+/// Draws four panels side by side, with the tubes as seen from their apex. The first panel shows the exact
+/// result with one colour per facet. The others show it faintly, with red for errors of double without
+/// tolerance, of double with its best tolerance, and of Embree. Throws std::runtime_error, which names the
+/// file.
 void draw(const Entry& entry, const std::filesystem::path& file);
 
 }  // namespace tubefoot::atlas

@@ -7,9 +7,9 @@
 
 namespace tubefoot {
 
-/// Plain floating point, the honest baseline: a value within `tolerance`, relative to the lengths of its
-/// factors, counts as zero; tolerance 0 takes every sign as it comes. Not exact. Concept:
-/// arithmetic_fixed.hpp.
+/// Plain floating-point arithmetic, the baseline for comparisons. A value counts as zero if it lies within
+/// `tolerance`, relative to the lengths of its factors. With tolerance 0 every sign is taken as computed. Not
+/// exact. Concept: arithmetic_fixed.hpp.
 struct DoubleArithmetic {
   static constexpr bool uses_names = true;
   static constexpr bool signs_are_exact = false;

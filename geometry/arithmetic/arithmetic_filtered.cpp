@@ -9,8 +9,8 @@ namespace {
 using CGAL::Mpzf;
 using MpzfVec = std::array<Mpzf, 3>;
 
-// Mpzf keeps its exponents and limbs by integer operations; only making one from a double is sensitive to
-// nothing but the double itself, so the caller's rounding mode does not matter here.
+// Mpzf computes exponents and limbs with integer operations. Its construction from a double depends only on
+// the double, so the caller's rounding mode has no effect here.
 MpzfVec exact(GridPoint p) { return {Mpzf(p.x), Mpzf(p.y), Mpzf(p.z)}; }
 
 MpzfVec cross(const MpzfVec& a, const MpzfVec& b) {

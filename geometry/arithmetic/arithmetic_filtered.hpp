@@ -6,10 +6,14 @@
 
 #include "geometry/mesh/facet_cone.hpp"
 
+// Exact signs of the visibility predicates by CGAL's method: interval arithmetic first, then exact
+// multi-precision numbers (Mpzf) where an interval contains 0.
+
 namespace tubefoot {
 
-/// CGAL's way: intervals under one rounding guard per tube (the caller holds `Guard`), then Mpzf. Exact for
-/// any input coordinates that a double holds; here they are the grid's. Concept: arithmetic_fixed.hpp.
+/// Arithmetic with intervals first and Mpzf second, as CGAL does. The caller holds one `Guard` of the
+/// rounding mode per tube. Exact for all input coordinates that a double represents; here the input
+/// coordinates are those of the grid. Concept: arithmetic_fixed.hpp.
 struct FilteredArithmetic {
   static constexpr bool uses_names = true;
   static constexpr bool signs_are_exact = true;
@@ -22,8 +26,8 @@ struct FilteredArithmetic {
   };
   struct Plane {
     Interval n[3];
-    GridPoint a, b;                              ///< planes through two points
-    const FacetCone *i = nullptr, *j = nullptr;  ///< depth planes
+    GridPoint a, b;                              ///< for planes through two points
+    const FacetCone *i = nullptr, *j = nullptr;  ///< for depth planes
   };
   struct Corner {
     Interval v[3];
@@ -87,7 +91,7 @@ struct FilteredArithmetic {
     return s != 0 ? s : exact_nearer(f, p);
   }
 
-  /// The first tier: the sign where the interval excludes 0, else 0.
+  /// The first stage: returns the sign if the interval excludes 0, otherwise 0.
   int interval_side(const Corner& corner, const Plane& plane) const {
     return certain(corner.v[0] * plane.n[0] + corner.v[1] * plane.n[1] + corner.v[2] * plane.n[2]);
   }
@@ -98,7 +102,7 @@ struct FilteredArithmetic {
     return certain(f.c - (Interval(p.x) * f.n[0] + Interval(p.y) * f.n[1] + Interval(p.z) * f.n[2]));
   }
 
-  /// The last tier.
+  /// The second stage: returns the exact sign.
   static int exact_side(const Corner& corner, const Plane& plane);
   static int exact_side(GridPoint p, const Plane& plane);
   static int exact_nearer(const Facet& f, GridPoint p);

@@ -26,7 +26,7 @@ int FixedArithmetic::exact_side(const Corner& corner, const Plane& plane) {
 
 int FixedArithmetic::exact_side(GridPoint p, const Plane& plane) {
   if (!plane.i) return sign(dot(plane.exact, p));
-  // c_i (n_j . p) - c_j (n_i . p): 94 + 94 bits.
+  // c_i (n_j . p) - c_j (n_i . p): products of 94 and 94 bits.
   const WideInt towards_j = widen(plane.i->offset) * widen(dot(plane.j->normal, p)),
                 towards_i = widen(plane.j->offset) * widen(dot(plane.i->normal, p));
   return WideInt(towards_j - towards_i).sign();

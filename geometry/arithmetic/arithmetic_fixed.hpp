@@ -10,8 +10,8 @@
 #include "geometry/numbers/lane_bits.hpp"
 #include "geometry/numbers/wide_int.hpp"
 
-// The Arithmetic concept, and its default model. An arithmetic provides three types and the decisions on
-// them; nothing else in the kernel touches a number.
+// Defines the Arithmetic concept and its default model. An arithmetic provides three types and the predicates
+// on them. No other part of the kernel computes with numbers.
 //
 // clang-format off
 //   Plane                   a plane through the apex
@@ -20,32 +20,43 @@
 //   Corner                  a ray from the apex
 //     point(corner, d)        in the direction d
 //     meet(corner, p, q, s)   in the direction s * (n_p x n_q)
-//   Facet                   a facet's plane n . x = c
+//   Facet                   the plane n . x = c of a facet
 //     facet(f, cone)
 //   side(corner, plane)     sign of normal . direction
 //   side(point, plane)      the same for an input point
 //   nearer(facet, point)    sign of c - n . point: +1 on the apex's side
-//   uses_names              whether zeros that follow from names alone are settled without arithmetic
+//   uses_names              whether zeros that follow from names alone need no arithmetic
 //   signs_are_exact         whether all signs are those of the exact values
-// and, if there is a first tier that is sure of most signs, what the default has:
+// An arithmetic with a fast first stage also provides these members of the default model:
 //   double_side(), FourHalves, double_sides()
 // clang-format on
 //
 // Law A1 (cyclic): side(meet(p, q), r) = side(meet(q, r), p) = side(meet(r, p), q).
+//
 // Law A2 (antisymmetric): side(meet(q, p), r) = side(meet(p, r), q) = -side(meet(p, q), r).
+//
 // Law A3 (turning): side(meet(p, q), r) changes sign with each normal, and with s.
+//
 // Law A4 (own planes): side(meet(p, q), p) = side(meet(p, q), q) = 0.
-// Law A5 (points): side(d, through(a, b)) is the sign of det(a, b, d), whether d is a point or a corner.
-// Law A6 (nearer): nearer(facet, d) is the sign of c - n . d, 0 for the facet's own vertices.
-// Law A7 (depth): depth(j, i) = -depth(i, j); depth(i, j), depth(j, k) and depth(k, i) meet in one line; for
-//   a vertex d of i beyond the plane of j, side(d, depth(i, j)) = -nearer(j, d), 0 for a vertex in common.
-// Law A8 (one sign): every exact arithmetic, and every tier of it by itself, answers with the same signs.
-// Law A9 (bounds): a value in double differs from the exact one by no more than the error told with it.
+//
+// Law A5 (points): side(d, through(a, b)) is the sign of det(a, b, d), for a point d and for a corner d.
+//
+// Law A6 (nearer): nearer(facet, d) is the sign of c - n . d, which is 0 for the facet's own vertices.
+//
+// Law A7 (depth): depth(j, i) = -depth(i, j). The planes depth(i, j), depth(j, k) and depth(k, i) meet in one
+// line. For a vertex d of i beyond the plane of j, side(d, depth(i, j)) = -nearer(j, d), which is 0 for a
+// common vertex.
+//
+// Law A8 (one sign): all exact arithmetics, and each of their stages by itself, return the same signs.
+//
+// Law A9 (bounds): a value in double differs from the exact value by at most the error bound stored with it.
+//
 // Law A10 (budget): no integer overflows for coordinates of up to 2^30 (docs/bit-budget.md).
 namespace tubefoot {
 
-/// 64-bit normals with a double in front: the sign of a double where it exceeds its error bound, else 128-
-/// and 192-bit integers, else (depth planes only) 512-bit integers. Exact; allocates nothing.
+/// 64-bit normals with a filter in double. A predicate returns the sign of a double that exceeds its error
+/// bound. Otherwise it computes with 128- and 192-bit integers, or with 512-bit integers if a depth plane is
+/// involved. Exact; allocates no memory.
 struct FixedArithmetic {
   static constexpr bool uses_names = true;
   static constexpr bool signs_are_exact = true;
@@ -58,10 +69,10 @@ struct FixedArithmetic {
 
   struct Plane {
     double n[3];
-    double size = 0;                             ///< bound on |n|, each coordinate
-    double error = 0;                            ///< bound on the error of each coordinate
-    Vec64 exact;                                 ///< planes through two points
-    const FacetCone *i = nullptr, *j = nullptr;  ///< depth planes: c_i n_j - c_j n_i
+    double size = 0;                             ///< bound on the magnitude of each coordinate of n
+    double error = 0;                            ///< bound on the error of each coordinate of n
+    Vec64 exact;                                 ///< for planes through two points
+    const FacetCone *i = nullptr, *j = nullptr;  ///< for depth planes: c_i n_j - c_j n_i
   };
 
   struct Corner {
@@ -72,11 +83,11 @@ struct FixedArithmetic {
     int sign = 1;
   };
 
-  /// Half-spaces of up to four planes, side by side.
+  /// Up to four half-spaces, stored side by side for vector instructions.
   struct FourHalves {
     struct Two {
       std::array<TwoDoubles, 3> n{};
-      TwoDoubles size{}, rounding{};  ///< of the first tier's bounds
+      TwoDoubles size{}, rounding{};  ///< terms of the error bounds of the first stage
     };
     std::array<Two, 2> two;
 
@@ -87,8 +98,8 @@ struct FixedArithmetic {
       pair.rounding[k % 2] = plane.error + 4 * u * plane.size;
     }
   };
-  /// Bit k: surely inside half-space k; bit 4 + k: surely outside; neither: in ambiguity, or no half-space
-  /// there.
+  /// Bit k: certainly inside half-space k. Bit 4 + k: certainly outside. Neither bit: undecided, or
+  /// half-space k is not set.
   using FourSides = unsigned;
 
   void through(Plane& plane, GridPoint a, GridPoint b) const {
@@ -108,7 +119,7 @@ struct FixedArithmetic {
       plane.n[k] = p - q;
       products = std::max(products, std::abs(p) + std::abs(q));
     }
-    // Each factor is rounded once, each product once, the difference once.
+    // The error bound counts one rounding of each factor, one of each product and one of the difference.
     plane.error = 5 * u * products;
     plane.size = largest(plane.n) + plane.error;
     plane.i = i.cone;
@@ -138,7 +149,8 @@ struct FixedArithmetic {
     corner.v[0] = sign * (p.n[1] * q.n[2] - p.n[2] * q.n[1]);
     corner.v[1] = sign * (p.n[2] * q.n[0] - p.n[0] * q.n[2]);
     corner.v[2] = sign * (p.n[0] * q.n[1] - p.n[1] * q.n[0]);
-    // Two products, each of rounded factors, rounded, and their difference, rounded; 10 covers second order.
+    // The error bound counts two products of rounded factors and the rounding of their difference. The factor
+    // 10 covers second-order terms.
     corner.error =
         2.01 * (p.size * q.error + q.size * p.error + p.error * q.error) + 10 * u * p.size * q.size;
     corner.size = largest(corner.v) + corner.error;
@@ -160,7 +172,7 @@ struct FixedArithmetic {
     return s != 0 ? s : exact_nearer(f, p);
   }
 
-  /// The first tier: the sign where the double exceeds its error bound, else 0.
+  /// The first stage: returns the sign if the double exceeds its error bound, otherwise 0.
   int double_side(const Corner& corner, const Plane& plane) const {
     const double d = corner.v[0] * plane.n[0] + corner.v[1] * plane.n[1] + corner.v[2] * plane.n[2];
     const double bound =
@@ -180,7 +192,7 @@ struct FixedArithmetic {
     return beyond(d, 8 * u * (std::abs(x) + std::abs(y) + std::abs(z) + f.c));
   }
 
-  /// The first tier of four at once: double_side() of a corner, or of a point's, on each of them.
+  /// The first stage for four half-spaces at once: double_side() of a corner or of a point for each of them.
   FourSides double_sides(const Corner& corner, const FourHalves& halves) const {
     return double_sides(corner.v[0], corner.v[1], corner.v[2], corner.size, corner.error, halves);
   }
@@ -189,7 +201,7 @@ struct FixedArithmetic {
     return double_sides(x, y, z, std::max({std::abs(x), std::abs(y), std::abs(z)}), 0, halves);
   }
 
-  /// The last tier, decided by integers alone; also the oracle of the filter's tests.
+  /// The last stage, which computes with integers only. The tests of the filter use it as reference.
   static int exact_side(const Corner& corner, const Plane& plane);
   static int exact_side(GridPoint p, const Plane& plane);
   static int exact_nearer(const Facet& f, GridPoint p) {

@@ -10,8 +10,8 @@
 
 namespace tubefoot {
 
-/// Everything constructed in rationals, no zero settled by name: the slow oracle. Concept:
-/// arithmetic_fixed.hpp.
+/// Constructs all values as rationals and settles no zero by names. Slow; the tests use it as reference.
+/// Concept: arithmetic_fixed.hpp.
 struct RationalArithmetic {
   static constexpr bool uses_names = false;
   static constexpr bool signs_are_exact = true;

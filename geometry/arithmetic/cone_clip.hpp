@@ -7,15 +7,16 @@
 
 #include "geometry/mesh/names.hpp"
 
-// Clipping of convex cones by planes through their apex, on any arithmetic (concept: arithmetic_fixed.hpp).
+// Clips convex cones by planes through their apex, with any arithmetic (concept: arithmetic_fixed.hpp). Signs
+// that follow from the names of points and planes are decided without arithmetic.
 namespace tubefoot {
 
-/// A plane with its name. Planes are referred to by address while a tube is worked on.
+/// A plane with its name. The code refers to a plane by its address while it computes a tube.
 template <class A>
 struct ClipPlane {
   typename A::Plane plane;
   PlaneName name;
-  GridPoint points[2];  ///< of the names a and b, for planes through two points
+  GridPoint points[2];  ///< the points of the names a and b, for planes through two points
 };
 
 /// A side of a plane: the half-space sign * normal . d >= 0.
@@ -25,16 +26,16 @@ struct Half {
   int sign = 1;
 };
 
-/// A corner of a cone and the half-space whose plane bounds the cone from this corner to the next.
+/// A corner of a cone, with the half-space whose plane bounds the cone from this corner to the next one.
 template <class A>
 struct ClipCorner {
   typename A::Corner corner;
   PointId point = no_point;
-  Half<A> p, q;  ///< if not a point: direction sign_p n_p x sign_q n_q
+  Half<A> p, q;  ///< if the corner is not a point: direction sign_p n_p x sign_q n_q
   Half<A> edge;
 };
 
-/// Convex cones in one growing buffer: a piece is a range of it.
+/// Convex cones in one growing buffer. A piece is a range of this buffer.
 template <class A>
 using CornerBuffer = std::vector<ClipCorner<A>>;
 
@@ -43,7 +44,7 @@ struct PieceRange {
   friend bool operator==(const PieceRange&, const PieceRange&) = default;
 };
 
-/// Into `c`, a new corner.
+/// Writes the corner at an input point to `c`.
 template <class A>
 void point_corner(const A& arithmetic, PointId id, GridPoint direction, Half<A> edge, ClipCorner<A>& c) {
   arithmetic.point(c.corner, direction);
@@ -51,8 +52,9 @@ void point_corner(const A& arithmetic, PointId id, GridPoint direction, Half<A> 
   c.edge = edge;
 }
 
-/// The corner where a cone turns from half-space p to half-space q. Two planes through the same point meet in
-/// the ray of that point, or opposite to it; which of the two is a determinant of three input points.
+/// Computes the corner at which a cone turns from half-space p to half-space q. Two planes through the same
+/// point meet in the ray of that point or in the opposite ray. The sign of a determinant of three input
+/// points distinguishes the two.
 template <class A>
 void meet(const A& arithmetic, Half<A> p, Half<A> q, Half<A> edge, ClipCorner<A>& c) {
   c.edge = edge;
@@ -65,7 +67,7 @@ void meet(const A& arithmetic, Half<A> p, Half<A> q, Half<A> edge, ClipCorner<A>
         for (int j = 0; j < 2; ++j) {
           const PointId id = i == 0 ? np.a : np.b;
           if (id != (j == 0 ? nq.a : nq.b)) continue;
-          // (V x W) x (V x U) = V det(V, W, U), and V x U is the normal of q up to the order of its points.
+          // (V x W) x (V x U) = V det(V, W, U). V x U is the normal of q up to the order of its points.
           const GridPoint v = p.plane->points[i], w = p.plane->points[1 - i];
           const int order = (i == 0 ? 1 : -1) * p.sign * q.sign;
           if (order * arithmetic.side(w, q.plane->plane) * -1 > 0) {
@@ -81,8 +83,8 @@ void meet(const A& arithmetic, Half<A> p, Half<A> q, Half<A> edge, ClipCorner<A>
   arithmetic.meet(c.corner, p.plane->plane, q.plane->plane, p.sign * q.sign);
 }
 
-/// Sign of half . corner where a first look leaves it in ambiguity: zeros that follow from names are settled
-/// before any arithmetic.
+/// Returns the sign of half . corner when the first stage cannot decide it. Zeros that follow from names are
+/// found before any arithmetic.
 template <class A>
 int ambiguous_side(const A& arithmetic, const ClipCorner<A>& c, Half<A> half) {
   if constexpr (A::uses_names) {
@@ -95,7 +97,8 @@ int ambiguous_side(const A& arithmetic, const ClipCorner<A>& c, Half<A> half) {
   return half.sign * arithmetic.side(c.corner, half.plane->plane);
 }
 
-/// Sign of half . corner. What a double is sure of is not zero, so names need not be asked.
+/// Returns the sign of half . corner. A sign that double certifies is not zero, so the names need no
+/// comparison then.
 template <class A>
 int side(const A& arithmetic, const ClipCorner<A>& c, Half<A> half) {
   if constexpr (requires { arithmetic.double_side(c.corner, half.plane->plane); })
@@ -103,8 +106,9 @@ int side(const A& arithmetic, const ClipCorner<A>& c, Half<A> half) {
   return ambiguous_side(arithmetic, c, half);
 }
 
-/// Appends to `buffer` the part of `piece` (sides given, one per corner, with at least one positive and one
-/// negative) inside `half`. Works on any pattern of signs, so that an inexact arithmetic cannot break it.
+/// Appends the part of `piece` inside `half` to `buffer`. `sides` has one sign per corner, at least one of
+/// them positive and one negative. The function accepts every pattern of signs, so that an inexact arithmetic
+/// cannot break it.
 template <class A>
 PieceRange clip(const A& arithmetic, CornerBuffer<A>& buffer, PieceRange piece, Half<A> half,
                 const int* sides) {

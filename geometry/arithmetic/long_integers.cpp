@@ -8,7 +8,7 @@
 namespace tubefoot {
 namespace {
 
-/// Below, an operation takes less than some hundredths of a second.
+/// Below this number of bits an operation takes less than some hundredths of a second.
 constexpr std::size_t long_bits = std::size_t{1} << 20;
 
 std::size_t bits_of(const Integer& a) { return mpz_sizeinbase(a.backend().data(), 2); }

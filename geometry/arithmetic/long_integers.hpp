@@ -5,27 +5,28 @@
 #include <string>
 #include <vector>
 
-// Integers of any length and fractions of them. One operation on millions of digits takes many seconds: those
-// of this file can be stopped in their middle (geometry/steps/long_call.hpp). Heavy: include only in .cpp
-// files.
+// Integers of any length and fractions of them. One operation on millions of digits takes many seconds. The
+// operations of this file can be stopped while they run (geometry/steps/long_call.hpp). This header is
+// expensive to compile: include it only in .cpp files.
 namespace tubefoot {
 
 using Integer = boost::multiprecision::mpz_int;
 
-/// Not reduced: a sum of many costs products, not greatest common divisors.
+/// A fraction that is not reduced. The sum of many fractions therefore needs products but no greatest common
+/// divisors.
 struct Fraction {
   Integer numerator = 0, denominator = 1;
 };
 
 Integer product(const Integer& a, const Integer& b);
-/// As a balanced tree.
+/// Adds the terms as a balanced tree.
 Fraction sum(const std::vector<Fraction>& terms);
 bool equal(const Fraction& a, const Fraction& b);
-/// With a denominator above 0 and no common divisor.
+/// Returns the fraction with a denominator above 0 and without a common divisor.
 Fraction reduced(const Fraction& fraction);
-/// Numerator and denominator scaled to what a double holds.
+/// Returns the quotient as a double. Numerator and denominator are first scaled to the range of a double.
 double ratio(const Integer& numerator, const Integer& denominator);
-/// Its decimal digits.
+/// Returns the decimal digits of a.
 std::string digits_of(const Integer& a);
 
 }  // namespace tubefoot

@@ -4,14 +4,15 @@
 #include "geometry/arithmetic/exact_corner.hpp"
 #include "geometry/arithmetic/wide_vector.hpp"
 
-// Heavy, as wide_int.hpp.
+// Expensive to compile, as wide_int.hpp is.
 namespace tubefoot {
 
-/// Normal of a plane, exactly.
+/// Returns the exact normal of a plane.
 WideVec wide_normal(const NameContext& context, const PlaneName& plane);
 
-/// Direction of a corner's ray, exactly.
-/// Law E2 (names): up to a positive factor it is the direction that the names stand for (names.hpp).
+/// Returns the exact direction of a corner's ray.
+///
+/// Law E2 (names): up to a positive factor it is the direction that the names define (names.hpp).
 WideVec wide_direction(const NameContext& context, const CornerName& corner);
 
 }  // namespace tubefoot

@@ -6,7 +6,7 @@
 #include "geometry/mesh/facet_cone.hpp"
 #include "geometry/numbers/wide_int.hpp"
 
-// Vectors of 512-bit integers, for whatever involves a depth plane.
+// Vectors of 512-bit integers, for computations that involve a depth plane.
 namespace tubefoot {
 
 using WideVec = std::array<WideInt, 3>;
@@ -22,7 +22,8 @@ inline WideInt dot(const WideVec& a, const WideVec& b) {
   return WideInt(a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
 }
 
-/// Normal of the plane on which two facets are equally deep; its positive side is where j is the nearer one.
+/// Returns the normal of the plane on which two facets are equally deep. Facet j is the nearer one on the
+/// positive side.
 inline WideVec depth_normal(const FacetCone& i, const FacetCone& j) {
   const WideInt ci = widen(i.offset), cj = widen(j.offset);
   const WideVec ni = widen(i.normal), nj = widen(j.normal);

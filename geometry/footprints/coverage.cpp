@@ -14,6 +14,10 @@
 #include "geometry/footprints/line_areas.hpp"
 #include "geometry/steps/stop.hpp"
 
+// Overlays the regions that the looks see of each facet. Each region splits the cells of the facet that it
+// meets, and the cells count pings. The areas of the cells are added as rationals and compared with the
+// facet's area (docs/coverage.md).
+
 namespace tubefoot {
 namespace {
 
@@ -49,9 +53,10 @@ struct Cell {
   }
 };
 
-/// Cells with their areas by what is known of them.
+/// Cells, with their areas by number of pings and position in the sector.
 struct Overlay {
-  using Key = std::pair<std::uint32_t, bool>;  ///< pings; in the sector of some
+  using Key =
+      std::pair<std::uint32_t, bool>;  ///< number of pings; whether the cell is in the sector of some ping
   std::map<Key, std::vector<Fraction>> areas;
   std::vector<CoverageCell> cells;
   std::vector<glm::dvec2> corners;
@@ -69,7 +74,7 @@ struct Overlay {
   }
 };
 
-/// Each region in turn splits the cells that it meets, where it borders.
+/// Splits, for each region in turn, the cells that its border crosses.
 Overlay overlaid(const LinePolygon& place, std::span<const FacetRegion* const> regions) {
   LineStore store;
   std::vector<Cell> cells(1);
@@ -107,7 +112,7 @@ Overlay overlaid(const LinePolygon& place, std::span<const FacetRegion* const> r
   return result;
 }
 
-/// Where many regions meet a place it is halved first, so that each is held against few cells.
+/// Halves a place that many regions meet, so that each region is compared with few cells.
 Overlay overlaid_in_halves(const LinePolygon& place, std::vector<const FacetRegion*> regions, int depth) {
   constexpr std::size_t few = 600, many = 2000;
   const ChartBox box = box_of(corners_of(place));
@@ -122,7 +127,7 @@ Overlay overlaid_in_halves(const LinePolygon& place, std::vector<const FacetRegi
     if (from <= static_cast<double>(middle)) below.push_back(region);
     if (to >= static_cast<double>(middle)) above.push_back(region);
   }
-  // Regions that lie on top of each other are not resolved by halving.
+  // Halving does not separate regions that overlap each other.
   const std::size_t most = regions.size() - regions.size() / 6;
   if (below.size() > most && above.size() > most) return overlaid(place, regions);
   const PlaneLine cut = PlaneLine::of(wide ? 1 : 0, wide ? 0 : 1, -HugeInt(middle));
@@ -164,7 +169,7 @@ bool may_be_within(const FacetMesh& mesh, FacetId facet, const TubeSet& tubes, s
 
 Coverage::Coverage(const FacetMesh& mesh, const SceneTree& tree, std::span<const CoverageLook> looks)
     : mesh_(mesh), tree_(tree), looks_(looks) {
-  // Of a facet that a ping sees all of, nothing lies in a shadow.
+  // A facet that some ping sees whole has no part in shadow.
   std::vector<char> seen_whole(mesh.facets.size(), 0);
   for (std::uint32_t l = 0; l < looks.size(); ++l) {
     parted_ = parted_ || looks[l].tx.seabed || (looks[l].rx && looks[l].rx->seabed);
@@ -204,7 +209,7 @@ void Coverage::add_within(std::uint32_t l, bool rx, const std::vector<char>& see
   const CoverageEnd& end = rx ? *look.rx : look.tx;
   const FacetMesh& mesh = end.seabed ? end.seabed->mesh : mesh_;
   const SceneTree& tree = end.seabed ? *end.seabed->tree : tree_;
-  // Parts that the look itself sees whole; with one end that is enough.
+  // Parts that the look itself sees whole. With one end this suffices.
   std::vector<char> part_whole;
   if (end.seabed && !look.rx) {
     part_whole.resize(mesh.facets.size(), 0);
@@ -223,7 +228,7 @@ void Coverage::add_within(std::uint32_t l, bool rx, const std::vector<char>& see
       walls[k] = {static_cast<double>(n.x), static_cast<double>(n.y), static_cast<double>(n.z)};
     }
     candidates.clear();
-    // Half a path may be less than the range from one of its ends.
+    // Half a path length can be less than the range from one of its ends.
     tree.query(tubes.apex, walls, look.rx ? tubes.reach : std::min(tubes.reach, look.farthest), candidates);
     for (const FacetId own : candidates) {
       const FacetId facet = end.base_of(own);
@@ -253,8 +258,8 @@ void Coverage::index() {
   }
 }
 
-/// Which facets of an end's seabed these are of: one, unless the end calls several alike, as images in
-/// mirrors do that cut a facet.
+/// Returns the facets of an end's seabed to which these parts belong. This is one facet, unless several
+/// facets of the end have the same name, as images in mirrors have that cut a facet.
 std::vector<FacetId> Coverage::own_parts(std::span<const Part> parts) {
   std::vector<FacetId> own;
   for (const Part& part : parts)
@@ -262,7 +267,7 @@ std::vector<FacetId> Coverage::own_parts(std::span<const Part> parts) {
   return own;
 }
 
-/// Parts of one facet: what looks see, or what they have in their tubes.
+/// Adds the regions of parts of one facet: visible polygons of the looks, or the areas in their tubes.
 void Coverage::add_regions(FacetRegions& facet, std::span<const Part> parts) const {
   const auto polygon = [&](const FacetRegions::Aspect& from, const Part& part) {
     return part.piece == no_piece ? facet.within(from, part.tube) : facet.seen(from, part.tube, part.piece);
@@ -372,7 +377,7 @@ FacetId Coverage::occluder(const FacetCoverage& of, const CoverageCell& cell) co
   };
   const auto hides = [&](const CoverageEnd& end, FacetId own) {
     if (!end.seabed) return first_in_the_way(mesh_, tree_, end.tubes.apex, middle);
-    // Where it lies between the part's corners, it is in the seabed.
+    // The point in the end's seabed that lies between the part's corners as the middle does.
     const glm::dvec3 origin = corner(mesh_, of.facet, 0), along = corner(mesh_, of.facet, 1) - origin,
                      across = corner(mesh_, of.facet, 2) - origin, n = glm::cross(along, across);
     const double area2 = glm::dot(n, n) / static_cast<double>(whole_weight);

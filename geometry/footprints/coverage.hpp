@@ -16,96 +16,109 @@
 #include "geometry/tubes/tube.hpp"
 #include "geometry/visibility/visibility.hpp"
 
-// How often each part of each facet is seen by many pings: exactly. docs/coverage.md
+// Computes how many pings see each part of each facet, in exact arithmetic (docs/coverage.md). The parts of a
+// facet that the transmissions see are overlaid as convex polygons. The areas of the resulting cells are
+// rationals.
 namespace tubefoot {
 
 class FacetRegions;
 
 inline constexpr FacetId no_facet = std::numeric_limits<FacetId>::max();
 
-/// Facets of a look's own: parts of the covered mesh's facets, or images of parts, which may lie and seem
-/// anywhere. A point of a part is that of its facet which lies as it does between corners. Parts of a facet
-/// have no common area.
+/// The facets of one end's own seabed. They are parts of the covered mesh's facets, or images of such parts,
+/// at any position and apparent position. A point lies between the corners of its part as it lies between the
+/// corresponding points of the covered facet. Parts of one facet have no common area.
 struct SurfaceParts {
   FacetMesh mesh;
-  std::unique_ptr<const SceneTree> tree;  ///< of this mesh
-  std::vector<FacetId> base;              ///< by facet: the covered one
-  std::vector<PartWeights> weights;       ///< by facet
-  /// By facet: facets of two ends' seabeds of the same name are the same part; or, where each end's mirrors
-  /// cut facets for themselves and all is seen where it lies, parts of the same.
+  std::unique_ptr<const SceneTree> tree;  ///< search tree of this mesh
+  std::vector<FacetId> base;              ///< per facet: the facet of the covered mesh
+  std::vector<PartWeights> weights;       ///< per facet: weights of the corners in the covered facet
+  /// Per facet: a name. Facets of the same name in the seabeds of two ends are the same part. If the mirrors
+  /// of each end cut the facets separately and no position is refracted, they are parts of the same facet.
   std::vector<FacetId> name;
 };
 
-/// What one end of a ping's paths sees.
+/// The visible polygons of one end of a ping's paths.
 struct CoverageEnd {
   TubeSet tubes;
   std::vector<TubeVisibility> seen;                 ///< per tube, by an exact arithmetic
-  std::shared_ptr<const SurfaceParts> seabed = {};  ///< what it looks at; null: the covered mesh
+  std::shared_ptr<const SurfaceParts> seabed = {};  ///< the surface that the end sees; null: the covered mesh
 
   FacetId base_of(FacetId facet) const { return seabed ? seabed->base[facet] : facet; }
   FacetId name_of(FacetId facet) const { return seabed ? seabed->name[facet] : facet; }
 };
 
-/// What one transmission of a ping sees.
+/// The visible polygons of one transmission of a ping.
 struct CoverageLook {
-  std::uint32_t ping = 0;  ///< what several looks of one ping see counts once
+  std::uint32_t ping = 0;  ///< several looks of one ping count once
   CoverageEnd tx;
-  /// The window of half paths, grid units. A facet that reaches beyond it is cut (docs/coverage.md).
+  /// The range gate of half path lengths, in grid units. A facet that reaches beyond the gate is cut
+  /// (docs/coverage.md).
   double nearest = 0, farthest = std::numeric_limits<double>::infinity();
-  /// A receiver elsewhere. Seen is then what both ends see of the same side, and in the sector what both have
-  /// in their tubes.
+  /// A separate receiver. A part is then seen if both ends see it from the same side. It is in the sector if
+  /// both ends have it in their tubes.
   std::optional<CoverageEnd> rx = {};
 };
 
-/// A part of a facet's area that so many pings see.
+/// A part of a facet's area that the given number of pings sees.
 struct AreaShare {
   std::uint32_t pings = 0;
-  double share = 0;   ///< of the facet's area
+  double share = 0;   ///< fraction of the facet's area
   std::string exact;  ///< the same as a reduced fraction, "p/q" (or "0", "1")
 };
 
-/// A convex part of a facet, the same pings seeing all of it.
+/// A convex part of a facet of which the same pings see every point.
 struct CoverageCell {
-  std::uint32_t pings = 0;       ///< that see it
-  std::uint32_t in_sector = 0;   ///< where none sees it: pings in whose tubes and window it lies, hidden
-  std::uint32_t first_look = 0;  ///< where it lies hidden: the first look that has it in its tubes
-  std::array<FacetId, 2> first_parts{};  ///< and which facets of its ends' seabeds lie there
-  std::uint32_t first = 0, count = 0;    ///< corners, counter-clockwise about the facet's normal
+  std::uint32_t pings = 0;  ///< number of pings that see the cell
+  std::uint32_t in_sector =
+      0;  ///< if no ping sees the cell: pings that have the cell in their tubes and range gate, hidden
+  std::uint32_t first_look = 0;  ///< for a hidden cell: the first look that has it in its tubes
+  std::array<FacetId, 2>
+      first_parts{};  ///< for a hidden cell: the facets at it in the seabeds of this look's two ends
+  std::uint32_t first = 0, count = 0;  ///< corners, counter-clockwise about the facet's normal
 };
 
 struct FacetCoverage {
   FacetId facet = 0;
-  bool closes = false;              ///< whether the shares add up to 1, as an equality of rationals
-  std::vector<AreaShare> by_pings;  ///< by increasing number of pings, 0 (never seen) included; no empty ones
-  AreaShare seen;                   ///< by one ping or more; `pings` is the most
-  AreaShare shadow;  ///< never seen, though in the tubes and window of a ping; `pings`: the most that have it
-  std::vector<CoverageCell> cells;  ///< they partition the facet
-  std::vector<glm::dvec3> corners;  ///< grid units; the exact ones, rounded once
+  bool closes = false;  ///< whether the shares add up to 1, as an equality of rationals
+  std::vector<AreaShare>
+      by_pings;      ///< by increasing number of pings, including 0 (never seen); only shares above 0
+  AreaShare seen;    ///< seen by one ping or more; `pings` is the largest number
+  AreaShare shadow;  ///< never seen, although in the tubes and range gate of a ping; `pings` is the largest
+                     ///< number of such pings
+  std::vector<CoverageCell> cells;  ///< a partition of the facet
+  std::vector<glm::dvec3> corners;  ///< grid units; the exact corners, rounded once
   bool met() const { return seen.share > 0 || shadow.share > 0; }
 };
 
-/// Overlays what many looks see, facet by facet.
-/// Law O1 (coverage): shares by number of pings are those of inclusion and exclusion in rationals.
-/// Law O2 (order): neither the order of pings nor how tubes are split changes them.
-/// Law O3 (parts): nor how the looks' own seabeds part its facets.
-/// Law O4 (ends): nor which of two ends is the transmit leg; both in one place see what one does.
+/// Overlays the visible polygons of many looks, facet by facet.
+///
+/// Law O1 (coverage): the shares by number of pings equal those of inclusion and exclusion in rationals.
+///
+/// Law O2 (order): the order of pings and the division into tubes do not change the shares.
+///
+/// Law O3 (parts): the division of the facets in the looks' own seabeds does not change the shares.
+///
+/// Law O4 (ends): an exchange of the two ends does not change the shares; two ends at one position give the
+/// shares of one end.
 class Coverage {
  public:
-  /// Mesh, tree and looks must outlive it; looks are ordered by ping.
+  /// Mesh, tree and looks must outlive the object. Looks are ordered by ping.
   Coverage(const FacetMesh& mesh, const SceneTree& tree, std::span<const CoverageLook> looks);
 
-  /// Facets that may lie in the tubes of a look.
+  /// Returns the number of facets that may lie in the tubes of a look.
   std::size_t facets() const { return groups_.size(); }
   FacetId facet_of(std::size_t number) const {
     const Group& group = groups_[number];
     return group.seen < group.seen_end ? seen_[group.seen].facet : within_[group.within].facet;
   }
-  /// The facet of that number, in the order of facet ids. Thread-safe; the result does not depend on threads.
+  /// Computes the facet of that number, in the order of facet ids. Thread-safe; the result does not depend on
+  /// the number of threads.
   FacetCoverage facet(std::size_t number) const;
 
-  /// What comes first on the way from the first look of a hidden cell to its middle (from its way home, if
-  /// the transmit leg is free): a facet of the mesh, no_facet where there is none or it is too close to tell.
-  /// In double.
+  /// Returns the facet that hides the middle of a hidden cell from the first look that has the cell in its
+  /// tubes. The transmit leg is tested first, then the receive leg. Returns no_facet if there is none or it
+  /// is too close to be distinguished. Computes in double.
   FacetId occluder(const FacetCoverage& of, const CoverageCell& cell) const;
 
  private:
@@ -114,7 +127,7 @@ class Coverage {
     std::uint32_t look = 0;
     FacetId name = 0;
     bool rx = false;
-    FacetId own = 0;                    ///< in the end's seabed
+    FacetId own = 0;                    ///< facet of the end's seabed
     std::uint32_t tube = 0, piece = 0;  ///< piece: no_piece for the tube itself
   };
   struct Group {
@@ -130,13 +143,13 @@ class Coverage {
   const FacetMesh& mesh_;
   const SceneTree& tree_;
   std::span<const CoverageLook> looks_;
-  std::vector<Part> seen_, within_;  ///< by facet, then look, tube and piece
+  std::vector<Part> seen_, within_;  ///< ordered by facet, then look, tube and piece
   std::vector<Group> groups_;
-  bool parted_ = false;  ///< some look has a seabed of its own
+  bool parted_ = false;  ///< whether some look has a seabed of its own
 };
 
-/// The facet that the line from an apex to a point meets first, before the point; `no_facet` if there is
-/// none. In double.
+/// Returns the first facet that the line from an apex to a point meets before the point, or `no_facet` if
+/// there is none. Computes in double.
 FacetId first_in_the_way(const FacetMesh& mesh, const SceneTree& tree, GridPoint apex, glm::dvec3 point);
 
 }  // namespace tubefoot

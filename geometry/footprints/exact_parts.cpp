@@ -11,7 +11,7 @@ namespace {
 
 using Rational = CGAL::Exact_rational;
 
-/// Of a cone's vertices, which may be turned, to the mesh's order.
+/// Reorders the weights of a cone's vertices, which may be reversed, to the order of the mesh.
 ExactWeights in_order_of(const FacetCone& cone, const ExactWeights& weights) {
   if (!cone.reversed) return weights;
   return {weights[0], weights[2], weights[1]};
@@ -68,7 +68,7 @@ std::vector<ExactPart> FootprintSharer::exact(std::size_t number) const {
       for (std::size_t k = 0; k < polygon.size(); ++k) {
         const PlaneLine &p = *polygon[k == 0 ? polygon.size() - 1 : k - 1], &q = *polygon[k];
         const Integer z = integer(HugeInt(p.a * q.b - p.b * q.a));
-        if (z == 0) continue;  // what plain doubles saw may border on one line twice
+        if (z == 0) continue;  // in plain double a polygon can have the same line twice
         const Rational x = Rational(integer(HugeInt(p.b * q.c - p.c * q.b))) / Rational(z),
                        y = Rational(integer(HugeInt(p.c * q.a - p.a * q.c))) / Rational(z);
         const Rational one = (x * second[1] - y * second[0]) / whole,

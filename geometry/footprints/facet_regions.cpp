@@ -12,6 +12,10 @@
 #include "geometry/footprints/range_ring.hpp"
 #include "geometry/steps/stop.hpp"
 
+// Computes the polygons of visible pieces, of tubes and of range gates in a chart of one facet. Edges of
+// visible pieces are exact images of planes through the apex. The circles of the range gate are replaced by
+// polygons on the grid (range_ring.hpp).
+
 namespace tubefoot {
 namespace {
 
@@ -31,7 +35,7 @@ FacetCone facet_plane(const FacetMesh& mesh, FacetId facet) {
 
 std::int64_t coordinate(GridPoint p, int axis) { return axis == 0 ? p.x : axis == 1 ? p.y : p.z; }
 
-/// The line from one point of the grid to the next, inside to its left.
+/// Returns the line from one grid point to the next, with the inside to its left.
 PlaneLine line_between(std::int64_t u0, std::int64_t v0, std::int64_t u1, std::int64_t v1) {
   const HugeInt a = v0 - v1, b = u1 - u0;
   return PlaneLine::of(a, b, -(a * HugeInt(u0) + b * HugeInt(v0)));
@@ -179,7 +183,8 @@ FacetRegions::Window FacetRegions::window(const CoverageLook& look, const Aspect
         return std::array{vector(of.corners[0]), vector(of.corners[1]), vector(of.corners[2])};
       };
       if (rx->on_chart == tx.on_chart) return half_path_ring(places(tx), places(*rx), range, side);
-      // Parts of the same that each end's mirrors have cut: it lies in one place.
+      // The parts have been cut by the mirrors of each end separately. They belong to one facet at one
+      // position.
       Aspect same = tx;
       const GridPoint apart = rx->end->tubes.apex - tx.end->tubes.apex;
       for (GridPoint& corner : same.corners) corner = corner - apart;
@@ -267,7 +272,7 @@ LinePolygon FacetRegions::within(const Aspect& from, std::uint32_t tube) {
 
 bool surely_in_window(const CoverageLook& look, const FacetMesh& mesh, FacetId tx, const FacetMesh& there,
                       FacetId rx) {
-  // The mean of both ends' ranges, each bounded by itself.
+  // The code bounds the range from each end separately and takes the mean.
   double farthest = 0, nearest = 0;
   const auto add = [&](const FacetMesh& its, FacetId facet, GridPoint apex) {
     double reach = 0;

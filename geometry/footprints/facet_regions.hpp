@@ -9,11 +9,12 @@
 #include "geometry/footprints/coverage.hpp"
 #include "geometry/footprints/plane_lines.hpp"
 
-// What looks see of one facet as convex polygons in the facet's own coordinates. Heavy: include only in .cpp
-// files.
+// Represents the parts of one facet that looks see as convex polygons in a chart of the facet. The lines of
+// the polygons have exact coefficients (plane_lines.hpp). This header is expensive to compile: include it
+// only in .cpp files.
 namespace tubefoot {
 
-/// Lines that live as long as this, with their opposites.
+/// Stores lines and their opposites for its own lifetime.
 class LineStore {
  public:
   const PlaneLine* keep(PlaneLine line) {
@@ -26,7 +27,7 @@ class LineStore {
   std::deque<PlaneLine> lines_;
 };
 
-/// Where a polygon lies on its chart, rounding included.
+/// Bounding box of a polygon on its chart, including rounding errors.
 struct ChartBox {
   glm::dvec2 lo{std::numeric_limits<double>::infinity()}, hi{-std::numeric_limits<double>::infinity()};
   void include(glm::dvec2 point);
@@ -37,61 +38,63 @@ struct ChartBox {
 std::vector<glm::dvec2> corners_of(const LinePolygon& polygon);
 ChartBox box_of(const std::vector<glm::dvec2>& corners);
 
-/// The polygon without the half-planes' common part, as convex polygons appended to `parts`; it is left as
-/// that common part. False, and nothing is changed, if there is none.
+/// Subtracts the common part of the half-planes from the polygon and appends the rest as convex polygons to
+/// `parts`. The polygon becomes the common part. Returns false and changes nothing if there is no common
+/// part.
 bool split_off(LinePolygon& polygon, std::span<const PlaneLine* const> lines, LineStore& store,
                std::vector<LinePolygon>& parts);
 
-/// A convex part of a facet: inside these lines, those of the facet's own edges left out.
+/// A convex part of a facet inside these lines. Lines of the facet's own edges are omitted.
 struct FacetRegion {
   std::uint32_t ping = 0, look = 0;
-  std::array<FacetId, 2> parts{};  ///< of the seabeds of the look's ends
-  bool hidden_too = false;         ///< all of the tube's share of the facet, not only what is seen
+  std::array<FacetId, 2> parts{};  ///< facets in the seabeds of the look's two ends
+  bool hidden_too = false;         ///< the tube's whole share of the facet, hidden parts included
   std::vector<const PlaneLine*> lines;
   ChartBox box;
 };
 
-/// One facet and its regions. Its chart is the facet's own (FacetChart), or, where looks have seabeds of
-/// their own, that of the weights of its second and third corner.
+/// One facet and its regions. Its chart is the facet's own (FacetChart). If looks have seabeds of their own,
+/// the chart consists of the weights of the second and third corner.
 class FacetRegions {
  public:
-  /// `facet` has an area.
+  /// The facet must have an area above 0.
   FacetRegions(const FacetMesh& mesh, FacetId facet, bool by_weights);
 
-  /// The facet, or a part of it, as an end has it.
+  /// The facet or a part of it, in the seabed of one end.
   struct Aspect {
     const CoverageEnd* end = nullptr;
-    FacetId facet = 0;  ///< of the end's seabed
+    FacetId facet = 0;  ///< facet of the end's seabed
     bool edge_on = false;
-    FacetCone seen;                      ///< under its names
+    FacetCone seen;                      ///< with the names of this seabed
     std::array<GridPoint, 3> corners{};  ///< relative to the apex, in the seabed's order
-    ChartCorners on_chart{};             ///< where they lie
-    LinePolygon place;                   ///< all of the part
+    ChartCorners on_chart{};             ///< positions of the corners on the chart
+    LinePolygon place;                   ///< the whole part
   };
-  /// What of a part lies in a look's window: within the outer lines, and not within the inner ones.
+  /// The range gate of a look on a part: inside the outer lines and not inside the inner ones.
   struct Window {
     bool none = false;
     std::vector<const PlaneLine*> outer, inner;
   };
 
   Aspect aspect(const CoverageEnd& end, FacetId facet);
-  /// `rx`: of the same part; null with one end.
+  /// `rx` is the aspect of the same part from the receiver; null for a look with one end.
   Window window(const CoverageLook& look, const Aspect& tx, const Aspect* rx);
-  /// What a piece of a tube covers, and what all of a tube has.
+  /// Return the polygon of a piece of a tube, and that of the whole tube.
   LinePolygon seen(const Aspect& from, std::uint32_t tube, std::uint32_t piece);
   LinePolygon within(const Aspect& from, std::uint32_t tube);
-  /// What is inside of a window, of a look of that number.
+  /// Adds the part of the polygon inside the range gate as regions. `what` has the numbers of the look and of
+  /// the ping.
   void add(const Window& window, LinePolygon polygon, const FacetRegion& what);
 
   const LinePolygon& triangle() const { return triangle_; }
   const std::vector<FacetRegion>& regions() const { return regions_; }
-  const HugeInt& double_area() const { return double_area_; }  ///< on the chart
-  /// Grid units.
+  const HugeInt& double_area() const { return double_area_; }  ///< area on the chart
+  /// Returns the position in space, in grid units.
   glm::dvec3 in_space(glm::dvec2 corner) const;
 
  private:
   std::vector<const PlaneLine*> lines_round(std::span<const glm::dvec3> ring, const Aspect& about);
-  /// Edge k of a piece: nothing if it lies on an edge of the facet.
+  /// Returns the line of edge k of a piece, or null if it lies on an edge of the facet.
   const PlaneLine* edge(const NameContext& context, const TubeVisibility& seen, const NamedPiece& piece,
                         std::uint32_t k, const Aspect& from);
 
@@ -108,11 +111,11 @@ class FacetRegions {
   std::vector<FacetRegion> regions_;
 };
 
-/// Whether a part lies inside the window of a look, seen from anywhere on it; false if that is not sure.
-/// `rx`: of `there`, where the look has another end.
+/// Returns whether a part certainly lies inside the range gate of a look; false if this is not certain. `rx`
+/// is a facet of the mesh `there`, for a look with a separate receiver.
 bool surely_in_window(const CoverageLook& look, const FacetMesh& mesh, FacetId tx, const FacetMesh& there,
                       FacetId rx);
-/// Whether all of a piece's edges are edges of its facet, by name alone.
+/// Returns whether all edges of a piece are edges of its facet, by their names alone.
 bool is_whole_facet(const FacetMesh& mesh, const TubeVisibility& seen, const NamedPiece& piece);
 
 }  // namespace tubefoot

@@ -9,19 +9,19 @@
 
 namespace tubefoot {
 
-/// The part of one facet that one tube touches first: the union of convex pieces with disjoint interiors.
-/// Metres and radians; positions relative to the apex.
+/// The part of one facet that one tube meets first: a union of convex pieces with disjoint interiors. Units
+/// are metres and radians; positions are relative to the apex.
 struct Footprint {
   FacetId facet = 0;
   std::uint32_t tube = 0;
-  std::uint32_t first_piece = 0, piece_count = 0;        ///< in FootprintSet::pieces
-  std::uint32_t first_occluder = 0, occluder_count = 0;  ///< in FootprintSet::occluders
-  /// The facet's plane: unit normal that points to the apex's side, and the apex's distance from the plane.
-  /// Filled by the visibility code, from the facet's mesh vertices: the pieces may be slivers with no
-  /// reliable plane of their own. Read by measure() and by integrate_echo().
+  std::uint32_t first_piece = 0, piece_count = 0;        ///< range in FootprintSet::pieces
+  std::uint32_t first_occluder = 0, occluder_count = 0;  ///< range in FootprintSet::occluders
+  /// The facet's plane: the unit normal that points to the apex's side, and the distance of the apex from the
+  /// plane. The visibility code computes both from the mesh vertices, because the plane of a sliver piece is
+  /// not reliable. measure() and integrate_echo() read them.
   glm::dvec3 plane_normal{0};
   double plane_distance_m = 0;
-  // From here on: filled by measure() (measure.hpp) from the plane and the pieces.
+  // measure() (measure.hpp) computes the following members from the plane and the pieces.
   double area_m2 = 0;
   double solid_angle_sr = 0;
   glm::dvec3 centroid_m{0};      ///< centroid of the area, relative to the apex
@@ -29,18 +29,18 @@ struct Footprint {
   double slant_range_min_m = 0, slant_range_max_m = 0;
 };
 
-/// A convex polygon on a facet: corners [first, first + count), turning as the rays of its tube do
-/// (tube.hpp).
+/// A convex polygon on a facet: corners [first, first + count), in the sense of rotation of the rays of its
+/// tube (tube.hpp).
 struct Piece {
   std::uint32_t first = 0, count = 0;
 };
 
-/// Visible footprints of one ping.
+/// The footprints of one ping.
 struct FootprintSet {
   std::vector<Footprint> footprints;  ///< ordered by tube, then by facet
   std::vector<Piece> pieces;
   std::vector<glm::dvec3> corners_m;  ///< relative to the apex, metres
-  std::vector<FacetId> occluders;     ///< facets that took something away from a footprint
+  std::vector<FacetId> occluders;     ///< facets that hide a part of a footprint
 };
 
 }  // namespace tubefoot

@@ -35,13 +35,14 @@ void append_footprints(const FacetMesh& mesh, const TubeSet& tubes, std::uint32_
       }
       if (finite)
         set.pieces.push_back({first, piece.count});
-      else  // a corner of two coincident planes: plain double makes such pieces, exact signs never
+      else  // a corner of two coincident planes, which occurs in plain double but never with exact signs
         set.corners_m.resize(first);
     }
     footprint.piece_count = static_cast<std::uint32_t>(set.pieces.size()) - footprint.first_piece;
 
     footprint.first_occluder = static_cast<std::uint32_t>(set.occluders.size());
-    while (occluder != seen.occluders.end() && occluder->first < facet) ++occluder;  // those of unseen facets
+    while (occluder != seen.occluders.end() && occluder->first < facet)
+      ++occluder;  // occluders of facets that are not seen
     for (; occluder != seen.occluders.end() && occluder->first == facet; ++occluder)
       set.occluders.push_back(occluder->second);
     footprint.occluder_count = static_cast<std::uint32_t>(set.occluders.size()) - footprint.first_occluder;

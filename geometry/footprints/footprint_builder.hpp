@@ -9,12 +9,13 @@
 
 namespace tubefoot {
 
-/// Appends what tube `tube` sees as footprints with coordinates in metres (grid unit `unit_m`), planes filled
-/// and not yet measured (measure.hpp). Coordinates are the exact ones, rounded once.
+/// Appends the visible polygons of tube `tube` as footprints with coordinates in metres (grid unit `unit_m`).
+/// The planes are set; measure() (measure.hpp) has not been called. Coordinates are the exact ones, rounded
+/// once.
 void append_footprints(const FacetMesh& mesh, const TubeSet& tubes, std::uint32_t tube,
                        const TubeVisibility& seen, double unit_m, FootprintSet& set);
 
-/// All of the sets, in their order, as one.
+/// Concatenates all sets in their order.
 FootprintSet joined(std::span<const FootprintSet> sets);
 
 }  // namespace tubefoot

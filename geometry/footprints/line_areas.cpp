@@ -12,8 +12,8 @@ Integer integer(const HugeInt& x) {
   return limbs.sign() ? Integer(-z) : z;
 }
 
-/// Corner k is L_k-1 x L_k, so that corner k x corner k+1 = L_k det(L_k-1, L_k, L_k+1): with c the third
-/// coefficient of L_k and w the third of a corner, the sum of c det / (w w').
+/// Corner k is L_k-1 x L_k, so that corner k x corner k+1 = L_k det(L_k-1, L_k, L_k+1). With c the third
+/// coefficient of L_k and w the third coordinate of a corner, twice the area is the sum of c det / (w w').
 Fraction double_area(const LinePolygon& polygon) {
   const std::size_t n = polygon.size();
   struct Coefficients {
@@ -21,7 +21,7 @@ Fraction double_area(const LinePolygon& polygon) {
   };
   std::vector<Coefficients> line;
   for (const PlaneLine* l : polygon) line.push_back({integer(l->a), integer(l->b), integer(l->c)});
-  std::vector<Integer> weight(n);  // of the corner in which line k begins
+  std::vector<Integer> weight(n);  // of the corner at which line k begins
   for (std::size_t k = 0; k < n; ++k) {
     const Coefficients &p = line[(k + n - 1) % n], &q = line[k];
     weight[k] = p.a * q.b - p.b * q.a;

@@ -6,12 +6,13 @@
 #include "geometry/arithmetic/long_integers.hpp"
 #include "geometry/footprints/plane_lines.hpp"
 
-// Areas of polygons of lines as rationals. Heavy: include only in .cpp files.
+// Areas of polygons of lines as rationals. This header is expensive to compile: include it only in .cpp
+// files.
 namespace tubefoot {
 
 Integer integer(const HugeInt& x);
 
-/// Twice the area of a polygon on its chart.
+/// Returns twice the area of a polygon on its chart.
 Fraction double_area(const LinePolygon& polygon);
 
 /// A share as a double and as a reduced fraction, "p/q" (or "0", "1").

@@ -7,6 +7,9 @@
 #include <glm/vec2.hpp>
 #include <map>
 
+// Unites convex pieces of one plane. Edges that two pieces traverse in opposite directions cancel. The
+// remaining edges are linked to rings, which are outer rings or holes by the sign of their area.
+
 namespace tubefoot {
 namespace {
 
@@ -16,7 +19,7 @@ using Ring = std::vector<Corner>;
 
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
-/// Twice the area of a ring, as a vector.
+/// Returns twice the area of a ring, as a vector.
 template <class At>
 glm::dvec3 area_vector(std::size_t count, const At& at) {
   glm::dvec3 sum(0);
@@ -50,7 +53,7 @@ class Union {
   }
 
  private:
-  /// Coordinates in the pieces' plane, in which they turn counter-clockwise.
+  /// Computes coordinates in the plane of the pieces, in which the pieces turn counter-clockwise.
   void flatten() {
     glm::dvec3 normal(0);
     for (const Piece& piece : pieces_)
@@ -70,7 +73,7 @@ class Union {
       }
   }
 
-  /// Of corners that are one, the one with the least number stands for all.
+  /// Maps coincident corners to the one with the smallest number.
   void weld() {
     std::vector<Corner> by_x = used_;
     std::sort(by_x.begin(), by_x.end(), [&](Corner a, Corner b) {
@@ -89,7 +92,7 @@ class Union {
     return k;
   }
 
-  /// Edges that run both ways, as often as they do so, are inside.
+  /// Removes pairs of edges with opposite directions, because they lie inside the union.
   static std::vector<Edge> without_shared(const std::vector<Edge>& edges) {
     std::map<Edge, int> times;
     for (const Edge& edge : edges) ++times[edge];
@@ -101,7 +104,7 @@ class Union {
     return left;
   }
 
-  /// Edges cut where a corner of the others lies on them.
+  /// Splits edges at the corners of other edges that lie on them.
   std::vector<Edge> split_at_corners(const std::vector<Edge>& edges) const {
     std::vector<Corner> by_x;
     for (const Edge& edge : edges) by_x.push_back(edge.first);
@@ -137,8 +140,8 @@ class Union {
     return cut;
   }
 
-  /// The edge out of `to` that bounds the same inside as (from, to): the first one clockwise from the way
-  /// back.
+  /// Returns the edge out of `to` that bounds the same interior as (from, to). This is the first edge
+  /// clockwise from the reverse of (from, to).
   std::optional<std::size_t> next_of(const Edge& edge, const std::vector<Edge>& edges,
                                      const std::vector<bool>& taken) const {
     const auto [from, to] = edge;
@@ -175,7 +178,7 @@ class Union {
     return inside;
   }
 
-  /// A way round without corners that it comes to twice.
+  /// Splits a closed path into rings that visit no corner twice.
   static void add_simple(const Ring& way, std::vector<Ring>& rings) {
     Ring open;
     std::map<Corner, std::size_t> place;
@@ -232,8 +235,8 @@ class Union {
     return made;
   }
 
-  /// Whether a way that is back at its start goes on: its first edge is not the one that bounds the same
-  /// inside as its last.
+  /// Returns whether a path that is back at its start continues. It continues if its first edge does not
+  /// bound the same interior as its last edge.
   bool closes_later(const std::vector<Edge>& edges, std::vector<bool>& taken, std::size_t first,
                     std::size_t last) const {
     taken[first] = false;

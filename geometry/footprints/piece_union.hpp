@@ -11,18 +11,20 @@
 
 namespace tubefoot {
 
-/// A polygon with holes: rings of corner numbers, the outer one first, counter-clockwise as the pieces are;
-/// holes turn the other way. No ring comes to a corner twice.
+/// A polygon with holes, as rings of corner numbers. The outer ring comes first, counter-clockwise as the
+/// pieces are; holes turn the other way. No ring contains a corner twice.
 using RingedPolygon = std::vector<std::vector<std::uint32_t>>;
 
-/// Convex pieces of one plane with disjoint interiors as the polygons that they make together: what two
-/// pieces share of their borders is gone, where one's corner lies on another's edge that edge has it too.
-/// Nothing is computed anew: all corners are corners of the pieces. Polygons touch each other, and their
-/// holes touch them and each other, in single corners at most, and the inside of each is connected (as OGC
-/// simple features want it). Corners closer than 1e-11 of the coordinates' size are one corner.
+/// Unites convex pieces of one plane with disjoint interiors to polygons. Borders that two pieces share are
+/// removed. An edge on which the corner of another piece lies gets this corner too. All corners are corners
+/// of the pieces; no coordinates are computed.
 ///
-/// Nothing if the pieces' borders do not close once those they share are gone: they overlap, or are slivers
-/// that rounding folded over.
+/// Polygons and holes touch each other at most in single corners, and the interior of each polygon is
+/// connected, as OGC simple features require. Corners closer than 1e-11 of the coordinates' size are one
+/// corner.
+///
+/// Returns nothing if the borders of the pieces do not close after the shared ones are removed. The pieces
+/// then overlap, or they are slivers that rounding has folded over.
 std::optional<std::vector<RingedPolygon>> united(std::span<const glm::dvec3> corners,
                                                  std::span<const Piece> pieces);
 

@@ -9,8 +9,9 @@
 namespace tubefoot {
 namespace {
 
-/// On which side of a plane through the apex a piece lies, of which it is a wall: the sign of the normal
-/// there, 0 if corners contradict each other or tell nothing. Doubles decide where they can.
+/// Returns the side of a plane through the apex on which a piece lies that has this plane as wall. The result
+/// is the sign of the normal there, or 0 if the corners contradict each other or lie in the plane. Doubles
+/// decide if they can.
 int side_of_piece(const NameContext& context, const PlaneName& plane, glm::dvec3 near,
                   std::span<const CornerName> corners, std::uint32_t k, std::span<const glm::dvec3> points) {
   int side = 0;

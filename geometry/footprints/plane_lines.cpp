@@ -7,6 +7,10 @@
 #include <optional>
 #include <type_traits>
 
+// Computes lines, their predicates and their intersections with integers of up to 2304 bits (HugeInt).
+// Predicates are evaluated in double first, with an error bound. The integers decide only the remaining
+// cases.
+
 namespace tubefoot {
 namespace {
 
@@ -16,7 +20,7 @@ struct Scaled {
   int exponent = 0;
 };
 
-/// Within 2^-53 + 2^-62 of the integer, relative.
+/// The relative error is at most 2^-53 + 2^-62.
 Scaled scaled(const HugeInt& x) {
   if (x == 0) return {};
   const auto& limbs = x.backend();
@@ -51,7 +55,8 @@ HugeInt huge(Int128 x) {
   return value;
 }
 
-/// The normals of nearly all walls: those of planes through two points.
+/// Returns the normal in 64 bits if it fits, as normals of planes through two points do. Nearly all walls are
+/// such planes.
 std::optional<Vec64> narrow(const std::array<HugeInt, 3>& m) {
   std::array<std::int64_t, 3> parts{};
   for (std::size_t k = 0; k < 3; ++k) {
@@ -66,7 +71,7 @@ std::optional<Vec64> narrow(const std::array<HugeInt, 3>& m) {
 std::array<std::int64_t, 3> parts(const Vec64& v) { return {v.x, v.y, v.z}; }
 std::array<std::int64_t, 3> parts(GridPoint p) { return {p.x, p.y, p.z}; }
 
-/// Whether the second line runs on where the first one ends: their normals are parallel.
+/// Returns whether the second line continues the first one: their normals are parallel.
 bool parallel(const PlaneLine& p, const PlaneLine& q) {
   const double x = p.a_near * q.b_near, y = p.b_near * q.a_near;
   if (std::abs(x - y) > 1e-14 * (std::abs(x) + std::abs(y))) return false;
@@ -97,8 +102,8 @@ std::array<HugeInt, 3> wall_normal(const WideVec& from, const WideVec& to) {
 PlaneLine PlaneLine::on_plane(const FacetCone& facet, const FacetChart& chart,
                               const std::array<HugeInt, 3>& m) {
   const auto [u, v, w] = chart;
-  // The wall's inward normal m. On the plane n . (x - V) = 0 of the facet, times n_w,
-  // m . x = m . V + (m_u - m_w n_u / n_w) (x - V)_u + (m_v - m_w n_v / n_w) (x - V)_v.
+  // The wall's inward normal is m. On the plane n . (x - V) = 0 of the facet, times n_w,
+  //   m . x = m . V + (m_u - m_w n_u / n_w) (x - V)_u + (m_v - m_w n_v / n_w) (x - V)_v.
   const auto n = parts(facet.normal), vertex = parts(facet.point[0]);
   const std::int64_t turn = n[w] < 0 ? -1 : 1;
   if (const auto small = narrow(m)) {
@@ -126,7 +131,7 @@ PlaneLine PlaneLine::through_image(const FacetCone& image, const FacetCone& char
 
 PlaneLine PlaneLine::on_image(const std::array<GridPoint, 3>& corners, const ChartCorners& on_chart,
                               const std::array<HugeInt, 3>& m) {
-  // An affine function of the facet: its values at the three vertices say which.
+  // The signed distance is an affine function on the facet, which its values at the three vertices define.
   std::array<HugeInt, 3> at;
   std::array<HugeInt, 3> u, v;  // relative to the first
   for (std::size_t k = 0; k < 3; ++k) {
@@ -155,8 +160,8 @@ PlaneLine PlaneLine::of(HugeInt a_exact, HugeInt b_exact, HugeInt c_exact) {
 }
 
 int side(const PlaneLine& p, const PlaneLine& q, const PlaneLine& r) {
-  // Doubles first. Coefficients are off by 2^-52 of themselves, and eight roundings follow: the error is
-  // below 2e-15 of the sum of the six products' magnitudes.
+  // Doubles are tried first. The relative error of the coefficients is 2^-52 and eight roundings follow. The
+  // error is therefore below 2e-15 of the sum of the six products' magnitudes.
   const double first = p.a_near * q.b_near, second = p.b_near * q.a_near, third = p.b_near * q.c_near,
                fourth = p.c_near * q.b_near, fifth = p.c_near * q.a_near, sixth = p.a_near * q.c_near;
   const double value = (first - second) * r.c_near + (third - fourth) * r.a_near + (fifth - sixth) * r.b_near;
@@ -181,7 +186,7 @@ LinePolygon line_polygon(const std::vector<PlaneLine>& lines) {
 
 void clip(LinePolygon& polygon, const PlaneLine& line, std::vector<int>& sides) {
   const std::size_t n = polygon.size();
-  sides.resize(n);  // of the corner in which edge k begins
+  sides.resize(n);  // of the corner at which edge k begins
   bool some_in = false, some_out = false;
   for (std::size_t k = 0; k < n; ++k) {
     sides[k] = side(*polygon[k == 0 ? n - 1 : k - 1], *polygon[k], line);
@@ -198,8 +203,8 @@ void clip(LinePolygon& polygon, const PlaneLine& line, std::vector<int>& sides) 
     const int begin = sides[k], end = sides[k + 1 == n ? 0 : k + 1];
     if (begin <= 0 && end <= 0) continue;
     rest.push_back(polygon[k]);
-    // The line takes over where the polygon leaves the half-plane: in the middle of this edge, or at its end
-    // if the next edge is outside.
+    // The new line follows where the polygon leaves the half-plane: inside this edge, or at its end if the
+    // next edge is outside.
     if (end < 0 || (end == 0 && sides[(k + 2) % n] < 0)) rest.push_back(&line);
   }
   polygon.swap(rest);

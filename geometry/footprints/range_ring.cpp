@@ -7,10 +7,14 @@
 #include <glm/mat2x2.hpp>
 #include <numbers>
 
+// Approximates circles and curves of equal half path length on a facet by polygons of `ring_sides` sides. The
+// half path length (|x - tx| + |x - rx|) / 2 is convex. Newton's method finds its minimum, and bisection
+// finds the curve along directions from an inner point (docs/coverage.md).
+
 namespace tubefoot {
 namespace {
 
-/// Half paths to the points of the first image's plane, and how they grow.
+/// Computes half path lengths to points of the first image's plane, with first and second derivatives.
 class HalfPath {
  public:
   HalfPath(const std::array<glm::dvec3, 3>& tx, const std::array<glm::dvec3, 3>& rx)
@@ -27,7 +31,7 @@ class HalfPath {
     rx_v_ = on_rx(v);
   }
 
-  glm::dvec3 u, v;  ///< of the first image's plane
+  glm::dvec3 u, v;  ///< orthonormal directions in the first image's plane
 
   struct Value {
     double value = 0;
@@ -42,7 +46,7 @@ class HalfPath {
   }
   glm::dvec2 foot() const { return {-glm::dot(tx_, u), -glm::dot(tx_, v)}; }
 
-  /// Where it is least: damped steps of Newton's, of a convex function.
+  /// Returns the point of least half path length, by damped Newton steps on a convex function.
   glm::dvec2 lowest() const {
     glm::dvec2 q = foot();
     Value here = at(q);
@@ -65,7 +69,8 @@ class HalfPath {
     return q;
   }
 
-  /// How far from `from`, where it is less, along a way it is `value`.
+  /// Returns the distance from `from` in the direction `way` at which the half path length is `value`. It
+  /// must be less at `from`.
   double reach(glm::dvec2 from, glm::dvec2 way, double value) const {
     double lo = 0, hi = value;
     while (at(from + hi * way).value < value) {
@@ -96,7 +101,7 @@ class HalfPath {
   glm::dvec3 tx_, rx_, rx_u_{0}, rx_v_{0};
 };
 
-/// Points of the curve, as the corners of a regular polygon under a linear map.
+/// Returns points of the curve in the directions of the corners of a regular polygon under a linear map.
 std::vector<glm::dvec2> round(const HalfPath& path, glm::dvec2 middle, const glm::dmat2& frame,
                               double value) {
   std::vector<glm::dvec2> points;
@@ -132,7 +137,8 @@ std::vector<glm::dvec3> half_path_ring(const std::array<glm::dvec3, 3>& tx,
   const glm::dvec2 lowest = path.lowest();
   if (!(path.at(lowest).value < half_path)) return {};
   std::vector<glm::dvec2> points = round(path, lowest, glm::dmat2(1), half_path);
-  // Once more as its shape is, so that the corners of a long one lie where it bends.
+  // The second pass adapts the directions to the shape of the curve. The corners of a long curve then lie
+  // where its curvature is large.
   glm::dvec2 middle{0};
   for (const glm::dvec2& p : points) middle += p / double(ring_sides);
   double xx = 0, xy = 0, yy = 0, least = half_path;
@@ -147,7 +153,7 @@ std::vector<glm::dvec3> half_path_ring(const std::array<glm::dvec3, 3>& tx,
   const double l = std::sqrt(xx), across = std::sqrt(std::max(yy - xy * xy / xx, 1e-12 * xx));
   points = round(path, middle, glm::dmat2(glm::dvec2(l, xy / l), glm::dvec2(0, across)), half_path);
   if (side == RingSide::circumscribed) {
-    // Where the tangents of neighbours meet.
+    // The intersections of the tangents at neighbouring points.
     std::vector<glm::dvec2> outside;
     for (std::size_t k = 0; k < points.size(); ++k) {
       const glm::dvec2 p = points[k], q = points[(k + 1) % points.size()];

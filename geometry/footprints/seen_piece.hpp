@@ -13,10 +13,13 @@
 #include "geometry/footprints/plane_lines.hpp"
 #include "geometry/footprints/shared_footprints.hpp"
 
-// What one of two apexes sees of a facet, in lines. Heavy: include only in .cpp files.
+// Represents a piece that one of two apexes sees of a facet as lines, and intersects two such pieces. Edges
+// on the facet's own edges are recognised by their names. This header is expensive to compile: include it
+// only in .cpp files.
 namespace tubefoot {
 
-/// Which edges of the facet a corner lies on, by name alone: bit e for the edge from vertex e to the next.
+/// Returns the edges of the facet on which a corner lies, by name alone. Bit e stands for the edge from
+/// vertex e to the next.
 inline unsigned edges_of(const CornerName& corner, const std::array<VertexId, 3>& vertex) {
   const auto index = [&](PointId id) {
     return id == no_point ? 3 : int(std::find(vertex.begin(), vertex.end(), id) - vertex.begin());
@@ -45,7 +48,7 @@ class SeenPiece {
         facet_(&facet),
         chart_(chart) {
     if (look.mesh != nullptr) {
-      // Names are those of the facet as it was seen, which may be a part of what it is.
+      // The names are those of the facet that was seen, which may be a part of this facet.
       FacetCone own;
       if (FacetCone::make(*look.mesh, piece_.facet, look.tubes.apex, own) && own.point == facet.point) {
         vertex_ = own.vertex;
@@ -73,13 +76,14 @@ class SeenPiece {
   }
 
   std::uint32_t tube() const { return tube_; }
-  /// Relative to its apex, grid units.
+  /// Points relative to the apex, in grid units.
   const std::vector<glm::dvec3>& points() const { return points_; }
-  /// True only if every edge lies on one of the facet's.
+  /// Returns true only if every edge lies on an edge of the facet.
   bool is_whole_facet() const { return whole_; }
-  /// Of a part of the facet, whose rounded corners may lie beyond the facet's edges.
+  /// Returns whether the piece belongs to a cut part of the facet. The rounded corners of such a part may lie
+  /// beyond the facet's edges.
   bool is_of_cut_facet() const { return is_cut_; }
-  /// False only if they have no point in common.
+  /// Returns false only if the two pieces have no point in common.
   bool may_meet(const SeenPiece& o) const {
     return lo_[0] <= o.hi_[0] && o.lo_[0] <= hi_[0] && lo_[1] <= o.hi_[1] && o.lo_[1] <= hi_[1];
   }
@@ -88,7 +92,8 @@ class SeenPiece {
     return (edges_of(corner(k), vertex_) & edges_of(corner(next), vertex_)) != 0;
   }
 
-  /// Lines of its edges, edge k from corner k to the next. Made when first asked for.
+  /// Returns the lines of the edges; edge k runs from corner k to the next. They are computed at the first
+  /// call.
   const std::vector<PlaneLine>& lines() {
     if (!lines_.empty()) return lines_;
     lines_.reserve(piece_.count);
@@ -100,7 +105,8 @@ class SeenPiece {
     }
     return lines_;
   }
-  /// The corner of this piece in which one of its lines turns into the next; null where they are not that.
+  /// Returns the corner of this piece at which `arriving` turns into `leaving`, or null if these are not
+  /// successive lines of the piece.
   const glm::dvec3* corner_between(const PlaneLine& arriving, const PlaneLine& leaving) const {
     const std::less<const PlaneLine*> before;
     const auto own = [&](const PlaneLine& line) {
@@ -117,7 +123,7 @@ class SeenPiece {
   }
 
  private:
-  /// The facet under the names that it was seen by.
+  /// Returns the facet with the names that it had when it was seen.
   FacetCone seen_as(FacetCone facet) const {
     facet.vertex = vertex_;
     return facet;
@@ -125,7 +131,7 @@ class SeenPiece {
   const CornerName& corner(std::uint32_t k) const { return seen_->corners[piece_.first + k]; }
 
   std::uint32_t tube_;
-  const FacetCone* charted_;  // what the facet is an image of; none: itself
+  const FacetCone* charted_;  // the facet of which this facet is an image; null: the facet itself
   NameContext context_;
   const TubeVisibility* seen_;
   NamedPiece piece_;
@@ -133,13 +139,13 @@ class SeenPiece {
   std::array<VertexId, 3> vertex_{};  // names of its vertices
   FacetChart chart_;
   std::vector<glm::dvec3> points_;
-  double lo_[2], hi_[2];  // of u and v, with their errors
+  double lo_[2], hi_[2];  // ranges of u and v, including their errors
   bool whole_ = true, polygon_made_ = false, is_cut_ = false;
   std::vector<PlaneLine> lines_;
   LinePolygon polygon_;
 };
 
-/// What two pieces of a facet share, empty if nothing.
+/// Computes the intersection of two pieces of a facet; empty if there is none.
 inline void shared_by(SeenPiece& sent, SeenPiece& received, LinePolygon& polygon) {
   thread_local std::vector<int> sides;
   const auto clip_by = [&](SeenPiece& other, bool edges_too) {
@@ -147,8 +153,8 @@ inline void shared_by(SeenPiece& sent, SeenPiece& received, LinePolygon& polygon
     for (std::uint32_t k = 0; k < walls.size() && !polygon.empty(); ++k)
       if (!walls[k].is_none() && (edges_too || !other.on_facet_edge(k))) clip(polygon, walls[k], sides);
   };
-  // What is seen lies on the facet, whose own edges cut nothing off, unless it is of a part that a mirror
-  // cut.
+  // A visible piece lies on its facet, so the facet's own edges cut nothing off. Pieces of a part that a
+  // mirror has cut are an exception.
   if (sent.is_whole_facet() && !received.is_whole_facet()) {
     polygon = received.polygon();
     if (received.is_of_cut_facet()) clip_by(sent, true);
@@ -158,7 +164,8 @@ inline void shared_by(SeenPiece& sent, SeenPiece& received, LinePolygon& polygon
   if (sent.is_of_cut_facet() || !received.is_whole_facet()) clip_by(received, sent.is_of_cut_facet());
 }
 
-/// Of one facet: how both apexes see it, and what each sees of it, whose pieces refer to the cones here.
+/// The cones of one facet from both apexes, and the pieces of it that each apex sees. The pieces refer to the
+/// cones stored here.
 struct FootprintSharer::OnFacet {
   FacetCone from_transmitter, from_receiver;
   FacetChart chart;

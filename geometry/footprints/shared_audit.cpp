@@ -9,6 +9,9 @@
 #include "geometry/steps/stop.hpp"
 #include "geometry/visibility/topology_hasher.hpp"
 
+// Checks the common visibility of a facet with exact areas. For each apex, the shared parts and the parts
+// that only this apex sees must add up to all that it sees (SharedAudit, Law S5).
+
 namespace tubefoot {
 namespace {
 
@@ -28,7 +31,7 @@ bool lies_within(const LinePolygon& polygon, const Walls& walls) {
   return true;
 }
 
-/// What is left of polygons without what these walls have.
+/// Subtracts the polygons with these walls from the polygons of `rest`.
 void take_away(const std::vector<Walls>& others, std::vector<LinePolygon>& rest, LineStore& store) {
   for (const Walls& walls : others) {
     std::vector<LinePolygon> outside;
@@ -56,10 +59,11 @@ SharedAudit FootprintSharer::audit(std::size_t number, std::uint64_t label) cons
 
   SharedAudit result;
   bool inside = true;
-  // Windows of images overlap by what their corners are rounded: of them one is held at a time.
+  // The apertures of images overlap by the rounding of their corners. The code therefore checks one aperture
+  // at a time.
   const bool windows = transmit_.mesh != nullptr;
   const auto of_tube = [&](SeenPiece& piece) { return windows ? piece.tube() : 0; };
-  std::map<std::uint32_t, std::vector<LinePolygon>> by_sent, by_received;  // what is shared
+  std::map<std::uint32_t, std::vector<LinePolygon>> by_sent, by_received;  // shared polygons
   std::map<std::uint32_t, std::vector<Walls>> sent_by, received_by;
   for (std::size_t s = 0; s < on.sent.size(); ++s) sent_by[of_tube(on.sent[s])].push_back(walls_sent[s]);
   for (std::size_t h = 0; h < on.received.size(); ++h)

@@ -13,10 +13,14 @@
 #include "geometry/footprints/seen_piece.hpp"
 #include "geometry/steps/stop.hpp"
 
+// Finds the facets that both apexes see from the same side and intersects their pieces there. Pieces that
+// cover their whole facet need no intersection; the corners of the other piece are copied.
+
 namespace tubefoot {
 namespace {
 
-/// Lines that plain double arithmetic has taken for neighbours may be parallel.
+/// Returns whether all corners are finite. Lines that plain double arithmetic takes for neighbours may be
+/// parallel.
 bool is_finite(std::span<const glm::dvec3> corners) {
   return std::ranges::all_of(corners, [](glm::dvec3 p) { return std::isfinite(p.x + p.y + p.z); });
 }

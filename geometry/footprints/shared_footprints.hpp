@@ -12,11 +12,14 @@
 #include "geometry/visibility/closure.hpp"
 #include "geometry/visibility/visibility.hpp"
 
-// Transmitter and separate receiver: what both see of a facet. docs/bistatic.md
+// Computes the common visibility of a transmitter and a separate receiver: the part of each facet that both
+// see. The visible polygons of both apexes are intersected on the facet in exact arithmetic
+// (docs/bistatic.md).
 namespace tubefoot {
 
-/// The part of a facet that one tube of the transmitter and one of the receiver both see, or one convex piece
-/// of it: corners [first, first + count), turning as the rays of the transmitter's tubes do.
+/// The part of a facet that one tube of the transmitter and one tube of the receiver both see, or a convex
+/// piece of it. Its corners are [first, first + count), in the sense of rotation of the rays of the
+/// transmitter's tubes.
 struct SharedPiece {
   std::uint32_t transmit_tube = 0, receive_tube = 0;
   std::uint32_t first = 0, count = 0;
@@ -26,11 +29,11 @@ struct SharedPiece {
 struct SharedFacet {
   FacetId facet = 0;
   std::uint32_t first_piece = 0, piece_count = 0;
-  glm::dvec3 plane_normal{0};                              ///< unit, towards the side where the apexes are
-  double transmit_distance_m = 0, receive_distance_m = 0;  ///< of the apexes from the plane
+  glm::dvec3 plane_normal{0};                              ///< unit normal towards the apexes
+  double transmit_distance_m = 0, receive_distance_m = 0;  ///< distances of the apexes from the plane
 };
 
-/// What two apexes see together. Pieces are ordered by facet, transmit tube and receive tube, and have
+/// The common visibility of two apexes. Pieces are ordered by facet, transmit tube and receive tube, and have
 /// disjoint interiors.
 struct SharedFootprints {
   glm::dvec3 receiver_m{0};  ///< receive apex relative to the transmit apex
@@ -39,16 +42,17 @@ struct SharedFootprints {
   std::vector<glm::dvec3> corners_m;  ///< relative to the transmit apex, metres
 };
 
-/// The facet itself, without pieces, from its cones of both apexes.
+/// Returns the facet itself, without pieces, from its cones of both apexes.
 SharedFacet facet_between(const FacetCone& from_transmitter, const FacetCone& from_receiver, double unit_m);
 
-/// What an apex sees: `seen[t]` is see()'s result for tube t; by plain double arithmetic, without its
-/// contradictions (contradictions.hpp).
+/// The visible polygons of an apex. `seen[t]` is the result of see() for tube t. With plain double arithmetic
+/// the contradictory pieces are omitted (contradictions.hpp).
 struct ApexLook {
   const TubeSet& tubes;
   std::span<const TubeVisibility> seen;
-  /// The mesh that was seen, where that is a part of the sharer's, and by its facets those of the sharer's
-  /// mesh (in the order of these) that they are or are cut out of (mirror.hpp).
+  /// The mesh that the apex sees, if it is a part of the sharer's mesh. `origin` has, per facet of this mesh,
+  /// the facet of the sharer's mesh that it is or from which it is cut (mirror.hpp). The order of `origin` is
+  /// that of the facets of this mesh.
   const FacetMesh* mesh = nullptr;
   std::span<const FacetId> origin{};
 
@@ -59,60 +63,70 @@ struct ExactPart;
 struct FacetChart;
 class SeenPiece;
 
-/// What holds of a facet that two apexes see, in rationals.
-/// Law S5 (parts): the parts that both see lie in what each of them sees; with what only one of them sees
-/// they
-///   add up to what that one sees.
+/// The result of checking a facet that two apexes see, in rationals.
+///
+/// Law S5 (parts): the parts that both apexes see lie inside the visible polygons of each. Together with the
+/// parts that only one apex sees, they add up to all that this apex sees.
 struct SharedAudit {
   bool closes = false;
-  std::size_t pieces = 0;  ///< that they share
-  double defect = 0;       ///< what is missing or too much, as a share of the facet; 0 where the law holds
-  /// Of the facet as both apexes have it and the exact share of it that they share: not of how that is cut
-  /// up, of facet ids, or of the arithmetic. None where they share nothing.
+  std::size_t pieces = 0;  ///< number of pieces that both share
+  double defect = 0;       ///< missing or surplus area, as a share of the facet; 0 if the law holds
+  /// Hash of the facet as both apexes have it and of the exact share that both see. It does not depend on the
+  /// division into pieces, on facet ids or on the arithmetic. None if they share nothing.
   TopologyHash hash;
 };
 
-/// Intersects the pieces of two apexes on the facets that both see. Which pieces meet, and in what polygon,
-/// follows from signs of exact integers alone: contacts without area give nothing, and no part is counted
-/// twice. A corner of a cut polygon is the exact one, each coordinate (relative to the transmit apex) off by
-/// at most 4 units in its last place. Where one of the two sees the whole facet, the other's corners are
-/// handed on; those of the receiver, moved to the transmit apex, are off by 4 units in the last place of
-/// their coordinates relative to the receive apex and of the baseline. What plain double arithmetic has seen
-/// is named as well, and its polygons are intersected as exactly: it is only as right as what was seen.
-/// Law S1 (intersection): the pieces are the intersections of what the two apexes see, in rationals.
-/// Law S2 (once): what a receiver's tubes share of a footprint adds up to what the receiver sees of it, and
-///   contacts without area give nothing.
+/// Intersects the pieces of two apexes on the facets that both see. Signs of exact integers alone determine
+/// which pieces meet and in which polygon. Contacts without area give nothing, and no part counts twice.
+///
+/// A corner of a cut polygon is exact. Each of its coordinates relative to the transmit apex is rounded to at
+/// most 4 units in its last place. If one apex sees the whole facet, the corners of the other apex's piece
+/// are copied. Corners of the receiver are moved to the transmit apex. Their error is 4 units in the last
+/// place of their coordinates relative to the receive apex and of the baseline.
+///
+/// Pieces of plain double arithmetic have names too, and their polygons are intersected equally exactly. The
+/// result is then only as correct as these pieces are.
+///
+/// Law S1 (intersection): the pieces are the intersections of the visible polygons of the two apexes, in
+/// rationals.
+///
+/// Law S2 (once): the parts of a footprint that a receiver's tubes share add up to the part of the footprint
+/// that the receiver sees. Contacts without area give nothing.
+///
 /// Law S3 (one apex): an apex shares with itself all that it sees.
-/// Law S4 (exchange): transmitter and receiver exchanged share the same parts.
+///
+/// Law S4 (exchange): an exchange of transmitter and receiver gives the same parts.
 class FootprintSharer {
  public:
-  /// The looks and the mesh must outlive it. `unit_m`: metres per grid unit.
+  /// The looks and the mesh must outlive the object. `unit_m` is the grid unit in metres.
   FootprintSharer(const FacetMesh& mesh, const ApexLook& transmit, const ApexLook& receive, double unit_m);
-  /// Of looks at two images of the same facets: both have a mesh, and facets of the same origin have the same
-  /// vertices, in the same order, wherever each apex sees them. A point of one lies on the other as it lies
-  /// between the vertices. What is shared is reported where the transmitter sees it; `receive_distance_m` is
-  /// that from the receiver's image. As exact as for one mesh.
+  /// Constructs the intersection for two images of the same facets. Both looks have a mesh. Facets of the
+  /// same origin have the same vertices in the same order, at any position of each image. A point of one
+  /// image corresponds to the point of the other that lies in the same way between the vertices. The shared
+  /// parts are reported at the positions of the transmitter's image. `receive_distance_m` is the distance in
+  /// the receiver's image. The result is as exact as for one mesh.
   FootprintSharer(const ApexLook& transmit_image, const ApexLook& receive_image, double unit_m);
 
-  /// How many facets both look at the same side of; what they see of them may still be apart.
+  /// Returns the number of facets of which both see the same side. The visible polygons of such a facet may
+  /// still be disjoint.
   std::size_t facets() const { return facets_.size(); }
-  /// Appends the shared pieces of the facet of that number, in the order of facet ids. Facets without any are
-  /// left out.
+  /// Appends the shared pieces of the facet of that number, in the order of facet ids. Facets without shared
+  /// pieces are omitted.
   void append(std::size_t number, SharedFootprints& out) const;
-  /// All facets.
+  /// Returns the shared pieces of all facets.
   SharedFootprints all() const;
-  /// The parts of the facet of that number with exact corners (exact_parts.hpp).
+  /// Returns the shared parts of the facet of that number with exact corners (exact_parts.hpp).
   std::vector<ExactPart> exact(std::size_t number) const;
-  /// The law of the facet of that number; `label` tells pings apart in the hash.
+  /// Checks the law for the facet of that number. `label` distinguishes pings in the hash.
   SharedAudit audit(std::size_t number, std::uint64_t label) const;
 
-  /// The receive apex relative to the transmit apex.
+  /// Returns the receive apex relative to the transmit apex.
   glm::dvec3 receiver_m() const;
 
  private:
-  /// A piece of an apex's look.
+  /// A piece that an apex sees.
   struct Seen {
-    FacetId facet = 0;  ///< of the sharer's mesh
+    FacetId facet = 0;  ///< facet of the sharer's mesh
     std::uint32_t tube = 0, piece = 0;
   };
   struct Both {
@@ -133,13 +147,13 @@ class FootprintSharer {
   std::vector<Both> facets_;
 };
 
-/// What an apex shares with itself: all that it sees.
+/// Returns the common visibility of an apex with itself: all that it sees.
 SharedFootprints shared_with_itself(const FacetMesh& mesh, const ApexLook& look, double unit_m);
 
-/// The same with transmitter and receiver exchanged. Pieces stay in their order.
+/// Exchanges transmitter and receiver. Pieces keep their order.
 SharedFootprints exchanged(SharedFootprints shared);
 
-/// Appends what is in `more`, as if its facets had been appended one by one.
+/// Appends the facets of `more`, with the same result as if they had been appended one by one.
 void append(SharedFootprints& all, const SharedFootprints& more);
 
 }  // namespace tubefoot

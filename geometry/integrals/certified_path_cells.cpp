@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Cuts certified convex polygons by samples of path length: cells between two curves, and gaps of known
+// area. Each ellipse of constant path is the root of a quadratic equation in the frame of a ray. Ball
+// arithmetic decides every comparison; an undecided part becomes a gap. certified_path_cells.hpp describes
+// cells and gaps.
+
 #include "geometry/integrals/certified_path_cells.hpp"
 
 #include <algorithm>
@@ -19,14 +24,14 @@ Ball dot(const Ball& ax, const Ball& ay, const Ball& bx, const Ball& by) { retur
 Ball cross(const Ball& ax, const Ball& ay, const Ball& bx, const Ball& by) { return ax * by - ay * bx; }
 Ball size2(const Ball& x, const Ball& y) { return squared(x) + squared(y); }
 
-/// All that two balls hold.
+/// Hull of two balls.
 Ball both(const Ball& a, const Ball& b) {
   Ball all;
   arb_union(all.get(), a.get(), b.get(), ball_bits);
   return all;
 }
 
-/// Sorted and disjoint.
+/// Sorts the stretches and joins those that overlap, so that they are disjoint.
 template <class Stretch>
 void merge(std::vector<Stretch>& at) {
   std::sort(at.begin(), at.end(), [](const Stretch& a, const Stretch& b) { return a.lo < b.lo; });
@@ -58,8 +63,10 @@ PathCurve PathCurve::line(const Ball& x, const Ball& y, const Ball& dx, const Ba
   return curve;
 }
 
-/// With r_out^2 = A + 2 B X + D X^2 along (1, t), D = 1 + t^2, and r_rx alike,
-/// 4 P^2 r_out^2 = (P^2 + r_out^2 - r_rx^2)^2 is quadratic in X.
+/// Let the squared range to the transmitter along (1, t) be r_tx^2 = A + 2 B X + D X^2 with D = 1 + t^2, and
+/// let r_rx^2 have the same form. Then
+///   4 P^2 r_tx^2 = (P^2 + r_tx^2 - r_rx^2)^2
+/// is a quadratic equation in X.
 PathCurve PathCurve::ellipse(const RayFrame& frame, const ApexOverPlane& tx, const ApexOverPlane& rx,
                              const Ball& path) {
   const Ball ox = frame.x_of({tx.x, tx.y}), oy = frame.y_of({tx.x, tx.y}), hx = frame.x_of({rx.x, rx.y}),
@@ -78,7 +85,8 @@ PathCurve PathCurve::ellipse(const RayFrame& frame, const ApexOverPlane& tx, con
   return curve;
 }
 
-/// a X^2 + 2 b X + c = 0 with c < 0, whichever way has no difference.
+/// Solves a X^2 + 2 b X + c = 0 with c < 0. The sign of b selects the form of the root in which nothing
+/// cancels.
 Ball PathCurve::at(const Ball& t) const {
   if (kind_ == Kind::centre) return {};
   if (kind_ == Kind::line) return k_ / (dy_ - t * dx_);
@@ -129,7 +137,7 @@ Ball CertifiedPathCutter::area_of(long double lo, long double hi) const {
   return (Ball(hi) - Ball(lo)) * reach2_ / Ball(2);
 }
 
-/// No place of an edge has a shorter path.
+/// Lower bound of the path over an edge.
 double CertifiedPathCutter::least_path(const RayFrame& frame, const Edge& edge) const {
   const Ball dx = edge.to.x - edge.from.x, dy = edge.to.y - edge.from.y, length2 = size2(dx, dy);
   const auto least = [&](const ApexOverPlane& apex) {
@@ -155,7 +163,8 @@ void CertifiedPathCutter::cut(const CertifiedPolygon& polygon, const ApexOverPla
   const std::size_t n = polygon.points.size();
   if (n < 3 || borders_.size() < 2) return;
   tx_ = tx;
-  // The mirrored receiver's straight line to the transmitter meets the plane there.
+  // The centre is the point where the straight line from the transmitter to the mirrored receiver meets the
+  // plane.
   const Ball share = tx.height / (tx.height + homes[0].height);
   centre_x_ = (tx.x + (homes[0].x - tx.x) * share).centre();
   centre_y_ = (tx.y + (homes[0].y - tx.y) * share).centre();
@@ -210,7 +219,7 @@ void CertifiedPathCutter::cut(const CertifiedPolygon& polygon, const ApexOverPla
 
   about_centre_ = lowest == n;
   if (!about_centre_) {
-    // All of it is on the inner side of an edge that the centre is surely beyond.
+    // The centre is certainly beyond this edge. The whole polygon lies on the inner side of the edge.
     const RayFrame frame = normal_frame(lowest, -1);
     frames_.push_back(frame);
     std::vector<Edge> edges;
@@ -232,7 +241,8 @@ void CertifiedPathCutter::cut(const CertifiedPolygon& polygon, const ApexOverPla
     const Ball from(std::max(nearest.lo(), 0.0)), to(farthest.hi());
     reach2_ = squared(to) - squared(from);
     if (before) return cut_sectors(0, edges, false);
-    // Seen along an edge to these bits: as thin as that.
+    // The plane through the centre is edge-on at this precision. The polygon is as thin as the product of
+    // both extents.
     Ball wide, high;
     for (const Edge& edge : edges) {
       wide = both(wide, edge.from.x - edges[0].from.x);
@@ -247,7 +257,8 @@ void CertifiedPathCutter::cut(const CertifiedPolygon& polygon, const ApexOverPla
   for (std::size_t i = 0; i < n; ++i) {
     stop_if_wanted();
     if (side[i] == 0) {
-      // The centre lies on its line: what is between them has no area, to these bits.
+      // The line of this edge passes through the centre at this precision. The triangle between them has
+      // this area at most.
       const Ball product = cross(at[i].x, at[i].y, at[next(i)].x, at[next(i)].y) / Ball(2);
       give_gap(first_, end_, Ball(std::max(product.hi(), -product.lo())));
       continue;
@@ -259,10 +270,10 @@ void CertifiedPathCutter::cut(const CertifiedPolygon& polygon, const ApexOverPla
   }
 }
 
-/// Borders whose ellipse does not surely hold the centre are taken for none. Then what the samples on both
-/// sides have differs by no more than the disk that holds it.
+/// Omits each border whose ellipse does not certainly contain the centre. The samples on both sides of that
+/// border then differ by no more than the disk that contains the ellipse.
 void CertifiedPathCutter::find_rings(const CertifiedPolygon& polygon) {
-  Ball size;  // of the polygon, at most
+  Ball size;  // hull of the squared distances from the first point
   for (const CertifiedPolygon::Point& p : polygon.points)
     size = both(size, size2(p.x - polygon.points[0].x, p.y - polygon.points[0].y));
   for (ReceiveEnd& rx : homes_) {
@@ -277,7 +288,7 @@ void CertifiedPathCutter::find_rings(const CertifiedPolygon& polygon) {
         ring = Ring::nothing;
       rx.ring.push_back(ring);
       if (ring != Ring::ambiguous) continue;
-      // A place is no farther from the line between the apexes' images than half the root of P^2 - l^2.
+      // The distance of a point from the line between the apexes' images is at most half of sqrt(P^2 - l^2).
       const Ball beyond(std::max((squared(path) - squared(rx.shortest)).hi(), 0.0));
       const Ball radius = rx.shortest * root(beyond) / (Ball(2) * (tx_.height + rx.apex.height)) +
                           root(size2(own_x - centre_x_, own_y - centre_y_));
@@ -297,7 +308,7 @@ void CertifiedPathCutter::cut_sectors(std::uint32_t number, const std::vector<Ed
     corners.push_back({edge.t_from.fine_lo(), edge.t_from.fine_hi()});
     if (from_centre) corners.push_back({edge.t_to.fine_lo(), edge.t_to.fine_hi()});
     if (edge.side != 0) continue;
-    const Ball all = both(edge.t_from, edge.t_to);  // along a ray, to these bits
+    const Ball all = both(edge.t_from, edge.t_to);  // This edge runs along a ray at this precision.
     corners.push_back({all.fine_lo(), all.fine_hi()});
   }
   merge(corners);
@@ -335,7 +346,7 @@ void CertifiedPathCutter::cut_sectors(std::uint32_t number, const std::vector<Ed
   }
 }
 
-/// Where the line from + u way has that path, as enclosures of t.
+/// Appends enclosures of all t at which the line from + u way has this path.
 void CertifiedPathCutter::add_roots(const RayFrame& frame, const ApexOverPlane& rx, const Ball& path,
                                     const At& from, const At& way, bool within,
                                     std::vector<Stretch>& at) const {
@@ -358,7 +369,7 @@ void CertifiedPathCutter::add_roots(const RayFrame& frame, const ApexOverPlane& 
     const Ball x = from.x + u * way.x, y = from.y + u * way.y;
     if (x.surely_negative()) continue;
     const Ball t = y / x;
-    at.push_back({t.fine_lo(), t.fine_hi()});  // endless where x may be 0
+    at.push_back({t.fine_lo(), t.fine_hi()});  // unbounded if x may be 0
   }
 }
 
@@ -369,9 +380,11 @@ void CertifiedPathCutter::add_crossings(const RayFrame& frame, const Edge& edge,
               {edge.to.x - edge.from.x, edge.to.y - edge.from.y}, true, at);
 }
 
-/// Ellipses of two homes. On one of path P, 2 P r_out = 2 p.f + P^2 + h^2 - d^2 - |f|^2, with p and the
-/// home's foot point f from that of the transmit leg at height h, d the home's height: r_out eliminated, a
-/// straight line.
+/// Enclosures of t at which ellipses of the two receivers meet. With places p and receiver foot points f
+/// relative to the transmitter's foot point, the transmitter's height h and the receiver's height d, an
+/// ellipse of path P obeys
+///   2 P r_tx = 2 p.f + P^2 + h^2 - d^2 - |f|^2.
+/// Eliminating r_tx from two ellipses leaves a straight line.
 void CertifiedPathCutter::add_meetings(const RayFrame& frame, std::size_t first_border,
                                        std::size_t second_border, std::vector<Stretch>& at) const {
   if (homes_[0].ring[first_border - first_] != Ring::holds_centre ||
@@ -389,7 +402,7 @@ void CertifiedPathCutter::add_meetings(const RayFrame& frame, std::size_t first_
   const Ball nx = Ball(2) * (path[1] * foot[0].x - path[0] * foot[1].x),
              ny = Ball(2) * (path[1] * foot[0].y - path[0] * foot[1].y), n2 = size2(nx, ny),
              offset = path[1] * level[0] - path[0] * level[1];
-  // No place of the first ellipse is farther away than its path.
+  // No point of the first ellipse is farther away than its path.
   const Ball farthest = root(n2) * path[0];
   if ((offset - farthest).surely_positive() || (offset + farthest).surely_negative()) return;
   if (!n2.surely_positive()) return at.push_back({-endless, endless});
@@ -425,7 +438,8 @@ void CertifiedPathCutter::cut_sample(std::uint32_t number, std::size_t sample, c
   }
   merge(at_);
 
-  /// Which of some curves is the outermost (`turn` 1) or innermost one, the same in all of an interval.
+  /// Index of the outermost (`turn` 1) or innermost (`turn` -1) curve. The result holds for the whole
+  /// interval. It is x.size() if the comparison is undecided.
   const auto choose = [](const std::vector<Ball>& x, int turn) {
     std::size_t best = 0;
     for (std::size_t k = 1; k < x.size(); ++k)
@@ -442,7 +456,7 @@ void CertifiedPathCutter::cut_sample(std::uint32_t number, std::size_t sample, c
       for (const PathCurve& curve : upper) high.push_back(curve.at(t));
       for (const Ball& l : low)
         for (const Ball& h : high)
-          if (sign(h - l) < 0) return true;  // nothing
+          if (sign(h - l) < 0) return true;  // The cell is empty.
       const std::size_t l = choose(low, 1), h = choose(high, -1);
       if (l == low.size() || h == high.size() || sign(high[h] - low[l]) <= 0) continue;
       cells_.push_back({number, std::uint32_t(sample), lower[l], upper[h], from, to});

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+// Cuts polygons by samples of the path length between two apexes, in ball arithmetic. The result consists of
+// certified cells and of gaps whose area is bounded. This header is expensive to compile; include it only in
+// .cpp files and in headers of integrators.
+
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -9,25 +13,23 @@
 #include "geometry/integrals/certified_polygon.hpp"
 #include "geometry/numbers/interval.hpp"
 
-// A polygon cut by samples of path length, two apexes, in balls. Heavy: include only in .cpp files and
-// headers of integrators.
 namespace tubefoot {
 
 /// An apex over a plane: its height, and its foot point in a polygon's coordinates.
 struct ApexOverPlane {
   Ball height, x, y;
 };
-/// `place_m`: relative to the polygon's own apex.
+/// `place_m` is relative to the polygon's own apex.
 ApexOverPlane apex_over(const CertifiedPolygon& polygon, const std::array<Ball, 3>& place_m);
 
-/// Rounded outwards to doubles.
+/// Rounds the enclosure outwards to doubles.
 inline Interval interval_of(const Ball& x) { return {x.lo(), x.hi()}; }
 
-/// Rays from a centre: one for each t, its places centre + X (along + t across) for X > 0; an area is X dX
-/// dt.
+/// Rays from a centre. Each t selects one ray, with the points centre + X (along + t across) for X > 0. The
+/// area element is X dX dt.
 struct RayFrame {
   Ball centre_x, centre_y;
-  Ball along_x, along_y;  ///< unit; across is a quarter turn further
+  Ball along_x, along_y;  ///< unit vector; across is `along` after a quarter turn
 
   Ball x_of(const CertifiedPolygon::Point& p) const {
     return (p.x - centre_x) * along_x + (p.y - centre_y) * along_y;
@@ -56,28 +58,28 @@ struct IntervalFrame {
   }
 };
 
-/// Where rays of a frame meet a straight line or an ellipse (a place's path to two apexes): X as an analytic
-/// function of t.
+/// Intersection of the rays of a frame with a straight line or with an ellipse of constant path. X is an
+/// analytic function of t.
 class PathCurve {
  public:
-  /// The centre itself.
+  /// The centre itself, with X = 0.
   PathCurve() = default;
-  /// Through a place of the frame, in a direction.
+  /// A line through the point (x, y) of the frame in the direction (dx, dy).
   static PathCurve line(const Ball& x, const Ball& y, const Ball& dx, const Ball& dy);
-  /// About a centre that is inside of it.
+  /// An ellipse that contains the centre.
   static PathCurve ellipse(const RayFrame& frame, const ApexOverPlane& tx, const ApexOverPlane& rx,
                            const Ball& path);
 
   Ball at(const Ball& t) const;
-  /// Not finite where it is not analytic.
+  /// The result is not finite where the function is not analytic.
   ComplexBall at(const ComplexBall& t) const;
 
  private:
   friend class IntervalCurve;
   enum class Kind { centre, line, ellipse };
   Kind kind_ = Kind::centre;
-  Ball k_, dx_, dy_;             // k: of an ellipse, c
-  Ball a0_, a1_, a2_, b0_, b1_;  // of an ellipse
+  Ball k_, dx_, dy_;             // for an ellipse, k is the coefficient c
+  Ball a0_, a1_, a2_, b0_, b1_;  // coefficients of an ellipse
 };
 
 /// The same curve in intervals of doubles.
@@ -92,62 +94,62 @@ class IntervalCurve {
   Interval k_, dx_, dy_, a0_, a1_, a2_, b0_, b1_;
 };
 
-/// Cuts convex polygons into cells { t between two numbers, X between two curves } of one sample each, and
-/// gaps: what a sample may have besides, of which only the area is known.
+/// Cuts convex polygons into cells and gaps. A cell { t between two numbers, X between two curves } belongs
+/// to one sample. A gap is the rest that a sample may contain; only a bound of its area is known.
 ///
-/// As PathCutter does it in doubles: places of one path length are an ellipse about the plane's place of
-/// shortest path. Cells lie strictly between the enclosures of all t at which what bounds a ray changes
-/// (corners, and where edges cross ellipses), so what bounds them is certain; the enclosures are the gaps,
-/// some 1e-15 of the polygon, as its corners' are.
+/// PathCutter uses the same method in doubles. Points of one path length lie on an ellipse about the plane's
+/// point of shortest path. The curves that bound a ray change at corners and where edges cross ellipses.
+/// Each cell lies strictly between the enclosures of all such t, so that its bounding curves are certain.
+/// These enclosures and those of the polygon's corners are the gaps, some 1e-15 of the polygon.
 ///
-/// With a second receiver a sample is what both paths have in it. An ellipse that does not surely hold the
-/// centre is left out, and the disk that holds it is a gap.
+/// With a second receiver a sample contains the points that lie in it for both paths. An ellipse that does
+/// not certainly contain the centre is omitted, and the disk that contains the ellipse is a gap.
 class CertifiedPathCutter {
  public:
   struct Cell {
     std::uint32_t frame = 0, sample = 0;
     PathCurve near, far;
-    Ball from, to;  ///< of t
+    Ball from, to;  ///< interval of t
   };
   struct Gap {
     std::uint32_t first_sample = 0, end_sample = 0;
-    Ball area;  ///< at most
+    Ball area;  ///< upper bound
   };
 
-  /// Sample k holds half paths of borders[k] .. borders[k + 1].
+  /// Sample k contains half paths from borders[k] to borders[k + 1].
   explicit CertifiedPathCutter(std::span<const double> half_path_borders_m);
 
-  /// One home or two. Cells and gaps replace those of the polygon before. With `ambiguous` there is only a
-  /// gap of that area, somewhere in the polygon.
+  /// Cuts a polygon for one or two receivers (`homes`). The new cells and gaps replace those of the previous
+  /// polygon. With `ambiguous` the result is a single gap of that area, somewhere in the polygon.
   void cut(const CertifiedPolygon& polygon, const ApexOverPlane& tx, std::span<const ApexOverPlane> homes,
            const std::optional<Ball>& ambiguous = {});
   const std::vector<RayFrame>& frames() const { return frames_; }
-  /// Whether the rays' centre may lie in the polygon, or on an edge: then gaps may reach there.
+  /// True if the centre of the rays may lie in the polygon or on an edge. Gaps may then reach the centre.
   bool about_centre() const { return about_centre_; }
   CertifiedPolygon::Point centre() const { return {centre_x_, centre_y_}; }
   const std::vector<Cell>& cells() const { return cells_; }
   const std::vector<Gap>& gaps() const { return gaps_; }
 
  private:
-  /// A place or an edge in a frame.
+  /// A point or an edge in a frame.
   struct At {
     Ball x, y;
   };
   struct Edge {
     At from, to;
     Ball t_from, t_to;
-    int side;  ///< 1: what lies between it and the centre is inside; -1: beyond it; 0: not known
+    int side;  ///< 1: the polygon is between the edge and the centre; -1: beyond the edge; 0: undecided
   };
-  /// Enclosures of t that nothing is sure in.
+  /// An enclosure of t within which nothing is decided.
   struct Stretch {
     long double lo, hi;
   };
-  /// What of a border there is for a home.
+  /// State of a border's ellipse for one receiver.
   enum class Ring { nothing, ambiguous, holds_centre };
   struct ReceiveEnd {
     ApexOverPlane apex;
     Ball path_at_centre, shortest;
-    std::vector<Ring> ring;  ///< by border from first_
+    std::vector<Ring> ring;  ///< by border, from first_
   };
 
   void find_rings(const CertifiedPolygon& polygon);
@@ -169,13 +171,14 @@ class CertifiedPathCutter {
   std::vector<RayFrame> frames_;
   std::vector<Cell> cells_;
   std::vector<Gap> gaps_;
-  // Of the polygon at hand.
+  // State of the current polygon.
   ApexOverPlane tx_;
   Ball centre_x_, centre_y_;
   bool about_centre_ = false;
   std::vector<ReceiveEnd> homes_;
-  std::size_t first_ = 0, end_ = 0;  // samples that it may reach
-  Ball reach2_;                      // of an area over dt: between its nearest and its farthest X, squared
+  std::size_t first_ = 0, end_ = 0;  // samples that the polygon may reach
+  Ball reach2_;                      // bound of area / dt: difference of the squares of farthest and nearest
+                                     // X
   std::vector<Stretch> at_, merged_;
 };
 

@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Certified integral of a wave F(P) of path length over a convex polygon, as an integral along its edges.
+// The integrand along an edge is (2 / D) F(D) - w F(P), as in edge_form.hpp. Gauss-Legendre rules with error
+// bounds from ellipses of analyticity integrate each part, or the part is halved. Undecided parts add a
+// bound of their value to the radius.
+
 #include "geometry/integrals/certified_path_wave.hpp"
 
 #include <algorithm>
@@ -11,7 +16,8 @@ namespace {
 
 using Point = CertifiedPolygon::Point;
 
-/// Halves of an edge: past them a part counts with all that it could hold.
+/// Limit of the halvings of an edge. A part that is still too wide adds a bound of its integral to the
+/// radius.
 constexpr int most_halvings = 24;
 
 ComplexBall sinc(const ComplexBall& x) {
@@ -32,13 +38,13 @@ ComplexBall within(double radius) {
   return {part, part};
 }
 
-/// Of the edge's path at a place, both apexes' squared ranges being quadratics of one curvature.
+/// Squared range from an apex along an edge. Both apexes have the same curvature.
 template <class N>
 N quadratic(const Ball& at_start, const Ball& slope, const Ball& curvature, const N& t) {
   return N(at_start) + t * (N(slope) + t * N(curvature));
 }
 
-/// The rule, of all ellipses, with the fewest nodes; `log_bound` is infinite where there is no bound.
+/// The rule with the fewest nodes over all ellipses. `log_bound` is infinite where no bound exists.
 struct Chosen {
   int nodes = most_certified_nodes + 1;
   double error = 0;
@@ -108,7 +114,7 @@ CertifiedPathEdges::CertifiedPathEdges(std::span<const Point> points, const Ball
     twice_area += a.x * b.y - a.y * b.x;
     surely_inside = surely_inside && left.surely_positive();
     surely_outside = surely_outside || left.surely_negative();
-    // Nearer than a hundredth of the edge's length to it.
+    // Tests whether the edge is nearer than a hundredth of its length to the point of shortest path.
     const Ball along = -(edge.from_x * edge.step_x + edge.from_y * edge.step_y) / edge.length_square;
     const Ball t = along.is_finite()
                        ? Ball::between(std::clamp(along.lo(), 0.0, 1.0), std::clamp(along.hi(), 0.0, 1.0))
@@ -117,7 +123,7 @@ CertifiedPathEdges::CertifiedPathEdges(std::span<const Point> points, const Ball
     near_ = near_ || !(nearest.lo() > 1e-4 * edge.length_square.hi());
     edges_.push_back(std::move(edge));
   }
-  // A polygon the other way round has the opposite sign all over, the place within it too.
+  // The opposite orientation inverts all signs, and with them the test for the point of shortest path.
   if (twice_area.middle() < 0) {
     bool right = points.size() >= 3;
     surely_outside = false;
@@ -131,8 +137,8 @@ CertifiedPathEdges::CertifiedPathEdges(std::span<const Point> points, const Ball
   near_ = near_ || surely_inside == surely_outside;
   panels_.resize(edges_.size());
 
-  // A path changes by at most twice the way along the plane, so that none to an edge is shorter than half of
-  // those to both of its ends together, less its length.
+  // A path changes by at most twice the displacement along the plane. So no path to an edge is shorter than
+  // half the sum of the paths to its ends, less its length.
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < edges_.size(); ++k) {
     const Edge &edge = edges_[k], &next = edges_[(k + 1) % edges_.size()];
@@ -190,7 +196,7 @@ const std::vector<CertifiedPathEdges::Panel::Node>& CertifiedPathEdges::nodes(co
 void CertifiedPathEdges::add_crossings(const Edge& edge, const Ball& path,
                                        std::vector<std::pair<double, double>>& at) const {
   if (!(path - shortest_).surely_positive() && !(path - shortest_).may_be_zero()) return;
-  // The range of the transmit leg is (p + (r^2 - s^2) / p) / 2, and r^2 - s^2 straight in t.
+  // The transmit range is (p + (r^2 - s^2) / p) / 2, where r^2 - s^2 is linear in t.
   const Ball square = squared(path), four = Ball(4.0) * square,
              start = square + edge.tx_square - edge.rx_square, slope = edge.tx_slope - edge.rx_slope;
   const Ball a = edge.length_square - squared(slope) / four,
@@ -265,12 +271,13 @@ ComplexBall CertifiedPathEdges::far(std::size_t number, const PathWave& wave,
   return -(ComplexBall(at.half) * sum);
 }
 
-/// All that the integrand could hold, wherever F may bend or jump.
+/// Bound of the integral over a part in which F may have kinks or jumps.
 ComplexBall CertifiedPathEdges::rest(const Edge& edge, const PathWave& wave, double from, double to) const {
   const Place<Ball> p = place(edge, Ball::between(from, to));
   const Ball width = Ball(to) - Ball(from), straight = edge.angle / p.across;
   const Ball second = width * straight * Ball(2.0) * shortest_ / p.product * Ball(wave.largest);
-  // |F(D) - F(P)| is at most so steep times P - D; or twice the largest, over no more than half of a turn.
+  // |F(D) - F(P)| is at most steepest * (P - D). For a wave that jumps, the bound is twice the largest
+  // value, over at most half a turn.
   const Ball first = std::isfinite(wave.steepest) ? width * straight * Ball(8.0) * shortest_ /
                                                         (p.path + shortest_) * Ball(wave.steepest)
                                                   : Ball(wave.largest) / shortest_;
@@ -282,8 +289,8 @@ ComplexBall CertifiedPathEdges::near(const Edge& edge, const PathWave& wave, con
                                      const PathWave::Stretch* of_shortest, const Part& part,
                                      double allowed) const {
   const ComplexBall d(shortest_), angle(edge.angle), origin(wave.origin), x0 = d - origin;
-  // P - D = 4 D^2 (distance from the line)^2 / (across (P + D)): nothing is divided by it where both paths
-  // lie on one stretch.
+  // P - D = 4 D^2 (distance from the line)^2 / (across (P + D)). This form avoids a division by P - D where
+  // both paths lie on one stretch.
   const auto regular = [&](const ComplexBall& t) {
     const Place<ComplexBall> p = place(edge, t);
     const ComplexBall x = p.path - origin;
@@ -338,7 +345,7 @@ ComplexBall CertifiedPathEdges::integral(const PathWave& wave, double allowed) {
     if ((shortest_ - stretch.from).surely_positive() && (stretch.to - shortest_).surely_positive())
       of_shortest = &stretch;
   const bool silent = at_shortest.largest() == 0;
-  // Round the place of shortest path once: 1/2 of 2 / D.
+  // One turn about the point of shortest path contributes 1/2 of 2 / D.
   if (!near_ && inside_)
     sum += edges_.front().angle.surely_positive() ? at_shortest / ComplexBall(shortest_)
                                                   : -(at_shortest / ComplexBall(shortest_));

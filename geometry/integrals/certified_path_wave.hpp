@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+// Computes the integral of EdgeForm in ball arithmetic for any wave that is a function of path length. The
+// wave may be a pulse with flanks; one evaluation then replaces the sum over frequencies. This header is
+// expensive to compile; include it only in .cpp files and in headers of integrators.
+
 #include <array>
 #include <limits>
 #include <map>
@@ -13,64 +17,64 @@
 #include "geometry/integrals/certified_polygon.hpp"
 #include "geometry/numbers/ball.hpp"
 
-// EdgeForm's integral of any wave that is reported by the length of its path, in balls: a pulse with its
-// flanks, not one frequency after the other. Heavy: include only in .cpp files and headers of integrators.
 namespace tubefoot {
 
-/// F(P): on each stretch of paths a sum of exponentials of quadratics, 0 before the first and beyond the
-/// last.
+/// F(P). On each stretch of paths F is a sum of exponentials of quadratics. F is 0 before the first stretch
+/// and after the last.
 struct PathWave {
   struct Term {
-    ComplexBall factor, linear, square;  ///< factor e^{x (linear + square x)}, x = P - origin
+    ComplexBall factor, linear, square;  ///< factor e^{x (linear + square x)} with x = P - origin
   };
   struct Stretch {
     Ball from, to;
     std::vector<Term> terms;
   };
   Ball origin;
-  std::vector<Stretch> stretches;  ///< of increasing paths, each from where the one before ends
-  double largest = 0;              ///< of the modulus
-  /// Of its change by P; infinite where the wave jumps.
+  std::vector<Stretch> stretches;  ///< in ascending order of path; each starts at the end of the previous
+                                   ///< one
+  double largest = 0;              ///< upper bound of |F|
+  /// Upper bound of |dF/dP|; infinite where the wave jumps.
   double steepest = std::numeric_limits<double>::infinity();
 
   ComplexBall on(const Stretch& stretch, const ComplexBall& path) const;
-  /// Of all stretches that the path may lie in.
+  /// Hull of F over all stretches in which the path may lie.
   ComplexBall at(const Ball& path) const;
 };
 
-/// A convex polygon's edges, for any number of waves.
+/// The edges of a convex polygon, for any number of waves.
 class CertifiedPathEdges {
  public:
-  /// `points` about the foot point of the apex of the transmit leg, which is `height` above the plane,
-  /// positive as that of the receive leg.
+  /// `points` are relative to the foot point of the transmitter. `height` is the transmitter's distance from
+  /// the plane; both heights are positive.
   CertifiedPathEdges(std::span<const CertifiedPolygon::Point> points, const Ball& height,
                      const ApexOverPlane& rx);
 
-  /// Bounds of the paths over places of the polygon.
+  /// Bounds of the paths over all points of the polygon.
   double shortest_path() const { return shortest_path_; }
   double longest_path() const { return longest_path_; }
 
-  /// (1 / 4 pi) closed integral of [(2 / D) F(D) - w F(P)] dpsi, D the shortest path over the plane: with F =
-  /// e^{ikP} what certified_edge_form() has. `allowed`: of each edge's quadrature; what the radius has beyond
-  /// it comes from the corners, and from ends of stretches that meet the place of shortest path.
+  /// (1 / 4 pi) times the closed integral of [(2 / D) F(D) - w F(P)] dpsi, with the shortest path D over the
+  /// plane. For F = e^{ikP} the result is that of certified_edge_form(). `allowed` bounds the quadrature
+  /// error of each edge. The radius beyond it comes from the corners and from stretches that end at the
+  /// point of shortest path.
   ComplexBall integral(const PathWave& wave, double allowed);
 
  private:
-  /// A directed edge, t from 0 to 1, places told from that of shortest path.
+  /// A directed edge with t from 0 to 1. Points are relative to the point of shortest path.
   struct Edge {
     Ball from_x, from_y, step_x, step_y;
     Ball angle;                 ///< turn times cross(from, step) / 4 pi
-    Ball tx_square, rx_square;  ///< of ranges, at t = 0
-    Ball tx_slope, rx_slope;    ///< of those squares
+    Ball tx_square, rx_square;  ///< squared ranges at t = 0
+    Ball tx_slope, rx_slope;    ///< slopes of the squared ranges
     Ball length_square;
   };
-  /// What an edge's integrands are made of at a place: with N a ball or a complex one.
+  /// The terms of an edge's integrands at one point. N is a real or a complex ball.
   template <class N>
   struct Place {
     N path;      ///< P
-    N product;   ///< of both ranges
-    N across;    ///< D^2 less the square of their difference
-    N distance;  ///< squared, from the line through the ends' images
+    N product;   ///< product of both ranges
+    N across;    ///< D^2 less the squared difference of the ranges
+    N distance;  ///< squared distance from the line through the images of both ends
   };
   template <class N>
   Place<N> place(const Edge& edge, const N& t) const;
@@ -78,12 +82,12 @@ class CertifiedPathEdges {
   template <class N>
   N weight(const Edge& edge, const Place<N>& p) const;
 
-  /// A part of an edge, with what its rules need of it.
+  /// A part of an edge with cached values for its quadrature rules.
   struct Panel {
     Ball middle, half;
     struct Ellipse {
       ComplexBall path;
-      double log_weight;  ///< infinite where it is not analytic
+      double log_weight;  ///< infinite where the weight is not analytic
     };
     struct Node {
       Ball path, weight;
@@ -96,20 +100,21 @@ class CertifiedPathEdges {
   const Panel::Ellipse& ellipse(const Edge& edge, Panel& panel, std::size_t which) const;
   const std::vector<Panel::Node>& nodes(const Edge& edge, Panel& panel, int count) const;
 
-  /// Parts of an edge on which the wave is one stretch (null: none), and gaps between them.
+  /// A part of an edge on which the wave has one stretch (null: F is 0), or a gap between such parts.
   struct Part {
     double from, to;
     const PathWave::Stretch* stretch;
     bool gap;
   };
   std::vector<Part> parts_of(const Edge& edge, const PathWave& wave) const;
-  /// Adds enclosures of all t at which the path is so long.
+  /// Appends enclosures of all t at which the edge has this path.
   void add_crossings(const Edge& edge, const Ball& path, std::vector<std::pair<double, double>>& at) const;
 
-  /// Less w F dpsi over a part of one stretch. `kept`: of parts that all waves share.
+  /// Minus the integral of w F dpsi over a part with one stretch. `kept` caches the panel; use it for parts
+  /// that all waves share.
   ComplexBall far(std::size_t edge, const PathWave& wave, const PathWave::Stretch& stretch, double from,
                   double to, double allowed, int halvings, bool kept);
-  /// All of the integrand over a part.
+  /// The integral of the full integrand over a part.
   ComplexBall near(const Edge& edge, const PathWave& wave, const ComplexBall& at_shortest,
                    const PathWave::Stretch* of_shortest, const Part& part, double allowed) const;
   ComplexBall rest(const Edge& edge, const PathWave& wave, double from, double to) const;

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Computes certified polygons: visible polygons in the planes of their facets, with every coordinate
+// enclosed in a ball. The computation starts from exact integers and rounds outwards once.
+
 #include "geometry/integrals/certified_polygon.hpp"
 
 #include <flint/fmpz.h>
@@ -15,7 +18,7 @@ namespace {
 
 using BallVector = std::array<Ball, 3>;
 
-/// Exact, then rounded outwards once.
+/// Converts exactly, then rounds outwards once.
 Ball ball(const WideInt& x) {
   std::vector<mp_limb_t> limbs;
   export_bits(x, std::back_inserter(limbs), 64, false);
@@ -40,13 +43,13 @@ RangeEnclosure enclosure(const Ball& x) { return {x.fine_lo(), x.fine_hi()}; }
 
 int sign(const Ball& x) { return x.surely_positive() ? 1 : x.surely_negative() ? -1 : 0; }
 
-/// Angle of a vector; no ball around pi falls apart into pi and -pi.
+/// Angle of a vector. The result for a ball around pi stays in one piece; it is not split into pi and -pi.
 Ball angle_of(const Ball& x, const Ball& y) {
   if (x.surely_negative()) return Ball::pi() + atan2(-y, -x);
   return atan2(y, x);
 }
 
-/// Edges and ranges from the points.
+/// Computes edges and ranges from the points.
 void finish(CertifiedPolygon& polygon) {
   const std::vector<CertifiedPolygon::Point>& points = polygon.points;
   const std::size_t n = points.size();
@@ -78,7 +81,7 @@ void finish(CertifiedPolygon& polygon) {
   if (maybe_inside) polygon.foot = enclosure(polygon.distance);
 }
 
-/// Frame and distance of a facet's plane.
+/// Frame of the facet's plane, and the apex's distance from it.
 CertifiedPolygon on_plane_of(const FacetCone& facet, double unit_m) {
   const WideVec normal = widen(facet.normal);
   const WideInt offset = widen(facet.offset);

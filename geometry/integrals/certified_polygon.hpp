@@ -13,19 +13,21 @@
 
 namespace tubefoot {
 
-/// A visible piece in its facet's plane, every coordinate enclosed: from the exact integers that its corners'
-/// names stand for, nothing rounded before. Metres.
+/// A visible polygon in the plane of its facet, with every coordinate enclosed in a ball. The enclosures
+/// follow from the exact integers that the corners' names denote, without earlier rounding. Lengths are in
+/// metres.
 struct CertifiedPolygon {
   struct Point {
-    Ball x, y;  ///< along u and v from the foot point
+    Ball x, y;  ///< along u and v, from the foot point
   };
   struct Edge {
-    Ball angle;     ///< of its direction in the plane, from u to v
-    Ball height;    ///< of the foot point to the edge's left
-    Ball nearest2;  ///< squared range of its line's nearest point
+    Ball angle;     ///< angle of the edge's direction in the plane, from u to v
+    Ball height;    ///< height of the foot point to the left of the edge
+    Ball nearest2;  ///< squared range of the nearest point of the edge's line
   };
   Ball distance;                   ///< of the apex from the plane
-  std::array<Ball, 3> u, v, away;  ///< the plane's frame, pieces turning from u to v; away from the apex
+  std::array<Ball, 3> u, v, away;  ///< frame of the plane; visible polygons turn from u to v; `away` points
+                                   ///< away from the apex
   std::vector<Point> points;
   std::vector<Edge> edges;
   Ball perimeter;
@@ -34,24 +36,25 @@ struct CertifiedPolygon {
   bool foot_inside = false;
 };
 
-/// The enclosure of a piece. `unit_m` is a power of two. An edge whose two corners cannot be resolved is
-/// left out.
+/// Encloses a visible polygon. `unit_m` is a power of two. An edge whose two corners cannot be resolved is
+/// omitted.
 CertifiedPolygon certified_polygon(const NameContext& context, const std::vector<CornerName>& corners,
                                    const NamedPiece& piece, double unit_m);
 
-/// The enclosure of a convex polygon on a facet whose corners were rounded: relative to the cone's apex,
-/// metres, each coordinate off by at most 4 units in the last place of itself, or of itself relative to
-/// `other_apex_m` and of that together (FootprintSharer). The facet's plane is exact.
+/// Encloses a convex polygon on a facet whose corners were rounded. Corners are relative to the cone's apex,
+/// in metres. The error of each coordinate is at most 4 units in the last place. These units are those of
+/// the coordinate, or of its value relative to `other_apex_m` together with that apex (FootprintSharer). The
+/// plane of the facet is exact.
 CertifiedPolygon certified_polygon(const FacetCone& facet, std::span<const glm::dvec3> corners_m,
                                    glm::dvec3 other_apex_m, double unit_m);
 
-/// A part of a polygon, in the same plane and turning the same way: all that follows from its points.
+/// A part of a polygon with these points, in the same plane and with the same orientation.
 CertifiedPolygon part_of(const CertifiedPolygon& whole, std::vector<CertifiedPolygon::Point> points);
 
-/// A convex polygon's points on the two sides of a line. `height` is each point's above the line: an affine
-/// function of place. A point whose height is below `level` in magnitude is taken to be on the line, which
-/// then passes through it: the two sides are one polygon cut along a chord, whatever the heights' roundings.
-/// Either side is empty if no point is surely there.
+/// Splits the points of a convex polygon by a line. `height` is the height of each point above the line, an
+/// affine function of position. A point whose |height| is below `level` counts as a point of the line. The
+/// two sides are then one polygon cut along a chord, whatever the rounding of the heights. A side is empty
+/// if no point certainly lies there.
 std::array<std::vector<CertifiedPolygon::Point>, 2> split(const std::vector<CertifiedPolygon::Point>& points,
                                                           const std::vector<Ball>& height, double level);
 

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Certified phasors, means of phasors over triangles, transforms of polygons and edge-form integrals of
+// e^{ikP}. The formulas are those of polygon_transform.hpp and edge_form.hpp; ball arithmetic encloses all
+// rounding and truncation.
+
 #include "geometry/integrals/certified_waves.hpp"
 
 #include <algorithm>
@@ -18,13 +22,13 @@ ComplexBall sinc(const ComplexBall& x) {
   return result;
 }
 
-/// The mean over a segment: e^{i (a + b) / 2} sinc((b - a) / 2).
+/// The mean over a segment is e^{i (a + b) / 2} sinc((b - a) / 2).
 ComplexBall mean_of_two(const Ball& a, const Ball& b) {
   return certified_phasor((a + b) / Ball(2.0)) * sinc(ComplexBall((b - a) / Ball(2.0)));
 }
 
-/// 2 sum of i^k h_k / (k + 2)!, as mean_phasor() has it; |h_k| <= (k + 1)(k + 2) / 2 largest^k, so what is
-/// left out after k terms is at most the next one's bound, largest^k / k!, over 1 - largest / (k + 1).
+/// 2 sum of i^k h_k / (k + 2)!, as in mean_phasor(). From |h_k| <= (k + 1)(k + 2) / 2 largest^k, the
+/// truncation error after k terms is at most largest^k / k! / (1 - largest / (k + 1)).
 ComplexBall series(const Ball& x, const Ball& y, const Ball& z) {
   const Ball e1 = x + y + z, e2 = x * y + z * (x + y), e3 = x * y * z;
   const auto size = [](const Ball& b) { return std::max(std::abs(b.lo()), std::abs(b.hi())); };
@@ -43,7 +47,8 @@ ComplexBall series(const Ball& x, const Ball& y, const Ball& z) {
     bound = bound * Ball(largest) / Ball(static_cast<double>(k));
     if (k > largest + 1 && bound.hi() < 1e-40) break;
   }
-  // Where 200 terms were not enough this is wide, and true: terms beyond fall by half, for phases below 100.
+  // If 200 terms do not suffice, the enclosure is wide but correct: for phases below 100 the further terms
+  // decrease at least by half each.
   Ball real = sum.real(), imaginary = sum.imaginary();
   const Ball rest = largest < 100 ? bound * Ball(2.0) : Ball(std::numeric_limits<double>::infinity());
   real.add_error(rest);
@@ -51,15 +56,16 @@ ComplexBall series(const Ball& x, const Ball& y, const Ball& z) {
   return {real, imaginary};
 }
 
-/// A directed edge, seen from the place c of shortest path, and the ends over the plane.
+/// A directed edge relative to the point c of shortest path, and both apexes over the plane.
 struct EdgeOfWave {
-  Ball from_x, from_y, step_x, step_y;  ///< from c
+  Ball from_x, from_y, step_x, step_y;  ///< relative to c
   Ball tx_x, tx_y, tx_height, rx_x, rx_y, rx_height;
   Ball shortest, k;
   Ball angle;  ///< turn times cross(from, step) / 4 pi
 
-  /// d/dt of the integral, t from 0 to 1 along the edge. With P - D = longer and per_square = longer over
-  /// the squared distance from the line through c it is regular where that distance is 0.
+  /// Derivative of the integral by t, from 0 to 1 along the edge. Here longer = P - D, and per_square is
+  /// longer over the squared distance from the line through c. This form is regular where that distance is
+  /// 0.
   ComplexBall at(const ComplexBall& t) const {
     const ComplexBall x = ComplexBall(from_x) + t * ComplexBall(step_x),
                       y = ComplexBall(from_y) + t * ComplexBall(step_y), d(shortest);
@@ -80,10 +86,11 @@ struct EdgeOfWave {
   }
 };
 
-/// Adds the integral over t in [from, to]; false where it cannot be had.
+/// Adds the integral over t in [from, to]. Returns false if no rule encloses it.
 bool add_edge(const EdgeOfWave& edge, double from, double to, double allowed, int halvings,
               ComplexBall& sum) {
-  const Ball middle((from + to) / 2), half((to - from) / 2);  // exact: halves of 1
+  const Ball middle((from + to) / 2), half((to - from) / 2);  // exact, because the bounds are dyadic
+                                                              // fractions
   int fewest = most_certified_nodes + 1;
   double error = 0;
   for (const double rho : {2.5, 4.0, 7.0, 13.0, 30.0}) {
@@ -121,7 +128,7 @@ ComplexBall certified_phasor(const Ball& phase) {
 }
 
 ComplexBall certified_mean_phasor(const std::array<Ball, 3>& phases) {
-  // The two that are farthest apart, by their middles.
+  // Sorts the phases by their middles, so that p[0] and p[2] differ most.
   std::array<Ball, 3> p = phases;
   std::sort(p.begin(), p.end(), [](const Ball& a, const Ball& b) { return a.middle() < b.middle(); });
   constexpr double apart = 2;

@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Integrates over small polygons that are cut by samples of path length, in cells along the path gradient.
+// Each cell lies between two curves (edges or ellipses). A Gauss-Legendre product rule integrates the cell;
+// its order follows from the cell's size, or from the agreement of two rules. compact_path_cut.hpp states
+// the conditions.
+
 #include "geometry/integrals/compact_path_cut.hpp"
 
 #include <algorithm>
@@ -12,15 +17,17 @@
 namespace tubefoot {
 namespace {
 
-/// A part is compact if it is this much smaller than what its integrand is analytic over.
+/// A part is compact if its size is below this fraction of the distance over which its integrand is
+/// analytic.
 constexpr double compact = 0.25;
 constexpr int most_halvings = 8;
-/// Rounding that was underestimated must not make work without end.
+/// Limits the work if the rounding estimate was too small.
 constexpr int most_refined_cells = 4000;
 
-/// What a rule of n nodes leaves of an interval of length x is at most this times x^(2n), if the integrand is
-/// at most e^3 times its largest value within half of 1 into the complex plane:
-/// 20 * 4^n (n!)^4 / ((2n + 1) ((2n)!)^2), and ten times as much for what ellipses and ranges add to that.
+/// Error factors: a rule of n nodes on an interval of length x has an error of at most this times x^(2n).
+/// The bound holds if the integrand is at most e^3 times its largest value within half of 1 into the complex
+/// plane. The factor is 20 * 4^n (n!)^4 / ((2n + 1) ((2n)!)^2), times ten for the contribution of ellipses
+/// and ranges.
 constexpr std::array<double, 10> left_by_rule{80, 20, 5, 1.2, 0.3, 0.08, 0.02, 5e-3, 1.3e-3, 3e-4};
 
 }  // namespace
@@ -30,7 +37,7 @@ double CompactPathCutter::Over::range(glm::dvec2 p) const {
   return std::sqrt(height2 + (away.x * away.x + away.y * away.y));
 }
 
-/// From the nearer end, so that both ends are met to the last bit.
+/// Interpolates from the nearer end, so that the result at both ends is exact.
 double CompactPathCutter::Edge::at(double across) const {
   const double before = across - from.y, after = to.y - across, length = to.y - from.y;
   if (!(before > 0)) return from.x;
@@ -116,7 +123,7 @@ bool CompactPathCutter::is_compact(const std::vector<glm::dvec2>& corners) {
   const glm::dvec2 gradient = from_transmitter / tx + from_receiver / rx;
   const double steep = glm::length(gradient), bend = 1 / least_tx + 1 / least_rx;
   const double least_range = std::min(least_tx, least_rx);
-  // Places where the path does not grow any more are singular as well, and nearer where ranges have shrunk.
+  // Points at which the path stops growing are singular too. They are nearer where ranges are smaller.
   const double growth = steep / bend - reach;
   if (!(growth > 0)) return false;
   const double analytic_m = 1 / (1 / least_range + 1 / growth);
@@ -153,12 +160,13 @@ void CompactPathCutter::cut_compact(const std::vector<glm::dvec2>& corners) {
     const double middle = (strip.from + strip.to) / 2;
     for (const Edge& edge : edges_)
       if (edge.from.y <= middle && middle <= edge.to.y) (edge.far ? strip.far : strip.near) = &edge;
-    // Only rounding leaves a place without one of the two, and only some 1e-16 of them.
+    // Only rounding removes one of the two edges, and only for some 1e-16 of the points.
     if (strip.near != nullptr && strip.far != nullptr) integrate(strip);
   }
 }
 
-/// Where, strictly between, the path by way of a point of the edge is that long.
+/// Appends the positions strictly between `from` and `to` at which the path via a point of the edge has this
+/// length.
 void CompactPathCutter::cross(const Edge& edge, double from, double to, double path,
                               std::vector<double>& across) const {
   const glm::dvec2 way = edge.to - edge.from;
@@ -179,7 +187,7 @@ void CompactPathCutter::cross(const Edge& edge, double from, double to, double p
 void CompactPathCutter::integrate(const Strip& strip) {
   const auto path_on = [&](const Edge& edge, double across) { return path_of({edge.at(across), across}); };
   const double near_from = path_on(*strip.near, strip.from), near_to = path_on(*strip.near, strip.to);
-  // The path is convex: along an edge it is longest at an end, and nowhere below a tangent.
+  // The path is convex: on an edge it is longest at an end, and it is nowhere below a tangent.
   const double middle = (strip.from + strip.to) / 2;
   const glm::dvec2 p(strip.near->at(middle), middle), q(strip.near->at(strip.to), strip.to);
   const double tx = transmit_.range(p), rx = receive_.range(p);
@@ -206,7 +214,7 @@ void CompactPathCutter::integrate(const Strip& strip) {
     sample_ = task_->out.subspan(k * values_.size(), values_.size());
     for (std::size_t i = 0; i + 1 < cuts_.size(); ++i) {
       if (!(cuts_[i + 1] > cuts_[i])) continue;
-      // Which of two curves bounds the cell is the same all over it.
+      // The same two curves bound the whole cell.
       const double place = (cuts_[i] + cuts_[i + 1]) / 2;
       const double near = path_on(*strip.near, place), far = path_on(*strip.far, place);
       if (!(near < to && far > from)) continue;
@@ -219,8 +227,8 @@ void CompactPathCutter::integrate(const Strip& strip) {
 }
 
 void CompactPathCutter::integrate(const Cell& cell) {
-  // No wider than the edges are apart, or the ellipses; at the same part of the way between the two curves a
-  // place moves as they do.
+  // The width is at most the distance of the edges, or of the ellipses. A point at a fixed fraction between
+  // the two curves moves as the curves do.
   const double near_from = cell.near->at(cell.from), near_to = cell.near->at(cell.to),
                far_from = cell.far->at(cell.from), far_to = cell.far->at(cell.to);
   const double high = cell.to - cell.from;
@@ -281,7 +289,7 @@ double CompactPathCutter::tensor(const Cell& cell, int by_along, int by_across, 
     if (cell.near_path > 0 || cell.far_path > 0) {
       const glm::dvec2 base(0, v);
       const double tx = transmit_.range(base), rx = receive_.range(base);
-      // The path grows along, so the ray leaves the ellipse.
+      // The path grows along the ray, so the ray leaves the ellipse.
       const auto leaves = [&](double path) {
         const PathCutter::EllipseOnRay on(path, tx, rx, -transmit_.foot.x, -receive_.foot.x);
         const double root = std::sqrt(std::max(on.discriminant(), 0.0));

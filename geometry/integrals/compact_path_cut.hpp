@@ -11,16 +11,18 @@
 
 namespace tubefoot {
 
-/// As PathCutter, for polygons that are small against their distances from both apexes and from the plane's
-/// point of shortest path: there the path grows along all parallels to one direction, its gradient in the
-/// middle. Cells lie between two curves, edge or ellipse, over an interval across that direction: nothing is
-/// turned. If the integrand is analytic, each takes one rule of Gauss-Legendre, whose order follows from its
-/// size; else rules of rising order until two agree, or halves.
+/// Integrates as PathCutter does, for polygons that are small compared with their distances from both apexes
+/// and from the plane's point of shortest path. In such a polygon the path grows along all parallels to one
+/// direction, the gradient at the middle. A cell lies between two curves, each an edge or an ellipse, over
+/// an interval across that direction. No rotation is necessary. For an analytic integrand one Gauss-Legendre
+/// rule per cell suffices, and its order follows from the cell's size. For other integrands the order rises
+/// until two rules agree, or the cell is halved.
 ///
-/// Law P4 (compact): what is cut so agrees with cells about the point of shortest path to the tolerance.
+/// Law P4 (compact): the result agrees, within the tolerance, with that of cells about the point of shortest
+/// path.
 class CompactPathCutter {
  public:
-  /// What PathCutter::add() is asked for, of one receiver.
+  /// The arguments of PathCutter::add() for one receiver.
   struct Task {
     PathCutter::Receiver receiver;
     const PathCutter::Integrand& integrand;
@@ -28,17 +30,17 @@ class CompactPathCutter {
     std::span<const double> borders_m;
     std::span<double> out;
   };
-  /// Adds what is compact of the polygon, cut in halves where it is not. What is not after a few times is
-  /// appended to `left`, with offsets from the polygon's first corner.
+  /// Adds the compact parts of the polygon, and halves the polygon where it is not compact. Appends the
+  /// parts that are not compact after a few halvings to `left`, as offsets from the polygon's first corner.
   void add(const PlanarPolygon& polygon, const Task& task, std::vector<PlanarPolygon>& left);
 
  private:
   static constexpr int most_nodes = 10;
 
-  /// An edge, in coordinates along and across: that end where `across` is least comes first.
+  /// An edge in coordinates along and across the gradient. The end with the smaller `across` comes first.
   struct Edge {
     glm::dvec2 from, to;
-    bool far;  ///< what is inside lies on the side of smaller `along`
+    bool far;  ///< the interior lies on the side of smaller `along`
     double at(double across) const;
   };
   /// An apex over the plane.
@@ -47,16 +49,16 @@ class CompactPathCutter {
     glm::dvec2 foot{0};
     double range(glm::dvec2 p) const;
   };
-  /// Edges over an interval across.
+  /// Two edges over an interval across the gradient.
   struct Strip {
     const Edge *near, *far;
     double from, to;
   };
   struct Cell {
     const Edge *near, *far;
-    double near_path, far_path;  ///< of the ellipse that bounds it there; 0: the edge does
-    double from, to;             ///< across
-    double begin = 0, end = 1;   ///< of the way from near to far
+    double near_path, far_path;  ///< path of the ellipse that bounds the cell; 0 if the edge bounds it
+    double from, to;             ///< across the gradient
+    double begin = 0, end = 1;   ///< fraction of the distance from near to far
     int refinements = 0;
   };
 
@@ -68,7 +70,7 @@ class CompactPathCutter {
   double path_of(glm::dvec2 p) const { return transmit_.range(p) + receive_.range(p); }
   void integrate(const Cell& cell);
   void halve(const Cell& cell, bool along);
-  /// Returns the largest that value 0 was.
+  /// Returns the largest magnitude of value 0.
   double tensor(const Cell& cell, int by_along, int by_across, std::span<double> sum);
   int nodes_for(double extent) const;
   void set_orders(double tolerance);
@@ -76,14 +78,15 @@ class CompactPathCutter {
   const Task* task_ = nullptr;
   const PlanarPolygon* polygon_ = nullptr;
   double tolerance_ = 0;
-  std::array<double, most_nodes> largest_{};  // extent that a rule of n + 1 nodes is enough for
-  // Of the part at hand. Coordinates along and across have their origin in its middle.
-  glm::dvec2 middle_{0}, along_{1, 0}, across_{0, 1};  // in the polygon's, the first as an offset
+  std::array<double, most_nodes> largest_{};  // largest extent for which a rule of n + 1 nodes suffices
+  // State of the current part. Its middle is the origin of the coordinates along and across.
+  glm::dvec2 middle_{0}, along_{1, 0}, across_{0, 1};  // in the polygon's coordinates; the first is an
+                                                       // offset
   Over transmit_, receive_;
-  double smooth_m_ = 0;    // distances are small against this
-  double rounding_m_ = 0;  // by which an ellipse may lie elsewhere
-  double flattest_ = 0;    // the path grows no slower along
-  double steepest_ = 0;    // no ellipse is steeper against across
+  double smooth_m_ = 0;    // the part is small compared with these distances
+  double rounding_m_ = 0;  // possible displacement of an ellipse by rounding
+  double flattest_ = 0;    // lower bound of the path's growth along the gradient
+  double steepest_ = 0;    // upper bound of the slope of the ellipses
   std::vector<Edge> edges_;
   std::vector<double> places_, before_, after_, cuts_, values_, inner_, coarse_, fine_;
   int refinements_left_ = 0;

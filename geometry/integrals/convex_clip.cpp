@@ -38,7 +38,7 @@ bool clip_convex(PlanarPolygon& polygon, const PlanarPolygon& other) {
       from = to;
       before = after;
     }
-    // Corners that are one but for rounding would make an edge in no direction.
+    // Corners that differ only by rounding would make an edge without a direction.
     left.clear();
     for (const glm::dvec2 p : cut)
       if (left.empty() || glm::distance(left.back(), p) > width) left.push_back(p);

@@ -5,9 +5,9 @@
 
 namespace tubefoot {
 
-/// Leaves of a convex polygon what lies in another one of the same plane, in doubles: what is nearer to an
-/// edge of the other than corners are known (1e-12 of their distance from the apex) is not cut. False if
-/// nothing is left that is broader than that.
+/// Intersects a convex polygon with another one of the same plane, in doubles. Corners are accurate to 1e-12
+/// of their distance from the apex, and parts nearer than that to an edge of `other` are not cut off.
+/// Returns false if nothing wider than that remains.
 bool clip_convex(PlanarPolygon& polygon, const PlanarPolygon& other);
 
 }  // namespace tubefoot

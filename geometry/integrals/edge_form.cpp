@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Integrates waves F(P) of path length over a planar polygon as a sum of integrals along its edges
+// (edge_form.hpp, docs/smooth-surfaces.md). Near the point c of shortest path the code expands F about the
+// shortest path D. Newton's form keeps the digits of [F(P) - F(D)] / (P - D).
+
 #include "geometry/integrals/edge_form.hpp"
 
 #include <algorithm>
@@ -16,7 +20,7 @@ namespace {
 
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
-/// Whether the point of the plane lies in the polygon or nearer to it than `margin`.
+/// True if the point of the plane lies in the polygon or within `margin` of it.
 bool reaches(const PlanarPolygon& polygon, glm::dvec2 point, double margin) {
   const std::size_t n = polygon.offsets.size();
   bool inside = false;
@@ -31,11 +35,11 @@ bool reaches(const PlanarPolygon& polygon, glm::dvec2 point, double margin) {
   return inside;
 }
 
-/// Of rules along an edge: 64/15 1e16.
+/// Logarithm of the error bound for rules along an edge, 64/15 1e16.
 constexpr double log_error = 38.3;
 
-/// Where F is interpolated about the shortest path, which comes first: Chebyshev's points, from the outside
-/// and from the inside in turn, as Newton's form likes them.
+/// Interpolation points of F about the shortest path, which comes first. These Chebyshev points alternate
+/// between outside and inside, an order in which Newton's form is stable.
 constexpr std::array<double, 11> newton_points{0,
                                                1,
                                                -1,
@@ -54,8 +58,8 @@ constexpr std::size_t quotients = newton_points.size() - 1;
 double arc_angle(const PlanarPolygon& polygon, double range_m) {
   const double square = (range_m - polygon.distance) * (range_m + polygon.distance);
   if (!(square > 0) || !(range_m > 0)) return 0;
-  // A ray from the foot point is inside where the circle meets it if the polygon's boundary beyond turns
-  // about it: the angle of all boundary that lies outside of the circle.
+  // A ray from the foot point meets the circle inside the polygon if the boundary beyond the circle winds
+  // about the ray. The angle is therefore that of all boundary outside the circle.
   double angle = 0;
   const std::size_t n = polygon.offsets.size();
   for (std::size_t k = 0; k < n; ++k) {
@@ -68,7 +72,7 @@ double arc_angle(const PlanarPolygon& polygon, double range_m) {
       angle += std::atan2(turn * (to - from), glm::dot(p, q));
     };
     if (!(e2 > 0)) continue;
-    // |a + t edge|^2 = square at t = middle +- half.
+    // Solves |a + t edge|^2 = square; the solutions are t = middle +- half.
     const double middle = -glm::dot(a, edge) / e2, inner = square - turn * turn / e2;
     if (inner <= 0) {
       add(0, 1);
@@ -81,18 +85,18 @@ double arc_angle(const PlanarPolygon& polygon, double range_m) {
   return angle;
 }
 
-/// The ends over the plane, seen from the place c of shortest path.
+/// Both apexes over the plane, relative to the point c of shortest path.
 struct EdgeForm::Plane {
   double tx_height, rx_height;
-  glm::dvec2 tx_foot, rx_foot;  ///< from c
+  glm::dvec2 tx_foot, rx_foot;  ///< relative to c
   double shortest;              ///< D
-  glm::dvec2 tilt;              ///< the plane's part of the unit vector along the line through c
-  double turn;                  ///< dpsi is this times cross(place, step) over its squared distance
-  bool near;                    ///< whether F(D) is taken off: the polygon may hold c
+  glm::dvec2 tilt;              ///< component in the plane of the unit vector along the line through c
+  double turn;                  ///< dpsi is this times cross(place, step) over the squared distance
+  bool near;                    ///< true if F(D) is subtracted, because the polygon may contain c
 };
-/// A directed line through `from`, seen from c.
+/// A directed line through `from`, relative to c.
 struct EdgeForm::Edge {
-  glm::dvec2 from, along;  ///< along: unit
+  glm::dvec2 from, along;  ///< along: unit vector
   double height;           ///< cross(from, along)
 };
 
@@ -104,7 +108,7 @@ EdgeForm::EdgeForm(Wave wave, std::size_t count, double growth_per_m)
       quotient_(quotients * count) {}
 
 void EdgeForm::expand(double shortest) {
-  // Within a quarter of a radian eleven points are good to 1e-17.
+  // Within a quarter of a radian eleven points are accurate to 1e-17.
   width_ = std::min(0.25 / growth_per_m_, shortest / 2);
   wave_(shortest, at_shortest_);
   const std::size_t count = values_.size();
@@ -145,7 +149,8 @@ void EdgeForm::add(const PlanarPolygon& polygon, const PathCutter::Receiver& rx,
 void EdgeForm::add(const Plane& plane, const Edge& edge, double from, double to, int halvings,
                    std::span<std::complex<double>> out) {
   const double middle = (from + to) / 2, half = (to - from) / 2;
-  // What is singular lies beside the line: where a range is zero, and where the line through c is met.
+  // The singularities lie off the line. They are the zeros of the ranges, and of the distance from the line
+  // through c.
   const auto ellipse_of = [&](glm::dvec2 foot, double height) {
     const glm::dvec2 away = edge.from - foot;
     const double beside = cross(away, edge.along);
@@ -188,11 +193,11 @@ void EdgeForm::add(const Plane& plane, const Edge& edge, double from, double to,
     const double r = range(plane.tx_foot, plane.tx_height), s = range(plane.rx_foot, plane.rx_height);
     const double d = plane.shortest;
     const double angle = rule.weight[k] * half * plane.turn * edge.height / (4 * std::numbers::pi);
-    // (P - D) (P + D) = 4 D^2 square / across: no difference of paths is needed.
+    // (P - D) (P + D) = 4 D^2 square / across. This form needs no difference of paths.
     const double across = (d - (r - s)) * (d + (r - s)), total = r + s + d,
                  per_square = 4 * d * d / (across * total), longer = per_square * square;
     if (plane.near && longer < width_) {
-      // Both terms are as the squared distance from c: taken out of them.
+      // Both terms are proportional to the squared distance from c. The code cancels that factor.
       const double x = longer / width_, rest = total * per_square / (2 * d * r * s);
       for (std::size_t i = 0; i < values_.size(); ++i) {
         std::complex<double> quotient = quotient_[(quotients - 1) * values_.size() + i];

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Splits the edges of a polygon into panels on which the path length is monotonic, and computes quadrature
+// nodes on them. The integral is image() F(D) + sum of weight F(path), with the weights of edge_form.hpp.
+
 #include "geometry/integrals/edge_panels.hpp"
 
 #include <algorithm>
@@ -13,8 +16,8 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 constexpr int most_halvings = 60;
-/// An edge as near as that to the place of shortest path, times the growth, has nothing: its integral and
-/// its part of the image are each other's opposites to that.
+/// Edges whose distance from the point of shortest path, times the growth, is below this limit add nothing.
+/// To that accuracy the edge's integral cancels its share of the image.
 constexpr double through_rad = 1e-12;
 
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
@@ -44,11 +47,11 @@ void EdgePanels::assign(const PlanarPolygon& polygon, const PathCutter::Receiver
     Edge edge{cross(start, along),   glm::dot(tx_foot, along), glm::dot(rx_foot, along), 0, 0,
               glm::dot(tilt, along), glm::dot(tilt, beside)};
     if (!(std::abs(edge.height) * growth_per_m > through_rad)) continue;
-    // The point of the line nearest to c is height times beside.
+    // The point of the line nearest to c is `height * beside`.
     edge.tx_m = std::hypot(edge.height - glm::dot(tx_foot, beside), polygon.distance);
     edge.rx_m = std::hypot(edge.height - glm::dot(rx_foot, beside), rx.distance);
     const double from = glm::dot(start, along), to = from + length;
-    // The integral of turn height / (squared distance from the line through c) along the edge.
+    // Integral of turn height / (squared distance from the line through c) along the edge.
     const double a = 1 - edge.tilt_along * edge.tilt_along,
                  b = -edge.height * edge.tilt_beside * edge.tilt_along, rest = std::abs(edge.height) * turn_;
     angle += std::copysign(std::atan2(a * to + b, rest) - std::atan2(a * from + b, rest), edge.height);
@@ -61,7 +64,7 @@ void EdgePanels::assign(const PlanarPolygon& polygon, const PathCutter::Receiver
       add_panels(edges_.size() - 1, from, to, most_spread_m, 0);
     }
   }
-  // A whole turn, a half, or none, all but for rounding.
+  // Except for rounding, the sum is a whole turn, half a turn or none.
   const double turns = std::round(angle / pi) / 2;
   image_ = std::abs(angle / (2 * pi) - turns) < 1e-9 ? turns / shortest_m_ : angle / (2 * pi * shortest_m_);
 }
@@ -114,8 +117,8 @@ void EdgePanels::nodes(const Panel& panel, double from, double to, double turn_r
 void EdgePanels::add_nodes(const Edge& edge, double from, double to, double growth_per_m, double log_error,
                            int halvings, std::vector<Node>& out) const {
   const double middle = (from + to) / 2, half = (to - from) / 2, h = edge.height, d = shortest_m_;
-  // What is singular lies beside the line: where a range is zero, and where the line from the apex to the
-  // other's image is met.
+  // The singularities lie off the line. They are the zeros of the ranges, and of the distance from the line
+  // between an apex and the other's image.
   const double a = 1 - edge.tilt_along * edge.tilt_along, b = -h * edge.tilt_beside * edge.tilt_along,
                rho = std::min({ellipse_through((edge.tx_at - middle) / half, edge.tx_m / half),
                                ellipse_through((edge.rx_at - middle) / half, edge.rx_m / half),

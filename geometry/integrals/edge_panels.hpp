@@ -8,14 +8,13 @@
 
 namespace tubefoot {
 
-/// The integral of edge_form.hpp for an F that is analytic only piece by piece, as a pulse with flanks is: it
-/// is
-///     image() F(shortest_m()) + sum over panels of the integral of F(path) times a weight along the edge.
-/// Along a panel the path grows or falls all the way, so whoever knows at which paths F bends or jumps can
-/// cut panels there.
+/// The integral of edge_form.hpp for an F that is analytic only piece by piece, such as a pulse with flanks.
+/// It equals image() F(shortest_m()) plus, for each panel, the integral of F(path) times a weight along the
+/// edge. The path is monotonic along a panel. A caller that knows the paths of kinks or jumps of F can cut
+/// panels there.
 class EdgePanels {
  public:
-  /// A part of an edge. Places along it are metres from the point that is nearest to the place of shortest
+  /// A part of an edge. Positions along it are in metres from the point nearest to the point of shortest
   /// path.
   struct Panel {
     std::size_t edge = 0;
@@ -25,37 +24,37 @@ class EdgePanels {
     double least_path_m() const { return from_path_m < to_path_m ? from_path_m : to_path_m; }
     double most_path_m() const { return from_path_m < to_path_m ? to_path_m : from_path_m; }
   };
-  /// Of a rule: F(path) counts with the weight.
+  /// A node of a quadrature rule: F(path) times the weight.
   struct Node {
     double path_m, weight;
   };
 
-  /// `growth_per_m`: F's pieces are no larger than some e^{growth |Im path|}. `most_spread_m`: of the paths
-  /// of a panel. An apex in the plane sees it from the edge: there is nothing then. The polygon need not be
+  /// `growth_per_m`: the pieces of F are at most e^{growth |Im path|} times a constant. `most_spread_m`
+  /// limits the range of paths in a panel. An apex in the plane yields no panels. The polygon need not be
   /// convex.
   void assign(const PlanarPolygon& polygon, const PathCutter::Receiver& rx, double growth_per_m,
               double most_spread_m);
 
   const std::vector<Panel>& panels() const { return panels_; }
-  /// The shortest path by the plane.
+  /// Shortest path via the plane.
   double shortest_m() const { return shortest_m_; }
-  /// One over it where the place of shortest path lies in the polygon, 0 elsewhere; on an edge, half.
+  /// 1 / shortest_m() if the point of shortest path lies in the polygon, half of it on an edge, 0 elsewhere.
   double image() const { return image_; }
 
-  /// Where on a panel the path has that length, which is one of the panel's.
+  /// Position on a panel at which the path is `path_m`, which must be a path of the panel.
   double place_of(const Panel& panel, double path_m) const;
-  /// Appends the nodes of Gauss-Legendre's rules from place to place on a panel. `turn_rad`: by
-  /// how much more than the growth F's phase turns over half of the paths between. `error`: of the integral,
-  /// relative to F's largest modulus times the integral of the weight's.
+  /// Appends the nodes of Gauss-Legendre rules between two positions of a panel. `turn_rad` is the phase of
+  /// F, beyond the growth, over half of the paths between. `error` is that of the integral, relative to the
+  /// largest |F| times the integral of |weight|.
   void nodes(const Panel& panel, double from, double to, double turn_rad, double error,
              std::vector<Node>& out) const;
 
  private:
-  /// A line with an edge on it, about the place of shortest path.
+  /// The line of an edge, relative to the point of shortest path.
   struct Edge {
     double height;        ///< signed distance
-    double tx_at, rx_at;  ///< the apexes' feet along it
-    double tx_m, rx_m;    ///< the apexes' distances from the line
+    double tx_at, rx_at;  ///< positions of the apexes' foot points along the line
+    double tx_m, rx_m;    ///< distances of the apexes from the line
     double tilt_along, tilt_beside;
   };
   double path_at(const Edge& edge, double at) const;

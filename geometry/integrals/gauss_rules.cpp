@@ -10,7 +10,8 @@ namespace {
 
 GaussRule make_rule(int nodes) {
   GaussRule rule;
-  for (const double x : boost::math::legendre_p_zeros<double>(nodes)) {  // those that are not negative
+  for (const double x : boost::math::legendre_p_zeros<double>(nodes)) {  // the function returns the nodes
+                                                                         // that are not negative
     rule.node.push_back(x);
     if (x != 0) rule.node.push_back(-x);
   }

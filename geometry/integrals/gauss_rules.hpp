@@ -12,7 +12,7 @@ struct GaussRule {
 
 constexpr int most_gauss_nodes = 24;
 
-/// Rules of 1 to most_gauss_nodes nodes.
+/// Requires `nodes` between 1 and most_gauss_nodes.
 const GaussRule& gauss_rule(int nodes);
 
 }  // namespace tubefoot

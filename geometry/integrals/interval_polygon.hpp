@@ -11,16 +11,16 @@
 
 namespace tubefoot {
 
-/// A visible piece in its facet's plane as CertifiedPolygon has it, in intervals of long doubles in place of
-/// balls: much faster, to some 1e-18 of the range. Metres.
+/// The same data as CertifiedPolygon, in intervals of long doubles instead of balls. The computation is much
+/// faster, and accurate to some 1e-18 of the range. Lengths are in metres.
 struct IntervalPolygon {
   struct Point {
     FineInterval x, y;
   };
   struct Edge {
-    Interval angle;         ///< of its direction in the plane, up to whole turns
-    Interval height;        ///< of the foot point to the edge's left
-    FineInterval nearest2;  ///< squared range of its line's nearest point
+    Interval angle;         ///< angle of the edge's direction in the plane, up to whole turns
+    Interval height;        ///< height of the foot point to the left of the edge
+    FineInterval nearest2;  ///< squared range of the nearest point of the edge's line
   };
   FineInterval distance;  ///< of the apex from the plane
   std::vector<Point> points;
@@ -31,12 +31,13 @@ struct IntervalPolygon {
   bool foot_inside = false;
 };
 
-/// Encloses a piece. False if two neighbouring corners cannot be resolved: that takes balls. `unit_m` is a
-/// power of two. `polygon` is written over, so that its lists are used again.
+/// Encloses a visible polygon. Returns false if two neighbouring corners cannot be resolved; such a polygon
+/// needs ball arithmetic. `unit_m` is a power of two. The function overwrites `polygon` and reuses its
+/// memory.
 bool enclose_in_intervals(const NameContext& context, const std::vector<CornerName>& corners,
                           const NamedPiece& piece, double unit_m, IntervalPolygon& polygon);
 
-/// Angle of a vector in a box, up to whole turns. Of one that is half a turn wide nothing is known.
+/// Angle of a vector in a box, up to whole turns. The result is unbounded for a box that spans half a turn.
 Interval angle_of(const Interval& x, const Interval& y);
 
 }  // namespace tubefoot

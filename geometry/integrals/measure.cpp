@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Measures footprints: area, solid angle at the apex, centroid, grazing angle and slant ranges. The area is
+// the shoelace sum of corner offsets. The solid angle is a fan sum of the formula of Van Oosterom and
+// Strackee (1983).
+
 #include "geometry/integrals/measure.hpp"
 
 #include <algorithm>
@@ -11,8 +15,8 @@ namespace {
 
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
-/// How often the polygon turns around the foot point: 0 outside, 1 inside (for a point on the boundary,
-/// either).
+/// Winding number of the polygon about the foot point: 0 outside, 1 inside, either for a point on the
+/// boundary.
 int winding_about_foot(const PlanarPolygon& polygon) {
   int turns = 0;
   const std::size_t n = polygon.offsets.size();
@@ -24,7 +28,7 @@ int winding_about_foot(const PlanarPolygon& polygon) {
   return turns;
 }
 
-/// Sums of a footprint's pieces.
+/// Sums over the visible polygons of a footprint.
 struct Total {
   double area = 0, solid_angle = 0;
   double nearest = std::numeric_limits<double>::infinity(), farthest = 0;
@@ -51,7 +55,8 @@ void measure_one(const FootprintSet& set, Footprint& footprint, PlanarPolygon& p
     const double weight = std::max(piece_area, 0.0);
     const glm::dvec2 c = centroid_offset(polygon);
     total.weight += weight;
-    // Relative to the footprint's first corner, so that a small footprint far away keeps its digits.
+    // The sum is relative to the footprint's first corner, so that a small footprint far away keeps its
+    // digits.
     total.weighted_centroid +=
         weight * (set.corners_m[piece.first] - total.first_corner + c.x * frame.u + c.y * frame.v);
   }

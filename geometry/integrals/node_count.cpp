@@ -33,7 +33,7 @@ int NodeCount::nodes(double extent, double rho) const {
   if (!(rho >= ellipses.front())) return most_gauss_nodes + 1;
   std::size_t ellipse = 0;
   while (ellipse + 1 < ellipses.size() && rho >= ellipses[ellipse + 1]) ++ellipse;
-  // The next extent in the table: the exponent of the square counts factors of 2^(1/2).
+  // Index of the next larger extent in the table. The exponent of the square counts factors of 2^(1/2).
   const int exponent = int(std::bit_cast<std::uint64_t>(extent * extent) >> 52 & 0x7ff) - 1023;
   const int i = std::max(exponent + 1 - finest, 0);
   return i < extents ? nodes_[ellipse][std::size_t(i)] : most_gauss_nodes + 1;

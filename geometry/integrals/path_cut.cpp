@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Integrates over convex polygons that are cut by samples of path length, in polar coordinates about the
+// point c of shortest path. Points of equal path lie on ellipses about c; a cell is an interval of angle
+// between two curves. A Gauss-Legendre product rule of rising order integrates each cell until two rules
+// agree. See path_cut.hpp.
+
 #include "geometry/integrals/path_cut.hpp"
 
 #include <algorithm>
@@ -17,10 +22,10 @@ namespace {
 constexpr std::array<int, 7> rule_orders{2, 3, 4, 6, 9, 13, 18};
 constexpr std::size_t most_first_rule = 3;
 constexpr int most_halvings = 120;
-constexpr double least_steep_half = 1e-14;  // below, directions are too rough to tell
-/// A part of a cell this much smaller than another one need not be as accurate.
+constexpr double least_steep_half = 1e-14;  // below this, directions are too inaccurate
+/// Accuracy is relaxed for a part of a cell that is smaller than another part by this factor.
 constexpr double negligible = 1e-3;
-/// Rounding that was underestimated must not make work without end.
+/// Limits the work if the rounding estimate was too small.
 constexpr int most_refined_cells = 4000;
 
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
@@ -45,7 +50,7 @@ double PathCutter::Apex::range(glm::dvec2 from_c) const {
   return std::hypot(height, from_c.x - foot.x, from_c.y - foot.y);
 }
 
-/// Where on the line a direction from c meets it, as a distance from the line's start.
+/// Distance from the line's start to the point where a direction from c meets the line.
 double PathCutter::Line::along_of(glm::dvec2 direction) const {
   const double s = std::clamp(height / cross(direction, along), least, most);
   return std::clamp(glm::dot(s * direction - from, along), 0.0, length);
@@ -80,7 +85,7 @@ void PathCutter::add(const PlanarPolygon& polygon, const Receiver& receiver, con
 void PathCutter::add_polar(const PlanarPolygon& polygon, const Receiver& receiver,
                            const SecondRange* second) {
   const double heights = polygon.distance + receiver.distance;
-  // The mirrored receiver's straight line to the transmitter meets the plane in c.
+  // The straight line from the transmitter to the mirrored receiver meets the plane in c.
   c_ = receiver.foot * (polygon.distance / heights);
   transmit_ = {polygon.distance, -c_};
   receive_ = {receiver.distance, receiver.foot * (receiver.distance / heights)};
@@ -109,7 +114,7 @@ std::pair<double, double> PathCutter::half_paths_of(const PlanarPolygon& polygon
   const auto path = [&](glm::dvec2 p) {
     return range(polygon.distance, p) + range(receiver.distance, p - receiver.foot);
   };
-  // The mirrored receiver's straight line to the transmitter meets the plane in c.
+  // The straight line from the transmitter to the mirrored receiver meets the plane in c.
   const glm::dvec2 c = receiver.foot * (polygon.distance / (polygon.distance + receiver.distance));
   double shortest = std::numeric_limits<double>::infinity(), longest = 0;
   bool holds_c = true;
@@ -122,7 +127,7 @@ std::pair<double, double> PathCutter::half_paths_of(const PlanarPolygon& polygon
     holds_c = holds_c && cross(edge, c - from) >= 0;
     const double length = glm::length(edge);
     if (!(length > 0)) continue;
-    // Turned about the edge into one plane with it, the way is straight where it is shortest.
+    // With both apexes rotated about the edge into one plane, the shortest path is a straight line.
     const glm::dvec2 along = edge / length;
     const double to_transmitter = range(polygon.distance, glm::dvec2(cross(along, from), 0)),
                  to_receiver = range(receiver.distance, glm::dvec2(cross(along, from - receiver.foot), 0)),
@@ -144,7 +149,8 @@ std::pair<std::size_t, std::size_t> PathCutter::samples_of(const PlanarPolygon& 
     lo = {std::min(lo.x, p.x), std::min(lo.y, p.y)};
     hi = {std::max(hi.x, p.x), std::max(hi.y, p.y)};
   }
-  // No path is shorter than both ranges to the polygon's box, or than the shortest one over the plane.
+  // No path is shorter than the sum of both ranges to the polygon's box, or than the shortest path over the
+  // plane.
   const auto nearest = [&](glm::dvec2 foot) {
     return foot - glm::dvec2(std::clamp(foot.x, lo.x, hi.x), std::clamp(foot.y, lo.y, hi.y));
   };
@@ -158,7 +164,7 @@ std::pair<std::size_t, std::size_t> PathCutter::samples_of(const PlanarPolygon& 
   return {std::size_t(k), std::size_t(std::clamp<std::ptrdiff_t>(end - borders_.begin(), k, samples))};
 }
 
-/// Cuts the polygon into sectors about c that are bounded by one far edge and at most one near edge.
+/// Cuts the polygon into sectors about c. One far edge and at most one near edge bound each sector.
 void PathCutter::find_sectors(const PlanarPolygon& polygon) {
   const std::size_t n = polygon.offsets.size();
   lines_.clear();
@@ -176,7 +182,8 @@ void PathCutter::find_sectors(const PlanarPolygon& polygon) {
     line.length = glm::length(way);
     if (!(line.length > 0)) continue;
     line.along = way / line.length;
-    // From the nearer end: its sign must fit the angle that this end is seen at, however near c it is.
+    // The nearer end gives the height: its sign must match the angle at which c sees this end, however near
+    // it is to c.
     const bool from_is_nearer = glm::dot(line.from, line.from) <= glm::dot(line.to, line.to);
     line.height = cross(from_is_nearer ? line.from : line.to, line.along);
     const double nearest = std::clamp(-glm::dot(line.from, line.along), 0.0, line.length);
@@ -197,8 +204,8 @@ void PathCutter::find_sectors(const PlanarPolygon& polygon) {
     }
     return;
   }
-  // All of the polygon is on the inner side of the edge that c is farthest out of: angles from that edge's
-  // normal do not wrap around.
+  // The whole polygon is on the inner side of the edge that c lies farthest outside of. Angles from the
+  // normal of that edge do not wrap around.
   struct Interval {
     double from, to;
     const Line* line;
@@ -224,7 +231,8 @@ void PathCutter::find_sectors(const PlanarPolygon& polygon) {
     const double middle = (angles_[k] + angles_[k + 1]) / 2, half = (angles_[k + 1] - angles_[k]) / 2;
     if (!(half > 0)) continue;
     const Line *f = at(far, middle), *b = at(near, middle);
-    // Only rounding leaves a direction without one of the two, and only some 1e-16 of them.
+    // Only rounding leaves a direction without one of the two edges, and only for some 1e-16 of the
+    // directions.
     if (f != nullptr && b != nullptr) sectors_.push_back({turned(axis, middle), half, f, b});
   }
 }
@@ -234,7 +242,7 @@ double PathCutter::path_of(const Line& line, double along) const {
   return transmit_.range(p) + receive_.range(p);
 }
 
-/// Shortest path over a stretch of a line: as for a plane, with the apexes turned about the line into one
+/// Shortest path over a part of a line, as for a plane: both apexes are rotated about the line into one
 /// plane with it.
 double PathCutter::shortest_path(const Line& line, double from, double to) const {
   const glm::dvec2 t = line.from - transmit_.foot, r = line.from - receive_.foot;
@@ -244,7 +252,8 @@ double PathCutter::shortest_path(const Line& line, double from, double to) const
   return path_of(line, std::clamp((t_along * r_away + r_along * t_away) / (t_away + r_away), from, to));
 }
 
-/// Angles, from the sector's middle, of the points of a line whose path to a receiver has that length.
+/// Appends angles, from the sector's middle, of the points of a line whose path to a receiver has that
+/// length.
 void PathCutter::add_crossings(const Line& line, double path, const Apex& transmit, const Apex& receive,
                                const Sector& sector, std::vector<double>& angles) const {
   const EllipseOnRay on(path, transmit.range(line.from), receive.range(line.from),
@@ -260,16 +269,19 @@ void PathCutter::add_crossings(const Line& line, double path, const Apex& transm
   }
 }
 
-/// The ellipse of path L about c: with the angle that the plane's apexes make with a direction in cosine q,
-/// (L^2 - l^2 q^2) s^2 + q d (L^2 - l^2) s = (L^2 - l^2) (L^2 - d^2) / 4; l and d are sum and difference of
-/// the apexes' distances from c, where both are seen at the same grazing angle.
+/// The ellipse of path L about c. Let q be the cosine between a direction and the plane's line through the
+/// apexes, and s the distance from c. Then
+///   (L^2 - l^2 q^2) s^2 + q d (L^2 - l^2) s = (L^2 - l^2) (L^2 - d^2) / 4,
+/// where l and d are sum and difference of the apexes' distances from c. Both apexes have the same grazing
+/// angle at c.
 double PathCutter::distance(const Curve& curve, glm::dvec2 direction) const {
   if (curve.line != nullptr) {
     const Line& line = *curve.line;
     return std::clamp(line.height / cross(direction, line.along), line.least, line.most);
   }
   if (curve.second) {
-    // Next to where a ray only touches the ellipse, rounding may make it miss; that is as wide as nothing.
+    // Near a ray that touches the ellipse, rounding may lose the intersection. The width of the cell is then
+    // negligible.
     const std::optional<Stretch> within = in_second(curve.path, direction);
     return !within ? 0 : curve.enters ? within->enter : within->leave;
   }
@@ -277,7 +289,7 @@ double PathCutter::distance(const Curve& curve, glm::dvec2 direction) const {
   if (!(path > l)) return 0;
   const double d = transmit_range_ - receive_range_;
   const double gain = (path - l) * (path + l);
-  // B / range at c; 1 - q^2 without cancellation.
+  // The cosine q is B / range at c. The next expression is 1 - q^2 without cancellation.
   const double q = -glm::dot(transmit_.foot, direction) / transmit_range_;
   const double sine2 = (transmit_.height * transmit_.height +
                         cross(transmit_.foot, direction) * cross(transmit_.foot, direction)) /
@@ -324,7 +336,7 @@ void PathCutter::integrate(const Sector& sector) {
       cell.half = (angles_[i + 1] - angles_[i]) / 2;
       if (!(cell.half > 0)) continue;
       cell.middle = turned(sector.middle, (angles_[i] + angles_[i + 1]) / 2);
-      // Which of two curves bounds the cell is the same all over it.
+      // The same two curves bound the whole cell.
       Curve near{nullptr, from}, far{nullptr, to};
       if (sector.near != nullptr && distance({sector.near, 0}, cell.middle) > distance(near, cell.middle))
         near = {sector.near, 0};
@@ -367,8 +379,9 @@ PathCutter::Extent PathCutter::extent_of(const Curve& near, const Curve& far, co
   return {arc / away, ray / away, steep && cell.half > least_steep_half};
 }
 
-/// Sums one product rule over a cell; returns what rounding of the curves may be worth: directions and
-/// distances are off by some 1e-16, and a curve that runs nearly towards c turns the one into the other.
+/// Sums one product rule over a cell. Returns the possible effect of the curves' rounding. Directions and
+/// distances have errors of some 1e-16. A curve that runs nearly towards c converts an error of direction
+/// into one of distance.
 double PathCutter::tensor(const Curve& near, const Curve& far, const Cell& cell, int angles, int distances,
                           std::vector<double>& sum) {
   const GaussRule &by_angle = gauss_rule(angles), &by_distance = gauss_rule(distances);
@@ -417,7 +430,8 @@ void PathCutter::integrate(const Curve& near, const Curve& far, const Cell& cell
   if (cell.halvings < most_halvings && (extent.steep || extent.arc + extent.ray > smooth))
     return halves(extent.steep || extent.arc > extent.ray, 1, 0);
 
-  // n nodes on an interval of length x leave about (x / 4)^2n if the next singularity is 1 away.
+  // The error of n nodes on an interval of length x is about (x / 4)^2n if the next singularity is at
+  // distance 1.
   const auto first_rule = [&](double size) {
     std::size_t k = 0;
     while (k < most_first_rule && std::pow(size / smooth / 4, 2 * rule_orders[k]) > work_.tolerance) ++k;

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where a second receiver receives a point in the same sample.
+// The part of PathCutter for a second path: it finds the points that both receivers receive in the same
+// sample. Angles at which ellipses of the two paths meet or touch rays bound the cells, in closed form where
+// both paths share a transmitter.
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,9 +12,11 @@
 
 namespace tubefoot {
 
-/// Angles at which an ellipse of the first receiver meets one of the second. On an ellipse of path P about a
-/// receiver at foot f and height d, 2 P r_t = 2 p.f + P^2 + h^2 - d^2 - |f|^2, all from the transmitter's
-/// foot point and height; eliminating r_t leaves a straight line.
+/// Angles at which an ellipse of the first receiver meets one of the second. With p and f relative to the
+/// transmitter's foot point and h the transmitter's height, an ellipse of path P about a receiver at foot f
+/// and height d obeys
+///   2 P r_t = 2 p.f + P^2 + h^2 - d^2 - |f|^2.
+/// Eliminating r_t leaves a straight line.
 void PathCutter::add_meetings(double first_path, double second_path, const Sector& sector,
                               std::vector<double>& angles) const {
   const auto level = [&](const Apex& apex, double path) {
@@ -22,10 +27,11 @@ void PathCutter::add_meetings(double first_path, double second_path, const Secto
   const glm::dvec2 normal =
       2.0 * (second_path * (receive_.foot - transmit_.foot) - first_path * (second_->foot - transmit_.foot));
   const double size2 = glm::dot(normal, normal);
-  if (!(size2 > 0)) return;  // about one centre
+  if (!(size2 > 0)) return;  // concentric ellipses
   const double offset = first_path * level(*second_, second_path) - second_path * level(receive_, first_path);
   const glm::dvec2 middle = transmit_.foot + normal * (offset / size2);
-  const double reach = first_path + glm::length(transmit_.foot);  // no farther is the ellipse from c
+  const double reach = first_path + glm::length(transmit_.foot);  // the ellipse is no farther from c than
+                                                                  // this
   if (!(glm::dot(middle, middle) < reach * reach)) return;
   Line chord;
   chord.along = glm::dvec2(-normal.y, normal.x) / std::sqrt(size2);
@@ -34,8 +40,9 @@ void PathCutter::add_meetings(double first_path, double second_path, const Secto
   add_crossings(chord, first_path, transmit_, receive_, sector, angles);
 }
 
-/// The same for ways that have no apex in common, whose ellipses have no such chord: sign changes along the
-/// first ellipse, and, where a difference comes near to 0 between two places and turns, its extremum.
+/// The same for paths without a common apex, whose ellipses have no such chord. The function searches for
+/// sign changes along the first ellipse. If a difference has an extremum near 0 between two points, it also
+/// searches at the extremum.
 void PathCutter::add_meetings_found(double first_path, double second_path, const Sector& sector,
                                     std::vector<double>& angles) const {
   if (!(first_path > shortest_) || !(second_path > second_shortest_)) return;
@@ -86,8 +93,9 @@ void PathCutter::add_meetings_found(double first_path, double second_path, const
   }
 }
 
-/// Angles at which a ray from c only touches an ellipse of the second receiver that does not hold c: the
-/// discriminant (v.d)^2 - a c with a = 4 (P^2 - (m.d)^2) is 0, quadratic in the tangent of the angle.
+/// Angles at which a ray from c touches an ellipse of the second receiver that does not contain c. There the
+/// discriminant (v.d)^2 - a c with a = 4 (P^2 - (m.d)^2) is 0, a quadratic equation in the tangent of the
+/// angle.
 void PathCutter::add_tangents(double path, const Sector& sector, std::vector<double>& angles) const {
   const glm::dvec2 t = -second_transmit_.foot, r = -second_->foot;
   const double rt = second_transmit_range_, rr = second_->range({0, 0});
@@ -106,9 +114,9 @@ void PathCutter::add_tangents(double path, const Sector& sector, std::vector<dou
     if (const double angle = std::atan(tangent); std::abs(angle) < sector.half) angles.push_back(angle);
 }
 
-/// Where a ray from c is inside an ellipse of the second receiver.
+/// The stretch of a ray from c inside an ellipse of the second receiver.
 std::optional<PathCutter::Stretch> PathCutter::in_second(double path, glm::dvec2 direction) const {
-  // Apexes may be farther from each other than that: the equation is then one of a hyperbola.
+  // The distance between the apexes may exceed the path. The equation is then that of a hyperbola.
   if (!(path > second_shortest_)) return std::nullopt;
   const EllipseOnRay on(path, second_transmit_range_, second_->range({0, 0}),
                         -glm::dot(second_transmit_.foot, direction), -glm::dot(second_->foot, direction));
@@ -119,7 +127,7 @@ std::optional<PathCutter::Stretch> PathCutter::in_second(double path, glm::dvec2
   return Stretch{on.c / (root - on.b), (root - on.b) / on.a};
 }
 
-/// The part of a cell that the second receiver receives in the sample, too.
+/// Integrates the part of a cell that the second receiver receives in the same sample.
 void PathCutter::integrate_both(const Curve& near, const Curve& far, double from, double to, const Cell& cell,
                                 std::span<double> out) {
   const std::optional<Stretch> outer = in_second(to, cell.middle), inner = in_second(from, cell.middle);

@@ -46,13 +46,13 @@ void PolarSlabs::cut(std::span<const EdgeRanges> edges, const std::optional<Rang
     branch.end_event = event_of(branch.end);
   }
 
-  bool met = false;  // some circle nearer than this one met an edge
+  bool met = false;  // true if a circle nearer than this one met an edge
   for (std::size_t k = 0; k < events_.size(); ++k) {
     const RangeEnclosure& event = events_[k];
     if (event.hi > event.lo && event.hi >= borders_m.front() && event.lo <= borders_m.back()) {
       const auto begin = std::upper_bound(borders_m.begin(), borders_m.end(), event.lo) - borders_m.begin();
       const auto end = std::lower_bound(borders_m.begin(), borders_m.end(), event.hi) - borders_m.begin();
-      // [border k, border k + 1) is sample k; a gap that touches a border belongs to both sides of it.
+      // Sample k is [border k, border k + 1). A gap that touches a border belongs to both adjacent samples.
       gaps_.push_back({event.lo, event.hi, std::uint32_t(std::max<std::ptrdiff_t>(begin - 1, 0)),
                        std::uint32_t(std::min<std::ptrdiff_t>(end, std::ssize(borders_m) - 1))});
     }

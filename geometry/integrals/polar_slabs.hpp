@@ -9,47 +9,48 @@
 
 namespace tubefoot {
 
-/// An enclosure of a slant range. Long doubles, so that what lies between lo and hi is next to nothing even
-/// beside a sample without an echo of its own.
+/// An enclosure of a slant range. With long doubles the interval is negligible even for a sample without
+/// another echo.
 struct RangeEnclosure {
   long double lo = 0, hi = 0;
 };
 
-/// What the cutting into slabs has to know of a polygon's edge. s runs along the edge's line from the line's
-/// nearest point to the apex.
+/// Slant ranges of a polygon's edge, for the cut into slabs. The variable s is the position along the edge's
+/// line, from the line's point nearest to the apex.
 struct EdgeRanges {
   RangeEnclosure from, to, nearest;  ///< of the edge's start, its end, and its line's nearest point
-  int side_from = 0, side_to = 0;    ///< sign of s at start and end; 0 where it is not known
+  int side_from = 0, side_to = 0;    ///< sign of s at start and end; 0 if undecided
 };
 
-/// A circle of constant range meets an edge: at s > 0 (`rising`), where the polygon begins as the angle about
-/// the foot point grows, or at s < 0, where it ends.
+/// A circle of constant range meets an edge. At s > 0 (`rising`) the polygon begins as the angle about the
+/// foot point grows; at s < 0 it ends.
 struct Crossing {
   std::uint32_t edge = 0;
   bool rising = false;
 };
 
-/// Cuts a convex polygon on a plane into slabs of slant range, by range samples and by the ranges at which
-/// circles about the foot point of the apex change what edges they meet. In a slab all circles meet the same
-/// edges, so that the polygon's part in it is a set of arcs whose ends are smooth functions of range.
+/// Cuts a convex polygon on a plane into slabs of slant range. The borders are those of the range samples,
+/// and the ranges at which circles about the apex's foot point meet other edges than before. In a slab all
+/// circles meet the same edges. The polygon's part in it is therefore a set of arcs whose ends are smooth
+/// functions of range.
 ///
-/// Ranges come as enclosures, and a slab is an interval between them: what the slabs leave out are gaps as
-/// wide as the enclosures. Nothing that is decided here depends on a comparison within an enclosure.
+/// Ranges are enclosures, and a slab is an interval between them. The slabs omit gaps as wide as the
+/// enclosures. No decision depends on a comparison within an enclosure.
 class PolarSlabs {
  public:
   struct Slab {
     long double lo = 0, hi = 0;  ///< slant ranges
     std::uint32_t sample = 0;
-    std::uint32_t first = 0, count = 0;  ///< in crossings(); none: all of the circle lies in the polygon
+    std::uint32_t first = 0, count = 0;  ///< in crossings(); none: the whole circle lies in the polygon
   };
   struct Gap {
     long double lo = 0, hi = 0;
-    std::uint32_t first_sample = 0, end_sample = 0;  ///< samples it may belong to, [first, end)
+    std::uint32_t first_sample = 0, end_sample = 0;  ///< samples that may contain the gap, [first, end)
   };
 
-  /// `edges`: in order, turning counter-clockwise about the inside (as pieces do). `foot`: the apex's
-  /// distance from the plane if the foot point lies strictly inside the polygon, or if that is not known.
-  /// `foot_inside`: it surely does. `borders_m`: of the samples, increasing.
+  /// `edges`: in order, counter-clockwise about the interior (as visible polygons are). `foot`: the apex's
+  /// distance from the plane if the foot point lies strictly inside the polygon, or if that is undecided.
+  /// `foot_inside`: the foot point certainly lies inside. `borders_m`: of the samples, increasing.
   void cut(std::span<const EdgeRanges> edges, const std::optional<RangeEnclosure>& foot, bool foot_inside,
            std::span<const double> borders_m);
 

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Integrals of e^{i phase} over segments, triangles and polygons on which the phase is affine. Means over
+// triangles are divided differences of exp, or a series where phases are close. Polygons use Gordon's sum
+// over edges (doi 10.1109/TAP.1975.1141105), or a fan of triangles where that sum loses digits.
+
 #include "geometry/integrals/polygon_transform.hpp"
 
 #include <algorithm>
@@ -23,7 +27,8 @@ std::complex<double> phasor(double phase) { return {std::cos(phase), std::sin(ph
 std::complex<double> mean_phasor(double a, double b) { return phasor((a + b) / 2) * sinc((b - a) / 2); }
 
 std::complex<double> mean_phasor(double a, double b, double c) {
-  // Beyond this the divided difference itself is as good; below it the series needs few terms.
+  // Above this limit the divided difference is as accurate as the series. Below it the series needs few
+  // terms.
   constexpr double series_up_to = 1.5;
   const double middle = (a + b + c) / 3, x = a - middle, y = b - middle, z = -(x + y);
   const double largest = std::max({std::abs(x), std::abs(y), std::abs(z)});
@@ -33,8 +38,8 @@ std::complex<double> mean_phasor(double a, double b, double c) {
     const std::complex<double> change = mean_phasor(phase[1], phase[2]) - mean_phasor(phase[0], phase[1]);
     return times_i(change) * (-2 / (phase[2] - phase[0]));
   }
-  // 2 sum of i^k h_k / (k + 2)!, h_k the complete homogeneous polynomials of x, y, z, whose sum is 0:
-  // 1 / ((1 - x u)(1 - y u)(1 - z u)) = 1 / (1 + e2 u^2 - e3 u^3).
+  // 2 sum of i^k h_k / (k + 2)!, where h_k are the complete homogeneous polynomials of x, y, z, whose sum is
+  // 0: 1 / ((1 - x u)(1 - y u)(1 - z u)) = 1 / (1 + e2 u^2 - e3 u^3).
   const double e2 = x * y + z * (x + y), e3 = x * y * z;
   double before2 = 0, before1 = 0, now = 1, weight = 1, bound = 1;
   double real = 1, imaginary = 0;
@@ -73,7 +78,8 @@ std::complex<double> polygon_transform(std::span<const glm::dvec2> offsets, glm:
     twice_area += cross(a, b);
   }
   std::complex<double> sum = 0;
-  // An edge is rounded by a rounding of its length over |gradient|: as much as of the area, here.
+  // The rounding error of an edge is one rounding of its length over |gradient|. Under this condition it is
+  // no larger than that of the area.
   const double square = glm::dot(gradient, gradient);
   if (n > 3 && perimeter <= 2 * std::sqrt(square) * std::abs(twice_area)) {
     for (std::size_t k = 0; k < n; ++k) {

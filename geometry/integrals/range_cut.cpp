@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Integrates a function g of range over planar polygons, by range samples. Let F_k(r) be the integral of
+// g(s) s ds. By Green's theorem the integral over polygon and sample k is the integral of F_k(r(phi)) dphi
+// along the boundary. Chebyshev interpolants on cells give F_k, and Gauss-Legendre rules integrate along the
+// edges.
+
 #include "geometry/integrals/range_cut.hpp"
 
 #include <fmt/format.h>
@@ -15,7 +20,8 @@ namespace {
 
 using Cell = RadialIntegral::Cell;
 
-constexpr int nodes = 12;  // of the Chebyshev interpolant of g(s) s: degree 11, its primitive 12
+constexpr int nodes = 12;  // of the Chebyshev interpolant of g(s) s; its degree is 11, that of its primitive
+                           // 12
 
 struct ChebyshevTables {
   std::array<double, nodes> x{};                            // Chebyshev points
@@ -35,15 +41,15 @@ struct ChebyshevTables {
   }
 };
 
-/// What a RadialIntegral integrates.
+/// The integrand of a RadialIntegral.
 struct Radial {
   const std::function<double(double)>& g;
   std::span<const double> corners;
   double roundings;
 };
 
-/// Interpolates g(s) s on [cell.lo, cell.hi]; false if the interpolant does not hold it to rounding and that
-/// is not to be put up with.
+/// Interpolates g(s) s on [cell.lo, cell.hi]. Returns false if the interpolant is less accurate than
+/// rounding, unless `anyway`.
 bool fit(Cell& cell, const Radial& radial, bool anyway) {
   static const ChebyshevTables tables;
   const double half = (cell.hi - cell.lo) / 2;
@@ -63,15 +69,14 @@ bool fit(Cell& cell, const Radial& radial, bool anyway) {
     chebyshev[k] *= (k == 0 ? 1.0 : 2.0) / nodes;
     largest = std::max(largest, std::abs(chebyshev[k]));
   }
-  // The range itself is rounded, which shows as slope * range * rounding: where absorption is strong the
-  // values carry many times their own rounding, and no finer cell makes them smoother.
+  // The range itself is rounded, which appears as slope * range * rounding. With strong absorption the
+  // values have many times their own rounding error, and a finer cell does not reduce it.
   const double slope = std::abs(value[0] - value[nodes - 1]) / (cell.hi - cell.lo);
   const double noise = 1e-15 * (radial.roundings * largest + slope * cell.hi) + 1e-300;
   if (std::max(std::abs(chebyshev[nodes - 1]), std::abs(chebyshev[nodes - 2])) > noise && !anyway)
     return false;
 
-  int degree =
-      nodes - 1;  // what is below the rounding of s and g(s) is left off: narrow samples need degree 3 or 4
+  int degree = nodes - 1;  // omits terms below the rounding of s and g(s): narrow samples need degree 3 or 4
   while (degree > 0 && std::abs(chebyshev[degree]) <= noise) --degree;
   std::array<double, nodes> coefficient{};
   for (int k = 0; k <= degree; ++k)
@@ -95,8 +100,8 @@ void append_cells(std::vector<Cell>& cells, double lo, double hi, std::size_t sa
   }
   if (narrow)
     throw std::invalid_argument(fmt::format("the function to integrate is not smooth at range {} m", lo));
-  // Geometric halving far from the apex's singularity needs few cells; it is plain halving for narrow
-  // samples.
+  // Geometric halving away from the singularity at the apex needs few cells. For narrow samples it equals
+  // arithmetic halving.
   const double cut = hi > 2 * lo ? std::sqrt(lo * hi) : lo + (hi - lo) / 2;
   append_cells(cells, lo, cut, sample, radial);
   append_cells(cells, cut, hi, sample, radial);
@@ -104,18 +109,19 @@ void append_cells(std::vector<Cell>& cells, double lo, double hi, std::size_t sa
 
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
-/// Fewer stretches than these are integrated one by one.
+/// Fewer stretches than this are integrated one by one.
 constexpr std::size_t few = 3;
 
-/// Two nodes of a quadrature at once, each reckoned as one double would be.
+/// Two nodes of a quadrature at once, each computed as a single double would be.
 using Pair = double __attribute__((vector_size(16)));
 
-/// Gauss-Legendre's rule of n nodes on [-1, 1], in pairs; an odd one's last node is a blank of weight 0.
+/// The Gauss-Legendre rule of n nodes on [-1, 1], in pairs. For odd n the last pair has a padding node of
+/// weight 0.
 template <unsigned n>
 struct PairedRule {
   static constexpr std::size_t pairs = (n + 1) / 2;
   std::array<Pair, pairs> x{}, weight{};
-  std::array<double, n> each_x{}, each_weight{};  ///< one by one
+  std::array<double, n> each_x{}, each_weight{};  ///< the same nodes and weights, one by one
   PairedRule() {
     using Rule = boost::math::quadrature::gauss<double, n>;
     std::size_t k = 0;
@@ -201,7 +207,7 @@ std::size_t RadialIntegral::cell_at(double range_m) const {
   const double* high = highs();
   if (!(range_m >= high[0])) return 0;
   if (range_m >= high[cells_.size() - 1]) return cells_.size();
-  // Samples are even and most of them one cell: the guess is nearly always right.
+  // Samples are uniform and most of them have one cell, so that the guess is nearly always right.
   auto k = std::min(static_cast<std::size_t>((range_m - front()) * cells_per_m_), cells_.size() - 1);
   while (range_m >= high[k]) ++k;
   while (k > 0 && range_m < high[k - 1]) --k;
@@ -210,7 +216,8 @@ std::size_t RadialIntegral::cell_at(double range_m) const {
 
 RadialIntegral::From::From(const Cell& cell, double from_m)
     : x0_((from_m - cell.middle) * cell.per_half), per_half_(cell.per_half), degree_(cell.degree) {
-  // Horner's scheme for (P(x) - P(x0)) / (x - x0): the quotient's coefficients are P's partial values at x0.
+  // Horner's scheme for (P(x) - P(x0)) / (x - x0): the coefficients of the quotient are the partial values
+  // of P at x0.
   double partial = cell.primitive[static_cast<std::size_t>(degree_)];
   for (auto i = static_cast<std::size_t>(degree_); i-- > 0;) {
     quotient_[i] = partial;
@@ -218,10 +225,11 @@ RadialIntegral::From::From(const Cell& cell, double from_m)
   }
 }
 
-/// A boundary edge in its line's coordinates: s along the line from the line's nearest point to the foot.
+/// A boundary edge in the coordinates of its line: s is the position along the line from its point nearest
+/// to the foot.
 struct RangeCutter::Edge {
-  glm::dvec2 from, from_foot;  ///< start: as the polygon's offset, and relative to the foot
-  glm::dvec2 along;            ///< unit
+  glm::dvec2 from, from_foot;  ///< start of the edge: as the polygon's offset, and relative to the foot
+  glm::dvec2 along;            ///< unit vector
   double length = 0;
   double start = 0;   ///< s of the edge's start; positions on the edge are y = s - start
   double height = 0;  ///< signed distance of the line from the foot: dphi = height ds / (height^2 + s^2)
@@ -246,9 +254,9 @@ SampleSpan RangeCutter::add(const PlanarPolygon& polygon, double factor, std::sp
   const double farthest = farthest_range(polygon);
   if (!(farthest > radial_.front() && nearest_.range < radial_.back())) return {};
 
-  // F counts from the polygon's nearest point instead of the sample's border. That changes nothing (either
-  // the foot is outside, and the angles add up to zero, or it is inside and is itself the nearest point), and
-  // a small polygon inside a sample is no longer a small difference of large numbers.
+  // F counts from the polygon's nearest point instead of from the sample's border. The result is the same.
+  // If the foot is outside, the angles add up to zero; if it is inside, it is itself the nearest point. A
+  // small polygon inside a sample is then no longer a small difference of large numbers.
   const auto& cells = radial_.cells();
   first_ = radial_.cell_at(nearest_.range);
   last_ = radial_.cell_at(farthest);
@@ -283,20 +291,21 @@ SampleSpan RangeCutter::add(const PlanarPolygon& polygon, double factor, std::sp
 }
 
 void RangeCutter::walk(const Edge& edge) {
-  // An edge whose line runs through the foot, but for rounding, counts nothing: away from the foot it has no
-  // angle, and at the foot, where it may turn by pi, F has only begun.
+  // An edge whose line passes through the foot, except for rounding, contributes nothing. Away from the foot
+  // it has no angle. At the foot, where the angle may change by pi, F is still 0.
   if (std::abs(edge.height) <= 1e-14 * (std::abs(edge.start) + edge.length)) return;
   const double nearest = -edge.start;
   if (nearest < edge.length) walk_outwards(edge, std::max(nearest, 0.0), edge.length);
   if (nearest > 0) walk_outwards(edge, std::min(nearest, edge.length), 0);
 }
 
-/// Goes along the edge from its nearest position to an end, cell by cell.
+/// Follows the edge from its nearest position to an end, cell by cell.
 void RangeCutter::walk_outwards(const Edge& edge, double from, double to) {
   const auto& cells = radial_.cells();
   const double direction = to >= from ? 1 : -1;
   const double range_to = edge.range_at(to);
-  // Where the range crosses a border; rounding must not carry it off the rest of the edge.
+  // Position at which the range equals a border. The clamp keeps rounding from moving it off the rest of the
+  // edge.
   const auto crossing = [&](double border, double y) {
     const double s = std::sqrt(std::max((border - edge.range) * (border + edge.range), 0.0));
     return std::clamp(direction * s - edge.start, std::min(y, to), std::max(y, to));
@@ -308,7 +317,7 @@ void RangeCutter::walk_outwards(const Edge& edge, double from, double to) {
     y = crossing(radial_.front(), y);
     range = radial_.front();
   }
-  // Rounding may put these ranges a whisker outside of the polygon's own.
+  // Rounding may move these ranges slightly outside of the polygon's own.
   const std::size_t first = std::clamp(radial_.cell_at(range), first_, last_);
   const double* highs = radial_.highs();
   std::size_t last = first;
@@ -338,7 +347,7 @@ void RangeCutter::walk_outwards(const Edge& edge, double from, double to) {
   angle_.back() += direction * std::atan2(cross(a, b), glm::dot(a, b));
 }
 
-/// Adds the stretches of ends_, each in its cell: those that take the same rule together.
+/// Adds the stretches of ends_, each in its cell. Stretches with the same rule are integrated together.
 void RangeCutter::integrate_along(const Edge& edge, double direction, std::size_t first, std::size_t count) {
   const EdgeWalk walk{.start = edge.start,
                       .height = edge.height,
@@ -372,9 +381,9 @@ void RangeCutter::integrate_along(const Edge& edge, double direction, std::size_
   }
 }
 
-/// Adds one stretch of an edge that lies in one cell. The integrand's singularities nearest to the stretch
-/// are those of 1 / (height^2 + s^2), as far from it as the foot is: intervals of at most half that distance
-/// make Gauss-Legendre converge like 8^-2n, and shorter ones, which are the rule, need fewer nodes.
+/// Adds one stretch of an edge that lies in one cell. The nearest singularities of the integrand are those
+/// of 1 / (height^2 + s^2), as far from the stretch as the foot is. On intervals of at most half that
+/// distance Gauss-Legendre converges like 8^-2n. Most intervals are shorter and need fewer nodes.
 void RangeCutter::integrate(const Edge& edge, std::size_t k, double from, double to) {
   const Cell& cell = radial_.cells()[k];
   const bool from_nearest = nearest_.range > cell.lo;
@@ -390,7 +399,7 @@ void RangeCutter::integrate(const Edge& edge, std::size_t k, double from, double
   while (rest > 0) {
     const double s = edge.start + y, distance = std::sqrt(s * s + height2);
     double step = std::min(rest, distance / 2);
-    if (rest - step < step / 4) step = rest;  // no splinter at the end
+    if (rest - step < step / 4) step = rest;  // no tiny remainder at the end
     const double half = direction * step / 2, centre = y + half;
 
     const auto quadrature = [&]<unsigned n>(const PairedRule<n>& rule) {
@@ -415,7 +424,7 @@ void RangeCutter::integrate(const Edge& edge, std::size_t k, double from, double
         inside += turned[i / 2][i % 2] * gained[i / 2][i % 2];
       }
     };
-    // n nodes leave about (step / 2 distance)^2n: rounding, at each of these limits.
+    // The error of n nodes is about (step / 2 distance)^2n. It equals rounding at each of these limits.
     if (step <= 0.006 * distance)
       quadrature(rule_of_3);
     else if (step <= 0.03 * distance)

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Loops of RangeCutter over the stretches of one edge, one stretch per range cell, in a form that the
+// compiler vectorises. Each stretch has the digits that a computation of that stretch alone would give.
+
 #include "geometry/integrals/range_lanes.hpp"
 
 #include <array>
@@ -33,7 +36,8 @@ void nodes_of(double start, double height2, std::size_t count, const double* __r
   }
 }
 
-/// One node of each stretch: the angle that it stands for, and how far from its cell's near end it is.
+/// One node of each stretch: the angle that the node represents, and its distance from the near end of its
+/// cell.
 [[gnu::always_inline]] inline void nodes_at(const EdgeWalk& walk, double node, double weight,
                                             std::size_t count, const double* __restrict y,
                                             const double* __restrict step, const double* __restrict lo,
@@ -61,7 +65,7 @@ void nodes_of(double start, double height2, std::size_t count, const double* __r
   }
 }
 
-/// Horner's scheme. What is beyond a quotient's own degree is 0 and changes nothing.
+/// Horner's scheme. Coefficients beyond a quotient's own degree are 0 and change nothing.
 [[gnu::always_inline]] inline void quotients(int degree, std::size_t count,
                                              const double* __restrict coefficients, std::size_t stride,
                                              const double* __restrict x, double* __restrict out) {

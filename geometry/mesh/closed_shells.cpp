@@ -21,7 +21,7 @@ ClosedShells::ClosedShells(const FacetMesh& mesh, std::uint16_t component) {
       std::unique(own.begin(), own.end(), [](const auto& a, const auto& b) { return a.first == b.first; });
   own.erase(repeated, own.end());
 
-  // Edges with the facets beside them, one edge's together. An edge from a vertex to itself is none.
+  // Edges with their adjacent facets, sorted by edge. An edge from a vertex to itself is omitted.
   std::vector<std::pair<std::array<VertexId, 2>, std::uint32_t>> edges;
   edges.reserve(3 * own.size());
   for (std::uint32_t k = 0; k < own.size(); ++k) {
@@ -37,10 +37,11 @@ ClosedShells::ClosedShells(const FacetMesh& mesh, std::uint16_t component) {
     while (root[k] != k) k = root[k] = root[root[k]];
     return k;
   };
-  std::vector<std::uint32_t> odd;  // a facet of each edge that an odd number of them has
+  std::vector<std::uint32_t> odd;  // a facet of each edge that belongs to an odd number of facets
   for (std::size_t first = 0, end = 0; first < edges.size(); first = end) {
     for (end = first; end < edges.size() && edges[end].first == edges[first].first; ++end) {
-      // The lower number is the root, so that shells are numbered by their facets whatever the edges' order.
+      // The lower number is the root, so that the numbering of shells follows the facets and not the order of
+      // edges.
       const std::uint32_t a = root_of(edges[first].second), b = root_of(edges[end].second);
       root[std::max(a, b)] = std::min(a, b);
     }

@@ -10,24 +10,25 @@
 
 namespace tubefoot {
 
-/// Which facets of a component make closed surfaces. A shell is facets that hang together by their edges; it
-/// is closed where each of its edges belongs to an even number of them, however they are turned. Facets with
-/// the same three vertices count once. A body with walls inside has edges of three facets: it is not told
-/// from an open one.
+/// Finds the facets of a component that form closed surfaces. A shell is a set of facets that are connected
+/// by their edges. It is closed if each of its edges belongs to an even number of its facets, whatever their
+/// orientation. Facets with the same three vertices count once. A body with inner walls has edges of three
+/// facets; the class does not distinguish it from an open one.
+///
 /// Law N6 (closed): any line that meets no vertex and no edge of a closed shell crosses it an even number of
 /// times.
 class ClosedShells {
  public:
   ClosedShells(const FacetMesh& mesh, std::uint16_t component);
 
-  /// How many there are.
+  /// Returns the number of closed shells.
   std::size_t count() const { return count_; }
-  /// The number of the closed shell that a facet belongs to, below count(); nothing for one of an open shell,
-  /// of another component, or that repeats another facet.
+  /// Returns the number of the closed shell to which a facet belongs, below count(). Returns nothing for a
+  /// facet of an open shell, of another component, or one that repeats another facet.
   std::optional<std::uint32_t> shell_of(FacetId facet) const;
 
  private:
-  std::vector<std::pair<FacetId, std::uint32_t>> shells_;  ///< by facet
+  std::vector<std::pair<FacetId, std::uint32_t>> shells_;  ///< sorted by facet
   std::size_t count_ = 0;
 };
 

@@ -12,6 +12,10 @@
 #include "geometry/steps/steps.hpp"
 #include "geometry/steps/stop.hpp"
 
+// Removes vertices by edge collapses in the order of their cost, from a priority queue. Each facet carries
+// bounds on the displacements and the normals of the surface that it replaces (VertexStar, FacetPast). See
+// docs/coarse.md.
+
 namespace tubefoot {
 namespace {
 
@@ -22,7 +26,7 @@ glm::dvec3 between(GridPoint from, GridPoint to) {
           static_cast<double>(to.z) - from.z};
 }
 
-/// Takes vertices away until none may go.
+/// Removes vertices until no further one may be removed.
 class Coarsener {
  public:
   Coarsener(const FacetMesh& mesh, std::span<const double> most_move, double most_turn_rad)
@@ -75,17 +79,18 @@ class Coarsener {
     past.moves = VectorBox::of(glm::dvec3(0));
     const glm::dvec3 area = area_of(mesh_.facets[f]);
     const double length = glm::length(area);
-    if (length > 0 && most_move_[f] > 0) {  // else it stays as it is
+    if (length > 0 && most_move_[f] > 0) {  // otherwise the facet is never changed
       past.normals = VectorBox::of(area / length);
       past.limit = static_cast<float>(most_move_[f] * (1 - 1e-6));
     }
     return past;
   }
 
-  /// Up or down for components that face that way all over, else the axis that a facet faces most.
+  /// Chooses up or down for components all of whose facets face that way, otherwise the axis to which a
+  /// facet's normal is closest.
   void choose_directions() {
     direction_.resize(facets_.size());
-    std::vector<std::array<bool, 2>> level;  // by component: nothing faces sideways or down; or up
+    std::vector<std::array<bool, 2>> level;  // per component: all facets face up; all face down
     for (std::size_t f = 0; f < facets_.size(); ++f) {
       const std::size_t component = mesh_.component[f];
       if (component >= level.size()) level.resize(component + 1, {true, true});
@@ -103,8 +108,9 @@ class Coarsener {
     }
   }
 
-  /// Facets of one direction so far are moved along it from where they were at first; where directions meet,
-  /// facets are moved from where they are, and what is known of moves adds up.
+  /// Adds the pieces of the star. If all facets have one direction, the displacement is measured along it
+  /// from the original positions. If facets of several directions meet, the displacement is measured from the
+  /// current positions, and the bounds on displacements add up.
   bool look(VertexId v, const Ring& corners, VertexStar& star, std::vector<FacetId>& pieces) const {
     const int direction = direction_[corners[0] / 3];
     bool is_one = direction >= 0;
@@ -148,8 +154,8 @@ class Coarsener {
     *to = next_corner_[corner];
   }
 
-  /// Whether a vertex's facets are a disk of one component and material that may move; then the star, and by
-  /// facet its corner there.
+  /// Returns whether the facets of a vertex form a disk of one component and material that may be changed. If
+  /// so, computes the star and, per facet, the corner at the vertex.
   bool gather(VertexId v, VertexStar& star, Ring& corners) const {
     unsigned count = 0;
     for (std::uint32_t c = first_corner_[v]; c != none; c = next_corner_[c]) {
@@ -157,7 +163,7 @@ class Coarsener {
       corners[count++] = c;
     }
     if (count < 3) return false;
-    // In turn: each begins where the one before ends.
+    // Sorts the facets around the vertex: each begins where the previous one ends.
     for (unsigned i = 0; i < count; ++i) {
       const std::uint32_t corner = corners[i], facet = corner / 3, one = corners[0] / 3;
       if (past_[facet].limit == 0 || mesh_.material[facet] != mesh_.material[one] ||
@@ -195,13 +201,14 @@ class Coarsener {
     if (least <= hopeless) waiting_.push({static_cast<float>(least), v, stamps_[v]});
   }
 
-  /// Whether the sheet stays one: the two have no neighbours in common but those of their edge.
+  /// Returns whether the surface stays a manifold: the two vertices have no common neighbours except those of
+  /// their edge.
   bool stays_a_sheet(const Ring& corners, unsigned count, unsigned target) const {
     const auto rim = [&](unsigned k) { return at(onward(corners[(target + k) % count])); };
     const VertexId to = rim(0);
     for (std::uint32_t c = first_corner_[to]; c != none; c = next_corner_[c]) {
       const VertexId a = at(onward(c)), b = at(onward(onward(c)));
-      if (a == to || b == to) return false;  // no facet at all
+      if (a == to || b == to) return false;  // a degenerate facet
       unsigned ends = 0;
       bool is_of_star = false;
       for (unsigned k = 0; k < count; ++k) is_of_star = is_of_star || corners[k] / 3 == c / 3;
@@ -284,25 +291,25 @@ class Coarsener {
     return coarse;
   }
 
-  /// Ways that cost more are not looked at more closely.
+  /// Collapses that cost more are rejected without further tests.
   static constexpr double hopeless = 4;
 
   const FacetMesh& mesh_;
   std::span<const double> most_move_;
   double most_turn_;
   std::vector<std::array<VertexId, 3>> facets_;
-  std::vector<FacetPast> past_;  ///< by facet; below 0: it is gone
-  /// By facet: along which axis its points have been moved, 3 more for against it, or -1 for several; of
-  /// which facets they were at first, none for itself.
+  std::vector<FacetPast> past_;  ///< per facet; a limit below 0 marks a removed facet
+  /// Per facet: the axis along which its points have been moved, plus 3 for the opposite direction, or -1 for
+  /// several axes. `from_` has the original facets that it replaces; empty for the facet itself.
   std::vector<std::int8_t> direction_;
   std::vector<std::vector<FacetId>> from_;
   std::vector<std::uint32_t> first_corner_,
-      next_corner_;                    ///< corners of a vertex; facet f's are 3 f + 0, 1, 2
-  std::vector<std::uint32_t> stamps_;  ///< by vertex: how often it was considered
+      next_corner_;                    ///< corners of a vertex; facet f has the corners 3 f + 0, 1, 2
+  std::vector<std::uint32_t> stamps_;  ///< per vertex: number of evaluations
   std::priority_queue<Waiting> waiting_;
-  // Reused:
+  // Scratch memory:
   VertexStar star_;
-  std::vector<FacetId> pieces_;  ///< of the star, where it is moved from where it was at first
+  std::vector<FacetId> pieces_;  ///< of the star, if displacements are measured from the original positions
   std::vector<VertexStar::Part> parts_;
 };
 

@@ -10,25 +10,32 @@ namespace tubefoot {
 
 struct CoarseMesh {
   FacetMesh mesh;
-  /// By facet of it: no point on it has been moved farther from where it was, grid units; 0: as it was.
+  /// Per facet of `mesh`: upper bound on the displacement of its points from their original positions, in
+  /// grid units; 0 if unchanged.
   std::vector<double> move;
-  /// By facet: no point on it faces farther from where it faced, radians.
+  /// Per facet: upper bound on the rotation of the normal at its points, in radians.
   std::vector<double> turn_rad;
-  double largest_share = 0;  ///< of `most_move`, at most 1
+  double largest_share = 0;  ///< largest displacement as a share of `most_move`, at most 1
 };
 
-/// The same surface in fewer facets, within limits: vertices go one by one, each onto a neighbour, cheapest
-/// first, as long as no point of the surface is moved by more than `most_move` of the facet that it was on
-/// (grid units; facets with 0 keep their corners), nor turned by more than `most_turn_rad`. Those that stay
-/// keep their place and their id; facets keep their order. Vertices on borders of sheets, of components and
-/// of materials stay, and so do those whose facets are no disk (docs/coarse.md).
-/// Law N4 (one to one): each step maps the disk about a vertex, along a direction in which both are seen
-///   spread out, one to one onto the disk that takes its place, and leaves its border; so does what the steps
-///   add up to, from the mesh onto the coarse one. `move` bounds how far that moves points, thus the distance
-///   of the two surfaces both ways; `turn_rad` how far the normals at a point and at its image are apart. To
-///   rounding.
-/// Law N5 (topology): closed sheets stay closed, borders stay as they are, and no two facets come to share
-///   three corners.
+/// Reduces the number of facets of a surface within limits. Vertices are removed one by one in the order of
+/// their cost, each by moving it onto a neighbour. No point of the surface is moved by more than `most_move`
+/// of the facet on which it was, in grid units. Facets with the limit 0 keep their corners. No normal is
+/// turned by more than `most_turn_rad`.
+///
+/// The remaining vertices keep their position and their id, and facets keep their order. Vertices on borders
+/// of open surfaces, of components and of materials stay. Vertices whose facets do not form a disk stay too
+/// (docs/coarse.md).
+///
+/// Law N4 (one to one): each step maps the disk about a vertex one to one onto the disk that replaces it. The
+/// map is a projection along a direction in which neither disk folds over. The border of the disk is
+/// unchanged. The composition of the steps maps the mesh one to one onto the coarse mesh. `move` bounds the
+/// displacement of points under this map, and thus the distance between the two surfaces in both directions.
+/// `turn_rad` bounds the angle between the normals at a point and at its image. All this holds up to
+/// rounding.
+///
+/// Law N5 (topology): closed surfaces stay closed, borders stay as they are, and no two facets get the same
+/// three corners.
 CoarseMesh coarsened(const FacetMesh& mesh, std::span<const double> most_move, double most_turn_rad);
 
 }  // namespace tubefoot

@@ -14,13 +14,18 @@
 #include "geometry/mesh/weld_table.hpp"
 #include "geometry/steps/steps.hpp"
 
+// Cuts facets recursively at the midpoints of their edges. Weights and grid coordinates of the midpoints are
+// exact, so two facets compute the same midpoint for their common edge. Several tasks cut in parallel; their
+// points are welded in a fixed order (docs/textures.md, "Refinement").
+
 namespace tubefoot {
 namespace {
 
 constexpr std::uint32_t whole = 1u << deepest_refinement;
 
-/// Corners' weights in parts of `whole`, and the point in grid units: both exact, so that the middle of an
-/// edge is the same from either side (31 bits of coordinate and 22 of fraction fit a double).
+/// A point with the weights of the corners in parts of `whole` and its position in grid units. Both are
+/// exact, so the midpoint of an edge is the same from either side. The coordinates need 31 bits and 22 bits
+/// of fraction, which fit a double.
 struct Node {
   glm::dvec3 at{0};
   std::array<std::uint32_t, 3> weight{};
@@ -42,8 +47,8 @@ Node middle(const Node& a, const Node& b) {
 
 double length2(glm::dvec3 v) { return v.x * v.x + v.y * v.y + v.z * v.z; }
 
-/// Which of three edges are cut now, of those that the rule cuts: not those that are at most half as long as
-/// the longest. Edge k lies opposite to corner k.
+/// Returns the edges that are cut now, from those that the rule cuts. Edges that are at most half as long as
+/// the longest one are not cut yet. Edge k lies opposite to corner k.
 unsigned cut_now(const std::array<double, 3>& edge2, unsigned wanted) {
   double longest2 = 0;
   for (unsigned k = 0; k < 3; ++k)
@@ -54,9 +59,9 @@ unsigned cut_now(const std::array<double, 3>& edge2, unsigned wanted) {
   return now;
 }
 
-/// The parts of a facet, its edges cut as `now` says: corners 0, 1, 2, and 3 + k for the middle of edge k, in
-/// the facet's turn. Of a quadrilateral the shorter diagonal is taken: `crossed` says that it is the one
-/// from the corner before to the later of the two middles.
+/// The parts of a facet whose edges are cut as `now` specifies. Numbers 0, 1, 2 are the corners and 3 + k is
+/// the midpoint of edge k; parts turn as the facet does. A quadrilateral is divided by its shorter diagonal.
+/// `other_diagonal` selects the diagonal from the midpoint of edge k + 2 to corner k + 2.
 struct Parts {
   std::array<std::array<std::uint8_t, 3>, 4> part{};
   std::uint8_t count = 0;
@@ -78,7 +83,7 @@ Parts parts_of(unsigned now, bool other_diagonal) {
       break;
     }
     case 2: {
-      // Edge k is whole; the corner opposite to it is cut off.
+      // Edge k is not cut; the corner opposite to it is cut off.
       const unsigned k = static_cast<unsigned>(std::countr_zero(~now & 7u));
       parts.add(at(k), on(k + 2), on(k + 1));
       if (other_diagonal) {
@@ -97,7 +102,8 @@ Parts parts_of(unsigned now, bool other_diagonal) {
   return parts;
 }
 
-/// With edge k whole: whether the diagonal from the middle of edge k + 2 to corner k + 2 is the shorter one.
+/// Returns, for an uncut edge k, whether the diagonal from the midpoint of edge k + 2 to corner k + 2 is
+/// shorter.
 bool other_diagonal(const std::array<glm::dvec3, 3>& at, unsigned k) {
   const glm::dvec3 p = at[k % 3], q = at[(k + 1) % 3], r = at[(k + 2) % 3];
   return length2(0.5 * (p + q) - r) < length2(0.5 * (p + r) - q);
@@ -107,13 +113,13 @@ std::array<double, 3> edges2(const std::array<glm::dvec3, 3>& at) {
   return {length2(at[1] - at[2]), length2(at[2] - at[0]), length2(at[0] - at[1])};
 }
 
-/// A part of a base facet that may have to be cut further.
+/// A part of a base facet that may need further cuts.
 struct Part {
   FacetId facet = 0;
   std::array<Node, 3> node;
 };
 
-/// The rule asked in the units of the grid.
+/// Evaluates the rule for points in grid units.
 class Cutter {
  public:
   Cutter(const WorldGrid& grid, const EdgeRule& rule)
@@ -124,7 +130,7 @@ class Cutter {
     return {facet, {n.weight[0] * part, n.weight[1] * part, n.weight[2] * part}, origin_m_ + n.at * unit_m_};
   }
 
-  /// Which edges are cut now; how the parts lie.
+  /// Returns the edges that are cut now, and writes the resulting parts.
   unsigned ask(FacetId facet, const std::array<const Node*, 3>& n, Parts& parts) const {
     const std::array<BasePoint, 3> p{base_point(facet, *n[0]), base_point(facet, *n[1]),
                                      base_point(facet, *n[2])};
@@ -145,7 +151,7 @@ class Cutter {
   double unit_m_;
 };
 
-/// Points of one base facet by number, the middle of two of them found again.
+/// The points of one base facet by number. The table finds the midpoint of two points if it exists already.
 class Nodes {
  public:
   void restart(const std::array<Node, 3>& corners) {
@@ -158,7 +164,7 @@ class Nodes {
     if (2 * (used_ + 1) > slots_.size()) grow();
     const std::uint64_t key = std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
     Slot& slot = slots_[place_of(key)];
-    if (slot.key == 0) {  // no edge: its ends differ, so one of them is not 0
+    if (slot.key == 0) {  // empty slot: the two ends of an edge differ, so one number is not 0
       slot = {key, static_cast<std::uint32_t>(nodes.size())};
       nodes.push_back(middle(nodes[a], nodes[b]));
       ++used_;
@@ -193,7 +199,7 @@ class Nodes {
   std::size_t used_ = 0;
 };
 
-/// What one task makes: facets by the task's own numbers of points.
+/// The result of one task: facets that refer to the task's own numbers of points.
 struct Yield {
   std::vector<GridPoint> points;
   std::vector<std::array<std::uint32_t, 3>> facets;
@@ -233,7 +239,7 @@ class Refiner {
   }
 
  private:
-  /// Few large facets are cut until there is work for all threads; the order stays that of the recursion.
+  /// Cuts few large facets until there is work for all threads. The order remains that of the recursion.
   static constexpr std::size_t enough = 64;
   void spread(std::vector<Part>& parts) const {
     for (bool more = true; more && parts.size() < enough;) {
@@ -354,7 +360,7 @@ std::size_t count_uniform(const std::array<glm::dvec3, 3>& at, double longest2) 
     if (edge2[k] > longest2) wanted |= 1u << k;
   if (wanted == 0) return 1;
   const unsigned now = cut_now(edge2, wanted);
-  // The four parts of a facet whose edges are all cut are congruent: coordinates are exact.
+  // The four parts of a facet whose edges are all cut are congruent, because coordinates are exact.
   if (now == 7u) {
     const glm::dvec3 zero{0};
     return 4 * count_uniform({zero, 0.5 * (at[1] - at[0]), 0.5 * (at[2] - at[0])}, longest2);

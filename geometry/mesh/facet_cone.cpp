@@ -9,8 +9,8 @@ bool FacetCone::make(const FacetMesh& mesh, FacetId id, GridPoint apex, FacetCon
   cone.id = id;
   cone.vertex = mesh.facets[id];
   for (int k = 0; k < 3; ++k) cone.point[k] = mesh.vertices[cone.vertex[k]] - apex;
-  // The sum of the three edge normals is twice the projected areas of the facet: 62 bits, although each
-  // partial sum may wrap around. Unsigned arithmetic makes the wrapping defined.
+  // The sum of the three edge normals is twice the projected areas of the facet and has 62 bits. Partial sums
+  // may overflow; unsigned arithmetic makes the wrap-around defined.
   const Vec64 ab = cross(cone.point[0], cone.point[1]), bc = cross(cone.point[1], cone.point[2]),
               ca = cross(cone.point[2], cone.point[0]);
   const auto sum = [](std::int64_t p, std::int64_t q, std::int64_t r) {

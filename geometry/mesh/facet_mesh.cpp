@@ -77,7 +77,7 @@ FacetMesh MeshBuilder::finish(MeshReport& report) {
 }
 
 bool is_degenerate(GridPoint a, GridPoint b, GridPoint c) {
-  // Differences of 32-bit integers have 33 bits, products 66: beyond int64.
+  // Differences of 32-bit integers have 33 bits and their products have 66, more than int64 holds.
   const Int128 ux = std::int64_t{b.x} - a.x, uy = std::int64_t{b.y} - a.y, uz = std::int64_t{b.z} - a.z;
   const Int128 vx = std::int64_t{c.x} - a.x, vy = std::int64_t{c.y} - a.y, vz = std::int64_t{c.z} - a.z;
   return uy * vz == uz * vy && uz * vx == ux * vz && ux * vy == uy * vx;

@@ -13,8 +13,8 @@ namespace tubefoot {
 using VertexId = std::uint32_t;
 using FacetId = std::uint32_t;
 
-/// Facets of the whole scene on the world grid: a random triangles with shared vertices. No manifoldness is
-/// assumed. Vertices at the same grid point have the same id (see MeshBuilder), so shared edges are
+/// Facets of the whole scene on the world grid: a set of triangles with shared vertices, not necessarily a
+/// manifold. Vertices at the same grid point have the same id (see MeshBuilder), so shared edges are
 /// recognised by id.
 struct FacetMesh {
   std::vector<GridPoint> vertices;
@@ -24,14 +24,14 @@ struct FacetMesh {
   std::vector<std::uint16_t> component;
 };
 
-/// What snapping and welding did; nothing is ever dropped.
+/// Results of snapping and welding. No facet is removed.
 struct MeshReport {
   double largest_snap_m = 0;          ///< largest displacement of a vertex by snapping
   std::size_t degenerate_facets = 0;  ///< zero area on the grid: kept, but they subtend nothing
-  std::size_t duplicate_facets = 0;   ///< same three vertices as an earlier facet: kept, the tie rule decides
+  std::size_t duplicate_facets = 0;   ///< same three vertices as an earlier facet: kept, wins_tie() decides
 };
 
-/// Gathers components into one FacetMesh: snaps, welds equal grid points, counts.
+/// Collects components in one FacetMesh: snaps points to the grid, welds equal grid points and counts.
 class MeshBuilder {
  public:
   explicit MeshBuilder(const WorldGrid& grid);
@@ -39,13 +39,13 @@ class MeshBuilder {
   MeshBuilder(const MeshBuilder&) = delete;
   MeshBuilder& operator=(const MeshBuilder&) = delete;
 
-  /// Adds one component. `points_m` in the local frame; `triangles` index into it.
-  /// Throws GridRangeError for a point outside the grid, std::out_of_range for a bad index.
+  /// Adds one component. `points_m` are in the local frame; `triangles` are indices of `points_m`. Throws
+  /// GridRangeError for a point outside the grid, std::out_of_range for an invalid index.
   void add(const std::vector<glm::dvec3>& points_m,
            const std::vector<std::array<std::uint32_t, 3>>& triangles, std::uint16_t material,
            std::uint16_t component);
 
-  /// Hands over the mesh and its report; the builder is empty afterwards.
+  /// Returns the mesh and its report. The builder is empty afterwards.
   FacetMesh finish(MeshReport& report);
 
  private:
@@ -53,7 +53,7 @@ class MeshBuilder {
   std::unique_ptr<State> state_;
 };
 
-/// True if the three grid points are collinear (exact).
+/// Returns true if the three grid points are collinear (exact).
 bool is_degenerate(GridPoint a, GridPoint b, GridPoint c);
 
 }  // namespace tubefoot

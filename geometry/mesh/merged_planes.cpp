@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "geometry/mesh/merged_planes.hpp"
 
+// Groups facets by exact plane, removes the edges between them and triangulates the remaining border polygon
+// with a constrained Delaunay triangulation. The areas before and after are compared as integers. A plane
+// that fails any test stays unchanged.
+
 #define CGAL_NO_CDT_2_WARNING
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -26,11 +30,11 @@ namespace {
 using Triangle = std::array<VertexId, 3>;
 using Edge = std::array<VertexId, 2>;
 
-/// Fewer in one plane are not worth a search.
+/// Planes with fewer facets are not processed.
 constexpr std::size_t fewest_facets = 8;
 
-/// A facet's plane and what it belongs to: equal for facets that may be merged. normal . x = offset, the
-/// normal without a common divisor, on the side that the facet faces.
+/// A facet's plane, material and component, which are equal for facets that may be merged. The plane is
+/// normal . x = offset. The normal has no common divisor and points to the side that the facet faces.
 struct PlaneKey {
   Vec64 normal;
   Int128 offset{};
@@ -54,7 +58,7 @@ PlaneKey key_of(const FacetMesh& mesh, FacetId facet) {
           facet};
 }
 
-/// Of the axis that a normal, not 0, is longest along, the first of equals.
+/// Returns the axis along which a nonzero normal is longest; the first of equal ones.
 unsigned longest_axis(const Vec64& normal) {
   const auto size = [](std::int64_t x) { return x < 0 ? -x : x; };
   unsigned axis = size(normal.y) > size(normal.x) ? 1 : 0;
@@ -64,8 +68,9 @@ unsigned longest_axis(const Vec64& normal) {
 
 std::int64_t along(const Vec64& v, unsigned axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 
-/// Equal for facets that face the same way and are of one component and material, quickly found; 0 without an
-/// area. Quotients of integers that a long double holds are rounded once, so multiples of a normal agree.
+/// Returns a hash that is equal for facets that face the same way and have the same component and material.
+/// The hash of a facet without area is 0. A long double holds the integers, so their quotients are rounded
+/// once and multiples of a normal give the same hash.
 std::uint64_t direction_hash(const FacetMesh& mesh, FacetId facet) {
   const Vec64 n = normal_of(mesh, facet);
   if (n.x == 0 && n.y == 0 && n.z == 0) return 0;
@@ -81,15 +86,16 @@ std::uint64_t direction_hash(const FacetMesh& mesh, FacetId facet) {
   return hash | 1;
 }
 
-/// By vertex, whether each facet about it has one alike there, by their `hashes`: only such a vertex lies
-/// within a plane, or on a straight border of all planes about it. What has none keeps its corners, and need
-/// not be looked at: of terrain that is nearly all.
+/// Returns, per vertex, whether each facet around it has another facet with the same hash there. Only such a
+/// vertex can lie inside a plane, or on a straight border of all planes around it. Other vertices are never
+/// removed. In terrain nearly all vertices are of this kind.
 std::vector<char> vertices_that_may_go(const FacetMesh& mesh, std::span<const std::uint64_t> hashes) {
-  std::vector<std::uint32_t> end(mesh.vertices.size() + 1);  // of a vertex's facets, once they are put down
+  std::vector<std::uint32_t> end(mesh.vertices.size() +
+                                 1);  // end of each vertex's facets after they are inserted
   for (const Triangle& t : mesh.facets)
     for (const VertexId v : t) ++end[v + 1];
   std::inclusive_scan(end.begin(), end.end(), end.begin());
-  // Half of a hash is enough: whoever is taken for alike is looked at, no more.
+  // Half of a hash suffices, because equal hashes only lead to a closer examination.
   std::vector<std::uint32_t> about(3 * mesh.facets.size());
   for (std::size_t facet = 0; facet < hashes.size(); ++facet)
     for (const VertexId v : mesh.facets[facet])
@@ -99,7 +105,7 @@ std::vector<char> vertices_that_may_go(const FacetMesh& mesh, std::span<const st
     const std::span<const std::uint32_t> facets(about.begin() + (v == 0 ? 0 : end[v - 1]),
                                                 about.begin() + end[v]);
     if (v % 1024 == 0) stop_if_wanted();
-    // About a hub they are not counted: whoever is taken for alike is looked at, no more.
+    // Vertices with many facets skip the count, because a positive result only leads to a closer examination.
     constexpr std::size_t hub = 64;
     may_go[v] =
         facets.size() > hub || (!facets.empty() && std::ranges::all_of(facets, [&](std::uint32_t hash) {
@@ -109,8 +115,8 @@ std::vector<char> vertices_that_may_go(const FacetMesh& mesh, std::span<const st
   return may_go;
 }
 
-/// Coordinates in a plane's picture, along the two axes that its normal is least along, so that its facets
-/// turn counter-clockwise.
+/// Projection of a plane along the axis on which its normal is longest. Its facets turn counter-clockwise in
+/// the projection.
 class PlanePicture {
  public:
   explicit PlanePicture(const Vec64& normal) {
@@ -132,16 +138,17 @@ class PlanePicture {
   unsigned first_, second_;
 };
 
-/// Facets of one plane that may become a polygon.
+/// The facets of one plane that may become a polygon.
 struct Plane {
   Vec64 normal;
   std::vector<FacetId> facets;
-  std::vector<Edge> border{};  ///< by start; the plane's inside is on their left
+  std::vector<Edge> border{};  ///< by start vertex; the interior is on the left
   bool merged = true;
   std::vector<Triangle> triangles{};
 };
 
-/// Sorted by their starts; nothing where an edge of two facets points the same way: they overlap.
+/// Returns the border edges, sorted by their start. Returns nothing if two facets have an edge in the same
+/// direction, because such facets overlap.
 std::optional<std::vector<Edge>> border_of(const FacetMesh& mesh, std::span<const FacetId> facets) {
   std::vector<Edge> edges;
   edges.reserve(3 * facets.size());
@@ -163,7 +170,7 @@ std::span<const Edge> edges_from(const std::vector<Edge>& border, VertexId start
   return {begin, end};
 }
 
-/// b lies on the straight way from a to c. Exact.
+/// Returns whether b lies on the straight line from a to c, between them. Exact.
 bool is_between(GridPoint a, GridPoint b, GridPoint c) {
   const Vec64 n = cross(b - a, c - b);
   if (n.x != 0 || n.y != 0 || n.z != 0) return false;
@@ -178,14 +185,14 @@ using Cdt = CGAL::Constrained_Delaunay_triangulation_2<
                                          CGAL::Constrained_triangulation_face_base_2<Kernel>>,
     CGAL::No_constraint_intersection_requiring_constructions_tag>;
 
-/// Triangles between the edges of a border, an odd number of them away from the outside. Nothing where edges
-/// cross: the border is then of facets that overlap.
+/// Returns the triangles that an odd number of border edges separates from the outside. Returns nothing if
+/// edges cross, because the facets then overlap.
 std::optional<std::vector<Triangle>> triangulated(const FacetMesh& mesh, const std::vector<Edge>& border,
                                                   const PlanePicture& picture) {
   Cdt cdt;
   std::unordered_map<VertexId, Cdt::Vertex_handle> placed;
   const GridPoint middle = mesh.vertices[border.front()[0]];
-  Cdt::Vertex_handle last;  // the next is near it
+  Cdt::Vertex_handle last;  // the next vertex is near it
   const auto place = [&](VertexId v) {
     const auto [found, is_new] = placed.try_emplace(v);
     if (is_new) {
@@ -228,7 +235,7 @@ class PlaneMerger {
 
   std::optional<FacetMesh> merged() {
     find_planes();
-    // What turns out to stay as it is keeps its corners, which may be on the borders of others.
+    // Facets that stay unchanged keep their corners, which may lie on the borders of other planes.
     for (bool settled = planes_.empty(); !settled;) {
       pin_corners();
       settled = true;
@@ -287,7 +294,7 @@ class PlaneMerger {
     }
   }
 
-  /// Vertices that stay: corners of what is not merged, and where a border turns.
+  /// Marks vertices that stay: corners of facets that are not merged, and corners at which a border turns.
   void pin_corners() {
     pinned_.assign(mesh_.vertices.size(), false);
     std::vector<bool> in_plane(mesh_.facets.size(), false);
@@ -308,7 +315,7 @@ class PlaneMerger {
     }
   }
 
-  /// Between pinned vertices.
+  /// Returns the border with straight edges between pinned vertices.
   std::vector<Edge> mapped(const std::vector<Edge>& border) const {
     std::vector<Edge> straight;
     for (Edge edge : border) {
@@ -322,7 +329,8 @@ class PlaneMerger {
   bool merge(Plane& plane) const {
     stop_if_wanted();
     const std::vector<Edge> border = mapped(plane.border);
-    // A polygon of n corners is at least n - 2 triangles; pieces of their own have three corners or more.
+    // A polygon of n corners has at least n - 2 triangles, and each separate piece has at least three
+    // corners.
     if (border.size() > 3 * plane.facets.size() / 2) return false;
     const PlanePicture picture(plane.normal);
     const auto twice_area = [&](const Triangle& t) {

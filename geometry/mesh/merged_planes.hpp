@@ -7,17 +7,21 @@
 
 namespace tubefoot {
 
-/// The same surface in fewer facets, or nothing where none are merged: where that at least halves them,
-/// facets that lie exactly in one plane, face the same way and are of one component and material become the
-/// triangles of the polygon that they cover, with as few corners as it has. Nothing is approximated, nothing
-/// moves, and the vertices keep their ids. What overlaps others of its plane stays as it is. Law N1 (same
-/// surface): what is merged covers the same points of its plane, once, facing the same way;
-///   proven for every plane by exact areas: facets that turn one way cover a set once if and only if their
-///   areas add up to that of the points they cover an odd number of times.
-/// Law N2 (sheet): a mesh without T-junctions stays one: a vertex goes only where the borders of all facets
-///   about it run straight through it.
-/// Law N3 (order): merged facets stand where the first of them stood, so that those of a component follow one
-///   another; threads change nothing.
+/// Merges coplanar facets, or returns nothing if none can be merged. Facets are merged if they lie exactly in
+/// one plane, face the same way and have one component and material. They become the triangles of the polygon
+/// that they cover, with as few corners as the polygon has. This is done only if it at least halves their
+/// number. The surface does not change, and vertices keep their ids. Facets that overlap others of their
+/// plane stay unchanged.
+///
+/// Law N1 (same surface): merged facets cover the same points of their plane, once, facing the same way.
+/// Exact areas prove this for every plane: facets of one orientation cover a set once if and only if the sum
+/// of their areas equals the area of the points that they cover an odd number of times.
+///
+/// Law N2 (sheet): a mesh without T-junctions stays without T-junctions. A vertex is removed only if the
+/// borders of all facets around it run straight through it.
+///
+/// Law N3 (order): merged facets take the position of the first of them, so that the facets of a component
+/// stay contiguous. The number of threads does not affect the result.
 std::optional<FacetMesh> with_planes_merged(const FacetMesh& mesh);
 
 }  // namespace tubefoot

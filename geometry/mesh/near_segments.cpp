@@ -11,10 +11,13 @@
 
 #include "geometry/steps/stop.hpp"
 
+// Divides segments recursively by lines at the median along the best of several directions. Small groups, and
+// groups that no direction separates, are compared pair by pair.
+
 namespace tubefoot {
 namespace {
 
-/// The part of a segment that lies in the cell of a node.
+/// The part of a segment in the cell of a node.
 struct Part {
   std::uint32_t segment = 0;
   glm::dvec2 from{}, to{};
@@ -23,7 +26,7 @@ struct Part {
 struct Split {
   glm::dvec2 direction{};
   double middle = 0;
-  double cost = 0;  ///< pairs that are left on both sides, twice
+  double cost = 0;  ///< twice the number of pairs left on both sides
 };
 
 class Halving {
@@ -51,7 +54,8 @@ class Halving {
   }
 
  private:
-  /// What lies on one side of a line at `at`; of a part that it does not cross, all.
+  /// Returns the part on one side of a line at `at`. A part that does not cross the line is returned
+  /// unchanged.
   static Part cut(Part part, double from, double to, double at, bool below) {
     const auto is_out = [&](double x) { return below ? x > at : x < at; };
     if (is_out(from) == is_out(to)) return part;
@@ -60,7 +64,7 @@ class Halving {
     return part;
   }
 
-  /// None where no direction separates the parts, so that comparing them all costs no more.
+  /// Returns nothing if no direction separates the parts, so that comparing all pairs costs no more.
   std::optional<Split> best_split(const std::vector<Part>& parts) {
     constexpr double enough = 0.75;
     const auto all = static_cast<double>(parts.size());
@@ -81,7 +85,7 @@ class Halving {
     };
     attempt({1, 0});
     attempt({0, 1});
-    // Parallel segments are separated by their own normal.
+    // The normal of parallel segments separates them.
     constexpr int tries = 3;
     for (int k = 0; k < tries; ++k) {
       state_ = state_ * 6364136223846793005u + 1442695040888963407u;
@@ -126,7 +130,7 @@ void for_each_near_pair(std::span<const PlanSegment> segments,
     for (const glm::dvec2& p : {segment.a, segment.b})
       largest = std::max({largest, std::abs(p.x), std::abs(p.y)});
   }
-  // Some thousand roundings, one for each halving and a few more, are far less than that.
+  // The bound exceeds some thousand roundings: one per division and a few more.
   constexpr double roundings = 0x1p-38;
   Halving(largest * roundings, visit).halve(std::move(parts));
 }

@@ -9,9 +9,9 @@
 
 namespace tubefoot {
 
-/// Calls visit(i, j), i < j, at least once for every pair of segments that have a point in common, and for
-/// few others. The segments are halved along the direction that separates them best, so that neither long
-/// parallel segments nor many in one place are compared one by one. Coordinates are finite.
+/// Calls visit(i, j), i < j, at least once for every pair of segments with a common point, and for few other
+/// pairs. The segments are divided recursively along the direction that separates them best. Long parallel
+/// segments and many segments in one place are therefore not compared one by one. Coordinates must be finite.
 void for_each_near_pair(std::span<const PlanSegment> segments,
                         const std::function<void(std::uint32_t, std::uint32_t)>& visit);
 

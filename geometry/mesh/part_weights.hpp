@@ -7,19 +7,21 @@
 
 namespace tubefoot {
 
-/// Facets and edges can be cut in half this often.
+/// Maximum number of times that facets and edges can be halved.
 constexpr int deepest_refinement = 22;
 
-/// Weights of corners are integers: parts of this. A part of a part still has exact ones.
+/// Weights of corners are integers, in parts of this number. The weights of a part of a part are still exact.
 inline constexpr std::int64_t whole_weight = std::int64_t{1} << (2 * deepest_refinement);
 
-/// Where the corners of a part of a facet lie on it: weights of its second and third corner.
+/// Positions of the corners of a part on its facet, as weights of the facet's second and third corner.
 using PartWeights = std::array<std::array<std::int64_t, 2>, 3>;
 
 inline constexpr PartWeights all_of_it{{{0, 0}, {whole_weight, 0}, {0, whole_weight}}};
 
-/// Of a part of a part, both of at most deepest_refinement halvings: where it lies on the whole.
-/// Law D5 (parts of parts): a point of a part of a part lies on the whole where it lies on the part.
+/// Returns the position of a part of a part on the whole facet. Both parts result from at most
+/// deepest_refinement halvings.
+///
+/// Law D5 (parts of parts): the position on the whole is that of the corresponding point of the part.
 inline PartWeights part_of_part(const PartWeights& part, const PartWeights& of_it) {
   PartWeights on_whole = part;
   constexpr int half = deepest_refinement;

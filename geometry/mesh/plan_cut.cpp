@@ -29,6 +29,10 @@
 #include "geometry/mesh/shuffled.hpp"
 #include "geometry/steps/steps.hpp"
 
+// Cuts each facet in plan view with a constrained Delaunay triangulation of its edges and of the segments
+// that meet it. Intersections are computed in rationals and rounded once at the end. Facets are cut in
+// parallel; new points are welded in the order of the facets.
+
 namespace tubefoot {
 namespace {
 
@@ -45,10 +49,10 @@ using Cdt =
 struct Facet {
   std::uint32_t id = 0;
   std::array<glm::dvec3, 3> corners;  ///< counter-clockwise seen from above
-  bool turned = false;                ///< the facet itself turns the other way
+  bool turned = false;                ///< the facet itself turns clockwise
 };
 
-/// What becomes of a facet: corners are points 0, 1 and 2, new points follow.
+/// The parts of a facet. Points 0, 1 and 2 are its corners; new points follow.
 struct Parts {
   std::vector<glm::dvec3> points;
   std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -60,7 +64,8 @@ CGAL::Orientation turn(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) {
   return CGAL::orientation(plan(a), plan(b), plan(c));
 }
 
-/// Whether segment and closed facet have a point in common: no line along an edge of either parts them.
+/// Returns whether a segment and a closed facet have a common point: no line along the segment or an edge
+/// separates them.
 bool meets(const PlanSegment& s, const Facet& facet) {
   std::array<int, 3> count{0, 0, 0};
   for (unsigned k = 0; k < 3; ++k) {
@@ -84,7 +89,7 @@ class PlaneHeight {
   }
 
  private:
-  /// Of the triangle of corner 0 and two more points.
+  /// Returns twice the area of the triangle of corner 0 and two other points.
   Exact twice_area(const Exact& x1, const Exact& y1, const Exact& x2, const Exact& y2) const {
     return (x1 - x_[0]) * (y2 - y_[0]) - (x2 - x_[0]) * (y1 - y_[0]);
   }
@@ -93,10 +98,11 @@ class PlaneHeight {
 };
 
 /// The edges of a facet and the segments that meet it, with all points in which they meet each other. Every
-/// point is a corner, an end, or computed from the two segments alone.
+/// point is a corner, an end, or computed from the two lines alone.
 class Crossings {
  public:
-  /// Of a facet and of `segments`. `crossed` counts what crosses in any facet.
+  /// Computes the crossings of a facet with those of `segments` that meet it. `crossed` counts the crossings
+  /// in all facets.
   Crossings(const Facet& facet, std::span<const PlanSegment> segments, const std::vector<std::uint32_t>& met,
             std::atomic<std::size_t>& crossed)
       : facet_(facet), crossed_(crossed), most_crossed_(crossings_allowed(segments.size())) {
@@ -116,11 +122,12 @@ class Crossings {
     return number_.at({p.x + 0.0, p.y + 0.0});
   }
   std::size_t lines() const { return lines_.size(); }
-  /// The points on a line, from its one end to the other; points of equal places may follow each other.
+  /// Returns the points on a line, from one end to the other. Points at equal positions may follow each
+  /// other.
   std::vector<std::uint32_t> along(std::size_t line) {
     std::vector<std::uint32_t>& on = on_[line];
     const glm::dvec2 way = lines_[line].b - lines_[line].a;
-    // Both coordinates go one way along a line: the points lie in their order.
+    // Both coordinates are monotone along a line, so comparing them gives the order of the points.
     std::ranges::sort(on, [&](std::uint32_t p, std::uint32_t q) {
       const CGAL::Comparison_result x = CGAL::compare_x(points_[p], points_[q]);
       if (x != CGAL::EQUAL) return (x == CGAL::SMALLER) == (way.x > 0);
@@ -165,7 +172,7 @@ class Crossings {
     if (!pairs_.insert(std::uint64_t{i} << 32 | j).second) return;
     if (a != CGAL::COLLINEAR && b != CGAL::COLLINEAR && c != CGAL::COLLINEAR && d != CGAL::COLLINEAR)
       return cross(i, j);
-    // An end of one lies on the other.
+    // An end of one segment lies on the other.
     if (a == CGAL::COLLINEAR && is_between(t.a, s.a, t.b)) add_end(s.a, j);
     if (b == CGAL::COLLINEAR && is_between(t.a, s.b, t.b)) add_end(s.b, j);
     if (c == CGAL::COLLINEAR && is_between(s.a, t.a, s.b)) add_end(t.a, i);
@@ -176,11 +183,11 @@ class Crossings {
     const auto line = [](const PlanSegment& s) {
       return Kernel::Line_2(Kernel::Point_2(s.a.x, s.a.y), Kernel::Point_2(s.b.x, s.b.y));
     };
-    // CGAL 5 returns Boost's variant and CGAL 6 that of the standard library: CGAL::Object takes both.
+    // CGAL 5 returns Boost's variant and CGAL 6 that of the standard library. CGAL::Object accepts both.
     const CGAL::Object met = CGAL::intersection(line(lines_[i]), line(lines_[j]));
     const auto* point = CGAL::object_cast<Kernel::Point_2>(&met);
-    if (point == nullptr) return;  // not of lines that cross
-    // Edges of the facet (the first three) hold what lies on them.
+    if (point == nullptr) return;  // impossible for lines that cross
+    // Points on edges of the facet (the first three lines) belong to the facet.
     if (i >= 3 && !is_in_facet(*point)) return;
     if (i >= 3 && ++crossed_ > most_crossed_)
       throw std::length_error(
@@ -197,12 +204,12 @@ class Crossings {
   std::size_t most_crossed_;
   std::vector<PlanSegment> lines_;
   std::vector<Kernel::Point_2> points_;
-  std::vector<std::vector<std::uint32_t>> on_;  ///< by line: its points
+  std::vector<std::vector<std::uint32_t>> on_;  ///< per line: its points
   std::map<std::pair<double, double>, std::uint32_t> number_;
   std::unordered_set<std::uint64_t> pairs_;
 };
 
-/// Points of the plan in an order in which neighbours follow each other.
+/// Returns the points of the plan in an order in which neighbours follow each other.
 std::vector<std::size_t> spatial_order(const std::vector<Kernel::Point_2>& points) {
   std::vector<Signs::Point_2> near;
   near.reserve(points.size());
@@ -219,7 +226,7 @@ Parts cut(const Facet& facet, std::span<const PlanSegment> segments, const std::
           std::atomic<std::size_t>& crossed) {
   Crossings crossings(facet, segments, met, crossed);
   const std::vector<Kernel::Point_2>& points = crossings.points();
-  // All points first: with them in place, what is constrained afterwards joins neighbours.
+  // All points are inserted first, so that each constraint joins neighbours afterwards.
   Cdt cdt;
   std::vector<Cdt::Vertex_handle> vertex(points.size());
   Cdt::Face_handle beside;
@@ -229,7 +236,7 @@ Parts cut(const Facet& facet, std::span<const PlanSegment> segments, const std::
     vertex[k]->info() = unnumbered;
     beside = vertex[k]->face();
   }
-  // In no order of their own: each then meets few of the edges that those before it have left.
+  // The order is pseudorandom, so that each constraint crosses few edges of the earlier ones.
   for (const std::size_t line : shuffled(crossings.lines())) {
     stop_if_wanted();
     const std::vector<std::uint32_t> along = crossings.along(line);
@@ -246,7 +253,8 @@ Parts cut(const Facet& facet, std::span<const PlanSegment> segments, const std::
     if (v->info() != unnumbered) continue;
     stop_if_wanted();
     v->info() = static_cast<int>(parts.points.size());
-    // An exact number's double does not depend on how the number was come by; that of a lazy one does.
+    // The double of an exact number does not depend on how the number was computed. The double of a lazy
+    // number does.
     const Kernel::FT lazy_x = v->point().x(), lazy_y = v->point().y();
     const Exact &x = lazy_x.exact(), &y = lazy_y.exact();
     parts.points.emplace_back(CGAL::to_double(x), CGAL::to_double(y), CGAL::to_double(height.at(x, y)));
@@ -329,7 +337,7 @@ PlanCut cut_in_plan(std::vector<glm::dvec3>& points,
     }
     Parts part = std::move(parts[next]);
     const bool turned = met_facets[next++].turned;
-    // Segments that only touch the facet's outline at its corners leave it whole.
+    // Segments that only touch the facet's outline at its corners do not cut it.
     if (part.triangles.size() == 1) {
       add(triangles[id], id);
       continue;

@@ -26,7 +26,7 @@ void SegmentBins::for_each_bin(const PlanSegment& s, Visit visit) const {
   if (hi.x < lo_.x || lo.x > hi_.x || hi.y < lo_.y || lo.y > hi_.y) return;
   const glm::dvec2 along = s.b - s.a;
   const double square_y = (hi_.y - lo_.y) / static_cast<double>(side_);
-  // Wider than all rounding of what follows, and much less than a square.
+  // Larger than all rounding errors of the following computation, and much smaller than a square.
   const double slack = 1e-9 * std::max(hi_.x - lo_.x, hi.x - lo.x);
   for (std::size_t r = row(lo.y); r <= row(hi.y); ++r) {
     double from = lo.x, to = hi.x;
@@ -44,7 +44,7 @@ void SegmentBins::for_each_bin(const PlanSegment& s, Visit visit) const {
 
 SegmentBins::SegmentBins(std::span<const PlanSegment> segments, glm::dvec2 lo, glm::dvec2 hi)
     : segments_(segments), lo_(lo), hi_(hi) {
-  // Nothing to divide by where the rectangle has no width.
+  // Avoids a division by zero if the rectangle has no width.
   hi_ = glm::max(hi_, lo_ + glm::dvec2(1e-6));
   side_ = std::clamp(static_cast<std::size_t>(2 * std::sqrt(static_cast<double>(segments.size()))),
                      std::size_t{1}, most_squares_a_side);

@@ -8,10 +8,11 @@
 
 namespace tubefoot {
 
-/// Twice a facet's area times its unit normal, grid units.
+/// Returns twice a facet's area times its unit normal, in grid units.
 glm::dvec3 doubled_area(const FacetMesh& mesh, FacetId facet);
 
-/// By vertex: the mean of the normals of its facets, by area, of length 1. Upwards where they cancel.
+/// Returns, per vertex, the area-weighted mean of the normals of its facets, with length 1. The normal is
+/// upwards if the sum is zero.
 std::vector<glm::dvec3> vertex_normals(const FacetMesh& mesh);
 
 }  // namespace tubefoot

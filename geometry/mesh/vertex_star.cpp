@@ -7,12 +7,16 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+// Bounds the displacement and the rotation of a surface when a vertex is moved onto a neighbour. The old and
+// the new facets are projected along one direction. Their height difference is linear on each intersection,
+// so its extremes lie at the corners.
+
 namespace tubefoot {
 namespace {
 
-/// Rounding to a float takes half of it.
+/// The rounding error to float is half of this bound.
 constexpr double rounding = 1.2e-7;
-/// Sines of corners that are less are taken for 0: signs are then sure in doubles.
+/// Smaller sines of angles count as 0. The remaining signs are certain in double.
 constexpr double least_sine = 1e-9;
 
 float below(double x) { return static_cast<float>(x - rounding * std::abs(x)); }
@@ -25,14 +29,14 @@ bool turns_left(const glm::dvec2& a, const glm::dvec2& b) {
   return c > 0 && c * c > least_sine * least_sine * glm::dot(a, a) * glm::dot(b, b);
 }
 
-/// A convex polygon of few corners.
+/// A convex polygon with few corners.
 struct Polygon {
-  std::array<glm::dvec2, 12> corner;  // six, but for rounding of slivers
+  std::array<glm::dvec2, 12> corner;  // six, except for rounding of slivers
   unsigned corners = 0;
 
   void add(const glm::dvec2& x) { corner[corners++] = x; }
 
-  /// What of it is on the left of the way from a to b.
+  /// Returns the part on the left of the line from a to b.
   Polygon left_of(const glm::dvec2& a, const glm::dvec2& b) const {
     Polygon left;
     std::array<double, 12> side;
@@ -93,7 +97,7 @@ void VertexStar::measure() {
 }
 
 double VertexStar::cost_of(unsigned target) const {
-  // Of equals, short ways: they leave facets of a better form.
+  // Prefers short moves among equal ones, because the resulting facets have a better shape.
   constexpr double worth_of_length = 1e-4;
   double cost = 0, least_limit = std::numeric_limits<double>::infinity();
   for (unsigned i = 0; i < facets; ++i) {
@@ -118,7 +122,7 @@ bool VertexStar::look(std::optional<glm::dvec3> along) {
     along = area / length;
   }
   up_ = *along;
-  // Any two directions that are at right angles to it and to each other.
+  // Two arbitrary directions orthogonal to it and to each other.
   const glm::dvec3 size = glm::abs(up_);
   const glm::dvec3 axis = size.x <= size.y && size.x <= size.z ? glm::dvec3(1, 0, 0)
                           : size.y <= size.z                   ? glm::dvec3(0, 1, 0)
@@ -129,7 +133,7 @@ bool VertexStar::look(std::optional<glm::dvec3> along) {
     flat_[i] = seen(ring[i]);
     height_[i] = glm::dot(ring[i], up_);
   }
-  // Facets that turn left about the centre, once round, cover a star-shaped polygon once.
+  // Facets that turn left about the centre, exactly once around, cover a star-shaped polygon once.
   unsigned rounds = 0;
   for (unsigned i = 0; i < facets; ++i) {
     const glm::dvec2 &a = flat_[i], &b = flat_[(i + 1) % facets];
@@ -159,14 +163,14 @@ void VertexStar::add_own_pieces() {
 }
 
 bool VertexStar::becomes(unsigned target, double most_turn, std::vector<Part>& parts) const {
-  // Less of a facet than this is where two of them touch, but for rounding.
+  // A smaller share of a facet results only from rounding where two facets touch.
   constexpr double least_share = 1e-10;
   parts.resize(facets - 2);
   const glm::dvec2 x = flat_[target];
   for (unsigned k = 0; k + 2 < facets; ++k) {
     const unsigned b = (target + k + 1) % facets, c = (target + k + 2) % facets;
     const glm::dvec2 u = flat_[b] - x, v = flat_[c] - x;
-    // Of triangles that all turn left, with the border of a polygon, each point is in one.
+    // If all triangles turn left and their border is a polygon, each point lies in exactly one of them.
     if (!turns_left(u, v)) return false;
     const double area = cross(u, v), h = height_[b] - height_[target], l = height_[c] - height_[target];
     Plane plane{glm::dvec2(h * v.y - l * u.y, l * u.x - h * v.x) / area, 0};
@@ -186,7 +190,7 @@ bool VertexStar::becomes(unsigned target, double most_turn, std::vector<Part>& p
       if (shared.corners > 2) shared = shared.left_of(flat_[c], x);
       if (shared.corners < 3 || shared.twice_area() <= least_share * std::min(area, piece.twice_area))
         continue;
-      // How far it moves is a difference of planes: most and least in corners.
+      // The displacement is a difference of planes, with its extremes at the corners.
       double least = std::numeric_limits<double>::infinity(), most = -least;
       for (unsigned n = 0; n < shared.corners; ++n) {
         const double move = plane.at(shared.corner[n]) - piece.plane.at(shared.corner[n]);

@@ -11,69 +11,73 @@
 
 namespace tubefoot {
 
-/// The least box of vectors seen, kept in floats and rounded outwards.
+/// Smallest box that contains all added vectors, stored in floats and rounded outwards.
 struct VectorBox {
   std::array<float, 3> lo{1, 1, 1}, hi{0, 0, 0};  ///< empty
 
   static VectorBox of(const glm::dvec3& v);
   bool is_empty() const { return lo[0] > hi[0]; }
   void add(const VectorBox& other);
-  /// Of its vectors, each with some multiple of `along` between the two added.
+  /// Returns the box of the vectors after a multiple of `along` between `least` and `most` is added to each.
   VectorBox shifted(const glm::dvec3& along, double least, double most) const;
-  /// From the farthest of its vectors to `point`.
+  /// Returns the distance from `point` to the farthest point of the box.
   double farthest_from(const glm::dvec3& point) const;
 };
 
-/// How a facet has come about: what is known of the points of the first mesh that have come to lie on it.
+/// Bounds for the points of the original mesh that are mapped onto a facet.
 struct FacetPast {
-  VectorBox moves;    ///< from where a point was to where it is, grid units
-  VectorBox normals;  ///< of unit length, that the facets had which points were on
-  float limit = 0;    ///< least of those facets' limits of moves
+  VectorBox moves;    ///< from the original position of a point to its present one, grid units
+  VectorBox normals;  ///< unit normals of the points' original facets
+  float limit = 0;    ///< smallest displacement limit of these facets
 
   double moved() const { return moves.farthest_from(glm::dvec3(0)); }
 };
 
-/// What becomes of the facets about a vertex when it goes onto one of its neighbours.
+/// The facets around a vertex, and the facets that replace them if the vertex is moved onto one of its
+/// neighbours.
 class VertexStar {
  public:
   static constexpr unsigned most_facets = 24;
 
-  /// Facet i has the corners centre, ring[i] and ring[i + 1], counted round; all places are from the centre.
+  /// Facet i has the corners centre, ring[i] and ring[i + 1], counted cyclically. All positions are relative
+  /// to the centre.
   unsigned facets = 0;
   std::array<glm::dvec3, most_facets> ring;
   std::array<const FacetPast*, most_facets> past;
 
-  /// How much the surface is about to move, as a part of what it may, when the centre goes onto a corner of
-  /// the ring: an estimate, to go by its order. After measure().
+  /// Estimates the displacement, as a share of its limit, if the centre is moved onto a corner of the ring.
+  /// The estimate serves to order the collapses. Requires measure().
   double cost_of(unsigned target) const;
   void measure();
 
-  /// The facets seen along a direction of unit length, or, without one, along the normal of all. False if
-  /// they are not seen one beside the other, once round. After measure().
+  /// Projects the facets along a direction of unit length, or along their mean normal if there is none.
+  /// Returns false if the projected facets do not surround the centre exactly once without overlap. Requires
+  /// measure().
   bool look(std::optional<glm::dvec3> along);
-  /// A surface that is seen in the same place along that direction: what points are moved from. Those
-  /// together cover all of the star's facets.
+  /// Adds a triangle of the surface from which displacements are measured, projected along the same
+  /// direction. All added triangles together cover the facets of the star.
   void add_piece(const std::array<glm::dvec3, 3>& corners, const FacetPast& past);
-  /// The star's facets themselves.
+  /// Adds the facets of the star themselves.
   void add_own_pieces();
 
   struct Part {
     FacetPast past;
-    std::vector<std::uint32_t> pieces;  ///< that points on it come from
+    std::vector<std::uint32_t> pieces;  ///< numbers of the pieces whose points are mapped onto the part
   };
-  /// Facet k of those that take the star's place is target, ring[target + k + 1] and ring[target + k + 2];
-  /// there are facets - 2. False where the map of the pieces along the direction is not one to one, or moves
-  /// or turns by too much. `most_turn`: the chord of the angle.
+  /// Computes the facets that replace the star if the centre is moved onto corner `target`. Facet k consists
+  /// of target, ring[target + k + 1] and ring[target + k + 2]; their number is facets - 2. Returns false if
+  /// the map of the pieces along the direction is not one to one. Also returns false if a displacement or a
+  /// rotation is too large. `most_turn` is the chord of the largest permitted angle.
   bool becomes(unsigned target, double most_turn, std::vector<Part>& parts) const;
 
  private:
   struct Plane {
     glm::dvec2 slope;
-    double height = 0;  ///< over the centre
+    double height = 0;  ///< above the centre
     double at(const glm::dvec2& x) const { return height + glm::dot(slope, x); }
   };
   struct Piece {
-    std::array<glm::dvec2, 3> corner;  ///< turning left
+    std::array<glm::dvec2, 3> corner;  ///< counter-clockwise
     glm::dvec2 lo, hi;
     double twice_area;
     Plane plane;
@@ -84,8 +88,8 @@ class VertexStar {
 
   std::array<glm::dvec3, most_facets> normal_;
   std::array<double, most_facets> moved_;
-  glm::dvec3 up_{0}, east_{0}, north_{0};     ///< of unit length; looked along `up_`
-  std::array<glm::dvec2, most_facets> flat_;  ///< the ring as it is seen
+  glm::dvec3 up_{0}, east_{0}, north_{0};     ///< of unit length; `up_` is the direction of projection
+  std::array<glm::dvec2, most_facets> flat_;  ///< the projected ring
   std::array<double, most_facets> height_;
   std::vector<Piece> pieces_;
 };

@@ -19,7 +19,7 @@ using Delaunay = CGAL::Delaunay_triangulation_2<Kernel, CGAL::Triangulation_data
 glm::dvec2 circumcentre(std::span<const glm::dvec2> sites, const Delaunay::Face_handle& face) {
   std::array<std::uint32_t, 3> corner{face->vertex(0)->info(), face->vertex(1)->info(),
                                       face->vertex(2)->info()};
-  std::ranges::sort(corner);  // whatever corner the triangulation starts at
+  std::ranges::sort(corner);  // independent of the corner at which the triangulation starts
   const glm::dvec2 origin = sites[corner[0]], u = sites[corner[1]] - origin, v = sites[corner[2]] - origin;
   const double uu = u.x * u.x + u.y * u.y, vv = v.x * v.x + v.y * v.y, twice = 2 * (u.x * v.y - u.y * v.x);
   return origin + glm::dvec2((v.y * uu - u.y * vv) / twice, (u.x * vv - v.x * uu) / twice);

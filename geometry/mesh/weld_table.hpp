@@ -12,8 +12,8 @@
 
 namespace tubefoot {
 
-/// Ids of grid points by open addressing: 8 bytes a vertex, where std::unordered_map takes more than 40. New
-/// points are appended to `vertices`.
+/// Hash table of grid points with open addressing. It takes 8 bytes per vertex, where std::unordered_map
+/// takes more than 40. New points are appended to `vertices`.
 class WeldTable {
  public:
   explicit WeldTable(std::vector<GridPoint>& vertices) : vertices_(vertices) {}
@@ -25,11 +25,11 @@ class WeldTable {
     for (VertexId id = 0; id < vertices_.size(); ++id) slots_[slot_of(vertices_[id])] = id;
   }
 
-  /// Wants room for it to be reserved. Throws std::length_error.
+  /// Requires a preceding reserve() for the point. Throws std::length_error.
   VertexId id_of(GridPoint p) {
     VertexId& slot = slots_[slot_of(p)];
     if (slot == none) {
-      // Names of points (names.hpp) need the top bit.
+      // Names of points (names.hpp) use the top bit.
       if (vertices_.size() >= 0x80000000u) throw std::length_error("a mesh holds at most 2^31 vertices");
       slot = static_cast<VertexId>(vertices_.size());
       vertices_.push_back(p);
@@ -40,7 +40,7 @@ class WeldTable {
  private:
   static constexpr VertexId none = std::numeric_limits<VertexId>::max();
 
-  // The slot that holds p, or the free one where it belongs.
+  // Returns the slot that contains p, or the free slot for p.
   std::size_t slot_of(GridPoint p) const {
     const std::size_t mask = slots_.size() - 1;
     std::size_t slot = GridPointHash{}(p)&mask;

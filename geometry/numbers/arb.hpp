@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-// Arb, wherever its headers are: it was a library of its own before FLINT 3, and is a part of FLINT since.
+// Includes Arb. Arb was a separate library before FLINT 3 and has been a part of FLINT since then.
 #if __has_include(<flint/arb.h>)
 #include <flint/acb.h>
 #include <flint/arb.h>

@@ -8,11 +8,12 @@
 #include "geometry/numbers/arb.hpp"
 
 // Real and complex balls: numbers known to lie within a radius of a midpoint. Every operation encloses all
-// values that its operands may have (F. Johansson, Arb). Heavy: include only in .cpp files and their own
-// headers.
+// values that its operands may have (F. Johansson, Arb). This header is expensive to compile: include it only
+// in .cpp files and in headers that need it for their own interface.
 namespace tubefoot {
 
-/// Working precision. A slab of a millimetre at a kilometre keeps 30 digits; nothing here needs more.
+/// Working precision in bits. A slab of a millimetre at a kilometre keeps 30 digits, which suffices for all
+/// uses in tubefoot.
 constexpr slong ball_bits = 128;
 
 class Ball {
@@ -56,7 +57,7 @@ class Ball {
   bool surely_positive() const { return arb_is_positive(x_); }
   bool surely_negative() const { return arb_is_negative(x_); }
   bool may_be_zero() const { return arb_contains_zero(x_); }
-  /// The midpoint itself.
+  /// Returns the midpoint as a ball of radius 0.
   Ball centre() const {
     Ball result;
     arb_get_mid_arb(result.x_, x_);
@@ -126,7 +127,7 @@ class Ball {
 };
 
 inline Ball squared(const Ball& x) { return x * x; }
-/// Of a number that is not negative, even where its ball reaches below zero.
+/// Returns the square root of a number that is known not to be negative; its ball may extend below zero.
 inline Ball root(const Ball& x) {
   Ball result;
   arb_sqrtpos(result.get(), x.get(), ball_bits);
@@ -148,7 +149,8 @@ inline Ball atan(const Ball& x) {
   return result;
 }
 
-/// A rectangle of the complex plane. Functions with branch cuts are not finite where it touches one.
+/// A rectangle of the complex plane. The result of a function with branch cuts is not finite if the rectangle
+/// touches a cut.
 class ComplexBall {
  public:
   ComplexBall() { acb_init(x_); }
@@ -217,7 +219,7 @@ inline ComplexBall exp(const ComplexBall& x) {
 }
 inline ComplexBall atan(const ComplexBall& x) {
   ComplexBall result;
-  // The cuts are +-i (1, infinity).
+  // The branch cuts are +-i (1, infinity).
   const bool cut = x.real().may_be_zero() && !(x.imaginary().hi() < 1 && x.imaginary().lo() > -1);
   if (cut || !x.is_finite())
     acb_indeterminate(result.get());

@@ -6,8 +6,9 @@
 
 #include "geometry/numbers/ball.hpp"
 
-// Functions of wide rectangles of the complex plane as narrow as rectangles can be. Arb's own take an error
-// as large along both axes. In doubles, with a margin far beyond their rounding. Heavy, as ball.hpp.
+// Functions of wide rectangles of the complex plane, with the smallest enclosing rectangles. Arb's own
+// functions use an error of the same size along both axes. Computed in doubles, with a margin far larger than
+// their rounding errors. This header is expensive to compile, as ball.hpp is.
 namespace tubefoot {
 
 struct ComplexRange {
@@ -21,7 +22,7 @@ struct ComplexRange {
   bool is_finite() const {
     return std::isfinite(re_lo) && std::isfinite(re_hi) && std::isfinite(im_lo) && std::isfinite(im_hi);
   }
-  /// Nearest to and farthest from the real axis.
+  /// Smallest and largest distances from the axes.
   double least_im() const { return im_lo > 0 ? im_lo : im_hi < 0 ? -im_hi : 0; }
   double most_im() const { return std::max(std::abs(im_lo), std::abs(im_hi)); }
   double least_re() const { return re_lo > 0 ? re_lo : re_hi < 0 ? -re_hi : 0; }
@@ -46,8 +47,8 @@ inline ComplexBall not_finite() {
   return result;
 }
 
-/// Not finite where it touches the negative axis. With p + iq the root of x + iy, p grows with x and |y|, and
-/// |q| grows with |y| and falls with x.
+/// Returns the square root; not finite if the rectangle touches the negative axis. Let p + iq be the root of
+/// x + iy. Then p increases with x and |y|, and |q| increases with |y| and decreases with x.
 inline ComplexBall tight_root(const ComplexBall& z) {
   const ComplexRange in(z);
   if (!in.is_finite() || (!(in.re_lo > 0) && !(in.least_im() > 0))) return not_finite();
@@ -57,19 +58,20 @@ inline ComplexBall tight_root(const ComplexBall& z) {
     const double size = x >= 0 ? std::abs(y) / (2 * larger(x, y)) : larger(x, y);
     return std::copysign(size, y);
   };
-  // q grows with y, at the x that makes it largest.
+  // q increases with y, at the x that makes it largest.
   const double lo = in.im_lo < 0 ? q(in.re_lo, in.im_lo) : q(in.re_hi, in.im_lo),
                hi = in.im_hi > 0 ? q(in.re_lo, in.im_hi) : q(in.re_hi, in.im_hi);
   return ComplexRange(p(in.re_lo, in.least_im()), p(in.re_hi, in.most_im()), lo, hi).ball();
 }
 
-/// Of what has a positive real part, or a negative one; else not finite.
+/// Returns the inverse of a rectangle whose real part is positive or negative; otherwise not finite.
 inline ComplexBall tight_inverse(const ComplexBall& z) {
   const ComplexRange in(z);
   if (!in.is_finite()) return not_finite();
   if (in.re_hi < 0) return -tight_inverse(-z);
   if (!(in.re_lo > 0)) return not_finite();
-  // x / (x^2 + y^2): in |y| it falls, in x it has one maximum, at |y|. Its imaginary part is alike.
+  // x / (x^2 + y^2) decreases with |y|. As a function of x it has one maximum, at |y|. The imaginary part has
+  // the same form.
   const auto part = [](double along, double across) { return along / (along * along + across * across); };
   const double m = in.least_im(), top = in.most_im();
   const double re_hi = part(std::clamp(m, in.re_lo, in.re_hi), m),

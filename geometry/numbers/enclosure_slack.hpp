@@ -3,7 +3,8 @@
 
 namespace tubefoot {
 
-/// By this part enclosures are wider than the doubles that they are laid on say: far above their rounding.
+/// Relative margin by which enclosures exceed the doubles from which they are constructed. It is far larger
+/// than the rounding errors of these doubles.
 inline constexpr double enclosure_slack = 1e-9;
 
 }  // namespace tubefoot

@@ -7,8 +7,8 @@
 
 #include "geometry/numbers/world_grid.hpp"
 
-// Vectors of rationals: for the oracle, the closure audit and the topology hash. Heavy: include only in .cpp
-// files.
+// Vectors of rationals, for the reference arithmetic, the closure audit and the topology hash. This header is
+// expensive to compile: include it only in .cpp files.
 namespace tubefoot {
 
 using ExactVector = std::array<CGAL::Exact_rational, 3>;

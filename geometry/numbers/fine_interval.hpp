@@ -10,8 +10,9 @@
 
 namespace tubefoot {
 
-/// Intervals of long doubles, rounded outwards as Interval: for what cancels before doubles will do, such as
-/// the coordinates of a small polygon far from the foot point, and ranges close to a border.
+/// Intervals of long doubles, rounded outwards as Interval is. They serve computations with cancellation for
+/// which double is too coarse. Examples are the coordinates of a small polygon far from the foot point, and
+/// ranges close to a border.
 struct FineInterval {
   long double lo = 0, hi = 0;
 
@@ -20,7 +21,7 @@ struct FineInterval {
   explicit FineInterval(long double value) : lo(value), hi(value) {}
   FineInterval(long double low, long double high) : lo(low), hi(high) {}
 
-  /// A whole number, rounded.
+  /// Encloses an integer.
   static FineInterval of(std::int64_t value);
   static FineInterval of(Int128 value);
   static FineInterval of(Int192 value);
@@ -30,11 +31,11 @@ struct FineInterval {
   bool surely_negative() const { return hi < 0; }
   bool may_be_zero() const { return !(lo > 0 || hi < 0); }
 
-  /// The same in doubles.
+  /// Returns the interval in doubles, rounded outwards.
   Interval in_doubles() const { return tubefoot::outwards(static_cast<double>(lo), static_cast<double>(hi)); }
 };
 
-/// What is not a number becomes everything.
+/// Returns the interval of all numbers if a bound is NaN.
 inline FineInterval outwards(long double lo, long double hi) {
   using Limits = std::numeric_limits<long double>;
   if (!(lo <= hi)) return {-Limits::infinity(), Limits::infinity()};
@@ -66,7 +67,7 @@ inline FineInterval squared(const FineInterval& a) {
   const FineInterval square = outwards(least * least, most * most);
   return {std::max(square.lo, 0.0L), square.hi};
 }
-/// Of a number that is not negative, even where its interval reaches below zero.
+/// Returns the square root of a number that is known not to be negative; its interval may extend below zero.
 inline FineInterval root(const FineInterval& a) {
   const FineInterval whole = outwards(std::sqrt(std::max(a.lo, 0.0L)), std::sqrt(std::max(a.hi, 0.0L)));
   return {std::max(whole.lo, 0.0L), whole.hi};

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdint>
 
-// Fixed-width integers of the exact arithmetic that the compiler knows, and one made of them. Widths follow
-// from 30-bit coordinates: docs/bit-budget.md.
+// Fixed-width integers of the exact arithmetic: 128-bit integers of the compiler, and a 192-bit integer made
+// of them. The widths follow from 30-bit coordinates (docs/bit-budget.md).
 namespace tubefoot {
 
 __extension__ using Int128 = __int128;
@@ -13,7 +13,8 @@ __extension__ using UInt128 = unsigned __int128;
 
 inline int sign(Int128 x) { return (x > 0) - (x < 0); }
 
-/// A 192-bit two's complement integer: just enough for the dot product of a 123-bit and a 62-bit vector.
+/// A 192-bit two's complement integer. This width suffices for the dot product of a 123-bit and a 62-bit
+/// vector.
 struct Int192 {
   std::uint64_t low = 0, mid = 0;
   std::int64_t high = 0;
@@ -30,9 +31,9 @@ struct Int192 {
 
   int sign() const { return high < 0 ? -1 : (high | mid | low) != 0; }
 
-  /// Nearest double up to two units in the last place.
+  /// Returns the nearest double up to two units in the last place.
   double to_double() const {
-    // Negative numbers are negated first: otherwise a small one would be the difference of two huge parts.
+    // A negative number is negated first. Otherwise a small one would be the difference of two huge parts.
     if (high < 0) {
       Int192 positive{~low, ~mid, ~high};
       positive += Int192{1, 0, 0};
@@ -43,7 +44,7 @@ struct Int192 {
   }
 };
 
-/// a * b for |a| < 2^126, |b| < 2^63.
+/// Returns a * b for |a| < 2^126, |b| < 2^63.
 inline Int192 multiply(Int128 a, std::int64_t b) {
   const bool negative = (a < 0) != (b < 0);
   const UInt128 ua = a < 0 ? -static_cast<UInt128>(a) : static_cast<UInt128>(a);

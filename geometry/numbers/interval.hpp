@@ -5,8 +5,9 @@
 #include <cmath>
 #include <limits>
 
-// Intervals of doubles, rounded outwards by more than any rounding of the operations that they are made of,
-// and jets of them: a function of two variables over a box with all first and second derivatives enclosed.
+// Intervals of doubles and jets of intervals. Results are rounded outwards by more than the rounding error of
+// the operations. A jet is a function of two variables over a box, with enclosures of its value and of all
+// first and second derivatives.
 namespace tubefoot {
 
 struct Interval {
@@ -25,7 +26,7 @@ struct Interval {
   bool is_finite() const { return std::isfinite(lo) && std::isfinite(hi); }
 };
 
-/// `units`: of rounding, that the ends may be off. What is not a number becomes everything.
+/// Widens the bounds by `units` units of rounding. Returns the interval of all numbers if a bound is NaN.
 inline Interval outwards(double lo, double hi, double units = 1) {
   if (!(lo <= hi)) return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   const double relative = units * 0x1p-52, least = 1e-300;
@@ -51,13 +52,13 @@ inline Interval squared(const Interval& a) {
   const Interval square = outwards(least * least, most * most);
   return {std::max(square.lo, 0.0), square.hi};
 }
-/// Of a number that is not negative, even where its interval reaches below zero.
+/// Returns the square root of a number that is known not to be negative; its interval may extend below zero.
 inline Interval root(const Interval& a) {
   const Interval whole = outwards(std::sqrt(std::max(a.lo, 0.0)), std::sqrt(std::max(a.hi, 0.0)));
   return {std::max(whole.lo, 0.0), whole.hi};
 }
-// The functions are within 4 units in the last place, for random arguments against MPFR
-// (tests/mathematics).
+// The errors of the library functions are below 4 units in the last place, in comparisons with MPFR for
+// random arguments (tests/mathematics).
 constexpr double library_units = 8;
 inline Interval exp(const Interval& a) { return outwards(std::exp(a.lo), std::exp(a.hi), library_units); }
 inline Interval log(const Interval& a) { return outwards(std::log(a.lo), std::log(a.hi), library_units); }
@@ -97,7 +98,7 @@ inline Jet operator*(const Jet& x, const Jet& y) {
   r.bb = x.bb * y.v + 2.0 * (x.b * y.b) + x.v * y.bb;
   return r;
 }
-/// f(x): value and derivatives of f over x.
+/// Returns f(x). The arguments f, f1 and f2 enclose the value and the derivatives of f over x.
 inline Jet compose(const Jet& x, const Interval& f, const Interval& f1, const Interval& f2) {
   Jet r;
   r.v = f;

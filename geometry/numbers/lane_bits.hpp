@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-// Comparisons of a few numbers at once, as bits. Vectors of 16 bytes: every processor compares those at once,
-// where longer ones are taken apart, a number at a time.
+// Comparisons of several numbers at once, with bits as result. The vectors have 16 bytes because every
+// processor compares these at once. Longer vectors would be compared number by number on some processors.
 namespace tubefoot {
 
 using TwoDoubles = double __attribute__((vector_size(16)));
@@ -12,8 +12,8 @@ using TwoLanes = std::int64_t __attribute__((vector_size(16)));
 using FourFloats = float __attribute__((vector_size(16)));
 using FourLanes = std::int32_t __attribute__((vector_size(16)));
 
-/// Bit k: whether lane k, all ones or all zeros, is all ones. (What a comparison gives is cast to one of
-/// these: which type it has by itself differs from compiler to compiler.)
+/// Returns bit k set if lane k is all ones; each lane is all ones or all zeros. The caller casts the result
+/// of a comparison to one of these types, because the type of the result differs between compilers.
 inline unsigned bits_of(TwoLanes lanes) {
 #if defined(__SSE2__)
   return static_cast<unsigned>(__builtin_ia32_movmskpd(TwoDoubles(lanes)));

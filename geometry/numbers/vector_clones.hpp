@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-// For loops over lanes that do not depend on each other. Of a function so marked the compiler makes several,
-// for processors with AVX-512, with AVX2 and with neither, and the program takes at its start the one that
-// the processor can run: the same sums and products, eight, four or two at a time. As nothing is contracted
-// (-ffp-contract=off), the digits are the same. The file has to be compiled with the flags of
-// src/engine/CMakeLists.txt. Builds with sanitizers have one of each: their library is not ready yet when the
-// choice is made.
+// Marks functions with loops over independent lanes. The compiler makes several versions of a marked
+// function: for processors with AVX-512, with AVX2 and with neither. The program selects at start the version
+// that the processor supports. All versions compute the same sums and products, eight, four or two at a time.
+// Floating-point contraction is off (-ffp-contract=off), so the digits are the same.
+//
+// The file must be compiled with the flags of src/engine/CMakeLists.txt. Builds with sanitizers have one
+// version only, because the sanitizer library is not initialised when the version is selected.
 #if defined(__x86_64__) && defined(__ELF__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(TUBEFOOT_SANITIZED)
 #if __GNUC__ >= 12

@@ -6,12 +6,14 @@
 
 #include "geometry/numbers/int128.hpp"
 
-// Heavy: include only where products of more than 192 bits are taken, and in .cpp files.
-// Law W3 (wide integers): sums and products are those of big integers, doubles within two units in the last
-//   place.
+// Expensive to compile: include it only where products exceed 192 bits, and in .cpp files.
+//
+// Law W3 (wide integers): sums and products are those of big integers. Conversions to double are within two
+// units in the last place.
 namespace tubefoot {
 
-/// 512 bits, for the rare signs that involve depth planes (at most 467 bits). No allocation.
+/// 512-bit integers, for the rare signs that involve depth planes (at most 467 bits). They allocate no
+/// memory.
 using WideInt = boost::multiprecision::number<boost::multiprecision::cpp_int_backend<
     512, 512, boost::multiprecision::signed_magnitude, boost::multiprecision::unchecked, void>>;
 

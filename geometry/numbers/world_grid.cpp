@@ -7,10 +7,13 @@
 #include <cmath>
 #include <glm/common.hpp>
 
+// Converts coordinates in metres to integers of the world grid and back. The unit is a power of two, so
+// scaling is exact and each coordinate is rounded only once.
+
 namespace tubefoot {
 namespace {
 
-// Units finer than this leave too few bits for the place of a projected coordinate (7e6 m is 2^23).
+// Finer units leave too few bits for the magnitude of a projected coordinate (7e6 m is 2^23).
 constexpr int kLargestExponent = 36;
 constexpr std::int64_t kReach = std::int64_t{1} << WorldGrid::coordinate_bits;
 
@@ -18,8 +21,8 @@ bool is_finite(glm::dvec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) &
 
 std::string text(glm::dvec3 v) { return fmt::format("({:.10g}, {:.10g}, {:.10g}) m", v.x, v.y, v.z); }
 
-// Metres to whole units. Rounding the absolute coordinate (scaling by 2^k is exact) and subtracting integers
-// afterwards is exact; subtracting first would round twice.
+// Converts metres to whole units. The code rounds the absolute coordinate (scaling by 2^k is exact) and
+// subtracts integers afterwards, which is exact. Subtracting first would round twice.
 std::int64_t whole_units(double metres, int exponent) {
   const double units = std::ldexp(metres, exponent);
   if (!(std::abs(units) < 0x1p62)) {
@@ -41,7 +44,7 @@ bool fits(double side_m, int exponent) {
   return std::ldexp(side_m, exponent) <= static_cast<double>(kReach - 2);
 }
 
-// The finest exponent that fits, or -1.
+// Returns the finest exponent that fits, or -1.
 int finest_fitting(double side_m) {
   int exponent = WorldGrid::finest_exponent;
   while (exponent >= 0 && !fits(side_m, exponent)) --exponent;
@@ -51,8 +54,8 @@ int finest_fitting(double side_m) {
 }  // namespace
 
 std::size_t GridPointHash::operator()(const GridPoint& p) const noexcept {
-  // Multiply-xorshift rounds (constants of Steele, Lea and Flood's SplitMix64): neighbours on a regular
-  // grid differ in few bits, and a plain sum would pile them up.
+  // Multiply-xorshift rounds with the constants of SplitMix64 (Steele, Lea and Flood). Neighbours on a
+  // regular grid differ in few bits, and a plain sum would cause many collisions.
   const auto mix = [](std::uint64_t h) {
     h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9u;
     h = (h ^ (h >> 27)) * 0x94d049bb133111ebu;

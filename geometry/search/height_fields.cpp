@@ -13,6 +13,10 @@
 #include "geometry/search/vertical_line.hpp"
 #include "geometry/steps/stop.hpp"
 
+// Proves that connected parts of a mesh are height fields, and finds those that a tube sees only from above.
+// The proof uses winding numbers of the border in plan view, in integers. Rays can pass below a border edge
+// only through a vertical curtain that hangs from it (docs/visibility.md).
+
 namespace tubefoot {
 namespace {
 
@@ -21,7 +25,7 @@ struct PlanPoint {
   friend bool operator==(const PlanPoint&, const PlanPoint&) = default;
 };
 
-/// A border edge in the plan, the sheet on its left.
+/// A border edge in plan view, with the part on its left.
 struct PlanEdge {
   PlanPoint from, to;
 };
@@ -30,7 +34,7 @@ int turn(PlanPoint a, PlanPoint b, PlanPoint p) {
   return sign(Int128(b.x - a.x) * (p.y - a.y) - Int128(b.y - a.y) * (p.x - a.x));
 }
 
-/// Doubled, so that the midpoint of an edge is a point too.
+/// Returns the doubled coordinates, so that the midpoint of an edge is also an integer point.
 PlanPoint plan(GridPoint p) { return {2 * std::int64_t(p.x), 2 * std::int64_t(p.y)}; }
 
 int plan_turn(const FacetMesh& mesh, FacetId facet) {
@@ -38,8 +42,8 @@ int plan_turn(const FacetMesh& mesh, FacetId facet) {
   return turn(plan(mesh.vertices[v[0]]), plan(mesh.vertices[v[1]]), plan(mesh.vertices[v[2]]));
 }
 
-// --- Sheets as sets of facets: joined across edges that two facets share, running opposite ways and turning
-// the same way in the plan.
+// --- Parts as sets of facets. Two facets are joined across a common edge if they traverse the edge in
+// opposite directions and turn the same way in plan view. The edge must have no third facet.
 
 struct Side {
   VertexId other;
@@ -56,7 +60,7 @@ class Joiner {
     while (parent_[f] != f) f = parent_[f] = parent_[parent_[f]];
     return f;
   }
-  /// Half-edges across which nothing was joined.
+  /// Half-edges across which no facets were joined.
   const std::vector<std::uint32_t>& borders() const { return borders_; }
 
  private:
@@ -107,10 +111,10 @@ class Joiner {
   std::vector<std::uint32_t> borders_;
 };
 
-// --- The proof. The number of facets over a point of the plan is the winding number of the border about it,
-// because the borders of facets that all turn left add up to the border of the sheet. If no two border edges
-// meet but at their ends, every face of the plan that they cut out has a border edge, and it is enough that
-// each edge has winding number 1 on its left (and so 0 on its right).
+// --- The proof. The number of facets above a point of the plan is the winding number of the border about the
+// point. The reason is that the borders of facets that all turn left add up to the border of the part.
+// Suppose that no two border edges meet except at their ends. Then every face of the plan that they bound has
+// a border edge. It suffices that each edge has winding number 1 on its left, and thus 0 on its right.
 
 using Box = CGAL::Box_intersection_d::Box_with_info_d<double, 2, const PlanEdge*>;
 
@@ -125,7 +129,8 @@ bool meet_only_at_ends(const PlanEdge& e, const PlanEdge& f) {
             d = turn(f.from, f.to, e.to);
   if (a * b > 0 || c * d > 0) return true;
   if (a == 0 && b == 0) {
-    // On one line, with boxes that meet: only a common end may be shared, the edges running apart from it.
+    // The edges lie on one line and their boxes meet. They may share only a common end, from which they run
+    // in opposite directions.
     const auto run_apart = [](PlanPoint common, PlanPoint p, PlanPoint q) {
       return Int128(p.x - common.x) * (q.x - common.x) + Int128(p.y - common.y) * (q.y - common.y) < 0;
     };
@@ -148,8 +153,8 @@ bool edges_meet_only_at_ends(const std::vector<PlanEdge>& edges) {
   return good;
 }
 
-/// Winding number 1 on the left of each edge that runs more along x than along y: counted along the vertical
-/// ray up from its midpoint, moved right by an infinitesimal step.
+/// Returns whether the winding number is 1 on the left of each edge that runs more along x than along y.
+/// Crossings are counted on the vertical ray up from its midpoint, moved right by an infinitesimal step.
 bool left_is_inside(const std::vector<PlanEdge>& edges) {
   std::vector<Box> rays, boxes;
   double top = 0;
@@ -170,7 +175,7 @@ bool left_is_inside(const std::vector<PlanEdge>& edges) {
                              const PlanEdge &e = *ray.info(), &f = *box.info();
                              if (&e == &f) return;
                              const PlanPoint m{(e.from.x + e.to.x) / 2, (e.from.y + e.to.y) / 2};
-                             if ((f.from.x <= m.x) == (f.to.x <= m.x)) return;  // not over the midpoint
+                             if ((f.from.x <= m.x) == (f.to.x <= m.x)) return;  // not above the midpoint
                              const bool leftwards = f.to.x < f.from.x;
                              const int s = turn(f.from, f.to, m);
                              good = good && s != 0;
@@ -188,15 +193,15 @@ bool left_is_inside(const std::vector<PlanEdge>& edges) {
 
 bool bounds_a_graph(std::vector<PlanEdge> edges) {
   if (!edges_meet_only_at_ends(edges) || !left_is_inside(edges)) return false;
-  for (PlanEdge& e : edges)  // x and y exchanged, which puts the left on the right: so each edge runs back
+  for (PlanEdge& e : edges)  // The exchange of x and y exchanges left and right, so each edge is reversed.
     e = {{e.to.y, e.to.x}, {e.from.y, e.from.x}};
   return left_is_inside(edges);
 }
 
 // --- Views
 
-/// Whether the cones of three directions with a positive determinant and of a tube have an interior direction
-/// in common. Exact.
+/// Returns whether two cones have a common interior direction: that of three directions with a positive
+/// determinant, and that of a tube. Exact.
 bool cones_meet(const std::array<GridPoint, 3>& points, const std::array<GridPoint, 4>& rays) {
   const FixedArithmetic arithmetic;
   std::array<ClipPlane<FixedArithmetic>, 7> planes;
@@ -207,7 +212,7 @@ bool cones_meet(const std::array<GridPoint, 3>& points, const std::array<GridPoi
     arithmetic.through(planes[k].plane, a, b);
     return Half<FixedArithmetic>{&planes[k], 1};
   };
-  thread_local CornerBuffer<FixedArithmetic> buffer;  // kept, so that the steady state allocates nothing
+  thread_local CornerBuffer<FixedArithmetic> buffer;  // reused, so that repeated calls allocate nothing
   buffer.clear();
   for (std::uint32_t k = 0; k < 3; ++k)
     point_corner(arithmetic, k, points[k], half(k, points[k], k, points[(k + 1) % 3], (k + 1) % 3),
@@ -215,7 +220,7 @@ bool cones_meet(const std::array<GridPoint, 3>& points, const std::array<GridPoi
   PieceRange piece{0, 3};
   for (std::uint32_t w = 0; w < 4 && piece.count >= 3; ++w) {
     const auto wall = half(3 + w, rays[w], ray_bit | w, rays[(w + 1) % 4], ray_bit | (w + 1) % 4);
-    std::array<int, 3 + 4> sides;  // three corners, and each wall adds one at most
+    std::array<int, 3 + 4> sides;  // three corners, and each wall adds at most one
     bool inside = false, outside = false;
     for (std::uint32_t k = 0; k < piece.count; ++k) {
       sides[k] = side(arithmetic, buffer[piece.first + k], wall);
@@ -228,9 +233,10 @@ bool cones_meet(const std::array<GridPoint, 3>& points, const std::array<GridPoi
   return piece.count >= 3;
 }
 
-/// The directions below a border edge, the sheet on its left and the apex on its right or on its line.
+/// Returns whether rays of the tube may pass below a border edge. The part is on the left of the edge and the
+/// apex on its right or on its line.
 bool enters_below(GridPoint from, GridPoint to, GridPoint apex, const std::array<GridPoint, 4>& rays) {
-  // On its line, the apex may be on the border itself: rays on both sides of the line may start below it.
+  // An apex on the line may be on the border itself. Rays on both sides of the line may then start below it.
   if (turn(plan(from), plan(to), plan(apex)) == 0) return true;
   return cones_meet({from - apex, to - apex, GridPoint{0, 0, -1}}, rays);
 }
@@ -241,7 +247,7 @@ HeightFields::HeightFields(const FacetMesh& mesh) {
   Joiner joiner(mesh);
   std::vector<std::uint32_t> size(mesh.facets.size(), 0);
   for (std::uint32_t f = 0; f < size.size(); ++f) ++size[joiner.root(f)];
-  std::vector<std::uint32_t> borders;  // of sheets that are large enough, sheet by sheet
+  std::vector<std::uint32_t> borders;  // borders of parts that are large enough, part by part
   for (const std::uint32_t h : joiner.borders())
     if (size[joiner.root(h / 4)] >= fewest_facets) borders.push_back(h);
   std::sort(borders.begin(), borders.end(), [&](std::uint32_t g, std::uint32_t h) {
@@ -294,7 +300,7 @@ void HeightFields::look(const FacetMesh& mesh, const SceneTree& tree, GridPoint 
                         std::span<const SceneTree::HalfSpace> half_spaces, double reach, View& view) const {
   view.from_above.assign(turn_.size(), 1);
   if (turn_.empty()) return;
-  // Rays come in below a border edge only through the curtain that hangs from it, from its outer side.
+  // Rays pass below a border edge only through the curtain that hangs from it, from its outer side.
   view.found.clear();
   curtain_tree_->query(apex, half_spaces, reach, view.found);
   for (const FacetId curtain : view.found) {
@@ -320,9 +326,10 @@ bool HeightFields::look_over(const FacetMesh& mesh, const SceneTree& tree, GridP
   return true;
 }
 
-/// The apex has to be above every sheet, or beside it.
+/// Clears the flag of each height field above the apex. The apex must be above every height field or outside
+/// of its plan.
 void HeightFields::look_down(const FacetMesh& mesh, const SceneTree& tree, GridPoint apex, View& view) const {
-  // One unit lower: the apex itself has to be above the sheet, not on it.
+  // The test point is one unit lower, because the apex itself must be above the part and not on it.
   const GridPoint below{apex.x, apex.y, apex.z - 1};
   view.found.clear();
   facets_near_vertical(tree, below, view.found);

@@ -12,7 +12,7 @@ namespace tubefoot {
 bool in_view(const FacetMesh& mesh, const SceneTree& tree, GridPoint from, GridPoint to, double open_part) {
   const GridPoint d = to - from;
   const double x = d.x, y = d.y, z = d.z;
-  // Planes through the line, both sides of each: no rounding in their normals.
+  // Planes through the line, with both sides of each. Their normals have no rounding errors.
   const std::array<SceneTree::HalfSpace, 6> about{
       {{0, z, -y}, {0, -z, y}, {-z, 0, x}, {z, 0, -x}, {y, -x, 0}, {-y, x, 0}}};
   std::vector<FacetId> near;

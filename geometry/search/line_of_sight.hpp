@@ -6,10 +6,12 @@
 
 namespace tubefoot {
 
-/// Whether no facet comes between two points, exactly: a facet hides if the straight line from one to the
-/// other meets it, or its border, before it ends. Facets whose plane holds `from` hide nothing, nor do those
-/// met in the first `open_part` (0 to 1) of the line, which is compared in double.
-/// Law I3 (line of sight): the answer is that of rational arithmetic.
+/// Returns whether no facet lies between two points, exactly. A facet hides the points if the line from one
+/// to the other meets it or its border before the line ends. Two kinds of facets are ignored: facets whose
+/// plane contains `from`, and facets met in the first `open_part` (0 to 1) of the line. The latter comparison
+/// is made in double.
+///
+/// Law I3 (line of sight): the result is that of rational arithmetic.
 bool in_view(const FacetMesh& mesh, const SceneTree& tree, GridPoint from, GridPoint to,
              double open_part = 0);
 

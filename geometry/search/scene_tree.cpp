@@ -9,6 +9,9 @@
 #include "geometry/search/height_fields.hpp"
 #include "geometry/steps/stop.hpp"
 
+// Builds a bounding-box tree by median splits along the longest axis of the facets' centroids. Queries
+// traverse it and skip tests that a surrounding box already satisfies as a whole.
+
 namespace tubefoot {
 namespace {
 
@@ -21,13 +24,14 @@ GridPoint max(GridPoint a, GridPoint b) {
   return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
 }
 
-/// Distance from the origin to the interval [lo, hi].
+/// Returns the distance from the origin to the interval [lo, hi].
 double gap(double lo, double hi) { return lo > 0 ? lo : hi < 0 ? -hi : 0; }
 
-/// Relative to the apex and to the size of the products: far more than their rounding.
+/// Relative to the apex and to the size of the products; far larger than their rounding errors.
 constexpr double slack = 1e-12;
 
-/// The products of a normal's coordinates with the corner of a box that lies farthest along it.
+/// The products of a normal's coordinates with those of the box corner that lies farthest along it, or
+/// nearest.
 struct Products {
   double x, y, z;
   double sum() const { return x + y + z; }
@@ -45,8 +49,8 @@ struct Reach {
   }
 };
 
-/// Moves the facets [begin, end) that are no copies (the same three vertices) of one with a lower id to the
-/// front, and returns their end.
+/// Moves the facets of [begin, end) that have no copy (the same three vertices) with a lower id to the front.
+/// Returns the end of these facets.
 std::uint32_t drop_copies(const FacetMesh& mesh, std::vector<FacetId>& order, std::uint32_t begin,
                           std::uint32_t end) {
   const auto key = [&mesh](FacetId f) {
@@ -76,7 +80,7 @@ SceneTree::SceneTree(const FacetMesh& mesh, HeightFieldSearch height_fields)
     : mesh_(&mesh), order_(mesh.facets.size()) {
   std::iota(order_.begin(), order_.end(), 0u);
   if (order_.empty()) return;
-  // Three times the centroid, in single precision: it only decides the tree's shape.
+  // Three times the centroid, in single precision, because it only determines the tree's shape.
   std::vector<std::array<float, 3>> centre(order_.size());
   for (std::size_t f = 0; f < centre.size(); ++f) {
     centre[f] = {0, 0, 0};
@@ -112,8 +116,8 @@ SceneTree::SceneTree(const FacetMesh& mesh, HeightFieldSearch height_fields)
     int axis = 0;
     for (int a = 1; a < 3; ++a)
       if (hi[a] - lo[a] > hi[axis] - lo[axis]) axis = a;
-    // No cut parts facets on one spot, and each would be held against each: of copies, the one that is seen
-    // is enough.
+    // No cut separates facets with equal centroids, and all pairs of them would have to be compared. Only the
+    // visible copy of a facet is needed.
     if (hi[axis] == lo[axis])
       if (const std::uint32_t distinct = drop_copies(mesh, order_, begin, end); distinct < end) {
         nodes_.pop_back();
@@ -180,8 +184,8 @@ void SceneTree::query_sides(GridPoint apex, std::span<const Side> sides, double 
                             std::vector<FacetId>& out) const {
   if (nodes_.empty()) return;
   const double reach2 = reach * reach;
-  // Whether a box may meet what `checks` still asks of it: bit k side k, the last bit the reach. What a box
-  // keeps wholly is not asked of the boxes inside it.
+  // `checks` has the tests that are still necessary: bit k for side k, the last bit for the reach. A test
+  // that a whole box satisfies is not repeated for the boxes inside it.
   const unsigned reach_bit = 1u << sides.size();
   const auto may_meet = [](const Reach& box, const Side& side) {
     if constexpr (std::is_same_v<Side, HalfSpace>) {
@@ -202,7 +206,7 @@ void SceneTree::query_sides(GridPoint apex, std::span<const Side> sides, double 
     else
       return box.nearest(side.first).sum() >= 0 || box.nearest(side.last).sum() >= 0;
   };
-  // `has_inner`: whether to leave in `checks` what boxes inside are to be asked.
+  // With `has_inner`, `checks` is reduced to the tests that the boxes inside still need.
   const auto meets = [&]<bool has_inner>(const Box& box, unsigned& checks, std::bool_constant<has_inner>) {
     const double lx = double(box.lo.x) - apex.x - margin, hx = double(box.hi.x) - apex.x + margin,
                  ly = double(box.lo.y) - apex.y - margin, hy = double(box.hi.y) - apex.y + margin,
@@ -241,7 +245,7 @@ void SceneTree::query_sides(GridPoint apex, std::span<const Side> sides, double 
       continue;
     }
     for (std::uint32_t k = node.link; k < node.link + node.count; ++k) {
-      // The facet's own box decides, so that the answer does not depend on the shape of the tree.
+      // The facet's own box decides, so that the result does not depend on the shape of the tree.
       unsigned own = checks;
       const auto& facet = mesh_->facets[order_[k]];
       const GridPoint a = mesh_->vertices[facet[0]], b = mesh_->vertices[facet[1]],

@@ -14,19 +14,19 @@ namespace tubefoot {
 
 class HeightFields;
 
-/// Bounding-box tree over the facets of a mesh, asked for the facets that may meet a pyramid of planes
-/// through an apex, within a reach. 32 bytes a node, eight facets a leaf. (CGAL's AABB_tree holds points and
-/// boxes in double and answers one facet at a time; this one needs a third of its memory:
-/// docs/visibility.md.) Of many copies of a facet it may hold only the first, which wins their ties.
+/// Bounding-box tree of the facets of a mesh. A query finds the facets that may meet a pyramid of planes
+/// through an apex within a reach. The tree has 32 bytes per node and eight facets per leaf. CGAL's AABB_tree
+/// stores points and boxes in double and returns one facet at a time; this tree needs a third of its memory
+/// (docs/visibility.md). If a facet has many copies, the tree may contain only the first, which wins ties.
 class SceneTree {
  public:
   enum class HeightFieldSearch { proven, ignored };
 
-  /// `height_fields`: whether to look for height fields too.
+  /// `height_fields` selects whether to search for height fields too.
   explicit SceneTree(const FacetMesh& mesh, HeightFieldSearch height_fields = HeightFieldSearch::proven);
 
-  /// A half-space through the apex: directions d with normal . d >= 0 (to within rounding: a filter, not a
-  /// verdict).
+  /// A half-space through the apex: directions d with normal . d >= 0. The test is made up to rounding,
+  /// because it serves only as a filter.
   struct HalfSpace {
     double x, y, z;
   };
@@ -40,27 +40,28 @@ class SceneTree {
    private:
     friend class SceneTree;
     HalfSpace first{}, last{}, middle{};
-    HalfSpace spread{};  ///< no normal differs from the middle one by more, in each coordinate
+    HalfSpace spread{};  ///< largest difference of the normals from the middle one, per coordinate
   };
 
-  /// Appends to `out`, in no particular order, every facet whose box meets all half-spaces and comes nearer
-  /// to the apex than `reach` (grid units).
-  /// Law T1 (candidates): facets that do not meet the pyramid may be among them; none that does is missing.
+  /// Appends to `out`, in no particular order, every facet whose box meets all half-spaces and is nearer to
+  /// the apex than `reach` (grid units).
+  ///
+  /// Law T1 (candidates): the result contains all facets that meet the pyramid, and may contain others.
   void query(GridPoint apex, std::span<const HalfSpace> half_spaces, double reach,
              std::vector<FacetId>& out) const;
-  /// The same for boxes made larger by `margin` (grid units) on all sides: facets that may meet the pyramid
-  /// when they are moved by as much.
+  /// The same for boxes enlarged by `margin` (grid units) on all sides. The result contains the facets that
+  /// may meet the pyramid after a displacement by up to `margin`.
   void query(GridPoint apex, std::span<const HalfSpace> half_spaces, double reach, double margin,
              std::vector<FacetId>& out) const;
-  /// The same with fans: no facet is missing whose box truly meets one half-space of each.
+  /// The same with fans: the result contains every facet whose box meets one half-space of each fan.
   void query(GridPoint apex, std::span<const Fan> fans, double reach, std::vector<FacetId>& out) const;
 
-  /// Appends every facet, but for those in boxes that `may_meet` refuses: it is asked of boxes within boxes,
-  /// down to those of a few facets.
+  /// Appends all facets except those in boxes that `may_meet` rejects. `may_meet` is called for nested boxes,
+  /// down to boxes of a few facets.
   void query(const std::function<bool(const GridPoint& lowest, const GridPoint& highest)>& may_meet,
              std::vector<FacetId>& out) const;
 
-  /// Null if there are none.
+  /// Returns null if there are none.
   const HeightFields* height_fields() const { return height_fields_.get(); }
 
   std::size_t bytes() const;
@@ -69,8 +70,8 @@ class SceneTree {
   struct Box {
     GridPoint lo, hi;
   };
-  /// Depth first: an inner node's first child follows it, its second child is at `link`. A leaf holds the
-  /// facets order_[link, link + count).
+  /// Nodes in depth-first order: the first child of an inner node follows it, and its second child is at
+  /// `link`. A leaf contains the facets order_[link, link + count).
   struct Node {
     Box box;
     std::uint32_t link = 0, count = 0;

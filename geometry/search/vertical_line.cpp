@@ -7,10 +7,14 @@
 
 #include "geometry/numbers/int128.hpp"
 
+// Counts the crossings of a vertical line with facets in 128-bit integers. The line is displaced by (epsilon,
+// epsilon^2) in the plan, so that it meets no edge and no vertex.
+
 namespace tubefoot {
 namespace {
 
-/// Sign of the turn a, b, p in the plan, with p moved by (epsilon, epsilon^2): never 0 unless a = b.
+/// Returns the sign of the turn a, b, p in the plan, with p moved by (epsilon, epsilon^2). The sign is 0 only
+/// if a = b.
 int turn(GridPoint a, GridPoint b, GridPoint p) {
   const Int128 dx = Int128(b.x) - a.x, dy = Int128(b.y) - a.y;
   if (const int s = sign(dx * (Int128(p.y) - a.y) - dy * (Int128(p.x) - a.x))) return s;
@@ -18,7 +22,8 @@ int turn(GridPoint a, GridPoint b, GridPoint p) {
   return sign(dx);
 }
 
-/// How far above a point a facet is crossed, as numerator and denominator of one sign with it.
+/// Height of a crossing above a point, as numerator and denominator. The sign of their product is the sign of
+/// the height.
 struct Crossing {
   bool exists = false;
   Int128 height, scale;
@@ -29,14 +34,14 @@ Crossing crossing(const FacetMesh& mesh, FacetId id, GridPoint point) {
   for (int k = 0; k < 3; ++k) v[k] = mesh.vertices[mesh.facets[id][k]];
   const int s0 = turn(v[0], v[1], point), s1 = turn(v[1], v[2], point), s2 = turn(v[2], v[0], point);
   if (s0 != s1 || s1 != s2) return {};
-  // Plane n . (x - v0) = 0 with n_z of the sign of the turns; the point is above it where n . (p - v0) n_z
-  // > 0.
+  // The plane is n . (x - v0) = 0 with n_z of the sign of the turns. The point is above it if n . (p - v0)
+  // n_z > 0.
   const Int128 ax = Int128(v[1].x) - v[0].x, ay = Int128(v[1].y) - v[0].y, az = Int128(v[1].z) - v[0].z,
                bx = Int128(v[2].x) - v[0].x, by = Int128(v[2].y) - v[0].y, bz = Int128(v[2].z) - v[0].z;
   const Int128 nx = ay * bz - az * by, ny = az * bx - ax * bz, nz = ax * by - ay * bx;
   const Int128 above =
       nx * (Int128(point.x) - v[0].x) + ny * (Int128(point.y) - v[0].y) + nz * (Int128(point.z) - v[0].z);
-  return {nz != 0, -above, nz};  // a vertical facet: the moved line passes beside it
+  return {nz != 0, -above, nz};  // a vertical facet: the displaced line passes outside of it
 }
 
 struct Vector128 {
@@ -50,8 +55,8 @@ Vector128 cross(const Vector128& a, const Vector128& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// Signs of a vector in the plane of a facet's normal, as seen along the axis that the normal is not
-/// perpendicular to: of the same sense as the normal or not.
+/// Compares a vector along a facet's normal with the normal: 1 for the same direction, -1 for the opposite, 0
+/// for a zero vector. The sign is taken along an axis on which the normal is not zero.
 int sense(const Vector128& turn, const Vector128& normal) {
   if (normal.x != 0) return sign(turn.x) * sign(normal.x);
   if (normal.y != 0) return sign(turn.y) * sign(normal.y);

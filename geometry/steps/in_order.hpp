@@ -14,13 +14,14 @@
 
 namespace tubefoot {
 
-/// The items [first, end) of work whose results are put down in order: `make(item)` on all threads, several
-/// at a time; then each of `uses`, `use(item, made)`, one item after the other, so that what they write is
-/// the same for any number of threads. Uses are at different items at a time, the first of them ahead: what
-/// one changes is its own, but for `made`, which goes from one to the next.
+/// Processes the items [first, end) in parallel and uses the results in order. `make(item)` runs on all
+/// threads, several items at a time. Each of `uses`, `use(item, made)`, then runs for one item after the
+/// other. Their output is therefore the same for any number of threads. Different uses may process different
+/// items at the same time, in the order of `uses`. Each use must change only its own data, except `made`,
+/// which passes from one use to the next.
 ///
-/// No more items are at hand than fill 128 MiB, if each is of `bytes_an_item`, but always two.
-/// What is thrown, Interrupted included, ends the work and is thrown on.
+/// The number of items in progress is limited to 128 MiB in total, for `bytes_an_item` per item, and is at
+/// least two. An exception, Interrupted included, ends the work and is rethrown.
 template <class Make, class... Uses>
 void in_order(std::size_t first, std::size_t end, std::size_t bytes_an_item, const Make& make,
               const Uses&... uses) {
@@ -30,8 +31,8 @@ void in_order(std::size_t first, std::size_t end, std::size_t bytes_an_item, con
   const auto threads = static_cast<std::size_t>(std::max(tbb::this_task_arena::max_concurrency(), 1));
   const std::size_t at_hand = std::clamp<std::size_t>(most_bytes / std::max<std::size_t>(bytes_an_item, 1), 2,
                                                       items_a_thread * threads);
-  // What goes through TBB are numbers, which nobody has to free when something throws. An item is taken in
-  // when one is through, and they get through in order: its place is free by then.
+  // Only numbers pass through TBB, so an exception leaves nothing to release. A new item enters when an item
+  // is finished. Items finish in order, so the place of the new item is free by then.
   std::vector<std::optional<std::invoke_result_t<const Make&, std::size_t>>> made(at_hand);
   Filter chain = tbb::make_filter<void, std::size_t>(filter_mode::serial_in_order,
                                                      [&](tbb::flow_control& flow) {
@@ -56,7 +57,7 @@ void in_order(std::size_t first, std::size_t end, std::size_t bytes_an_item, con
                            filter_mode::serial_in_order, [&](std::size_t k) { made[k % at_hand].reset(); }));
 }
 
-/// The same as steps of long work: each item that is through is one.
+/// The same as steps of long work: each finished item is one step.
 template <class Make, class... Uses>
 void in_order(Steps& steps, std::size_t first, std::size_t end, std::size_t bytes_an_item, const Make& make,
               const Uses&... uses) {

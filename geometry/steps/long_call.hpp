@@ -16,9 +16,9 @@
 
 namespace tubefoot {
 
-/// The result of one call into a library that looks for no wish to stop. The call runs on a thread of its
-/// own; who waits for it throws Interrupted as soon as somebody wants to stop. The call then goes on
-/// unobserved to its end, or to that of the process: it must own all that it uses.
+/// Returns the result of one call into a library that does not check for requests to stop. The call runs on a
+/// thread of its own. The waiting thread throws Interrupted as soon as a stop is requested. The call then
+/// continues unobserved until its end or the end of the process, so it must own all data that it uses.
 template <class Call>
 std::invoke_result_t<Call&> long_call(Call call) {
   using Result = std::invoke_result_t<Call&>;
@@ -49,7 +49,7 @@ std::invoke_result_t<Call&> long_call(Call call) {
   };
   try {
     std::thread([state, run] { run(*state); }).detach();
-  } catch (const std::system_error&) {  // no thread can be had
+  } catch (const std::system_error&) {  // no thread is available
     run(*state);
   }
   constexpr std::chrono::milliseconds between_looks(50);

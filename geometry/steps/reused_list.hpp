@@ -6,9 +6,9 @@
 
 namespace tubefoot {
 
-/// A list whose elements keep their addresses while it grows, and their memory when it is cleared: std::deque
-/// would give its blocks back and ask for them again, tube after tube. A new element is an old one, to be
-/// written over.
+/// A list whose elements keep their addresses while it grows, and their memory when it is cleared. A
+/// std::deque would release its blocks and allocate them again for every tube. next() returns an old element,
+/// which the caller overwrites.
 template <class T>
 class ReusedList {
  public:

@@ -7,7 +7,8 @@
 namespace tubefoot {
 namespace {
 
-/// Work of fewer steps tells nothing by them, and may be so short that lists of it cost.
+/// Work with fewer steps is not listed. Its progress is not informative, and it may be so short that listing
+/// it costs time.
 constexpr std::size_t fewest_listed = 8;
 
 struct List {

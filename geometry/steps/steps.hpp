@@ -10,23 +10,23 @@
 
 namespace tubefoot {
 
-/// The steps of one piece of work that may take long: where it can be stopped, and how far it is. Any number
-/// may be at hand at a time, one within another or in several threads.
+/// The steps of one piece of long work. They make the work interruptible and report its progress. Any number
+/// of Steps may exist at a time, nested or in several threads.
 class Steps {
  public:
-  /// `what` they are, in a word that outlives them: "tubes".
+  /// `what` names the steps, for example "tubes". The string must outlive the object.
   Steps(const char* what, std::size_t total);
   ~Steps();
   Steps(const Steps&) = delete;
   Steps& operator=(const Steps&) = delete;
 
-  /// One is done, on any thread. Throws Interrupted if somebody wants to stop.
+  /// Counts one step; callable on any thread. Throws Interrupted if a stop is requested.
   void done() {
     done_.fetch_add(1, std::memory_order_relaxed);
     stop_if_wanted();
   }
 
-  /// The work that has been at hand for longest, together with all of the same name.
+  /// Progress of the oldest running work, added up with all work of the same name.
   struct AtHand {
     const char* what;
     std::size_t done, total;
@@ -39,7 +39,7 @@ class Steps {
   std::size_t total_;
   std::atomic<std::size_t> done_{0};
   std::chrono::steady_clock::time_point since_;
-  Steps *before_ = nullptr, *after_ = nullptr;  ///< of those at hand, in order of time
+  Steps *before_ = nullptr, *after_ = nullptr;  ///< list of running work, in order of time
 };
 
 }  // namespace tubefoot

@@ -3,18 +3,18 @@
 
 #include <atomic>
 
-// What long work looks at, so that nobody waits for it who no longer wants it. A look costs two loads.
+// Requests to stop, which long work checks. A check costs two loads.
 namespace tubefoot {
 
-/// Thrown out of work that is left unfinished because somebody wants to stop. No std::exception: nothing
-/// that takes an error for a try that failed, or puts words to it, is to catch it.
+/// Thrown out of work that is left unfinished because a stop is requested. It is no std::exception, so that
+/// code that handles errors, for example by a second attempt or by a message, does not catch it.
 struct Interrupted {};
 
-/// Asked of all work of the process. Signal handlers set it.
+/// Requests all work of the process to stop. Signal handlers set it.
 inline std::atomic<bool> stop_requested{false};
 static_assert(std::atomic<bool>::is_always_lock_free);
 
-/// Asked of the work that a thread takes part in alone; null: of none.
+/// Requests the work of this thread alone to stop; null if nothing can request that.
 inline constinit thread_local const std::atomic<bool>* stop_requested_of_thread = nullptr;
 
 inline bool stop_wanted() {

@@ -10,11 +10,14 @@
 
 #include "geometry/steps/stop.hpp"
 
+// Mirrors points and directions at planes, and clips facets at a mirror plane. Sides of the plane are exact;
+// mirrored points and cut corners are rounded to the grid (docs/paths.md).
+
 namespace tubefoot {
 namespace {
 
-/// Where the plane cuts the edge of a, in front of it, and b, behind it. Both facets of an edge ask in the
-/// same order, so they meet in the same point.
+/// Returns the fraction of the edge from a, in front of the plane, to b, behind it, at which the plane cuts
+/// it. The order of a and b is the same for both facets of an edge, so they get the same point.
 long double part_of_way(Int128 side_a, Int128 side_b) {
   return static_cast<long double>(side_a) /
          (static_cast<long double>(side_a) - static_cast<long double>(side_b));

@@ -8,28 +8,31 @@
 #include "geometry/mesh/facet_cone.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
 
-// Planes that reflect, and what of a mesh lies in front of them. docs/paths.md
+// Planes that reflect, and the parts of a mesh in front of them. See docs/paths.md.
 namespace tubefoot {
 
-/// The plane normal . x = offset of the world grid, with a mirror on the side that its normal points to. The
-/// normal has no common divisor, so that planes are the same exactly if their numbers are.
+/// The plane normal . x = offset of the world grid, with a mirror on the side of its normal. The normal has
+/// no common divisor, so two planes are equal if and only if their numbers are.
 struct MirrorPlane {
   Vec64 normal;
   Int128 offset{};
 
-  /// The horizontal plane z = `height`, mirroring what is below.
+  /// Returns the horizontal plane z = `height`, which mirrors everything below.
   static MirrorPlane horizontal(std::int32_t height);
-  /// The plane of a facet, mirroring the side of `seen_from`, which must not lie in it.
+  /// Returns the plane of a facet, which mirrors the side of `seen_from`. This point must not lie in the
+  /// plane.
   static MirrorPlane of_facet(const FacetMesh& mesh, FacetId facet, GridPoint seen_from);
 
-  /// Above 0 in front of the mirror, 0 on it: the distance in units of 1 / |normal|.
+  /// Returns the signed distance in units of 1 / |normal|: above 0 in front of the mirror, 0 on it.
   Int128 side(GridPoint p) const { return dot(normal, p) - offset; }
-  /// The mirrored point: exact where the plane is perpendicular to an axis, else the nearest grid point (to
-  /// within 1e-9 units of half way). Throws GridRangeError beyond 31 bits.
-  /// Law I1 (images): as far from each point of the plane as the point itself, to within the grid's rounding.
+  /// Returns the mirrored point. It is exact if the plane is perpendicular to an axis. Otherwise it is the
+  /// nearest grid point (to within 1e-9 units at ties). Throws GridRangeError beyond 31 bits.
+  ///
+  /// Law I1 (images): the image has the same distance from each point of the plane as the point itself, up to
+  /// the grid's rounding.
   GridPoint image(GridPoint p) const;
   glm::dvec3 unit_normal() const;
-  /// Mirrors a direction.
+  /// Returns the matrix that mirrors a direction.
   glm::dmat3 reflection() const;
 
   friend bool operator==(const MirrorPlane& a, const MirrorPlane& b) {
@@ -39,22 +42,25 @@ struct MirrorPlane {
   friend bool operator<(const MirrorPlane& a, const MirrorPlane& b);
 };
 
-/// Some facets of a mesh, or parts of them, as a mesh.
+/// A mesh of some facets of another mesh, or of parts of them.
 struct MeshPart {
   FacetMesh mesh;
-  std::vector<FacetId> origin;  ///< by facet: the one that it is, or is a part of
+  std::vector<FacetId> origin;  ///< per facet: the facet that it is, or of which it is a part
 };
 
-/// A corner of a part of a facet: so much of the way from one of the facet's corners to another.
+/// A corner of a part of a facet: the position at the fraction `part` from one of the facet's corners to
+/// another.
 struct PartCorner {
   std::size_t from = 0, to = 0;
   long double part = 0;
 };
 
-/// What of the facets (sorted) lies in front of the plane: facets that the plane cuts end there, in corners
-/// rounded to the grid; what lies in the plane or behind it is left out. Facets keep their order. `corners`,
-/// if given, gets where the corners of each facet lie on the one that it is a part of, before they are
-/// rounded. Law I2 (front): nothing behind the plane is left and nothing before it lost, to within that
+/// Returns the parts of the facets (sorted) that lie in front of the plane. Facets that the plane cuts end
+/// there, with corners rounded to the grid. Parts in the plane or behind it are omitted. Facets keep their
+/// order. `corners`, if not null, receives the positions of each facet's corners on its original facet,
+/// before rounding.
+///
+/// Law I2 (front): the result contains everything in front of the plane and nothing behind it, up to this
 /// rounding.
 MeshPart in_front_of(const MirrorPlane& plane, const FacetMesh& mesh, std::span<const FacetId> facets,
                      std::vector<std::array<PartCorner, 3>>* corners = nullptr);

@@ -9,8 +9,9 @@
 
 namespace tubefoot {
 
-/// Where a part that in_front_of() cut lies on what the cut facet is a part of. Rounded alike whichever way
-/// corners are counted, so that what lies on an edge of the whole stays on it.
+/// Returns the weights of a part that in_front_of() cut, relative to the whole facet of which the cut facet
+/// is a part. The rounding does not depend on the order of the corners, so points on an edge of the whole
+/// stay on it.
 inline PartWeights weights_of(const std::array<PartCorner, 3>& corners, const PartWeights& of_whole) {
   PartWeights weights;
   for (std::size_t c = 0; c < 3; ++c)
@@ -22,7 +23,7 @@ inline PartWeights weights_of(const std::array<PartCorner, 3>& corners, const Pa
   return weights;
 }
 
-/// part_of_part() for parts with any weights: rounded.
+/// The same as part_of_part() for parts with any weights. Rounded.
 inline PartWeights rounded_part_of_part(const PartWeights& part, const PartWeights& of_it) {
   PartWeights on_whole = part;
   for (std::size_t c = 0; c < 3; ++c)

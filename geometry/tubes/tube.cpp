@@ -10,12 +10,16 @@
 
 #include "geometry/numbers/int128.hpp"
 
+// Constructs the tubes of an angular grid from integer rays. Exact determinants check that every cell is a
+// strictly convex pyramid after the rays are rounded.
+
 namespace tubefoot {
 namespace {
 
 constexpr double pi = std::numbers::pi;
 
-/// Sign of det(a, b, c), exact: |coordinate| <= 2^30 makes each of the six products at most 2^90.
+/// Returns the sign of det(a, b, c), exactly: |coordinate| <= 2^30 makes each of the six products at most
+/// 2^90.
 int orientation(const GridPoint& a, const GridPoint& b, const GridPoint& c) {
   const Int128 nx = Int128(a.y) * b.z - Int128(a.z) * b.y;
   const Int128 ny = Int128(a.z) * b.x - Int128(a.x) * b.z;
@@ -24,8 +28,9 @@ int orientation(const GridPoint& a, const GridPoint& b, const GridPoint& c) {
   return det > 0 ? 1 : det < 0 ? -1 : 0;
 }
 
-/// The common sign of all walls seen from all rays that are not on them: +1 if the four rays turn
-/// counter-clockwise about a convex pyramid, -1 if clockwise, 0 if they are no strictly convex pyramid.
+/// Returns the common sign of all walls for all rays that are not on them. The sign is +1 if the four rays
+/// turn counter-clockwise about a convex pyramid and -1 if clockwise. It is 0 if they form no strictly convex
+/// pyramid.
 int winding(const std::vector<GridPoint>& rays, const Tube& tube) {
   int common = 0;
   for (std::size_t k = 0; k < 4; ++k) {
@@ -63,7 +68,7 @@ void check_grid(const AngularGrid& grid) {
       throw std::invalid_argument(
           fmt::format("azimuth cell {} of a tube grid spans {} rad: a tube must stay below pi", k - 1,
                       azimuth[k] - azimuth[k - 1]));
-  // A few roundings of 2 pi are allowed for: edges are often sums of steps.
+  // The limit permits a few roundings of 2 pi, because edges are often sums of steps.
   if (azimuth.back() - azimuth.front() > 2 * pi + 1e-12)
     throw std::invalid_argument(
         fmt::format("a tube grid spans {} rad of azimuth: beyond 2 pi its tubes overlap",
@@ -84,7 +89,7 @@ glm::dvec3 direction(const AngularGrid& grid, double azimuth_rad, double elevati
 
 GridPoint integer_ray(glm::dvec3 unit_direction) {
   constexpr double scale = (1 << 30) - 1;
-  // A unit vector's coordinate may exceed 1 by a rounding, never by enough to leave the 2^30.
+  // The coordinate of a unit vector may exceed 1 by a rounding error, but never by enough to exceed 2^30.
   const auto rounded = [](double coordinate) {
     return static_cast<std::int32_t>(std::llround(coordinate * scale));
   };
@@ -125,7 +130,7 @@ std::uint32_t append_tubes(TubeSet& set, const AngularGrid& grid) {
     }
   }
 
-  // Only a whole grid is appended: an exception above leaves `set` as it was.
+  // Only a whole grid is appended. An exception above leaves `set` unchanged.
   const auto first_ray = static_cast<std::uint32_t>(set.rays.size());
   const auto first_tube = static_cast<std::uint32_t>(set.tubes.size());
   set.rays.insert(set.rays.end(), rays.begin(), rays.end());

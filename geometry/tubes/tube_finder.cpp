@@ -9,7 +9,8 @@
 namespace tubefoot {
 namespace {
 
-/// A point of a face of the cube [-1, 1]^3: the face has axis face / 2 at its highest or lowest.
+/// Returns a point of a face of the cube [-1, 1]^3. On this face the coordinate face / 2 is 1 for an even and
+/// -1 for an odd number.
 glm::dvec3 on_face(std::size_t face, double u, double v) {
   const std::size_t axis = face / 2;
   glm::dvec3 p;
@@ -29,7 +30,8 @@ TubeFinder::TubeFinder(const TubeSet& tubes) {
       const Vec64 n = cross(tubes.rays[a], tubes.rays[b]);
       const glm::dvec3 normal{double(n.x), double(n.y), double(n.z)};
       const double length = glm::length(normal);
-      // Neighbours go along their wall in opposite directions: their normals are opposite to the last bit.
+      // Neighbours traverse their common wall in opposite directions, so their normals are opposite to the
+      // last bit.
       walls[k] = length > 0 ? Wall{normal / length, a < b} : Wall{glm::dvec3(0), true};
     }
   }

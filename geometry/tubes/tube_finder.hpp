@@ -11,14 +11,14 @@
 
 namespace tubefoot {
 
-/// Finds the tubes that directions lie in. A direction so near to a wall that rounding decides lies in one of
-/// the two tubes that share the wall, never in both.
+/// Finds the tubes that contain a direction. If a direction is so near to a wall that rounding decides, it
+/// lies in exactly one of the two tubes that share the wall.
 class TubeFinder {
  public:
-  /// Keeps no reference.
+  /// Does not keep a reference to `tubes`.
   explicit TubeFinder(const TubeSet& tubes);
 
-  /// Calls take(tube) for each tube that holds the direction (of any length but 0), in their order.
+  /// Calls take(tube) for each tube that contains the direction (of any length except 0), in their order.
   template <class Take>
   void find(glm::dvec3 direction, const Take& take) const {
     const std::size_t cell = cell_of(direction);
@@ -27,7 +27,8 @@ class TubeFinder {
   }
 
  private:
-  /// Inward normal, 0 where two corners are one; a direction on the wall is inside if it is the tube's own.
+  /// Inward normal, 0 if two corners coincide. A direction on the wall is inside if the wall is the tube's
+  /// own.
   struct Wall {
     glm::dvec3 normal;
     bool own;
@@ -42,9 +43,9 @@ class TubeFinder {
   }
   std::size_t cell_of(glm::dvec3 direction) const;
 
-  int cells_ = 0;  // along an edge of the cube whose six faces they lie on
+  int cells_ = 0;  // number of cells along an edge of the cube on whose six faces the cells lie
   std::vector<Walls> walls_;
-  std::vector<std::uint32_t> begin_, in_cells_;  // by cell: tubes that may reach into it
+  std::vector<std::uint32_t> begin_, in_cells_;  // per cell: tubes that may reach into it
 };
 
 }  // namespace tubefoot

@@ -19,7 +19,7 @@ GridPoint rounded(glm::dvec3 direction) {
 
 int turn(GridPoint a, GridPoint b, GridPoint c) { return sign(dot(cross(a, b), c)); }
 
-/// Takes out corners until all turn left.
+/// Removes corners until all turn left.
 void make_convex(std::vector<GridPoint>& corners) {
   for (std::size_t since_change = 0, k = 0; corners.size() >= 3 && since_change < corners.size();) {
     const std::size_t n = corners.size();
@@ -28,7 +28,7 @@ void make_convex(std::vector<GridPoint>& corners) {
       ++k;
     } else {
       corners.erase(corners.begin() + static_cast<std::ptrdiff_t>(k % n));
-      since_change = k = 0;  // its neighbours turn otherwise now
+      since_change = k = 0;  // the turns at its neighbours have changed
     }
   }
 }

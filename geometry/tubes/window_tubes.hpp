@@ -10,24 +10,25 @@
 
 namespace tubefoot {
 
-/// Convex cones of directions as tubes of four rays each. Corners are rounded to integer rays of 2^29
-/// (2e-9 rad) and equal corners share their ray, so cones with common corners still partition what they did.
-/// A cone of three corners becomes a tube whose fourth ray is the sum of two of its rays: it lies in the wall
-/// of the two, exactly.
-/// Law B4 (windows): a fan of cones is their union, without gaps or overlaps.
+/// Represents convex cones of directions as tubes of four rays each. Corners are rounded to integer rays of
+/// length 2^29 (2e-9 rad). Equal corners share their ray, so cones with common corners still form a
+/// partition. A cone of three corners becomes a tube whose fourth ray is the sum of two of its rays. This ray
+/// lies exactly in the wall of the two.
+///
+/// Law B4 (windows): the tubes of a cone form the cone, without gaps or overlaps.
 class WindowTubes {
  public:
-  /// `reach`: TubeSet::reach.
+  /// `reach` is the value of TubeSet::reach.
   WindowTubes(GridPoint apex, double reach);
 
-  /// Adds a cone by its corners' directions (of any length, not 0), counter-clockwise for someone who looks
-  /// back at the apex as those of all tubes; `label` is kept for each of its tubes. Corners that rounding
-  /// puts on the line of their neighbours, or beyond it, are left out; so are cones of which less than three
-  /// are left.
+  /// Adds a cone by the directions of its corners (of any length except 0). They are counter-clockwise for an
+  /// observer who looks back at the apex, as those of all tubes. Each of its tubes gets `label`. Corners that
+  /// lie on the line of their neighbours or beyond it after rounding are omitted. Cones with fewer than three
+  /// remaining corners are omitted.
   void add(std::span<const glm::dvec3> corners, std::uint32_t label);
 
   const TubeSet& tubes() const { return set_; }
-  /// By tube: the label of its cone.
+  /// Returns, per tube, the label of its cone.
   const std::vector<std::uint32_t>& labels() const { return labels_; }
 
  private:
@@ -39,8 +40,8 @@ class WindowTubes {
   std::vector<GridPoint> corners_;
 };
 
-/// Whether a direction lies in a tube, on its walls, or no more than `slack_rad` beyond one. Without slack
-/// exact, for |coordinates| <= 2^31.
+/// Returns whether a direction lies in a tube, on its walls, or at most `slack_rad` beyond one. Exact without
+/// slack, for |coordinates| <= 2^31.
 bool holds(const TubeSet& set, std::uint32_t tube, GridPoint direction, double slack_rad = 0);
 
 }  // namespace tubefoot

@@ -7,10 +7,13 @@
 
 #include "geometry/steps/stop.hpp"
 
+// Collects the candidate facets of a run of tubes from the scene tree. Facets that a height field certainly
+// hides are separated, because they need no further test.
+
 namespace tubefoot {
 namespace {
 
-/// A run that gathers more facets is cut in two: it has more to lose in memory than to gain.
+/// A run with more facets is divided, because the costs in memory would exceed the gain.
 constexpr std::size_t most_facets = 1 << 16;
 
 float below(std::int32_t x) {
@@ -35,7 +38,8 @@ std::array<GridPoint, 4> rays_of(const TubeSet& tubes, std::uint32_t tube) {
   return {tubes.rays[t[0]], tubes.rays[t[1]], tubes.rays[t[2]], tubes.rays[t[3]]};
 }
 
-/// Whether all of a facet is, so that a ray that meets it has met nothing beyond the reach before.
+/// Returns whether the whole facet lies within the reach. A ray that meets such a facet has met nothing
+/// beyond the reach before.
 bool within_reach(const FacetMesh& mesh, FacetId facet, const TubeSet& tubes) {
   const double reach2 = tubes.reach * tubes.reach;
   return std::ranges::all_of(mesh.facets[facet], [&](VertexId v) {
@@ -79,7 +83,7 @@ bool CandidateFacets::gather(const FacetMesh& mesh, const SceneTree& tree, const
     tree.query(tubes.apex, walls, tubes.reach, candidates_);
     if (sheets) sheets->look(mesh, tree, tubes.apex, rays_of(tubes, first), walls, tubes.reach, sheets_);
   }
-  // The tree's order is the standard library's business; ours must not depend on it.
+  // The order of the tree depends on the standard library. Sorting removes this dependence.
   stop_if_wanted();
   std::sort(candidates_.begin(), candidates_.end());
   stop_if_wanted();

@@ -43,14 +43,14 @@ TubeAudit audit(const FacetMesh& mesh, const TubeSet& tubes, std::uint32_t tube,
     stop_if_wanted();
     const std::vector<ExactVector> directions = exact_directions(context, seen.corners, piece);
     if (in_front(axis, directions)) return gnomonic_area(axis, directions);
-    cones = false;  // no exact arithmetic comes here
+    cones = false;  // unreachable with an exact arithmetic
     return Rational(0);
   };
 
   TubeAudit result;
   result.pieces = seen.pieces.size();
-  // A sum of many fractions whose denominators have nothing in common would spend its time in greatest common
-  // divisors. As a balanced tree of unreduced fractions it costs only products.
+  // A reduced sum of many fractions with coprime denominators would spend its time in greatest common
+  // divisors. A balanced tree of unreduced fractions needs only products.
   std::vector<Fraction> areas, of_facet;
   for (std::size_t k = 0; k < seen.pieces.size();) {
     const FacetId facet = seen.pieces[k].facet;

@@ -8,7 +8,7 @@
 
 namespace tubefoot {
 
-/// A 128-bit sum of hashes: adding is commutative, so that neither order nor threads matter.
+/// A 128-bit sum of hashes. Addition is commutative, so the sum does not depend on order or threads.
 struct TopologyHash {
   std::uint64_t high = 0, low = 0;
   TopologyHash& operator+=(const TopologyHash& o) {
@@ -20,23 +20,30 @@ struct TopologyHash {
   std::string hex() const;
 };
 
-/// What holds of one tube's result, in rationals.
-/// Law C1 (closure): the gnomonic areas of all visible pieces and of the open water add up to the tube's.
-/// Law C2 (hash): hashes are equal where what is seen is, however it is cut up and in whatever order they are
-///   added; a piece that is missing, doubled, moved or another facet's makes another.
+/// The result of checking one tube, in rationals.
+///
+/// Law C1 (closure): the gnomonic areas of all visible pieces and of the unobstructed region add up to that
+/// of the tube.
+///
+/// Law C2 (hash): hashes are equal if the visible regions are equal, however they are divided and in whatever
+/// order they are added. A missing, duplicated or displaced piece, or a piece of another facet, changes the
+/// hash.
 struct TubeAudit {
-  bool closes = false;     ///< false too if a piece is no cone within the tube, which only inexact signs make
-  std::size_t pieces = 0;  ///< visible ones
-  std::size_t facets = 0;  ///< seen
-  double covered_fraction = 0;  ///< of the tube's gnomonic area, for people
-  /// (visible + open - tube) / tube; exactly 0 where the law holds.
+  bool closes =
+      false;  ///< also false if a piece is no cone within the tube, which only inexact signs can cause
+  std::size_t pieces = 0;       ///< number of visible pieces
+  std::size_t facets = 0;       ///< number of visible facets
+  double covered_fraction = 0;  ///< share of the tube's gnomonic area, for display
+  /// (visible + open - tube) / tube; exactly 0 if the law holds.
   double defect = 0;
-  /// Of the facets seen (by their vertices relative to the apex) and the exact gnomonic area of what is seen
-  /// of each: not of how it was cut up, of facet ids, of the scene's place, or of the arithmetic.
+  /// Hash of the visible facets (by their vertices relative to the apex) and of the exact gnomonic area of
+  /// the visible part of each. It does not depend on the division into pieces, on facet ids, on the scene's
+  /// position or on the arithmetic.
   TopologyHash hash;
 };
 
-/// `seen` must come from see() with open_water. `label` distinguishes tubes (and pings) in the hash.
+/// Checks one tube. `seen` must come from see() with open_water. `label` distinguishes tubes and pings in the
+/// hash.
 TubeAudit audit(const FacetMesh& mesh, const TubeSet& tubes, std::uint32_t tube, const TubeVisibility& seen,
                 std::uint64_t label);
 

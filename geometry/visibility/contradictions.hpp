@@ -6,9 +6,10 @@
 
 namespace tubefoot {
 
-/// Plain double arithmetic may name corners that are none: of two planes that coincide, or behind the apex.
-/// Leaves these out, of pieces and of open water, and pieces of which less than three corners are left: all
-/// that are named then are directions, as any other arithmetic's. Of an exact arithmetic nothing is left out.
+/// Removes invalid corners that plain double arithmetic may produce: corners of two coincident planes, and
+/// corners behind the apex. They are removed from pieces and from the unobstructed region. Pieces with fewer
+/// than three remaining corners are removed too. All remaining names are then directions, as with any other
+/// arithmetic. Results of an exact arithmetic are not changed.
 void leave_out_contradictions(const FacetMesh& mesh, GridPoint apex, TubeVisibility& seen);
 
 }  // namespace tubefoot

@@ -8,13 +8,14 @@
 
 namespace tubefoot {
 
-/// Which facets of a list share an edge. A half-edge is 3 f + k: edge k of facet f, from corner k of its cone
-/// to the next. The half-edges of one edge form a ring. Keeps its table from list to list.
+/// Finds the facets of a list that share an edge. Half-edge 3 f + k is edge k of facet f, from corner k of
+/// its cone to the next. The half-edges of one edge form a ring. The object reuses its table from list to
+/// list.
 class EdgeRings {
  public:
   void build(const std::vector<RangedFacet>& facets);
 
-  /// The next half-edge on the same edge; the half-edge itself if it is alone there.
+  /// Returns the next half-edge on the same edge, or the half-edge itself if no other facet has the edge.
   std::uint32_t next(std::uint32_t half_edge) const { return next_[half_edge]; }
 
  private:

@@ -61,7 +61,7 @@ ExactVector gnomonic_axis(const TubeSet& tubes, std::uint32_t tube) {
       by_walls[c] += n[c];
     }
   }
-  // The sum of the rays is the shorter vector, but a very wide tube may reach past 90 degrees from it. The
+  // The sum of the rays is the shorter vector, but a very wide tube may extend beyond 90 degrees from it. The
   // sum of the inward normals has every direction of the tube in front of it.
   for (const std::uint32_t ray : rays)
     if (dot(by_rays, exact(tubes.rays[ray])) <= 0) return by_walls;

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "geometry/visibility/gnomonic_frame.hpp"
 
+// Projects facets to the gnomonic plane of a tube and compares their positions there. All tests are made in
+// double with error bounds, and return "unknown" when rounding could change the result.
+
 namespace tubefoot {
 namespace {
 
-/// Side of p against the line from a to b, all with coordinates known to `slack`: +1 left, -1 right, 0
-/// unknown.
+/// Returns the side of p relative to the line from a to b, with coordinates known to `slack`: +1 left, -1
+/// right, 0 unknown.
 int side_of_line(glm::dvec2 a, glm::dvec2 b, glm::dvec2 p, double slack) {
   const double ux = b.x - a.x, uy = b.y - a.y, vx = p.x - a.x, vy = p.y - a.y;
   const double cross = ux * vy - uy * vx;
@@ -15,8 +18,8 @@ int side_of_line(glm::dvec2 a, glm::dvec2 b, glm::dvec2 p, double slack) {
 
 double slack_of(double largest_coordinate) { return GnomonicFrame::margin * (1 + largest_coordinate); }
 
-/// True only if an edge of `a` has all of `b`, whose bounds meet those of `a`, on its far side. `extent`: of
-/// both together, so that no corner of one is farther from a corner of the other.
+/// Returns true only if all of `b` lies on the far side of an edge of `a`. The bounds of both must meet.
+/// `extent` is that of both together, so that no corner of one is farther from a corner of the other.
 bool edge_parts(const FramedFacet& a, const FramedFacet& b, double slack, double extent) {
   if (a.turn == 0) return false;
   const auto shared = [&](VertexId v) {
@@ -26,8 +29,9 @@ bool edge_parts(const FramedFacet& a, const FramedFacet& b, double slack, double
   const unsigned same0 = shared(b.cone.vertex[0]), same1 = shared(b.cone.vertex[1]),
                  same2 = shared(b.cone.vertex[2]);
   const glm::dvec2 p = b.corner[0], q = b.corner[1], r = b.corner[2];
-  // As in side_of_line, where a corner's distance from the edge's start is at most the extent; the line's
-  // constant carries the rounding of products with the coordinates, of which slack is a large multiple.
+  // The bound is that of side_of_line, where a corner's distance from the edge's start is at most the extent.
+  // The line's constant includes the rounding of products with the coordinates; slack is a large multiple of
+  // it.
   const auto parts = [&](const glm::dvec3& line, unsigned ends) {
     const double bound = 8 * slack * (std::abs(line.x) + std::abs(line.y) + extent + slack);
     const auto beyond = [&](glm::dvec2 corner, unsigned same) {
@@ -79,8 +83,8 @@ void RangedFacet::measure_ranges() {
     high = std::max(high, square);
     longest = std::max(longest, glm::dot(edge, edge));
   }
-  // No point of a triangle is farther than its longest side / sqrt(3) from a vertex, nor nearer than its
-  // plane.
+  // A point of a triangle is at most longest side / sqrt(3) from a vertex, and is not nearer than the
+  // triangle's plane.
   const glm::dvec3 normal(cone.normal.x, cone.normal.y, cone.normal.z);
   const double plane = static_cast<double>(cone.offset) / std::sqrt(glm::dot(normal, normal));
   nearest = std::max(std::sqrt(low) - 0.57736 * std::sqrt(longest), plane) * (1 - 1e-12);

@@ -9,8 +9,8 @@
 
 #include "geometry/mesh/facet_cone.hpp"
 
-// Double-precision bookkeeping of what lies where in a tube. It decides only what need not be looked at,
-// always with a margin beyond its rounding; what is seen is decided by exact signs alone.
+// Positions of facets in the gnomonic plane of a tube, in double precision. They only determine tests that
+// can be skipped, always with a margin beyond rounding. Exact signs alone determine the visible polygons.
 namespace tubefoot {
 
 inline glm::dvec3 as_double(GridPoint p) { return {p.x, p.y, p.z}; }
@@ -47,15 +47,15 @@ struct Bounds {
 /// The plane axis . d = 1 of a tube, with coordinates x along its first wall.
 class GnomonicFrame {
  public:
-  /// Directions nearer than this (sine) to the plane's horizon have no coordinates.
+  /// Directions closer to the plane's horizon than this sine have no coordinates.
   static constexpr double shallowest = 1e-3;
-  /// Bound on the error of a coordinate c is margin * (1 + |c|).
+  /// The error of a coordinate c is at most margin * (1 + |c|).
   static constexpr double margin = 1e-12;
 
   GnomonicFrame() = default;
   GnomonicFrame(const std::array<GridPoint, 4>& rays);
 
-  /// Coordinates of a direction of the given length; false where it has none.
+  /// Computes the coordinates of a direction of the given length; returns false if it has none.
   bool project(glm::dvec3 d, double length, glm::dvec2& p) const {
     const double depth = glm::dot(d, axis_);
     if (depth < shallowest * length) return false;
@@ -66,7 +66,7 @@ class GnomonicFrame {
 
   /// Bounds of the tube; infinite if the tube is too wide for a gnomonic plane.
   const Bounds& tube() const { return tube_; }
-  /// True if the point is inside the tube by more than the margin.
+  /// Returns true if the point is inside the tube by more than the margin.
   bool surely_inside(glm::dvec2 p) const;
 
  private:
@@ -75,44 +75,48 @@ class GnomonicFrame {
   Bounds tube_ = Bounds::everything();
 };
 
-/// A facet as seen from an apex, with its distances: what is the same for all tubes there.
+/// A facet as seen from an apex, with its distances. These data are the same for all tubes of the apex.
 struct RangedFacet {
   FacetCone cone;
   double nearest = 0, farthest = 0;  ///< bounds on its distance from the apex, grid units
-  std::array<double, 3> range{};     ///< of its vertices
+  std::array<double, 3> range{};     ///< distances of its vertices
 
-  /// Everything but the cone, from the cone.
+  /// Computes all members except the cone from the cone.
   void measure_ranges();
 };
 
 /// A facet that subtends something within a tube.
 struct FramedFacet : RangedFacet {
   Bounds bounds = Bounds::everything();
-  std::array<glm::dvec2, 3> corner{};  ///< of its vertices; meaningless where bounds are infinite
+  std::array<glm::dvec2, 3> corner{};  ///< of its vertices; undefined if the bounds are infinite
   double slack = 0;                    ///< bound on the error of a coordinate of a corner
   bool placed = false;                 ///< whether the bounds are finite
   int turn = 0;                        ///< +1 if the corners turn left, -1 right, 0 if that is uncertain
-  /// Edge k in the plane: x line.x + y line.y - line.z is positive on the facet's side. If turn is not 0.
+  /// Edge k in the plane: x line.x + y line.y - line.z is positive on the facet's side. Valid if turn is not
+  /// 0.
   std::array<glm::dvec3, 3> line{};
 
   FramedFacet() = default;
   explicit FramedFacet(const RangedFacet& facet) : RangedFacet(facet) {}
 
-  /// Everything in the frame's plane, from the cone and its ranges.
+  /// Computes all members for the frame's plane from the cone and its ranges.
   void place(const GnomonicFrame& frame);
 };
 
-/// Whether p is inside (1), outside (-1) or too near the border of a finite facet's triangle to tell (0).
-/// Law K1 (place): what is reported to be inside is, and what is reported to be outside.
+/// Returns whether p is inside (1) or outside (-1) of a finite facet's triangle, or too near to its border to
+/// decide (0).
+///
+/// Law K1 (place): a point that is reported as inside is inside, and one that is reported as outside is
+/// outside.
 int where(const FramedFacet& facet, glm::dvec2 p);
 
-/// Law K2 (apart): true only if the facets' cones have no interior direction in common: an edge of one has
-/// the other on its far side. Shared vertices are on the edge by name; the others must be there beyond
-/// rounding.
+/// Law K2 (apart): returns true only if the facets' cones have no common interior direction. An edge of one
+/// facet then has the other facet on its far side. Shared vertices are on the edge by name; the others must
+/// be beyond it by more than rounding.
 bool surely_apart(const FramedFacet& a, const FramedFacet& b);
 
-/// Law K3 (cover): true only if each direction in the cone of `inner` is in that of `outer`: both have finite
-/// bounds.
+/// Law K3 (cover): returns true only if each direction in the cone of `inner` is in that of `outer` and both
+/// have finite bounds.
 bool surely_covers(const FramedFacet& outer, const FramedFacet& inner);
 
 }  // namespace tubefoot

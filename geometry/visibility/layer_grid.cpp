@@ -7,12 +7,16 @@
 
 #include "geometry/steps/stop.hpp"
 
+// Divides the gnomonic plane of a tube into cells, joins facets to layers in each cell and removes facets
+// that a layer certainly hides. All decisions are made in double with margins (docs/visibility.md, 'Layers').
+
 namespace tubefoot {
 namespace {
 
-/// Facets a cell should hold about, when all have the same size. Measured: docs/performance.md.
+/// Approximate number of facets per cell for facets of equal size. The value follows from measurements
+/// (docs/performance.md).
 constexpr double facets_per_cell = 4;
-/// More entries than this for each facet, on average, and the cells are made larger.
+/// If the average number of entries per facet exceeds this value, the cells are made larger.
 constexpr double entries_per_facet = 6;
 constexpr int most_cells_a_side = 512;
 
@@ -26,10 +30,12 @@ constexpr auto least_negative = static_cast<std::int32_t>(0x80000001u);
 
 float below(double x) {
   const auto rounded = static_cast<float>(x);
-  const auto too_high = static_cast<std::int32_t>(rounded > x);  // for half of all numbers: no branch
+  const auto too_high =
+      static_cast<std::int32_t>(rounded > x);  // true for half of all numbers, therefore without a branch
   if (rounded == 0) [[unlikely]]
     return too_high ? std::bit_cast<float>(least_negative) : rounded;
-  // The next float down; nextafterf is a call. Rounded up, so neither -inf nor the lowest float.
+  // The next lower float, computed without the call of nextafterf. The value was rounded up, so it is neither
+  // -inf nor the lowest float.
   const auto bits = std::bit_cast<std::int32_t>(rounded);
   return std::bit_cast<float>(bits + (bits < 0 ? too_high : -too_high));
 }
@@ -90,11 +96,11 @@ void LayerGrid::choose_size() {
 
 LayerGrid::Cells LayerGrid::cells_of(const Bounds& bounds) const {
   const Bounds& tube = frame_->tube();
-  // Clamped as doubles: bounds may be infinite or far outside.
+  // The value is clamped as a double, because bounds may be infinite or far outside.
   const auto index = [](double coordinate, double origin, double size, int count) {
     return static_cast<int>(std::clamp((coordinate - origin) / size, 0.0, count - 1.0));
   };
-  // One cell in a direction needs no arithmetic, which an infinite tube would not allow.
+  // A single cell in a direction needs no arithmetic, which an infinite tube would not permit.
   return {columns_ == 1 ? 0 : index(bounds.x0, tube.x0, cell_width_, columns_),
           columns_ == 1 ? 0 : index(bounds.x1, tube.x0, cell_width_, columns_),
           rows_ == 1 ? 0 : index(bounds.y0, tube.y0, cell_height_, rows_),
@@ -156,9 +162,9 @@ void LayerGrid::find_layers(int x, int y) {
   Cell& cell = cells_[static_cast<std::size_t>(y) * columns_ + x];
   if (cell.begin == cell.end || !frame_->tube().is_finite()) return;
   const Bounds box = bounds_of(x, y);
-  // A vertex that two facets share is no nearer than either begins and no farther than either ends. So where
-  // all that is left begins beyond all that came before, no layer reaches across; and once one of those
-  // before has closed the cell, the rest is hidden here whatever its layers are.
+  // A vertex that two facets share is not nearer than either begins and not farther than either ends. Entries
+  // that begin beyond all earlier ones therefore belong to other layers. If a layer of the earlier entries
+  // closes the cell, the remaining entries are hidden here, whatever their layers are.
   for (std::uint32_t begin = cell.begin; begin < cell.end;) {
     double farthest = 0;
     std::uint32_t end = begin;
@@ -169,14 +175,14 @@ void LayerGrid::find_layers(int x, int y) {
   }
 }
 
-/// Of the entries [begin, end); true if one of their layers closes the cell.
+/// Finds the layers of the entries [begin, end). Returns true if one of them closes the cell.
 bool LayerGrid::find_layers(Cell& cell, const Bounds& box, std::uint32_t begin, std::uint32_t end) {
   const std::uint32_t count = end - begin;
   ++stamp_now_;
   parent_.resize(count);
   std::iota(parent_.begin(), parent_.end(), 0u);
-  // A facet that reaches behind the apex has no place in the plane: it joins no layer, and where it adjoins
-  // one, that one ends.
+  // A facet that extends behind the apex has no position in the plane. It joins no layer, and an adjacent
+  // layer ends there.
   for (std::uint32_t k = 0; k < count; ++k) {
     const std::uint32_t f = entries_[begin + k].facet;
     if (!(*facets_)[f].placed) continue;
@@ -196,8 +202,8 @@ bool LayerGrid::find_layers(Cell& cell, const Bounds& box, std::uint32_t begin, 
     if (!broken_[layer]) broken_[layer] = stamp_[f] != stamp_now_ || has_silhouette_in(f, box);
   }
 
-  // A point of the cell that is surely inside the tube and surely on one side or the other of every facet
-  // there.
+  // Tries points of the cell until one is certainly inside the tube and certainly inside or outside of every
+  // facet there.
   constexpr std::array<glm::dvec2, 5> tries{
       {{0.5, 0.5}, {0.31, 0.37}, {0.67, 0.29}, {0.35, 0.71}, {0.73, 0.66}}};
   bool certain = false;
@@ -271,7 +277,7 @@ void LayerGrid::occluder_candidates(std::uint32_t facet, std::vector<std::uint32
   for (int y = c.y0; y <= c.y1; ++y)
     for (int x = c.x0; x <= c.x1; ++x) {
       const Cell& cell = cells_[static_cast<std::size_t>(y) * columns_ + x];
-      // Not hidden in this cell, the facet is one of its entries, and so of the layer.
+      // A facet that is not hidden in this cell is one of its entries, and so belongs to the layer.
       if (cell.is_simple_layer && !(receiver.nearest > cell.closed_beyond)) continue;
       const Entry *const begin = entries_.data() + cell.begin, *const end = entries_.data() + cell.end;
       std::int32_t own_layer = own_layer_is_none;
@@ -282,7 +288,7 @@ void LayerGrid::occluder_candidates(std::uint32_t facet, std::vector<std::uint32
             break;
           }
       if (found_.size() < count + (cell.end - cell.begin)) found_.resize(count + (cell.end - cell.begin));
-      // Half of them are found: no branch would be expected.
+      // About half of the entries are found, so a branch would be mispredicted often.
       const std::size_t before = count;
       for (const Entry* e = begin; e != end && e->nearest < farthest; ++e) {
         // A simple layer does not overlap itself here.
@@ -299,13 +305,13 @@ void LayerGrid::occluder_candidates(std::uint32_t facet, std::vector<std::uint32
       count = fresh;
     }
   std::size_t kept = 0;
-  constexpr std::size_t most_judgements_a_facet = 64;  // of slivers side by side all boxes meet
+  constexpr std::size_t most_judgements_a_facet = 64;  // the boxes of adjacent slivers all meet
   for (std::size_t k = 0; k < count; ++k) {
     const Found found = found_[k];
     const bool apart = !found.overlaps && surely_apart(receiver, (*facets_)[found.facet]);
     if (!apart) found_[kept++] = found;
     if (found.facet > facet && judgements_.size() < most_judgements_a_facet * facets_->size()) {
-      // Who is not in the list is asked again.
+      // A pair that is not in the list is compared again.
       judgements_.push_back({facet, judged_[found.facet], apart});
       judged_[found.facet] = static_cast<std::uint32_t>(judgements_.size() - 1);
     }

@@ -8,35 +8,40 @@
 #include "geometry/numbers/lane_bits.hpp"
 #include "geometry/visibility/gnomonic_frame.hpp"
 
+// Finds hidden facets and pairs of facets that need an exact test, with a grid of cells in the gnomonic plane
+// of a tube. All decisions are made in double with margins (docs/visibility.md, 'Layers').
+
 namespace tubefoot {
 
-/// What lies beyond an edge of a facet, as seen from the apex.
-constexpr std::int32_t silhouette = -1;    ///< nothing, a fold, or more than one facet
-constexpr std::int32_t outside_tube = -2;  ///< whatever it is, the edge does not enter the tube
+/// Special values for the neighbour across an edge of a facet, as seen from the apex.
+constexpr std::int32_t silhouette = -1;    ///< no facet, a fold, or more than one facet
+constexpr std::int32_t outside_tube = -2;  ///< any neighbour; the edge does not enter the tube
 
 /// Neighbours across the three edges: a facet's index, silhouette or outside_tube. Edge k runs from vertex k
 /// to k + 1.
 using Neighbours = std::array<std::int32_t, 3>;
 
-/// Finds out, without a single exact predicate, which facets of a tube are surely hidden, and which pairs
-/// need a closer look.
+/// Finds the facets of a tube that are certainly hidden, and the pairs that need an exact test, without exact
+/// predicates.
 ///
-/// The argument (docs/visibility.md, 'Layers'). Cut the gnomonic plane into cells. In each, the facets joined
-/// by shared edges form layers. A layer none of whose silhouette edges enters the cell covers every point of
-/// the cell (within the tube) equally often: stepping over a shared edge leaves one facet and enters one. So
-/// one point decides: a layer that covers it hides whatever lies wholly beyond the layer's farthest facet; a
-/// layer that covers it once does not overlap itself anywhere in the cell.
+/// The argument is this (docs/visibility.md, 'Layers'). The gnomonic plane is divided into cells. In each
+/// cell, the facets that are connected by shared edges form layers. Consider a layer none of whose silhouette
+/// edges enters the cell. It covers every point of the cell within the tube equally often, because a step
+/// across a shared edge leaves one facet and enters one. So one point decides. A layer that covers it hides
+/// everything that lies wholly beyond the layer's farthest facet. A layer that covers it once does not
+/// overlap itself anywhere in the cell.
 class LayerGrid {
  public:
-  /// Facets and neighbours are indexed alike and must outlive the grid's use.
+  /// Builds the grid. Facets and neighbours have the same indices and must outlive the grid's use.
   void build(const GnomonicFrame& frame, const std::vector<FramedFacet>& facets,
              const std::vector<Neighbours>& neighbours);
 
-  /// Law L1 (hidden): true only if no part of the facet is seen; then it hides nothing that others do not.
+  /// Law L1 (hidden): returns true only if no part of the facet is visible. The facet then hides nothing that
+  /// others do not hide.
   bool is_hidden(std::uint32_t facet) const { return hidden_[facet] != 0; }
 
-  /// Law L2 (occluders): fills `out` with every facet that might hide part of `facet`, not being surely apart
-  /// from it, and is not hidden itself, nearest first.
+  /// Law L2 (occluders): writes every facet to `out` that may hide part of `facet`, nearest first. Facets
+  /// that are certainly disjoint from it, and facets that are hidden themselves, are omitted.
   void occluder_candidates(std::uint32_t facet, std::vector<std::uint32_t>& out);
 
  private:
@@ -47,30 +52,30 @@ class LayerGrid {
   struct RoundedBounds {
     FourFloats ends;  ///< x0, y0, -x1, -y1
     explicit RoundedBounds(const Bounds& b);
-    /// The largest ends that bounds may have that meet these.
+    /// Returns the largest ends of bounds that meet these bounds.
     FourFloats reach() const { return -__builtin_shufflevector(ends, ends, 2, 3, 0, 1); }
     bool within(const FourFloats& reach) const { return bits_of(FourLanes(ends <= reach)) == 0b1111; }
   };
   struct Cell {
-    std::uint32_t begin = 0, end = 0;  ///< in entries_
+    std::uint32_t begin = 0, end = 0;  ///< range in entries_
     bool has_simple_layer = false;
-    bool is_simple_layer = false;  ///< all entries left are of one simple layer
-    /// Everything wholly beyond this distance is hidden here.
+    bool is_simple_layer = false;  ///< all remaining entries belong to one simple layer
+    /// Every facet wholly beyond this distance is hidden in this cell.
     double closed_beyond = std::numeric_limits<double>::infinity();
   };
   struct Entry {
     double nearest;  ///< of the facet; a cell's entries are sorted by it
     std::uint32_t facet;
     std::int32_t simple_layer;  ///< layer that covers this cell exactly once, by its root; or no_layer
-    RoundedBounds bounds;       ///< of the facet, here because every pair of a cell is asked for them
+    RoundedBounds bounds;       ///< of the facet; stored here because every pair of a cell needs them
   };
   static constexpr std::int32_t no_layer = -1, own_layer_is_none = -2;
   struct Found {
     double nearest;
     std::uint32_t facet;
-    bool overlaps;  ///< known not to be apart
+    bool overlaps;  ///< known not to be disjoint
   };
-  /// What was found when `facet` was looked at.
+  /// The result of an earlier comparison with `facet`.
   struct Judgement {
     std::uint32_t facet, next;
     bool apart;
@@ -94,21 +99,21 @@ class LayerGrid {
   double cell_width_ = 1, cell_height_ = 1;
   std::vector<Cell> cells_;
   std::vector<Entry> entries_;
-  std::vector<Cells> cells_of_facet_;   ///< by facet
-  std::vector<RoundedBounds> rounded_;  ///< by facet
-  std::vector<double> farthest_;        ///< by facet
+  std::vector<Cells> cells_of_facet_;   ///< per facet
+  std::vector<RoundedBounds> rounded_;  ///< per facet
+  std::vector<double> farthest_;        ///< per facet
   std::vector<std::uint8_t> hidden_;
 
-  /// By facet, a list of what was found of it when other facets were looked at: first, next.
+  /// Per facet, a linked list of the results of earlier comparisons with other facets: first, next.
   std::vector<std::uint32_t> judged_;
   std::vector<Judgement> judgements_;
 
-  // Scratch: per facet, its place in the cell at hand; per place, layers as a union-find forest.
+  // Scratch memory: per facet, its place in the current cell; per place, layers as a union-find forest.
   std::vector<std::uint32_t> place_, stamp_;
   std::uint32_t stamp_now_ = 0;
   std::vector<std::uint32_t> parent_, covering_;
   std::vector<Found> found_;
-  std::vector<std::uint8_t> broken_;  ///< by a layer's root: one of its silhouette edges may enter the cell
+  std::vector<std::uint8_t> broken_;  ///< per root of a layer: one of its silhouette edges may enter the cell
 };
 
 }  // namespace tubefoot

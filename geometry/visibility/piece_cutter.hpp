@@ -9,9 +9,12 @@
 #include "geometry/visibility/gnomonic_frame.hpp"
 #include "geometry/visibility/piece_tree.hpp"
 
+// Cuts convex pieces of a tube at half-spaces: subtracts the region that a facet hides from the remaining
+// pieces. If the arithmetic has a fast first stage, that stage evaluates up to four half-spaces at once.
+
 namespace tubefoot {
 
-/// A::FourHalves, or nothing where the arithmetic has none.
+/// A::FourHalves, or an empty type if the arithmetic has none.
 template <class A>
 struct FourHalvesOf {
   struct Type {};
@@ -22,16 +25,16 @@ struct FourHalvesOf<A> {
   using Type = typename A::FourHalves;
 };
 
-/// What the visibility algorithm cuts with: pieces in one buffer of corners, clipped to half-spaces, and
-/// what a facet hides taken away from those that are left.
+/// The cutting operations of the visibility algorithm. Pieces are stored in one buffer of corners and clipped
+/// to half-spaces. The region that a facet hides is subtracted from the remaining pieces.
 template <class A>
 class PieceCutter {
  protected:
-  /// Whether the arithmetic's first tier looks at several planes at once.
+  /// Whether the first stage of the arithmetic evaluates several planes at once.
   static constexpr bool has_lanes = requires { typename A::FourHalves; };
   using FourHalves = typename FourHalvesOf<A>::Type;
 
-  /// Fills sides_ with the side of each corner; returns 1 if any is positive, plus 2 if any is negative.
+  /// Writes the side of each corner to sides_. Returns 1 if any is positive, plus 2 if any is negative.
   int sides_of(PieceRange piece, Half<A> half) {
     if (sides_.size() < piece.count) sides_.resize(piece.count);
     int signs = 0;
@@ -48,7 +51,7 @@ class PieceCutter {
     std::transform(sides_.begin(), sides_.end(), flipped_.begin(), [](int s) { return -s; });
   }
 
-  /// Clips `piece` to `half`; false if nothing with an interior is left.
+  /// Clips `piece` to `half`. Returns false if nothing with an interior is left.
   bool clip_to(PieceRange& piece, Half<A> half) {
     const int signs = sides_of(piece, half);
     if (!(signs & 1)) return false;
@@ -56,7 +59,7 @@ class PieceCutter {
     return piece.count >= 3;
   }
 
-  /// Where a facet hides: its cone, on the near side of the depth plane if there is one.
+  /// The region that a facet hides: its cone, on the near side of the depth plane if there is one.
   struct Hidden {
     const FramedFacet* facet;
     const Half<A>* halves;
@@ -64,11 +67,12 @@ class PieceCutter {
     const FourHalves* lanes;
   };
 
-  /// Takes what is hidden away from the pieces left; true if anything was taken.
+  /// Subtracts the hidden region from the remaining pieces. Returns true if any piece changed.
   bool take_away(const Hidden& hidden) {
     unsigned cutting = 0;
     const auto meets = [&](PieceRange piece, unsigned& halves) {
-      if (!A::signs_are_exact) return true;  // rounded signs at corners do not bind what lies within
+      if (!A::signs_are_exact)
+        return true;  // rounded signs at corners do not determine those of the interior
       const bool crossed = crosses(piece, hidden, halves, cutting);
       halves = cutting;
       return crossed;
@@ -80,8 +84,9 @@ class PieceCutter {
     return left_.take_away((1u << hidden.count) - 1, meets, cut_up);
   }
 
-  /// False if one of the halves given holds nothing of the piece. Else `cutting` are those that have corners
-  /// of it on both sides, first_sides_ being those of the first: the others hold all of it.
+  /// Returns false if one of the given halves contains nothing of the piece. Otherwise `cutting` has the
+  /// halves with corners on both sides, and first_sides_ has the sides of the first of them. The other halves
+  /// contain the whole piece.
   bool crosses(PieceRange piece, const Hidden& hidden, unsigned halves, unsigned& cutting) {
     cutting = 0;
     if constexpr (has_lanes) return crosses_at_a_glance(piece, hidden, halves, cutting);
@@ -96,7 +101,7 @@ class PieceCutter {
     return true;
   }
 
-  /// The same, the first tier being asked for all half-spaces at once.
+  /// The same, with one evaluation of the first stage for all half-spaces.
   bool crosses_at_a_glance(PieceRange piece, const Hidden& hidden, unsigned halves, unsigned& cutting) {
     if (glances_.size() < piece.count) glances_.resize(piece.count);
     unsigned any = 0, sure = ~0u;
@@ -109,7 +114,8 @@ class PieceCutter {
     for (int h = 0; h < hidden.count; ++h) {
       const unsigned inside = 1u << h, outside = 16u << h;
       if (!(halves & inside)) continue;
-      // Of the first that cuts, the cut will want to know all sides; of others, whether there are both.
+      // The cut needs all sides of the first half that cuts. For the other halves it needs only whether both
+      // signs occur.
       if (!(sure & inside) && (cutting == 0 || (any & (inside | outside)) != (inside | outside)))
         for (std::uint32_t k = 0; k < piece.count; ++k) {
           if (glances_[k] & (inside | outside)) continue;
@@ -130,15 +136,16 @@ class PieceCutter {
     return true;
   }
 
-  /// Two convex cones in one half-space with disjoint interiors are set apart by an edge plane of one of
-  /// them: whether it is one of the piece's. Without this test it would be cut up for nothing.
+  /// An edge plane of one of two convex cones in one half-space with disjoint interiors separates them.
+  /// Returns whether an edge plane of the piece does. Without this test the piece would be cut needlessly.
   bool set_apart(PieceRange piece, const Hidden& hidden, unsigned cutting) const {
     for (std::uint32_t k = 0; cutting != 0 && k < piece.count; ++k)
       if (!any_vertex_inside(*hidden.facet, buffer_[piece.first + k].edge)) return true;
     return false;
   }
 
-  /// Appends what is left of a piece outside of the halves that cut it; false if that is all of it.
+  /// Appends the parts of a piece outside of the halves that cut it. Returns false if the whole piece
+  /// remains.
   bool cut(PieceRange piece, const Hidden& hidden, unsigned cutting, std::vector<PieceRange>& left) {
     const std::size_t mark = buffer_.size();
     PieceRange rest = piece;
@@ -149,7 +156,7 @@ class PieceCutter {
       const Half<A> half = hidden.halves[h];
       const int signs = first ? 3 : sides_of(rest, half);
       if (!(signs & 1)) {
-        // They do not meet after all (set apart by a depth plane, or by the apex): undo the cuts.
+        // They do not meet after all, because a depth plane or the apex separates them. The cuts are undone.
         buffer_.resize(mark);
         return false;
       }
@@ -174,9 +181,9 @@ class PieceCutter {
 
   A arithmetic_{};
   CornerBuffer<A> buffer_;
-  PieceTree left_;  ///< of the receiver at hand
+  PieceTree left_;  ///< remaining pieces of the current receiver
   std::vector<int> sides_, first_sides_, flipped_;
-  std::vector<unsigned> glances_;  ///< by corner: what the first tier says of an occluder's half-spaces
+  std::vector<unsigned> glances_;  ///< per corner: results of the first stage for an occluder's half-spaces
 };
 
 }  // namespace tubefoot

@@ -6,18 +6,22 @@
 
 #include "geometry/arithmetic/cone_clip.hpp"
 
+// Stores the convex pieces that remain of a facet while other facets are subtracted from it. Few pieces form
+// a list; more pieces form the tree of their cuts, so that a facet is compared only with pieces near it.
+
 namespace tubefoot {
 
-/// The convex pieces that are left of a receiver while one facet after another is taken away from it. Once
-/// they are more than a few, as the tree of their cuts: a node is a piece that there once was, its children
-/// are what was left of it. What does not meet a node meets nothing below it, so a facet is held against the
-/// pieces about it and not against all: of n long facets across one another each meets a few pieces, but n
-/// are left.
-/// Law L3 (pieces): the pieces, and their order, are those of a list in which each piece is replaced by what
-///   is left of it.
+/// The convex pieces that remain of a receiver while one facet after another is subtracted from it. More than
+/// a few pieces are stored as the tree of their cuts. A node is an earlier piece, and its children are the
+/// parts that were left of it. A facet that does not meet a node meets nothing below it, so it is compared
+/// with the pieces near it and not with all. For example, n long facets that cross each other leave n pieces,
+/// but each meets only a few of them.
+///
+/// Law L3 (pieces): the pieces and their order are those of a list in which each piece is replaced by its
+/// remaining parts.
 class PieceTree {
  public:
-  /// One piece.
+  /// Starts with one piece.
   void begin(PieceRange piece) {
     nodes_.assign(1, Node{piece, 0, 0, 0, 1});
     few_.assign(1, piece);
@@ -26,10 +30,10 @@ class PieceTree {
 
   bool empty() const { return nodes_.front().pieces == 0; }
 
-  /// Cuts every piece; true if anything was taken of any. `cut(piece, asked, rest)` appends what is left of a
-  /// piece to `rest`, or returns false if that is all of it. `meets(piece, asked)` may be false only if `cut`
-  /// would be for all that lies within the piece; it may take out of `requested` what need not be asked there
-  /// again.
+  /// Cuts every piece; returns true if any piece changed. `cut(piece, requested, rest)` appends the remaining
+  /// parts of a piece to `rest`, or returns false if the whole piece remains. `meets(piece, requested)` may
+  /// return false only if `cut` would return false for everything within the piece. It may remove bits of
+  /// `requested` that need no further test there.
   template <class Meets, class Cut>
   bool take_away(unsigned requested, const Meets& meets, const Cut& cut) {
     if (listed_) return take_away_from_few(requested, cut);
@@ -78,16 +82,16 @@ class PieceTree {
     PieceRange piece;
     std::uint32_t parent;
     std::uint32_t first, children;  ///< nodes [first, first + children)
-    std::uint32_t pieces;           ///< at or below
+    std::uint32_t pieces;           ///< number of pieces at or below the node
   };
   struct Visit {
     std::uint32_t node;
     unsigned requested;
   };
 
-  /// No more pieces than this are kept in a list: most receivers never have more.
+  /// Up to this number, pieces are stored in a list. Most receivers never have more.
   static constexpr std::size_t few = 6;
-  /// A look at a node costs as much as one at a piece.
+  /// A test of a node costs as much as a test of a piece, so it is made only for nodes with this many pieces.
   static constexpr std::uint32_t worth_a_look = 3;
 
   template <class Cut>
@@ -112,7 +116,7 @@ class PieceTree {
     return taken;
   }
 
-  /// Of a leaf, this is left.
+  /// Replaces a leaf by its remaining parts.
   void replace(std::uint32_t at, const std::vector<PieceRange>& left) {
     if (left.size() == 1) {
       nodes_[at].piece = left.front();
@@ -128,7 +132,7 @@ class PieceTree {
     }
   }
 
-  /// Puts a node's only child that has pieces, if there is but one, in its place: it is smaller.
+  /// Replaces a node by its only child that has pieces, if there is only one. That child is smaller.
   void shorten(std::uint32_t at) {
     while (nodes_[at].children > 0) {
       const Node node = nodes_[at];

@@ -8,7 +8,7 @@
 #include "geometry/mesh/facet_cone.hpp"
 #include "geometry/visibility/closure.hpp"
 
-// Heavy: include only in .cpp files.
+// Expensive to compile: include it only in .cpp files.
 namespace tubefoot {
 
 /// The hash of a sequence of words, integers and facets.
@@ -24,7 +24,7 @@ class TopologyHasher {
     add(limbs * 2 + (mpz_sgn(z) < 0));
     for (std::size_t k = 0; k < limbs; ++k) add(mpz_getlimbn(z, static_cast<mp_size_t>(k)));
   }
-  /// By its corners as seen from the apex, in no order.
+  /// Adds a facet by its corners relative to the apex, independently of their order.
   void add(const FacetMesh& mesh, FacetId facet, GridPoint apex) {
     std::array<GridPoint, 3> key;
     for (int k = 0; k < 3; ++k) key[k] = mesh.vertices[mesh.facets[facet][k]] - apex;

@@ -8,6 +8,9 @@
 
 #include "geometry/visibility/visibility_state.hpp"
 
+// Runs the visibility algorithm for a tube or for a run of neighbouring tubes, with the selected arithmetic.
+// The candidate facets of a run are collected once; a run whose tubes cannot share them is divided in halves.
+
 namespace tubefoot {
 namespace {
 
@@ -17,8 +20,8 @@ constexpr std::array<std::pair<Arithmetic, std::string_view>, 4> arithmetic_name
      {Arithmetic::rational, "rational"},
      {Arithmetic::plain_double, "double"}}};
 
-/// Longer runs share more, but every tube looks through all that its run has gathered. Measured:
-/// docs/performance.md.
+/// Longer runs share more work, but every tube examines all facets that its run has collected. The value
+/// follows from measurements (docs/performance.md).
 constexpr std::uint32_t most_tubes_a_run = 8;
 
 bool share_a_wall(const Tube& a, const Tube& b) {

@@ -13,51 +13,54 @@
 #include "geometry/search/scene_tree.hpp"
 #include "geometry/tubes/tube.hpp"
 
-// Which part of which facet a tube touches first: exactly, as convex pieces named by planes.
-// docs/visibility.md
+// Computes the part of each facet that a tube meets first, exactly, as convex pieces whose corners are named
+// by planes. Facets nearer to the apex are subtracted from each candidate facet, with exact signs of
+// determinants (docs/visibility.md).
 namespace tubefoot {
 
-/// Number types that the one algorithm runs on. The first three see the same regions, always (how those are
-/// cut into pieces may differ, as it does with facets_per_split).
+/// Number types of the algorithm. The first three always give the same visible regions. Their division into
+/// pieces may differ, as it does with facets_per_split.
 enum class Arithmetic { fixed, filtered, rational, plain_double };
 
-/// Name as in scene files and --arithmetic ("double" for plain_double); throws std::invalid_argument.
+/// Returns the arithmetic of a name as in scene files and --arithmetic ("double" for plain_double). Throws
+/// std::invalid_argument.
 Arithmetic arithmetic_from_name(std::string_view name);
 std::string_view name_of(Arithmetic arithmetic);
 
 struct VisibilityOptions {
   Arithmetic arithmetic = Arithmetic::fixed;
-  /// plain_double only: values within this, relative to their factors, count as zero.
+  /// For plain_double only: values within this bound, relative to their factors, count as zero.
   double tolerance = 0;
-  /// A facet that more facets than this may hide is split before they are taken away from it; the visible
-  /// region does not depend on it, only its cut into pieces and the time it takes.
+  /// A facet that more facets than this number may hide is split before they are subtracted. This affects
+  /// only the division into pieces and the computing time, not the visible region.
   std::uint32_t facets_per_split = 64;
-  /// Also find the open water of each tube: what no facet covers (for the closure law).
+  /// Whether to compute the unobstructed region of each tube too, which no facet covers (for the closure
+  /// law).
   bool open_water = false;
 };
 
-/// A convex cone of directions: corners [first, first + count) in TubeVisibility::corners, turning as a
-/// tube's rays.
+/// A convex cone of directions: corners [first, first + count) in TubeVisibility::corners, in the sense of
+/// rotation of a tube's rays.
 struct NamedPiece {
   FacetId facet = 0;
   std::uint32_t first = 0, count = 0;
 };
 
-/// What one tube sees.
+/// The visible pieces of one tube.
 struct TubeVisibility {
   std::vector<CornerName> corners;
   std::vector<NamedPiece> pieces;  ///< sorted by facet
-  std::vector<NamedPiece> open;    ///< open water (facet is meaningless), if asked for
-  /// (facet, facet that took something away from it), sorted, unique.
+  std::vector<NamedPiece> open;    ///< the unobstructed region (facet is undefined), if requested
+  /// Pairs (facet, facet that hides a part of it), sorted, unique.
   std::vector<std::pair<FacetId, FacetId>> occluders;
-  /// Rays that the names refer to: ray r is rays[r & ~ray_bit]. The first four are the tube's own.
+  /// Rays to which the names refer: ray r is rays[r & ~ray_bit]. The first four are the tube's own.
   std::vector<GridPoint> rays;
-  std::size_t candidates = 0;  ///< facets that subtend something within the tube's planes
+  std::size_t candidates = 0;  ///< number of facets that subtend something within the tube's planes
 
   void clear();
 };
 
-/// Buffers that one thread keeps from tube to tube, so that the steady state allocates nothing.
+/// Buffers that one thread reuses from tube to tube, so that repeated calls allocate nothing.
 class VisibilityScratch {
  public:
   VisibilityScratch();
@@ -70,19 +73,34 @@ class VisibilityScratch {
   std::unique_ptr<State> state_;
 };
 
-/// Finds the visible pieces of tube `tube` of `tubes`. `out` is overwritten. By an exact arithmetic:
-/// Law V1 (nearest): a direction lies in a piece of the facet that its ray meets first, or in open water.
-/// Law V2 (arithmetics): every exact arithmetic sees the same regions of the same facets.
-/// Law V3 (order): neither the order of facets, nor that of a facet's vertices, nor the ids of vertices, nor
-///   whether facets share them changes what is seen.
-/// Law V4 (translation): nor does moving scene and apex by a grid vector.
-/// Law V5 (similarity): nor scaling the scene about the apex, nor (but for ties) exchanging the axes.
-/// Law V6 (tubes add up): what the parts of a tube see adds up to what it sees.
-/// Law V7 (facets add up): what is seen of the parts of a facet adds up to what is seen of it.
-/// Law V8 (inner splitting): facets_per_split changes how pieces are cut, not what they cover.
-/// Law V9 (monotone): a facet more uncovers nothing.
-/// Law V10 (walls): nothing is seen behind a surface that covers the tube.
-/// Law V11 (reach): facets wholly beyond the reach are not seen and hide nothing.
+/// Finds the visible pieces of tube `tube` of `tubes`. `out` is overwritten. With an exact arithmetic these
+/// laws hold.
+///
+/// Law V1 (nearest): a direction lies in a piece of the facet that its ray meets first, or in the
+/// unobstructed region.
+///
+/// Law V2 (arithmetics): every exact arithmetic gives the same regions of the same facets.
+///
+/// Law V3 (order): the result does not depend on the order of facets or of a facet's vertices. It does not
+/// depend on the ids of vertices or on whether facets share vertices.
+///
+/// Law V4 (translation): moving scene and apex by a grid vector does not change the result.
+///
+/// Law V5 (similarity): scaling the scene about the apex does not change the result. An exchange of the axes
+/// does not change it either, except at ties.
+///
+/// Law V6 (tubes add up): the visible regions of the parts of a tube add up to that of the tube.
+///
+/// Law V7 (facets add up): the visible regions of the parts of a facet add up to that of the facet.
+///
+/// Law V8 (inner splitting): facets_per_split changes the division into pieces, not the region that they
+/// cover.
+///
+/// Law V9 (monotone): an additional facet makes no hidden region visible.
+///
+/// Law V10 (walls): nothing is visible behind a surface that covers the tube.
+///
+/// Law V11 (reach): facets wholly beyond the reach are not visible and hide nothing.
 void see(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes, std::uint32_t tube,
          const VisibilityOptions& options, VisibilityScratch& scratch, TubeVisibility& out);
 
@@ -91,13 +109,16 @@ struct TubeRun {
   std::uint32_t first = 0, end = 0;
 };
 
-/// The set's tubes as runs of neighbours, in order: each tube of a run shares a wall with the one before it.
-/// Depends on the set alone.
+/// Returns the set's tubes as runs of neighbours, in order. Each tube of a run shares a wall with the
+/// previous one. The result depends on the set alone.
 std::vector<TubeRun> runs_of(const TubeSet& tubes);
 
-/// see() for each tube of a run in turn, `take(tube)` being called when `out` is that tube's. The same
-/// results, bit for bit, in less time if the tubes are neighbours: they gather their facets together.
-/// Law V12 (runs): a tube sees in any run what it sees alone, bit for bit: pieces, their order and names.
+/// Calls see() for each tube of a run in turn, and `take(tube)` when `out` is the result of that tube. The
+/// results are the same, bit for bit. Neighbouring tubes need less time, because they share their candidate
+/// facets.
+///
+/// Law V12 (runs): the result of a tube does not depend on the run, bit for bit: pieces, their order and
+/// names.
 void see_run(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes, TubeRun run,
              const VisibilityOptions& options, VisibilityScratch& scratch, TubeVisibility& out,
              const std::function<void(std::uint32_t)>& take);

@@ -17,15 +17,17 @@
 #include "geometry/visibility/piece_cutter.hpp"
 #include "geometry/visibility/visibility.hpp"
 
-// The visibility algorithm, once for all arithmetics; instantiated in visibility_<arithmetic>.cpp.
-// Steps and their proofs: docs/visibility.md.
+// Computes the visible pieces of one tube, as one template for all arithmetics. It is instantiated in
+// visibility_<arithmetic>.cpp. For each facet that is not certainly hidden, the solver finds the facets that
+// may hide it and subtracts their cones. Depth planes bound these cones where two facets interpenetrate. The
+// page docs/visibility.md describes the steps and their proofs.
 namespace tubefoot {
 
 template <class A>
 class VisibilitySolver : PieceCutter<A> {
  public:
-  /// One thread's work on the tubes that `candidate_facets` was made for, which must outlive it. The solver
-  /// is reused from tube to tube and keeps its buffers.
+  /// Starts one thread's work on the tubes of `candidate_facets`, which must outlive this work. The solver is
+  /// reused from tube to tube and keeps its buffers.
   void begin(const FacetMesh& mesh, GridPoint apex, const CandidateFacets& candidate_facets) {
     mesh_ = &mesh;
     apex_ = apex;
@@ -34,7 +36,7 @@ class VisibilitySolver : PieceCutter<A> {
     folds_.assign(3 * candidate_facets.facets().size(), Fold::unknown);
   }
 
-  /// One tube.
+  /// Computes one tube.
   void run(const A& arithmetic, const VisibilityOptions& options, TubeVisibility& out) {
     arithmetic_ = arithmetic;
     options_ = options;
@@ -74,15 +76,15 @@ class VisibilitySolver : PieceCutter<A> {
     Hides how;
   };
 
-  /// Planes of a facet, made when first needed: most facets never are.
+  /// Planes of a facet, computed when they are first needed. Most facets never need them.
   struct FacetPlanes {
     typename A::Facet facet;
     std::array<ClipPlane<A>, 3> edges;
     std::array<Half<A>, 3> halves;
-    const FourHalves* lanes;  ///< of the halves; null until they are asked for
+    const FourHalves* lanes;  ///< of the halves; null until they are needed
   };
 
-  /// On which sides of the tube's walls a facet's vertices lie: bit 3 w + k for vertex k strictly inside, or
+  /// Sides of the tube's walls on which a facet's vertices lie: bit 3 w + k for vertex k strictly inside, or
   /// outside, wall w.
   struct WallSides {
     std::uint16_t inside = 0, outside = 0;
@@ -91,10 +93,10 @@ class VisibilitySolver : PieceCutter<A> {
   enum class Fold : std::uint8_t { unknown, no, yes };
   static constexpr std::uint32_t absent = 0xffffffffu;
 
-  /// Halvings of a facet's bounds, at most: below that integer rays no longer tell the halves apart.
+  /// Maximum number of halvings of a facet's bounds. Smaller parts are not distinguishable with integer rays.
   static constexpr int deepest_split = 40;
 
-  /// Facets on one edge beyond its first, of which there is more to gain by drop_covered() than to lose.
+  /// Number of facets on one edge beyond the first from which drop_covered() saves more time than it takes.
   static constexpr std::uint32_t crowd = 32;
   static constexpr std::size_t most_covering = 16;
 
@@ -125,7 +127,7 @@ class VisibilitySolver : PieceCutter<A> {
     return {0, 4};
   }
 
-  /// The tube's own of the facets gathered.
+  /// Selects the tube's facets from the candidate facets.
   void gather() {
     const auto& rays = out_->rays;
     const auto inwards = [&](int k) { return CandidateFacets::Wall(cross(rays[k], rays[(k + 1) % 4])); };
@@ -159,7 +161,7 @@ class VisibilitySolver : PieceCutter<A> {
     sides_of_walls_.push_back(sides);
   }
 
-  /// False if some wall of the tube has no vertex strictly inside. Exact.
+  /// Returns false if the facet has no vertex strictly inside some wall of the tube. Exact.
   bool enters_tube(const FacetCone& cone, WallSides& sides) const {
     [[maybe_unused]] std::array<unsigned, 3> at_a_glance{};
     if constexpr (has_lanes)
@@ -225,7 +227,7 @@ class VisibilitySolver : PieceCutter<A> {
             mate = h;
           }
         if (others == crowd) crowded_[f] = 1;
-        // Three facets on an edge: a silhouette of each.
+        // An edge of three facets is a silhouette of each.
         if (others == 0) {
           if (edge_is_outside(f, k)) neighbours_[f][k] = outside_tube;
         } else if (others == 1 && mate > half_edge && unfolded(half_edge, mate)) {
@@ -244,7 +246,8 @@ class VisibilitySolver : PieceCutter<A> {
     return false;
   }
 
-  /// Whether the facets of two half-edges of one edge lie on opposite sides of its plane. Exact.
+  /// Returns whether the facets of two half-edges of one edge lie on opposite sides of the edge's plane.
+  /// Exact.
   bool unfolded(std::uint32_t half_edge, std::uint32_t mate) {
     if (folds_[half_edge] == Fold::unknown || candidate_facets_->rings().next(mate) != half_edge)
       folds_[half_edge] = are_unfolded(half_edge, mate) ? Fold::no : Fold::yes;
@@ -252,7 +255,8 @@ class VisibilitySolver : PieceCutter<A> {
   }
 
   bool are_unfolded(std::uint32_t half_edge, std::uint32_t mate) const {
-    // The first facet lies on the positive side of its edge's plane; the other one must lie on the negative.
+    // The first facet lies on the positive side of its edge's plane. The other one must lie on the negative
+    // side.
     const FacetCone &cone = candidate_facets_->facets()[half_edge / 3].cone,
                     &other = candidate_facets_->facets()[mate / 3].cone;
     const std::uint32_t k = half_edge % 3, next = (k + 1) % 3;
@@ -261,7 +265,7 @@ class VisibilitySolver : PieceCutter<A> {
     return arithmetic_.side(other.point[(mate % 3 + 2) % 3], plane) < 0;
   }
 
-  /// The facet's cone within the tube; false if nothing with an interior is left.
+  /// Computes the facet's cone within the tube. Returns false if nothing with an interior is left.
   bool facet_in_tube(std::uint32_t f, PieceRange& piece) {
     const FacetCone& cone = facets_[f].cone;
     const FacetPlanes& planes = planes_of(f);
@@ -294,7 +298,7 @@ class VisibilitySolver : PieceCutter<A> {
     if (!whole && !facet_in_tube(f, piece)) return;
     find_occluders(f);
     if (whole) {
-      // Most facets of a seabed, of which no plane is needed.
+      // This is the case for most facets of a seabed; it needs no planes.
       if (list_.empty()) return emit_whole(facets_[f].cone);
       facet_in_tube(f, piece);
     }
@@ -311,7 +315,7 @@ class VisibilitySolver : PieceCutter<A> {
     out_->occluders.erase(std::unique(begin, out_->occluders.end()), out_->occluders.end());
   }
 
-  /// Fills list_ with the facets that can hide some of this one: only they are worth a cut.
+  /// Writes the facets that can hide a part of this facet to list_. Only these need to be subtracted.
   void find_occluders(std::uint32_t f) {
     grid_.occluder_candidates(f, candidates_);
     list_.clear();
@@ -320,9 +324,9 @@ class VisibilitySolver : PieceCutter<A> {
     if (crowded_[f]) drop_covered();
   }
 
-  /// Takes out of list_ what lies within the cone of another of its facets that hides all it covers, as far
-  /// as a few large ones tell: of thousands of facets about one edge nearly all do. What is left hides the
-  /// same.
+  /// Removes facets from list_ that lie within the cone of another one that hides everything it covers. Only
+  /// a few large facets are tested as covers; of thousands of facets around one edge they cover nearly all.
+  /// The remaining facets hide the same region.
   void drop_covered() {
     const auto size = [this](std::uint32_t k) {
       const FramedFacet& facet = facets_[list_[k].facet];
@@ -337,7 +341,7 @@ class VisibilitySolver : PieceCutter<A> {
     covered_.assign(list_.size(), 0);
     covering_.clear();
     for (const auto& [area, k] : largest_first_) {
-      if (area < 0) break;  // what reaches behind the apex has no place in the plane
+      if (area < 0) break;  // a facet that extends behind the apex has no position in the plane
       const auto& [facet, how] = list_[k];
       covered_[k] = std::any_of(covering_.begin(), covering_.end(), [&, inner = facet](std::uint32_t outer) {
         return surely_covers(facets_[outer], facets_[inner]);
@@ -351,8 +355,8 @@ class VisibilitySolver : PieceCutter<A> {
     list_.resize(kept);
   }
 
-  /// What no facet covers, found without regard to depth or to what else was found: the closure law's other
-  /// half.
+  /// Computes the unobstructed region, which no facet covers. The computation ignores depth and the visible
+  /// pieces, so that it is an independent part of the closure law.
   void find_open_water() {
     receiver_ = none;
     list_.clear();
@@ -360,9 +364,9 @@ class VisibilitySolver : PieceCutter<A> {
     carve(tube_, 0, list_.size(), frame_.tube(), 0);
   }
 
-  /// Takes the facets list_[begin, end) away from a piece, or, if they are many and lie apart, from its two
-  /// halves separately: a large facet behind many small ones would otherwise be cut up across its whole width
-  /// again and again.
+  /// Subtracts the facets list_[begin, end) from a piece. If the facets are many and spread over the piece,
+  /// the function processes the two halves of the piece separately. Otherwise a large facet behind many small
+  /// ones would be cut across its whole width again and again.
   void carve(PieceRange piece, std::size_t begin, std::size_t end, Bounds box, int depth) {
     if (end - begin > options_.facets_per_split && depth < deepest_split && box.is_finite() &&
         split(piece, begin, end, box, depth))
@@ -426,7 +430,7 @@ class VisibilitySolver : PieceCutter<A> {
       positive += mask & 1;
       negative += mask >> 1;
     }
-    // Facets that pile up in the same place are not set apart by splitting: clip them where they are.
+    // Splitting does not separate facets that overlap in one place. They are subtracted without a split.
     const std::size_t count = end - begin;
     if (positive + negative > count * 3 / 2 && std::max(positive, negative) > count * 9 / 10) return undo();
     if (sides_of(piece, half) != 3) return undo();
@@ -450,15 +454,15 @@ class VisibilitySolver : PieceCutter<A> {
     return true;
   }
 
-  /// On which half of the box the split plane's positive side lies: tells the children's boxes apart, no
-  /// more.
+  /// Returns whether the positive side of the split plane is the lower half of the box. The result only
+  /// assigns boxes to the two parts.
   bool positive_is_low(Half<A> half, bool across, double xm, double ym, const Bounds& box) const {
     const double x = across ? (box.x0 + xm) / 2 : xm, y = across ? ym : (box.y0 + ym) / 2;
     return half.sign * arithmetic_.side(integer_ray(frame_.direction({x, y})), half.plane->plane) > 0;
   }
 
-  /// Which way `occluder` can hide `receiver`, from the sides of vertices alone: it hides where it covers,
-  /// only on the near side of the depth plane, or not at all.
+  /// Returns how `occluder` can hide `receiver`, from the sides of vertices alone. It hides the receiver
+  /// wherever it covers it, only on the near side of the depth plane, or not at all.
   Hides hides(std::uint32_t receiver, std::uint32_t occluder) {
     bool near = false, far = false;
     sort_vertices(receiver, occluder, near, far);
@@ -473,7 +477,7 @@ class VisibilitySolver : PieceCutter<A> {
     return receiver_near ? Hides::where_nearer : Hides::where_covered;
   }
 
-  /// Whether `facet` has vertices nearer and farther than the plane of `reference`.
+  /// Determines whether `facet` has vertices nearer and farther than the plane of `reference`.
   void sort_vertices(std::uint32_t reference, std::uint32_t facet, bool& near, bool& far) {
     const typename A::Facet& plane = planes_of(reference).facet;
     const FacetCone &own = facets_[reference].cone, &other = facets_[facet].cone;
@@ -514,24 +518,26 @@ class VisibilitySolver : PieceCutter<A> {
   const FacetMesh* mesh_ = nullptr;
   GridPoint apex_;
   const CandidateFacets* candidate_facets_ = nullptr;
-  std::vector<std::uint32_t> place_;  ///< by gathered facet: its index in facets_, or absent
-  std::vector<Fold> folds_;           ///< by half-edge of the gathering
+  std::vector<std::uint32_t> place_;  ///< per candidate facet: its index in facets_, or absent
+  std::vector<Fold> folds_;           ///< per half-edge of the candidate facets
   VisibilityOptions options_;
   TubeVisibility* out_ = nullptr;
   GnomonicFrame frame_;
   PieceRange tube_;
-  std::uint32_t receiver_ = none;  ///< facet at hand; nobody: open water
+  std::uint32_t receiver_ = none;  ///< current facet; none: the unobstructed region
   std::vector<FramedFacet> facets_;
-  std::vector<WallSides> sides_of_walls_;  ///< by facet
-  std::vector<std::uint32_t> gathered_;    ///< by facet: its index in the gathering (not for hidden ones)
-  std::vector<FacetPlanes*> planes_;       ///< by facet; null until they are made
+  std::vector<WallSides> sides_of_walls_;  ///< per facet
+  std::vector<std::uint32_t>
+      gathered_;                      ///< per facet: its index in the candidate facets (not for hidden ones)
+  std::vector<FacetPlanes*> planes_;  ///< per facet; null until they are computed
   ReusedList<FacetPlanes> made_planes_;
   std::vector<Neighbours> neighbours_;
-  std::vector<std::uint8_t> crowded_;  ///< by facet: whether more than `crowd` others share an edge of it
+  std::vector<std::uint8_t>
+      crowded_;  ///< per facet: whether at least `crowd` other facets share an edge of it
   std::vector<std::pair<double, std::uint32_t>> largest_first_;
-  std::vector<std::uint8_t> covered_;    ///< by place in list_
-  std::vector<std::uint32_t> covering_;  ///< facets
-  FourHalves wall_lanes_, depth_lanes_;  ///< of the tube; of the occluder at hand and its depth plane
+  std::vector<std::uint8_t> covered_;    ///< per place in list_
+  std::vector<std::uint32_t> covering_;  ///< numbers of facets
+  FourHalves wall_lanes_, depth_lanes_;  ///< of the tube; of the current occluder with its depth plane
   ReusedList<FourHalves> lanes_;         ///< of occluders
   LayerGrid grid_;
   std::vector<std::uint32_t> candidates_;

@@ -4,16 +4,16 @@
 #include "geometry/visibility/candidate_facets.hpp"
 #include "geometry/visibility/visibility.hpp"
 
-// One solver per arithmetic, each in a translation unit of its own: heavy number types stay out of the
-// others.
+// One solver per arithmetic, each in a separate translation unit. The other units do not include the header
+// files of its number types.
 namespace tubefoot {
 
 class TubeSolver {
  public:
   virtual ~TubeSolver() = default;
-  /// A new gathering, for the runs that follow; it must outlive them.
+  /// Starts the following runs with new candidate facets, which must outlive them.
   virtual void begin(const FacetMesh& mesh, GridPoint apex, const CandidateFacets& candidate_facets) = 0;
-  /// One tube of those gathered for: out.rays holds its rays.
+  /// Computes one tube of those that share the candidate facets. out.rays has its rays.
   virtual void run(const VisibilityOptions& options, TubeVisibility& out) = 0;
 };
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Python bindings of coverage: computes the coverage of the facets by the chosen pings. Exposes it as
+// columns, one row per facet, and as a picture.
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
@@ -18,18 +20,18 @@ namespace tubefoot::python {
 namespace py = pybind11;
 namespace {
 
-/// What some pings see of a scene's facets.
+/// Coverage of the facets of a scene by some pings.
 struct NativeCoverage {
   std::shared_ptr<const Survey> survey;
   std::string title;
   std::vector<CountedPing> pings;
   CoverageTotals totals;
   std::optional<CoveragePicture> picture;
-  // A row a facet that was met.
+  // One row per facet that a ping sees.
   std::vector<std::uint32_t> facet, most_pings;
   std::vector<std::uint16_t> component, material;
   std::array<std::vector<double>, facet_reals.size()> reals;
-  // A row a facet and number of pings.
+  // One row per facet and number of pings.
   std::vector<std::uint32_t> depth_facet, depth_pings;
   std::vector<double> depth_share;
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Python bindings of echo files and result folders: opens them and exposes their variables, attributes and
+// labels as arrays.
 #include <fmt/format.h>
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
@@ -22,7 +24,7 @@ py::array table(const std::vector<double>& values, const std::vector<std::size_t
   return view(values.data(), std::move(shape), std::move(strides), owner);
 }
 
-/// Of a folder that a run wrote: the files that it must and may have.
+/// Files of the folder of a run: the required echo file and the optional statistics.
 struct ResultFiles {
   fs::path echoes;
   std::optional<fs::path> statistics;

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Python bindings of footprints: traces the chosen pings of a sensor and exposes the columns and corners of
+// the footprints as arrays.
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
@@ -16,7 +18,7 @@ namespace tubefoot::python {
 namespace py = pybind11;
 namespace {
 
-/// Footprints of a sensor's pings, and where they lie.
+/// Footprints of the pings of a sensor.
 struct NativeFootprints {
   std::shared_ptr<const Survey> survey;
   std::string sensor;
@@ -55,7 +57,7 @@ std::shared_ptr<NativeFootprints> footprints(NativeScene& scene, const std::stri
   return result;
 }
 
-/// Name, unit, meaning and values of each column.
+/// Returns name, unit, meaning and values of each column.
 py::list columns(const py::object& self) {
   const FootprintTable& table = self.cast<const NativeFootprints&>().table;
   py::list all;
@@ -70,7 +72,7 @@ py::list columns(const py::object& self) {
   return all;
 }
 
-/// Corners in the scene's CRS; as they are without one.
+/// Returns the corners in the coordinate reference system of the scene, or unchanged if it has none.
 py::array map_corners(const NativeFootprints& self) {
   const FootprintPlace place(self.survey->scene);
   std::vector<double> corners;

@@ -36,7 +36,7 @@ std::shared_ptr<NativePicture> picture(const NativeResult& result, std::size_t s
   return made;
 }
 
-/// (height, width, 3) uint8.
+/// Returns an array (height, width, 3) of uint8.
 py::array pixels(const NativePicture& self) {
   const std::span<const float> components = self.canvas.components();
   std::vector<std::uint8_t> bytes(components.size());

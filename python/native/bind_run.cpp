@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Python bindings of runs: computes a run in memory and optionally writes a result folder. Exposes
+// energies, labels and signals as views, and passes warnings on to Python.
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
@@ -41,14 +43,14 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// Warnings on their way to Python, which receives them from the thread that has its lock.
+/// Queue of warnings for Python, which receives them from the thread that holds the interpreter lock.
 class Warnings {
  public:
   void add(const std::string& warning, bool is_silence) {
     const std::scoped_lock lock(mutex_);
     waiting_.emplace_back(warning, is_silence);
   }
-  /// Tells those that nobody was told, with the lock.
+  /// Passes the new warnings on; the caller holds the interpreter lock.
   void tell(const py::object& image_receiver) {
     std::vector<std::pair<std::string, bool>> now;
     {
@@ -63,7 +65,7 @@ class Warnings {
   std::vector<std::pair<std::string, bool>> waiting_;
 };
 
-/// What `tubefoot run` does, into memory and, if asked to, into a folder.
+/// Computes a run as `tubefoot run` does, in memory and, on request, into a folder.
 std::shared_ptr<NativeResult> compute(SceneDescription description, const RunOptions& options,
                                       const std::shared_ptr<const OwnEngine>& own, RunWatch& watch,
                                       Warnings& told) {
@@ -158,7 +160,7 @@ std::shared_ptr<NativeResult> run(const NativeScene& scene, const py::dict& opti
   return result;
 }
 
-/// Energies of a channel: shape (pings, beams, samples), a view.
+/// Returns a view of the energies of a channel, of shape (pings, beams, samples).
 py::array channel(const py::object& self, std::size_t sensor, std::size_t channel) {
   const Recording& r = self.cast<const NativeResult&>().recordings.at(sensor);
   const auto beams = py::ssize_t(r.sensor->beams().size()), samples = py::ssize_t(r.sensor->samples().count);
@@ -204,7 +206,8 @@ py::dict arrays_of(const py::object& self, std::size_t sensor) {
   return arrays;
 }
 
-/// Whose the energies of a sensor are, by the names of echoes.nc, ping first; None where nobody asked.
+/// Returns the labels of the energies of a sensor under the names of echoes.nc, with ping as the first
+/// axis. Returns None if labels were not requested.
 py::object label_recording_of(const py::object& result, std::size_t sensor) {
   const auto& self = result.cast<const NativeResult&>();
   if (self.read) return read_labels(result, sensor);
@@ -244,7 +247,8 @@ py::object label_recording_of(const py::object& result, std::size_t sensor) {
   return arrays;
 }
 
-/// What the elements of a sensor received; None of a file, and of sensors that record energies alone.
+/// Returns the signals of the elements of a sensor. Returns None for a file and for sensors that record
+/// only energies.
 py::object signals_of(const NativeResult& self, std::size_t sensor) {
   if (self.read) return py::none();
   const Recording& r = self.recordings.at(sensor);
@@ -253,7 +257,7 @@ py::object signals_of(const NativeResult& self, std::size_t sensor) {
 }
 
 py::dict axes_of(const NativeResult& self, std::size_t sensor) {
-  if (self.read) return {};  // among its arrays
+  if (self.read) return {};  // the arrays of a file include its axes
   const Recording& r = self.recordings.at(sensor);
   py::dict axes;
   std::vector<double> azimuth, elevation, azimuth_width, elevation_width;

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Python bindings of scenes: reads scene files and scene texts with meshes from arrays, loads them, and
+// exposes facets, materials, pings and warnings.
 #include <fmt/format.h>
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
@@ -20,7 +22,8 @@ namespace {
 using Points = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Corners = py::array_t<std::uint32_t, py::array::c_style | py::array::forcecast>;
 
-/// Facets of a component, of shape (n, 3) and (m, 3); the package has seen to that.
+/// Returns the mesh of a component from arrays of shape (n, 3) and (m, 3); the Python package checks the
+/// shapes.
 std::shared_ptr<const ComponentMesh> component(const Points& vertices, const Corners& facets,
                                                const SourcePlace& place) {
   auto mesh = std::make_shared<ComponentMesh>();
@@ -78,7 +81,7 @@ std::vector<std::string> names_of(const std::vector<T>& described) {
   return names;
 }
 
-/// As `tubefoot check` has them, each with whether it is of a sensor that receives nothing.
+/// Returns the warnings of `tubefoot check`. The flag marks warnings about sensors without returns.
 std::vector<std::pair<std::string, bool>> warnings_of(const Survey& survey) {
   std::vector<std::pair<std::string, bool>> all;
   const auto add = [&](const std::vector<std::string>& warnings) {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Python bindings of element signals: exposes the signals of a run or a file as complex arrays. It computes
+// signals of points, and applies beamforming, focusing and matched filters.
 #include <pybind11/complex.h>
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
@@ -24,7 +26,8 @@ using Complexes = py::array_t<Complex, py::array::c_style | py::array::forcecast
 
 using Shared = std::shared_ptr<NativeSignals>;
 
-/// Values of an array of that shape, in a row; `what` opens the message about another.
+/// Returns the values of an array of that shape in sequence. `what` begins the error message for another
+/// shape.
 std::vector<double> values_of(const Reals& array, std::size_t width, const std::string& what) {
   const bool fits =
       width == 0 ? array.ndim() == 1 : array.ndim() == 2 && std::size_t(array.shape(1)) == width;
@@ -71,7 +74,7 @@ ApertureWindow window_of(const std::string& model, double side_lobe_db, int near
                               "' is not known; there are uniform, hann, hamming, taylor, chebyshev");
 }
 
-/// A complex array that owns its values.
+/// Returns a complex array that owns its values.
 py::array complex_array(std::vector<Complex> values, const std::vector<py::ssize_t>& shape) {
   auto* kept = new std::vector<Complex>(std::move(values));
   const py::capsule owner(kept, [](void* memory) { delete static_cast<std::vector<Complex>*>(memory); });

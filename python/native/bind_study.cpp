@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Python bindings of studies: compares echoes, measures work-precision charts that may include engines in
+// Python, and gives advice on settings.
 #include <pybind11/stl.h>
 
 #include <algorithm>
@@ -26,7 +28,7 @@ namespace tubefoot::python {
 namespace py = pybind11;
 namespace {
 
-/// An echo file, or a result as one would be read back.
+/// An echo file by name, or a result that is converted as if read from a file.
 using Echoes = std::variant<std::shared_ptr<NativeResult>, std::string>;
 
 std::shared_ptr<const EchoContents> contents_of(const Echoes& echoes, const std::string& called) {
@@ -47,9 +49,9 @@ std::string compare(const Echoes& first, const Echoes& second, const std::option
 
 struct ChartRequest {
   std::vector<std::shared_ptr<NativeScene>> scenes;
-  std::vector<std::string> builtin;  ///< tube, ray
+  std::vector<std::string> builtin;  ///< names of engines: tube, ray
   std::vector<std::pair<std::string, py::object>> own;
-  std::string output;  ///< may be empty
+  std::string output;  ///< folder; empty for none
   std::string pings = "0";
   int repeats = 3;
   double seconds = 4;
@@ -71,7 +73,7 @@ std::vector<Trial> chart(const ChartRequest& request, RunWatch& watch) {
   }
   std::optional<OutputFolder> output;
   if (!request.output.empty()) output.emplace(request.output, inputs);
-  const ThreadLimit one_thread(1);  // so that a setting's seconds do not depend on what else runs
+  const ThreadLimit one_thread(1);  // the seconds of a setting do not depend on other threads
   watch.total = request.scenes.size() * (settings_of(request.builtin, 1).size() + request.own.size());
   const auto step = [&watch] {
     ++watch.pings;
@@ -132,7 +134,7 @@ std::vector<py::dict> chart_from_python(const py::dict& requested, const py::obj
   return rows;
 }
 
-/// What advice is given on, and how it reads, as `tubefoot advise --json`.
+/// Returns advice as the text of `tubefoot advise --json`.
 std::string advise_from_python(const NativeScene& scene, const std::string& tolerance,
                                const std::string& pings, std::size_t trial_pings,
                                std::optional<int> threads) {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Python bindings of single transmissions: exposes tubes, beams, poses and traced footprints as arrays, for
+// engines in Python.
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
@@ -38,7 +40,7 @@ py::array range_edges(const NativeTransmission& transmission) {
   return array_of(edges);
 }
 
-/// A value of each of the transmission's beams.
+/// Returns one value per beam of the transmission.
 template <class Value>
 py::array by_beam(const NativeTransmission& transmission, Value value) {
   std::vector<double> values;
@@ -47,7 +49,7 @@ py::array by_beam(const NativeTransmission& transmission, Value value) {
   return array_of(values);
 }
 
-/// Of each beam's fan; none with one receiver.
+/// Returns the baseline of the receiver pair of each beam; None for a single receiver.
 py::object receiver_pairs(const NativeTransmission& transmission) {
   const std::size_t number = transmission.which().transmission;
   const BeamPatterns patterns = transmission.sensor().patterns(transmission.receiver_pose(),

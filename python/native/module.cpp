@@ -15,8 +15,9 @@ namespace py = pybind11;
 
 namespace {
 
-/// The exceptions are Python's own classes (tubefoot/_errors.py), so that they have a place and can be
-/// pickled; their texts are those of the command line in Python's words.
+/// Raises C++ exceptions as the classes of tubefoot/_errors.py. These classes are defined in Python, so
+/// that they have a source place and can be pickled. Their texts are those of the command line in the terms
+/// of Python.
 void translate(std::exception_ptr raised) {
   const auto raise = [](const char* name, const char* text, const auto&... arguments) {
     const py::module_ errors = py::module_::import("tubefoot._errors");
@@ -34,16 +35,16 @@ void translate(std::exception_ptr raised) {
   }
 }
 
-/// In the place of the function that makes an object of a class.
+/// Replaces the constructor function of a class.
 PyObject* made_by_functions_alone(PyTypeObject* type, PyObject*, PyObject*) {
   PyErr_Format(PyExc_TypeError, "%.200s: only functions of tubefoot make objects of this class",
                type->tp_name);
   return nullptr;
 }
 
-/// Keeps Python from making objects of the module's classes without anything in them, and from giving an
-/// object another class: pybind11 would hand memory that nobody has initialised to the first function that is
-/// called with such an object. pybind11 itself makes objects without the function that is replaced here.
+/// Prevents Python from creating objects of the classes of the module without contents, and from changing the
+/// class of an object. The next function that receives such an object would get uninitialised memory from
+/// pybind11. The library pybind11 itself creates objects without the function that is replaced here.
 void close_classes(const py::module_& module) {
   for (const auto& [name, item] : py::dict(module.attr("__dict__"))) {
     if (!PyType_Check(item.ptr())) continue;
@@ -53,7 +54,8 @@ void close_classes(const py::module_& module) {
       throw py::type_error(called + ": only functions of tubefoot make objects of this class");
     });
     item.attr("__new__") = py::staticmethod(refuse);
-    // Also for those who call __new__ of a base. Python compares this function with that of the base.
+    // Also covers calls of __new__ of a base class, because Python compares this function with that of the
+    // base.
     type->tp_new = made_by_functions_alone;
 #if PY_VERSION_HEX >= 0x030A0000
     type->tp_flags |= Py_TPFLAGS_IMMUTABLETYPE;

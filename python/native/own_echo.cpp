@@ -12,7 +12,7 @@ namespace tubefoot::python {
 namespace py = pybind11;
 
 std::shared_ptr<const OwnEngine> own_engine(const std::string& name, const py::object& function) {
-  // Engines are made and let go of by threads that need not hold the interpreter's lock.
+  // Threads that do not hold the interpreter lock create and release engines.
   const py::gil_scoped_acquire outer;
   const std::shared_ptr<py::object> held(new py::object(function), [](py::object* object) {
     const py::gil_scoped_acquire inner;

@@ -10,9 +10,9 @@
 
 namespace tubefoot::python {
 
-/// An engine that calls `function` with a Transmission and takes the float64 array that it returns, of shape
-/// (beams of the transmission, samples), or (4, beams, samples) with two receivers. The package has seen to
-/// shape and values. Callable with or without the interpreter's lock.
+/// Returns an engine that calls `function` with a Transmission. The function returns a float64 array of
+/// shape (beams of the transmission, samples), or (4, beams, samples) for two receivers. The Python package
+/// checks shape and values. The engine can be called with or without the interpreter lock.
 std::shared_ptr<const OwnEngine> own_engine(const std::string& name, const pybind11::object& function);
 
 }  // namespace tubefoot::python

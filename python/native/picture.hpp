@@ -7,7 +7,7 @@
 
 namespace tubefoot::python {
 
-/// A drawn picture, and what its file says that it shows.
+/// A drawn picture and its title.
 struct NativePicture {
   Canvas canvas;
   std::string title;

@@ -16,29 +16,30 @@
 
 namespace tubefoot::python {
 
-/// A finished run, or what one wrote, read back: everything that its arrays point into.
+/// A finished run, or an echo file that was read. It owns the memory of its arrays.
 struct NativeResult {
-  // Of a run:
+  // For a run:
   std::shared_ptr<const Survey> survey;
   std::shared_ptr<PingStore> store;
   std::vector<Recording> recordings;
-  std::vector<LabelRecording> label_recordings;  ///< none unless asked for
+  std::vector<LabelRecording> label_recordings;  ///< empty unless requested
   Provenance provenance;
-  // Of an echo file:
-  std::shared_ptr<const WholeEchoFile> read;  ///< null: of a run
-  // Of both:
+  // For an echo file:
+  std::shared_ptr<const WholeEchoFile> read;  ///< null for a run
+  // For both:
   std::string statistics;  ///< JSON
   std::vector<std::string> warnings;
 };
 
-/// What of a result is compared, as an echo file of it would say, which is called `called`.
+/// Returns the contents of a result as if read from an echo file with the name `called`.
 std::shared_ptr<const EchoContents> contents_of(const NativeResult& result, const std::string& called);
 
-/// What an echo file has of a sensor: every variable by its name, and what it says of each of those that
-/// SensorEchoes does not know: dimensions, units and meaning.
+/// Returns the variables of a sensor in an echo file by name. read_attributes() returns the dimensions,
+/// units and meaning of those that SensorEchoes lacks.
 pybind11::dict read_arrays(const pybind11::object& result, std::size_t sensor);
 pybind11::dict read_attributes(const NativeResult& result, std::size_t sensor);
-/// Whose each energy is, of a file that says so; names as `flag_meanings` has them. Else None.
+/// Returns the labels of the energies if the file has them, with names as in `flag_meanings`; otherwise
+/// None.
 pybind11::object read_labels(const pybind11::object& result, std::size_t sensor);
 pybind11::dict dimensions_of(const NativeResult& result, std::size_t sensor);
 

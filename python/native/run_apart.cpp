@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Runs work on a separate thread while the calling thread of Python handles signals, progress and warnings.
+// A stop request reaches all threads that take part in the work.
 #include "run_apart.hpp"
 
 #include <hdf5.h>
@@ -18,7 +20,7 @@ namespace tubefoot::python {
 namespace py = pybind11;
 namespace {
 
-/// Tells whoever takes part in an arena's work what may stop it.
+/// Passes a stop flag on to every thread that enters an arena.
 class StopTeller : public tbb::task_scheduler_observer {
  public:
   StopTeller(tbb::task_arena& arena, const std::atomic<bool>& stop)
@@ -33,7 +35,7 @@ class StopTeller : public tbb::task_scheduler_observer {
   const std::atomic<bool>& stop_;
 };
 
-/// Lets `stop` stop what this thread does, and what others do for it.
+/// Makes the work of this thread, and of threads that help it, stop on request of `stop`.
 class Stoppable {
  public:
   explicit Stoppable(const std::atomic<bool>& stop) : teller_(arena_, stop) {
@@ -78,8 +80,9 @@ void run_apart(RunWatch& watch, const py::object& progress, const std::function<
   {
     const py::gil_scoped_release released;
     std::thread worker([&] {
-      // HDF5 tells each thread's errors on stderr by itself; netCDF, which looks for things that may be
-      // missing, hushes it in the thread that used it first, which may be Python's.
+      // HDF5 prints errors of each thread on stderr by default. The library netCDF probes for optional
+      // objects and disables these messages. It does so only in the thread that used it first, which may
+      // belong to Python.
       H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
       try {
         const Stoppable stoppable(stop);
@@ -87,7 +90,8 @@ void run_apart(RunWatch& watch, const py::object& progress, const std::function<
       } catch (...) {
         failure = std::current_exception();
       }
-      // What HDF5 keeps of them goes with the thread otherwise, and it looks for it as the process ends.
+      // Clears the errors that HDF5 stores for this thread. Otherwise they are freed with the thread, and
+      // HDF5 accesses them at the end of the process.
       H5Eclear2(H5E_DEFAULT);
       const std::scoped_lock lock(mutex);
       done = true;

@@ -9,11 +9,12 @@
 
 namespace tubefoot::python {
 
-/// Does `work` on a thread of its own, without the interpreter's lock, while this thread looks for signals
-/// and tells `progress` (None, or called with the pings finished and all pings). Ctrl-C, and whatever
-/// `progress` throws, stops the work (geometry/steps/stop.hpp) and is raised once it has ended. Else throws
-/// what the work throws. `look` is called with the lock as well, now and then and at the end, and may throw
-/// as `progress` may.
+/// Executes `work` on a separate thread without the interpreter lock. Meanwhile this thread checks for
+/// signals and calls `progress` (None, or called with the numbers of finished and of all pings).
+///
+/// Ctrl-C, or an exception of `progress`, stops the work (geometry/steps/stop.hpp) and is raised after its
+/// end. Otherwise the function throws the exception of the work. It also calls `look` with the lock held,
+/// repeatedly and at the end. `look` may throw as `progress` may.
 void run_apart(
     RunWatch& watch, const pybind11::object& progress, const std::function<void()>& work,
     const std::function<void()>& look = [] {});

@@ -9,12 +9,13 @@
 
 namespace tubefoot::python {
 
-/// A described scene, and, once somebody looks at it, the loaded one.
+/// A scene description, and the loaded scene after the first access.
 class NativeScene {
  public:
   explicit NativeScene(SceneDescription description) : description_(std::move(description)) {}
   const SceneDescription& description() const { return description_; }
-  /// Loaded at the first call. Throws as open_survey(). Not to be called with the interpreter's lock held.
+  /// Loads the scene at the first call. Throws as open_survey() does. The caller must not hold the
+  /// interpreter lock.
   std::shared_ptr<const Survey> survey();
 
  private:

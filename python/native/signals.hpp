@@ -5,7 +5,7 @@
 
 namespace tubefoot::python {
 
-/// What elements receive: what arrays in Python point into.
+/// Signals of elements. They own the memory of arrays in Python.
 struct NativeSignals {
   ElementSignals signals;
 };

@@ -10,8 +10,8 @@
 namespace tubefoot::python {
 namespace {
 
-/// The request, of a transmission that there is and that can be traced by itself. A transmission needs no
-/// function to compute echoes, which might hold it in turn.
+/// Returns the request for an existing transmission that can be traced separately. Removes the function
+/// that computes echoes, because it might refer to the transmission and form a cycle.
 RunRequest checked(const Survey& survey, RunRequest request, const ReceivedTransmission& which) {
   const SensorPings& pings = survey.sensors.at(which.sensor);
   const std::string& name = pings.sensor->description().name;

@@ -11,26 +11,27 @@
 
 namespace tubefoot::python {
 
-/// A transmission as one sensor receives it.
+/// A transmission as received by one sensor.
 struct ReceivedTransmission {
   std::size_t sensor = 0, ping = 0, transmission = 0;
 };
 
 class NativeTransmission;
 
-/// What one transmission met, with all that its arrays point into.
+/// Footprints of one transmission. It owns the memory of its arrays.
 struct NativeHistory {
   std::shared_ptr<const NativeTransmission> transmission;
   FootprintSet footprints;
-  std::vector<std::uint32_t> receive_tube;  ///< by footprint: the tube itself, unless the receiver is apart
-  std::vector<double> receive_distance_m;   ///< of the receiver from the facet's plane
+  /// By footprint; equal to the tube, unless the receiver is separate.
+  std::vector<std::uint32_t> receive_tube;
+  std::vector<double> receive_distance_m;  ///< distance of the receiver from the plane of the facet
 };
 
-/// One transmission of one sensor, where terrain is read by tiles with those that it needs: its ground, its
-/// tubes and how it listens.
+/// One transmission of one sensor: its surface mesh, its tubes and its receive beams. Terrain that is read
+/// by tiles includes the tiles that the transmission needs.
 class NativeTransmission : public std::enable_shared_from_this<NativeTransmission> {
  public:
-  /// Throws UsageError where there is no such transmission.
+  /// Throws UsageError if the transmission does not exist.
   NativeTransmission(const Survey& survey, const RunRequest& request, ReceivedTransmission which);
 
   const Survey& survey() const { return transmissions_.survey(); }
@@ -39,7 +40,7 @@ class NativeTransmission : public std::enable_shared_from_this<NativeTransmissio
   const Sensor& sensor() const { return *pings().sensor; }
   const Pose& pose() const { return transmission_.pose(); }
   const Pose& receiver_pose() const { return transmission_.receiver_pose(); }
-  /// Of facets that both ends see: where the transmitter sees them.
+  /// Mesh of the facets that both ends see, at the positions that the transmitter sees.
   const FacetMesh& mesh() const { return ends_.shared_mesh(); }
   const TransmissionEnds& ends() const { return ends_; }
   const TubeSet& tubes() const { return ends_.tx().tubes; }
@@ -47,17 +48,18 @@ class NativeTransmission : public std::enable_shared_from_this<NativeTransmissio
   const std::vector<glm::dvec3>& vertices_m() const;
   glm::dvec3 metres(GridPoint apex) const { return survey().scene.grid.to_metres(apex); }
 
-  /// Visible footprints, measured, by the exact engine in the arithmetic that the scene names; with a
-  /// separate receiver, those of both ends.
+  /// Returns the measured visible footprints of the exact engine, in the arithmetic of the scene. With a
+  /// separate receiver, they are those that both ends see.
   std::shared_ptr<NativeHistory> trace() const;
 
  private:
   const ReceivedTransmission which_;
   const Transmissions transmissions_;
-  const Transmission transmission_;  ///< whose ground is made already, so that threads may share it
+  /// Its surface mesh exists already, so that threads may share the transmission.
+  const Transmission transmission_;
   const TransmissionEnds ends_;
   mutable std::once_flag vertices_made_;
-  mutable std::vector<glm::dvec3> vertices_m_;  ///< of facets of its own
+  mutable std::vector<glm::dvec3> vertices_m_;  ///< vertices of a mesh of its own
 };
 
 }  // namespace tubefoot::python

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Forms images by back-projection. A pixel is the weighted sum, over pings and receivers, of the signal at
+// the exact two-way delay. The phase of that delay is removed. The formula is in back_projection.hpp.
+
 #include "sensors/beamforming/back_projection.hpp"
 
 #include <fmt/format.h>
@@ -26,7 +29,7 @@ std::vector<double> all_weights(const std::vector<double>& requested, std::size_
   return requested;
 }
 
-/// What all pixels need of a ping.
+/// Data of a ping that all pixels share.
 struct PingPath {
   PlaceMotion transmitter;
   std::vector<PlaceMotion> receivers;
@@ -65,7 +68,7 @@ class Projector {
   }
 
  private:
-  /// Of what a ping is away from a point, the part forward of it: sine of the angle from abeam.
+  /// Absolute sine of the angle from abeam at which a ping sees a point.
   double forward_of(std::size_t ping, glm::dvec3 point) const {
     const glm::dvec3 there = point - ways_[ping].centre_m;
     const double length = glm::length(there);

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Receive beams of an array by delay-and-sum, in time or by phases in the spectrum, and their energies by
+// range sample. The formulas are in beams.hpp.
+
 #include "sensors/beamforming/beams.hpp"
 
 #include <fmt/format.h>
@@ -23,7 +26,7 @@ void require(bool holds, const std::string& what) {
   if (!holds) throw std::invalid_argument(what);
 }
 
-/// Steering with weights that sum to 1 and directions of length 1.
+/// The steering with weights that sum to 1 and directions of length 1.
 BeamSteering normalised(const ElementSignals& signals, std::size_t ping, BeamSteering steering) {
   check(signals);
   require(ping < signals.pings(), fmt::format("ping {} is asked for, there are {}", ping, signals.pings()));
@@ -45,7 +48,7 @@ BeamSteering normalised(const ElementSignals& signals, std::size_t ping, BeamSte
   return steering;
 }
 
-/// How much later than by the reference place a receiver receives what comes from afar.
+/// Delay of a far arrival at a receiver, relative to the reference position.
 double far_delay_s(const ElementSignals& signals, const BeamSteering& steering, std::size_t beam,
                    std::size_t receiver) {
   const glm::dvec3 offset = signals.array.transmitter_m - steering.reference_m +
@@ -129,7 +132,7 @@ std::vector<Complex> phase_and_sum(const ElementSignals& signals, std::size_t pi
                       "array, longer than the "
                       "record: place the receivers nearer to each other",
                       longest_s));
-  // Behind the record as many zeros as anything moves: nothing comes round from the other end.
+  // Appends as many zeros as the longest shift, so that the cyclic transform does not wrap samples around.
   const SignalTransform transform(signals.samples() +
                                   static_cast<std::size_t>(std::ceil(longest_s * sampling.rate_hz)));
   std::vector<std::vector<Complex>> spectra(signals.receivers());

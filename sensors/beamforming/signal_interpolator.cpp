@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Interpolates sampled signals with a sinc kernel under a Kaiser window. Kaiser's formula (1974) gives the
+// number of taps from the band and the error; a table over phases with cubic interpolation gives the kernel.
+
 #include "sensors/beamforming/signal_interpolator.hpp"
 
 #include <fmt/format.h>
@@ -15,11 +18,11 @@ namespace {
 using Complex = std::complex<double>;
 using std::numbers::pi;
 
-// The kernel is tabulated so finely that a cubic through four phases is within 4e-11 of it.
+// Number of tabulated phases. A cubic through four phases is within 4e-11 of the kernel.
 constexpr int phases = 512;
 constexpr std::size_t most_taps = 512;
 
-/// Modified Bessel function of order 0 by its series, to the last bits for what Kaiser's windows need.
+/// Modified Bessel function of order 0 by its series, to the last bits for the arguments of Kaiser windows.
 double bessel_i0(double x) {
   double term = 1, sum = 1;
   for (int k = 1; term > 1e-17 * sum; ++k) {
@@ -37,7 +40,8 @@ struct KaiserDesign {
 };
 
 KaiserDesign design(double band, double error) {
-  // What is let through and what is kept out, by several images, both err: a quarter of the error suffices.
+  // The pass band and several images of the stop band add errors, so that the design uses a quarter of the
+  // error.
   const double down_db = -20 * std::log10(error / 4), transition_rad = 2 * pi * (1 - band);
   const double shape = down_db > 50   ? 0.1102 * (down_db - 8.7)
                        : down_db > 21 ? 0.5842 * std::pow(down_db - 21, 0.4) + 0.07886 * (down_db - 21)
@@ -77,7 +81,7 @@ void SignalInterpolator::weights(double fraction, double* into) const {
   const double fine = fraction * phases;
   const int phase = std::min(static_cast<int>(fine), phases - 1);
   const double x = fine - phase;
-  // Lagrange's cubic through the phases before, here, and two behind.
+  // Lagrange's cubic through one phase before the position, the phase at it, and two phases after it.
   const std::array<double, 4> cubic{-x * (x - 1) * (x - 2) / 6, (x + 1) * (x - 1) * (x - 2) / 2,
                                     -(x + 1) * x * (x - 2) / 2, (x + 1) * x * (x - 1) / 6};
   const double* rows = table_.data() + static_cast<std::size_t>(phase) * taps_;

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Detects the bottom in the energies of one beam: first return, energy centroid or maximum. The samples
+// above the thresholds form echoes, which wide gaps separate; the method selects one echo and estimates its
+// range.
+
 #include "sensors/detection/bottom_detection.hpp"
 
 #include <fmt/format.h>
@@ -15,7 +19,7 @@
 namespace tubefoot {
 namespace {
 
-const double evenly = 1 / std::sqrt(12.0);  // standard deviation of a place anywhere in a unit length
+const double evenly = 1 / std::sqrt(12.0);  // standard deviation of a uniform position in a unit length
 
 void check(std::span<const double> energies_j, const LitSpan& lit, const RangeSamples& samples,
            const DetectionRule& rule) {
@@ -45,8 +49,8 @@ struct Gate {
   std::span<const double> energies_j;
   const RangeSamples& samples;
   int begin = 0, end = 0;
-  int lit_begin = 0, lit_end = 0;  ///< of them: from the first to the last with energy
-  int largest = 0;                 ///< of these
+  int lit_begin = 0, lit_end = 0;  ///< from the first to the last of these samples with energy
+  int largest = 0;                 ///< sample of the largest energy
 
   Gate(std::span<const double> energies, const LitSpan& lit, const RangeSamples& range_samples,
        const DetectionRule& rule)
@@ -58,7 +62,7 @@ struct Gate {
     largest = static_cast<int>(std::max_element(energies.begin() + lit_begin, energies.begin() + lit_end) -
                                energies.begin());
   }
-  /// The first sample from `from` on that is far enough; samples.count if none is.
+  /// Index of the first sample from `from` on that is far enough, or samples.count if none is.
   int first_that(int from, const auto& is_far_enough) const {
     int to = samples.count;
     while (from < to) {
@@ -87,14 +91,15 @@ struct Gate {
   }
 };
 
-/// The samples that count and belong together: [begin, end), of which the first and the last count.
+/// Samples above the thresholds that belong together: [begin, end). The first and the last sample are above
+/// the thresholds.
 struct Echo {
   int begin, end;
-  double energy;  ///< of those that count, over that of the gate's largest sample
-  int gap;        ///< the widest one between samples that count
+  double energy;  ///< sum over the samples above the thresholds, relative to the gate's largest sample
+  int gap;        ///< widest gap between samples above the thresholds
 };
 
-/// What counts in a gate, and where it parts.
+/// The samples of a gate above the thresholds, and the gaps that separate them.
 class Counted {
  public:
   Counted(const Gate& gate, double threshold_j) : gate_(gate) {
@@ -104,18 +109,19 @@ class Counted {
   bool has(int k) const { return std::binary_search(places_.begin(), places_.end(), k); }
   int first() const { return places_.front(); }
 
-  /// The echo that is looked at, and the energy of the strongest one that was parted from it.
+  /// The selected echo, and the energy of the strongest other echo.
   struct Choice {
     Echo echo;
     double next_energy = 0;
   };
-  /// Of the parts the one that holds a sample that counts; without one, that of more energy.
+  /// Selects the part that contains the sample `holding`, or without it the part of more energy.
   Choice choose(std::optional<int> holding) const {
     Choice choice{};
     std::size_t from = 0, to = places_.size();
     for (;;) {
       std::size_t middle = from,
-                  smaller = 0;  // where the widest gap ends, and what counts on its lesser side
+                  smaller = 0;  // index at which the widest gap ends, and number of samples on its smaller
+                                // side
       int gap = 0;
       for (std::size_t k = from + 1; k < to; ++k) {
         const int own = places_[k] - places_[k - 1] - 1;
@@ -138,7 +144,7 @@ class Counted {
   }
 
  private:
-  /// Shares of the largest energy: no sum of energies can overflow or vanish.
+  /// Energies are fractions of the largest one, so that their sums neither overflow nor vanish.
   double energy(std::size_t from, std::size_t to) const {
     double sum = 0;
     for (std::size_t k = from; k < to; ++k) sum += gate_.energy(places_[k]) / gate_.energy(gate_.largest);
@@ -146,16 +152,16 @@ class Counted {
   }
 
   const Gate& gate_;
-  std::vector<int> places_;  ///< samples that count
+  std::vector<int> places_;  ///< samples above the thresholds
 };
 
-/// Range and its standard deviation.
+/// A range and its standard deviation.
 struct Estimate {
   double range_m, sigma_m;
 };
 
 Estimate centroid(const Gate& gate, const Counted& counted, const Echo& echo) {
-  // Ranges from the largest sample.
+  // Ranges are relative to the largest sample.
   const double origin = gate.middle(gate.largest), within = gate.samples.step_m * evenly;
   double moment = 0, variance = 0;
   const auto each = [&](auto use) {
@@ -170,8 +176,9 @@ Estimate centroid(const Gate& gate, const Counted& counted, const Echo& echo) {
   return {origin + moment, std::sqrt(variance)};
 }
 
-/// A range in the echo and the sample that holds it. Where that one does not count, the middle of the
-/// nearest one that does; of two as near the nearer one's.
+/// Returns a range in the echo and the sample that contains it. If that sample is below the thresholds, it
+/// returns the middle of the nearest sample above them. For two samples at equal distance it selects the one
+/// of smaller range.
 std::pair<double, int> onto_energy(double range_m, const Gate& gate, const Counted& counted,
                                    const Echo& echo) {
   const RangeSamples& samples = gate.samples;
@@ -191,7 +198,7 @@ Estimate top(const Gate& gate) {
   double offset = 0;
   if (k > gate.begin && k + 1 < gate.end) {
     const double before = gate.energy(k - 1) / gate.energy(k), after = gate.energy(k + 1) / gate.energy(k);
-    // The nearest of equal samples is the largest, so `before` is below 1: this never divides by 0.
+    // The largest sample is the nearest of equal ones. So `before` is below 1, and the divisor is not 0.
     offset = (after - before) / (2 * ((1 - before) + (1 - after)));
   }
   return {gate.middle(k) + offset * gate.samples.step_m, gate.samples.step_m * evenly};
@@ -256,7 +263,8 @@ std::optional<Detection> detect_bottom(std::span<const double> energies_j, const
       const Estimate mean = centroid(gate, counted, echo);
       std::tie(detection.range_m, detection.sample) = onto_energy(mean.range_m, gate, counted, echo);
       detection.range_sigma_m = mean.sigma_m;
-      // Between two that no gap parts: the range is one's of them.
+      // The centroid lies between two echoes without a separating gap, and the result is the range of one of
+      // them.
       if (std::abs(detection.range_m - mean.range_m) > 2 * samples.step_m)
         detection.flags.set(DetectionFlag::several_echoes);
       for (int k = echo.begin; k < echo.end; ++k)
@@ -271,11 +279,11 @@ std::optional<Detection> detect_bottom(std::span<const double> energies_j, const
       detection.energy_j = gate.energy(gate.largest);
       break;
     }
-    case DetectionMethod::split_beam:  // refused above
+    case DetectionMethod::split_beam:  // rejected above
       break;
   }
-  // Whatever of its echo the method looks at: at the gate's border it goes on outside. There samples may fade
-  // as they do within it.
+  // An echo at the border of the gate continues outside, for any method. Samples outside may be as weak as
+  // gaps within the echo.
   const int faded = std::max(1, echo.gap);
   if (echo.begin - gate.begin <= faded || gate.end - echo.end <= faded)
     detection.flags.set(DetectionFlag::cut_by_window);

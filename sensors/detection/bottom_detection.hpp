@@ -14,33 +14,34 @@ namespace tubefoot {
 
 enum class DetectionMethod {
   first_return,     ///< the middle of the first sample that counts
-  energy_centroid,  ///< the mean range of the samples of one echo that count, weighed by energy
-  maximum,          ///< the top of the parabola through the largest sample and its neighbours
-  split_beam,       ///< where the phase between a beam's halves is zero: of signals (split_beam_zero), not of
+  energy_centroid,  ///< the mean range of the samples of one echo that count, weighted by energy
+  maximum,          ///< the vertex of the parabola through the largest sample and its neighbours
+  split_beam,       ///< zero of the phase between a beam's halves; needs signals (split_beam_zero), not
                     ///< energies
 };
 
-/// Name as in scene files and in tables of soundings: "first_return", "energy_centroid", "maximum".
+/// Name in scene files and in tables of soundings: "first_return", "energy_centroid", "maximum".
 const char* name_of(DetectionMethod method);
-/// The method of that name; throws std::invalid_argument.
+/// The method of that name. Throws std::invalid_argument for an unknown name.
 DetectionMethod detection_method_from_name(std::string_view name);
 
-/// Which of a beam's samples count: those whose middle lies in the range gate and whose energy is above 0 and
-/// reaches both thresholds.
+/// Selects the samples of a beam that count. Their middle lies in the range gate, and their energy is above
+/// 0 and reaches both thresholds.
 struct DetectionRule {
   DetectionMethod method = DetectionMethod::energy_centroid;
-  double relative_db = -20;  ///< energy over that of the beam's largest sample in the gate; at most 0
-  double absolute_j = 0;     ///< energy
+  double relative_db = -20;  ///< energy relative to the beam's largest sample in the gate; at most 0
+  double absolute_j = 0;     ///< threshold of energy, in J
   double nearest_m = 0, farthest_m = std::numeric_limits<double>::infinity();  ///< range gate
 };
 
-/// What makes a detection doubtful.
+/// Reasons to doubt a detection.
 enum class DetectionFlag : std::uint8_t {
-  cut_by_window = 1,   ///< its echo reaches the first or the last sample of the gate: more of it lies outside
-  several_echoes = 2,  ///< another echo, apart from this one, has a tenth of its energy or more
+  cut_by_window = 1,   ///< the echo reaches the first or the last sample of the gate, so that a part may lie
+                       ///< outside
+  several_echoes = 2,  ///< a separate echo has at least a tenth of this one's energy
 };
 
-/// A set of flags; none: nothing speaks against the detection.
+/// A set of flags. An empty set means that nothing speaks against the detection.
 class DetectionFlags {
  public:
   bool has(DetectionFlag flag) const { return (bits_ & static_cast<std::uint8_t>(flag)) != 0; }
@@ -52,42 +53,43 @@ class DetectionFlags {
   std::uint8_t bits_ = 0;
 };
 
-/// As in tables of soundings: "good", "cut_by_window", "several_echoes" or "cut_by_window+several_echoes".
+/// Name in tables of soundings: "good", "cut_by_window", "several_echoes" or "cut_by_window+several_echoes".
 const char* name_of(DetectionFlags flags);
 
-/// Where a beam found the bottom.
+/// A detection of the bottom in one beam.
 struct Detection {
   double range_m = 0;  ///< slant range
-  /// Standard deviation of the range. An echo lies anywhere in its sample: step / sqrt(12). A centroid has
-  /// the sum of w^2 ((r - range)^2 + step^2 / 12) over its samples as variance, w their shares of the energy:
-  /// each energy is taken for one look at fully developed speckle.
+  /// Standard deviation of the range. The position of an echo is uniform in its sample: step / sqrt(12). The
+  /// variance of a centroid is the sum of w^2 ((r - range)^2 + step^2 / 12) over its samples with the energy
+  /// shares w. This formula treats each energy as one look at fully developed speckle.
   double range_sigma_m = 0;
-  int sample = 0;       ///< that holds the range; it counts
-  double energy_j = 0;  ///< of the largest sample that the detection rests upon
+  int sample = 0;       ///< sample that contains the range; it counts
+  double energy_j = 0;  ///< energy of the largest sample on which the detection rests
   DetectionFlags flags;
-  /// 1 - rms / (length / sqrt(12)), at least 0: rms distance of the energy in the gate from the detection,
-  /// over that of noise spread evenly over the gate. 1: all energy is there.
+  /// 1 - rms / (length / sqrt(12)), at least 0. It compares the rms distance of the gate's energy from the
+  /// detection with that of uniform noise in the gate. The value 1 means that all energy is at the
+  /// detection.
   double quality = 0;
 };
 
-/// The bottom in one beam's energies [J], or none if no sample counts. Of equal largest samples the nearest
-/// is the maximum.
+/// Detects the bottom in one beam's energies [J]. Returns nothing if no sample counts. The nearest of equal
+/// largest samples is the maximum.
 ///
-/// The samples that count are one echo or several: their widest gap parts them if it is longer than what
-/// counts on the lesser side of it, in samples, and so on in the part that is kept. So a shadow or a null of
-/// the speckle within an echo parts nothing, and the water between a target and the seabed does. Kept is what
-/// holds the first return or the maximum; for a centroid the part of more energy, the nearer of equal ones. A
-/// centroid rests on its echo alone; where it falls into a gap of that, the range is the nearest border of a
-/// sample that counts.
+/// The samples that count form one echo or several. Their widest gap separates two echoes if it is longer
+/// than the number of counting samples on its smaller side. The same rule applies again to the selected
+/// part. A shadow or a null of the speckle within an echo therefore separates nothing, and the water between
+/// a target and the seabed does. The selected part contains the first return or the maximum. For a centroid
+/// it is the part of more energy, or the nearer of equal parts. A centroid uses only its own echo. If it
+/// falls into a gap of that echo, the range is the nearest border of a sample that counts.
 ///
-/// Throws std::invalid_argument for energies that are negative or not finite, a number of
-/// them other than `samples.count`, samples without length, or a rule that is none.
+/// Throws std::invalid_argument for negative or non-finite energies, for a number of energies other than
+/// `samples.count`, for samples without length, or for an invalid rule.
 std::optional<Detection> detect_bottom(std::span<const double> energies_j, const RangeSamples& samples,
                                        const DetectionRule& rule = {});
 
-/// The place at a slant range on a beam's axis, along a straight ray, in the frame of the pose. `beam_axis`
+/// Position at a slant range on a beam's axis, along a straight ray, in the frame of the pose. `beam_axis`
 /// is a direction in the sensor's frame. Throws std::invalid_argument if its length is not 1 to 1e-6, or for
-/// a range that is negative or not finite.
+/// a negative or non-finite range.
 glm::dvec3 sounding_position(const Pose& sensor_pose, glm::dvec3 beam_axis, double range_m);
 
 }  // namespace tubefoot

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Sums values by cells of a square grid, and writes the weighted means as a GeoTIFF. The sums are kept in
+// tiles, so that memory depends on the covered area only.
+
 #include "sensors/detection/cell_means.hpp"
 
 #include <cpl_vsi.h>
@@ -106,7 +109,7 @@ void write_cells(const std::filesystem::path& file, const CellMeans& cells, cons
           fmt::format("{} x {} cells of {} m are too many for one raster: make them larger", extent.columns(),
                       extent.rows(), cells.cell_m()));
 
-  // Encoded in memory, where it is smaller than the cells themselves, and written by write_file.
+  // Encodes the file in memory, where it is smaller than the cells themselves. write_file then writes it.
   register_gdal_drivers();
   struct MemoryFile {
     std::string name;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+// Weighted means of values on a grid of square cells, and their output as a GeoTIFF. The mean of a cell is
+// the sum of value times weight over the sum of weights.
+
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -16,23 +19,23 @@
 
 namespace tubefoot {
 
-/// What some values put into one cell: the sum of them times their weights, and that of the weights.
+/// Contribution of some values to one cell: the sum of value times weight, and the sum of the weights.
 struct CellSum {
   std::int64_t column = 0, row = 0;
   double value = 0, weight = 0;
 };
 
-/// Such sums of values that come from neighbouring places, before they are added to a grid: on any thread,
-/// and fewer than the values. One cell may have several, but together they are at most about twice as many
-/// as the cells.
+/// Sums of values from neighbouring positions, before they are added to a grid. Any thread can collect them,
+/// and they are fewer than the values. A cell may have several sums, but the total is at most about twice
+/// the number of cells.
 class CellSums {
  public:
-  /// Throws std::invalid_argument for a cell that is not positive.
+  /// Throws std::invalid_argument if the cell size is not positive.
   explicit CellSums(double cell_m);
-  /// As CellMeans::add(), of what has room.
+  /// Adds a value as CellMeans::add() does, without its limit of memory.
   void add(double east_m, double north_m, double value, double weight) {
     const CellSum one = of_one(east_m, north_m, value, weight, cell_m_);
-    // Points that follow each other along a border come to few cells in turn.
+    // Consecutive points along a border fall into few cells in turn.
     constexpr std::size_t looked_at = 4;
     for (std::size_t k = sums_.size(); k > 0 && k + looked_at > sums_.size(); --k)
       if (CellSum& known = sums_[k - 1]; known.column == one.column && known.row == one.row) {
@@ -43,11 +46,11 @@ class CellSums {
     if (sums_.size() >= merge_at_) merge();
     sums_.push_back(one);
   }
-  /// What one value puts into its cell.
+  /// Contribution of one value to its cell.
   static CellSum of_one(double east_m, double north_m, double value, double weight, double cell_m) {
-    constexpr double on_the_border = 1e-6;  // cells
+    constexpr double on_the_border = 1e-6;  // in cells
     const double x = east_m / cell_m + on_the_border, y = north_m / cell_m + on_the_border;
-    constexpr double farthest = 1e15;  // cells; beyond, neighbouring cells are no longer resolved
+    constexpr double farthest = 1e15;  // in cells; beyond it, neighbouring cells are no longer resolved
     if (!(std::abs(x) < farthest) || !(std::abs(y) < farthest) || !std::isfinite(value) || !(weight > 0))
       refuse(east_m, north_m, value);
     const auto floor = [](double place) {
@@ -63,7 +66,8 @@ class CellSums {
   static constexpr std::size_t few = 4096;
 
   [[noreturn]] static void refuse(double east_m, double north_m, double value);
-  /// One sum for each cell, by row and column: rows of samples longer than a few cells come to each again.
+  /// Combines the sums of each cell, sorted by row and column. Rows of samples longer than a few cells
+  /// return to each cell.
   void merge();
 
   double cell_m_;
@@ -71,22 +75,23 @@ class CellSums {
   std::vector<CellSum> sums_;
 };
 
-/// Weighted means of values on a grid of square cells, east and north in the local frame. It grows where
-/// values fall: memory goes with the area covered (16 bytes a cell, in tiles), not with the number of values.
-/// Cell (i, j) covers [i, i + 1) x [j, j + 1) cells from the frame's origin. What lies within a millionth of
-/// a cell below a border is taken to lie on it: round numbers stay on their side whatever rounding did to
-/// them.
+/// Weighted means of values on a grid of square cells, east and north in the local frame. The grid grows as
+/// values arrive. Its memory depends on the covered area (16 bytes per cell, in tiles), not on the number of
+/// values. Cell (i, j) covers [i, i + 1) x [j, j + 1) cells from the frame's origin. A position within a
+/// millionth of a cell below a border counts as on the border. Rounding therefore does not move round
+/// numbers to the other side.
 class CellMeans {
  public:
   static constexpr std::size_t default_most_bytes = std::size_t{1} << 30;
 
-  /// Throws std::invalid_argument for a cell that is not positive.
+  /// Throws std::invalid_argument if the cell size is not positive.
   explicit CellMeans(double cell_m, std::size_t most_bytes = default_most_bytes);
 
-  /// Throws std::runtime_error where memory would exceed most_bytes, which says what to do; the value is then
-  /// left out and all others are kept. `value` and the place must be finite, the weight positive.
+  /// Adds a value at a position. Both must be finite, and the weight must be positive. Throws
+  /// std::runtime_error with advice if memory would exceed most_bytes. The value is then omitted, and all
+  /// earlier values are kept.
   void add(double east_m, double north_m, double value, double weight = 1);
-  /// Sums of cells of the same size. What memory has no room for is left out, and all after it.
+  /// Adds the sums of cells of the same size. If memory runs out, that sum and all later ones are omitted.
   void add(const CellSums& sums);
 
   double cell_m() const { return cell_m_; }
@@ -98,7 +103,7 @@ class CellMeans {
     std::int64_t rows() const { return north - south; }
   };
   const Extent& extent() const { return extent_; }
-  /// Mean of a cell; NaN where no value fell.
+  /// Mean of a cell; NaN for a cell without values.
   double mean(std::int64_t column, std::int64_t row) const;
 
  private:
@@ -123,13 +128,13 @@ class CellMeans {
   Extent extent_;
 };
 
-/// Nodata of the rasters written here.
+/// Nodata value of the rasters.
 inline constexpr float no_data = -32768;
 
-/// Writes the cells as a Float32 GeoTIFF (deflate, tiled), north up, no_data where nothing fell, on the map
-/// of the frame (LocalFrame::map): a projected frame's own CRS; the orthographic projection about a tangent
-/// frame's origin; no CRS but local metres for a frame without georeference. Throws std::runtime_error naming
-/// the file, for cells without any value too.
+/// Writes the cells as a Float32 GeoTIFF (deflate, tiled), north up, with no_data in cells without values.
+/// The file has the map of the frame (LocalFrame::map). A projected frame has its own CRS, and a tangent
+/// frame has the orthographic projection about its origin. A frame without georeference has local metres and
+/// no CRS. Throws std::runtime_error with the file's name, also if no cell has a value.
 void write_cells(const std::filesystem::path& file, const CellMeans& cells, const LocalFrame& frame,
                  const char* band_name, const char* unit);
 

@@ -13,9 +13,11 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr double longest_baseline = 1e4;                              // wavelengths
-constexpr double slack = 1e-12;                                       // of a sine that rounding took beyond 1
-constexpr double nothing_known_rad = pi / (2 * std::numbers::sqrt3);  // evenly spread over half a turn
+constexpr double longest_baseline = 1e4;                              // in wavelengths
+constexpr double slack = 1e-12;                                       // for a sine that rounding moves
+                                                                      // beyond 1
+constexpr double nothing_known_rad = pi / (2 * std::numbers::sqrt3);  // standard deviation of a uniform
+                                                                      // angle over half a turn
 
 }  // namespace
 
@@ -75,7 +77,7 @@ std::vector<double> Interferometer::angles(double phase_rad) const {
 double Interferometer::angle_near(double phase_rad, double expected_rad) const {
   const double expected = turn_ * sine(expected_rad), wrapped_phase = wrapped(phase_rad);
   double found = expected + std::remainder(phase_rad - expected, 2 * pi);
-  if (std::abs(found) > turn_ * (1 + slack)) {  // one turn nearer to the middle, if there is a wave
+  if (std::abs(found) > turn_ * (1 + slack)) {  // one turn nearer to the middle, if a wave has that phase
     const double nearer = found - std::copysign(2 * pi, found);
     found = std::abs(nearer) <= turn_ * (1 + slack) ? nearer : wrapped_phase;
   }

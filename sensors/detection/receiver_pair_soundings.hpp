@@ -12,28 +12,28 @@
 
 namespace tubefoot {
 
-/// A bottom point that two receivers on a receiver pair find in one sample.
+/// A bottom point that a receiver pair finds in one sample.
 struct InterferometricSounding {
   std::uint32_t beam = 0, sample = 0;  ///< beam 0: port
-  double range_m = 0;                  ///< of the sample's middle
+  double range_m = 0;                  ///< range of the sample's middle
   double energy_j = 0, phase_rad = 0, coherence = 0;
   DepthEstimate
-      estimate{};  ///< angle of arrival, and the place in the sensor's frame: below its horizontal plane
+      estimate{};  ///< angle of arrival, and the position in the sensor's frame: below its horizontal plane
   glm::dvec3 position_m{0};  ///< east, north, up, abeam of the sensor
 };
 
 struct InterferometricNoise {
-  double receiver_noise_j = 0;  ///< in every sample of each receiver: lowers coherences
-  bool phase_noise = false;  ///< phases get the error of a single look at their coherence (phase_noise.hpp)
+  double receiver_noise_j = 0;  ///< in every sample of each receiver; lowers coherences
+  bool phase_noise = false;     ///< adds the single-look phase error for the coherence (phase_noise.hpp)
   std::uint64_t seed = 1;
 };
 
-/// A ping of a recording with four channels: the two receivers' products in its cells.
+/// A ping of a recording with four channels. Gives the products of the receiver pair in each cell.
 class ReceiverPairPing {
  public:
   ReceiverPairPing(const Recording& recording, std::size_t ping);
   InterferometricSample ideal(std::size_t beam, std::size_t sample) const;
-  /// As the receivers have it: with their noise, and the phase that a sounding of the cell is made of.
+  /// The products with receiver noise, and the phase from which a sounding of the cell is computed.
   InterferometricSample received(std::size_t beam, std::size_t sample,
                                  const InterferometricNoise& noise) const;
 
@@ -43,11 +43,11 @@ class ReceiverPairPing {
   std::array<PingEnergies, 4> channels_;
 };
 
-/// The soundings of a ping, by beam and range. Of the angles that a wrapped phase may stand for, the one is
-/// taken that is nearest in phase to a seabed as deep as the samples before found it (a running mean of about
-/// five, weighed by the square of their coherence); the first of a side: as deep as the altitude, or, where
-/// that is not known, as the nearest echo is far. Samples without a common signal have no sounding. Angles
-/// follow from the sound speed at the sensor, places from the rays of the run's water.
+/// The soundings of a ping, by beam and range. A wrapped phase may have several angles; the result has the
+/// one that is nearest in phase to an expected seabed. Its depth is a running mean over about five samples
+/// before, weighted by the square of their coherence. The first sample of a side uses the altitude, or, if
+/// that is unknown, the range of the nearest echo. Samples without a common signal have no sounding. Angles
+/// follow from the sound speed at the sensor, and positions from the rays in the water of the run.
 std::vector<InterferometricSounding> interferometric_soundings(const Recording& recording, std::size_t ping,
                                                                const InterferometricNoise& noise,
                                                                const RunContext& run = {});

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Projects sidescan pings onto map cells, corrected for slant range over a flat seabed. A sample at slant
+// range r fills a strip at the distance sqrt(r^2 - altitude^2) from the track. The strip ends midway to the
+// neighbouring pings.
+
 #include "sensors/detection/sidescan_mosaic.hpp"
 
 #include <fmt/format.h>
@@ -15,16 +19,16 @@
 namespace tubefoot {
 namespace {
 
-/// Points of a strip are no farther apart than this part of a cell.
+/// Number of points per cell along a strip, at least.
 constexpr double points_per_cell = 3;
-/// A strip longer than this many cells is an interval between lines that nobody ended.
+/// A strip longer than this many cells indicates a gap between survey lines.
 constexpr double most_points = 1e6;
 
 void require(bool holds, const std::string& what) {
   if (!holds) throw std::invalid_argument("sidescan ping: " + what);
 }
 
-/// A ping on the map: east, north; starboard of unit length.
+/// A ping on the map: east and north of the track point; unit vector to starboard.
 struct Place {
   glm::dvec2 track, starboard;
 };
@@ -40,7 +44,7 @@ Place place_of(const Pose& pose) {
   return {track, {heading.y, -heading.x}};
 }
 
-/// Where a sample lies on the seabed, from the track outwards, and in how many steps it is filled.
+/// The interval of ground range that a sample covers, and the number of steps that fill it.
 struct SeabedInterval {
   std::size_t sample = 0;
   double near_m = 0, far_m = 0;
@@ -59,11 +63,13 @@ class Strips {
       const double slant_m = ping.first_m + static_cast<double>(k) * ping.step_m;
       const double near_m = ground_range(slant_m), far_m = ground_range(slant_m + ping.step_m);
       if (far_m > near_m)
-        seabed_intervals_.push_back({k, near_m, far_m, steps_over(far_m - near_m)});  // else water
+        seabed_intervals_.push_back({k, near_m, far_m, steps_over(far_m - near_m)});  // other samples lie in
+                                                                                      // the water column
     }
   }
 
-  /// Fills both sides from the ping to `way` of the way to the same ground range of another.
+  /// Fills both sides, from the ping to the fraction `way` of the distance to the same ground range of
+  /// another ping.
   void fill(const Place& other, double way) {
     fill_side(-1, ping_.port, other, way);
     fill_side(1, ping_.starboard, other, way);
@@ -95,7 +101,7 @@ class Strips {
         const glm::dvec2 to = from + way * (other.track + side * tx_m * other.starboard - from);
         const double length_m = glm::distance(from, to);
         const int along = steps_over(length_m);
-        constexpr double thread_m = 1e-9;  // width of a ping that has no neighbour
+        constexpr double thread_m = 1e-9;  // width of a ping without neighbours
         const double area_m2 = across_m / seabed.steps * std::max(length_m, thread_m) / along;
         for (int p = 0; p < along; ++p) {
           const glm::dvec2 at = from + (to - from) * ((p + 0.5) / along);
@@ -123,7 +129,8 @@ CellSums sums_on_map(const SidescanPing& ping, const Pose* before, const Pose* a
   Strips strips(ping, cell_m);
   if (before)
     strips.fill(place_of(*before), 0.5);
-  else  // a line of no width: a ping alone is seen, and one among others weighs next to nothing
+  else  // A line of almost no width: an isolated ping remains visible, and beside other pings its weight is
+        // negligible.
     strips.fill(strips.own(), 0);
   if (after) strips.fill(place_of(*after), 0.5);
   return strips.take();

@@ -8,28 +8,28 @@
 
 namespace tubefoot {
 
-/// What a sidescan received of one ping.
+/// One received ping of a sidescan sonar.
 struct SidescanPing {
   Pose pose;                               ///< of the sensor in the local frame
   double altitude_m = 0;                   ///< height of the sensor above the seabed below it
-  double first_m = 0;                      ///< slant range at which sample 0 begins
+  double first_m = 0;                      ///< slant range at the start of sample 0
   double step_m = 0;                       ///< slant range of one sample
   std::span<const float> port, starboard;  ///< NaN: no value
 };
 
-/// What a ping puts on a map of a sidescan's pings, corrected for slant range as if the seabed were flat:
-/// what came back from the slant range r lies sqrt(r^2 - altitude^2) from the track, at right angles to the
-/// heading; what came before the altitude is water and left out. Attitude beyond the heading is not corrected
-/// for.
+/// Computes the contribution of a ping to a sidescan map, corrected for slant range over a flat seabed. An
+/// echo from the slant range r lies sqrt(r^2 - altitude^2) from the track, at right angles to the heading.
+/// Echoes from ranges below the altitude belong to the water column and are omitted. No correction for pitch
+/// and roll takes place.
 ///
-/// Each sample fills, by area, the strip of the seabed between the surface ranges at which it begins and ends
-/// and half the way to the pings `before` and `after` on its line; null: there is none. A cell is the mean of
-/// the samples over it, weighted by area (sampled no coarser than a third of a cell): that of the sums of all
-/// pings (CellMeans). A ping asks for poses alone of its neighbours, so that all pings' sums may be made at a
-/// time.
+/// Each sample fills a strip of the seabed by area. The strip lies between the surface ranges of the
+/// sample's start and end. It extends half the distance to the pings `before` and `after` on its line (null:
+/// none). A map cell is the mean of its samples, weighted by area, at a resolution of at most a third of a
+/// cell (CellMeans). A ping needs only the poses of its neighbours, so that the sums of all pings can be
+/// computed in parallel.
 ///
-/// Throws std::invalid_argument for a cell that is not positive or a ping that makes no sense (ranges,
-/// altitude, a sensor on its side), std::runtime_error for strips without end, and says what to do.
+/// Throws std::invalid_argument if the cell size is not positive, or for an invalid ping (ranges, altitude,
+/// a sensor on its side). Throws std::runtime_error with advice for strips of excessive length.
 CellSums sums_on_map(const SidescanPing& ping, const Pose* before, const Pose* after, double cell_m);
 
 }  // namespace tubefoot

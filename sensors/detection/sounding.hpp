@@ -8,18 +8,19 @@
 
 namespace tubefoot {
 
-/// A place of the seabed that a beam found.
+/// A point of the seabed that a beam detected.
 struct Sounding {
   std::uint32_t ping = 0, beam = 0;  ///< counted from 0
-  double time_s = 0;                 ///< of the transmission, on the scene's clock
+  double time_s = 0;                 ///< time of the transmission, on the scene's clock
   glm::dvec3 position_m{0};          ///< east, north, up in the local frame
   double two_way_travel_time_s = 0;
   double slant_range_m = 0;
-  double beam_angle_deg = 0;  ///< of the beam's axis from straight down of the sensor, starboard positive
-  double amplitude = 0;       ///< of the sample that was picked, as the time series has it
-  double quality = 0;         ///< 0 to 1, of the detector
+  double beam_angle_deg = 0;  ///< angle of the beam's axis from the sensor's downward axis, positive to
+                              ///< starboard
+  double amplitude = 0;       ///< amplitude of the selected sample, in the units of the time series
+  double quality = 0;         ///< of the detector, 0 to 1
   DetectionMethod method = DetectionMethod::maximum;
-  DetectionFlags flags;  ///< what makes it doubtful
+  DetectionFlags flags;  ///< reasons to doubt the sounding
 };
 
 }  // namespace tubefoot

@@ -24,7 +24,7 @@ void SoundingGrid::add(const Sounding& sounding) {
 void SoundingGrid::add_between(const Sounding& from, const Sounding& to) {
   if (!belongs_into_a_grid(from) || !belongs_into_a_grid(to)) return;
   const glm::dvec3 way = to.position_m - from.position_m;
-  // Twice a cell, so that no cell is stepped over that the line crosses by more than half of one.
+  // Two steps per cell, so that the line visits every cell of which it crosses more than half.
   const int steps = static_cast<int>(std::ceil(2 * std::hypot(way.x, way.y) / depths_.cell_m()));
   constexpr double next_to_nothing = 1e-9;
   for (int k = 1; k < steps; ++k)

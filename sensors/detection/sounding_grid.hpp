@@ -11,22 +11,22 @@
 namespace tubefoot {
 
 /// Mean depth of soundings per cell. Depths are positive down from height 0: minus up, minus the height of
-/// the frame's origin. (In a tangent frame, below the plane at height 0: the ellipsoid falls away from it by
-/// d^2 / 2R, 8 cm at 1 km.)
+/// the frame's origin. In a tangent frame they count from the plane at height 0. The ellipsoid falls away
+/// from it by d^2 / 2R, 8 cm at 1 km.
 class SoundingGrid {
  public:
-  /// Throws std::invalid_argument for a cell that is not positive.
+  /// Throws std::invalid_argument if the cell size is not positive.
   SoundingGrid(LocalFrame frame, double cell_m);
-  /// Soundings that are not finite, or of echoes that the window cuts, are left out. Throws
-  /// std::runtime_error where the grid would become too large for memory.
+  /// Adds a sounding. Soundings that are not finite, or whose echo the range gate cuts, are omitted. Throws
+  /// std::runtime_error if the grid becomes too large for memory.
   void add(const Sounding& sounding);
-  /// Fills cells without soundings of their own on the straight line between two; where there are some, they
-  /// outweigh this by 10^9. Nothing where one is left out by add().
+  /// Fills cells without soundings on the straight line between two soundings. Soundings of a cell outweigh
+  /// this value by 10^9. Does nothing if add() omits one of the two.
   void add_between(const Sounding& from, const Sounding& to);
 
   const CellMeans& depths() const { return depths_; }
-  /// Float32 GeoTIFF, band "Depth" in metres (write_cells). Throws std::runtime_error, also without
-  /// soundings.
+  /// Writes a Float32 GeoTIFF with the band "Depth" in metres (write_cells). Throws std::runtime_error, also
+  /// if there are no soundings.
   void write_tiff(const std::filesystem::path& file) const;
 
  private:

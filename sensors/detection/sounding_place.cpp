@@ -11,7 +11,7 @@
 namespace tubefoot {
 namespace {
 
-/// Of a unit vector, its z upwards.
+/// Direction of a unit vector with z upwards, in the vertical plane of the ray.
 RayDirection in_its_plane(const glm::dvec3& direction) {
   return {-direction.z, std::hypot(direction.x, direction.y)};
 }
@@ -43,7 +43,7 @@ double SoundingPlacer::highest_m(const Pose& sensor_pose, glm::dvec3 beam_axis, 
   const glm::dvec3 direction = glm::normalize(sensor_pose.attitude * beam_axis);
   if (!water_) return from_m + std::max(0.0, direction.z * range_m);
   const RayDirection launch = in_its_plane(direction);
-  // By Snell's law no ray that falls as steeply as this turns upwards anywhere.
+  // By Snell's law a ray as steep as this never turns upwards.
   if (launch.sine > 0 &&
       launch.cosine * fastest_ratio_ * sound_speed_m_s_ < water_->profile().at(depth_m(sensor_pose)))
     return from_m;

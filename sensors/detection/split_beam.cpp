@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Detects the bottom in the phase between a beam's halves. The code fits a line to the phase of the product
+// of both signals. A search for the slope with the largest sum precedes weighted least squares. The line's
+// zero is the detection.
+
 #include "sensors/detection/split_beam.hpp"
 
 #include <algorithm>
@@ -15,7 +19,7 @@ using Complex = std::complex<double>;
 
 constexpr double least_looks = 4, least_turn_rad = 0.5;
 
-/// Samples [begin, end) about a place.
+/// Samples [begin, end) about a position.
 struct SampleSpan {
   std::ptrdiff_t begin = 0, end = 0;
 };
@@ -31,9 +35,9 @@ struct PhaseLine {
   double zero = 0, slope_rad = 0;
 };
 
-/// Of all slopes up to sixteen times that at which the window is the lobe, the one with which the product
-/// adds up best: no wrapping disturbs that. Slopes are so close that the window's end turns by half a radian
-/// from one to the next.
+/// Searches slopes up to sixteen times the slope at which the window is the main lobe. It selects the slope
+/// with the largest coherent sum of the product, which phase wrapping does not disturb. From one slope to
+/// the next the phase at the window's end changes by half a radian.
 std::optional<PhaseLine> first_line(std::span<const Complex> product, SampleSpan span,
                                     const SplitBeamSearch& search) {
   constexpr double steepest = 16, step_rad = 0.5;
@@ -55,7 +59,7 @@ std::optional<PhaseLine> first_line(std::span<const Complex> product, SampleSpan
   return PhaseLine{search.from - std::arg(best) / slope_rad, slope_rad};
 }
 
-/// Sums of weighted least squares, places counted from `origin`.
+/// Sums of weighted least squares, with positions relative to `origin`.
 struct LineSums {
   double weight = 0, place = 0, phase = 0, place2 = 0, both = 0;
   std::size_t samples = 0;
@@ -64,7 +68,7 @@ struct LineSums {
 }  // namespace
 
 double level_seabed_bend(double range_m, double sine, double step_m) {
-  // s = sqrt(1 - h^2 / r^2): half of s'' / s'. Straight below there is no line.
+  // From s = sqrt(1 - h^2 / r^2) the result is half of s'' / s'. Straight below the sonar there is no line.
   constexpr double least_sine = 0.05;
   const double cosine2 = 1 - sine * sine, bounded = std::max(sine, least_sine);
   return -0.5 * (3 + cosine2 / (bounded * bounded)) / range_m * step_m;
@@ -81,7 +85,7 @@ std::optional<SplitBeamDetection> split_beam_zero(std::span<const Complex> produ
       first_line(product, about(search.from, search.half_window, product.size()), search);
   constexpr int rounds = 3;
   for (int round = 0; round < rounds && line; ++round) {
-    // What the line says is within the lobe, as far as the search goes.
+    // Restricts the fit to the part of the line within the main lobe and the window.
     const double half = std::min(search.half_window, search.edge_rad / std::abs(line->slope_rad));
     if (std::abs(line->zero - search.from) > search.half_window) return std::nullopt;
     const SampleSpan span = about(line->zero, half, product.size());
@@ -120,8 +124,9 @@ std::optional<SplitBeamDetection> split_beam_zero(std::span<const Complex> produ
         const double off = own - phase - slope_rad * (away - place);
         residual += weight * off * off;
       });
-      // Samples of one look are one observation: residual / n makes the variance of a sample of weight 1, n /
-      // (n - 2 looks) what two parameters took, and a look's samples tell no more than one. n cancels.
+      // Samples of one look are one observation. The variance of a sample of weight 1 is residual / n. The
+      // factor n / (n - 2 looks) accounts for the two fitted parameters. The samples of a look count once,
+      // and n cancels.
       const double variance = residual / (looks - 2);
       const double sigma =
           std::sqrt(variance * (1 / sums.weight + (zero - place) * (zero - place) / sums.place2)) /

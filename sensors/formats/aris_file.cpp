@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Writes ARIS files (.aris, "DDF_05", docs/files-ddf.md): headers of file and frames, range gates in whole
+// microseconds, and the frame rates that a range gate permits.
+
 #include "sensors/formats/aris_file.hpp"
 
 #include <fmt/format.h>
@@ -22,8 +25,8 @@ constexpr double shortest_cycle_us = 1802, longest_cycle_us = 65535;
 double range_m(double time_us, double sound_speed_m_s) { return time_us * 1e-6 * sound_speed_m_s / 2; }
 double time_us(double range_m, double sound_speed_m_s) { return 2 * range_m / sound_speed_m_s * 1e6; }
 
-/// One transmission with its echoes: the window's end and the 420 us that the vendor's frame rates count for
-/// every ping.
+/// Duration of one transmission with its echoes: the end of the range gate, and the 420 us that the vendor's
+/// frame rates include per transmission.
 double cycle_us(const ArisWindow& window, int samples) {
   return std::max(shortest_cycle_us,
                   window.start_delay_us + static_cast<double>(samples) * window.sample_period_us + 420);
@@ -145,10 +148,11 @@ PacketBytes ArisFile::file_header() const {
   record.put<std::uint32_t>(44, header_.serial_number);
   record.put_text(48, 32, date());
   record.put_text(80, 256, header_.title);
-  // 352 and 356, StartFrame and EndFrame, stay 0: readers would take anything else for a part to be read.
+  // Bytes 352 and 356, StartFrame and EndFrame, stay 0. Readers would take other values for a part of the
+  // file to read.
   record.put<std::uint32_t>(372, 1);  // FrameInterval
   record.put<std::uint32_t>(384, static_cast<std::uint32_t>(std::round(header_.sound_speed_m_s)));
-  // Codes: of 5 to 15, 15 to 25 and 25 to 35 degrees; of fresh, brackish and salt water.
+  // Codes for 5 to 15, 15 to 25 and 25 to 35 degrees, and for fresh, brackish and salt water.
   record.put<std::uint32_t>(396, header_.water_temperature_c < 15   ? 0
                                  : header_.water_temperature_c < 25 ? 1
                                                                     : 2);
@@ -193,7 +197,7 @@ PacketBytes ArisFile::frame_header(const CameraFrame& frame) const {
   record.put<std::uint32_t>(480, header_.telephoto_lens ? 1 : 0);
   record.put<std::uint32_t>(484, static_cast<std::uint32_t>(header_.model.value_or(mode.model)));
   record.put<std::uint32_t>(488, header_.serial_number);
-  record.put<std::uint32_t>(516, 1);  // ReorderedSamples: [sample][beam] already
+  record.put<std::uint32_t>(516, 1);  // ReorderedSamples: the order is already [sample][beam]
   record.put<std::uint32_t>(520, static_cast<std::uint32_t>(header_.salinity));
   return record;
 }

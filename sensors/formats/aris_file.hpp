@@ -10,24 +10,24 @@
 #include "scene/description/sensor_description.hpp"
 #include "sensors/formats/camera_file.hpp"
 
-// ARIS files (.aris, "DDF_05"): windows in metres and any number of samples. docs/files-ddf.md.
+// ARIS files (.aris, "DDF_05"): range gates in metres, and any number of samples. See docs/files-ddf.md.
 namespace tubefoot {
 
-/// The numbers are the format's.
+/// The values are those of the format.
 enum class ArisModel : std::uint32_t { aris_1800 = 0, aris_3000 = 1, aris_1200 = 2 };
 enum class ArisSalinity : std::uint32_t { fresh = 0, brackish = 15, salt = 35 };
 
-/// How an ARIS forms its beams.
+/// The beam formation of an ARIS.
 struct ArisPingMode {
-  std::uint32_t code;  ///< as readers tell the number of beams
-  int pings;           ///< transmissions of a frame
-  ArisModel model;     ///< that has so many beams (48: the 1200 has, too)
+  std::uint32_t code;  ///< code by which readers determine the number of beams
+  int pings;           ///< transmissions per frame
+  ArisModel model;     ///< model with this number of beams (48 beams: also the 1200)
 };
 
 /// Throws std::invalid_argument unless there are 48, 64, 96 or 128 beams.
 ArisPingMode aris_ping_mode(int beams);
 
-/// Range window of an ARIS, in whole microseconds of two-way travel.
+/// Range gate of an ARIS, in whole microseconds of two-way travel time.
 struct ArisWindow {
   std::uint32_t start_delay_us = 930;  ///< transmission to first sample: 930 to 65535
   std::uint32_t sample_period_us = 4;  ///< 4 to 100
@@ -36,42 +36,42 @@ struct ArisWindow {
   double length_m(double sound_speed_m_s, int samples) const;
 };
 
-/// The window that begins at start_m and is length_m long, both within half a range sample. Throws
-/// std::invalid_argument that says which windows are near.
+/// The range gate from start_m on with length length_m, both to within half a range sample. Throws
+/// std::invalid_argument that lists the nearest range gates.
 ArisWindow aris_window(double start_m, double length_m, int samples, double sound_speed_m_s);
 
-/// The nearest window that an ARIS has: whole microseconds from sample to sample, and to the first one, no
-/// earlier than it listens. None where that is another window altogether: samples longer or shorter than an
-/// ARIS's, or a first one later.
+/// The nearest range gate that an ARIS has: whole microseconds between samples and to the first sample,
+/// which is not before its shortest delay. Empty if no ARIS gate is similar: samples longer or shorter than
+/// those of an ARIS, or a later first sample.
 std::optional<ArisWindow> nearest_aris_window(double start_m, double length_m, int samples,
                                               double sound_speed_m_s);
 
-/// Whether a sensor is of one of the ARIS presets.
+/// True for a sensor of an ARIS preset.
 bool is_aris(const SensorDescription& sensor);
 
-/// Throws std::invalid_argument, beginning with `what`, for what no ARIS file has.
+/// Throws std::invalid_argument that begins with `what` for a header that an ARIS file cannot represent.
 struct ArisHeader;
 void check(const ArisHeader& header, const std::string& what);
 
-/// What is the same for all frames of an ARIS file.
+/// Data that all frames of an ARIS file share.
 struct ArisHeader {
   std::string title{};
-  std::optional<ArisModel> model{};  ///< absent: the model with so many beams
+  std::optional<ArisModel> model{};  ///< unset: the model with this number of beams
   bool high_frequency = true;
   int beams = 96;  ///< 48, 64, 96 or 128
   int samples = 512;
   ArisWindow window{};
   double sound_speed_m_s = 1500;
   double frame_rate_hz = 1;
-  std::uint32_t pulse_width_us = 0;  ///< 4 to 100; 0: not known
+  std::uint32_t pulse_width_us = 0;  ///< 4 to 100; 0: unknown
   bool telephoto_lens = false;
   double water_temperature_c = 0;
   ArisSalinity salinity = ArisSalinity::salt;
   std::uint32_t serial_number = 100;
-  std::uint32_t most_frames = std::numeric_limits<std::uint32_t>::max();  ///< more are refused
+  std::uint32_t most_frames = std::numeric_limits<std::uint32_t>::max();  ///< further frames are rejected
 };
 
-/// A level as the file keeps it: 0 to 80 dB is 0 to 255 (see `amplitude`).
+/// Code of a level: 0 to 80 dB becomes 0 to 255 (see `amplitude`).
 inline constexpr double aris_full_scale_db = 80;
 std::uint8_t aris_amplitude(double level_db);
 

@@ -12,30 +12,31 @@
 
 namespace tubefoot {
 
-/// A DIDSON or ARIS file that is written frame by frame; memory for one frame. Without finish() nothing
-/// remains. Throws std::invalid_argument for a header or frame that the format cannot keep (the file stays as
-/// it was before that frame), std::runtime_error naming file and reason if it cannot be written.
+/// A DIDSON or ARIS file that is written frame by frame, with one frame in memory. Without finish() the file
+/// is removed. Throws std::invalid_argument for a header or frame that the format cannot represent; the file
+/// then stays as it was before that frame. Throws std::runtime_error that names file and reason if writing
+/// fails.
 class CameraFile {
  public:
   virtual ~CameraFile() = default;
   void add(const CameraFrame& frame);
-  /// Puts what is known only now, the number of frames for one, into the header and closes the file. Throws
-  /// std::logic_error without a frame: readers take such a file for a broken one.
+  /// Completes the header, for example with the number of frames, and closes the file. Throws
+  /// std::logic_error without a frame, because readers treat such a file as broken.
   void finish();
   std::uint32_t frames() const { return frames_; }
 
  protected:
   struct Shape {
     int beams = 0, samples = 0;
-    std::uint32_t most_frames = std::numeric_limits<std::uint32_t>::max();  ///< more are refused
+    std::uint32_t most_frames = std::numeric_limits<std::uint32_t>::max();  ///< further frames are rejected
   };
   CameraFile(const std::filesystem::path& file, const Shape& shape) : shape_(shape), file_(file) {}
-  /// To be called once by what is derived, when file_header() has what it needs.
+  /// Derived classes call this function once, when file_header() has its data.
   void begin() { file_.append(file_header().bytes()); }
 
   virtual PacketBytes file_header() const = 0;
   virtual PacketBytes frame_header(const CameraFrame& frame) const = 0;
-  /// Of the first frame; empty before it.
+  /// Date of the first frame; empty before it.
   const std::string& date() const { return date_; }
   std::uint64_t bytes() const { return file_.size(); }
 

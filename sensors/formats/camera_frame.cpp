@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Common parts of DIDSON and ARIS frames: checks, the platform's fields in the frame header, calendar times,
+// sample order and amplitude codes. See docs/files-ddf.md.
+
 #include "sensors/formats/camera_frame.hpp"
 
 #include <fmt/format.h>
@@ -14,7 +17,7 @@ namespace tubefoot {
 namespace {
 
 void check(const CameraAttitude& attitude, const std::string& what) {
-  // Whole turns are taken off a heading; beyond this, a double would no longer tell degrees apart.
+  // The heading is reduced by whole turns. Above this limit a double does not resolve degrees.
   require_field(std::abs(attitude.heading_deg) <= 1e9, what, "the heading", attitude.heading_deg,
                 "a finite number of degrees");
   require_field(std::abs(attitude.pitch_deg) <= 90, what, "the pitch", attitude.pitch_deg,
@@ -26,7 +29,7 @@ void check(const CameraAttitude& attitude, const std::string& what) {
 double heading_in_circle(double heading_deg) {
   double heading = std::fmod(heading_deg, 360);
   if (heading < 0) heading += 360;
-  // Single precision rounds what is just below 360 to 360.
+  // Single precision rounds values just below 360 to 360.
   return static_cast<float>(heading) >= 360 ? 0 : heading;
 }
 
@@ -47,7 +50,7 @@ void check(const CameraFrame& frame, const std::string& what, int beams, int sam
                 "-180 to 180 degrees");
   check(frame.platform, what);
   if (frame.camera) check(*frame.camera, what);
-  constexpr double far = 1e6;  // for metres and metres per second alike: no water is as deep
+  constexpr double far = 1e6;  // limit for metres and for metres per second: no water is as deep
   require_field(std::abs(frame.velocity_m_s) <= far, what, "the velocity", frame.velocity_m_s,
                 "within 1e6 m/s");
   require_field(std::abs(frame.depth_m) <= far, what, "the depth", frame.depth_m, "within 1e6 m");
@@ -62,7 +65,7 @@ void put_platform(PacketBytes& header, const CameraFrame& frame) {
   header.put_single(124, frame.velocity_m_s);
   header.put_single(128, frame.depth_m);
   header.put_single(132, frame.altitude_m);
-  // The rates between these (140, 148, 156) stay 0.
+  // The rates between these fields (140, 148, 156) stay 0.
   header.put_single(136, frame.platform.pitch_deg);
   header.put_single(144, frame.platform.roll_deg);
   header.put_single(152, heading_in_circle(frame.platform.heading_deg));

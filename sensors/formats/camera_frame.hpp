@@ -10,35 +10,35 @@
 
 #include "sensors/formats/packet_bytes.hpp"
 
-// What DIDSON and ARIS files have in common (docs/files-ddf.md).
+// Common parts of DIDSON and ARIS files (docs/files-ddf.md).
 namespace tubefoot {
 
-/// Which way a body points [deg]: heading clockwise from north, pitch bow up positive, roll starboard down
+/// Attitude of a body [deg]: heading clockwise from north, pitch bow up positive, roll starboard down
 /// positive.
 struct CameraAttitude {
   double heading_deg = 0, pitch_deg = 0, roll_deg = 0;
 };
 
-/// One picture of an acoustic camera, as it goes into a DIDSON or ARIS file.
+/// One frame of an acoustic camera in a DIDSON or ARIS file.
 struct CameraFrame {
   double unix_time_s = 0;                      ///< UTC, 1970 to 2106 (32 bits of seconds)
   double latitude_deg = 0, longitude_deg = 0;  ///< north and east positive
-  CameraAttitude platform;                     ///< of what carries the camera
-  std::optional<CameraAttitude> camera{};      ///< of the camera itself; absent: as the platform
+  CameraAttitude platform;                     ///< of the camera's carrier
+  std::optional<CameraAttitude> camera{};      ///< of the camera itself; unset: as the platform
   double velocity_m_s = 0;                     ///< of the platform, forward
   double depth_m = 0, altitude_m = 0;          ///< of the platform: below the surface, above the bottom
   std::span<const std::uint8_t> amplitudes;    ///< [beam][sample], port-most beam and nearest sample first
 };
 
-/// Throws std::invalid_argument, beginning with `what`, for a time, pose or number that is not finite or
-/// outside of its range, and unless there are beams * samples amplitudes.
+/// Throws std::invalid_argument that begins with `what` for a time, pose or number that is not finite or out
+/// of its range. Throws it also unless there are beams * samples amplitudes.
 void check(const CameraFrame& frame, const std::string& what, int beams, int samples);
 
-/// Puts velocity, depth, altitude, both attitudes and the position where all versions have them in the frame
-/// header (bytes 124 to 187). Headings become 0 to 360 degrees, 360 excluded.
+/// Writes velocity, depth, altitude, both attitudes and the position at the bytes 124 to 187 of the frame
+/// header, which all versions share. Headings become 0 to 360 degrees, without 360.
 void put_platform(PacketBytes& header, const CameraFrame& frame);
 
-/// A time as the headers have it, all parts of the same instant: rounded to hundredths of a second first.
+/// A time in the form of the headers. All parts are of the same instant, rounded to hundredths of a second.
 struct CalendarTime {
   std::uint32_t year = 1970, month = 1, day = 1, hour = 0, minute = 0, second = 0, hundredth = 0;
   std::uint64_t unix_s = 0;
@@ -47,14 +47,13 @@ CalendarTime calendar_time(double unix_time_s);
 /// yyyy-mm-dd_HHMMSS
 std::string date_text(const CalendarTime& time);
 
-/// From [beam][sample], port-most beam first, to [sample][beam], starboard-most beam first: the order in the
-/// files of a camera that is not mounted upside down.
+/// Converts [beam][sample], port-most beam first, to [sample][beam], starboard-most beam first. The latter
+/// is the order in the files of a camera that is not mounted upside down.
 void reorder(std::span<const std::uint8_t> port_first, int beams, int samples,
              std::vector<std::uint8_t>& starboard_first);
 
-/// A level as the files keep it: 0 to full_scale_db [dB] is 0 to 255, rounded to nearest, halves up, and
-/// clamped; no energy at all (minus infinity) is 0. Throws std::invalid_argument if the level is not a
-/// number.
+/// Code of a level in the files: 0 to full_scale_db [dB] becomes 0 to 255, rounded to nearest, halves up,
+/// and clamped. No energy (minus infinity) becomes 0. Throws std::invalid_argument for NaN.
 std::uint8_t amplitude(double level_db, double full_scale_db);
 
 /// Throws std::invalid_argument "<what>: <quantity> is <value>, must be <wanted>" unless `holds`.

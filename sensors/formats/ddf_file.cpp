@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Writes DIDSON files, version 3 (.ddf, "DDF_03", docs/files-ddf.md): headers of file and frames, and the
+// codes of range gates.
+
 #include "sensors/formats/ddf_file.hpp"
 
 #include <fmt/format.h>
@@ -27,7 +30,7 @@ const char* resolution(const DdfHeader& camera) {
 
 double half_sample_m(double length_m) { return length_m / samples_per_beam / 2; }
 
-/// Readers have 0.83 and 1.25 m for one of these lengths, 70 and 80 m for the other.
+/// Readers disagree on these lengths: 0.83 or 1.25 m for one, 70 or 80 m for the other.
 bool disputed(const DdfHeader& camera, std::uint32_t length_code) {
   if (classic(camera)) return false;
   return camera.high_resolution ? !long_range(camera) && length_code == 0
@@ -133,7 +136,8 @@ PacketBytes DdfFile::file_header() const {
   record.put<std::uint32_t>(44, header_.serial_number);
   record.put_text(48, 32, date());
   record.put_text(80, 256, header_.title);
-  // 352 and 356, StartFrame and EndFrame, stay 0: readers would take anything else for a part to be read.
+  // Bytes 352 and 356, StartFrame and EndFrame, stay 0. Readers would take other values for a part of the
+  // file to read.
   record.put<std::uint32_t>(372, 1);  // FrameInterval
   record.put<std::uint32_t>(384, static_cast<std::uint32_t>(std::round(header_.sound_speed_m_s)));
   return record;
@@ -158,7 +162,7 @@ PacketBytes DdfFile::frame_header(const CameraFrame& frame) const {
   record.put<std::uint32_t>(52, header_.window.start_code);
   record.put<std::uint32_t>(56, header_.window.length_code);
   record.put<std::uint32_t>(
-      64, static_cast<std::uint32_t>(ddf_full_scale_db));  // Intensity: shows all of the scale
+      64, static_cast<std::uint32_t>(ddf_full_scale_db));  // Intensity: displays the whole scale
   put_platform(record, frame);
   record.put<std::uint32_t>(192, header_.config_flags);
   record.put_single(224, header_.water_temperature_c);

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Writes netCDF-4 files of echoes: definitions and small variables through netCDF in memory. The packed
+// chunks of pings follow, in memory or in reserved disk space.
+
 #include "sensors/formats/echo_netcdf.hpp"
 
 #include <fmt/format.h>
@@ -23,7 +26,7 @@ EchoNetcdf::EchoNetcdf(fs::path path) : path_(std::move(path)) {
   NC_memio memory{image.size(), std::malloc(image.size()), 0};
   if (memory.memory == nullptr) throw std::bad_alloc();
   std::memcpy(memory.memory, image.data(), image.size());
-  // netCDF owns these bytes from here on, and reallocates them.
+  // From here on netCDF owns these bytes and reallocates them.
   check(nc_open_memio(path_.c_str(), NC_WRITE, &memory, &id_), "create the file");
   defining_ = true;
 }
@@ -44,7 +47,7 @@ Hdf5Chunks& EchoNetcdf::chunks(std::size_t bytes_of_values) {
   if (bytes_of_values <= most_bytes_in_memory) return chunks_.emplace(path_, image);
   write_file(path_, image);
   space_.emplace(path_);
-  // What deflate cannot shrink stays as long as it is. A chunk's entry is some ten bytes.
+  // Data that deflate cannot compress keep their size. The entry of a chunk takes some ten bytes.
   constexpr std::size_t margin_bytes = 4 << 20;
   space_->reserve(bytes_of_values + bytes_of_values / 64 + margin_bytes);
   return chunks_.emplace(path_);
@@ -62,7 +65,7 @@ void EchoNetcdf::check(int status, const std::string& task) const {
 void EchoNetcdf::discard() {
   if (defining_) nc_abort(id_);
   chunks_.reset();
-  if (!space_) return;  // all of it is in memory
+  if (!space_) return;  // the whole file is in memory
   space_.reset();
   discard_file(path_);
 }

@@ -17,19 +17,21 @@ namespace tubefoot {
 class EchoGroup;
 
 /// A netCDF-4 file of echoes under construction. Every call is checked. netCDF writes definitions and small
-/// variables in memory, because netCDF and HDF5 crash where a disk refuses a write. Values of pings follow,
-/// packed by all threads: in memory up to 16 MB, else in space that is reserved on the disk (ReservedSpace).
-/// netCDF can open the finished file to change it. Throws std::runtime_error naming the file and what failed.
+/// variables in memory, because netCDF and HDF5 crash if a disk rejects a write. Values of pings follow,
+/// packed by all threads. They are in memory up to 16 MB, and in reserved disk space (ReservedSpace) above.
+/// netCDF can open the finished file to change it. Throws std::runtime_error that names the file and the
+/// failed operation.
 class EchoNetcdf {
  public:
   explicit EchoNetcdf(std::filesystem::path path);
-  /// Removes what was not closed.
+  /// Removes a file that was not closed.
   ~EchoNetcdf();
   EchoNetcdf(const EchoNetcdf&) = delete;
   EchoNetcdf& operator=(const EchoNetcdf&) = delete;
 
   EchoGroup root();
-  /// All is defined and written but the values of pings, which are of so many bytes.
+  /// Ends the definitions; everything except the values of pings must be written. `bytes_of_values` is the
+  /// size of these values.
   Hdf5Chunks& chunks(std::size_t bytes_of_values);
   void close();
 
@@ -45,7 +47,7 @@ class EchoNetcdf {
   bool defining_ = false, finished_ = false;
 };
 
-/// One group (or the root) of it: all variables are defined first, then small ones written.
+/// One group (or the root) of the file. All variables are defined before small ones are written.
 class EchoGroup {
  public:
   EchoGroup group(const std::string& name);
@@ -55,13 +57,13 @@ class EchoGroup {
   void attribute(const std::string& name, double value);
   void attribute(int variable, const char* name, const std::string& text);
 
-  /// A float64 variable without values; without `units` it says nothing of them.
+  /// A float64 variable without values. Without `units` it has no such attribute.
   int define(const std::string& name, const std::vector<int>& dimensions, const std::string& units,
              const std::string& long_name);
-  /// A float64 variable; its values are written by write().
+  /// A float64 variable; write() writes its values.
   int variable(const std::string& name, const std::vector<int>& dimensions, const std::string& units,
                const std::string& long_name, std::vector<double> values);
-  /// Values of this variable will be chunks: packed_chunk() says how they are compressed.
+  /// Stores the values of this variable as chunks, which packed_chunk() compresses.
   void chunk(int variable, const std::string& name, const std::vector<std::size_t>& lengths);
   void write();
 
@@ -80,15 +82,14 @@ class EchoGroup {
   std::vector<Pending> pending_;
 };
 
-/// A variable over ping, beam and sample, whose values are written ping by ping, as packed_chunk() packs
-/// them.
+/// A variable over ping, beam and sample. Its values are written ping by ping as chunks of packed_chunk().
 struct PingVariable {
   std::string name;
   std::function<std::vector<unsigned char>(std::size_t ping)> chunk;
 };
 
-/// Asked for by all threads, written in order, each variable `cells` values a ping; `group` is a full name
-/// with its "/". After each ping `done` is reported of it.
+/// Writes the variables of all pings. All threads request chunks, which are written in order; each variable
+/// has `cells` values per ping. `group` is a full name with its "/". Calls `done` after each ping.
 void write_pings(Hdf5Chunks& file, const std::string& group, const std::vector<PingVariable>& variables,
                  std::size_t pings, std::size_t cells, const std::function<void(std::size_t ping)>& done);
 

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Writes GSF files (Generic Sensor Format of Leidos, version 3, docs/files-gsf.md): records of pings with
+// scaled arrays, attitude, sound-speed profiles and processing parameters, all big-endian.
+
 #include "sensors/formats/gsf_file.hpp"
 
 #include <algorithm>
@@ -16,9 +19,9 @@ enum Record : std::uint32_t {
   kAttitude = 12
 };
 constexpr std::uint32_t has_checksum = 0x80000000;
-constexpr std::size_t largest_record = 524288;  // of the Leidos library
+constexpr std::size_t largest_record = 524288;  // limit of the Leidos library
 constexpr std::size_t header_size = 12;
-constexpr double knots = 3600.0 / 1852.0;  // in one m/s
+constexpr double knots = 3600.0 / 1852.0;  // per m/s
 
 enum Subrecord : std::uint8_t {
   kDepth = 1,
@@ -51,7 +54,7 @@ const GsfOptions& checked(const std::filesystem::path& path, const GsfOptions& o
   return options;
 }
 
-/// Seconds and nanoseconds, of whole microseconds: a double has no finer ones in this century.
+/// Seconds and nanoseconds from whole microseconds. A double has no finer resolution in this century.
 std::pair<std::int32_t, std::int32_t> moment(double unix_time_s, const FieldCheck& check) {
   check.within("time [s since 1970]", unix_time_s, 0, 2147483646);
   const auto microseconds = std::llround(unix_time_s * 1e6);
@@ -102,7 +105,7 @@ PacketBytes ping_header(const GsfPing& ping, std::int16_t beams, const FieldChec
   return data;
 }
 
-/// The library's structure for all of the 8100 series.
+/// The library's structure for the whole 8100 series.
 void append_reson_8101(PacketBytes& data, const Reson8101Settings& settings, std::uint32_t ping_number,
                        const FieldCheck& check) {
   PacketBytes own(std::endian::big, 52);
@@ -137,7 +140,7 @@ void append_reson_8101(PacketBytes& data, const Reson8101Settings& settings, std
 
 }  // namespace
 
-/// An array of a ping and how it is stored.
+/// An array of a ping and its storage.
 struct GsfFile::Array {
   std::uint8_t id;
   const char* name;
@@ -222,7 +225,7 @@ std::vector<GsfFile::Array> GsfFile::arrays(const GsfPing& ping) const {
   add(kTwoWayTime, "two-way time [s]", ping.two_way_time_s, options_.two_way_time, false);
   add(kBeamAngle, "beam angle [deg]", ping.beam_angle_deg, options_.beam_angle, true);
   add(kMeanAmplitude, "mean amplitude [dB]", ping.mean_amplitude_db, options_.mean_amplitude, true);
-  // Flags need no scale; pygsf takes an array without one for 2-byte values.
+  // Flags need no scale. pygsf assumes 2-byte values for an array without one.
   add(kBeamFlags, "flags", {ping.flags.begin(), ping.flags.end()}, {1, 0, 1}, false);
   return arrays;
 }
@@ -238,7 +241,7 @@ void GsfFile::add_processing_parameters(double unix_time_s, std::span<const std:
   for (const std::string& parameter : parameters) {
     if (parameter.find('=') == std::string::npos || parameter.find('\0') != std::string::npos)
       check.fail(fmt::format("'{}' is not of the form KEYWORD=VALUE", parameter));
-    // The Leidos library counts the zero behind a text as one of its bytes.
+    // The Leidos library counts the terminating zero of a text as one of its bytes.
     data.append<std::uint16_t>(
         check.integer<std::uint16_t>("length of a parameter", static_cast<double>(parameter.size() + 1)));
     data.append_zeros(parameter.size() + 1);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+// Writes GSF files (Generic Sensor Format of Leidos, version 3) record by record. docs/files-gsf.md lists
+// the fields that are filled, and the uncertain ones.
+
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -14,17 +17,17 @@
 
 namespace tubefoot {
 
-/// How an array of a ping is stored: the integer nearest to (value + offset) * multiplier, in 1, 2 or 4 bytes
-/// (the field sizes that an array may have are those of the Leidos library).
+/// Storage of a ping's array: the integer nearest to (value + offset) * multiplier, in 1, 2 or 4 bytes. The
+/// permitted sizes of an array are those of the Leidos library.
 struct GsfScale {
   std::int32_t multiplier = 1;  ///< 1 or more
-  std::int32_t offset = 0;      ///< pygsf has its sign wrong: leave 0 for it
+  std::int32_t offset = 0;      ///< pygsf uses the opposite sign; use 0 for it
   int bytes = 4;
 };
 
 struct GsfOptions {
   std::string version = "GSF-v03.09";  ///< of the format, at most 11 bytes
-  /// A sum of its bytes before each record. pygsf cannot read files that have them.
+  /// Writes a checksum of each record's bytes before it. pygsf cannot read such files.
   bool checksums = false;
   GsfScale depth{1000, 0, 4};             ///< 1 mm; not signed; 2 or 4 bytes
   GsfScale across{1000, 0, 4};            ///< 1 mm; 2 or 4 bytes
@@ -34,19 +37,20 @@ struct GsfOptions {
   GsfScale mean_amplitude{100, 0, 2};     ///< 0.01 dB; 1 or 2 bytes
 };
 
-/// One ping. Each array has a value for every beam, port-most beam first; an array but `depth_m` may be empty
-/// and is then left out, but not in one ping and not in another (the format's readers carry scales on).
+/// One ping. Each array has a value for every beam, port-most beam first. Every array except `depth_m` may
+/// be empty and is then omitted. All pings must have the same arrays, because the format's readers keep
+/// scales from ping to ping.
 struct GsfPing {
   double unix_time_s = 0;                      ///< UTC, seconds since 1970 without leap seconds, until 2038
   double longitude_deg = 0, latitude_deg = 0;  ///< WGS 84, east and north positive
   double heading_deg = 0;                      ///< clockwise from north, 0 to 360
   double pitch_deg = 0;                        ///< bow up, -90 to 90
   double roll_deg = 0;                         ///< starboard down, -180 to 180
-  double heave_m = 0;                          ///< down, as all of the format's z
-  double course_deg = 0;                       ///< made good, clockwise from north, 0 to 360
+  double heave_m = 0;                          ///< positive down, as all z of the format
+  double course_deg = 0;                       ///< course made good, clockwise from north, 0 to 360
   double speed_m_s = 0;                        ///< over the surface
-  double tide_m = 0;                           ///< tide corrector, already in the depths
-  double depth_corrector_m = 0;                ///< depth of the sonar, already in the depths
+  double tide_m = 0;                           ///< tide corrector, which the depths include
+  double depth_corrector_m = 0;                ///< depth of the sonar, which the depths include
   double height_m = 0;                         ///< above the ellipsoid
   double separation_m = 0;                     ///< ellipsoid to the vertical datum
   double gps_tide_m = 0;
@@ -59,12 +63,11 @@ struct GsfPing {
   std::vector<double> mean_amplitude_db;
   std::vector<std::uint8_t> flags;  ///< 0 accepted; bit 0 rejects the beam
 
-  std::optional<Reson8101Settings>
-      reson_8101{};               ///< what the sonar says of itself; of one that is no 8101, none
-  std::uint32_t ping_number = 0;  ///< goes with reson_8101
+  std::optional<Reson8101Settings> reson_8101{};  ///< settings of an 8101; unset for other sonars
+  std::uint32_t ping_number = 0;                  ///< belongs to reson_8101
 };
 
-/// Sound speed against depth, and when and where it was measured and holds from.
+/// Sound speed against depth, with the times of its measurement and first use, and its position.
 struct GsfSoundSpeedProfile {
   double observed_unix_time_s = 0, applied_unix_time_s = 0;  ///< as the time of a ping
   double longitude_deg = 0, latitude_deg = 0;
@@ -79,26 +82,26 @@ struct GsfAttitude {
   double heading_deg = 0, pitch_deg = 0, roll_deg = 0, heave_m = 0;  ///< as GsfPing
 };
 
-/// Writes a GSF file (Generic Sensor Format of Leidos, version 3) record by record; no more than one record
-/// is in memory. docs/files-gsf.md says which fields are filled and what is uncertain.
+/// Writes a GSF file (Generic Sensor Format of Leidos, version 3) record by record; at most one record is in
+/// memory. The page docs/files-gsf.md lists the fields that are filled, and the uncertain ones.
 ///
-/// Values that their fields do not hold, or that are not numbers, are refused with std::invalid_argument
-/// before anything of the record is written: the file can go on. Errors of the disk are std::runtime_error,
-/// naming the file and the reason; the file is then gone. A file that is not finished is taken away.
+/// Throws std::invalid_argument for NaN and for values out of range of their fields, before any byte of the
+/// record is written; further records can follow. Throws std::runtime_error for disk errors, with the file's
+/// name and the reason; the file is then removed. The destructor removes an unfinished file.
 class GsfFile {
  public:
   explicit GsfFile(const std::filesystem::path& path, const GsfOptions& options = {});
 
   void add_ping(const GsfPing& ping);
-  /// What has been done to the data that follow, "KEYWORD=VALUE" each.
+  /// Processing of the following data, "KEYWORD=VALUE" each.
   void add_processing_parameters(double unix_time_s, std::span<const std::string> parameters);
-  /// The profile by which the soundings that follow were placed. Depths and speeds are kept to 1 cm and 1
-  /// cm/s. A profile of more points than a record holds is thinned: its ends stay.
+  /// The profile by which the following soundings were placed. Depths and speeds are stored to 1 cm and 1
+  /// cm/s. A profile with more points than a record can contain is thinned; its ends remain.
   void add_sound_speed_profile(const GsfSoundSpeedProfile& profile);
-  /// One record; times must not go back and span less than 65.5 s.
+  /// Writes one record. Times must not decrease, and must span less than 65.5 s.
   void add_attitude(std::span<const GsfAttitude> attitudes);
 
-  /// Completes the file. Nothing can be added afterwards.
+  /// Completes the file. No records can follow.
   void finish();
 
  private:
@@ -108,7 +111,7 @@ class GsfFile {
 
   GsfOptions options_;
   StreamedFile file_;
-  /// Identifiers of the arrays that the first ping had; empty before it.
+  /// Identifiers of the first ping's arrays; empty before it.
   std::vector<std::uint8_t> arrays_of_file_;
 };
 

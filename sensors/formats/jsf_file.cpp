@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Offsets are those of EdgeTech's "JSF data file description" 0023492, revision M, message type 80.
+// Writes EdgeTech JSF files of complex sidescan samples. Offsets are those of EdgeTech's "JSF data file
+// description" 0023492, revision M, message type 80.
 #include "sensors/formats/jsf_file.hpp"
 
 #include <algorithm>
@@ -27,7 +28,7 @@ enum Valid : unsigned {
   sound_speed = 1u << 14,
 };
 
-/// N of value = integer x 2^-N: the largest with which all parts fit 16 bits.
+/// N of value = integer x 2^-N: the largest N for which all parts fit 16 bits.
 int weighting_of(std::span<const std::complex<double>> samples, const FieldCheck& check) {
   double largest = 0;
   for (const std::complex<double>& sample : samples) {
@@ -88,14 +89,14 @@ class Message {
     put<std::int16_t>(160, time.hour);
     put<std::int16_t>(162, time.minute);
     put<std::int16_t>(164, time.second);
-    put<std::int16_t>(166, 3);  // what the other codes were is history
+    put<std::int16_t>(166, 3);  // the other codes are obsolete
     constexpr std::int64_t day_ms = 86'400'000;
     put<std::uint32_t>(200, static_cast<std::uint32_t>(time.since_1970_ms % day_ms));
   }
 
   void place() {
     if (!std::isnan(ping_.x) || !std::isnan(ping_.y)) {
-      // Minutes of arc times 10000; or millimetres, or centimetres where those do not fit.
+      // Minutes of arc times 10000, or millimetres, or centimetres if millimetres do not fit.
       constexpr double minutes = 60 * 10000, most_mm = 2147483.0;
       const bool millimetres = std::abs(ping_.x) <= most_mm && std::abs(ping_.y) <= most_mm;
       const double per_unit = ping_.degrees ? minutes : millimetres ? 1000 : 100;
@@ -119,7 +120,7 @@ class Message {
       check_.within("pitch [deg]", ping_.pitch_deg, -90, 90);
       check_.within("roll [deg]", ping_.roll_deg, -180, 180);
       put<std::int16_t>(174, check_.integer<std::int16_t>("pitch [deg]", ping_.pitch_deg, binary_angle));
-      // Half a turn to starboard is half a turn to port.
+      // The field cannot represent +180 degrees; the nearest smaller code replaces it.
       const double roll = std::min(std::round(ping_.roll_deg * binary_angle), most_16_bits);
       put<std::int16_t>(176, static_cast<std::int16_t>(roll));
       valid(pitch_and_roll);
@@ -143,7 +144,7 @@ class Message {
     const std::uint32_t start = decahertz("first frequency [10 Hz]", ping_.start_hz),
                         stop = decahertz("last frequency [10 Hz]", ping_.stop_hz),
                         count = static_cast<std::uint32_t>(samples);
-    // The upper four bits of numbers that outgrew their 16.
+    // The upper four bits of numbers with more than 16 bits.
     put<std::uint16_t>(16, static_cast<std::uint16_t>(start >> 16 | stop >> 16 << 4 | count >> 16 << 8));
     put<std::uint16_t>(114, static_cast<std::uint16_t>(count));
     put<std::uint16_t>(126, static_cast<std::uint16_t>(start));

@@ -12,10 +12,10 @@
 
 namespace tubefoot {
 
-/// Which of its signals a sonar's messages are of: EdgeTech's numbers of subsystems.
+/// EdgeTech's subsystem numbers, by the signal of the sonar.
 enum class JsfSubsystem : std::uint8_t { sidescan_low = 20, sidescan_high = 21, sidescan_very_high = 22 };
 
-/// One side of one ping of a sidescan. What is not known is not a number, and not marked as valid.
+/// One side of one ping of a sidescan. Unknown values are NaN, and their validity bits are not set.
 struct JsfPing {
   static constexpr double none = std::numeric_limits<double>::quiet_NaN();
   JsfSubsystem subsystem = JsfSubsystem::sidescan_low;
@@ -23,7 +23,7 @@ struct JsfPing {
   std::uint32_t number = 0;
   double unix_time_s = 0;     ///< UTC, seconds since 1970 without leap seconds
   double x = none, y = none;  ///< longitude and latitude [deg], or easting and northing [m]
-  bool degrees = true;        ///< which of them
+  bool degrees = true;        ///< unit of x and y: degrees, or metres
   double heading_deg = none;  ///< clockwise from north, 0 to 360
   double pitch_deg = none;    ///< bow up, -90 to 90
   double roll_deg = none;     ///< starboard down, -180 to 180
@@ -32,23 +32,24 @@ struct JsfPing {
   double sound_speed_m_s = none;
   double start_hz = 0, stop_hz = 0;  ///< of the pulse
   double sweep_s = 0;                ///< its length
-  double mixer_hz = 0;               ///< the frequency that the samples are a baseband about
+  double mixer_hz = 0;               ///< centre frequency of the samples' baseband
   double sample_interval_s = 0;      ///< between complex samples
-  std::uint32_t first_sample = 0;    ///< samples between the transmission and the first that is here
+  std::uint32_t first_sample = 0;    ///< number of samples from the transmission to the first sample of the
+                                     ///< ping
   std::string annotation{};          ///< at most 23 bytes
 };
 
 /// An EdgeTech JSF file of sidescan messages (type 80) with complex, matched-filtered samples (data format
-/// 1), protocol version 13 (docs/files-signals.md). Samples are scaled by a power of two, the message's
-/// weighting factor N, to use the 16 bits of each part; value = integer x 2^-N.
+/// 1), protocol version 13 (docs/files-signals.md). A power of two, the message's weighting factor N, scales
+/// the samples to use the 16 bits of each part: value = integer x 2^-N.
 class JsfFile {
  public:
   explicit JsfFile(const std::filesystem::path& file) : file_(file) {}
 
-  /// At least one sample and less than 2^20. Throws std::invalid_argument with the ping's number for what
-  /// does not fit a field, std::runtime_error where the disk is full.
+  /// Adds one side of a ping, with at least one sample and less than 2^20. Throws std::invalid_argument that
+  /// names the ping for a value out of range of its field. Throws std::runtime_error if the disk is full.
   void add(const JsfPing& ping, std::span<const std::complex<double>> samples);
-  /// The file is complete, and all of it was taken by the system.
+  /// Completes the file. Afterwards the system has accepted all bytes.
   void finish() { file_.close(); }
 
  private:

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Writes netCDF-4 files through netCDF with reserved disk space: groups, dimensions, types, attributes and
+// variables, with checked calls. Creation times are disabled, so that equal runs give equal files.
+
 #include "sensors/formats/netcdf_stream.hpp"
 
 #include <dlfcn.h>
@@ -16,9 +19,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// HDF5 notes the time of day with every named type, which makes equal runs give different files, and netCDF
-// lets nobody ask it not to. The defaults of HDF5 can be told; it is netCDF's dependency, not ours: both are
-// looked up in the running program. Signature of HDF5 1.10: herr_t H5Pset_obj_track_times(hid_t, hbool_t).
+// HDF5 stores the time of day with every named type, so that equal runs give different files. The interface
+// of netCDF has no option against it, but the defaults of HDF5 can be changed. HDF5 is a dependency of
+// netCDF, not of this program; both symbols are looked up in the running program. Signature of HDF5 1.10:
+// herr_t H5Pset_obj_track_times(hid_t, hbool_t).
 void leave_out_type_times() {
   using SetTimes = int (*)(std::int64_t, bool);
   const auto set_times = reinterpret_cast<SetTimes>(dlsym(RTLD_DEFAULT, "H5Pset_obj_track_times"));
@@ -30,7 +34,7 @@ void leave_out_type_times() {
 }  // namespace
 
 NetcdfStream::NetcdfStream(fs::path file) : file_(std::move(file)) {
-  // Reserved twice: creating a file gives back what it had.
+  // Reserves space twice, because creating a file releases it.
   try {
     space_ = std::make_unique<ReservedSpace>(file_);
     space_->reserve(margin_bytes);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+// A netCDF-4 file that grows on the disk, its groups, and the definition of its variables from the tables of
+// a convention. All disk space is reserved before HDF5 writes into it.
+
 #include <netcdf.h>
 
 #include <cstdint>
@@ -18,25 +21,25 @@ namespace tubefoot {
 /// A netCDF-4 file that grows on the disk. All space is reserved before HDF5 writes into it (ReservedSpace).
 class NetcdfStream {
  public:
-  /// Space for what defines a file and for what HDF5 keeps of it in memory until it is closed.
+  /// Space for the definitions of a file, and for the data that HDF5 keeps in memory until it is closed.
   static constexpr std::uintmax_t margin_bytes = 4 << 20;
 
   /// Throws std::runtime_error with the file's name and the reason.
   explicit NetcdfStream(std::filesystem::path file);
-  /// A file that is there, to be added to.
+  /// Opens an existing file to add to it.
   struct Finished {};
   NetcdfStream(std::filesystem::path file, Finished);
-  /// Removes what was not finished.
+  /// Removes an unfinished file.
   ~NetcdfStream();
   NetcdfStream(const NetcdfStream&) = delete;
   NetcdfStream& operator=(const NetcdfStream&) = delete;
 
   int id() const { return id_; }
-  /// To be called before `bytes` are written, counted generously.
+  /// Call this function before `bytes` are written; the count should be generous.
   void reserve(std::uintmax_t bytes) { space_->reserve(bytes + margin_bytes); }
-  /// Hands everything written to the system.
+  /// Passes all written data to the system.
   void flush();
-  /// Closes the file and opens it again, which frees what HDF5 remembers of it. Groups get new ids.
+  /// Closes the file and opens it again, which frees HDF5's memory for it. Groups get new ids.
   void reopen();
   /// The id of a group by its full name.
   int group(const std::string& path) const;
@@ -52,7 +55,7 @@ class NetcdfStream {
   bool open_ = false, finished_ = false;
 };
 
-/// What a variable is: all of a row of a convention's tables.
+/// A variable with all data of its row in a convention's tables.
 struct NetcdfVariable {
   const char* name;
   nc_type type;
@@ -84,9 +87,10 @@ class NetcdfGroup {
   void attribute(int variable, const char* name, nc_type type, const std::vector<double>& values) const;
   void code_attribute(const char* name, nc_type enumeration, signed char code) const;
 
-  /// Floats get NaN as _FillValue; unlimited ones chunks of `chunk_pings` along their first dimension.
+  /// Defines a variable. Floats get NaN as _FillValue. Variables of unlimited length get chunks of
+  /// `chunk_pings` along their first dimension.
   int define(const NetcdfVariable& variable, std::size_t chunk_pings = 0) const;
-  /// The attributes of a time in ns since 1970 besides its units.
+  /// Defines a time in ns since 1970, with its attributes.
   int define_time(const char* name, int dimension, const char* long_name, std::size_t chunk) const;
   /// A float, integer or enumeration variable with its values.
   void put(const NetcdfVariable& variable, const std::vector<double>& values) const;

@@ -17,12 +17,12 @@
 #include <type_traits>
 #include <vector>
 
-// What the writers of packet formats (XTF, Reson, GSF, DIDSON, ARIS) share: bytes of a stated order at stated
-// offsets, and the conversion of physical values to the fields of a packet.
+// Common parts of the writers of packet formats (XTF, Reson, GSF, DIDSON, ARIS). They are bytes of a stated
+// order at stated offsets, and the conversion of physical values to the fields of a packet.
 namespace tubefoot {
 
-/// The bytes of one packet. The type of a field is always written out, `put<std::uint16_t>(4, ...)`, so that
-/// a line can be held against the format's table.
+/// The bytes of one packet. Callers always write out the type of a field, `put<std::uint16_t>(4, ...)`, so
+/// that a reader can compare the line with the format's table.
 class PacketBytes {
  public:
   explicit PacketBytes(std::endian order, std::size_t size = 0) : order_(order), bytes_(size, 0) {}
@@ -30,13 +30,13 @@ class PacketBytes {
   std::size_t size() const { return bytes_.size(); }
   std::span<const unsigned char> bytes() const { return bytes_; }
 
-  /// Overwrites; the field must lie within the packet (std::out_of_range).
+  /// Overwrites a field, which must lie within the packet (std::out_of_range).
   template <typename Field>
   void put(std::size_t offset, std::type_identity_t<Field> value) {
     const auto field = encoded<Field>(value);
     for (std::size_t k = field.size(); k-- > 0;) bytes_.at(offset + k) = field[k];
   }
-  /// IEEE single precision, rounded to nearest; the value must lie within its range.
+  /// IEEE single precision, rounded to nearest; the value must be within its range.
   void put_single(std::size_t offset, double value) { put<float>(offset, static_cast<float>(value)); }
   template <typename Field>
   void append(std::type_identity_t<Field> value) {
@@ -49,8 +49,8 @@ class PacketBytes {
   void put_text(std::size_t offset, std::string_view text) {
     for (std::size_t k = 0; k < text.size(); ++k) bytes_.at(offset + k) = static_cast<unsigned char>(text[k]);
   }
-  /// A field of `size` bytes, zero-padded and always zero-terminated: longer text is cut, never inside an
-  /// UTF-8 character.
+  /// A field of `size` bytes, padded and always terminated with zeros. Longer text is cut, but never inside
+  /// a UTF-8 character.
   void put_text(std::size_t offset, std::size_t size, std::string_view text) {
     std::size_t length = text.size();
     if (length >= size)
@@ -72,14 +72,14 @@ class PacketBytes {
   std::vector<unsigned char> bytes_;
 };
 
-/// Turns physical values into fields, or refuses them: each call throws std::invalid_argument that says
-/// where, which value, and what would be accepted.
+/// Converts physical values to fields. Each function throws std::invalid_argument for a value out of range;
+/// the message names the position, the value and the accepted range.
 class FieldCheck {
  public:
-  /// `where` opens every message: the file, the packet and its number.
+  /// `where` begins every message: the file, the packet and its number.
   explicit FieldCheck(std::string where) : where_(std::move(where)) {}
 
-  /// The integer nearest to value * per_unit, where Field holds it.
+  /// The integer nearest to value * per_unit, if Field can represent it.
   template <std::integral Field>
   Field integer(std::string_view name, double value, double per_unit = 1) const {
     using Limits = std::numeric_limits<Field>;
@@ -88,7 +88,7 @@ class FieldCheck {
       refuse(name, value, double(Limits::min()) / per_unit, double(Limits::max()) / per_unit);
     return static_cast<Field>(scaled);
   }
-  /// A finite number that a 32-bit float holds.
+  /// A finite number within the range of a 32-bit float.
   float real(std::string_view name, double value) const {
     constexpr double largest = std::numeric_limits<float>::max();
     return static_cast<float>(within(name, value, -largest, largest));
@@ -105,7 +105,7 @@ class FieldCheck {
           fmt::format("{}: {} is {}, must be above 0 and finite", where_, name, value));
     return value;
   }
-  /// The text itself, if it fits with the closing zero that readers expect.
+  /// The text itself, if it fits with the terminating zero that readers expect.
   const std::string& text(std::string_view name, const std::string& value, std::size_t capacity) const {
     if (value.size() >= capacity || value.find('\0') != std::string::npos)
       throw std::invalid_argument(

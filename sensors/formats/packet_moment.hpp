@@ -9,7 +9,7 @@
 
 namespace tubefoot {
 
-/// A time as packets have it in their many fields: UTC, without leap seconds.
+/// A time in the various fields of packets: UTC, without leap seconds.
 struct PacketMoment {
   std::uint32_t epoch_s = 0, microseconds = 0;
   std::int64_t since_1970_ms = 0;
@@ -17,7 +17,7 @@ struct PacketMoment {
   std::uint8_t month = 0, day = 0, hour = 0, minute = 0, second = 0;
 };
 
-/// Cut to whole microseconds; from 1970 to 2106.
+/// Converts a time from 1970 to 2106, rounded to whole microseconds.
 inline PacketMoment moment(double unix_time_s, const FieldCheck& check) {
   constexpr double end_s = 4294967295;  // the epoch fields are 32 bits wide
   check.within("time [s since 1970]", unix_time_s, 0, end_s);

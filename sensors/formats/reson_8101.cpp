@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Encodes the pings of a RESON SeaBat 8101 as its "range, intensity, theta" packets (type 0x18), big-endian.
+// Ranges are counts of a quarter of a sample at the sample rate.
+
 #include "sensors/formats/reson_8101.hpp"
 
 #include <algorithm>
@@ -43,8 +46,8 @@ void put_settings(PacketBytes& packet, const Reson8101Settings& settings, double
 
 }  // namespace
 
-/// Sound comes back within 2 range / c; the count of that must stay within 16 bits. The field of the rate is
-/// 16 bits wide as well.
+/// Sound returns within 2 range / c, and the count of that time must fit 16 bits. The field of the rate has
+/// 16 bits as well.
 double sample_rate_hz(const Reson8101Settings& settings) {
   constexpr double largest = std::numeric_limits<std::uint16_t>::max();
   const double finest = std::min(
@@ -72,7 +75,7 @@ std::vector<unsigned char> reson_8101_packet(const Reson8101Settings& settings, 
   const double time_ms = std::floor(time_us / 1e3);
 
   PacketBytes packet(std::endian::big, fixed_part);
-  packet.put<std::uint16_t>(0, 0xFFFF);  // FF FF 00 00 opens the packet
+  packet.put<std::uint16_t>(0, 0xFFFF);  // FF FF 00 00 begins the packet
   packet.put<std::uint8_t>(4, range_intensity_theta);
   packet.put<std::uint32_t>(8, static_cast<std::uint32_t>(time_ms / 1e3));
   packet.put<std::uint32_t>(12, static_cast<std::uint32_t>(std::fmod(time_ms, 1e3)));

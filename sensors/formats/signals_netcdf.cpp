@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// signals.nc, as docs/files-signals.md describes it.
+// Writes and reads signals.nc, in the layout of docs/files-signals.md. The reader checks dimensions, units,
+// sizes and values before it allocates memory.
 #include "sensors/formats/signals_netcdf.hpp"
 
 #include <fmt/format.h>
@@ -24,7 +25,7 @@ using Words = std::vector<std::string>;
 constexpr std::string_view ones[] = {"1"}, metres[] = {"m"}, seconds[] = {"s"}, pressures[] = {"W^(1/2)"};
 constexpr const char *our_factor = "exp(-i omega t)", *other_factor = "exp(+i omega t)";
 
-/// Complex numbers lie in memory as pairs of reals.
+/// The complex numbers as pairs of reals in memory.
 std::span<const double> pairs(std::span<const std::complex<double>> values) {
   return {reinterpret_cast<const double*>(values.data()), 2 * values.size()};
 }
@@ -206,11 +207,12 @@ class SignalsInput {
     return factor == other_factor;
   }
 
-  /// Whose poses are the way: a file without a track has those of pings, between which the vehicle goes
-  /// straight on.
+  /// Prefix of the variables with the path's poses. A file without a track has the poses of pings, between
+  /// which the vehicle moves in a straight line.
   std::string way() const { return root_.has("track_time") ? "track" : "ping"; }
 
-  /// Of all but the pressures, which are asked for once their number is known to be right.
+  /// Checks the memory for all variables except the pressures. Those are checked when their number is known
+  /// to be right.
   void require_memory_for_paths() const {
     double bytes = 0;
     for (const char* name : {"sample_time", "ping_start_time", "receiver_position"})
@@ -223,7 +225,7 @@ class SignalsInput {
                    "use a machine with more, or a file of fewer pings");
   }
 
-  /// Finite values of an expected number.
+  /// Reads finite values and checks their number.
   std::vector<double> values(const char* name, const Words& along, std::span<const std::string_view> units,
                              std::optional<std::size_t> expected) const {
     std::vector<std::size_t> shape;
@@ -298,7 +300,7 @@ void write_signals(const fs::path& path, const ElementSignals& signals, const Pr
   EchoGroup root = file.root();
   root.attribute("Conventions", "tubefoot-signals-1.0");
   for (const auto& [name, value] : attributes_of(provenance))
-    if (std::string_view(name) != "Conventions")  // which is of echoes
+    if (std::string_view(name) != "Conventions")  // the Conventions attribute is that of echo files
       std::visit([&, name = name](const auto& v) { root.attribute(name, v); }, value);
   define(root, signals);
   Steps steps("pings of signals.nc", signals.pings());

@@ -9,14 +9,15 @@
 namespace tubefoot {
 
 /// Writes signals.nc (netCDF-4, docs/files-signals.md): complex pressures by ping, receiver and sample, with
-/// all that ElementSignals has. Pings are packed by all threads and written in order; equal signals give
-/// equal bytes. Throws std::invalid_argument as check() does and for a ping of more than 512 MB,
-/// std::runtime_error naming the file and what failed.
+/// all data of ElementSignals. All threads pack pings, which are written in order; equal signals give equal
+/// bytes. Throws std::invalid_argument as check() does and for a ping of more than 512 MB. Throws
+/// std::runtime_error that names the file and the failed operation.
 void write_signals(const std::filesystem::path& file, const ElementSignals& signals,
                    const Provenance& provenance = {});
 
-/// Reads one, tubefoot's own or a stranger's. Of a file whose time factor is exp(+i omega t) the conjugate is
-/// taken. Throws InputError naming file and variable, what was found, what was expected and what to do.
+/// Reads a file of tubefoot or of another program. If the file's time factor is exp(+i omega t), the result
+/// is the conjugate. Throws InputError that names file and variable, the value found, the expected value and
+/// a remedy.
 ElementSignals read_signals(const std::filesystem::path& file);
 
 }  // namespace tubefoot

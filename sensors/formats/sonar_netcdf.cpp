@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Writes SONAR-netCDF4 files ping by ping, in batches of one chunk. Columns of the layout convert pings to
+// rows; backscatter goes into lists of floats.
+
 #include "sensors/formats/sonar_netcdf.hpp"
 
 #include <fmt/format.h>
@@ -14,11 +17,11 @@
 namespace tubefoot {
 namespace {
 
-/// Pings are written when this much of them has come together, or a chunk of the file's.
+/// Pings are written in batches of this size, or of a chunk of the file.
 constexpr std::size_t batch_bytes = 4 << 20;
 
-/// HDF5 remembers, until a file is closed, some 130 bytes of free space left by every list: after as many
-/// lists the file is opened anew.
+/// Until a file is closed, HDF5 keeps some 130 bytes per list for free space. After this number of lists the
+/// file is reopened.
 constexpr std::size_t lists_per_opening = 1 << 14;
 
 void require(bool holds, const std::string& what) {
@@ -58,7 +61,7 @@ class SonarNetcdfFile::State {
         layout_(define_sonar_netcdf(stream_, header)) {
     pending_.resize(layout_.columns.size());
     stream_.flush();
-    // A batch opens at most one more chunk of every variable.
+    // A batch starts at most one more chunk of every variable.
     constexpr std::size_t widest_value = 8, list_reference = 16;
     for (const SonarNetcdfColumn& column : layout_.columns)
       chunks_bytes_ += SonarNetcdfLayout::chunk_pings * column.per_ping * widest_value;
@@ -111,7 +114,7 @@ class SonarNetcdfFile::State {
 
   void write() {
     if (times_.empty()) return;
-    // A list of its own takes a head and is rounded up; short ones share blocks that they may fill by half.
+    // A separate list takes a header and is rounded up. Short lists share blocks, which may be half full.
     constexpr std::size_t list_head = 64;
     stream_.reserve(2 * (samples_bytes_ + (samples_.size() + imaginary_.size()) * list_head) +
                     2 * chunks_bytes_);
@@ -173,7 +176,7 @@ class SonarNetcdfFile::State {
   SonarNetcdfLayout layout_;
   std::size_t lists_ = 0, chunks_bytes_ = 0, written_ = 0, pings_ = 0, samples_bytes_ = 0;
   std::int64_t last_time_ns_ = 0;
-  std::vector<std::vector<double>> pending_;  ///< per column
+  std::vector<std::vector<double>> pending_;  ///< by column
   std::vector<unsigned long long> times_;
   std::vector<std::vector<float>> samples_, imaginary_;  ///< of all beams of those pings, one after another
 };

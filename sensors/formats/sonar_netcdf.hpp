@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+// Writes SONAR-netCDF4 2.0 files of multibeam sonars, with the group Bathymetry of XSF 0.7.
+// docs/files-sonar-netcdf.md describes the contents.
+
 #include <complex>
 #include <cstdint>
 #include <filesystem>
@@ -13,17 +16,17 @@
 
 namespace tubefoot {
 
-/// What a SONAR-netCDF4 file says once. The platform's axes are x forward, y starboard, z down from its
-/// reference point.
+/// Data of a SONAR-netCDF4 file that do not change between pings. The platform's axes are x forward, y
+/// starboard, z down from its reference point.
 struct SonarNetcdfHeader {
   std::string title, summary, keywords;
-  std::string date_created;  ///< ISO 8601 with zone; not the clock's, if equal runs are to give equal files
-  std::string license, rights;  ///< left out if empty
+  std::string date_created;     ///< ISO 8601 with zone; a fixed time if equal runs are to give equal files
+  std::string license, rights;  ///< omitted if empty
   std::string software_name = "tubefoot", software_version;
   std::string history;                    ///< lines "time user: what was done"
-  std::vector<std::string> source_files;  ///< what the file was made from
+  std::vector<std::string> source_files;  ///< sources of the file's data
 
-  std::string sonar_type = "multibeam echosounder";  ///< the convention's own words have no multibeam
+  std::string sonar_type = "multibeam echosounder";  ///< the convention's own terms have no multibeam
   std::string sonar_manufacturer, sonar_model, sonar_serial_number;
   std::string platform_name, platform_type;
 
@@ -34,7 +37,7 @@ struct SonarNetcdfHeader {
   double absorption_db_per_m = 0;  ///< one way
   double sound_speed_m_s = 0;
   std::optional<double> source_level_db;  ///< re 1 uPa at 1 m
-  /// One-way widths at half power. Across: in the fan's plane; along: at right angles to it.
+  /// One-way widths at half power. Across is in the fan's plane, along is perpendicular to it.
   double receive_width_across_deg = 0, receive_width_along_deg = 0;
   double transmit_width_across_deg = 0, transmit_width_along_deg = 0;
   double equivalent_beam_angle_sr = 0;  ///< of transmission and reception together
@@ -42,18 +45,18 @@ struct SonarNetcdfHeader {
   glm::dvec3 transducer_rotation_deg{0};
   double water_level_m = 0;  ///< nominal water level below the reference point (negative under water)
   bool beams_stabilised = false;
-  /// Beams are complex signals (SonarNetcdfPing::backscatter), not levels: conversion equation type 1, with a
-  /// transmit power that makes 10 log |backscatter|^2 + 40 log r + 2 alpha r the target strength.
+  /// Beams are complex signals (SonarNetcdfPing::backscatter) instead of levels. The conversion equation is
+  /// of type 1. Its transmit power makes 10 log |backscatter|^2 + 40 log r + 2 alpha r the target strength.
   bool complex_beams = false;
-  /// Of a chirp; 0: a pulse of frequency_hz.
+  /// Frequencies of a chirp; 0: a pulse of frequency_hz.
   double chirp_start_hz = 0, chirp_stop_hz = 0;
 };
 
-/// What a beam found of the seabed.
+/// Detection of the seabed in one beam.
 struct SonarDetection {
   static constexpr double none = std::numeric_limits<double>::quiet_NaN();
-  bool found = false;                       ///< if not, only the beam's angle is looked at
-  bool rejected = false, doubtful = false;  ///< of one that was found
+  bool found = false;                       ///< if false, only the beam's angle is used
+  bool rejected = false, doubtful = false;  ///< flags of a detection
   double two_way_travel_time_s = none;
   double beam_angle_deg = none;  ///< of the beam's axis from the platform's down axis, starboard positive
   /// From the platform's reference point in the horizontal plane: along the heading, to its starboard, down.
@@ -63,7 +66,7 @@ struct SonarDetection {
   double quality = none;  ///< standard deviation in per cent of the depth; NaN: unknown
 };
 
-/// A ping. Headings clockwise from north, pitch bow up, roll starboard down.
+/// A ping. Headings are clockwise from north, pitch is bow up, roll is starboard down.
 struct SonarNetcdfPing {
   std::int64_t unix_time_ns = 0;
   double latitude_deg = SonarDetection::none, longitude_deg = SonarDetection::none;  ///< WGS 84
@@ -75,33 +78,34 @@ struct SonarNetcdfPing {
   double sound_speed_m_s = 0;  ///< at the transducer
   double sample_interval_s = 0;
   double blanking_interval_s = 0;        ///< two-way travel time of sample 0
-  std::vector<double> across_angle_deg;  ///< per beam, from the platform's down axis, starboard positive
-  /// Per beam: levels in dB, free of spreading and absorption or not as header.summary says. -inf: no echo.
+  std::vector<double> across_angle_deg;  ///< by beam, from the platform's down axis, starboard positive
+  /// By beam: levels in dB. header.summary states whether spreading and absorption are compensated. -inf: no
+  /// echo.
   std::vector<std::vector<float>> backscatter_db{};
-  /// The same of complex beams, which leave the levels empty: matched filtered, for a pulse of energy 1 J/sr
-  /// at 1 m; time factor e^{-i omega t}.
+  /// By beam: complex signals; the levels are then empty. They are matched filtered, for a pulse of energy 1
+  /// J/sr at 1 m and the time factor e^{-i omega t}.
   std::vector<std::vector<std::complex<float>>> backscatter{};
-  std::vector<SonarDetection> detections;  ///< per beam
+  std::vector<SonarDetection> detections;  ///< by beam
 };
 
-/// Where a point `east_north_up_m` from the reference point lies along a heading, to its starboard and down.
+/// Components of `east_north_up_m`, relative to the reference point, along a heading, to its starboard and
+/// down.
 glm::dvec3 forward_starboard_down(glm::dvec3 east_north_up_m, double heading_deg);
 
 /// A SONAR-netCDF4 2.0 file of a multibeam, with the XSF 0.7 group Bathymetry (docs/files-sonar-netcdf.md).
-/// Pings are written as they come: memory holds a few MB, whatever the line. The file bears a provisional
-/// name
-/// ("line.partial.nc") until finish(), and is taken away if finish() is not reached.
+/// Pings are written as they arrive, with a few MB in memory for a line of any length. The file has a
+/// temporary name ("line.partial.nc") until finish(). Without finish() it is removed.
 class SonarNetcdfFile {
  public:
-  /// Throws std::invalid_argument for a header without beams, frequency or sound speed, std::runtime_error
-  /// naming the file where it cannot be written.
+  /// Throws std::invalid_argument for a header without beams, frequency or sound speed. Throws
+  /// std::runtime_error with the file's name if writing fails.
   SonarNetcdfFile(const std::filesystem::path& file, const SonarNetcdfHeader& header);
   ~SonarNetcdfFile();
 
-  /// Throws std::invalid_argument, with the ping's number, for one that does not fit the header or goes back
-  /// in time; std::runtime_error where the disk is full, which leaves nothing to do but give up the file.
+  /// Throws std::invalid_argument that names the ping if it does not fit the header or goes back in time.
+  /// Throws std::runtime_error if the disk is full; the file is then lost.
   void add(const SonarNetcdfPing& ping);
-  /// Completes the file; throws std::runtime_error where that fails.
+  /// Completes the file. Throws std::runtime_error if that fails.
   void finish();
 
  private:

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The group Bathymetry of XSF.
+// Defines the group Bathymetry of XSF in SONAR-netCDF4 files: detections, their positions, and the qualities
+// of each beam.
 #include "sensors/formats/sonar_netcdf_builder.hpp"
 
 namespace tubefoot {
@@ -16,7 +17,7 @@ void SonarNetcdfBuilder::bathymetry() {
       g.enumeration("detection_type_t", {{"invalid", 0}, {"amplitude", 1}, {"phase", 2}, {"unknown", 127}});
   g.enumeration("seafloor_backscatter_equation_t", {{"type_1", 1}, {"type_2", 2}});
   const int detection = g.dimension("detection", header_.beams);
-  g.dimension("seabed_sample", 1);  // readers expect it; the beams' time series are in backscatter_r
+  g.dimension("seabed_sample", 1);  // readers expect it; the time series of the beams are in backscatter_r
 
   const auto found = [&](const NetcdfVariable& row, double (*value)(const SonarDetection&),
                          const char* crs = nullptr) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The group Beam_group1.
+// Defines the group Beam_group1 of SONAR-netCDF4 files: navigation, beam geometry, backscatter, transmission
+// and the calibration of complex beams.
 #include <fmt/format.h>
 
 #include <numbers>
@@ -164,8 +165,8 @@ void SonarNetcdfBuilder::navigation(const NetcdfGroup& g) {
 
 void SonarNetcdfBuilder::beam_geometry(const NetcdfGroup& g) {
   const auto nominal = [&] { g.attribute(last_, "substitute_value_used", NC_INT, {0}); };
-  // The beam's z axis is the beam, its x axis forward: what the convention calls its vertical is across
-  // track.
+  // The beam's z axis is the direction of the beam, and its x axis points forward. The direction that the
+  // convention calls vertical is therefore across track.
   every_beam(g,
              {"beamwidth_receive_major",
               NC_FLOAT,
@@ -208,7 +209,7 @@ void SonarNetcdfBuilder::beam_geometry(const NetcdfGroup& g) {
               0,
               360},
              header_.transmit_width_across_deg);
-  // A right-handed turn about the forward axis takes down towards port.
+  // A right-handed rotation about the forward axis turns down towards port.
   each_beam(g,
             {"rx_beam_rotation_phi",
              NC_FLOAT,
@@ -399,8 +400,8 @@ void SonarNetcdfBuilder::transmission(const NetcdfGroup& g) {
   g.attribute(last_, "flag_values", NC_SHORT, {0});
 }
 
-/// What makes equation type 1, TS = 10 log P + 40 log r + 2 alpha r - 10 log(Pt lambda^2 / 16 pi^2) - G, that
-/// of a pulse of 1 J/sr at 1 m: the last two terms are 0.
+/// Sets the parameters of equation type 1, TS = 10 log P + 40 log r + 2 alpha r - 10 log(Pt lambda^2 / 16
+/// pi^2) - G. For a pulse of 1 J/sr at 1 m the last two terms are 0.
 void SonarNetcdfBuilder::complex_calibration(const NetcdfGroup& g) {
   const double turns = 4 * std::numbers::pi * header_.frequency_hz / header_.sound_speed_m_s;
   every_ping(g,

@@ -11,17 +11,17 @@
 
 namespace tubefoot {
 
-/// The conversion equation of levels in dB, with nothing left to convert.
+/// Conversion equation of levels in dB that need no conversion.
 inline constexpr signed char conversion_type_5 = 5;
-/// Of complex signals whose squared modulus is proportional to the received power.
+/// Conversion equation of complex signals whose squared modulus is proportional to the received power.
 inline constexpr signed char conversion_type_1 = 1;
 
-/// From 0 up to 360.
+/// The angle modulo 360, from 0 up to 360.
 inline double sonar_full_circle(double angle_deg) {
   return std::fmod(std::fmod(angle_deg, 360) + 360, 360) + 0.0;
 }
 
-/// Defines the groups one after another; a file each holds the tables of a few.
+/// Defines the groups one after another. The tables of a few groups are in one source file each.
 class SonarNetcdfBuilder {
   using Ping = SonarNetcdfPing;
   using Values = std::vector<double>;
@@ -40,12 +40,12 @@ class SonarNetcdfBuilder {
   }
 
  private:
-  /// A row with one value a ping.
+  /// A row with one value per ping.
   void each_ping(const NetcdfGroup& group, const NetcdfVariable& row,
                  std::function<double(const Ping&)> value) {
     column(group, row, 1, [value](const Ping& ping, Values& values) { values.push_back(value(ping)); });
   }
-  /// A row with one value a beam.
+  /// A row with one value per beam.
   void each_beam(const NetcdfGroup& group, const NetcdfVariable& row,
                  std::function<double(const Ping&, std::size_t)> value) {
     column(group, row, header_.beams, [value, beams = header_.beams](const Ping& ping, Values& values) {

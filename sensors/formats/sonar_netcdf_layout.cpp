@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The tables of SONAR-netCDF4 2.0 (ICES Cooperative Research Report 341 and its successors) and of the group
-// Bathymetry of XSF 0.7 (Ifremer), row by row. Rows that belong to split apertures or to other conversion
-// equations than type 5 (levels in dB, nothing left to convert) do not apply and are left out.
+// Bathymetry of XSF 0.7 (Ifremer), row by row. Rows for split apertures do not apply and are omitted. The
+// same holds for rows of conversion equations other than type 5 (levels in dB that need no conversion).
 #include <fmt/format.h>
 
 #include <string>
@@ -16,13 +16,14 @@ constexpr const char* sensor_group = "001";  // the platform has one sensor of e
 }  // namespace
 
 void SonarNetcdfBuilder::root() {
-  // SONAR-netCDF4 puts "CF-1.7" here and asks for what CF has not: groups, lists of lists, levels in "dB".
+  // SONAR-netCDF4 prescribes "CF-1.7" here, but requires features that CF does not have: groups, lists of
+  // lists, levels in "dB".
   root_.attribute("Conventions", "SONAR-netCDF4-2.0, ACDD-1.3");
   root_.attribute("sonar_convention_authority", "ICES");
   root_.attribute("sonar_convention_name", "SONAR-netCDF4");
   root_.attribute("sonar_convention_version", "2.0");
   root_.attribute("xsf_convention_version", "0.7");
-  root_.attribute("processing_status", "{}");  // XSF: JSON of the processing done since; none
+  root_.attribute("processing_status", "{}");  // XSF: JSON of later processing; none
   root_.attribute("date_created", header_.date_created);
   root_.attribute("title", header_.title);
   root_.attribute("summary", header_.summary);

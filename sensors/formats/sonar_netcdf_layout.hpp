@@ -12,7 +12,7 @@
 
 namespace tubefoot {
 
-/// A variable that grows with the pings, and how a ping fills its row.
+/// A variable that grows with the pings, and the function that fills a ping's row.
 struct SonarNetcdfColumn {
   std::string name;
   int group = 0, variable = 0;
@@ -33,11 +33,11 @@ struct SonarNetcdfLayout {
   std::map<std::string, int> groups;  ///< id by full name
   std::vector<Place> times;           ///< the ping's time, uint64 ns
   Place backscatter;                  ///< (ping, beam, subbeam) of float lists
-  std::optional<Place> imaginary{};   ///< the same of complex beams' other part
+  std::optional<Place> imaginary{};   ///< the same for the imaginary part of complex beams
 };
 
-/// Defines all groups, types, dimensions and variables of the convention and writes those that pings do not
-/// change. Throws std::runtime_error.
+/// Defines all groups, types, dimensions and variables of the convention, and writes the variables that do
+/// not depend on pings. Throws std::runtime_error.
 SonarNetcdfLayout define_sonar_netcdf(const NetcdfStream& stream, const SonarNetcdfHeader& header);
 
 }  // namespace tubefoot

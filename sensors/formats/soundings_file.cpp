@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Writes tables of soundings (docs/soundings.md) as CSV, or as a GeoPackage through GDAL. Positions are in
+// the coordinate reference system of the scene.
+
 #include "sensors/formats/soundings_file.hpp"
 
 #include <cpl_conv.h>
@@ -104,7 +107,7 @@ class CsvWriter : public SoundingsFile::Writer {
   std::string text_;
 };
 
-/// A GeoPackage notes when it was changed; equal runs are to give equal files.
+/// Fixes the date of change in a GeoPackage, so that equal runs give equal files.
 class FixedDate {
  public:
   FixedDate() { CPLSetThreadLocalConfigOption("OGR_CURRENT_DATE", "1970-01-01T00:00:00.000Z"); }
@@ -125,7 +128,7 @@ class GeoPackageWriter : public SoundingsFile::Writer {
     const GdalMessages messages;
     const FixedDate date;
     register_gdal_drivers();
-    discard_file(file_);  // GDAL writes over none
+    discard_file(file_);  // GDAL does not overwrite files
     GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GPKG");
     require(driver != nullptr, messages, "find the GeoPackage driver of GDAL");
     dataset_.reset(driver->Create(file_.c_str(), 0, 0, 0, GDT_Unknown, nullptr));
@@ -157,7 +160,7 @@ class GeoPackageWriter : public SoundingsFile::Writer {
   }
   void field(const char* name, OGRFieldType type) {
     OGRFieldDefn definition(name, type);
-    layer_->CreateField(&definition);  // a failure is in the messages
+    layer_->CreateField(&definition);  // a failure appears in the messages
   }
   void write(const std::vector<Sounding>& soundings, const std::vector<glm::dvec3>& on_earth) override {
     const GdalMessages messages;

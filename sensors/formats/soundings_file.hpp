@@ -10,21 +10,23 @@
 
 namespace tubefoot {
 
-/// A file of soundings (docs/soundings.md), the ending chooses: .csv (text, units and signs in the header
-/// line) or .gpkg (GeoPackage, layer "soundings" of 3-D points in the scene's CRS: the projected one;
-/// longitude and latitude on WGS 84 for a tangent frame; local metres without georeference). Written in
-/// batches; the file is taken away without finish().
+/// A file of soundings (docs/soundings.md); its extension selects the format. A .csv file is text with units
+/// and signs in the header line. A .gpkg file is a GeoPackage with the layer "soundings" of 3-D points in
+/// the scene's CRS. The CRS is the projected one, longitude and latitude on WGS 84 for a tangent frame, or
+/// local metres without georeference. Soundings are written in batches. Without finish() the file is
+/// removed.
 class SoundingsFile {
  public:
-  /// Throws std::invalid_argument for another ending, std::runtime_error naming the file.
+  /// Throws std::invalid_argument for another extension, and std::runtime_error with the file's name.
   SoundingsFile(const std::filesystem::path& file, const LocalFrame& frame);
   ~SoundingsFile();
 
-  /// Best many at a time: all beams of a ping. `on_earth`: longitude, latitude and height of each, from who
-  /// has them already: of all that are added, or of none. Throws std::runtime_error where writing fails,
-  /// InputError for a sounding that has no place on Earth.
+  /// Adds soundings; larger batches, such as all beams of a ping, are faster. `on_earth` has longitude,
+  /// latitude and height of each sounding if the caller knows them. It must be given for all soundings of
+  /// the file or for none. Throws std::runtime_error if writing fails, and InputError for a sounding without
+  /// a place on Earth.
   void add(std::span<const Sounding> soundings, std::span<const glm::dvec3> on_earth = {});
-  /// Completes the file; throws std::runtime_error where that fails.
+  /// Completes the file. Throws std::runtime_error if that fails.
   void finish();
 
   class Writer;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Offsets are those of X41's structures; the number before each name is where it lies.
+// Writes XTF files (docs/files-xtf.md). Offsets are those of X41's structures: the number before each name
+// is its offset.
 #include "sensors/formats/xtf_file.hpp"
 
 #include <cmath>
@@ -22,10 +23,10 @@ enum PacketType : std::uint8_t {
 };
 constexpr std::size_t file_header_size = 1024, channel_size = 128, first_channel = 256;
 constexpr std::size_t ping_header_size = 256, ping_channel_size = 64, block = 64, notes_size = 256;
-constexpr double knots = 3600.0 / 1852.0;  // in one m/s
+constexpr double knots = 3600.0 / 1852.0;  // per m/s
 constexpr double full_scale_volts = 5;
 
-/// Year to second, in the order that all packets have them.
+/// Year to second, in the order that all packets share.
 void put_date(PacketBytes& packet, std::size_t offset, const PacketMoment& time) {
   packet.put<std::uint16_t>(offset, time.year);
   packet.put<std::uint8_t>(offset + 2, time.month);
@@ -43,7 +44,7 @@ void put_clock(PacketBytes& packet, std::size_t offset, const PacketMoment& time
   packet.put<std::uint8_t>(offset + 3, static_cast<std::uint8_t>(time.microseconds / 10000));
 }
 
-/// The record that starts each packet; its size is put in when the packet is complete.
+/// The header of each packet. Its size is filled in when the packet is complete.
 PacketBytes started(PacketType type, std::size_t size, std::size_t channels = 0) {
   PacketBytes packet(std::endian::little, size);
   packet.put<std::uint16_t>(0, magic_number);
@@ -71,7 +72,7 @@ void put_channel(PacketBytes& packet, std::size_t index, ChannelType type, const
   packet.put<std::uint8_t>(begin + 1, static_cast<std::uint8_t>(index));
   packet.put<std::uint16_t>(begin + 2, sidescan ? 1 : 0);  // slant range
   packet.put<std::uint16_t>(begin + 4, 1);                 // samples are not signed
-  packet.put<std::uint16_t>(begin + 6, 2);                 // bytes of a sample
+  packet.put<std::uint16_t>(begin + 6, 2);                 // bytes per sample
   packet.put<std::uint32_t>(begin + 8, sidescan ? header.sidescan->max_samples : 0);
   packet.put_text(begin + 12, name);
   real(28, "volt scale", full_scale_volts);
@@ -96,7 +97,7 @@ PacketBytes file_header(const std::filesystem::path& path, const XtfHeader& head
   packet.put<std::uint8_t>(0, 0x7B);
   packet.put<std::uint8_t>(1, 1);
   packet.put_text(2, check.text("program", header.program, 8 + 1));
-  packet.put_text(10, "223");  // 303 to 312 would make readers expect a padding bug
+  packet.put_text(10, "223");  // with 303 to 312 readers would expect a padding bug
   packet.put_text(18, check.text("sonar name", header.sonar_name, 16));
   packet.put<std::uint16_t>(34, header.sonar_type);
   packet.put_text(36, check.text("note", header.note, 64));
@@ -149,7 +150,7 @@ void XtfFile::add_sidescan_ping(const XtfSidescanPing& ping) {
     chunk.put<std::uint16_t>(26, check.integer<std::uint16_t>("frequency [kHz]", channel.frequency_khz));
     chunk.put<std::uint32_t>(42, static_cast<std::uint32_t>(samples.size()));
     chunk.put<std::uint16_t>(46, static_cast<std::uint16_t>(1000 * full_scale_volts));
-    // The record looks like the paper it once was: port is drawn from its far end inwards.
+    // The order follows paper records: port is drawn from its far end inwards.
     if (index == 0)
       for (auto sample = samples.rbegin(); sample != samples.rend(); ++sample)
         chunk.append<std::uint16_t>(*sample);
@@ -219,7 +220,7 @@ void XtfFile::add_navigation(const XtfFix& fix) {
   packet.put<double>(33, fix.y);
   packet.put<double>(41, fix.x);
   packet.put<double>(49, check.real("altitude [m]", fix.altitude_m));
-  packet.put<std::uint8_t>(57, 3);  // the times of source and receiver are one
+  packet.put<std::uint8_t>(57, 3);  // the times of source and receiver are the same
   write_padded(std::move(packet), check);
 }
 
@@ -248,9 +249,9 @@ void XtfFile::check_position(double x, double y, const FieldCheck& check) const 
   check.within(degrees ? "latitude [deg]" : "northing [m]", y, degrees ? -90 : -huge, degrees ? 90 : huge);
 }
 
-/// Milliseconds on one clock for all packets, from midnight of the day before the first one's. MB-System
-/// reads some tags as signed, and one that is 0 may stand for none: tags lie between 2^31 and 0, for lines of
-/// up to 22 days. After that, the clock begins anew.
+/// Time tag in milliseconds on one clock for all packets, from midnight of the day before the first packet.
+/// MB-System reads some tags as signed, and a tag of 0 may mean none. Tags therefore lie above 0 and below
+/// 2^31, for lines of up to 22 days. After that the clock starts again.
 std::uint32_t XtfFile::tag_ms(std::int64_t since_1970_ms) {
   constexpr std::int64_t day_ms = 86'400'000, wraps_ms = std::int64_t{1} << 31;
   if (!clock_begin_ms_) clock_begin_ms_ = since_1970_ms / day_ms * day_ms - day_ms;
@@ -271,7 +272,9 @@ void XtfFile::put_place(PacketBytes& packet, const XtfPlace& place, const FieldC
   packet.put<std::uint8_t>(21, static_cast<std::uint8_t>(time.microseconds / 10000));
   packet.put<std::uint16_t>(22, time.day_of_year);
   packet.put<std::uint32_t>(28, place.ping_number);
-  packet.put<float>(32, check.real("sound speed [m/s]", header_.sound_speed_m_s / 2));  // as readers expect
+  packet.put<float>(32, check.real("sound speed [m/s]", header_.sound_speed_m_s / 2));  // half the sound
+                                                                                        // speed, as readers
+                                                                                        // expect
   packet.put<float>(72, check.real("sound speed [m/s]", header_.sound_speed_m_s));
   packet.put<float>(120, speed_knots);
   packet.put<float>(124, heading_deg);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+// Writes XTF files (eXtended Triton Format, revision X41) ping by ping: sidescan, multibeam, attitude,
+// navigation and notes. The page docs/files-xtf.md lists the fields that are filled, and the uncertain ones.
+
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -15,42 +18,44 @@
 
 namespace tubefoot {
 
-/// What the positions of an XTF file are. Readers take metres for UTM of a zone that the file does not name.
+/// Unit of the positions in an XTF file. Readers take metres for UTM of a zone that the file does not name.
 enum class XtfNavigation { kDegrees, kMetres };
 
-/// A channel as the file header describes it. Zero: unknown.
+/// A channel in the file header. Zero: unknown.
 struct XtfChannel {
   double frequency_khz = 0;                           ///< 0 to 65535
   double along_track_width_deg = 0;                   ///< of the beam, -3 dB
   double across_track_width_deg = 0;                  ///< -3 dB, of the fan (vertical)
   double tilt_deg = 0;                                ///< of the fan's axis below the horizontal
-  double starboard_m = 0, forward_m = 0, down_m = 0;  ///< place of the transducer on the carrier
+  double starboard_m = 0, forward_m = 0, down_m = 0;  ///< position of the transducer on the carrier
 };
 
 struct XtfSidescan {
   XtfChannel port, starboard;
-  /// No ping may have more samples a side; some readers rely on the number in the header. At least 1.
+  /// Largest number of samples per side in any ping, at least 1. Some readers rely on the number in the
+  /// header.
   std::uint32_t max_samples = 0;
-  bool time_varied_gain = false;  ///< the samples have had one
+  bool time_varied_gain = false;  ///< true if a gain was applied to the samples
 };
 
 struct XtfHeader {
   std::string program = "tubefoot";  ///< at most 8 bytes: a reader in C may show the version behind them
   std::string sonar_name;            ///< at most 15 bytes
   std::string note;                  ///< at most 63 bytes
-  /// X41's code: 0 none, 15 Reson SeaBat 8101, 44 a sidescan and 45 a multibeam of no listed kind.
+  /// X41's code: 0 none, 15 Reson SeaBat 8101, 44 an unlisted sidescan and 45 an unlisted multibeam.
   std::uint16_t sonar_type = 0;
   XtfNavigation navigation = XtfNavigation::kDegrees;
   double sound_speed_m_s = 1500;
   std::optional<XtfSidescan> sidescan{};   ///< channels 0 (port) and 1 (starboard)
   std::optional<XtfChannel> bathymetry{};  ///< the channel after them
-  /// The frequency of a channel in the file header is in kHz in the files seen; MB-System says Hz.
+  /// Unit of a channel's frequency in the file header. It is kHz in known files; MB-System documents Hz.
   bool channel_frequency_in_hz = false;
-  /// Where the motion sensor sits on the carrier: readers work out what heave a sonar elsewhere has.
+  /// Position of the motion sensor on the carrier. Readers compute the heave of a sonar at another position
+  /// from it.
   double motion_starboard_m = 0, motion_forward_m = 0, motion_down_m = 0;
 };
 
-/// Where the sonar is and how it lies at a ping.
+/// Position and attitude of the sonar at a ping.
 struct XtfPlace {
   double unix_time_s = 0;  ///< UTC, seconds since 1970 without leap seconds
   std::uint32_t ping_number = 0;
@@ -59,7 +64,7 @@ struct XtfPlace {
   double heading_deg = 0;  ///< clockwise from north, 0 to 360
   double pitch_deg = 0;    ///< bow up, -90 to 90
   double roll_deg = 0;     ///< starboard down, -180 to 180
-  double heave_m = 0;      ///< up, from where the header has the sonar
+  double heave_m = 0;      ///< up, from the sonar's position in the header
   double depth_m = 0;      ///< of the sonar below the surface
   double altitude_m = 0;   ///< of the sonar above the bottom; 0 or more
   double speed_m_s = 0;    ///< over the surface; 0 or more
@@ -92,29 +97,29 @@ struct XtfSounding {
   std::int32_t quality = 0;
 };
 
-/// Writes an XTF file (eXtended Triton Format, revision X41) ping by ping; no more than one packet is in
-/// memory. docs/files-xtf.md says which fields are filled and what is uncertain.
+/// Writes an XTF file (eXtended Triton Format, revision X41) ping by ping; at most one packet is in memory.
+/// The page docs/files-xtf.md lists the fields that are filled, and the uncertain ones.
 ///
-/// Values that their fields do not hold, or that are not numbers, are refused with std::invalid_argument
-/// before anything of the packet is written: the file can go on. Errors of the disk are std::runtime_error,
-/// naming the file and the reason; the file is then gone. A file that is not finished is taken away.
+/// Throws std::invalid_argument for NaN and for values out of range of their fields, before any byte of the
+/// packet is written; further packets can follow. Throws std::runtime_error for disk errors, with the file's
+/// name and the reason; the file is then removed. The destructor removes an unfinished file.
 class XtfFile {
  public:
   XtfFile(const std::filesystem::path& path, const XtfHeader& header);
 
-  /// Needs a header with a sidescan.
+  /// Requires a header with a sidescan.
   void add_sidescan_ping(const XtfSidescanPing& ping);
-  /// A ping of a RESON 8101, beams from port to starboard. Needs a header with bathymetry.
+  /// A ping of a RESON 8101, beams from port to starboard. Requires a header with bathymetry.
   void add_reson_8101_ping(const XtfPlace& place, const Reson8101Settings& settings,
                            const std::vector<Reson8101Beam>& beams);
-  /// A ping of any multibeam. Needs a header with bathymetry.
+  /// A ping of any multibeam. Requires a header with bathymetry.
   void add_soundings(const XtfPlace& place, std::span<const XtfSounding> soundings);
   void add_attitude(const XtfAttitude& attitude);
   void add_navigation(const XtfFix& fix);
   /// At most 199 bytes.
   void add_note(double unix_time_s, const std::string& text);
 
-  /// Completes the file. Nothing can be added afterwards.
+  /// Completes the file. No packets can follow.
   void finish();
 
  private:
@@ -129,7 +134,7 @@ class XtfFile {
 
   XtfHeader header_;
   StreamedFile file_;
-  std::optional<std::int64_t> clock_begin_ms_{};  ///< of the time tags, since 1970
+  std::optional<std::int64_t> clock_begin_ms_{};  ///< origin of the time tags, since 1970
 };
 
 }  // namespace tubefoot

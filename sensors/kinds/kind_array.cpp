@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The sensor kind "array": one transmitter and many receivers whose signals are recorded with phase. Defines
+// its scene keys, checks, transmission, samples in a given water, and products (fan, sidescan, multibeam,
+// aperture, interferogram).
+
 #include "sensors/kinds/kind_array.hpp"
 
 #include <fmt/ranges.h>
@@ -26,11 +30,11 @@ TransmitWaveform waveform_of(const SensorDescription& sensor) {
                       s * sensor.signal.pulse_length_us.value_or(0), own.pulse_taper);
 }
 
-/// Complex samples a second.
+/// Complex samples per second.
 double sampling_hz(const SensorDescription& sensor) {
   const auto& own = sensor.kind.as<ArrayDescription>();
   if (own.sampling_frequency_khz) return 1000 * *own.sampling_frequency_khz;
-  constexpr double room = 1.25;  // for interpolation between samples
+  constexpr double room = 1.25;  // margin for the interpolation between samples
   const FrequencyBand band = band_of(waveform_of(sensor));
   return room * (band.high_hz - band.low_hz);
 }
@@ -41,12 +45,13 @@ SignalSampling sampling_of(const SensorDescription& sensor) {
           2 * own.range_min_m / own.sound_speed_m_s, static_cast<std::size_t>(own.samples)};
 }
 
-/// A sonar of one transmitter and many receivers, as its elements record it. What tubes and energies know of
-/// it is one beam: the sector that it lights. Its range samples are those times of the signals' samples.
+/// A sonar of one transmitter and many receivers that records the signals of its elements. For tubes and
+/// energies it has a single beam, the insonified sector. Its range samples are the times of the signals'
+/// samples.
 class Array : public Sensor {
  public:
-  /// Throws std::invalid_argument for what makes no sonar, and for a description that no water has been at
-  /// (SensorKind::in_water()).
+  /// Throws std::invalid_argument for an invalid sonar, and for a description without
+  /// SensorKind::in_water().
   explicit Array(const SensorDescription& description);
 
  private:
@@ -81,7 +86,8 @@ Sensor::Transmission Array::transmission() const {
                tolerance = description_.cone_tolerance;
   const int slices = slices_for(2 * half_width_rad, tolerance);
   const double corner_rad = height_of_corners(half_height_rad, 2 * half_width_rad / slices, tolerance);
-  // Two rows above 90 degrees: no tube comes close to a half space, where its rays would say nothing.
+  // Two rows above 90 degrees, so that no tube approaches a half space. The rays of such a tube would not
+  // determine it.
   const int rows = half_height_rad > radians(45) ? 2 : 1;
   Transmission made;
   made.beams = {0};
@@ -98,12 +104,12 @@ bool has(const std::vector<std::string>& names, std::string_view name) {
   return std::ranges::find(names, name) != names.end();
 }
 
-/// Of an aperture's picture, from one border to the other.
+/// Number of pixels of an aperture's image from one border to the other.
 double pixels_between(double from_m, double to_m, const ArrayDescription& own) {
   return std::max(1.0, std::round((to_m - from_m) / own.pixel_m));
 }
 
-/// Keys that only some products read.
+/// Rejects keys that none of the requested products reads.
 void check_products(const ArrayDescription& own, const TomlTable& table) {
   const auto needs = [&](std::initializer_list<const char*> keys, const std::vector<const char*>& any,
                          const char* list) {
@@ -164,7 +170,7 @@ void check_products(const ArrayDescription& own, const TomlTable& table) {
 }
 
 constexpr std::size_t most_receivers = 4096;
-constexpr double most_samples = 65536;  // of a ping
+constexpr double most_samples = 65536;  // per ping
 
 class ArrayKind : public SensorKind {
  public:
@@ -255,7 +261,7 @@ class ArrayKind : public SensorKind {
     } catch (const std::invalid_argument& error) {
       throw InputError(table.place_of("pulse_length_us"), error.what());
     }
-    // How many there are exactly depends on the water's sound speed: in_water() says.
+    // The exact number of samples depends on the sound speed of the water: in_water() checks it.
     if (const double samples = (own.range_max_m - own.range_min_m) / figures(sensor).sample_m;
         samples > 2 * most_samples)
       throw InputError(
@@ -281,7 +287,7 @@ class ArrayKind : public SensorKind {
     return figures;
   }
 
-  /// Samples are as long as the speed of sound makes them, as many whole ones as the ranges hold.
+  /// The sound speed gives the length of a sample, and the range gate contains a whole number of samples.
   SensorDescription in_water(SensorDescription sensor, double sound_speed_m_s,
                              std::vector<std::string>*) const override {
     auto& own = sensor.kind.edit<ArrayDescription>();
@@ -298,7 +304,7 @@ class ArrayKind : public SensorKind {
                       rate_hz, sound_speed_m_s, step_m, whole, most_samples));
     const double receivers = static_cast<double>(
         own.receivers_m.empty() ? static_cast<std::size_t>(own.receivers) : own.receivers_m.size());
-    constexpr double most_bytes = 512e6;  // of a ping in signals.nc
+    constexpr double most_bytes = 512e6;  // per ping in signals.nc
     if (16 * whole * receivers > most_bytes)
       fail(
           fmt::format("a ping of {:.0f} receivers and {:.0f} samples has {:.3g} MB, must be 512 MB at most: "

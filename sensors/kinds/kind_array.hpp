@@ -10,22 +10,24 @@
 
 namespace tubefoot {
 
-/// Elements anywhere on a vehicle that record signals with phase, and what beams and pictures become of them.
-/// The pulse is as long as pulse_length_us says.
+/// Elements at any positions of a vehicle that record signals with phase, and the beams and images computed
+/// from them. The duration of the pulse is pulse_length_us.
 struct ArrayDescription {
   double frequency_khz = 100;                    ///< in the middle of the pulse's band
-  double bandwidth_khz = 0;                      ///< swept from below to above; 0: a pulse of one frequency
-  double pulse_taper = 0.5;                      ///< share of the pulse in both its raised-cosine flanks
-  std::optional<double> sampling_frequency_khz;  ///< complex samples; else 1.25 times the pulse's band
-  std::optional<double> baseband_khz;            ///< else frequency_khz
+  double bandwidth_khz = 0;                      ///< upward sweep; 0: a pulse of one frequency
+  double pulse_taper = 0.5;                      ///< share of both raised-cosine flanks in the pulse
+  std::optional<double> sampling_frequency_khz;  ///< rate of complex samples; unset: 1.25 times the pulse's
+                                                 ///< band
+  std::optional<double> baseband_khz;            ///< unset: frequency_khz
   double range_min_m = 0.5, range_max_m = 50;
-  double horizontal_deg = 60, vertical_deg = 20;  ///< sector that is lit and received
+  double horizontal_deg = 60, vertical_deg = 20;  ///< insonified and received sector
   int receivers = 32;
-  /// From one to the next, on the sensor's axes; else half a wavelength to starboard.
+  /// Vector from one receiver to the next, on the sensor's axes. Unset: half a wavelength to starboard.
   std::optional<std::array<double, 3>> receiver_spacing_m;
-  std::vector<std::array<double, 3>> receivers_m;  ///< instead of both: each place, on the sensor's axes
+  std::vector<std::array<double, 3>> receivers_m;  ///< position of each receiver on the sensor's axes,
+                                                   ///< instead of receivers and receiver_spacing_m
   bool stop_and_hop = true;
-  bool own_views = false;  ///< each receiver sees for itself
+  bool own_views = false;  ///< each receiver has its own visible polygons
   double signal_tolerance = 1e-3;
 
   std::vector<std::string> products;  ///< fan | sidescan | multibeam | aperture | interferogram
@@ -36,14 +38,14 @@ struct ArrayDescription {
   std::string beams_plane = "forward";  ///< forward | across_track
   std::string sides = "starboard";      ///< port | starboard | both
   std::string beam_window = "hann", range_window = "hann", ping_window = "hann";
-  std::optional<std::array<double, 4>> picture_m;  ///< of an aperture's: east and north, from and to
+  std::optional<std::array<double, 4>> picture_m;  ///< extent of an aperture's image: east from, to; north
+                                                   ///< from, to
   double picture_up_m = 0, pixel_m = 0.05;
-  std::optional<double>
-      half_beam_deg;              ///< of an aperture: pings that see a pixel further off abeam are left out
-  std::vector<int> upper, lower;  ///< groups of an interferogram
+  std::optional<double> half_beam_deg;  ///< aperture: omits pings that see a pixel farther off abeam
+  std::vector<int> upper, lower;        ///< receiver groups of an interferogram
   int looks_range = 4, looks_pings = 4;
 
-  // What the water makes of these (SensorKind::in_water):
+  // Set by SensorKind::in_water():
   int samples = 0;
   double sound_speed_m_s = 0;
 

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The sensor kind "didson": acoustic cameras such as DIDSON and ARIS. Defines their scene keys, checks,
+// transmissions in firing cycles, the fit of an ARIS range gate, and their files.
+
 #include "sensors/kinds/kind_didson.hpp"
 
 #include <fmt/ranges.h>
@@ -27,17 +30,17 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Acoustic camera: a fan of beams about the camera's up axis, each over the whole elevation. Beam 0 is the
-/// port-most. (A recorder that wants starboard first, as DDF does, turns them.)
+/// port-most. A format that starts at starboard, such as DDF, reverses the order.
 ///
-/// A frame is one transmission, or `cycles` of them: cycle k has the beams k, k + cycles, k + 2 cycles, ...
-/// Ideal beams take their own sectors only. With a receive pattern every transmission lights the whole fan
-/// and its margins, and the beams of its cycle receive all of that.
+/// A frame has one transmission, or `cycles` of them. Cycle k has the beams k, k + cycles, k + 2 cycles, ...
+/// Ideal beams use only their own sectors. With a receive pattern every transmission insonifies the whole
+/// fan and its margins, and the beams of its cycle receive all of that.
 class Didson : public Sensor {
  public:
   explicit Didson(const SensorDescription& description);
 
  private:
-  /// What is looked at, in angles about the camera's axes.
+  /// Insonified and received sector, in angles about the camera's axes.
   struct Sector {
     std::vector<double> borders_rad;  ///< of the beams
     double half_width_rad, half_height_rad;
@@ -45,8 +48,8 @@ class Didson : public Sensor {
   Transmission transmission_of(std::size_t cycle, const Sector& sector) const;
 };
 
-/// An echo of the window's end, there and back, and what an ARIS takes besides for each of its transmissions.
-/// The ranges of camera windows count on 1500 m/s.
+/// The two-way travel time to the end of the range gate, plus the overhead of an ARIS per transmission.
+/// Range gates of cameras assume 1500 m/s.
 double default_cycle_interval_s(const DidsonDescription& camera) {
   constexpr double nominal_sound_speed_m_s = 1500, overhead_s = 420e-6;
   return 2 * (camera.window_start_m + camera.window_length_m) / nominal_sound_speed_m_s + overhead_s;
@@ -79,7 +82,8 @@ void require_camera(const SensorDescription& description) {
   std::sort(order.begin(), order.end());
   require(order.empty() || order == all, description, "firing_order", fmt::format("{}", camera.firing_order),
           "each cycle from 0 to cycles - 1 once");
-  // The same pattern in every beam's direction would only be counted once for each.
+  // The pattern over elevation is the same for every beam. Steering it to the beams would only count it once
+  // for each.
   require(camera.transmit_steering != "beams" || description.transmit.angle != "elevation", description,
           "transmit_steering", "\"beams\"", "\"fan\" with transmit_pattern_angle = \"elevation\"");
 }
@@ -106,8 +110,8 @@ Didson::Didson(const SensorDescription& description) : Sensor(description) {
       beams_.push_back(
           {-half_horizontal_rad + (beam + 0.5) * beam_width_rad, 0, beam_width_rad, 2 * half_vertical_rad});
   }
-  // An echo needs both: of what is received, only the part within the transmit sector is cut into tubes. The
-  // two sectors share apex and axes, so that their intersection is one of angles.
+  // An echo needs both sectors, so that only the part of the receive sector within the transmit sector has
+  // tubes. Both sectors share apex and axes, and their intersection is one of angles.
   constexpr double whole_circle_deg = 360;
   sector.half_width_rad = radians(camera.transmit_horizontal_deg.value_or(whole_circle_deg)) / 2;
   sector.half_height_rad =
@@ -130,18 +134,19 @@ Sensor::Transmission Didson::transmission_of(std::size_t cycle, const Sector& se
   for (std::size_t beam = cycle; beam < beams_.size(); beam += cycles)
     transmission.beams.push_back(static_cast<std::uint32_t>(beam));
 
-  // Two rows above 90 degrees: no tube comes close to a half space, where its rays would say nothing.
+  // Two rows above 90 degrees, so that no tube approaches a half space. The rays of such a tube would not
+  // determine it.
   const std::size_t rows = sector.half_height_rad > radians(45) ? 2 : 1;
   const double tolerance = description_.cone_tolerance;
-  std::vector<double> heights;  // once it is known how wide slices are
+  std::vector<double> heights;  // set when the width of the slices is known
   bool apart = true;
-  /// A cell of the fan, next to the one before unless they are `apart`.
+  /// Adds a cell of the fan. It continues the previous sector unless the cells are `apart`.
   const auto add = [&](double from, double to, std::uint32_t own) {
     from = std::max(from, -sector.half_width_rad);
     to = std::min(to, sector.half_width_rad);
-    if (to - from < 1e-8) return;  // unlit, or so narrow that integer rays cannot tell its walls apart
-    // Walls of constant elevation are cones, tubes have planes: wide cells are several slices (see
-    // slice_width_rad).
+    if (to - from < 1e-8) return;  // not insonified, or too narrow for integer rays to resolve its walls
+    // Surfaces of constant elevation are cones, while tubes have planes. A wide cell therefore has several
+    // slices (see slice_width_rad).
     const std::vector<double> edges = even_edges(from, to, slices_for(to - from, tolerance));
     if (apart)
       transmission.sectors.push_back({{from}, heights, glm::dmat3(forward_axis, starboard_axis, up_axis)});
@@ -163,8 +168,8 @@ Sensor::Transmission Didson::transmission_of(std::size_t cycle, const Sector& se
   heights = even_edges(-corner_rad, corner_rad, static_cast<int>(rows));
   const auto last = static_cast<std::uint32_t>(transmission.beams.size() - 1);
   if (receives_all && cycles > 1) {
-    // No beam has a tube of its own: as few slices as the walls allow, each in the name of the beam that
-    // looks nearest to it.
+    // No beam has its own tube. The fan has the fewest slices that its walls permit, and each is assigned to
+    // the beam with the nearest axis.
     const double from = std::max(borders.front() - margin_rad, -sector.half_width_rad),
                  to = std::min(borders.back() + margin_rad, sector.half_width_rad);
     const std::vector<double> edges = even_edges(from, to, slices_for(to - from, tolerance));
@@ -193,7 +198,7 @@ Sensor::Transmission Didson::transmission_of(std::size_t cycle, const Sector& se
   return transmission;
 }
 
-/// Of an acoustic camera's beams and cycles.
+/// Checks the keys for beams and cycles of an acoustic camera.
 void check_keys(const SensorDescription& sensor, const TomlTable& table) {
   const auto& camera = sensor.kind.as<DidsonDescription>();
   const auto fail = [&](const char* key, const std::string& what) {
@@ -234,7 +239,7 @@ void check_keys(const SensorDescription& sensor, const TomlTable& table) {
          "\"fan\"");
 }
 
-/// Whether the scene leaves the window to the preset, for which any water's is as good.
+/// True if the range gate is that of a preset, so that it suits any water.
 bool has_window_of_preset(const SensorDescription& description, const DidsonDescription& camera) {
   const std::string own = fmt::format("window_start_m = {}\nwindow_length_m = {}\n", camera.window_start_m,
                                       camera.window_length_m);
@@ -247,7 +252,7 @@ void fit_aris_window(const SensorDescription& description, DidsonDescription& ca
                      std::vector<std::string>* notes) {
   const std::optional<ArisWindow> window =
       nearest_aris_window(camera.window_start_m, camera.window_length_m, camera.samples, sound_speed_m_s);
-  if (!window) return;  // what no ARIS has is left to whoever writes its file to say
+  if (!window) return;  // the writer of the ARIS file reports a range gate that no ARIS has
   const double start_m = window->start_m(sound_speed_m_s),
                length_m = window->length_m(sound_speed_m_s, camera.samples), end_m = start_m + length_m,
                requested_end_m = camera.window_start_m + camera.window_length_m,
@@ -310,9 +315,9 @@ class DidsonKind : public SensorKind {
     return figures;
   }
 
-  /// The window of an ARIS (of its presets) is the nearest that it has: whole microseconds to the first
-  /// sample and from sample to sample. Notes say so where that moves one that the scene asks for by more than
-  /// half a sample.
+  /// Replaces the range gate of an ARIS by the nearest one that the instrument has. An ARIS counts whole
+  /// microseconds to the first sample and between samples. A note reports a change by more than half a
+  /// sample.
   SensorDescription in_water(SensorDescription sensor, double sound_speed_m_s,
                              std::vector<std::string>* notes) const override {
     if (is_aris(sensor))

@@ -9,21 +9,22 @@
 
 namespace tubefoot {
 
-/// Acoustic camera: a fan of beams side by side, one elevation cell.
+/// Acoustic camera: a fan of adjacent beams, one elevation cell.
 struct DidsonDescription {
   double frequency_khz = 1800;
   int beams = 96;
-  /// even: equal cells over `horizontal_deg` | lens: where the lens of a DIDSON has its 48 or 96 beams
+  /// even: equal cells over `horizontal_deg`; lens: the 48 or 96 beams of the lens of a DIDSON
   std::string beam_centres = "even";
   double horizontal_deg = 29, vertical_deg = 14;  ///< receive sector
-  /// Transmit sector, about the same axis; without it, the receive sector. Tubes cover what both look at.
+  /// Transmit sector about the same axis; unset: the receive sector. Tubes cover the intersection of both.
   std::optional<double> transmit_horizontal_deg, transmit_vertical_deg;
-  /// With a receive pattern: how far the sector that is lit and received reaches beyond the outermost beams.
+  /// With a receive pattern: extent of the insonified and received sector beyond the outermost beams.
   double receive_margin_deg = 0;
-  int cycles = 1;                          ///< transmissions of a frame: beam b belongs to cycle b mod cycles
-  std::optional<double> cycle_interval_s;  ///< else as long as the echo of the window's end takes, and 420 us
-  std::vector<int> firing_order;           ///< cycles as they follow one another; empty: 0, 1, 2, ...
-  std::optional<std::string> transmit_steering;  ///< fan | beams; else beams if there are cycles
+  int cycles = 1;                          ///< transmissions per frame: beam b belongs to cycle b mod cycles
+  std::optional<double> cycle_interval_s;  ///< unset: two-way travel time to the end of the range gate, and
+                                           ///< 420 us
+  std::vector<int> firing_order;           ///< order of the cycles; empty: 0, 1, 2, ...
+  std::optional<std::string> transmit_steering;  ///< fan | beams; unset: beams if cycles > 1
   int samples = 512;
   double window_start_m = 0.84, window_length_m = 5;
   std::string pictures = "all";  ///< all | sequence

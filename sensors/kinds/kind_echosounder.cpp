@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The sensor kind "echosounder": a single beam straight down. Defines its scene keys, its transmission, the
+// detection of the bottom and its files (table, echogram, energies).
+
 #include "sensors/kinds/kind_echosounder.hpp"
 
 #include <fmt/format.h>
@@ -29,11 +32,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Single beam along the sensor's down axis. A square sector about it is looked at; transmitter and receiver
-/// each have their pattern, by default a Gaussian of the beam's width about the axis.
+/// Single beam along the sensor's down axis, within a square sector. Transmitter and receiver each have a
+/// pattern, by default a Gaussian of the beam's width about the axis.
 class Echosounder : public Sensor {
  public:
-  /// Throws std::invalid_argument for a beam, a sector, ranges or counts that make no echosounder.
+  /// Throws std::invalid_argument for an invalid beam or sector, invalid ranges or invalid counts.
   explicit Echosounder(const SensorDescription& description);
 };
 
@@ -63,8 +66,8 @@ Echosounder::Echosounder(const SensorDescription& description) : Sensor(with_bea
   beams_.push_back({0, -radians(90), radians(sounder.beam_deg), radians(sounder.beam_deg)});
 
   const double half_rad = radians(sector_deg) / 2;
-  // The grid's azimuth leans to starboard, its elevation forward. Two rows or more and as many columns: no
-  // tube comes close to a half space.
+  // The grid's azimuth points to starboard, and its elevation points forward. Above 90 degrees it has at
+  // least two rows and two columns, so that no tube approaches a half space.
   const int cells = half_rad > radians(45) ? 2 : 1;
   const int slices = std::max(cells, slices_for(2 * half_rad, description.cone_tolerance));
   const double corner_rad = height_of_corners(half_rad, 2 * half_rad / slices, description.cone_tolerance);
@@ -86,12 +89,12 @@ DetectionRule rule_of(const EchosounderDescription& sounder) {
   return rule;
 }
 
-/// Not a number where nothing was detected.
+/// Range of the bottom; NaN without a detection.
 double range_of(const std::optional<Detection>& bottom) {
   return bottom ? bottom->range_m : std::numeric_limits<double>::quiet_NaN();
 }
 
-/// Empty for what is not known.
+/// Text of a number; empty for a number that is not finite.
 std::string cell(double value) { return std::isfinite(value) ? fmt::format("{:.9g}", value) : ""; }
 
 void append_line(std::string& text, const Recording& recording, const SoundingPlacer& placer,
@@ -125,16 +128,16 @@ void write_exr_of(const fs::path& file, const Recording& recording, const std::v
   write_exr(file, samples.count, static_cast<int>(recording.pings()), energies, attributes);
 }
 
-/// What its files have of a ping.
+/// Contribution of a ping to the files.
 struct ReceivedPing {
   std::vector<float> energies, received;
-  double ideal_m = 0, range_m = 0;  ///< to the bottom; not numbers where there is none
+  double ideal_m = 0, range_m = 0;  ///< ranges of the bottom; NaN without one
   std::string line;
 };
 
-/// Writes what an echosounder makes: <name>.csv, the bottom that each ping detects; <name>.png, an echogram
-/// of what is received; <name>.exr, the energies (pings x samples, unscaled). Returns
-/// the files' names.
+/// Writes the files of an echosounder and returns their names. The table <name>.csv has the detected bottom
+/// of each ping. The picture <name>.png is an echogram of the received energies, and <name>.exr has the
+/// energies (pings x samples, unscaled).
 std::vector<fs::path> write_echosounder_files(const fs::path& folder, const Recording& recording,
                                               const RunContext& run, std::vector<std::string>& warnings) {
   check(recording);

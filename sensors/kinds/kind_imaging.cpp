@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The sensor kind "imaging": forward-looking sonars. Defines their scene keys, beams, transmission and
+// files. The beams are azimuth cells about the sensor's up axis, either equal or about listed angles.
+
 #include "sensors/kinds/kind_imaging.hpp"
 
 #include <algorithm>
@@ -24,23 +27,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Imaging (forward-looking) sonar with any number of ideal rectangular beams: azimuth cells about the
-/// sensor's up axis, each over the whole elevation. Beam 0 is the port-most.
+/// Imaging (forward-looking) sonar with any number of ideal rectangular beams. They are azimuth cells about
+/// the sensor's up axis, each over the whole elevation. Beam 0 is the port-most.
 class Imaging : public Sensor {
  public:
-  /// Throws std::invalid_argument for a sector, ranges or counts that make no sonar.
+  /// Throws std::invalid_argument for an invalid sector, invalid ranges or invalid counts.
   explicit Imaging(const SensorDescription& description);
 };
 
-/// Angles of the beams' axes, where those are not in the middle of equal cells.
+/// Angles of the beams' axes, for fans whose axes are not in the middle of equal cells.
 std::vector<double> axes_rad(const ImagingDescription& fan) {
   if (!fan.beam_angles_deg.empty()) return radians_of(fan.beam_angles_deg);
-  // The middles of equal cells on a straight line across ahead.
+  // The middles of equal cells on a straight line across the forward axis.
   const double edge = std::tan(radians(fan.horizontal_deg) / 2);
   return spread_angles_rad(fan.beams, std::atan(edge * (fan.beams - 1) / fan.beams), fan.spacing);
 }
 
-/// What a list or tangents may be.
+/// Checks a list of angles, or a spacing by distance.
 void require_axes(const SensorDescription& description, const ImagingDescription& fan) {
   const auto& listed = fan.beam_angles_deg;
   require(listed.size() != 1, description, "beam_angles_deg", "one angle", "two or more");

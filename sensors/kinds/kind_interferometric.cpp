@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The sensor kind "interferometric": a sidescan sonar with a receiver pair on each side. Defines its scene
+// keys, its model and its files.
+
 #include "sensors/kinds/kind_interferometric.hpp"
 
 #include <cmath>
@@ -17,12 +20,12 @@ namespace {
 namespace fs = std::filesystem;
 
 /// A sidescan with a receiver pair on each side: two receivers, half a baseline above and below the
-/// transmitter, on a line across the direction that the receiver pair faces. Each has its own ranges and sees
-/// for itself.
+/// transmitter. The baseline is perpendicular to the direction that the pair faces. Each receiver has its
+/// own ranges and visible polygons.
 class Interferometric : public Sidescan {
  public:
-  /// Throws std::invalid_argument for what makes no sidescan, or a baseline that is not above 0 and at most
-  /// as long as the nearest range.
+  /// Throws std::invalid_argument for an invalid sidescan, and for a baseline that is not above 0 or exceeds
+  /// the nearest range.
   explicit Interferometric(const SensorDescription& description);
 };
 

@@ -5,12 +5,11 @@
 
 namespace tubefoot {
 
-/// Sidescan whose two receivers a side sit on a receiver pair, above and below the transmitter.
+/// Sidescan with a receiver pair on each side, above and below the transmitter.
 struct InterferometricDescription : SidescanDescription {
-  double baseline_m = 0.012;  ///< from receiver to receiver
-  double receiver_pair_tilt_deg =
-      30;                    ///< of the direction that the receiver pair faces, below the horizontal
-  bool phase_noise = false;  ///< soundings from phases with the noise of a single look
+  double baseline_m = 0.012;           ///< distance of the two receivers
+  double receiver_pair_tilt_deg = 30;  ///< depression of the direction that the receiver pair faces
+  bool phase_noise = false;            ///< adds the phase noise of a single look to soundings
 
   static const SensorSection& kind();
 };

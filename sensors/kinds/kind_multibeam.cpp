@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The sensor kind "multibeam": a fan of beams across the track. Defines its scene keys, beams, transmission,
+// bottom detection and files.
+
 #include "sensors/kinds/kind_multibeam.hpp"
 
 #include <algorithm>
@@ -21,12 +24,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Multibeam echosounder with ideal rectangular beams: a fan across the track, turned about the along-track
-/// (forward) axis. Beam 0 is the port-most; of an odd number of beams the middle one looks straight down.
-/// Each beam is a sector of beam_across_deg by along_track_deg, along_track_deg at every angle.
+/// Multibeam echosounder with ideal rectangular beams: a fan across the track, about the along-track
+/// (forward) axis. Beam 0 is the port-most, and the middle one of an odd number looks straight down. Each
+/// beam is a sector of beam_across_deg by along_track_deg; the latter is the same at every angle.
 class Multibeam : public Sensor {
  public:
-  /// Throws std::invalid_argument for a fan, ranges or counts that make no multibeam.
+  /// Throws std::invalid_argument for an invalid fan, invalid ranges or invalid counts.
   explicit Multibeam(const SensorDescription& description);
 };
 
@@ -38,7 +41,7 @@ std::vector<double> across_angles_rad(const MultibeamDescription& fan) {
   return spread_angles_rad(fan.beams, radians(fan.swath_deg) / 2, fan.spacing);
 }
 
-/// The outermost axes.
+/// Angles of the outermost axes.
 struct Swath {
   double from_deg = 0, to_deg = 0;
   double outermost_deg() const { return std::max(std::abs(from_deg), std::abs(to_deg)); }
@@ -49,7 +52,7 @@ Swath swath_of(const MultibeamDescription& fan) {
   return {-fan.swath_deg / 2, fan.swath_deg / 2};
 }
 
-/// Whether each beam begins where the one before it ends: neighbours then share their rays.
+/// True if each beam begins where the previous one ends. Neighbours then share their rays.
 bool side_by_side(const MultibeamDescription& fan) {
   const auto is_a_beam = [&](double step_deg) {
     return std::abs(step_deg - fan.beam_across_deg) < 1e-9 * fan.beam_across_deg;
@@ -62,9 +65,9 @@ bool side_by_side(const MultibeamDescription& fan) {
   return fan.beams == 1 || (fan.spacing == "angle" && is_a_beam(fan.swath_deg / (fan.beams - 1)));
 }
 
-/// With a receive pattern that tells beams apart the transmission opens so far beyond the outermost beams,
-/// either side: three widths of those, as they are steered (beam_across_deg / cosine), up to 1 degree short
-/// of the horizontal. 0 for ideal beams, which receive nothing from there.
+/// Extent of the transmission beyond the outermost beams on either side, for a receive pattern that resolves
+/// beams. It is three widths of these beams as steered (beam_across_deg / cosine), up to 1 degree short of
+/// the horizontal. It is 0 for ideal beams, which receive nothing from there.
 double lit_beyond_rad(const SensorDescription& description) {
   const auto& fan = description.kind.as<MultibeamDescription>();
   if (!tells_beams_apart(description.receive, "azimuth")) return 0;
@@ -99,7 +102,8 @@ Multibeam::Multibeam(const SensorDescription& description) : Sensor(description)
     beams_.push_back({std::copysign(radians(90), angle), std::abs(angle) - straight_down_rad,
                       2 * half_along_rad, 2 * half_across_rad});
 
-  // The grid's azimuth is the angle from straight down to starboard, its elevation that towards ahead.
+  // The grid's azimuth is the angle from straight down to starboard, and its elevation is the angle towards
+  // forward.
   const glm::dmat3 frame(-up_axis, starboard_axis, forward_axis);
   const int slices = slices_for(2 * half_across_rad, description.cone_tolerance);
   const double corner_rad =
@@ -128,8 +132,8 @@ Multibeam::Multibeam(const SensorDescription& description) : Sensor(description)
     cut(from, to, static_cast<int>(angles.size()) * slices);
     for (std::uint32_t beam = 0; beam <= last; ++beam) name(beam, slices);
   } else if (receives_all) {
-    // No beam has a tube of its own, and none is to be received twice where beams overlap: the fan is cut
-    // midway between them.
+    // No beam has its own tube, and overlapping beams must not receive one twice. The fan is cut midway
+    // between the axes.
     for (std::uint32_t beam = 0; beam <= last; ++beam) {
       const double begin = beam == 0 ? from : (angles[beam - 1] + angles[beam]) / 2,
                    end = beam == last ? to : (angles[beam] + angles[beam + 1]) / 2;

@@ -8,19 +8,20 @@
 
 namespace tubefoot {
 
-/// Multibeam echosounder: a fan of beams across the track, beam 0 port-most.
+/// Multibeam echosounder: a fan of beams across the track; beam 0 is the port-most.
 struct MultibeamDescription {
   double frequency_khz = 240;
   int beams = 101;
   double swath_deg = 150;               ///< between the axes of the outermost beams
-  std::string spacing = "angle";        ///< angle | distance: what is equal from beam to beam
+  std::string spacing = "angle";        ///< angle | distance: the quantity that is equal between neighbours
   std::vector<double> beam_angles_deg;  ///< from port to starboard, instead of `beams` over `swath_deg`
   double beam_across_deg = 1.5, along_track_deg = 1.5;  ///< one-way widths of the ideal rectangular beam
   int samples = 2000;
   double range_min_m = 0.5, range_max_m = 100;
   std::string detection = "energy_centroid";  ///< first_return | energy_centroid | maximum
-  double detection_threshold_db = -20;        ///< of samples that count, over the beam's largest
-  double grid_cell_m = 0;                     ///< of the depth grid; 0: chosen
+  double detection_threshold_db = -20;        ///< threshold of the detection relative to the beam's largest
+                                              ///< sample
+  double grid_cell_m = 0;                     ///< of the depth grid; 0: automatic
 
   static const SensorSection& kind();
 };

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The sensor kind "scanning": mechanically scanning sonars, with one transmission per step of the head.
+// Defines their scene keys, step times, transmissions and files.
+
 #include "sensors/kinds/kind_scanning.hpp"
 
 #include <fmt/format.h>
@@ -23,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The whole number of steps of a scan, if it is one.
+/// Number of steps of a scan; empty unless it is a whole number.
 std::optional<int> steps_of(const ScanningDescription& scan) {
   constexpr double most_steps = 4096, rounding = 1e-6;
   const double steps = scan.scan_deg / scan.step_deg, whole = std::round(steps);
@@ -32,27 +35,26 @@ std::optional<int> steps_of(const ScanningDescription& scan) {
   return static_cast<int>(whole);
 }
 
-/// An echo of the last sample, there and back, and the time that a motor of this size takes for a step: a
-/// Ping360 turns 400 of them in 9 s when it looks 2 m far, and in 35 s when it looks 50 m far.
+/// The two-way travel time to the last sample, and the time of a small motor for a step. A Ping360 needs 9 s
+/// for 400 steps at a range of 2 m, and 35 s at 50 m.
 double step_interval_s(const ScanningDescription& scan) {
   constexpr double nominal_sound_speed_m_s = 1500, motor_s = 0.02;
   return scan.step_interval_s.value_or(2 * scan.range_max_m / nominal_sound_speed_m_s + motor_s);
 }
 
-/// Where the head looks at a step, clockwise from straight ahead: at whole multiples of step_deg, as a
-/// stepper motor counts. An odd number of steps lies evenly about straight ahead; of an even number the first
-/// looks at -scan_deg / 2 and the last one step short of scan_deg / 2, where a whole turn would meet the
-/// first.
+/// Direction of the head at a step, clockwise from forward, in whole multiples of step_deg as a stepper
+/// motor counts. An odd number of steps is symmetric about forward. With an even number the first step is at
+/// -scan_deg / 2. The last one is one step short of scan_deg / 2, where a whole turn would repeat the first.
 double head_rad(const ScanningDescription& scan, int step, int steps) {
   return radians(scan.scan_deg * (step - steps / 2) / steps);
 }
 
-/// One beam about the sensor's up axis that looks to port first and turns clockwise: a transmission a step,
-/// each from where the carrier is by then. Beam k is what the k-th step receives; with steps narrower than
-/// the beam neighbours overlap.
+/// One beam about the sensor's up axis that starts at port and turns clockwise. Each step is a transmission
+/// from the carrier's position at its time. Beam k is that of step k. Neighbours overlap if steps are
+/// narrower than the beam.
 class Scanning : public Sensor {
  public:
-  /// Throws std::invalid_argument for a scan, a beam, ranges or counts that make no sonar.
+  /// Throws std::invalid_argument for an invalid scan or beam, invalid ranges or invalid counts.
   explicit Scanning(const SensorDescription& description);
 };
 
@@ -76,7 +78,8 @@ Scanning::Scanning(const SensorDescription& description) : Sensor(description) {
   const int slices = slices_for(2 * half_width_rad, description.cone_tolerance);
   const double corner_rad =
       height_of_corners(half_height_rad, 2 * half_width_rad / slices, description.cone_tolerance);
-  // Two rows above 90 degrees: no tube comes close to a half space, where its rays would say nothing.
+  // Two rows above 90 degrees, so that no tube approaches a half space. The rays of such a tube would not
+  // determine it.
   const int rows = half_height_rad > radians(45) ? 2 : 1;
   for (int step = 0; step < steps; ++step) {
     const double head = head_rad(scan, step, steps);
@@ -88,7 +91,7 @@ Scanning::Scanning(const SensorDescription& description) : Sensor(description) {
                                     even_edges(-corner_rad, corner_rad, rows),
                                     glm::dmat3(forward_axis, starboard_axis, up_axis)});
     transmission.beam_of_tube.assign(static_cast<std::size_t>(slices * rows), 0u);
-    // What the head looks along, and what lies across it.
+    // Direction of the head, and the horizontal direction across it.
     const glm::dvec3 ahead(std::sin(head), std::cos(head), 0), across(std::cos(head), -std::sin(head), 0);
     transmission.fans.push_back(
         {0, 1, static_cast<std::uint32_t>(transmission.beam_of_tube.size()), ahead, across, up_axis});
@@ -96,7 +99,7 @@ Scanning::Scanning(const SensorDescription& description) : Sensor(description) {
   }
 }
 
-/// By how much a scan takes longer than the time to the next one of its line, if it does.
+/// Excess of a scan's duration over the time to the next scan of its line, if it is positive.
 std::optional<double> overlap_s(const Recording& recording) {
   const Sensor& sensor = *recording.sensor;
   const double scan_s = static_cast<double>(sensor.transmissions()) *
@@ -109,7 +112,7 @@ std::optional<double> overlap_s(const Recording& recording) {
   return std::nullopt;
 }
 
-/// A line a step: when, where to, and at what range it received the loudest echo.
+/// One row per step: its time, its direction, and the range of its strongest echo.
 std::string steps_table(const Recording& recording, const std::optional<ReceiverOutput>& receiver_output) {
   const Sensor& sensor = *recording.sensor;
   const RangeSamples& samples = sensor.samples();

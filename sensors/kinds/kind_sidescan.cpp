@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The sensor kind "sidescan": two fans about the along-track axis, port and starboard. Defines its scene
+// keys, samples at a sampling frequency, transmission, outline and files.
+
 #include "sensors/kinds/kind_sidescan.hpp"
 
 #include <fmt/format.h>
@@ -20,11 +23,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of the two limits of a sidescan's fan: together they keep it narrower than 170 degrees.
+/// Permitted values of both limits of a sidescan's fan. A joint check keeps the fan narrower than 170
+/// degrees.
 constexpr ValueRange depression{.lo = -80, .hi = 90, .if_below = too_wide, .if_above = "90 is straight down"};
 
-/// A speed of sound turns the sampling frequency f into samples of c / (2 f) each, as many whole ones as the
-/// range holds.
+/// Converts the sampling frequency f into samples of length c / (2 f). Their number is the largest whole
+/// number in the range gate.
 void sample_at_frequency(SensorDescription& description, SidescanDescription& fan, double sound_speed_m_s) {
   const double step_m = sound_speed_m_s / (2000 * *fan.sampling_frequency_khz);
   const double whole = std::floor((fan.range_max_m - fan.range_min_m) / step_m * (1 + 1e-12));
@@ -99,7 +103,7 @@ class SidescanKind : public SensorKind {
   WritingCost writing_cost(const Recording& recording, const RunContext& run) const override {
     WritingCost cost =
         cost_of_two_sided_pictures(recording, receiver_output_of(recording, run).has_value(), run.pictures);
-    constexpr double received_s = 5e-8, code_bytes = 4, amplitude_bytes = 4;  // while they are written
+    constexpr double received_s = 5e-8, code_bytes = 4, amplitude_bytes = 4;  // during output
     cost += cost_by_cells(recording, received_s, code_bytes + amplitude_bytes);
     return cost;
   }
@@ -181,7 +185,7 @@ Sidescan::Sidescan(const SensorDescription& description, const SidescanDescripti
   transmission.beams = {0, 1};
   for (const double side : {-1.0, 1.0}) {
     beams_.push_back({side * radians(90), -axis_rad, 2 * half_width_rad, steep_rad - shallow_rad});
-    // The grid's azimuth is the depression angle: 0 horizontal to the side, 90 degrees straight down.
+    // The grid's azimuth is the depression angle: 0 is horizontal to the side, 90 degrees is straight down.
     transmission.sectors.push_back({even_edges(shallow_rad, steep_rad, slices),
                                     {-corner_rad, corner_rad},
                                     glm::dmat3(side * starboard_axis, -up_axis, forward_axis)});

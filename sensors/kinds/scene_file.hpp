@@ -5,7 +5,7 @@
 #include "scene/file/scene_file_keys.hpp"
 #include "sensors/recordings/sensor_kind.hpp"
 
-// Scene files with sensors of every kind there is.
+// Reads scene files with all sensor kinds.
 namespace tubefoot {
 
 inline SceneDescription read_scene_file(const std::filesystem::path& file, bool confined = false) {

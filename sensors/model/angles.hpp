@@ -12,7 +12,7 @@
 
 #include "scene/description/sensor_description.hpp"
 
-// What the sensor models share: the axes of a sensor's frame and the cutting of a sector into tubes.
+// Common parts of the sensor models: the axes of a sensor's frame, and the division of a sector into tubes.
 namespace tubefoot {
 
 inline constexpr glm::dvec3 starboard_axis{1, 0, 0}, forward_axis{0, 1, 0}, up_axis{0, 0, 1};
@@ -20,20 +20,21 @@ inline constexpr glm::dvec3 starboard_axis{1, 0, 0}, forward_axis{0, 1, 0}, up_a
 inline constexpr double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 inline constexpr double degrees(double radians) { return radians * 180 / std::numbers::pi; }
 
-/// Widest slice of a sector about its axis. A beam is bounded by cones of constant elevation e, a tube by the
-/// plane through two corner rays. Between rays that are w apart in azimuth this plane rises to an elevation
-/// e' with tan e' = tan(corner) / cos(w / 2). With corners a little inside of the cone (height_of_corners)
-/// tan e' is off by tan^2(w / 4) = w^2 / 16 of tan e, low at the slice's sides and high in its middle; this
-/// is the width at which that is the tolerance. The solid angle gains a third of it.
+/// Largest width of a slice of a sector about its axis. Cones of constant elevation e bound a beam, while
+/// the plane through two corner rays bounds a tube. Between rays of azimuth difference w this plane rises to
+/// an elevation e' with tan e' = tan(corner) / cos(w / 2). With corners slightly inside of the cone
+/// (height_of_corners) the error of tan e' is tan^2(w / 4) = w^2 / 16 of tan e. It is negative at the
+/// slice's sides and positive in its middle. The result is the width at which the error equals the
+/// tolerance. The solid angle increases by a third of it.
 inline double slice_width_rad(double tolerance) { return 4 * std::atan(std::sqrt(tolerance)); }
 
-/// Equal slices that keep to the tolerance; a rounding above a whole number makes no further slice.
+/// Number of equal slices within the tolerance. Rounding slightly above a whole number adds no slice.
 inline int slices_for(double width_rad, double tolerance) {
   return std::max(1, static_cast<int>(std::ceil(width_rad / slice_width_rad(tolerance) - 1e-9)));
 }
 
-/// Elevation of the corner rays of slices that stand for a cone: on it, where the middles keep to the
-/// tolerance all the same.
+/// Elevation of the corner rays of slices that approximate a cone. It is that of the cone if the middles
+/// still satisfy the tolerance.
 inline double height_of_corners(double cone_rad, double slice_rad, double tolerance) {
   const double middle = std::cos(slice_rad / 2);
   if (1 / middle - 1 <= tolerance) return cone_rad;
@@ -49,7 +50,8 @@ inline std::vector<double> even_edges(double first, double last, int cells) {
   return edges;
 }
 
-/// Refuses a value that makes no sensor. Scene files are checked before, with line and column.
+/// Throws std::invalid_argument for an invalid value. The reader of scene files checks values before, with
+/// line and column.
 template <typename Value>
 void require(bool holds, const SensorDescription& sensor, const char* key, Value value, const char* wanted) {
   if (!holds)

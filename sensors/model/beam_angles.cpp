@@ -11,7 +11,7 @@ std::vector<double> spread_angles_rad(int beams, double outermost_rad, std::stri
   if (beams == 1) return {0};
   std::vector<double> angles;
   for (int beam = 0; beam < beams; ++beam) {
-    // An integer over an integer: exactly 0 in the middle and -1 and 1 at the ends.
+    // A quotient of integers: exactly 0 in the middle and -1 and 1 at the ends.
     const double place = static_cast<double>(2 * beam - (beams - 1)) / (beams - 1);
     angles.push_back(spacing == "distance" ? std::atan(place * std::tan(outermost_rad))
                                            : place * outermost_rad);
@@ -27,7 +27,7 @@ std::vector<double> radians_of(const std::vector<double>& angles_deg) {
 
 bool tells_beams_apart(const PatternDescription& receive, std::string_view shared_angle) {
   if (receive.pattern == "none") return false;
-  return receive.pattern == "piston" || receive.angle != shared_angle;  // a piston has no other angle
+  return receive.pattern == "piston" || receive.angle != shared_angle;  // a piston has a single angle
 }
 
 }  // namespace tubefoot

@@ -21,7 +21,7 @@ std::vector<double> lens_beam_centres(int beams) {
   std::vector<double> centres;
   double t = -14;
   for (int k = 1; k <= beams; ++k) {
-    // Newton, from the beam before: the cubic rises everywhere and is nearly straight.
+    // Newton's method, from the previous beam: the cubic is increasing and nearly linear.
     for (int step = 0; step < 50; ++step) {
       const double off = lens.f * (((lens.a3 * t + lens.a2) * t + lens.a1) * t + lens.a0) + 1 - k;
       const double change = off / (lens.f * ((3 * lens.a3 * t + 2 * lens.a2) * t + lens.a1));

@@ -7,7 +7,7 @@
 #include "sensors/model/angles.hpp"
 #include "sensors/model/sensor.hpp"
 
-// What integer rays can still tell apart. A wall is a plane through two rays, each coordinate of which is
+// Angular resolution of integer rays. A wall is a plane through two rays, each coordinate of which is
 // rounded to 2^-30 (geometry/tubes/tube.hpp).
 namespace tubefoot {
 namespace {
@@ -18,7 +18,7 @@ double span(const std::vector<double>& edges) { return edges.empty() ? 0 : edges
 
 void Sensor::refuse_narrow() const {
   const auto refuse = [this](double width_rad, const char* what, const char* remedy) {
-    // A width that is asked for exactly may come out a rounding less.
+    // Rounding may reduce a width that is exactly at the limit.
     if (width_rad < narrowest_rad * (1 - 1e-9))
       throw InputError(
           description_.place,

@@ -44,7 +44,7 @@ PatternTable read_pattern_file(const std::filesystem::path& file) {
   for (std::string line; ++place.line, next_line(in, line, place);) {
     std::string_view text = line;
     if (place.line == 1 && text.starts_with("\xEF\xBB\xBF"))
-      text.remove_prefix(3);  // spreadsheets' UTF-8 mark
+      text.remove_prefix(3);  // byte-order mark of spreadsheets
     text = trimmed(text);
     if (text.empty() || text.front() == '#') continue;
     const std::size_t comma = text.find(',');
@@ -62,7 +62,7 @@ PatternTable read_pattern_file(const std::filesystem::path& file) {
       throw InputError(place, fmt::format("angle_deg is {}, expected -180 to 180", angle));
     if (std::abs(level) > 1000)
       throw InputError(place, fmt::format("level_db is {}, expected -1000 to 1000", level));
-    // Nearer to each other, angles in radians may be equal and a slope between them is no number.
+    // At smaller steps angles in radians may be equal, and a slope between them would not be a number.
     constexpr double least_step_deg = 1e-9;
     if (!angle_deg.empty() && !(angle - angle_deg.back() >= least_step_deg))
       throw InputError(place, fmt::format("angle_deg is {} after {}, expected angles that increase", angle,

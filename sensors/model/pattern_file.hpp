@@ -6,9 +6,9 @@
 
 namespace tubefoot {
 
-/// Reads a beam pattern: CSV with the header line angle_deg,level_db and rows of increasing angle; lines that
-/// are empty or start with # are passed over. A table that starts at 0 holds for both sides. Throws
-/// InputError with the place in the file.
+/// Reads a beam pattern: CSV with the header line angle_deg,level_db and rows of increasing angle. Empty
+/// lines and lines that start with # are skipped. A table that starts at 0 applies to both sides. Throws
+/// InputError with the position in the file.
 PatternTable read_pattern_file(const std::filesystem::path& file);
 
 }  // namespace tubefoot

@@ -4,10 +4,10 @@
 #include "engine/echo/echo.hpp"
 #include "sensors/model/angles.hpp"
 
-// What kinds have in common whose keys are samples, range_min_m and range_max_m.
+// Common parts of kinds with the keys samples, range_min_m and range_max_m.
 namespace tubefoot {
 
-/// Throws std::invalid_argument for ranges or a count that make no window.
+/// Throws std::invalid_argument for an invalid range gate or count.
 template <class Keys>
 RangeSamples range_window(const SensorDescription& description, const Keys& keys) {
   require(keys.samples >= 1, description, "samples", keys.samples, "1 or more");

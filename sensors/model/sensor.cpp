@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The base class of all sensors. It computes the tubes and patterns of a transmission from a pose, and the
+// poses of transmitter and receiver on a carrier.
+
 #include "sensors/model/sensor.hpp"
 
 #include <fmt/format.h>
@@ -15,7 +18,7 @@
 namespace tubefoot {
 namespace {
 
-/// Nothing for "none", else the pattern's table or a null pointer.
+/// Empty for the pattern "none"; otherwise its table, or a null pointer for a pattern without one.
 std::optional<std::shared_ptr<const PatternTable>> opened(const PatternDescription& pattern) {
   if (pattern.pattern == "none") return std::nullopt;
   if (!pattern.file) return std::shared_ptr<const PatternTable>();
@@ -26,8 +29,8 @@ std::optional<std::shared_ptr<const PatternTable>> opened(const PatternDescripti
   }
 }
 
-/// Whether a fan's receive patterns differ, in more than rounding, which is taken out of them. One pattern
-/// for all, such as a vertical one of a fan ahead, does not tell its beams apart (beam_angles.hpp).
+/// True if the receive patterns of a fan differ by more than rounding; equal patterns become bitwise equal.
+/// A common pattern, such as a vertical one of a fan ahead, does not resolve its beams (beam_angles.hpp).
 bool are_resolved(std::span<Directivity> beams) {
   constexpr double rounding = 1e-12;
   const Directivity first = beams.front();
@@ -94,7 +97,7 @@ BeamPatterns Sensor::patterns(const Pose& sensor_pose, double sound_speed_m_s,
   const glm::dmat3 turn = glm::mat3_cast(glm::normalize(sensor_pose.attitude));
   BeamPatterns made;
   made.receive.resize(fired.beams.size());
-  std::vector<bool> apart;  // by fan: its receivers tell its beams apart
+  std::vector<bool> apart;  // by fan: its receive patterns resolve the beams
   for (const Fan& fan : fired.fans) {
     made.transmit.emplace_back();
     if (transmit_) {
@@ -131,7 +134,7 @@ BeamPatterns Sensor::patterns(const Pose& sensor_pose, double sound_speed_m_s,
 }
 
 double Sensor::reach(const WorldGrid& grid) const {
-  // Half a path is no shorter than the range from the transmitter less a quarter of the baseline.
+  // Half a path is at least the range from the transmitter less a quarter of the baseline.
   const double apart_m = signals_ ? signals_->farthest_element_m() : receiver_pair_.baseline_m / 2;
   return (samples_.first_m + samples_.count * samples_.step_m + apart_m) / grid.unit_m();
 }
@@ -158,7 +161,7 @@ glm::dquat Sensor::attitude_on(const Pose& carrier) const {
   if (!(glm::length(way) > 0))
     throw InputError(description_.place,
                      fmt::format("sensor '{}' is where it is to look at ('look_at_m')", description_.name));
-  // Straight up or down there is no heading: the carrier's.
+  // Straight up or down there is no heading, so that the carrier's heading applies.
   const glm::dvec3 forward = carrier.attitude * forward_axis;
   const double heading = level_m > 0 ? std::atan2(way.x, way.y) : std::atan2(forward.x, forward.y);
   return attitude_from_angles(heading, std::atan2(way.z, level_m), radians(description_.roll_deg));

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Writes the pings of an acoustic camera as an animated GIF of fans on one decibel scale. The frame rate is
+// that of the pings, limited to 1 to 20 per second.
+
 #include "sensors/pictures/camera_animation.hpp"
 
 #include <OpenImageIO/filesystem.h>
@@ -17,7 +20,7 @@
 namespace tubefoot {
 namespace {
 
-/// Frames a second, of pings that follow each other as they were pinged.
+/// Frames per second at the rate of the pings.
 float frame_rate(const Recording& recording, const std::vector<std::size_t>& frames) {
   constexpr double slowest = 1, fastest = 20;
   const double lasting_s = recording.ping_time_s[frames.back()] - recording.ping_time_s[frames.front()];
@@ -25,7 +28,7 @@ float frame_rate(const Recording& recording, const std::vector<std::size_t>& fra
   return static_cast<float>(std::clamp(rate, slowest, fastest));
 }
 
-/// A GIF under construction, in memory: it reaches the disk whole or not at all.
+/// A GIF under construction, in memory. The disk receives a complete file or none.
 class Gif {
  public:
   Gif(std::filesystem::path file, int width, int height, std::size_t frames, float rate)
@@ -43,7 +46,7 @@ class Gif {
   Gif(const Gif&) = delete;
   Gif& operator=(const Gif&) = delete;
 
-  /// A frame of another size is cut, or laid on the background.
+  /// Adds a frame. A frame of another size is cropped, or padded with the background.
   void add(const Canvas& frame) {
     const int width = specs_.front().width, height = specs_.front().height;
     std::vector<float> pixels(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
@@ -84,7 +87,7 @@ std::vector<std::size_t> animation_frames(std::size_t pings) { return spread_fra
 void write_camera_animation(const std::filesystem::path& file, const Recording& recording,
                             const std::string& font, const ReceiverOutput* receiver_output) {
   const std::vector<std::size_t> frames = animation_frames(recording.pings());
-  std::vector<double> of_scale;  // one for all frames: that of the sequence's picture
+  std::vector<double> of_scale;  // one scale for all frames: that of the sequence's picture
   for (const std::size_t ping : sequence_frames(recording.pings())) {
     const PingEnergies ideal = recording.energy_of(ping);
     const std::vector<double> received = receiver_output != nullptr && receiver_output->has_gain
@@ -99,7 +102,7 @@ void write_camera_animation(const std::filesystem::path& file, const Recording& 
       {700, 460, DecibelScale(of_scale, recording.sensor->description().signal.display_gain_db)});
   std::optional<Gif> gif;
   Steps steps("frames of an animation", frames.size());
-  constexpr std::size_t block = 16;  // drawn by all threads; one encodes
+  constexpr std::size_t block = 16;  // number of frames that all threads draw before one thread encodes them
   for (std::size_t first = 0; first < frames.size(); first += block) {
     std::vector<std::optional<Canvas>> drawn(std::min(block, frames.size() - first));
     tbb::parallel_for(std::size_t{0}, drawn.size(), [&](std::size_t k) {

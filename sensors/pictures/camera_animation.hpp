@@ -10,13 +10,14 @@
 
 namespace tubefoot {
 
-/// Which pings of a recording its animation shows: all, or 200 of more, evenly spread, the first and the last
-/// among them.
+/// Selects the pings of a recording that its animation shows: all, or 200 uniformly spaced ones, including
+/// the first and the last.
 std::vector<std::size_t> animation_frames(std::size_t pings);
 
-/// Writes a GIF that shows pings of an acoustic camera one after the other, over and over: fans of half the
-/// size of draw_camera_frame()'s, on one scale of decibels, as fast as they were pinged, but 1 to 20 a
-/// second. `font` and `receiver_output` as there. Throws std::runtime_error naming the file.
+/// Writes a GIF that shows pings of an acoustic camera in a loop. Its fans have half the size of those of
+/// draw_camera_frame(), and one decibel scale. The frame rate is that of the pings, limited to 1 to 20 per
+/// second. `font` and `receiver_output` have the same meaning as there. Throws std::runtime_error with the
+/// file's name.
 void write_camera_animation(const std::filesystem::path& file, const Recording& recording,
                             const std::string& font, const ReceiverOutput* receiver_output = nullptr);
 

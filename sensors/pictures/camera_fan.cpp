@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Geometry of an acoustic camera's fan in a picture: positions of beams and samples, cells under pixels, and
+// coverage by grid lines.
+
 #include "sensors/pictures/camera_fan.hpp"
 
 #include <algorithm>
@@ -19,7 +22,7 @@ std::vector<double> borders_of(const std::vector<BeamAxis>& beams) {
   return borders_between(centres);
 }
 
-/// How much of a line of one pixel's width covers a pixel at this distance.
+/// Coverage of a pixel by a line of one pixel's width at this distance.
 float line_coverage(double distance_pixels) {
   return static_cast<float>(std::clamp(1 - std::abs(distance_pixels), 0.0, 1.0));
 }
@@ -84,7 +87,7 @@ std::int64_t CameraFan::cell_at(double x, double y) const {
 
 CameraFan::Lines CameraFan::lines_at(double x, double y, double range_step_m, double angle_step_rad) const {
   const double across = x - apex_x_, ahead = apex_y_ - y;
-  const double range = std::hypot(across, ahead);  // pixels
+  const double range = std::hypot(across, ahead);  // in pixels
   const double near = near_m_ * pixels_per_m_, far = far_m_ * pixels_per_m_;
   if (range < near - 1 || range > far + 1) return {};
   const double azimuth = azimuth_between(first_azimuth_rad(), last_azimuth_rad(), across, ahead),

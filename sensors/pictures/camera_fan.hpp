@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+// Maps the beams and samples of an acoustic camera to the pixels of a fan. Slant range counts from the
+// camera, azimuth extends to the sides, and both axes have one scale. A pixel shows the mean energy of its
+// cells.
+
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -9,18 +13,19 @@
 
 namespace tubefoot {
 
-/// The azimuth of a place to starboard and ahead: the one of those a whole turn apart that lies between two
-/// borders, or is nearest to their middle. A fan all around may begin below -180 degrees.
+/// Azimuth of a point at these distances to starboard and ahead. Among azimuths that differ by whole turns
+/// the function selects the one between the borders, or the one nearest to their middle. A fan of a whole
+/// turn may begin below -180 degrees.
 double azimuth_between(double first_rad, double last_rad, double across, double ahead);
 
-/// An acoustic camera's beams on a page: slant range from the camera at the bottom, azimuth to the sides,
-/// forward up and port left, both axes at one scale. Beams meet midway between their axes. Coordinates are
-/// pixels from the top left one of the fan's box.
+/// The beams of an acoustic camera on a page. The slant range counts from the camera at the bottom, and
+/// azimuth extends to the sides. Forward is up, port is left, and both axes have one scale. Beams meet
+/// midway between their axes. Coordinates are pixels from the top left corner of the fan's box.
 class CameraFan {
  public:
-  /// At most so many pixels wide and high.
+  /// Limits the width and height to these numbers of pixels.
   CameraFan(const Sensor& sensor, double widest, double highest);
-  /// Of beams with these axes, in order; of one beam there is no fan.
+  /// The same for beams with these axes, in order. Requires more than one beam.
   CameraFan(const std::vector<double>& azimuths_rad, const RangeSamples& samples, double widest,
             double highest);
 
@@ -35,14 +40,14 @@ class CameraFan {
   double extent_rad() const { return last_azimuth_rad() - first_azimuth_rad(); }
   double pixels_per_m() const { return pixels_per_m_; }
 
-  /// A place at `pixels` from the camera.
+  /// Position at a distance of `pixels` from the camera in this direction.
   double x(double azimuth_rad, double pixels) const;
   double y(double azimuth_rad, double pixels) const;
 
-  /// The cell [beam][sample] at a place of the page, or -1 outside of the fan.
+  /// Index of the cell [beam][sample] at a position of the page; -1 outside of the fan.
   std::int64_t cell_at(double x, double y) const;
 
-  /// How much of a pixel's middle range arcs and angle lines cover, lines of one pixel's width.
+  /// Coverage of a pixel by range arcs and angle lines of one pixel's width.
   struct Lines {
     float grid = 0, outline = 0;
   };
@@ -60,30 +65,32 @@ class CameraFan {
   friend class CameraPixels;
 };
 
-/// Energies of a ping [beam][sample], and of each beam the number of samples that may hold a surface; empty:
-/// all may.
+/// Energies of a ping [beam][sample], and the number of samples of each beam that may contain a surface;
+/// empty: all may.
 struct PingEchoes {
   std::span<const double> energy;
   std::vector<int> surfaces;
 };
 
-/// Mean energy of the cells under a pixel that may hold a surface, the part of the pixel that the fan covers,
-/// and the part of that which lies beyond all surfaces.
+/// Mean energy of the cells under a pixel that may contain a surface. `coverage` is the part of the pixel
+/// inside the fan, and `beyond` the part of that beyond all surfaces.
 struct PixelEcho {
   double energy_j = 0, coverage = 0, beyond = 0;
 };
 
-/// Which cells of a ping each pixel of a fan shows: those at a square of points in it, nearest cell, no
-/// interpolation. The same for all pings, and most of the work of drawing one.
+/// The cells of a ping that each pixel of a fan shows: the nearest cells at a square of points in the pixel,
+/// without interpolation. They are the same for all pings, and computing them is most of the work of a
+/// picture.
 class CameraPixels {
  public:
   explicit CameraPixels(const CameraFan& fan);
 
-  /// Pixels beyond the fan's box that this knows, on all four sides.
+  /// Width of the margin of pixels around the fan's box, on all four sides.
   static constexpr int around = 2;
 
   PixelEcho echo_at(int x, int y, const PingEchoes& echoes) const;
-  /// The cell that a pixel shows alone and without a margin, or -1: most do, and all of a cell's alike.
+  /// The cell of a pixel that shows one cell without a margin, or -1. Most pixels show one cell, and all
+  /// pixels of a cell have the same colour.
   std::int64_t only_cell_at(int x, int y) const;
 
  private:
@@ -93,9 +100,9 @@ class CameraPixels {
   }
 
   int width_, points_, samples_;
-  std::vector<std::uint32_t> first_;  ///< of each pixel, row by row, its first share; one more at the end
-  std::vector<std::uint32_t> cells_;  ///< of each share, its cell
-  std::vector<std::uint8_t> counts_;  ///< of each share, how many points of the pixel lie in its cell
+  std::vector<std::uint32_t> first_;  ///< by pixel, row by row: its first share; one more at the end
+  std::vector<std::uint32_t> cells_;  ///< by share: its cell
+  std::vector<std::uint8_t> counts_;  ///< by share: number of the pixel's points in that cell
 };
 
 }  // namespace tubefoot

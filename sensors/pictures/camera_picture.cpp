@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Draws pings of an acoustic camera in fan geometry, one per page or as a sequence of small fans on one
+// decibel scale. The energies are those of the recording or of the receiver's output.
+
 #include "sensors/pictures/camera_picture.hpp"
 
 #include <fmt/format.h>
@@ -84,7 +87,7 @@ Canvas draw_camera_sequence(const Recording& recording, const std::string& font,
   const CameraFan fan(sensor, 340, 260);
   const CameraPixels pixels(fan);
   const std::vector<std::size_t> frames = sequence_frames(recording.pings());
-  // One scale for all of them.
+  // The sequence has one scale.
   std::vector<double> ideal(frames.size() * recording.cells()), received(receiver_output ? ideal.size() : 0);
   tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t k) {
     const auto place = static_cast<std::ptrdiff_t>(k * recording.cells());

@@ -13,21 +13,21 @@
 
 namespace tubefoot {
 
-/// How large a frame's fan is at most, in pixels, and on what scale it is; none: its own.
+/// Maximum size of a frame's fan in pixels, and its scale; without one, each frame has its own scale.
 struct CameraFrameLook {
   double widest = 1400, highest = 920;
   std::optional<DecibelScale> scale{};
 };
 
-/// Draws pings of an acoustic camera in fan geometry (CameraFan), all of one size. A pixel shows the mean
-/// energy of the cells at a square of points in it. What is the same for all pings is found once.
+/// Draws pings of an acoustic camera in fan geometry (CameraFan), all at one size. A pixel shows the mean
+/// energy of the cells at a square of points in it. Data that all pings share are computed once.
 class CameraFrames {
  public:
-  /// `font` as for Canvas. The recording must outlive this.
+  /// `font` as for Canvas. The recording must outlive this object.
   CameraFrames(const Recording& recording, std::string font, const CameraFrameLook& look = {});
 
-  /// With `receiver_output`, what the instrument shows, on the scale of the ideal picture unless the receiver
-  /// has a gain of its own. Threads may draw at once.
+  /// Draws a ping. With `receiver_output` it shows the instrument's display, on the scale of the ideal
+  /// picture unless the receiver has its own gain. Thread-safe.
   Canvas draw(std::size_t ping, const ReceiverOutput* receiver_output = nullptr) const;
 
  private:
@@ -37,16 +37,16 @@ class CameraFrames {
   FanPage page_;
 };
 
-/// One of them.
+/// Draws a single frame.
 Canvas draw_camera_frame(const Recording& recording, std::size_t ping, const std::string& font,
                          const ReceiverOutput* receiver_output = nullptr, const CameraFrameLook& look = {});
 
-/// At most so many of the pings, evenly spread, the first and the last among them.
+/// At most `most` of the pings, uniformly spaced, including the first and the last.
 std::vector<std::size_t> spread_frames(std::size_t pings, std::size_t most);
-/// Which pings of a recording its sequence shows: at most 20, evenly spread, the first and the last among
-/// them.
+/// Selects the pings of a recording that its sequence shows: at most 20, uniformly spaced, including the
+/// first and the last.
 std::vector<std::size_t> sequence_frames(std::size_t pings);
-/// Draws them as small fans, five a row, all on one scale of decibels.
+/// Draws the pings of the sequence as small fans, five per row, on one decibel scale.
 Canvas draw_camera_sequence(const Recording& recording, const std::string& font,
                             const ReceiverOutput* receiver_output = nullptr);
 

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A raster picture with colours, text and axis ticks. OpenImageIO draws the text; png_bytes.hpp encodes the
+// picture. Texts are limited to ASCII and a degree sign at the end.
+
 #include "sensors/pictures/canvas.hpp"
 
 #include <OpenImageIO/imagebufalgo.h>
@@ -21,8 +24,8 @@ namespace {
 
 constexpr std::string_view degree_sign = "\u00b0";
 
-/// OpenImageIO 2.4 draws the last six bits of a character beyond ASCII. A degree sign at the end of a line is
-/// drawn as a ring instead; any other such character (of a sensor's name) becomes a question mark.
+/// OpenImageIO 2.4 draws a character beyond ASCII by its last six bits. A degree sign at the end of a line
+/// is drawn as a ring instead. Any other such character (of a sensor's name) becomes a question mark.
 std::string drawable(std::string_view line) {
   if (line.ends_with(degree_sign)) line.remove_suffix(degree_sign.size());
   std::string ascii;
@@ -31,7 +34,7 @@ std::string drawable(std::string_view line) {
     if (byte >= 0x20 && byte < 0x7f)
       ascii += c;
     else if (byte >= 0xc0)
-      ascii += '?';  // the first byte of a longer character; the others are left out
+      ascii += '?';  // the first byte of a longer character; the other bytes are skipped
   }
   return ascii;
 }
@@ -47,15 +50,15 @@ Colour mix(Colour a, Colour b, double amount) {
 
 namespace {
 
-/// Pixels of a canvas that is gone, of this thread: the system clears fresh pages, which takes a quarter of
-/// the time that a picture of a ping takes.
+/// Pixels of a destroyed canvas, per thread. The system clears fresh pages, which takes a quarter of the
+/// time of a ping's picture.
 thread_local std::vector<float> spare;
 
 }  // namespace
 
 Canvas::Components::Components(std::size_t count) {
   values_.swap(spare);
-  values_.resize(count);  // whatever is in it: the background is laid over all of it
+  values_.resize(count);  // old contents: the background covers them all
 }
 Canvas::Components::~Components() {
   constexpr std::size_t most = (std::size_t{32} << 20) / sizeof(float);
@@ -99,7 +102,7 @@ PixelBox Canvas::box_of(int x, int y, const std::string& line, int size, Anchor 
 
 void Canvas::label(int x, int y, const std::string& line, int size, Colour colour, Anchor anchor) {
   if (font_.empty() || line.empty()) return;
-  constexpr int gap = 4;  // between neighbours on one line, or they read as one
+  constexpr int gap = 4;  // between neighbours on one line, so that they do not read as one
   const PixelBox box = box_of(x, y, line, size, anchor);
   if (box.left < 0 || box.top < 0 || box.right > width_ || box.bottom > height_) return;
   for (const PixelBox& other : texts_)
@@ -142,7 +145,7 @@ std::vector<unsigned char> Canvas::screen_png(const std::string& description) co
 
 namespace {
 
-/// Folders of fonts, by the XDG base directories and older habit; those that are not there are not looked at.
+/// Font folders by the XDG base directories and older conventions. Missing folders are skipped.
 std::vector<fs::path> font_folders() {
   std::vector<fs::path> folders;
   if (const char* home = std::getenv("HOME"); home != nullptr && *home != 0)
@@ -151,7 +154,7 @@ std::vector<fs::path> font_folders() {
   return folders;
 }
 
-/// Where the font lies, by the name of its file; empty: nowhere.
+/// Path of a font with this file name; empty if there is none.
 fs::path font_file(const std::string& name) {
   constexpr int deepest = 4;
   for (const fs::path& folder : font_folders()) {
@@ -171,7 +174,7 @@ bool draws(const std::string& font) { return OIIO::ImageBufAlgo::text_size("0", 
 
 }  // namespace
 
-// OpenImageIO 2.5 looks into the folders themselves only, and Debian's fonts lie deeper.
+// OpenImageIO 2.5 searches the folders without their subfolders, and Debian stores fonts in subfolders.
 std::string find_font(const std::vector<std::string>& candidates) {
   for (const std::string& name : candidates) {
     if (draws(name)) return name;
@@ -214,7 +217,7 @@ std::vector<double> ticks(double first, double last, double step) {
 
 std::string tick_label(double value, double step) {
   const int decimals = std::max(0, static_cast<int>(std::ceil(-std::log10(step) - 1e-9)));
-  // No "-0": the tick nearest to zero is zero.
+  // Avoids "-0": the tick nearest to zero is zero.
   const std::string number =
       fmt::format("{:.{}f}", std::abs(value) < step / 2 ? 0.0 : std::abs(value), decimals);
   return value <= -step / 2 ? "-" + number : number;

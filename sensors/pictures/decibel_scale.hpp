@@ -24,19 +24,19 @@ class DecibelScale {
   /// Dynamic range of the pictures. Weaker echoes have the darkest colour of the scale.
   static constexpr double range_db = 50;
 
-  /// 0 dB is the 99.9th percentile of the energies above zero: a few specular returns do not darken the rest.
-  /// A display gain makes all brighter by so much.
+  /// 0 dB is the 99.9th percentile of the energies above zero, so that a few specular returns do not darken
+  /// the rest. A display gain makes all echoes brighter by that amount.
   explicit DecibelScale(std::span<const double> energies_j, double display_gain_db = 0);
 
-  /// Energy [J] that is shown as 0 dB; 0 if there is no echo at all.
+  /// Energy [J] that is shown as 0 dB; 0 without echoes.
   double reference_j() const { return reference_j_; }
   /// 0 (no echo, or range_db below the reference) to 1 (the reference and above).
   double level(double energy_j) const;
-  /// palette.no_echo for a zero energy, so that a shadow differs from a weak echo.
+  /// Returns palette.no_echo for a zero energy, so that a shadow differs from a weak echo.
   Colour colour(double energy_j) const { return energy_j > 0 ? at_level(level(energy_j)) : palette.no_echo; }
-  /// Of a pixel of which a part lies where there is no surface (Recording::surfaces).
+  /// Colour of a pixel of which the fraction `beyond` contains no surface (Recording::surfaces).
   Colour colour(double energy_j, double beyond) const;
-  /// Lightness grows evenly with the level, so the picture reads the same in grey.
+  /// Lightness grows linearly with the level, so that the picture is also readable in grey.
   static Colour at_level(double level);
 
   /// Draws a bar with its labels into the pixels [x, x + legend_width) x [y0, y1).

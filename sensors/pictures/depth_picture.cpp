@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Draws the mean depths of soundings as a shaded relief, coloured by depth, with axes, scale and legend. The
+// light comes from the north-west, 45 degrees high; slopes are central differences.
+
 #include "sensors/pictures/depth_picture.hpp"
 
 #include <fmt/format.h>
@@ -18,7 +21,7 @@ namespace {
 constexpr int margin = 28, header_height = 2 * margin + 52, axis_height = 62, legend_width = 150;
 constexpr int longest_side = 900, shortest_side = 320;
 
-/// Shallow to deep: sand, green, blue, night; lightness falls evenly.
+/// Colours from shallow to deep: sand, green, blue, night. Lightness falls linearly.
 Colour depth_colour(double part) {
   constexpr std::array<Colour, 5> stops{{{0.98f, 0.90f, 0.66f},
                                          {0.62f, 0.80f, 0.52f},
@@ -30,7 +33,7 @@ Colour depth_colour(double part) {
   return mix(stops[k], stops[k + 1], at - static_cast<double>(k));
 }
 
-/// Depths drawn: the extremes of the cells.
+/// Range of the drawn depths: the extremes of the cells.
 struct DepthRange {
   double shallow = std::numeric_limits<double>::infinity(), deep = -shallow;
   double part(double depth) const { return deep > shallow ? (depth - shallow) / (deep - shallow) : 0.5; }
@@ -49,8 +52,8 @@ DepthRange range_of(const CellMeans& cells) {
   return range;
 }
 
-/// Of a cell under a light from the north-west, 45 degrees high: 1 on a level seabed. Slopes by central
-/// differences, one-sided at the rim.
+/// Shade of a cell under a light from the north-west, 45 degrees high; 1 on a level seabed. Slopes are
+/// central differences, or one-sided ones at the rim.
 double shade(const CellMeans& cells, std::int64_t column, std::int64_t row) {
   const double here = cells.mean(column, row);
   const auto slope = [&](std::int64_t dx, std::int64_t dy) {  // of the height
@@ -100,7 +103,7 @@ Canvas draw_depths(const CellMeans& depths, const std::string& title, const std:
                          margin + text_width(subtitle, label_size, font)}),
       top + page_height + axis_height + margin, palette.background, font);
 
-  // Large grids: each pixel shows the cell under its middle.
+  // On large grids each pixel shows the cell under its middle.
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const std::int64_t column = extent.west + static_cast<std::int64_t>((x + 0.5) / pixels_per_cell);
@@ -136,7 +139,7 @@ Canvas draw_depths(const CellMeans& depths, const std::string& title, const std:
                  palette.ink);
   }
 
-  constexpr double longest_scale = 110;  // pixels
+  constexpr double longest_scale = 110;  // in pixels
   const double scale_m = tick_step(longest_scale / map.pixels_per_m, 3);
   const int scale_pixels = static_cast<int>(std::lround(scale_m * map.pixels_per_m));
   const int scale_y = bar_top + bar_height + 34;

@@ -8,8 +8,8 @@
 
 namespace tubefoot {
 
-/// Mean depths of soundings by cell (SoundingGrid), to look at: shaded relief lit from the north-west,
-/// coloured by depth, with axes, scale and legend. Throws std::runtime_error without cells.
+/// Draws mean depths of soundings by cell (SoundingGrid): shaded relief lit from the north-west, coloured by
+/// depth, with axes, scale and legend. Throws std::runtime_error without cells.
 Canvas draw_depths(const CellMeans& depths, const std::string& title, const std::string& font);
 
 }  // namespace tubefoot

@@ -10,7 +10,7 @@
 namespace tubefoot {
 
 /// Draws a single beam's pings side by side, ranges downwards, in dB. `energy_j`: [ping][sample].
-/// `bottom_m`: by ping, drawn as a line; not a number where there is none. `said`: what the energies are, for
+/// `bottom_m`: by ping, drawn as a line; NaN without a detection. `said`: description of the energies for
 /// the subtitle.
 Canvas draw_echogram(const Recording& recording, std::span<const float> energy_j,
                      std::span<const double> bottom_m, const std::string& font, const std::string& said = {});

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Draws a page with one fan of echoes, its range and angle frame, its labels and the decibel scale. The
+// steps of ranges and angles follow from the size of the fan.
+
 #include "sensors/pictures/fan_page.hpp"
 
 #include <algorithm>
@@ -12,8 +15,8 @@ namespace {
 constexpr int margin = 28, header_height = 2 * margin + 44, footer_height = 44;
 constexpr int angle_label_gap = 20, range_label_gap = 12, range_label_width = 60;
 
-/// Distance of the angle lines: what divides a circle well, at most eight parts, labels 50 pixels apart or
-/// more.
+/// Step of the angle lines: a convenient divisor of a circle, at most eight parts, with labels at least 50
+/// pixels apart.
 double angle_step_deg(const CameraFan& fan) {
   const double extent_rad = fan.extent_rad();
   const double parts = std::clamp(std::floor(extent_rad * fan.far_m() * fan.pixels_per_m() / 50), 1.0, 8.0);
@@ -22,10 +25,10 @@ double angle_step_deg(const CameraFan& fan) {
   return 45;
 }
 
-/// Distance of the range arcs: at most six parts, with room for their labels along the starboard edge.
+/// Step of the range arcs: at most six parts, with space for their labels along the starboard edge.
 double range_step_m(const CameraFan& fan) {
   const double steepness = std::abs(std::cos(fan.last_azimuth_rad()));
-  const double gap = steepness > 0.4 ? 26 / steepness : 65;  // below each other, or side by side
+  const double gap = steepness > 0.4 ? 26 / steepness : 65;  // labels below each other, or side by side
   const double extent_m = fan.far_m() - fan.near_m();
   return tick_step(extent_m,
                    static_cast<int>(std::clamp(std::floor(extent_m * fan.pixels_per_m() / gap), 1.0, 6.0)));
@@ -42,12 +45,12 @@ FanPage::FanPage(CameraFan fan, Towards towards)
       lines_.push_back(fan_.lines_at(x + 0.5, y + 0.5, range_step, angle_step));
 }
 
-/// Metres along the starboard edge, degrees along the far arc.
+/// Draws metres along the starboard edge and degrees along the far arc.
 void FanPage::draw_labels(Canvas& canvas, int left, int top) const {
   const CameraFan& fan = fan_;
   const double range_step = range_step_m(fan), angle_step = angle_step_deg(fan);
   const double edge = fan.last_azimuth_rad();
-  const bool level = std::abs(std::cos(edge)) <= 0.4;  // beside the edge, not on it
+  const bool level = std::abs(std::cos(edge)) <= 0.4;  // labels below the edge instead of beside it
   for (const double range : ticks(fan.near_m(), fan.far_m(), range_step)) {
     const double pixels = range * fan.pixels_per_m();
     const int x = left + static_cast<int>(std::lround(fan.x(edge, pixels))),
@@ -58,7 +61,7 @@ void FanPage::draw_labels(Canvas& canvas, int left, int top) const {
   }
   const auto angles = ticks(degrees(fan.first_azimuth_rad()), degrees(fan.last_azimuth_rad()), angle_step);
   for (const double angle : angles) {
-    // Straight astern is labelled once, as +180 where the fan has both.
+    // Straight astern has one label, +180, in a fan that contains both.
     if (angle < -180 + angle_step / 2 && angles.back() > 180 - angle_step / 2) continue;
     const double azimuth = radians(angle), pixels = fan.far_m() * fan.pixels_per_m() + angle_label_gap;
     canvas.label(left + static_cast<int>(std::lround(fan.x(azimuth, pixels))),
@@ -70,8 +73,8 @@ void FanPage::draw_labels(Canvas& canvas, int left, int top) const {
 Canvas FanPage::draw(const Texts& texts, const PingEchoes& echoes, const DecibelScale& scale,
                      const std::string& font) const {
   const CameraFan& fan = fan_;
-  // The fan, its labels and the legend side by side; short fans leave room for the title.
-  const int drawing_height = std::max(fan.height(), 200);  // room for the legend
+  // The fan, its labels and the legend are side by side. Short fans leave space for the title.
+  const int drawing_height = std::max(fan.height(), 200);  // space for the legend
   const int content = fan.width() + 2 * range_label_width + DecibelScale::legend_width;
   const int width = 2 * margin + std::max({content, text_width(texts.title, title_size, font),
                                            text_width(texts.subtitle, label_size, font),

@@ -11,13 +11,13 @@
 
 namespace tubefoot {
 
-/// What the pixels of a ping look like. A cell that fills many of them is looked up on the scale once.
+/// Colours of the pixels of a ping. The colour of a cell that fills many pixels is computed once.
 class FanColours {
  public:
   FanColours(const CameraPixels& pixels, const PingEchoes& echoes, const DecibelScale& scale)
       : pixels_(pixels), echoes_(echoes), scale_(scale), of_cells_(echoes.energy.size()) {}
 
-  /// The colour, and which part of the pixel has it.
+  /// The colour, and the part of the pixel that has it.
   struct Pixel {
     Colour colour;
     double coverage = 0;
@@ -43,23 +43,23 @@ class FanColours {
   std::vector<std::optional<Colour>> of_cells_;
 };
 
-/// A page with one fan of echoes, its range and angle frame, and the scale. What is the same for all echoes
-/// is found once.
+/// A page with one fan of echoes, its range and angle frame, and the scale. Data that all echoes share are
+/// computed once.
 class FanPage {
  public:
-  enum class Towards { up, down };  ///< where what is ahead lies on the page
+  enum class Towards { up, down };  ///< direction of forward on the page
   explicit FanPage(CameraFan fan, Towards towards = Towards::up);
 
   const CameraFan& fan() const { return fan_; }
   struct Texts {
     std::string title, subtitle, footer;
   };
-  /// Threads may draw at once.
+  /// Thread-safe.
   Canvas draw(const Texts& texts, const PingEchoes& echoes, const DecibelScale& scale,
               const std::string& font) const;
 
  private:
-  /// The row of a fan's row, from the top of its box.
+  /// Row on the page of a row of the fan, from the top of its box.
   int row_of(int y) const { return downwards_ ? fan_.height() - 1 - y : y; }
   void draw_labels(Canvas& canvas, int left, int top) const;
 

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Draws a page of panels, each a uniform grid of values with axes and legend. Panels are side by side, or
+// below each other if they are much wider than high.
+
 #include "sensors/pictures/grid_panels.hpp"
 
 #include <fmt/format.h>
@@ -62,7 +65,8 @@ void draw_legend(Canvas& canvas, GridPanel::Legend legend, int x, int y0, int y1
   }
 }
 
-/// Where a value lies between an axis's ends, 0 to 1; of what is counted its middle.
+/// Position of a value between an axis's ends, 0 to 1. For an axis that counts items it is the middle of the
+/// item.
 double share_of(const GridPanel::Axis& axis, double value) {
   const double half = axis.counts ? 0.5 : 0.0;
   return (value + half - axis.first) / (axis.last - axis.first);

@@ -10,15 +10,15 @@
 
 namespace tubefoot {
 
-/// Values of an even grid as one of the drawings of a page: column 0 left, row 0 on top.
+/// Values of a uniform grid as one drawing of a page: column 0 is on the left, row 0 on top.
 struct GridPanel {
   struct Axis {
     std::string title;
     double first = 0, last = 1;  ///< at the outer borders of the first and the last column or row
-    bool counts = false;         ///< names whole things, such as pings: labels in their middles
+    bool counts = false;         ///< the axis counts items, such as pings: labels are in their middles
   };
   enum class Legend { none, decibels, phase, coherence };
-  /// A place on the axes.
+  /// A point on the axes.
   struct Mark {
     double across = 0, down = 0;
     Colour colour{};
@@ -27,15 +27,15 @@ struct GridPanel {
   std::string title;
   std::size_t columns = 0, rows = 0;
   Axis across{}, down{};
-  bool equal_scales = false;  ///< both axes are lengths of one unit
+  bool equal_scales = false;  ///< both axes are lengths in one unit
   Legend legend = Legend::decibels;
-  /// Of what lies under a pixel; called by several threads.
+  /// Colour of the cells under a pixel; several threads call it.
   std::function<Colour(PixelSpan columns, PixelSpan rows)> colour{};
   std::vector<Mark> marks{};
 };
 
-/// Panels side by side, or below each other where they are much wider than high, with axes, legends, and the
-/// words about them. Throws std::invalid_argument without any, and for one without cells or colours.
+/// Panels side by side, or below each other if they are much wider than high, with axes, legends and texts.
+/// Throws std::invalid_argument for a page without panels, and for a panel without cells or colours.
 struct GridPage {
   std::string title, subtitle, footer;
   std::vector<GridPanel> panels;

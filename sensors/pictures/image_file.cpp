@@ -34,7 +34,8 @@ void write_image(const std::filesystem::path& file, const OIIO::ImageSpec& spec,
 OIIO::ImageSpec exr_spec(const OIIO::ParamValueList& attributes) {
   OIIO::ImageSpec spec(1, 1, 1, OIIO::TypeDesc::FLOAT);
   spec.attribute("compression", "zip");
-  spec.attribute("DateTime", "");  // or OpenImageIO writes the time of day: equal runs shall give equal files
+  spec.attribute("DateTime", "");  // prevents OpenImageIO from writing the time of day, so that equal runs
+                                   // give equal files
   for (const auto& attribute : attributes) spec.extra_attribs.push_back(attribute);
   return spec;
 }

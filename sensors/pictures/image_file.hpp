@@ -9,23 +9,23 @@
 
 namespace tubefoot {
 
-/// For messages: what OpenImageIO says of what it cannot do. Where memory is short it says little or nothing.
+/// Text of an OpenImageIO error for messages. Without enough memory OpenImageIO reports little or nothing.
 std::string reason_in_words(const std::string& said);
 
-/// The bytes of an image of float pixels, as `spec` and the ending of the file's name say; `file` itself is
-/// not touched. Throws std::runtime_error naming it.
+/// The bytes of an image of float pixels. `spec` and the extension of the file's name give the format; the
+/// function does not write `file`. Throws std::runtime_error with the file's name.
 std::vector<unsigned char> encoded_image(const std::filesystem::path& file, const OIIO::ImageSpec& spec,
                                          const float* pixels);
 
-/// Writes them. Throws std::runtime_error naming the file.
+/// Writes these bytes. Throws std::runtime_error with the file's name.
 void write_image(const std::filesystem::path& file, const OIIO::ImageSpec& spec, const float* pixels);
 
-/// How a one-channel float EXR is written: lossless, the same bytes at any time of day. `attributes` are
-/// added to its header.
+/// Format of a one-channel float EXR: lossless, with the same bytes at any time of day. Adds `attributes` to
+/// its header.
 OIIO::ImageSpec exr_spec(const OIIO::ParamValueList& attributes);
 
-/// Writes a one-channel float EXR with lossless compression: rows from the top, untouched values.
-/// `attributes` are added to its header. Throws std::runtime_error naming the file.
+/// Writes a one-channel float EXR with lossless compression: rows from the top, unchanged values. Adds
+/// `attributes` to its header. Throws std::runtime_error with the file's name.
 void write_exr(const std::filesystem::path& file, int width, int height, const std::vector<float>& values,
                const OIIO::ParamValueList& attributes);
 

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Draws the labels of echoes: objects, materials and mean heights of each sample. Pictures show one ping as
+// a fan or in columns, or a whole track. Sample colours are label colours mixed by energy shares.
+
 #include "sensors/pictures/label_picture.hpp"
 
 #include <fmt/format.h>
@@ -23,7 +26,8 @@ namespace {
 constexpr int margin = 28, header_height = 2 * margin + 50, panel_gap = 36, caption_height = 34, widest = 460,
               highest = 560, entry_height = 26, most_entries = 14, swatch = 16, points = 3;
 
-/// Of an object or a material, by its number; the first is often the seabed. They go round, paler each time.
+/// Colour of an object or a material by its number; the first is often the seabed. The sequence repeats,
+/// paler each time.
 Colour label_colour(std::size_t label) {
   constexpr std::array<Colour, 9> hues{{{0.62f, 0.55f, 0.43f},
                                         {0.90f, 0.38f, 0.00f},
@@ -40,7 +44,7 @@ Colour label_colour(std::size_t label) {
 }
 constexpr Colour unscattered_colour{1, 1, 1};
 
-/// Low to high: night, blue, green, sand; lightness grows evenly.
+/// Colours from low to high: night, blue, green, sand. Lightness grows linearly.
 Colour height_colour(double part) {
   constexpr std::array<Colour, 5> stops{{{0.13f, 0.16f, 0.38f},
                                          {0.16f, 0.40f, 0.62f},
@@ -52,7 +56,8 @@ Colour height_colour(double part) {
   return mix(stops[k], stops[k + 1], at - static_cast<double>(k));
 }
 
-/// The cell under a point of a panel, in pixels from its top left corner; none: beside the picture.
+/// Maps a point of a panel, in pixels from its top left corner, to the cell under it; none outside of the
+/// picture.
 struct Layout {
   int width = widest, height = highest;
   struct Cell {
@@ -109,7 +114,8 @@ Layout columns_of(const Sensor& sensor) {
           }};
 }
 
-/// Frames are rows, the first at the bottom; of two beams the first is to port, and one alone goes down.
+/// Frames are rows, the first at the bottom. The first of two beams is on the port side; a single beam
+/// extends downwards.
 Layout track_of(const Sensor& sensor, std::size_t frames) {
   const std::size_t samples = std::size_t(sensor.samples().count);
   if (sensor.beams().size() == 1)
@@ -125,7 +131,7 @@ Layout track_of(const Sensor& sensor, std::size_t frames) {
           }};
 }
 
-/// A picture of every sample; silent ones have none.
+/// Colours by sample; none for samples without energy.
 using Colours = std::vector<std::optional<Colour>>;
 
 Colours mixed(std::span<const double> shares, std::span<const double> unscattered, std::size_t cells) {
@@ -156,18 +162,18 @@ struct Extremes {
         high = std::max(high, value);
       }
   }
-  /// What differs by less than a millimetre is level: its roundings are no relief.
+  /// Differences below a millimetre count as level, so that rounding errors are no relief.
   double part(double value) const { return high - low > 1e-3 ? (value - low) / (high - low) : 0.5; }
 };
 
-/// Which labels have a share anywhere.
+/// Adds up the shares of each label.
 void note_seen(std::span<const double> shares, std::size_t cells, std::map<std::size_t, double>& seen) {
   for (std::size_t k = 0; k * cells < shares.size(); ++k)
     for (const double share : shares.subspan(k * cells, cells))
       if (share > 0) seen[k] += share;
 }
 
-/// What is drawn of some pings.
+/// The drawn data of some pings.
 struct Frames {
   std::vector<Colours> objects, materials;  ///< by ping
   std::vector<std::vector<double>> heights;
@@ -222,7 +228,7 @@ void draw_entry(Canvas& canvas, int x, int y, Colour colour, const std::string& 
   canvas.text(x + swatch + 10, y, name, label_size, palette.ink);
 }
 
-/// The names of what is seen, most of it first.
+/// Draws the names of the visible labels, in descending order of their shares.
 void draw_names(Canvas& canvas, int x, int y, const std::vector<std::string>& names,
                 const std::map<std::size_t, double>& seen, bool unscattered) {
   std::vector<std::pair<double, std::size_t>> order;

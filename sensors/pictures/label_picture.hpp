@@ -9,13 +9,12 @@
 
 namespace tubefoot {
 
-/// Draws whose the energies of one ping are and where they come from, side by side: objects and materials,
-/// each sample in the colours of its owners mixed by their shares, and mean heights. Beams that lie side by
-/// side make a fan, forward up and port left; others are columns, the nearest sample on top. `font` as for
-/// Canvas.
+/// Draws the attribution of one ping's energies side by side: objects, materials and mean heights. Each
+/// sample has the colours of its labels, mixed by their shares. Adjacent beams form a fan, forward up and
+/// port left; other beams are columns with the nearest sample on top. `font` as for Canvas.
 Canvas draw_labels_of_ping(const Recording& recording, const LabelRecording& label_recording,
                            std::size_t ping, const std::string& font);
-/// The same of all pings of one or two beams: the first ping at the bottom, port left.
+/// The same for all pings of one or two beams: the first ping at the bottom, port left.
 Canvas draw_labels_of_track(const Recording& recording, const LabelRecording& label_recording,
                             const std::string& font);
 

@@ -17,7 +17,7 @@ namespace {
 constexpr int margin = 28, header_height = 2 * margin + 34, axis_height = 62;
 constexpr int smallest_side = 240, largest_side = 1400;
 
-/// Mean power of the cells [c0, c1) x [r0, r1); NaN where none has a value.
+/// Mean power of the cells [c0, c1) x [r0, r1); NaN if no cell has a value.
 double mean_power(const CellMeans& amplitudes, std::int64_t c0, std::int64_t c1, std::int64_t r0,
                   std::int64_t r1) {
   double sum = 0;
@@ -39,7 +39,7 @@ Canvas draw_mosaic(const CellMeans& amplitudes, double display_gain_db, const st
   const double cell_m = amplitudes.cell_m();
   const double longest = static_cast<double>(std::max(extent.columns(), extent.rows()));
   const double shortest = static_cast<double>(std::min(extent.columns(), extent.rows()));
-  // Large maps shrink to fit; small ones grow, but not beyond what fits.
+  // Large maps shrink to fit. Small ones grow up to the same limit.
   const double pixels_per_cell =
       std::min(largest_side / longest, std::max({1.0, smallest_side / shortest, 700 / longest}));
   const auto pixels = [&](std::int64_t cells) {

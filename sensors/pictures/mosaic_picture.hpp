@@ -9,7 +9,7 @@
 namespace tubefoot {
 
 /// Draws a map of amplitudes: north up, equal scales, in dB, with axes in metres of the local frame. A pixel
-/// shows the mean power of the cells under it that have a value. `font` as for Canvas.
+/// shows the mean power of the cells with values under it. `font` as for Canvas.
 Canvas draw_mosaic(const CellMeans& amplitudes, double display_gain_db, const std::string& title,
                    const std::string& font);
 

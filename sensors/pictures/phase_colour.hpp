@@ -5,10 +5,10 @@
 
 namespace tubefoot {
 
-/// Round the circle of hues once per turn; brightness 0 to 1.
+/// One turn of phase is one turn of the circle of hues; brightness is 0 to 1.
 Colour phase_colour(double phase_rad, double brightness);
 
-/// A bar of the hues with their degrees, in the pixels [x, x + DecibelScale::legend_width) x [y0, y1).
+/// Draws a bar of the hues with their degrees in the pixels [x, x + DecibelScale::legend_width) x [y0, y1).
 void draw_phase_legend(Canvas& canvas, int x, int y0, int y1);
 
 }  // namespace tubefoot

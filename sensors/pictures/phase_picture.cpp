@@ -19,7 +19,7 @@ namespace {
 
 constexpr int margin = 28, header_height = 2 * margin + 44, axis_height = 62, axis_width = 72;
 
-/// Adds what lies under a pixel in one ping.
+/// Adds the samples of one ping under a pixel.
 void add(const ReceiverPairPing& ping, std::size_t beam, PixelSpan samples, const InterferometricNoise* noise,
          InterferometricSample& sum) {
   for (std::size_t k = samples.first; k < samples.end; ++k) {

@@ -9,9 +9,9 @@
 
 namespace tubefoot {
 
-/// Draws the phases of an interferometric sidescan as a waterfall, last ping on top, port left: hue is the
-/// phase of the mean product under a pixel, brightness its coherence.
-/// With `noise`, as the receivers have them.
+/// Draws the phases of an interferometric sidescan as a waterfall, last ping on top, port left. The hue is
+/// the phase of the mean product under a pixel, and the brightness is its coherence. With `noise` it shows
+/// the phases as received.
 Canvas draw_phases(const Recording& recording, const std::string& font,
                    const InterferometricNoise* noise = nullptr);
 

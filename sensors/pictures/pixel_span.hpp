@@ -6,8 +6,8 @@
 
 namespace tubefoot {
 
-/// The items [first, end) of `count` under pixel `pixel` of `pixels`: all of them in order if there are more
-/// items than pixels, else the one that the pixel shows.
+/// The items [first, end) of `count` under pixel `pixel` of `pixels`. If there are more items than pixels,
+/// the pixels divide the items in order. Otherwise the result is the one item that the pixel shows.
 struct PixelSpan {
   std::size_t first = 0, end = 0;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// libpng with zlib takes five times as long as this with libdeflate, for a file that is no smaller
-// (docs/performance.md).
+// Encodes RGB pictures as PNG files (ISO/IEC 15948), with libdeflate. The combination of libpng and zlib
+// takes five times as long, for a file that is no smaller (docs/performance.md).
 #include "sensors/pictures/png_bytes.hpp"
 
 #include <fmt/format.h>
@@ -25,28 +25,28 @@ void append(Bytes& bytes, std::uint32_t number) {
 }
 void append(Bytes& bytes, std::string_view text) { bytes.insert(bytes.end(), text.begin(), text.end()); }
 
-/// Ends a chunk whose type begins at `type`: behind it comes its check, and before it goes its length.
+/// Completes a chunk whose type begins at `type`: appends its checksum and fills in its length.
 void end_chunk(Bytes& png, std::size_t type) {
   const auto length = static_cast<std::uint32_t>(png.size() - type - 4);
   for (int k = 0; k < 4; ++k)
     png[type - 4 + static_cast<std::size_t>(k)] = static_cast<unsigned char>(length >> (24 - 8 * k));
   append(png, libdeflate_crc32(0, png.data() + type, png.size() - type));
 }
-/// Begins one, after room for its length; returns where its type begins.
+/// Begins a chunk with a placeholder for its length. Returns the position of its type.
 std::size_t begin_chunk(Bytes& png, std::string_view type) {
   append(png, std::uint32_t{0});
   append(png, type);
   return png.size() - type.size();
 }
 
-/// Nothing and not a number are 0; halves are rounded up.
+/// Negative components and NaN become 0; halves are rounded up.
 std::uint32_t rounded(float component, float largest) {
   const float inside = component > 0 ? std::min(component, 1.0f) : 0.0f;
   return static_cast<std::uint32_t>(inside * largest + 0.5f);
 }
 
-/// Rows as they are deflated: each after the number of its filter, 0 for none. Pictures of equal cells on an
-/// even ground deflate no better with a filter, and faster without.
+/// Rows before compression, each after the number of its filter, 0 for none. Pictures of equal cells on a
+/// uniform background compress no better with a filter, and faster without one.
 Bytes rows_of(std::size_t width, std::size_t height, const float* component, int bits) {
   const std::size_t components = 3 * width;
   Bytes rows((components * static_cast<std::size_t>(bits / 8) + 1) * height);

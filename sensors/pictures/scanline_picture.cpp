@@ -13,8 +13,8 @@
 
 namespace tubefoot {
 
-/// What OpenImageIO's encoders write into: a file that notices a full disk, which their own does not. Nothing
-/// may be thrown through the C libraries below them, so a failure is kept for later.
+/// Output stream for OpenImageIO's encoders. It detects a full disk, which their own stream does not.
+/// Exceptions must not pass through the C libraries, so that a failure is stored for later.
 class ScanlinePicture::Stream : public OIIO::Filesystem::IOProxy {
  public:
   explicit Stream(const std::filesystem::path& file) : IOProxy(file.string(), Write), file_(file) {}
@@ -63,7 +63,8 @@ ScanlinePicture::ScanlinePicture(const std::filesystem::path& file, int width, i
 ScanlinePicture::~ScanlinePicture() = default;
 
 void ScanlinePicture::check(bool done) {
-  const std::string reason = output_->geterror();  // taken in any case: OpenImageIO prints what nobody takes
+  const std::string reason = output_->geterror();  // always fetched, because OpenImageIO prints errors that
+                                                   // are not fetched
   stream_->rethrow();
   if (!done) throw write_error(path_, "cannot encode the picture: " + reason_in_words(reason));
 }

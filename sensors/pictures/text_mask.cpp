@@ -20,7 +20,7 @@ TextMask drawn(const std::string& line, int size, const std::string& font) {
   const OIIO::ROI box = OIIO::ImageBufAlgo::text_size(line, size, font);
   if (!box.defined()) return mask;
   mask.length = box.width();
-  // Letters may reach beyond the box, by less than their height.
+  // Letters may extend beyond the box by less than their height.
   const int around = size, columns = mask.length + 2 * around, rows = 3 * size, baseline = 2 * size;
   std::vector<float> grey(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), 0.0f);
   OIIO::ImageBuf image(OIIO::ImageSpec(columns, rows, 1, OIIO::TypeDesc::FLOAT), grey.data());
@@ -51,7 +51,7 @@ TextMask drawn(const std::string& line, int size, const std::string& font) {
 }  // namespace
 
 const TextMask& text_mask(const std::string& line, int size, const std::string& font) {
-  // Titles differ from picture to picture: when there are more lines than a picture has, all go.
+  // Titles differ between pictures. The cache is cleared when it has more lines than a picture.
   constexpr std::size_t most_lines = 300;
   thread_local std::map<std::tuple<std::string, int, std::string>, TextMask> kept;
   const auto key = std::tie(line, size, font);

@@ -6,19 +6,18 @@
 
 namespace tubefoot {
 
-/// A line of text as a font draws it: how much of each pixel it covers, about the place where the line
-/// begins.
+/// A line of text as drawn by a font: the coverage of each pixel, relative to the start of the line.
 struct TextMask {
-  int length = 0;  ///< pixels that the line takes, 0 if it is of blanks alone
-  /// Of the first pixel, from the line's beginning to the right and from its baseline down.
+  int length = 0;  ///< width of the line in pixels, 0 for blanks only
+  /// Position of the first pixel: to the right of the line's start, and down from its baseline.
   int left = 0, top = 0;
   int width = 0, height = 0;
-  std::vector<unsigned char> coverage;  ///< of 255, row by row; what is empty all round is left out
+  std::vector<unsigned char> coverage;  ///< in units of 1/255, row by row; without empty margins
 };
 
-/// `line` in printable ASCII, `size` pixels high, by a font that OpenImageIO finds. The lines that a thread
-/// asked for last are kept, since the labels of a picture are those of the one before it. Throws
-/// std::runtime_error where the font cannot be drawn with.
+/// Mask of `line` in printable ASCII, `size` pixels high, in a font that OpenImageIO finds. Each thread
+/// caches its latest lines, because consecutive pictures share their labels. Throws std::runtime_error if
+/// the font is not usable.
 const TextMask& text_mask(const std::string& line, int size, const std::string& font);
 
 }  // namespace tubefoot

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Draws a sidescan recording as a waterfall: slant range to both sides, one row or several per ping. A gain
+// of 40 log R + 2 alpha R applies. A pixel is the mean energy of its cells, weighted by their shares of it.
+
 #include "sensors/pictures/waterfall_picture.hpp"
 
 #include <fmt/format.h>
@@ -43,14 +46,14 @@ CellSpan cells_under(double begin, double end, std::size_t count) {
   return span;
 }
 
-/// Mean distance between neighbouring pings, metres; 0 for a sensor at rest.
+/// Mean distance between neighbouring pings, in metres; 0 for a sensor at rest.
 double ping_spacing_m(const Recording& recording) {
   constexpr double at_rest_m = 1e-6;
   return recording.track_length_m() < at_rest_m ? 0 : recording.ping_spacing_m();
 }
 
-/// A time-varied gain that undoes spreading and absorption both ways, 40 log R + 2 alpha R, as every sidescan
-/// display does: without it the far half of a waterfall is dark. For looking at only.
+/// A time-varied gain that compensates spreading and absorption of both legs, 40 log R + 2 alpha R, as in
+/// every sidescan display. Without it the far half of a waterfall is dark. It applies to pictures only.
 std::vector<double> gain_by_sample(const Recording& recording) {
   const RangeSamples& samples = recording.sensor->samples();
   std::vector<double> gain(static_cast<std::size_t>(samples.count));
@@ -61,8 +64,8 @@ std::vector<double> gain_by_sample(const Recording& recording) {
   return gain;
 }
 
-/// Rows [first, end) of the picture that show the same: a ping that is as high as all of them, or, of one
-/// row, all pings under it.
+/// Rows [first, end) of the picture with the same contents: one ping repeated over all of them, or all pings
+/// under a single row.
 struct Strip {
   int first = 0, end = 0;
   CellSpan pings;
@@ -83,8 +86,8 @@ std::vector<Strip> strips_of(int rows, std::size_t pings) {
   return strips;
 }
 
-/// Mean over the samples under a column that may hold a surface, of which there are `surfaces`, and the part
-/// of them that may not.
+/// Mean over the samples under a column that may contain a surface (there are `surfaces` of them), and the
+/// fraction of the others.
 struct ColumnEcho {
   double energy_j = 0;
   float beyond = 0;
@@ -106,15 +109,15 @@ ColumnEcho echo_under(std::span<const double> energy, const CellSpan& samples, i
 
 }  // namespace
 
-/// What a waterfall shows: [strip][beam][column, from the track outwards], as large as the picture at most,
-/// however long the line.
+/// The values of a waterfall: [strip][beam][column, from the track outwards]. Its size is at most that of
+/// the picture, for a line of any length.
 struct Waterfall::Echoes {
   std::vector<double> energy_j;
   std::vector<float> beyond;
-  bool ends_early = false;  ///< somewhere no sample beyond may hold a surface
+  bool ends_early = false;  ///< true if some beam has samples beyond all surfaces
 };
 
-/// Where pings, ranges and distances are on the page.
+/// Positions of pings, ranges and distances on the page.
 struct Waterfall::Layout {
   explicit Layout(const Recording& recording) {
     const RangeSamples& samples = recording.sensor->samples();
@@ -148,11 +151,11 @@ Waterfall::Echoes Waterfall::echoes_of(const ReceiverOutput* receiver_output) co
   all.energy_j.resize(strips.size() * sides * side);
   all.beyond.resize(all.energy_j.size());
   std::atomic<bool> ends_early = false;
-  // Strips that follow each other share pings: a thread takes some together, and asks for each ping once.
+  // Consecutive strips share pings. A thread processes several strips together and requests each ping once.
   constexpr std::size_t strips_at_least = 16;
   tbb::parallel_for(
       tbb::blocked_range(std::size_t{0}, strips.size(), strips_at_least), [&](const auto& some) {
-        std::size_t requested = recording_.pings();  // the ping that is known
+        std::size_t requested = recording_.pings();  // the ping that is loaded
         std::optional<PingEnergies> ideal;
         std::vector<double> received, mean;
         std::vector<int> surfaces, farthest;

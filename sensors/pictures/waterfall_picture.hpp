@@ -11,10 +11,11 @@
 
 namespace tubefoot {
 
-/// A sidescan recording drawn as a waterfall: slant range to port left and to starboard right, the first ping
-/// at the bottom and the last on top, so that forward is up. Pings are repeated so that along-track and
-/// across-track scales are equal, within limits (and the subtitle says where they are not). A pixel shows the
-/// mean energy of the cells (ping, sample) that it covers, weighted by their shares of it. Beam 0 is port.
+/// A sidescan recording drawn as a waterfall. Slant range extends to port on the left and to starboard on
+/// the right. The first ping is at the bottom and the last on top, so that forward is up. Pings are repeated
+/// so that along-track and across-track scales are equal, within limits; the subtitle reports unequal
+/// scales. A pixel shows the mean energy of the cells (ping, sample) that it covers, weighted by their
+/// shares of it. Beam 0 is port.
 class Waterfall {
  public:
   /// `font` as for Canvas. Reads all pings.
@@ -23,8 +24,8 @@ class Waterfall {
   Waterfall(const Waterfall&) = delete;
   Waterfall& operator=(const Waterfall&) = delete;
 
-  /// With `receiver_output`, what the instrument shows: on the scale of the ideal picture, or, where the
-  /// receiver has a gain of its own, after that gain alone and on its own scale.
+  /// Draws the waterfall. With `receiver_output` it shows the instrument's display, on the scale of the
+  /// ideal picture. If the receiver has its own gain, the picture has only that gain and its own scale.
   Canvas draw(const ReceiverOutput* receiver_output = nullptr) const;
 
  private:

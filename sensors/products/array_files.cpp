@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Writes the files of the sensor kind "array" from the signals of a recording. Selects the possible
+// products, and estimates their cost and memory.
+
 #include "sensors/products/array_files.hpp"
 
 #include <fmt/format.h>
@@ -23,8 +26,8 @@ double bytes_of(const SignalCounts& counts) {
          static_cast<double>(counts.samples);
 }
 
-/// Where its elements sit on the vehicle; of one that is turned to look at something, which carries itself,
-/// on its own axes.
+/// Positions of the elements on the vehicle. For a sensor that is turned towards a target they are on its
+/// own axes.
 ElementArray array_on_vehicle(const Sensor& sensor) {
   const SensorDescription& description = sensor.description();
   const ElementArray& own = sensor.signals()->array;
@@ -40,13 +43,14 @@ ElementArray array_on_vehicle(const Sensor& sensor) {
   return array;
 }
 
-/// Leaves out what cannot be made of so many pings, receivers and samples, and says why.
+/// Removes products that are impossible with these numbers of pings, receivers and samples, and returns the
+/// reasons.
 std::vector<std::string> leave_out(SignalProducts& products, const Recording& recording) {
   const SignalModel& model = *recording.sensor->signals();
   const ElementArray array = array_on_vehicle(*recording.sensor);
   const SignalCounts counts = counts_of(recording);
   std::vector<std::string> why;
-  if (products.interferogram)  // of fewer pings than a cell averages, all
+  if (products.interferogram)  // with fewer pings than looks_pings, a cell averages all of them
     products.interferogram->looks_pings = std::min(products.interferogram->looks_pings, counts.pings);
   const auto keep_if_made = [&](auto SignalProducts::*product, const char* name) {
     if (!(products.*product)) return;
@@ -71,7 +75,7 @@ std::vector<std::string> leave_out(SignalProducts& products, const Recording& re
   return why;
 }
 
-/// All of a recording's pings are in memory while their files are made.
+/// Checks the memory, because all pings of a recording are loaded while their files are written.
 void require_memory_of(const SignalProducts& products, const Recording& recording, const RunContext& run) {
   const SignalCounts counts = counts_of(recording);
   const double bounds = run.with_bounds ? 2 : 1;
@@ -142,7 +146,7 @@ WritingCost cost_of_array_files(const Recording& recording, const RunContext& ru
   leave_out(products, recording);
   const SignalCounts counts = counts_of(recording);
   WritingCost cost = cost_of_signal_files(products, counts, run.pictures);
-  if (run.with_bounds) cost.bytes += bytes_of(counts);  // which hardly become smaller
+  if (run.with_bounds) cost.bytes += bytes_of(counts);  // bounds hardly compress
   return cost;
 }
 

@@ -10,19 +10,19 @@
 
 namespace tubefoot {
 
-/// What a recording's elements received, on the axes of the vehicle that carries them. The recording has
+/// The signals that a recording's elements received, on the axes of the vehicle. The recording must have
 /// signals.
 ElementSignals element_signals_of(const Recording& recording);
 
-/// The files that become of a recording's signals (write_signal_files()), but for products that cannot be
-/// made of so many pings and receivers, which `warnings` name. Of a recording without signals, as echoes.nc
-/// gives one back, there are none, and `warnings` says so. Throws InputError where there is no memory for
-/// them.
+/// Writes the files of a recording's signals (write_signal_files()). Products that are impossible with these
+/// numbers of pings and receivers are omitted, and `warnings` names them. A recording without signals, for
+/// example one read from echoes.nc, has no files, and `warnings` says so. Throws InputError if memory does
+/// not suffice.
 std::vector<std::filesystem::path> write_array_files(const std::filesystem::path& folder,
                                                      const Recording& recording, const RunContext& run,
                                                      SignalProducts products,
                                                      std::vector<std::string>& warnings);
-/// Those products, and why. Throws InputError where there is no memory for the rest.
+/// The omitted products, with reasons. Throws InputError if memory does not suffice for the rest.
 std::vector<std::string> array_files_left_out(const Recording& recording, const RunContext& run,
                                               SignalProducts products);
 WritingCost cost_of_array_files(const Recording& recording, const RunContext& run, SignalProducts products);

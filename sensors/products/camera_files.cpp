@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Writes the frames of acoustic cameras as DIDSON (.ddf) or ARIS (.aris) files. Amplitudes are codes of
+// levels in dB relative to one reference per recording.
+
 #include "sensors/products/camera_files.hpp"
 
 #include <fmt/format.h>
@@ -18,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The DIDSON of so many beams whose frequency is nearest: of 48 there are three.
+/// The DIDSON with this number of beams and the nearest frequency. Three have 48 beams.
 DdfHeader didson_nearest(int beams, double frequency_khz) {
   constexpr std::uint32_t standard = 4, long_range = 6;
   const struct {
@@ -69,7 +72,7 @@ ArisHeader aris_header(const Recording& recording, const RunContext& run) {
   header.beams = static_cast<int>(sensor.beams().size());
   header.samples = samples.count;
   const ArisModel model = aris_ping_mode(header.beams).model;
-  // Each model has two frequencies: 1.1 and 1.8, 1.8 and 3.0 MHz.
+  // Each model has two frequencies: 1.1 and 1.8, or 1.8 and 3.0 MHz.
   header.high_frequency = sensor.frequency_khz() > (model == ArisModel::aris_3000 ? 2400 : 1450);
   header.window =
       aris_window(samples.first_m, samples.count * samples.step_m, samples.count, recording.sound_speed_m_s);
@@ -82,7 +85,7 @@ ArisHeader aris_header(const Recording& recording, const RunContext& run) {
   return header;
 }
 
-/// The format that keeps a camera's frames: an ARIS's own for one, else a DIDSON's, else an ARIS's.
+/// File format for a camera's frames: ARIS for an ARIS; otherwise DIDSON if possible, then ARIS.
 struct CameraFormat {
   std::optional<DdfHeader> didson;
   std::optional<ArisHeader> aris;
@@ -164,7 +167,7 @@ CameraAttitude attitude_of(const PoseAngles& angles) {
   return {angles.heading_deg, angles.pitch_deg, angles.roll_deg};
 }
 
-/// All of a frame but its amplitudes.
+/// All data of a frame except its amplitudes.
 class Frames {
  public:
   Frames(const Recording& recording, const RunContext& run) : recording_(recording), track_(recording, run) {}
@@ -172,7 +175,7 @@ class Frames {
   CameraFrame of(std::size_t ping) {
     const Pose& pose = recording_.ping_pose[ping];
     const NavigationFix& fix = track_.of(ping);
-    // How the camera sits on its platform.
+    // Attitude of the camera on its platform.
     const glm::dquat platform = pose.attitude * glm::inverse(recording_.sensor->mounting());
     CameraFrame frame;
     frame.unix_time_s = fix.unix_time_s;
@@ -228,7 +231,7 @@ std::vector<fs::path> write_camera_files(const fs::path& folder, const Recording
   check(recording);
   const std::string& name = recording.sensor->description().name;
   const CameraFormat format = format_of(recording, run);
-  // What a format cannot keep is an invalid argument of its writer, which leaves no file behind then.
+  // A writer throws std::invalid_argument for data that its format cannot represent, and leaves no file.
   try {
     if (format.didson) {
       const fs::path file = name + ".ddf";

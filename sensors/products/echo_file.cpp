@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// echoes.nc, as docs/echo-file.md describes it.
+// Writes echo files (echoes.nc), in the layout of docs/echo-file.md: dimensions, coordinates, attributes and
+// the chunks of each ping.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -52,8 +53,8 @@ std::string meaning_of(const std::string& name) {
   throw std::invalid_argument("no variable " + name);
 }
 
-/// Of a recording's variables over ping, beam and sample, their names in its group and what they hold. What
-/// was packed as its ping was made goes into the file as it is.
+/// The variables of a recording over ping, beam and sample: their names in its group and their contents.
+/// Chunks that are already packed go into the file unchanged.
 std::vector<PingVariable> ping_variables(const Recording& recording) {
   std::vector<PingVariable> variables;
   const auto add = [&](const std::string& name, std::size_t channel, bool bound) {

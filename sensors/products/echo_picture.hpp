@@ -9,9 +9,10 @@
 
 namespace tubefoot {
 
-/// The picture that shows a recording as its kind's files do, as its beams lie: a waterfall of a beam to each
-/// side; of a fan ahead the sequence of its pings, or one of them; of beams downwards, or downwards and to
-/// the sides, the echogram of the steepest. Throws UsageError for one ping of what shows pings side by side.
+/// Draws a recording in the form of its kind's pictures, by the arrangement of its beams. A beam to each
+/// side gives a waterfall. A fan ahead gives the sequence of its pings, or one ping. Beams downwards, or
+/// downwards and to the sides, give the echogram of the steepest beam. Throws UsageError if one ping is
+/// requested of a picture that shows pings side by side.
 Canvas draw_echoes(const Recording& recording, std::optional<std::size_t> ping, const std::string& font);
 
 }  // namespace tubefoot

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What echoes.nc has of the truth, as docs/echo-file.md describes it.
+// Adds labels to echo files (echoes.nc), in the layout of docs/echo-file.md: shares of objects and
+// materials, mean heights and ranges.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <netcdf.h>
@@ -17,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A name as one word, as CF's lists of flags have them.
+/// A name as one word, for the flag lists of the CF conventions.
 std::string word(std::string name) {
   std::ranges::replace(name, ' ', '_');
   return name;
@@ -133,7 +134,7 @@ class LabelGroup {
     return variable;
   }
 
-  /// `labels`: shares of so many; 0: one value a sample.
+  /// `labels`: number of shares per sample; 0: one value per sample.
   void put(int variable, std::size_t ping, std::size_t labels, const std::vector<double>& values) const {
     std::vector<std::size_t> start{ping, 0, 0}, count{1, beams_, samples_};
     if (labels > 0) {
@@ -169,7 +170,7 @@ void add_labels(const fs::path& path, std::span<const Recording> recordings,
               2 * sizeof(std::int16_t));
   }
   NetcdfStream file(path, NetcdfStream::Finished{});
-  file.reserve(bytes + bytes / 64);  // what deflate cannot shrink stays as long as it is
+  file.reserve(bytes + bytes / 64);  // upper bound of the size of data that deflate cannot compress
   for (std::size_t k = 0; k < label_recordings.size(); ++k) {
     const int group =
         label_recordings.size() > 1 ? file.group("/" + recordings[k].sensor->description().name) : file.id();

@@ -11,15 +11,15 @@
 
 #include "sensors/recordings/recording.hpp"
 
-// Files that surveys keep by lines: one per survey line.
+// Files of surveys, one per survey line.
 namespace tubefoot {
 
-/// Names of such files without ending, by line: the sensor's, and with several lines `-line-01` and so on
-/// after it.
+/// Names of such files without extension, by line. It is the sensor's name, followed with several lines by
+/// `-line-01` and so on.
 std::vector<std::string> line_names(const Recording& recording);
 
-/// The files of one format, made of a path and a header, one per line of the survey. Pings come in order, so
-/// one file is open at a time. What is not finished is taken away, as the format does it.
+/// The files of one format, each constructed from a path and a header, one per line of the survey. Pings
+/// come in order, so that one file is open at a time. The format removes an unfinished file.
 template <class File, class Header>
 class LineFiles {
  public:
@@ -42,7 +42,7 @@ class LineFiles {
                          [](std::size_t one, const PingSpan& line) { return one < line.first; });
     return static_cast<std::size_t>(after - lines_.begin()) - 1;
   }
-  /// The file that a ping is added to.
+  /// The file to which a ping is added.
   File& of(std::size_t ping) {
     if (const std::size_t line = line_of(ping); !file_ || line != open_line_) {
       finish();

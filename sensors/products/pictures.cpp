@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Writes the pictures of fans and of two-sided sonars: PNG in decibels and EXR with linear energies, for the
+// recording and for the receiver's output. Estimates their cost.
+
 #include "sensors/products/pictures.hpp"
 
 #include <fmt/format.h>
@@ -19,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What an EXR says about itself: where its rows and columns lie.
+/// Attributes of an EXR: the meaning and extent of its rows and columns.
 OIIO::ParamValueList exr_attributes(const Recording& recording, const char* rows, const char* columns) {
   const Sensor& sensor = *recording.sensor;
   OIIO::ParamValueList attributes;
@@ -74,7 +77,7 @@ void write_two_sided_exr(const fs::path& file, const Recording& recording) {
   picture.finish();
 }
 
-/// A sensor's name becomes a file name: it must not lead elsewhere.
+/// Checks a sensor's name for use as a file name: it must not lead to another folder.
 std::string stem_of(const Sensor& sensor) {
   const std::string& name = sensor.description().name;
   if (name.empty() || name == "." || name == ".." || name.find('/') != std::string::npos)

@@ -13,23 +13,23 @@
 
 namespace tubefoot {
 
-/// The receiver that a sensor's description asks for. With a pulse length its levels are those of that pulse.
+/// The receiver in a sensor's description. With a pulse length, its levels are those of that pulse.
 ReceiverChain receiver_of(const Recording& recording, const RunContext& run);
 
-/// The pings of a recording as the sensor's receiver has them: energies spread over the pulse, then through
-/// receiver_of(). Every file that a sonar would write is made of these; echoes.nc is not. What is the same of
-/// all pings is made once. Thread-safe; the recording must outlive it.
+/// The pings of a recording after the sensor's receiver: energies spread over the pulse, then processed by
+/// receiver_of(). All files of a sonar use them, except echoes.nc. Data that all pings share are computed
+/// once. Thread-safe; the recording must outlive this object.
 class ReceivedPings {
  public:
   ReceivedPings(const Recording& recording, const RunContext& run);
-  /// With a receiver that leaves energies as they are.
+  /// With an ideal receiver, which does not change energies.
   static ReceivedPings ideal(const Recording& recording) {
     return ReceivedPings(recording, ReceiverChain({}), {});
   }
 
   /// Energies [J], [beam][sample].
   std::vector<double> of(std::size_t ping) const;
-  /// Those of one beam, up to the last that is above 0. `energies`: all of that ping.
+  /// Energies of one beam, up to the last one above 0. `energies`: all energies of that ping.
   std::vector<double> of_beam(std::size_t ping, std::size_t beam, std::span<const double> energies) const;
   const ReceiverChain& chain() const { return chain_; }
 
@@ -42,7 +42,7 @@ class ReceivedPings {
   std::optional<double> extent_m_;  ///< of the pulse
 };
 
-/// The same for pictures; nothing where the receiver leaves energies as they are.
+/// The same for pictures; empty for an ideal receiver.
 std::optional<ReceiverOutput> receiver_output_of(const Recording& recording, const RunContext& run);
 
 }  // namespace tubefoot

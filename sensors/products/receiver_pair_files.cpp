@@ -44,7 +44,7 @@ void write_soundings(const fs::path& path, const Recording& recording, const Run
   file.close();
 }
 
-/// Rows and columns as in a sidescan's EXR. Cells without a common signal are 0.
+/// Writes an EXR with the rows and columns of a sidescan's EXR. Cells without a common signal are 0.
 template <typename Value>
 void write_cells_exr(const fs::path& file, const Recording& recording, const char* quantity, Value value) {
   const auto count = static_cast<std::size_t>(recording.sensor->samples().count);

@@ -5,9 +5,9 @@
 
 namespace tubefoot {
 
-/// Writes what two receivers on a receiver pair make beside the pictures of either side: <name>-phase.png and
-/// .exr, <name>-coherence.exr, <name>-soundings.csv. Returns the files' names. Throws std::runtime_error
-/// naming the file.
+/// Writes the files of a receiver pair, in addition to the pictures of either side, and returns their names.
+/// They are <name>-phase.png and .exr, <name>-coherence.exr and <name>-soundings.csv. Throws
+/// std::runtime_error with the file's name.
 std::vector<std::filesystem::path> write_receiver_pair_files(const std::filesystem::path& folder,
                                                              const Recording& recording,
                                                              const RunContext& run, bool phase_noise);

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Writes the files and pictures of signals with phase (docs/files-signals.md), ping by ping: signals.nc, and
+// the requested beams, soundings, images and interferograms. Estimates their cost and memory.
+
 #include "sensors/products/signal_files.hpp"
 
 #include <fmt/format.h>
@@ -18,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of the vehicle at each ping.
+/// Navigation of the vehicle at each ping.
 std::vector<NavigationFix> fixes_of(const ElementSignals& signals, const RunContext& run) {
   Recording poses;
   for (std::size_t ping = 0; ping < signals.pings(); ++ping) {

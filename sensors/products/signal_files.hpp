@@ -11,8 +11,8 @@
 
 namespace tubefoot {
 
-/// Writes what people make of signals with phase (docs/files-signals.md), and returns the files' names,
-/// relative to `folder`, which exists:
+/// Writes the files and pictures of signals with phase (docs/files-signals.md). Returns the files' names,
+/// relative to `folder`, which must exist:
 /// - <name>-signals.nc, always;
 /// - <name>-signals.png: levels and phases of the elements;
 /// - <name>-fan.png: beams of a ping by range and angle;
@@ -21,18 +21,18 @@ namespace tubefoot {
 /// - <name>-aperture.png: a synthetic aperture and the real one, on one map;
 /// - <name>-interferogram.png: phases and coherence of two groups of receivers;
 /// - <name>-sonar.nc: complex beams as SONAR-netCDF4.
-/// Pings are compressed one by one, but for a synthetic aperture, which has all of them. Of signals that are
-/// silent there are no pictures, and `warnings` says so. Throws std::invalid_argument as check() of both
-/// does, std::runtime_error naming the file and what failed.
+/// Pings are compressed one by one, except for a synthetic aperture, which needs all of them. Signals that
+/// are 0 have no pictures, and `warnings` says so. Throws std::invalid_argument as both check() functions
+/// do, and std::runtime_error that names the file and the failed operation.
 std::vector<std::filesystem::path> write_signal_files(const std::filesystem::path& folder,
                                                       const ElementSignals& signals,
                                                       const SignalProducts& products, const RunContext& run,
                                                       std::vector<std::string>& warnings);
 
-/// What that takes, about.
+/// Approximate cost of these files.
 WritingCost cost_of_signal_files(const SignalProducts& products, const SignalCounts& counts,
                                  const PictureSettings& settings);
-/// Most bytes of memory that it takes beside the signals themselves.
+/// Upper bound of the memory in bytes, in addition to the signals themselves.
 double memory_of_signal_files(const SignalProducts& products, const SignalCounts& counts);
 
 }  // namespace tubefoot

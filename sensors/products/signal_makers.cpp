@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Common functions of the writers of signal products: names of files, compression of a ping, selection of
+// receivers, phase centre, range samples and focused beams.
+
 #include "sensors/products/signal_makers.hpp"
 
 #include <fmt/format.h>

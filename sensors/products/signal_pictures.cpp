@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pictures of the elements, of a fan and of apertures.
+// Draws pictures of signals: levels and phases of the elements, beams of a fan, and synthetic apertures next
+// to real ones.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,7 +18,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// Phases, as bright as what they are of is strong. `values`: [row][column].
+/// Panel of phases, with brightness by strength. `values`: [row][column].
 GridPanel phase_panel(std::string title, std::vector<Complex> values, std::size_t columns) {
   double largest[] = {0.0};
   for (const Complex& value : values) largest[0] = std::max(largest[0], std::norm(value));
@@ -93,14 +94,15 @@ std::string weighed_by(const ApertureWindow& window) {
 }
 
 GridPanel map_panel(std::string title, const std::vector<Complex>& picture, const PixelPlane& plane) {
-  // Rows lead up the page.
+  // Rows go up the page.
   std::vector<double> strength;
   for (std::size_t row = plane.rows; row-- > 0;)
     for (std::size_t column = 0; column < plane.columns; ++column)
       strength.push_back(std::norm(picture[row * plane.columns + column]));
   GridPanel panel = level_panel(std::move(title), std::move(strength), plane.columns);
   const double across_m = glm::length(plane.column_step_m), up_m = glm::length(plane.row_step_m);
-  // Along an axis of the frame its own coordinate, else the distance from the first pixel.
+  // Along an axis of the frame the coordinate is that axis. In other directions it is the distance from the
+  // first pixel.
   const auto axis = [&](glm::dvec3 step, double length_m, std::size_t count) {
     GridPanel::Axis named{"m", -length_m / 2, (static_cast<double>(count) - 0.5) * length_m};
     const char* names[] = {"east (m)", "north (m)", "up (m)"};
@@ -126,7 +128,8 @@ std::unique_ptr<SignalMaker> make_fan_picture(const SignalJob& job) {
 
 void write_elements_picture(const SignalJob& job) {
   const ElementSignals& signals = job.signals;
-  // Of elements side by side a ping; of one element, or of few beside many pings, the pings side by side.
+  // The columns are the elements of a ping. If there are more pings than receivers, the columns are the
+  // pings instead.
   const bool over_pings = signals.pings() > signals.receivers();
   const std::size_t columns = over_pings ? signals.pings() : signals.receivers();
   std::vector<Complex> values(columns * signals.samples());

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Requests for products of signals, their checks against array and signals, windows along an array, and the
+// interpolator for a waveform's band.
+
 #include "sensors/products/signal_products.hpp"
 
 #include <fmt/format.h>
@@ -15,7 +18,7 @@
 namespace tubefoot {
 namespace {
 
-/// Less is rounding: of mountings, which turn places.
+/// Smaller extents are rounding errors of mountings, which rotate positions.
 constexpr double least_extent_m = 1e-6;
 
 using std::numbers::pi;
@@ -40,7 +43,7 @@ void check(const SignalFan& fan, const char* of, const ElementArray& array) {
   weights_along(array, starboard_axis, fan.window);
 }
 
-/// Whether an array receives port and starboard alike: elements on a line forward do.
+/// False if an array cannot distinguish port from starboard, as elements on a line forward.
 bool knows_sides(const ElementArray& array) {
   const auto away = [](glm::dvec3 a) { return glm::length(glm::dvec3(a.x, 0, a.z)); };
   return std::ranges::any_of(array.receivers_m, [&](glm::dvec3 place) {
@@ -152,7 +155,8 @@ std::vector<double> weights_along(const ElementArray& array, glm::dvec3 axis, co
     }
     return weights;
   }
-  // Each at the middle of its share: the aperture is a spacing longer than the distance of the outermost.
+  // Each element is at the middle of its share. The aperture is one spacing longer than the distance between
+  // the outermost elements.
   for (std::size_t k = 0; k < count; ++k)
     weights[k] = window_at(window, (places[k] - first - extent / 2) / (extent + step));
   return weights;

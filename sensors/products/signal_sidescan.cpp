@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A beam abeam of each ping: a waterfall, and JSF files of complex samples. And phases of two groups of
-// receivers over pings.
+// Writes the sidescan products of signals, a waterfall and JSF files of complex samples from a beam abeam of
+// each ping. Also draws interferograms: phases of two groups of receivers over pings.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,7 +20,8 @@ namespace {
 using Complex = std::complex<double>;
 
 JsfSubsystem subsystem_of(double frequency_hz) {
-  constexpr double high_hz = 200e3, very_high_hz = 700e3;  // as their sonars have them: 120, 410, 850 kHz
+  constexpr double high_hz = 200e3, very_high_hz = 700e3;  // limits between the frequencies of their sonars:
+                                                           // 120, 410, 850 kHz
   return frequency_hz < high_hz        ? JsfSubsystem::sidescan_low
          : frequency_hz < very_high_hz ? JsfSubsystem::sidescan_high
                                        : JsfSubsystem::sidescan_very_high;
@@ -37,7 +38,7 @@ class BeamsAbeam : public SignalMaker {
     if (sidescan_.sides != Sides::starboard) directions_.emplace_back(-level, 0, down);
     if (sidescan_.sides != Sides::port) directions_.emplace_back(level, 0, down);
     if (job.products.jsf) {
-      // Whole samples from the transmission on: the file knows no parts of them.
+      // Number of whole samples since the transmission; the format has no fractions.
       const SignalSampling& sampling = job.signals.sampling;
       first_sample_ = std::llround(sampling.first_s * sampling.rate_hz);
       jsf_.emplace(job.new_file(".jsf"));
@@ -59,7 +60,7 @@ class BeamsAbeam : public SignalMaker {
         rows_.push_back(strength_of(beams[beams.size() - samples + k], range_m(k)));
     if (!jsf_) return;
     for (std::size_t beam = 0; beam < directions_.size(); ++beam) {
-      // What lies before the transmission is no echo.
+      // Samples before the transmission contain no echo.
       const auto skipped = static_cast<std::size_t>(std::max<std::int64_t>(0, -first_sample_));
       if (skipped >= samples) continue;
       jsf_->add(jsf_ping(ping, one, directions_[beam].x > 0),
@@ -72,7 +73,7 @@ class BeamsAbeam : public SignalMaker {
     if (!job_.pictures()) return;
     const std::size_t columns = directions_.size() * static_cast<std::size_t>(ranges_.count),
                       pings = rows_.size() / columns;
-    // The last ping on top.
+    // Reverses the rows, so that the last ping is on top.
     std::vector<double> turned;
     turned.reserve(rows_.size());
     for (std::size_t ping = pings; ping-- > 0;)
@@ -207,7 +208,8 @@ class Interferogram : public SignalMaker {
   }
 
  private:
-  /// Each about its own phase centre, so that the phase between them is left as the way makes it.
+  /// Each group's beam refers to its own phase centre, so that the phase difference between the groups
+  /// remains.
   std::vector<Complex> beam(const ElementSignals& one, const std::vector<std::size_t>& receivers) const {
     const ElementSignals some = of_receivers(one, receivers);
     return delay_and_sum(some, 0, {{requested_.direction}, {}, phase_centre_m(some.array), false},

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Detects the bottom in the beams of a fan across the track. The methods are amplitude (BottomFinder), and
+// the phase between beams of the array's two halves (split_beam_zero).
+
 #include "sensors/products/signal_soundings.hpp"
 
 #include <tbb/parallel_for.h>
@@ -20,12 +23,12 @@ namespace {
 using Complex = std::complex<double>;
 using std::numbers::pi;
 
-/// The receivers to port or to starboard, with their weights; of an odd number the middle one is in both,
-/// with half its weight.
+/// The receivers to port or to starboard, with their weights. The middle one of an odd number is in both
+/// halves, with half its weight.
 struct ArrayHalf {
   std::vector<std::size_t> receivers;
   std::vector<double> weights;
-  double sum = 0, centre_m = 0;  ///< of the weights; to starboard
+  double sum = 0, centre_m = 0;  ///< sum of the weights; centre, to starboard
 };
 
 struct ArrayHalves {
@@ -58,14 +61,14 @@ double wavelength_m(const ElementSignals& signals) {
   return signals.sound_speed_m_s / signals.waveform.centre_hz();
 }
 
-/// Samples that one independent look takes.
+/// Number of samples per independent look.
 double samples_a_look(const ElementSignals& signals) {
   const TransmitWaveform& waveform = signals.waveform;
   const double band_hz = std::max(std::abs(waveform.stop_hz - waveform.start_hz), 1 / waveform.duration_s);
   return std::max(1.0, signals.sampling.rate_hz / band_hz);
 }
 
-/// What the detection in one beam needs of all.
+/// Data that the detections in all beams share.
 struct Detector {
   const ElementSignals& signals;
   const SignalMultibeam& multibeam;
@@ -90,12 +93,12 @@ struct Detector {
   glm::dvec3 axis_of(double angle_rad) const {
     return signals.motion.ping_pose(0).attitude * glm::dvec3(std::sin(angle_rad), 0, -std::cos(angle_rad));
   }
-  /// Sine of the angle from straight below at which a beam meets a level seabed.
+  /// Sine of the angle from straight down at which a beam meets a level seabed.
   double across_sine(double angle_rad) const {
     const double z = axis_of(angle_rad).z;
     return std::sqrt(std::max(0.0, 1 - z * z));
   }
-  /// Slant ranges either side of one at which a level seabed lies in the main lobe.
+  /// Distance in slant range to the limits of the main lobe on a level seabed, on either side of a range.
   double lobe_m(double angle_rad, double range_m) const {
     constexpr double least_cosine = 0.02;
     const double down = std::max(least_cosine, -axis_of(angle_rad).z), level = across_sine(angle_rad);
@@ -121,7 +124,8 @@ void detect(SignalSoundings& found, const Detector& detector, std::size_t beam, 
   own.method = detector.multibeam.rule.method;
   own.flags = amplitude->flags;
   found.amplitude[beam] = own;
-  // Energies are counted as single looks; samples that are taken faster than the band is wide are none.
+  // The detection counts energies as single looks. Samples taken faster than the bandwidth are not
+  // independent.
   found.amplitude_sigma_m[beam] = amplitude->range_sigma_m * std::sqrt(detector.look);
   if (product.empty()) return;
   constexpr double beyond_lobe = 1.5, least_looks = 4;
@@ -133,7 +137,7 @@ void detect(SignalSoundings& found, const Detector& detector, std::size_t beam, 
   search.samples_a_look = detector.look;
   const double sine = detector.across_sine(angle_rad);
   if (amplitude->range_m > 0) search.bend = level_seabed_bend(amplitude->range_m, sine, ranges.step_m);
-  // A bow that is as bent as that at its end is none of second order any more.
+  // A curvature that reaches its slope at the window's end is no longer a second-order term.
   search.bend = std::clamp(search.bend, -0.25 / search.half_window, 0.25 / search.half_window);
   const std::optional<SplitBeamDetection> zero = split_beam_zero(product, search);
   if (!zero) return;
@@ -203,7 +207,7 @@ SignalSoundings signal_soundings(const ElementSignals& compressed, const SignalM
     const ArrayHalf &port = halves.port, &starboard = halves.starboard;
     product = beams_of(of_receivers(compressed, starboard.receivers), starboard.weights);
     found.beams = beams_of(of_receivers(compressed, port.receivers), port.weights);
-    // Together they are the beam of all.
+    // The sum of both halves is the beam of the whole array.
     const double all = port.sum + starboard.sum;
     for (std::size_t k = 0; k < product.size(); ++k) {
       const Complex left = found.beams[k], right = product[k];

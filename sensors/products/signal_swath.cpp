@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Files of fans across the track: soundings and their picture, and complex beams as SONAR-netCDF4.
+// Writes files of fans across the track from signals: soundings with their picture, and complex beams as
+// SONAR-netCDF4.
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
@@ -143,7 +144,7 @@ class ComplexBeams : public SignalMaker {
     said.sound_speed_m_s = one.sound_speed_m_s;
     said.sample_interval_s = 1 / one.sampling.rate_hz;
     said.blanking_interval_s = std::max(0.0, one.sampling.first_s);
-    // What lies before the transmission is no echo.
+    // Samples before the transmission contain no echo.
     const auto skipped = static_cast<std::size_t>(std::clamp(
         std::ceil(-one.sampling.first_s * one.sampling.rate_hz), 0.0, static_cast<double>(one.samples())));
     said.detections.resize(fan_.beams);

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Writes the files of fans across the track by portions of pings: tables of soundings, depth grids, and
+// survey formats. The latter need a scene with a place on Earth. Threads process pings; files receive them
+// in order.
+
 #include "sensors/products/swath_files.hpp"
 
 #include <fmt/format.h>
@@ -24,18 +28,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Pings among which the depth grid's cell is chosen.
+/// Number of first pings from which the cell of the depth grid is chosen.
 std::size_t pings_a_block(const Recording& recording) {
   constexpr std::size_t block_bytes = std::size_t{48} << 20, bytes_per_sample = 12, most = 64;
   return std::clamp<std::size_t>(block_bytes / (bytes_per_sample * recording.cells()), 1, most);
 }
 
-/// Pings that are placed on Earth and go through the files together.
+/// Pings with places on Earth that go through the files together.
 struct Portion {
   std::vector<PlacedPing> pings;
-  std::vector<std::vector<Sounding>> found;                ///< of each
+  std::vector<std::vector<Sounding>> found;                ///< by ping
   std::vector<std::vector<glm::dvec3>> found_on_earth;     ///< their longitudes, latitudes and heights
-  std::vector<std::vector<std::function<void()>>> adding;  ///< of each and each format
+  std::vector<std::vector<std::function<void()>>> adding;  ///< by ping and format
 };
 
 std::size_t pings_a_portion(const Recording& recording) {
@@ -43,8 +47,8 @@ std::size_t pings_a_portion(const Recording& recording) {
   return std::clamp<std::size_t>(portion_bytes / (bytes_per_sample * recording.cells()), 1, most);
 }
 
-/// A transformation to longitude and latitude takes long to set up: one for the portion's pings, and one for
-/// their soundings.
+/// A transformation to longitude and latitude is slow to set up. One serves the portion's pings, and one its
+/// soundings.
 void place_on_earth(std::vector<PlacedPing>& block, const Recording& recording, const RunContext& run,
                     const fs::path& file) {
   const std::vector<NavigationFix> fixes = navigation(recording, run, block.front().ping, block.size());
@@ -64,7 +68,7 @@ void place_on_earth(std::vector<PlacedPing>& block, const Recording& recording, 
 
 bool is_cut(const Sounding& sounding) { return sounding.flags.has(DetectionFlag::cut_by_window); }
 
-/// The next of 1, 2 and 5 times a power of ten, from `value` on.
+/// The least of 1, 2 and 5 times a power of ten that is at least `value`.
 double rounded_up(double value) {
   const double power = std::pow(10, std::floor(std::log10(value)));
   for (const double step : {1.0, 2.0, 5.0})
@@ -72,8 +76,8 @@ double rounded_up(double value) {
   return 10 * power;
 }
 
-/// Of the depth grid, where the scene names none: the width of a beam straight down at the median depth below
-/// the sonar, or the distance from ping to ping if that is larger.
+/// Cell of the depth grid if the scene gives none. It is the width of a beam straight down at the median
+/// depth below the sonar, or the ping spacing if that is larger.
 double chosen_cell_m(const Recording& recording, const std::vector<PlacedPing>& block) {
   std::vector<double> depths;
   for (const PlacedPing& placed : block)
@@ -87,9 +91,9 @@ double chosen_cell_m(const Recording& recording, const std::vector<PlacedPing>& 
       std::max({2 * depths[depths.size() / 2] * std::tan(beam_rad / 2), recording.ping_spacing_m(), 0.01}));
 }
 
-/// Adds a ping's soundings, and what lies on straight lines between those of neighbouring beams and, where
-/// the sonar moved by two cells at most, to those of the same beams in the ping before: pings a cell apart
-/// step over a cell now and then as the sonar rolls and pitches.
+/// Adds a ping's soundings, and points on straight lines between those of neighbouring beams. If the sonar
+/// moved by at most two cells, it adds lines to the soundings of the same beams in the previous ping.
+/// Without them, pings one cell apart would sometimes skip a cell as the sonar rolls and pitches.
 void add_to_grid(SoundingGrid& grid, const PlacedPing& ping, const PlacedPing* before,
                  const std::vector<std::optional<Sounding>>& (*soundings_of)(const PlacedPing&)) {
   const std::vector<std::optional<Sounding>>& soundings = soundings_of(ping);
@@ -116,7 +120,7 @@ bool has_depths(const std::vector<PlacedPing>& block) {
   });
 }
 
-/// Which formats keep a recording's places and dates.
+/// The formats that can represent a recording's positions and dates.
 struct Kept {
   bool on_earth = false, gsf = false;
   std::vector<std::string> left_out;
@@ -146,7 +150,7 @@ Kept kept_of(const Recording& recording, const RunContext& run) {
           {fmt::format("'{0}': {0}.gsf is left out, its seconds end in 2038: see 'start_utc'", name)}};
 }
 
-/// All files of a recording that are open at a time.
+/// All files of a recording that are open simultaneously.
 class SwathFiles {
  public:
   SwathFiles(const fs::path& folder, const Recording& recording, const RunContext& run,
@@ -219,7 +223,7 @@ class SwathFiles {
       for (const fs::path& file : format->files()) files_.push_back(file);
   }
 
-  /// All that is found of pings without regard to others, on any thread.
+  /// Computes all results of pings that do not depend on other pings; on any thread.
   Portion portion_of(std::size_t first, std::size_t count) const {
     Portion portion;
     portion.pings.resize(count);
@@ -244,12 +248,12 @@ class SwathFiles {
         if (portion.pings[k].sounded.soundings[beam])
           portion.found_on_earth[k].push_back(portion.pings[k].soundings_lon_lat[beam]);
       for (const auto& format : formats_) portion.adding[k].push_back(format->adding(portion.pings[k]));
-      portion.pings[k].sounded.received_j = {};  // most of a ping, and needed no more
+      portion.pings[k].sounded.received_j = {};  // most of a ping's memory, no longer needed
     });
     return portion;
   }
 
-  /// The grids begin with the first pings_a_block() that have depths.
+  /// The grids begin with the first pings_a_block() pings that have depths.
   void add_to_grids(PlacedPing placed) {
     if (grid_) return add_to_begun_grids(std::move(placed));
     const bool last = placed.ping + 1 == recording_.pings();
@@ -293,15 +297,16 @@ class SwathFiles {
   std::vector<std::string>& warnings_;
   std::string name_;
   BottomFinder finder_;
-  std::optional<BottomFinder> ideal_finder_;  ///< where the receiver is not ideal
+  std::optional<BottomFinder> ideal_finder_;  ///< set unless the receiver is ideal
   std::vector<std::unique_ptr<SoundingsFile>> tables_;
   std::vector<std::unique_ptr<SwathFormat>> formats_;
   std::optional<SoundingGrid> grid_, ideal_grid_;
-  /// GDAL is reported before each use to keep HDF5 silent, which others must not be in then. Held by who uses
-  /// either, and never while other work of this workers is waited for.
+  /// Serialises GDAL and HDF5: each use of GDAL first silences HDF5's messages, while no other thread may be
+  /// in HDF5. Every user of either library holds this mutex, and never while waiting for other work of these
+  /// workers.
   mutable std::mutex libraries_;
-  std::vector<PlacedPing> waiting_;  ///< for the grids to begin
-  std::optional<PlacedPing> last_;   ///< the ping before
+  std::vector<PlacedPing> waiting_;  ///< pings that wait for the grids to begin
+  std::optional<PlacedPing> last_;   ///< the previous ping
   std::vector<fs::path> files_;
 };
 

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Converts pings and soundings of a fan across the track to SONAR-netCDF4, GSF and XTF files. Heights are
+// above the scene's height 0, and headings are true.
+
 #include "sensors/products/swath_formats.hpp"
 
 #include <fmt/chrono.h>
@@ -24,7 +27,7 @@ std::vector<double> across_angles_deg(const Sensor& sensor) {
   return angles;
 }
 
-/// Level of the sample that holds a sounding, within what files hold.
+/// Level of the sample that contains a sounding, within the limits of the files.
 double level_db(const Sounding& sounding) {
   constexpr double lowest = -600, highest = 600;
   return std::clamp(20 * std::log10(sounding.amplitude), lowest, highest);
@@ -33,7 +36,7 @@ double level_db(const Sounding& sounding) {
 bool is_cut(const Sounding& sounding) { return sounding.flags.has(DetectionFlag::cut_by_window); }
 bool is_one_of_several(const Sounding& sounding) { return sounding.flags.has(DetectionFlag::several_echoes); }
 
-/// Beam flags of GSF as its library has them: bit 0 means ignore, the others say why.
+/// Beam flags of GSF as in its library: bit 0 means ignore, and the others give the reason.
 std::uint8_t gsf_flags(const std::optional<Sounding>& sounding) {
   constexpr std::uint8_t accepted = 0, no_detection = 0x01, taken_by_a_filter = 0x09, informational = 0x10;
   if (!sounding) return no_detection;
@@ -79,7 +82,7 @@ class SonarNetcdfFormat : public SwathFormat {
   std::vector<std::filesystem::path> files() const override { return {name_}; }
 
  private:
-  /// Up to a beam's last echo: silence after it is not written.
+  /// Levels up to a beam's last echo; the zeros after it are not written.
   std::vector<float> levels_db(const SoundedPing& sounded, std::size_t beam) const {
     const std::vector<double>& received = sounded.received_j[beam];
     std::vector<float> levels(received.size(), -std::numeric_limits<float>::infinity());
@@ -147,7 +150,7 @@ class SonarNetcdfFormat : public SwathFormat {
   SonarNetcdfFile file_;
 };
 
-/// What must be added to depths below height 0 so that none is negative: whole metres.
+/// Whole metres to add to depths below height 0 so that none is negative.
 int depth_offset_m(const Recording& recording, const RunContext& run, const SoundingPlacer& placer) {
   const Sensor& sensor = *recording.sensor;
   const RangeSamples& samples = sensor.samples();
@@ -157,7 +160,7 @@ int depth_offset_m(const Recording& recording, const RunContext& run, const Soun
     double up_m = pose.position_m.z;
     for (const BeamAxis& axis : sensor.beams())
       up_m = std::max(up_m, placer.highest_m(pose, across_direction(across_angle_rad(axis)), far_m));
-    // The Earth falls away from under a tangent plane.
+    // The Earth's surface falls away from a tangent plane.
     constexpr double least_radius_m = 6.3e6;
     const double away_m = std::hypot(pose.position_m.x, pose.position_m.y) + placer.longest_m(far_m);
     const double below_plane_m = run.frame.is_tangent() ? away_m * away_m / (2 * least_radius_m) : 0;
@@ -175,7 +178,7 @@ GsfOptions gsf_options(const Recording& recording, const RunContext& run, const 
 
 Reson8101Settings settings_8101(const Recording& recording, const SwathSettings& swath) {
   const SignalDescription& signal = recording.sensor->description().signal;
-  constexpr double fastest_hz = 65, largest_absorption = 255;  // that the fields hold
+  constexpr double fastest_hz = 65, largest_absorption = 255;  // limits of the fields
   Reson8101Settings settings;
   settings.sound_speed_m_s = recording.sound_speed_m_s;
   settings.range_m = std::ceil(swath.range_max_m);
@@ -187,14 +190,14 @@ Reson8101Settings settings_8101(const Recording& recording, const SwathSettings&
   return settings;
 }
 
-/// The water that the soundings were placed in, with depths as the file counts them, from height 0 down.
-/// Above the profile's first point the water is uniform.
+/// Sound-speed profile by which the soundings were placed, with depths from height 0 down as in the file.
+/// Above the profile's first point the water is isovelocity.
 std::vector<GsfSoundSpeedProfile::Point> points_below_0(const Recording& recording, const RunContext& run) {
   if (!run.layered_water) return {{0, recording.sound_speed_m_s}};
   const auto& profile = run.layered_water->profile();
   const double depth_of_0_m = run.layered_water->surface_height_m() + run.frame.origin_height_m();
   std::vector<GsfSoundSpeedProfile::Point> points{{0, profile.at(depth_of_0_m)}};
-  constexpr double codes_per_m = 100;  // two points that the file has at one depth are a step to no reader
+  constexpr double codes_per_m = 100;  // no reader takes two points at one depth of the file for a step
   for (const auto& point : profile.points())
     if (const double depth_m = point.depth_m - depth_of_0_m;
         std::round(codes_per_m * depth_m) > std::round(codes_per_m * points.back().depth_m))
@@ -202,15 +205,15 @@ std::vector<GsfSoundSpeedProfile::Point> points_below_0(const Recording& recordi
   return points;
 }
 
-/// What has been done to the soundings, in the format's own words.
+/// Processing of the soundings, in the format's own terms.
 std::vector<std::string> gsf_parameters(bool traces_rays) {
   return {"REFERENCE TIME=1970/001 00:00:00",
           "ROLL_COMPENSATED=YES",
           "PITCH_COMPENSATED=YES",
-          "HEAVE_COMPENSATED=YES",  // heave is in the depth corrector, which is in the depths
+          "HEAVE_COMPENSATED=YES",  // heave is in the depth corrector, which the depths include
           "TIDE_COMPENSATED=NO",
           "DEPTH_CALCULATION=CORRECTED",
-          traces_rays ? "RAY_TRACING=YES" : "RAY_TRACING=NO",  // NO: in uniform water, rays are straight
+          traces_rays ? "RAY_TRACING=YES" : "RAY_TRACING=NO",  // NO: rays are straight in isovelocity water
           "ROLL_REFERENCE=ROTATED_PITCH_AXIS",
           "NUMBER_OF_TRANSMITTERS=1",
           "NUMBER_OF_RECEIVERS=1",
@@ -337,8 +340,8 @@ class XtfFormat : public SwathFormat {
   std::vector<std::filesystem::path> files() const override { return lines_.names(); }
 
  private:
-  /// Readers add the sonar's depth to soundings from the header, where it stands once, and take heave off:
-  /// half way between the least and the greatest, so that heave is the rest.
+  /// Readers add the sonar's depth from the header, which has one value, to soundings, and subtract heave.
+  /// The header therefore has the middle between the least and the greatest depth, and heave is the rest.
   static std::vector<double> middle_depths_m(const Recording& recording, const RunContext& run) {
     std::vector<double> depths_m;
     for (const PingSpan& line : recording.lines()) depths_m.push_back(middle_depth_m(recording, run, line));
@@ -376,7 +379,8 @@ class XtfFormat : public SwathFormat {
     channel.along_track_width_deg = settings.along_track_deg;
     channel.across_track_width_deg = settings.fan_deg;
     channel.tilt_deg = 90;
-    channel.down_m = header.motion_down_m = depth_m;  // both at the transducer: no lever between them
+    channel.down_m = header.motion_down_m = depth_m;  // both at the transducer, without a lever arm between
+                                                      // them
     header.bathymetry = channel;
     return header;
   }

@@ -11,15 +11,15 @@
 
 namespace tubefoot {
 
-/// What files say of a fan across the track, beside what they say of any sensor. One-way widths.
+/// Properties of a fan across the track for the headers of files. Widths are one-way.
 struct SwathSettings {
   DetectionRule rule;
-  double grid_cell_m = 0;  ///< of the depth grid; 0: chosen
+  double grid_cell_m = 0;  ///< of the depth grid; 0: automatic
   double receive_across_deg = 0, along_track_deg = 0;
-  double fan_deg = 0;              ///< from border to border of the outermost beams
-  double transmit_across_deg = 0;  ///< lit
+  double fan_deg = 0;              ///< between the borders of the outermost beams
+  double transmit_across_deg = 0;  ///< insonified width
   double range_max_m = 0;
-  bool is_like_8101 = false;  ///< a RESON 8101's own packets hold it
+  bool is_like_8101 = false;  ///< true if the packets of a RESON 8101 can represent it
 };
 
 /// A ping and its soundings, placed on Earth.
@@ -28,25 +28,26 @@ struct PlacedPing {
   glm::dvec3 position_m{0};  ///< of the sensor, in the scene's frame
   NavigationFix fix{};
   SoundedPing sounded;
-  std::vector<std::optional<Sounding>> ideal;  ///< by beam, of an ideal receiver; empty where it is one
-  std::vector<glm::dvec3> soundings_lon_lat;   ///< by beam, with heights; not numbers where nothing was found
+  std::vector<std::optional<Sounding>> ideal;  ///< by beam, with an ideal receiver; empty if the receiver is
+                                               ///< ideal
+  std::vector<glm::dvec3> soundings_lon_lat;   ///< by beam, with heights; NaN without a sounding
 
-  /// From the sensor: along its true heading, to starboard and down, in metres on the ellipsoid. They lead
-  /// from the sensor's longitude and latitude to the sounding's, which a map's own metres do not.
+  /// Vector from the sensor to a sounding: along its true heading, to starboard and down, in metres on the
+  /// ellipsoid. It leads from the sensor's longitude and latitude to those of the sounding. A vector in the
+  /// map's own metres does not.
   glm::dvec3 forward_starboard_down_m(std::size_t beam) const;
 };
 
-/// A file of a recording of a fan across the track that needs positions on Earth, written ping by ping, or
-/// several: one per line of a survey.
-/// Heights are above the scene's height 0, which stands for the water's surface and for the ellipsoid alike;
-/// headings are true.
+/// A file of a fan across the track that needs positions on Earth, written ping by ping. A format with one
+/// file per survey line has several. Heights are above the scene's height 0, which represents both the water
+/// surface and the ellipsoid; headings are true.
 class SwathFormat {
  public:
   virtual ~SwathFormat() = default;
-  /// What the file has of a ping, found on any thread; calling what it returns writes it, ping by ping in
-  /// order. It does not look at `ping` again.
+  /// Prepares a ping for the file, on any thread. The returned function writes it; call these functions in
+  /// the order of the pings. The function does not access `ping` again.
   virtual std::function<void()> adding(const PlacedPing& ping) = 0;
-  /// Completes the file; without it there is none.
+  /// Completes the file. An unfinished file is removed.
   virtual void finish() = 0;
   /// Names of the files in their folder.
   virtual std::vector<std::filesystem::path> files() const = 0;
@@ -56,11 +57,11 @@ class SwathFormat {
 std::unique_ptr<SwathFormat> make_sonar_netcdf(const std::filesystem::path& folder,
                                                const Recording& recording, const RunContext& run,
                                                const SwathSettings& settings, const ReceiverChain& receiver);
-/// GSF (sensors/formats/gsf_file.hpp), one file per line. `placer`: by which the soundings were placed.
+/// GSF (sensors/formats/gsf_file.hpp), one file per line. `placer`: the one that placed the soundings.
 std::unique_ptr<SwathFormat> make_gsf(const std::filesystem::path& folder, const Recording& recording,
                                       const RunContext& run, const SwathSettings& settings,
                                       const SoundingPlacer& placer);
-/// XTF (sensors/formats/xtf_file.hpp), one file per line: an 8101's own packets for a fan like that one's,
+/// XTF (sensors/formats/xtf_file.hpp), one file per line: packets of an 8101 for a fan like that of an 8101,
 /// generic ones for others.
 std::unique_ptr<SwathFormat> make_xtf(const std::filesystem::path& folder, const Recording& recording,
                                       const RunContext& run, const SwathSettings& settings);

@@ -11,28 +11,29 @@
 
 namespace tubefoot {
 
-/// Angle of a beam across the track from straight down of the sensor, starboard positive.
+/// Across-track angle of a beam from the sensor's downward axis, positive to starboard.
 double across_angle_rad(const BeamAxis& axis);
 /// Direction of a beam at such an angle, in the sensor's frame.
 glm::dvec3 across_direction(double across_angle_rad);
 
-/// What a fan across the track makes of one ping.
+/// The received energies and soundings of one ping of a fan across the track.
 struct SoundedPing {
-  std::vector<std::vector<double>> received_j;     ///< by beam, as the receiver gives it, up to the last echo
-  std::vector<std::optional<Sounding>> soundings;  ///< by beam; none where no sample counted
+  std::vector<std::vector<double>> received_j;     ///< by beam, received energies up to the last echo
+  std::vector<std::optional<Sounding>> soundings;  ///< by beam; empty if no sample counted
   std::vector<double> range_sigma_m;               ///< by beam, of its sounding
 };
 
-/// Detects the bottom in the pings of a fan across the track. Energies are looked at after the gain 20 log10
-/// R + 2 alpha R: a level Lambert seabed, whatever its slope across the track, then has the mean range,
-/// weighed by energy, of its beam's axis, but for a part of width^2 / 24 of it. A receiver with a time-varied
-/// gain of its own (tvg_spreading) is taken as it is. What does not stand out of the receiver's noise does
-/// not count. Soundings lie where the ray of the beam's axis ends (SoundingPlacer).
+/// Detects the bottom in the pings of a fan across the track. Energies are weighted by the gain 20 log10 R +
+/// 2 alpha R. On a plane Lambert seabed of any slope across the track the energy-weighted mean range is then
+/// that of the beam's axis. The deviation is a fraction width^2 / 24 of it. A receiver with its own
+/// time-varied gain (tvg_spreading) gets no further gain. Samples that are not distinguishable from the
+/// receiver's noise do not count. Soundings are at the end of the ray along the beam's axis
+/// (SoundingPlacer).
 class BottomFinder {
  public:
-  /// The recording must outlive this.
+  /// The recording must outlive this object.
   BottomFinder(const Recording& recording, const RunContext& run, const DetectionRule& rule);
-  /// With a receiver that leaves energies as they are.
+  /// With an ideal receiver, which does not change energies.
   static BottomFinder ideal(const Recording& recording, const DetectionRule& rule,
                             const RunContext& run = {});
   /// Thread-safe.
@@ -47,7 +48,7 @@ class BottomFinder {
   const Recording& recording_;
   ReceivedPings received_;
   DetectionRule rule_;
-  std::vector<double> floor_j_;  ///< by sample: what is less is taken for noise
+  std::vector<double> floor_j_;  ///< by sample: lower energies count as noise
   std::vector<double> gain_;     ///< by sample, linear in energy
   SoundingPlacer placer_;
 };

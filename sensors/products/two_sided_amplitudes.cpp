@@ -12,10 +12,10 @@ namespace {
 struct ScaledPing {
   std::vector<float> amplitudes;
   float largest = 0;
-  std::vector<float> logarithms;  ///< of what is above zero
+  std::vector<float> logarithms;  ///< of amplitudes above zero
 };
 
-/// Where there is no surface a map has no value, which is not the same as shadow.
+/// A map has no value where there is no surface, which differs from shadow.
 void mark_no_surface(const Recording& recording, std::size_t ping, std::vector<float>& amplitudes) {
   if (!recording.surfaces) return;
   const std::vector<int> surfaces = recording.surfaces(ping);
@@ -40,7 +40,7 @@ TwoSidedAmplitudes::TwoSidedAmplitudes(const Recording& recording, const RunCont
       made.largest = std::max(made.largest, value);
       if (!(value <= 0)) made.logarithms.push_back(std::log(value));
     }
-    // Now that its energies are at hand: what holds a surface is read from them, too.
+    // The energies are loaded at this point, and the samples with surfaces depend on them too.
     if (for_a_map) mark_no_surface(recording, ping, made.amplitudes);
     return made;
   };

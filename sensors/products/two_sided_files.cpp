@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Writes the operator's files of a sonar with a beam to either side: XTF, a 16-bit waterfall, and a mosaic
+// on the map. Amplitudes are as received, in uPa.
+
 #include "sensors/products/two_sided_files.hpp"
 
 #include <fmt/format.h>
@@ -30,8 +33,8 @@ double altitude_m(const Recording& recording, std::size_t ping) {
   return recording.altitude_m.empty() ? std::nan("") : recording.altitude_m[ping];
 }
 
-/// The XTF file of a recording. Its samples begin at range 0 and are as many as bring the last one to its
-/// place: none is farther than half a sample from where it was received.
+/// The XTF file of a recording. Its samples begin at range 0. Their number puts the last one at its range;
+/// each sample is within half a sample of the range at which it was received.
 class XtfRecord {
  public:
   XtfRecord(const fs::path& file, const Recording& recording, const RunContext& run,
@@ -105,13 +108,13 @@ class XtfRecord {
   }
 
   const Recording& recording_;
-  std::size_t before_;  ///< samples from range 0 to the first that was received
+  std::size_t before_;  ///< samples from range 0 to the first received one
   XtfFile file_;
   NavigationTrack track_;
   std::vector<std::uint16_t> port_, starboard_;
 };
 
-/// Why a recording makes no XTF file.
+/// Reason why a recording has no XTF file; empty if it has one.
 std::optional<std::string> why_no_xtf(const Recording& recording, const RunContext& run) {
   const auto without = [&](const std::string& why) {
     return fmt::format("{}.xtf is not written: {}", recording.sensor->description().name, why);
@@ -132,7 +135,7 @@ std::optional<std::string> why_no_xtf(const Recording& recording, const RunConte
   return std::nullopt;
 }
 
-/// A ping as the files have it.
+/// A ping in the form of the files.
 struct CodedPing {
   std::vector<std::uint16_t> xtf;  ///< [port, starboard][sample]
   std::vector<std::uint16_t> row;  ///< from the far end of port to the far end of starboard
@@ -158,15 +161,15 @@ OIIO::ImageSpec waterfall_spec(const Recording& recording, double white_upa) {
   return spec;
 }
 
-/// Whether a ping has a place on the map: the seabed lies below it, and it has a heading, which looking
-/// straight up or down it has not.
+/// True if a ping has a position on the map: the seabed lies below it, and it has a heading. A vertical
+/// forward axis has no heading.
 bool is_on_the_map(const Recording& recording, std::size_t ping) {
   constexpr double upright = 1e-3;
   const glm::dvec3 forward = recording.ping_pose[ping].attitude * glm::dvec3(0, 1, 0);
   return !std::isnan(altitude_m(recording, ping)) && std::hypot(forward.x, forward.y) > upright;
 }
 
-/// What a ping of a line puts on the map; nothing where it has no place there.
+/// Contribution of a ping of a line to the map; empty if it has no position there.
 std::optional<CellSums> mapped(const Recording& recording, const PingSpan& line, std::size_t ping,
                                std::span<const float> amplitudes, double cell_m) {
   if (!is_on_the_map(recording, ping)) return std::nullopt;
@@ -181,7 +184,7 @@ std::optional<CellSums> mapped(const Recording& recording, const PingSpan& line,
                      ping + 1 < line.end ? neighbour(ping + 1) : nullptr, cell_m);
 }
 
-/// A mosaic, and how many pings it had to leave out.
+/// A mosaic, and the number of omitted pings.
 struct Map {
   std::string name;
   CellMeans cells;
@@ -196,8 +199,8 @@ struct Map {
   }
 };
 
-/// Whether all pings of a line cover the same strip of the seabed, which has no area: the sensor neither
-/// moves nor turns between them, or there is one.
+/// True if all pings of a line cover the same strip of the seabed, which has no area. The sensor is then at
+/// rest between them, or there is one ping.
 bool at_rest(const Recording& recording, const PingSpan& line) {
   const RangeSamples& samples = recording.sensor->samples();
   const double far_m = samples.first_m + samples.count * samples.step_m;
@@ -221,14 +224,14 @@ std::string no_mosaic_at_rest(const std::string& name, std::size_t pings) {
       name, pings == 1 ? "one ping covers" : "the sensor is at rest, so that its pings cover");
 }
 
-/// Why a recording makes no mosaic, as far as its poses tell.
+/// Reason why a recording has no mosaic, as far as its poses determine it.
 std::optional<std::string> why_no_mosaic(const Recording& recording) {
   const auto rests = [&](const PingSpan& line) { return at_rest(recording, line); };
   if (recording.ping_pose.empty() || !std::ranges::all_of(recording.lines(), rests)) return std::nullopt;
   return no_mosaic_at_rest(recording.sensor->description().name, recording.pings());
 }
 
-/// <name>-mosaic.tif and .png; nothing, and a warning, where nothing lies on the seabed.
+/// Writes <name>-mosaic.tif and .png. If nothing lies on the seabed, it writes nothing and adds a warning.
 std::vector<fs::path> write_map(const fs::path& folder, const Recording& recording, const RunContext& run,
                                 const Map& map, std::vector<std::string>& warnings) {
   const fs::path file = map.name + "-mosaic.tif", picture = map.name + "-mosaic.png";

@@ -14,11 +14,11 @@ struct LitSpan {
   bool empty() const { return begin == end; }
 };
 
-/// From the first to the last that is not 0, whatever else it is: most of a beam is silent, and what is
-/// passed over here costs a fraction of what is looked at.
+/// The span from the first to the last sample that is not 0, NaN included. Most samples of a beam are 0;
+/// skipping them here costs a fraction of processing them.
 inline LitSpan lit_samples(std::span<const double> energies) {
   constexpr std::size_t block = 8;
-  const auto silent = [&](std::size_t first) {  // without branches; of a zero's bits the sign may be set
+  const auto silent = [&](std::size_t first) {  // without branches; the sign bit of a zero may be set
     std::uint64_t bits = 0;
     for (std::size_t k = 0; k < block; ++k) bits |= std::bit_cast<std::uint64_t>(energies[first + k]);
     return bits << 1 == 0;

@@ -43,8 +43,8 @@ double dilogarithm(double x) {
 }
 
 double single_look_variance(double g) {
-  // pi^2/3 - pi asin g + asin^2 g = acos^2 g + pi^2/12. What is left, (pi^2/6 - Li2(g^2)) / 2, is by Euler's
-  // reflection (Li2(1 - g^2) + log(g^2) log(1 - g^2)) / 2: positive terms, which do not cancel near g = 1.
+  // pi^2/3 - pi asin g + asin^2 g = acos^2 g + pi^2/12. By Euler's reflection the rest, (pi^2/6 - Li2(g^2))
+  // / 2, is (Li2(1 - g^2) + log(g^2) log(1 - g^2)) / 2. Its terms are positive and do not cancel near g = 1.
   const double incoherence = (1 - g) * (1 + g), square = g * g;
   const double angle = std::atan2(std::sqrt(incoherence), g);  // acos g
   if (incoherence == 0) return 0;

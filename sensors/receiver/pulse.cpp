@@ -10,7 +10,7 @@
 namespace tubefoot {
 namespace {
 
-/// Integral from minus infinity of the overlap of two intervals of length 1, over their distance.
+/// Integral, from minus infinity to `distance`, of the overlap of two intervals of length 1.
 double overlap_integral(double distance) {
   if (distance <= -1) return 0;
   if (distance <= 0) return (1 + distance) * (1 + distance) / 2;
@@ -18,10 +18,10 @@ double overlap_integral(double distance) {
   return 1;
 }
 
-/// Parts of a sample's energy that a pulse of `extent` samples brings into it and into those after it; `most`
-/// of them at most.
+/// Shares of a sample's energy that a pulse of `extent` samples distributes to that sample and the following
+/// ones. The result has at most `most` shares.
 std::vector<double> parts(double extent, std::size_t most) {
-  if (extent <= 1)  // apart, or a short pulse would divide two roundings
+  if (extent <= 1)  // a separate case, because a short pulse would divide two rounding errors
     return {1 - extent / 2, extent / 2};
   std::vector<double> part;
   for (std::size_t k = 0; k < most; ++k) {

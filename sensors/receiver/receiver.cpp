@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Applies a receiver to the energies of a simulation: speckle, thermal noise (Mellen's formula above about
+// 100 kHz) and time-varied gain. Random numbers depend on seed, ping, beam and sample only.
+
 #include "sensors/receiver/receiver.hpp"
 
 #include <fmt/format.h>
@@ -10,7 +13,8 @@
 namespace tubefoot {
 namespace {
 
-constexpr double largest_level_db = 300;  // a factor of 1e30 in energy, and its product stays a double
+constexpr double largest_level_db = 300;  // a factor of 1e30 in energy; products stay within the range of
+                                          // doubles
 constexpr int most_looks = 1024;
 
 template <typename Value>
@@ -93,7 +97,7 @@ std::vector<double> ReceiverChain::receive(std::uint32_t ping, std::span<const d
 void ReceiverChain::receive_beam(std::uint32_t ping, std::uint32_t beam, std::span<const double> energies_j,
                                  std::span<const double> gains, std::span<double> received_j) const {
   for (std::size_t k = 0; k < energies_j.size(); ++k) {
-    if (energies_j[k] == 0 && noise_j_ == 0) {  // most of a beam
+    if (energies_j[k] == 0 && noise_j_ == 0) {  // the case of most samples of a beam
       received_j[k] = 0;
       continue;
     }

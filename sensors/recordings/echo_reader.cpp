@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// echoes.nc, as docs/echo-file.md describes it, from whoever wrote it.
+// Reads echo files (echoes.nc, docs/echo-file.md) of any origin. Names, dimensions, units, sizes and values
+// are checked before use, and memory is checked before allocation.
 #include "sensors/recordings/echo_reader.hpp"
 
 #include <fmt/format.h>
@@ -24,7 +25,7 @@ namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
 using Units = std::span<const std::string_view>;
 
-// The first of each is the layout's, the others are other names for the same unit. Files of version 0.1 and
+// The first unit of each list is that of the layout; the others are its synonyms. Files of version 0.1 and
 // earlier give the energy density in J, meaning J/m^2.
 constexpr std::string_view ones[] = {"1"},
                            joules_per_m2[] = {"J m-2", "J/m2", "J/m^2", "J.m-2", "J", "joule", "joules"},
@@ -33,13 +34,14 @@ constexpr std::string_view ones[] = {"1"},
 
 bool finite(double value) { return std::isfinite(value); }
 
-/// A variable along one dimension, finite; `optional`: empty where it is missing.
+/// Reads a finite variable along one dimension. With `optional` the result is empty if the variable is
+/// missing.
 std::vector<double> axis(const EchoGroupInput& group, const char* name, const char* dimension, Units units,
                          std::size_t length, bool optional = false) {
   if (optional && !group.has(name)) return {};
   std::vector<std::size_t> shape;
   std::vector<double> values = group.values(name, {dimension}, units, &shape);
-  // Groups may redefine a dimension; the energy's is the one that counts.
+  // Groups may redefine a dimension. The dimension of the energy applies.
   if (values.size() != length)
     group.fail(
         name, fmt::format("has {} values, but 'energy' has {} along '{}'", values.size(), length, dimension));
@@ -47,7 +49,7 @@ std::vector<double> axis(const EchoGroupInput& group, const char* name, const ch
   return values;
 }
 
-/// What pings or beams are called; empty where the file does not say.
+/// Numbers of pings or beams; empty if the file does not contain them.
 std::vector<double> numbers(const EchoGroupInput& group, const char* name, const char* dimension,
                             std::size_t length) {
   std::vector<double> values = axis(group, name, dimension, ones, length, true);
@@ -108,11 +110,11 @@ SensorEchoes read_sensor(const EchoGroupInput& group, const std::string& default
   return echoes;
 }
 
-/// What SensorEchoes has; anything else is read for who wants all of a file.
+/// The variables of SensorEchoes. Other variables are read only for a whole file.
 constexpr const char* compared[] = {"energy",       "energy_bound",   "slant_range", "slant_range_bounds",
                                     "beam_azimuth", "beam_elevation", "ping_time"};
 
-/// Before anything is read: whether there is memory for all of it.
+/// Checks before reading that memory suffices for all variables.
 void require_memory_for(const NetcdfInput& file, const std::vector<EchoGroupInput>& groups, bool whole) {
   double bytes = 0;
   for (const EchoGroupInput& group : groups) {
@@ -132,7 +134,7 @@ std::vector<int> groups_of(const NetcdfInput& file) {
   return ids;
 }
 
-/// The groups that have energies, and what their sensors are called if they do not say so themselves.
+/// The groups with energies, and default names of their sensors.
 struct EchoGroups {
   std::vector<EchoGroupInput> groups;
   std::vector<std::string> names;
@@ -145,7 +147,7 @@ EchoGroups with_energies(const NetcdfInput& file, const EchoGroupInput& root) {
     char name[NC_MAX_NAME + 1] = {};
     file.check(nc_inq_grpname(id, name), "name a group");
     const EchoGroupInput group(file, id, std::string(name) + "/");
-    if (!group.has("energy")) continue;  // a stranger may keep other things beside
+    if (!group.has("energy")) continue;  // other programs may store other groups
     found.groups.push_back(group);
     found.names.emplace_back(name);
   }
@@ -176,7 +178,8 @@ EchoContents read_contents(const NetcdfInput& file, const EchoGroupInput& root, 
   return contents;
 }
 
-/// Of a file whose one sensor is its root, where a sensor's attributes stand beside the file's.
+/// True for an attribute of a sensor. In a file whose only sensor is the root group, these stand among the
+/// file's attributes.
 bool is_of_sensor(const std::string& attribute) {
   constexpr std::string_view names[] = {"sensor_name",   "sensor_kind",     "frequency_khz",
                                         "source_energy", "sound_speed_m_s", "absorption_db_per_km"};
@@ -216,7 +219,7 @@ WholeEchoFile read_whole_echo_file(const fs::path& path) {
       if (std::ranges::find(compared, name) == std::end(compared))
         more.variables.push_back(group.table(name));
   }
-  if (root.has("energy"))  // one group of attributes: those that are a file's are not its sensor's
+  if (root.has("energy"))  // there is one group of attributes, from which those of the file are removed
     std::erase_if(whole.more.front().attributes,
                   [](const EchoAttribute& a) { return !is_of_sensor(a.name); });
   if (root.has("energy"))

@@ -9,9 +9,9 @@
 
 namespace tubefoot {
 
-/// One sensor's part of an echo file. What a file need not have is empty where it has not.
+/// One sensor's part of an echo file. Optional members are empty if the file does not contain them.
 struct SensorEchoes {
-  std::string name;  ///< `sensor_name`, else the group's name, else "sensor"
+  std::string name;  ///< `sensor_name`, or the group's name, or "sensor"
   std::size_t pings = 0, beams = 0, samples = 0;
   std::vector<double> energy;                ///< ping, beam, sample; J, finite and not negative
   std::vector<double> energy_bound;          ///< certified half-width of `energy`, J, not negative; optional
@@ -20,7 +20,8 @@ struct SensorEchoes {
   std::vector<double> beam_azimuth_deg;
   std::vector<double> beam_elevation_deg;  ///< optional
   std::vector<double> ping_time_s;         ///< optional
-  /// Of a part of a run: what the scene calls its pings and the sonar its beams; whole, increasing. Optional
+  /// For a part of a run: numbers of the pings in the scene and of the beams in the sonar; whole,
+  /// increasing. Optional.
   std::vector<double> ping_number, beam_number;
 
   double at(std::size_t ping, std::size_t beam, std::size_t sample) const {
@@ -28,16 +29,17 @@ struct SensorEchoes {
   }
 };
 
-/// An echo file: tubefoot's own or a stranger's (docs/echo-file.md says what that must hold).
+/// An echo file of tubefoot or of another program. docs/echo-file.md lists the required contents.
 struct EchoContents {
   std::filesystem::path file;
-  Provenance provenance;  ///< empty texts where the file does not say
+  Provenance provenance;  ///< empty texts if the file has none
   std::vector<SensorEchoes> sensors;
 };
 
-/// Reads every sensor of an echo file, netCDF-4 or classic. Sizes are checked against the file's size and the
-/// machine's memory before anything is allocated. Throws InputError naming file and variable, what was found,
-/// what was expected and what to do, also for energies that are not finite, negative or were never written.
+/// Reads every sensor of an echo file, netCDF-4 or classic. Compares sizes with the file's size and the
+/// machine's memory before any allocation. Throws InputError that names file and variable, the value found,
+/// the expected value and a remedy. It also throws for energies that are not finite, negative or were never
+/// written.
 EchoContents read_echo_file(const std::filesystem::path& file);
 
 }  // namespace tubefoot

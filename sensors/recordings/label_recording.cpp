@@ -40,7 +40,7 @@ LabelPing LabelRecording::of(std::size_t ping) const {
   ping_labels.mean_height.assign(cells, none);
   ping_labels.mean_range.assign(cells, none);
   for (std::size_t cell = 0; cell < cells; ++cell) {
-    // Patterns are read from polynomials: next to their zeros an energy may come out below 0 by a rounding.
+    // Patterns are evaluated as polynomials. Next to their zeros rounding may produce an energy below 0.
     const auto energy = [&](std::size_t k) { return std::max(channel(k)[cell], 0.0); };
     double scattered = 0;
     for (std::size_t k = 0; k < owners.size(); ++k) scattered += energy(k);

@@ -10,28 +10,28 @@
 
 namespace tubefoot {
 
-/// Where a sensor is at a ping, and how it lies: what goes out with a latitude and a longitude is true, not
-/// of the map's grid. Of a scene without a place on Earth: longitude and latitude 0, directions from the
-/// frame's own north, heights above its height 0.
+/// Position and attitude of a sensor at a ping. Directions that accompany a latitude and a longitude are
+/// relative to true north, not to the grid of the map. Without a place on Earth longitude and latitude are
+/// 0. Directions then count from the frame's north, and heights from its height 0.
 struct NavigationFix {
   double unix_time_s = 0;
   EarthPlace place{};
   PoseAngles lie{};
-  double course_deg = 0;  ///< over the surface; of a sensor that rests, its heading
+  double course_deg = 0;  ///< over the surface; the heading of a sensor at rest
   double speed_m_s = 0;   ///< over the surface
 };
 
-/// Of `count` pings from `first` on, with one transformation set up for all. Throws InputError where a ping
-/// has no place on Earth.
+/// Fixes of `count` pings from `first` on, with one transformation for all. Throws InputError if a ping has
+/// no place on Earth.
 std::vector<NavigationFix> navigation(const Recording& recording, const RunContext& run, std::size_t first,
                                       std::size_t count);
 
-/// The same for pings that are asked for one after the other: a block of them is found at a time.
+/// The same for consecutive queries: it computes a block of pings at a time.
 class NavigationTrack {
  public:
-  /// What it is of must outlive it.
+  /// The arguments must outlive the object.
   NavigationTrack(const Recording& recording, const RunContext& run) : recording_(recording), run_(run) {}
-  /// Until the next call.
+  /// The reference is valid until the next call.
   const NavigationFix& of(std::size_t ping);
 
  private:
@@ -41,8 +41,8 @@ class NavigationTrack {
   std::vector<NavigationFix> block_;
 };
 
-/// Over the surface and up, in the scene's frame, from the ping before to the one after; 0 where there is
-/// none.
+/// Velocity over the surface and up, in the scene's frame, from the previous ping to the next one; 0 if
+/// there is none.
 glm::dvec3 velocity_m_s(const Recording& recording, std::size_t ping);
 
 }  // namespace tubefoot

@@ -24,18 +24,18 @@
 #include "geometry/steps/stop.hpp"
 #include "sensors/recordings/whole_echo_file.hpp"
 
-// How strangers' netCDF files are read: sizes are checked before memory is taken, and messages name file and
-// variable.
+// Reads netCDF files of other programs. Sizes are checked before memory is allocated, and every message
+// names file and variable. NetcdfInput is an open file, and EchoGroupInput is one of its groups.
 namespace tubefoot {
 
-/// What a file is expected to be, and the page that says how it is laid out.
+/// The expected kind of file, and the page that describes its layout.
 struct ExpectedNetcdf {
   const char* what = "an echo file (echoes.nc)";
   const char* page = "docs/echo-file.md";
 };
 inline constexpr std::size_t longest_text = 1 << 16;
 
-/// Nothing where it is more than a number can be.
+/// Product of the factors; empty on overflow.
 inline std::optional<std::uintmax_t> product(std::span<const std::size_t> factors) {
   std::uintmax_t result = 1;
   for (const std::size_t factor : factors)
@@ -43,7 +43,7 @@ inline std::optional<std::uintmax_t> product(std::span<const std::size_t> factor
   return result;
 }
 
-/// A netCDF file open for reading, after all that can be wrong with it has been looked at. Throws InputError.
+/// A netCDF file open for reading. The constructor checks the file first and throws InputError.
 class NetcdfInput {
  public:
   explicit NetcdfInput(const std::filesystem::path& path, ExpectedNetcdf expected = {})
@@ -63,7 +63,7 @@ class NetcdfInput {
       fail("cannot be read as netCDF: no netCDF file, or one that is cut off or damaged; write it again");
     }
     keep_libraries_to_themselves();
-    // By a name that netCDF takes for nothing but a file, whatever the file is called.
+    // This name lets netCDF treat any file name as a plain file.
     const std::string name = fmt::format("/proc/self/fd/{}", input.descriptor());
     const int status = nc_open(name.c_str(), NC_NOWRITE, &id_);
     if (status == NC_ENOTNC || status == NC_EHDFERR)
@@ -95,7 +95,7 @@ class NetcdfInput {
   std::uintmax_t bytes_ = 0;
 };
 
-/// One group; `prefix` is how its variables are called in messages: "" or "camera/".
+/// One group. `prefix` precedes the names of its variables in messages: "" or "camera/".
 class EchoGroupInput {
  public:
   EchoGroupInput(const NetcdfInput& file, int id, std::string prefix)
@@ -103,18 +103,18 @@ class EchoGroupInput {
 
   bool has(const char* variable) const { return find(variable).has_value(); }
 
-  /// Memory that the values of a variable take, as its dimensions tell; 0 where it is missing. Throws unless
-  /// the file can hold as many.
+  /// Memory for the values of a variable by its dimensions; 0 if the variable is missing. Throws if the file
+  /// is too small for that many values.
   double bytes_of(const char* name) const {
     const auto variable = find(name);
     if (!variable) return 0;
     return sizeof(double) * static_cast<double>(claimed_count(name, *variable, shape_of(*variable)));
   }
 
-  /// A text attribute of the group; empty where it is missing.
+  /// A text attribute of the group; empty if it is missing.
   std::string text(const char* attribute) const { return text(NC_GLOBAL, attribute).value_or(""); }
 
-  /// Names of the variables of numbers along dimensions that hold something.
+  /// Names of the numeric variables with at least one dimension and one value.
   std::vector<std::string> tables() const {
     int count = 0;
     file_.check(nc_inq_varids(id_, &count, nullptr), "count variables");
@@ -133,7 +133,7 @@ class EchoGroupInput {
     return names;
   }
 
-  /// All of such a variable, as it is.
+  /// Reads a whole numeric variable without conversion.
   EchoVariable table(const std::string& name) const {
     const int id = *find(name.c_str());
     const auto said = [&](const char* attribute) { return text(id, attribute).value_or(""); };
@@ -144,7 +144,7 @@ class EchoGroupInput {
     return variable;
   }
 
-  /// The group's own that are a text or a number.
+  /// The group's own attributes that are a text or a number.
   std::vector<EchoAttribute> attributes() const {
     int count = 0;
     file_.check(nc_inq_natts(id_, &count), "count attributes");
@@ -178,7 +178,7 @@ class EchoGroupInput {
     return result;
   }
 
-  /// How many values there are along each dimension, after all that can be wrong before they are read.
+  /// Lengths of the variable's dimensions. Performs all checks that are possible before the values are read.
   std::vector<std::size_t> checked_shape(const char* name, const std::vector<std::string>& dimensions,
                                          std::span<const std::string_view> units) const {
     const auto variable = find(name);
@@ -192,7 +192,7 @@ class EchoGroupInput {
     return shape;
   }
 
-  /// All values of a variable of that shape.
+  /// Reads all values of a variable of that shape.
   void read_into(const char* name, const std::vector<std::string>& dimensions,
                  std::span<double> values) const {
     const int variable = *find(name);
@@ -201,7 +201,7 @@ class EchoGroupInput {
     check_written(name, variable, dimensions, shape, values);
   }
 
-  /// Throws unless `good` holds for every value; `expected` says what that is.
+  /// Throws unless `good` is true for every value; `expected` describes that condition.
   template <typename Good>
   void require(const char* name, const std::vector<std::string>& dimensions,
                const std::vector<std::size_t>& shape, const std::vector<double>& values, Good good,
@@ -238,7 +238,7 @@ class EchoGroupInput {
     if (type == NC_CHAR) {
       result.resize(length);
       file_.check(nc_get_att_text(id_, variable, attribute, result.data()), task);
-      result.resize(std::min(result.size(), result.find('\0')));  // some writers end texts as C does
+      result.resize(std::min(result.size(), result.find('\0')));  // some writers terminate texts as C does
     } else if (type == NC_STRING && length == 1) {
       char* string = nullptr;
       file_.check(nc_get_att_string(id_, variable, attribute, &string), task);
@@ -303,7 +303,7 @@ class EchoGroupInput {
       fail(name, fmt::format("has unit '{}', expected '{}': convert the values", *unit, expected.front()));
   }
 
-  /// Number of values that there are to read.
+  /// Number of values to read.
   std::size_t checked_count(const char* name, int variable, const std::vector<std::size_t>& shape) const {
     const std::size_t count = claimed_count(name, variable, shape);
     if (count == 0)
@@ -320,10 +320,10 @@ class EchoGroupInput {
     return bytes;
   }
 
-  /// Number of values, if the file can hold as many.
+  /// Number of values. Throws if the file is too small for that many.
   std::size_t claimed_count(const char* name, int variable, const std::vector<std::size_t>& shape) const {
     const auto count = product(shape);
-    // Deflate makes nothing smaller than this, and what was never written is refused anyhow.
+    // Highest compression ratio of deflate. Values that were never written are rejected in any case.
     constexpr std::uintmax_t densest = 1032;
     if (!count || *count / densest > file_.bytes() / bytes_of_type(variable))
       fail(name, fmt::format("claims to have {} values, more than the file's {} bytes can hold: write all of "
@@ -332,8 +332,8 @@ class EchoGroupInput {
     return static_cast<std::size_t>(*count);
   }
 
-  /// Not all at once, so that who wants to stop is not kept waiting; whole chunks at a time, which would
-  /// otherwise be unpacked again and again.
+  /// Reads in slabs, so that a request to stop takes effect soon. Each slab has whole chunks; otherwise
+  /// netCDF would decompress chunks repeatedly.
   void read_slabs(const char* name, int variable, const std::vector<std::size_t>& shape,
                   std::span<double> values) const {
     constexpr std::size_t most_values = std::size_t{1} << 22;
@@ -349,7 +349,7 @@ class EchoGroupInput {
     }
   }
 
-  /// Lengths of a variable's chunks; zeros if it is stored in one piece.
+  /// Lengths of a variable's chunks; zeros for contiguous storage.
   std::vector<std::size_t> chunk_of(int variable) const {
     int storage = NC_CONTIGUOUS, dimensions = 0;
     file_.check(nc_inq_varndims(id_, variable, &dimensions), "count dimensions");
@@ -359,7 +359,7 @@ class EchoGroupInput {
     return chunk;
   }
 
-  /// One piece of a variable that is stored in pieces is in memory whole, however little of it is wanted.
+  /// netCDF decompresses a whole chunk into memory, however small the requested part is.
   void check_chunk(const char* name, int variable) const {
     const std::vector<std::size_t> chunk = chunk_of(variable);
     const auto values = product(chunk);
@@ -370,7 +370,7 @@ class EchoGroupInput {
                        fmt::join(chunk, " x "), limits::block_bytes >> 20));
   }
 
-  /// netCDF gives values that nobody wrote a value of their own.
+  /// netCDF fills values that were never written with a special value.
   void check_written(const char* name, int variable, const std::vector<std::string>& dimensions,
                      const std::vector<std::size_t>& shape, std::span<const double> values) const {
     double fill = NC_FILL_DOUBLE;
@@ -381,7 +381,7 @@ class EchoGroupInput {
       if (length != 1) fail(name, fmt::format("has {} values in attribute _FillValue, expected one", length));
       file_.check(nc_get_att_double(id_, variable, "_FillValue", &fill), task);
     }
-    if (fill == 0) return;  // then it is meant as a value
+    if (fill == 0) return;  // then 0 is an ordinary value
     const auto unwritten = std::find(values.begin(), values.end(), fill);
     if (unwritten == values.end()) return;
     fail(name, fmt::format("was not written at {}: write all of it, zeros included",

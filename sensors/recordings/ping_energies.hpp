@@ -9,13 +9,14 @@
 
 namespace tubefoot {
 
-/// Values of a ping, and what keeps them while they are read: nothing where they lie in memory anyway.
+/// Values of a ping, and the owner of their memory while they are in use. The owner is null for values that
+/// stay in memory.
 class PingEnergies {
  public:
   PingEnergies(std::span<const double> values, std::shared_ptr<const void> keeper = {})
       : values_(values), keeper_(std::move(keeper)) {}
 
-  /// Not of one that is just passing: its values would be gone.
+  /// Deleted for temporaries, whose values would be destroyed.
   std::span<const double> values() const& { return values_; }
   std::span<const double> values() const&& = delete;
   operator std::span<const double>() const& { return values_; }
@@ -28,12 +29,12 @@ class PingEnergies {
   std::shared_ptr<const void> keeper_;
 };
 
-/// Values of pings that are kept packed, each channel as a chunk of echoes.nc (files/hdf5_chunks.hpp), and
-/// unpacked for who reads them. Thread-safe.
+/// Values of pings in packed form, each channel as a chunk of echoes.nc (files/hdf5_chunks.hpp), unpacked on
+/// request. Thread-safe.
 class PackedPings {
  public:
   virtual ~PackedPings() = default;
-  /// Throws std::runtime_error where what is kept cannot be read any more.
+  /// Throws std::runtime_error if the packed data are no longer readable.
   virtual PingEnergies values(std::size_t ping, std::size_t channel) const = 0;
   virtual std::vector<unsigned char> chunk(std::size_t ping, std::size_t channel) const = 0;
 };

@@ -7,21 +7,21 @@
 
 namespace tubefoot {
 
-/// A pose's attitude as files keep it [deg]: heading clockwise from north, pitch forward axis up, roll
-/// starboard down.
+/// A pose's attitude in the convention of files [deg]: heading clockwise from north, pitch forward axis up,
+/// roll starboard down.
 struct PoseAngles {
   double heading_deg = 0, pitch_deg = 0, roll_deg = 0;
 };
 
-/// The inverse of attitude_from_angles: heading in [0, 360), pitch in [-90, 90], roll in (-180, 180].
-/// Looking straight up or down, heading and roll are one turn: all of it is called heading.
+/// The inverse of attitude_from_angles: heading in [0, 360), pitch in [-90, 90], roll in (-180, 180]. For a
+/// vertical forward axis heading and roll are the same rotation; the result assigns all of it to heading.
 PoseAngles angles_of(const glm::dquat& attitude);
 
-/// The same from true north and the Earth's own up, where the frame's axes lie as EarthPlace says: what goes
-/// out beside a latitude and a longitude.
+/// The same relative to true north and the Earth's vertical, with the frame's axes as in EarthPlace. These
+/// angles accompany a latitude and a longitude.
 PoseAngles true_angles_of(const glm::dquat& attitude, const glm::dmat3& to_east_north_up);
 
-/// Of a direction to the east and north, clockwise from north, in [0, 360).
+/// Azimuth of a direction to the east and north, clockwise from north, in [0, 360).
 double azimuth_deg(double east, double north);
 
 }  // namespace tubefoot

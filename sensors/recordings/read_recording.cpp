@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Builds recordings from echo files, and from selected pings of other recordings, so that pictures and
+// tables can be made of them. The sensor of such a recording has beams and samples, and no transmissions.
+
 #include "sensors/recordings/read_recording.hpp"
 
 #include <fmt/format.h>
@@ -28,7 +31,7 @@ class PlainSensor : public Sensor {
   }
 
  private:
-  /// Which may be files.
+  /// Removes the patterns, because they may refer to files.
   static SensorDescription without_patterns(SensorDescription description) {
     description.transmit = description.receive = {};
     return description;
@@ -41,7 +44,7 @@ double number(const WholeEchoFile::More& more, const char* name) {
   return value ? *value : 0;
 }
 
-/// A variable's values, if they lie along `dimensions`; else empty.
+/// A variable's values if it lies along `dimensions`; otherwise empty.
 std::vector<double> values(const WholeEchoFile::More& more, const char* name,
                            const std::vector<std::string>& dimensions, std::size_t count) {
   const EchoVariable* found = more.variable(name);
@@ -62,7 +65,7 @@ std::vector<BeamAxis> beams_of(const SensorEchoes& echoes, const WholeEchoFile::
   return beams;
 }
 
-/// Beams that look down, or down and to the sides, and are no pair of sides.
+/// True for beams that look down, or down and to the sides, except for a pair of opposite sides.
 bool are_across(const std::vector<BeamAxis>& beams) {
   constexpr double right_angle = std::numbers::pi / 2, near = 1e-6;
   const bool all = std::ranges::all_of(beams, [](const BeamAxis& beam) {
@@ -95,7 +98,8 @@ RangeSamples samples_of(const SensorEchoes& echoes, const std::string& file) {
   return samples;
 }
 
-/// Numbers of pings one after the other; of others, or where these are none, none.
+/// The numbers of consecutive pings. The result is empty for numbers that are not consecutive and for an
+/// empty list.
 std::vector<std::uint32_t> consecutive(const std::vector<double>& numbers) {
   std::vector<std::uint32_t> result;
   for (const double number : numbers) {

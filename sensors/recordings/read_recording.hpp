@@ -9,20 +9,20 @@
 
 namespace tubefoot {
 
-/// Pings of a sensor as pictures need them, of an echo file or picked from others: the sensor has beams,
-/// range samples, a name and a frequency, and fires nothing. Copies share the sensor.
+/// Pings of a sensor for pictures, from an echo file or selected from other pings. The sensor has beams,
+/// range samples, a name and a frequency, but no transmissions. Copies share the sensor.
 struct ReadRecording {
   std::shared_ptr<const Sensor> sensor;
-  std::vector<double> energy;  ///< empty: the recording's energies are kept by others
-  Recording recording;         ///< points to both
+  std::vector<double> energy;  ///< empty: another object keeps the recording's energies
+  Recording recording;         ///< refers to both
 };
 
-/// Of sensor `index` of an echo file that outlives it. What the file does not say is 0, or one second after
-/// the other, at rest. Throws InputError where its samples are not evenly spaced.
+/// The recording of sensor `index` of an echo file, which must outlive it. Missing data are 0; missing ping
+/// times are one second apart, at rest. Throws InputError if its samples are not uniformly spaced.
 ReadRecording recording_of(const WholeEchoFile& file, std::size_t index);
 
-/// Pings of another recording, by their numbers there, in any order, and of the first of its channels. They
-/// keep their numbers if these are consecutive, and are numbered anew if not.
+/// Pings of another recording, selected by their numbers there, in any order, with the first of its
+/// channels. Consecutive pings keep their numbers; others get new ones.
 ReadRecording picked(const Recording& all, const std::vector<std::size_t>& pings);
 
 }  // namespace tubefoot

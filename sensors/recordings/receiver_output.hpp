@@ -8,11 +8,11 @@
 
 namespace tubefoot {
 
-/// What a sensor's receiver makes of the energies: for pictures of what the instrument shows.
+/// The energies after a sensor's receiver, for pictures of the instrument's display.
 struct ReceiverOutput {
   std::function<std::vector<double>(std::size_t ping)> energy_of;  ///< [beam][sample], J; thread-safe
-  bool has_gain = false;  ///< a time-varied gain of the receiver's own is in them
-  std::string said;       ///< for people: "as received: speckle, noise"
+  bool has_gain = false;  ///< true if the energies include the receiver's own time-varied gain
+  std::string said;       ///< caption for readers: "as received: speckle, noise"
 };
 
 }  // namespace tubefoot

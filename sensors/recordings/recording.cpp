@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Queries of a recording: lines of a survey, track length, ping spacing, consistency check, and the
+// attributes and columns of its echo file.
+
 #include "sensors/recordings/recording.hpp"
 
 #include <fmt/format.h>

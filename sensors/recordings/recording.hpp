@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+// All pings of one sensor: times, poses, energies, certified bounds and signals. Writes them as an echo file
+// (echoes.nc, docs/echo-file.md).
+
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -25,61 +28,62 @@ struct PingSpan {
 
 struct SignalRecording;
 
-/// All pings of one sensor, as they are written. The energies lie elsewhere, in memory or packed in a file.
+/// All pings of one sensor in output form. The energies are stored elsewhere, in memory or packed in a file.
 struct Recording {
   const Sensor* sensor = nullptr;
   std::vector<double> ping_time_s;
   std::vector<Pose> ping_pose;             ///< of the sensor
   std::vector<std::size_t> line_starts{};  ///< first ping of each line of a survey; empty: not divided
-  std::vector<double> altitude_m;  ///< above the terrain straight below; not a number: unknown. May be empty
-  /// [ping][beam][sample], J for a source of 1 J/sr at 1 m. Of a sensor with more channels
-  /// (Sensor::channels) those of a ping follow each other: [ping][channel][beam][sample]. Empty where they
-  /// are packed.
+  std::vector<double> altitude_m;          ///< above the terrain straight below; NaN: unknown. May be empty
+  /// [ping][beam][sample], J for a source of 1 J/sr at 1 m. For a sensor with several channels
+  /// (Sensor::channels) the order is [ping][channel][beam][sample]. Empty if the energies are packed.
   std::span<const double> energy;
   double sound_speed_m_s = 0;
   double absorption_db_per_km = 0;
-  /// Reference runs: certified half-width of each energy [J], laid out as the energies; empty in others.
+  /// Reference runs: certified half-width of each energy [J], in the order of the energies; empty in other
+  /// runs.
   std::span<const double> energy_bound{};
-  // Of a part of a run (docs/commands.md):
-  std::vector<std::uint32_t> ping_numbers{};   ///< as the scene counts them; empty: all, from 0
-  std::vector<std::uint32_t> beam_numbers{};   ///< as the sonar counts them; empty: all
-  std::size_t first_line = 0;                  ///< lines of the survey before the first of line_starts
-  std::shared_ptr<const Sensor> some_beams{};  ///< with beam_numbers: `sensor`, with these beams only
-  /// In place of `energy` and `energy_bound`; null where they lie in memory, or where there is no bound.
+  // For a part of a run (docs/commands.md):
+  std::vector<std::uint32_t> ping_numbers{};   ///< numbers in the scene; empty: all, from 0
+  std::vector<std::uint32_t> beam_numbers{};   ///< numbers in the sonar; empty: all
+  std::size_t first_line = 0;                  ///< number of the survey's lines before the first of
+                                               ///< line_starts
+  std::shared_ptr<const Sensor> some_beams{};  ///< with beam_numbers: `sensor` with these beams only
+  /// Replace `energy` and `energy_bound`. Null if the values lie in memory, or if there is no bound.
   std::shared_ptr<const PackedPings> packed_energy{}, packed_bound{};
-  /// Keeps `energy` and `energy_bound` in memory; null where somebody else does.
+  /// Owner of the memory of `energy` and `energy_bound`; null if another object owns it.
   std::shared_ptr<const void> keeper{};
-  /// Of each beam of a ping, how many samples from the first on may hold a surface, seen or hidden. Beyond
-  /// them the scene has nothing in the beam, and what is dark there is no shadow: pictures show it in a
-  /// colour of its own. Thread-safe; empty where that is not known.
+  /// Number of samples of each beam of a ping, from the first on, that may contain a visible or hidden
+  /// surface. Beyond them the beam contains no surface, and a dark sample is not a shadow. Pictures show
+  /// that part in a separate colour. Thread-safe; empty if unknown.
   std::function<std::vector<int>(std::size_t ping)> surfaces{};
-  /// What its elements receive, with phase (signal_recording.hpp); null for sensors without.
+  /// Signals of its elements, with phase (signal_recording.hpp); null for sensors without signals.
   std::shared_ptr<const SignalRecording> signals{};
 
   std::size_t pings() const { return ping_time_s.size(); }
-  /// What a ping is called, in files and pictures, and by what draws its noise.
+  /// Number of a ping in files and pictures, and in the random generator of its noise.
   std::uint32_t number_of(std::size_t ping) const {
     return ping_numbers.empty() ? static_cast<std::uint32_t>(ping) : ping_numbers[ping];
   }
-  /// The lines of a survey, or all pings as one.
+  /// The lines of a survey, or all pings as one line.
   std::vector<PingSpan> lines() const;
-  /// The one of a ping.
+  /// The line of a ping.
   PingSpan line_of(std::size_t ping) const;
-  /// Way of the sensor from ping to ping along all lines [m]; turns between them are none of it.
+  /// Length of the sensor's track along all lines [m], without the turns between lines.
   double track_length_m() const;
-  /// Mean distance between neighbouring pings of a line [m]; 0 without any.
+  /// Mean distance between neighbouring pings of a line [m]; 0 if there are none.
   double ping_spacing_m() const;
-  std::size_t cells() const;     ///< of a ping: beams times samples
+  std::size_t cells() const;     ///< per ping: beams times samples
   std::size_t channels() const;  ///< of the sensor
   bool has_bounds() const { return packed_bound || !energy_bound.empty(); }
-  /// [beam][sample]. Throws Interrupted if somebody wants to stop, as channel_of() does: whoever writes a
-  /// recording comes here for each ping.
+  /// [beam][sample]. Throws Interrupted if a stop is requested, as channel_of() does. Writers of recordings
+  /// call this function for each ping.
   PingEnergies energy_of(std::size_t ping) const { return channel_of(ping, 0); }
   PingEnergies channel_of(std::size_t ping, std::size_t channel) const {
     stop_if_wanted();
     return packed_energy ? packed_energy->values(ping, channel) : in_memory(energy, ping, channel);
   }
-  /// With bounds.
+  /// Requires bounds.
   PingEnergies bound_of(std::size_t ping, std::size_t channel) const {
     stop_if_wanted();
     return packed_bound ? packed_bound->values(ping, channel) : in_memory(energy_bound, ping, channel);
@@ -91,38 +95,38 @@ struct Recording {
   }
 };
 
-/// Throws std::invalid_argument unless the recording has a sensor and as many times, poses and energies as it
-/// says.
+/// Throws std::invalid_argument unless the recording has a sensor and consistent numbers of times, poses and
+/// energies.
 void check(const Recording& recording);
 
-/// Where a recording comes from; written as global attributes.
+/// Origin of a recording; written as global attributes.
 struct Provenance {
   std::string title, scene_hash, engine, arithmetic, version;
   std::optional<double> reference_tolerance{};  ///< of a reference run
-  std::string start_utc{};                      ///< date and time of the scene's time 0; empty: not said
-  double coarseness = 0;                        ///< that facets were coarsened to; 0: they were not
-  LocalFrame frame{};                           ///< where the scene lies on Earth, if it says so
+  std::string start_utc{};                      ///< date and time of the scene's time 0; empty: unknown
+  double coarseness = 0;                        ///< coarsening of the facets; 0: none
+  LocalFrame frame{};                           ///< place of the scene on Earth, if it is georeferenced
 };
 
-/// All of that, by the names that echoes.nc has it under.
+/// The attributes of a Provenance, by their names in echoes.nc.
 struct NamedAttribute {
   const char* name;
   std::variant<std::string, double> value;
 };
 std::vector<NamedAttribute> attributes_of(const Provenance& provenance);
 
-/// What echoes.nc has of every ping of some scenes: with a place on Earth, or with lines of a survey.
+/// Columns of echoes.nc by ping, for scenes with a place on Earth or with survey lines.
 struct PingColumn {
   const char *name, *units, *long_name;
   std::vector<double> values;
 };
-/// Throws InputError where a ping has no place on Earth, and the scene has.
+/// Throws InputError if a ping of a georeferenced scene has no place on Earth.
 std::vector<PingColumn> ping_columns(const Recording& recording, const Provenance& provenance);
 
-/// Writes echoes.nc (netCDF-4, docs/echo-file.md). One recording: variables in the root group. Several: one
-/// group per sensor, named after it. Pings are packed by all threads and written in order; equal recordings
-/// give equal bytes. Nothing is written unless the disk has room for all of it. Throws std::runtime_error
-/// naming the file and what failed.
+/// Writes echoes.nc (netCDF-4, docs/echo-file.md). One recording has its variables in the root group.
+/// Several recordings have one group per sensor, with its name. All threads pack pings, which are written in
+/// order; equal recordings give equal bytes. Writes nothing if the free disk space is too small. Throws
+/// std::runtime_error that names the file and the failed operation.
 void write_echoes(const std::filesystem::path& file, const std::vector<Recording>& recordings,
                   const Provenance& provenance);
 

@@ -12,31 +12,31 @@
 
 namespace tubefoot {
 
-/// Which pictures a run writes beside its files, and how.
+/// The pictures that a run writes in addition to its files, and their form.
 struct PictureSettings {
   enum class Which {
     none,
-    sequence,  ///< those that show several pings at once
-    all,       ///< and one of each ping, where that is what the sonar shows
+    sequence,  ///< pictures that show several pings at once
+    all,       ///< in addition one picture per ping, for sonars that display single pings
   };
-  std::optional<Which> which{};  ///< unset: as the sensor says, else all
+  std::optional<Which> which{};  ///< unset: by the sensor's setting, or all
   int bits = 8;                  ///< of a PNG's components, 8 or 16
-  bool animated = false;         ///< sequences of pings as a GIF as well
+  bool animated = false;         ///< adds an animated GIF of a sequence of pings
 
   bool wants(Which least, Which otherwise = Which::all) const { return which.value_or(otherwise) >= least; }
 };
 
-/// What the files of a recording need to know of its run.
+/// Data of a run that the files of a recording need.
 struct RunContext {
-  LocalFrame frame;         ///< where the scene lies on Earth, if it says so
+  LocalFrame frame;         ///< place of the scene on Earth, if it is georeferenced
   double start_unix_s = 0;  ///< UTC of the recording's time 0
   std::uint64_t seed = 1;   ///< of speckle and noise
   WaterDescription water;
   std::string title;
   PictureSettings pictures{};
-  bool with_bounds = false;  ///< of a reference run: bounds beside energies and signals
-  /// The water that rays pass, by which travel times and angles become places; null: uniform, with the
-  /// recording's sound speed.
+  bool with_bounds = false;  ///< reference run: adds bounds to energies and signals
+  /// The water that rays cross, for the conversion of travel times and angles into positions. Null:
+  /// isovelocity, with the recording's sound speed.
   std::shared_ptr<const SceneWater> layered_water{};
 };
 

@@ -12,44 +12,46 @@
 #include "sensors/recordings/sonar_outline.hpp"
 #include "sensors/recordings/writing_cost.hpp"
 
-// A kind of sensor is one file, kind_<name>.cpp: its keys in scene files, its model, what it writes. No other
-// file names it; docs/sensors.md says how to write one.
+// A kind of sensor is one file, kind_<name>.cpp, with its keys in scene files, its model and its output. No
+// other file names it. docs/sensors.md explains how to write one.
 namespace tubefoot {
 
 class SensorKind : public SensorSection {
  public:
   using SensorSection::SensorSection;
 
-  /// The sensor as it is in water of that speed of sound; `notes`, if given, is reported of what the scene
-  /// asks for and the sensor has not. Throws InputError at the sensor's place where there is no such sensor.
+  /// The sensor in water of that sound speed. `notes`, if given, receives messages about requests of the
+  /// scene that the sensor cannot satisfy. Throws InputError at the sensor's position in the scene file if
+  /// no such sensor exists.
   virtual SensorDescription in_water(SensorDescription sensor, double sound_speed_m_s,
                                      std::vector<std::string>* notes) const;
-  /// Throws std::invalid_argument for what makes no such sensor.
+  /// Throws std::invalid_argument for an invalid sensor.
   virtual std::unique_ptr<Sensor> model(const SensorDescription& sensor) const = 0;
 
-  /// Its form, for engines that know others; nothing of a kind that none of them has.
+  /// Outline for external engines; empty for a kind that none of them supports.
   virtual std::optional<SonarOutline> outline(const SensorDescription& sensor) const;
 
-  /// Writes the files that such a sonar makes, pictures included, into `folder`, ping by ping, and returns
-  /// their names. What cannot be made of this recording is left out, and `warnings` says why. Throws
-  /// std::runtime_error naming the file and what failed.
+  /// Writes the files of such a sonar, pictures included, into `folder`, ping by ping, and returns their
+  /// names. Files that cannot be made of this recording are omitted, and `warnings` has the reasons. Throws
+  /// std::runtime_error that names the file and the failed operation.
   virtual std::vector<std::filesystem::path> write_products(const std::filesystem::path& folder,
                                                             const Recording& recording, const RunContext& run,
                                                             std::vector<std::string>& warnings) const = 0;
-  /// Which files a recording of those poses and times will not have, and why, as far as that can be said
-  /// before there are echoes: what write_products() says then, as well.
+  /// Files that a recording of those poses and times will not have, with reasons, as far as they are known
+  /// before echoes exist. The warnings are those of write_products().
   virtual std::vector<std::string> files_left_out(const Recording& recording, const RunContext& run) const;
-  /// What write_products() will take for a recording of those poses and times; nothing, unless a kind says.
+  /// Expected cost of write_products() for a recording of those poses and times; 0 unless a kind overrides
+  /// it.
   virtual WritingCost writing_cost(const Recording& recording, const RunContext& run) const;
 };
 
-/// All kinds there are, by name: CMakeLists.txt makes the list of the files.
+/// All kinds by name. CMakeLists.txt generates the list from the files.
 const SensorSections& sensor_kinds();
 
-/// Throws std::logic_error for a description of no kind.
+/// Throws std::logic_error for a description without a kind.
 const SensorKind& kind_of(const SensorDescription& sensor);
 
-/// SensorKind::in_water() of its kind.
+/// Calls SensorKind::in_water() of the sensor's kind.
 SensorDescription in_water(const SensorDescription& sensor, double sound_speed_m_s,
                            std::vector<std::string>* notes = nullptr);
 

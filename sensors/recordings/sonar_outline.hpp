@@ -10,15 +10,15 @@
 
 namespace tubefoot {
 
-/// A sonar's form as engines know it that have fans, two sides and turning beams, and its keys as a scene
-/// file has them, so that a way back is exact.
+/// Form of a sonar for external engines, which distinguish fans, two-sided sonars and turning beams. It
+/// includes the sonar's scene keys, so that the conversion back is exact.
 struct SonarOutline {
   enum class Shape { fan, two_sides, turning };
   Shape shape = Shape::fan;
-  std::string kind;                   ///< as a scene file has it; empty: the kind's own name
-  bool looks_down = false;            ///< its fan lies about "down", not about "ahead"
-  bool even = true;                   ///< equal steps of angle
-  bool narrowly_lit = false;          ///< it receives more than it sends to
+  std::string kind;                   ///< name in scene files; empty: the kind's own name
+  bool looks_down = false;            ///< the fan's middle is down, not ahead
+  bool even = true;                   ///< equiangular
+  bool narrowly_lit = false;          ///< the received sector is larger than the transmit sector
   double vertical_deg = 0;            ///< across the fan; two sides: of each, across the track
   double depression_deg = 0;          ///< two sides: of the middle of each
   double along_track_deg = 0;         ///< two sides
@@ -34,7 +34,7 @@ struct SonarOutline {
     keys.emplace_back(name, fmt::format("{}", fmt::join(values, " ")));
     return *this;
   }
-  /// The keys of a range window.
+  /// Adds the keys of a range gate.
   template <class Own>
   SonarOutline& add_window(const Own& own) {
     return add("samples", own.samples)

@@ -10,13 +10,13 @@
 
 namespace tubefoot {
 
-/// A variable of numbers, whatever it is of.
+/// Any numeric variable of a file.
 struct EchoVariable {
   std::string name;
   std::vector<std::string> dimensions;
   std::vector<std::size_t> shape;
-  std::string units, long_name, flag_meanings;  ///< empty where the file does not say
-  std::vector<double> values;                   ///< as they are: some may be no number
+  std::string units, long_name, flag_meanings;  ///< empty if the file has none
+  std::vector<double> values;                   ///< unchecked: some may be NaN
 
   bool along(const std::vector<std::string>& names) const { return dimensions == names; }
 };
@@ -27,23 +27,23 @@ struct EchoAttribute {
   std::variant<std::string, double> value;
 };
 
-/// All of an echo file, to be looked at as what a run returned.
+/// All contents of an echo file, for inspection as the result of a run.
 struct WholeEchoFile {
-  /// What a file has of a sensor beside its SensorEchoes.
+  /// Contents of a sensor's group in addition to its SensorEchoes.
   struct More {
     std::vector<EchoAttribute> attributes;
     std::vector<EchoVariable> variables;  ///< in the file's order
-    /// Null where there is none.
+    /// Null if there is none.
     const EchoVariable* variable(const std::string& name) const;
     const EchoAttribute* attribute(const std::string& name) const;
   };
   EchoContents contents;
-  std::vector<EchoAttribute> attributes;  ///< of the file; of one whose sensor is its root, not the sensor's
+  std::vector<EchoAttribute> attributes;  ///< of the file; without those of a sensor in the root group
   std::vector<More> more;                 ///< by sensor
 };
 
-/// As read_echo_file(), which this reads as well, with all other variables of numbers along dimensions and
-/// all attributes that are a number or a text of at most 64 kB.
+/// Reads a file as read_echo_file() does, and in addition all other numeric variables with dimensions. The
+/// result also has all attributes that are a number or a text of at most 64 kB.
 WholeEchoFile read_whole_echo_file(const std::filesystem::path& file);
 
 }  // namespace tubefoot

@@ -11,7 +11,7 @@ namespace tubefoot {
 struct WritingCost {
   double seconds = 0;         ///< work of one thread
   double shared_seconds = 0;  ///< work that all threads share
-  double bytes = 0;           ///< an upper limit of the size on the disk
+  double bytes = 0;           ///< upper limit of the size on the disk
 
   WritingCost& operator+=(const WritingCost& other) {
     seconds += other.seconds;
@@ -28,7 +28,7 @@ WritingCost cost_of_echoes(const Recording& recording, bool with_bounds);
 /// The cost of the labels in echoes.nc, for so many objects and materials of a scene.
 WritingCost cost_of_labels(const Recording& recording, std::size_t objects, std::size_t materials);
 
-/// Of files that are made cell by cell of a ping.
+/// The cost of files whose size is proportional to the cells of a ping.
 WritingCost cost_by_cells(const Recording& recording, double seconds_a_cell, double bytes_a_cell);
 
 }  // namespace tubefoot

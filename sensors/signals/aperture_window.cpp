@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Weights of aperture windows: uniform, Hann, Hamming, Taylor (1955) and Dolph-Chebyshev (1946). Continuous
+// windows are cosine series; the Chebyshev weights are the discrete transform of their pattern.
+
 #include "sensors/signals/aperture_window.hpp"
 
 #include <fmt/format.h>
@@ -78,7 +81,8 @@ std::vector<double> chebyshev_weights(double side_lobe_db, std::size_t elements)
   const auto count = static_cast<double>(elements);
   if (elements == 1) return {1};
   const double ratio = std::pow(10, side_lobe_db / 20), edge = std::cosh(std::acosh(ratio) / (count - 1));
-  // The pattern T_{n-1}(edge cos(psi / 2)), sampled at as many angles as there are elements, transformed.
+  // Samples the pattern T_{n-1}(edge cos(psi / 2)) at as many angles as there are elements, and transforms
+  // it.
   std::vector<double> weights;
   for (std::size_t k = 0; k < elements; ++k) {
     const double place = static_cast<double>(k) - 0.5 * (count - 1);

@@ -17,7 +17,7 @@ void require(bool holds, const std::string& what) {
   if (!holds) throw std::invalid_argument(what);
 }
 
-/// How many pressures there are to be.
+/// Number of pressures of the signals.
 std::size_t pressures_of(const ElementSignals& signals) {
   constexpr double most = 0x1p31;  // 32 GB
   const double all = static_cast<double>(signals.pings()) * static_cast<double>(signals.receivers()) *

@@ -12,21 +12,21 @@
 
 namespace tubefoot {
 
-/// Where a sonar's elements sit on the vehicle [m, its axes: x starboard, y forward, z up].
+/// Positions of a sonar's elements on the vehicle [m, its axes: x starboard, y forward, z up].
 struct ElementArray {
   glm::dvec3 transmitter_m{0};
   std::vector<glm::dvec3> receivers_m;
 
-  /// Mean place of the receivers.
+  /// Mean position of the receivers.
   glm::dvec3 centre_m() const;
 };
 
-/// A line of receivers about a place, evenly spaced along a direction, with the transmitter in its middle.
+/// A line of uniformly spaced receivers along a direction, with the transmitter in its middle.
 ElementArray line_array(std::size_t receivers, glm::dvec3 spacing_m, glm::dvec3 centre_m = glm::dvec3(0));
 
-/// What the elements of a sonar receive of all pings: complex baseband [ping][receiver][sample], in W^1/2,
-/// for a pulse of energy 1 J/sr at 1 m, so that the integral of its squared modulus over time is in J as the
-/// energies of echoes.nc are. Doubles: a phase is kept to 1e-9 of a wavelength (6e-9 rad), which single
+/// The signals of a sonar's elements for all pings: complex baseband [ping][receiver][sample], in W^1/2. The
+/// pulse has the energy 1 J/sr at 1 m. The integral of the squared modulus over time is in J, as the
+/// energies of echoes.nc are. Doubles keep a phase to 1e-9 of a wavelength (6e-9 rad), which single
 /// precision (6e-8) would lose.
 struct ElementSignals {
   TransmitWaveform waveform;
@@ -34,10 +34,10 @@ struct ElementSignals {
   double sound_speed_m_s = 0;
   ElementArray array;
   VehicleMotion motion;
-  bool matched_filtered = false;  ///< the waveform is compressed: an echo peaks at its delay
+  bool matched_filtered = false;  ///< the waveform is compressed, so that an echo peaks at its delay
   std::vector<std::complex<double>> pressure;
-  /// Certified half-widths of the pressures' real and imaginary parts, infinite where there is no bound;
-  /// none: not certified.
+  /// Certified half-widths of the pressures' real and imaginary parts. They are infinite where no bound
+  /// exists. Empty: not certified.
   std::vector<std::complex<double>> bound{};
 
   std::size_t pings() const { return motion.pings(); }
@@ -51,14 +51,14 @@ struct ElementSignals {
   }
 };
 
-/// All of it but the pressures, which are 0. Throws std::invalid_argument, saying what to do, for what makes
-/// no signals: check_sampled(), elements that are not finite or missing, a sound speed that is not above 0,
-/// no pings, a track that ends before the last sample.
+/// Signals with all data except the pressures, which are 0. Throws std::invalid_argument with advice as
+/// check_sampled() does, and for missing or non-finite elements. It also throws for a sound speed that is
+/// not positive, without pings, and for a track that ends before the last sample.
 ElementSignals silent_signals(const ElementArray& array, const TransmitWaveform& waveform,
                               const SignalSampling& sampling, const VehicleMotion& motion,
                               double sound_speed_m_s);
 
-/// The same for signals that somebody else made; also for too many or too few pressures or bounds.
+/// Checks existing signals in the same way, and the number of pressures and bounds.
 void check(const ElementSignals& signals);
 
 }  // namespace tubefoot

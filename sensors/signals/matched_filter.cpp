@@ -46,11 +46,12 @@ ElementSignals matched_filtered(const ElementSignals& signals, const ApertureWin
   if (signals.matched_filtered)
     throw std::invalid_argument("the signals are matched filtered already: a second filter would widen them");
   const std::vector<Complex> sent = normalised_replica(signals.waveform, signals.sampling, window);
-  const SignalTransform transform(signals.samples() + sent.size());  // no echo comes round from the end
+  const SignalTransform transform(signals.samples() + sent.size());  // long enough that no echo wraps around
+                                                                     // from the end
   const std::vector<Complex> filter = transform.spectrum(sent);
   ElementSignals result = signals;
   result.matched_filtered = true;
-  result.bound = {};  // they are of the samples as they were
+  result.bound = {};  // the bounds apply to the unfiltered samples
   tbb::parallel_for(std::size_t{0}, signals.pings() * signals.receivers(), [&](std::size_t k) {
     stop_if_wanted();
     const std::size_t ping = k / signals.receivers(), receiver = k % signals.receivers();

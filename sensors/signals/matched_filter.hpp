@@ -9,16 +9,17 @@
 
 namespace tubefoot {
 
-/// A waveform as it is sampled, from its beginning: complex baseband [s^-1/2].
+/// The sampled waveform from its beginning: complex baseband [s^-1/2].
 std::vector<std::complex<double>> replica(const TransmitWaveform& waveform, const SignalSampling& sampling);
 
-/// Pulse compression: y(t) = integral of s(t + u) conj(g(u) w(u)) du, so that an echo that begins at tau
-/// peaks at tau, with its phase, and with its amplitude f/(out home). A window lowers a chirp's range side
-/// lobes (its frequencies pass one after the other); the replica is normalised so that the peak stays. The
-/// replica is of a platform at rest: a Doppler shift d moves the peak of a chirp of rate k by -d/k and lowers
-/// it (docs/beamforming.md). The waveform must be sampled by check_sampled(); with flanks (taper above 0)
-/// the sum over samples is the integral to the aliased rest of its spectrum. Throws std::invalid_argument for
-/// signals that were filtered before, and as check().
+/// Pulse compression: y(t) = integral of s(t + u) conj(g(u) w(u)) du. An echo that begins at tau peaks at
+/// tau, with its phase. Its amplitude is f/(r_tx r_rx), with the ranges of both legs. A window lowers a
+/// chirp's range side lobes, because its frequencies pass one after the other. The replica is normalised so
+/// that the window preserves the peak. The replica is that of a platform at rest. A Doppler shift d moves
+/// the peak of a chirp of rate k by -d/k and lowers it (docs/beamforming.md). The waveform must satisfy
+/// check_sampled(). With flanks (taper above 0) the sum over samples equals the integral, except for the
+/// aliased rest of the spectrum. Throws std::invalid_argument for signals that are already filtered, and as
+/// check() does.
 ElementSignals matched_filtered(const ElementSignals& signals, const ApertureWindow& window = {});
 
 }  // namespace tubefoot

@@ -65,7 +65,8 @@ ElementSignals point_signals(const std::vector<PointScatterer>& targets, const E
                              const VehicleMotion& motion, double sound_speed_m_s) {
   ElementSignals signals = silent_signals(array, waveform, sampling, motion, sound_speed_m_s);
   check_targets(targets);
-  // A channel has all its echoes added by one thread, in the targets' order: the same bits for any number.
+  // One thread adds all echoes of a channel in the order of the targets. The result is bitwise the same for
+  // any number of threads.
   tbb::parallel_for(std::size_t{0}, signals.pings() * signals.receivers(), [&](std::size_t k) {
     stop_if_wanted();
     const std::size_t ping = k / signals.receivers(), element = k % signals.receivers();

@@ -5,22 +5,23 @@
 
 namespace tubefoot {
 
-/// How a sonar's elements send and receive: what of signals does not depend on where it is.
+/// Transmit and receive properties of a sonar's elements that do not depend on its position.
 struct SignalModel {
-  /// On the sensor's own axes, from the place of its transmitter; receivers from that of its receiver, where
-  /// this is apart.
+  /// Positions on the sensor's own axes, relative to its transmitter. Receivers of a bistatic sensor are
+  /// relative to its receiver.
   ElementArray array;
   TransmitWaveform waveform;
   SignalSampling sampling;
-  /// It stands still from a ping to the next one; else it moves while sound is in progress.
+  /// True if the sensor stands still from a ping to the next one. Otherwise it moves during propagation.
   bool stop_and_hop = true;
-  /// Each receiver receives what the transmitter and its own place both see; else all receive what is seen
-  /// from the one place of the sensor, or the two of one whose receiver is apart.
+  /// True if each receiver receives the common visibility of the transmitter and its own position. Otherwise
+  /// all receive the part that is visible from the sensor's position, or from both positions of a bistatic
+  /// sensor.
   bool own_views = false;
-  /// Of signals, about, relative to what they would be without interference.
+  /// Approximate tolerance of the signals, relative to their value without interference.
   double tolerance = 1e-3;
 
-  /// How far an element is from the place that the tubes begin at [m].
+  /// Largest distance of an element from the apex of the tubes [m].
   double farthest_element_m() const;
 };
 

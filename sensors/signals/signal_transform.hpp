@@ -10,15 +10,15 @@
 
 namespace tubefoot {
 
-/// Discrete spectra of complex signals, with the sign that belongs to e^{-i omega t}: S_m = sum over n of
-/// s_n e^{+2 pi i m n / N}. For any number of threads.
+/// Discrete spectra of complex signals, with the sign of e^{-i omega t}: S_m = sum over n of s_n e^{+2 pi i
+/// m n / N}. Thread-safe.
 class SignalTransform {
  public:
-  /// Spectra of the least power of two that is at least `length`.
+  /// The length is the least power of two that is at least `length`.
   explicit SignalTransform(std::size_t length);
 
   std::size_t length() const { return length_; }
-  /// Of a signal of at most length() samples, zeros behind it.
+  /// Spectrum of a signal of at most length() samples, padded with zeros.
   std::vector<std::complex<double>> spectrum(std::span<const std::complex<double>> signal) const;
   /// The inverse, normalised.
   std::vector<std::complex<double>> signal(std::span<const std::complex<double>> spectrum) const;

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Waveforms of a sonar, single-frequency pulses and linear chirps: envelope, complex baseband, band and
+// checks of their sampling. The envelope has raised-cosine flanks and unit energy.
+
 #include "sensors/signals/transmit_waveform.hpp"
 
 #include <fmt/format.h>
@@ -35,7 +38,7 @@ TransmitWaveform linear_chirp(double start_hz, double stop_hz, double duration_s
 double envelope_at(const TransmitWaveform& waveform, double time_s) {
   const double length = waveform.duration_s;
   if (!(time_s >= 0 && time_s <= length)) return 0;
-  // The flanks have the squared mean 3/8, what lies between them 1.
+  // The mean square of the flanks is 3/8, and that of the part between them is 1.
   const double height = 1 / std::sqrt(length * (1 - 0.625 * waveform.taper));
   const double flank = 0.5 * waveform.taper * length, from_end = std::min(time_s, length - time_s);
   if (from_end >= flank) return height;

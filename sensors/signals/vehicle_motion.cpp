@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Motion of a vehicle during its pings, and two-way paths between its moving places and a point at rest. A
+// fixed-point iteration solves time = from + sign |place(t) - point| / c for the unknown end of a path.
+
 #include "sensors/signals/vehicle_motion.hpp"
 
 #include <fmt/format.h>
@@ -11,13 +14,13 @@
 namespace tubefoot {
 namespace {
 
-// At a hundredth of sound's speed eight steps reach the last bit; no vehicle needs more than a few.
+// At a hundredth of the sound speed eight steps reach the last bit. No vehicle needs more than a few steps.
 constexpr int most_steps = 64;
-// Steps so small, or so small beside the first, are of the rounding of places and clocks, and may go on for
-// ever.
+// Steps this small, or this small relative to the first step, come from the rounding of positions and clocks
+// and may never end.
 constexpr double rounding_s = 1e-11, rounding_of_first = 1e-3;
 
-/// The time t of time = from + sign |place(t) - point| / c.
+/// Solves time = from + sign |place(time) - point| / c.
 template <class Place>
 double time_at(double from_s, double sign, const Place& place, glm::dvec3 point_m, double sound_speed_m_s) {
   double time_s = from_s + sign * glm::distance(place.at(from_s), point_m) / sound_speed_m_s;
@@ -90,7 +93,7 @@ PlaceMotion::PlaceMotion(const VehicleMotion& motion, std::size_t ping, glm::dve
   start_m_ = start.position_m + start.attitude * place_m;
   even_ = motion.stop_and_hop() || motion.track().size() == 1;
   if (even_) return;
-  // Of one straight piece of the track, without turning.
+  // Tests whether the ping lies in one straight piece of the track, without rotation.
   const std::vector<Trajectory::Sample>& track = motion.track();
   const double start_s = motion.ping_start_s()[ping];
   const auto after =
@@ -102,7 +105,7 @@ PlaceMotion::PlaceMotion(const VehicleMotion& motion, std::size_t ping, glm::dve
 }
 
 glm::dvec3 PlaceMotion::turned(double after_start_s) const {
-  // Guesses on the way to a time may lie off the track by what they are wrong.
+  // Intermediate guesses of the iteration may lie off the track by their error.
   const double start_s = motion_->ping_start_s()[ping_];
   const Pose pose = motion_->at(ping_, std::clamp(after_start_s, motion_->track().front().time_s - start_s,
                                                   motion_->track().back().time_s - start_s));

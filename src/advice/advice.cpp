@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Finds the engine and the settings that satisfy an error tolerance with the least work. It measures tubes
+// with each binning and rays with each sampling on probe pings, and predicts the error of all pings
+// (docs/advise.md).
 #include "advice/advice.hpp"
 
 #include <fmt/format.h>
@@ -21,18 +24,20 @@ namespace {
 
 constexpr int repeats = 3;
 
-/// Rungs of a ladder of rays: the first, how far the next ones go, and when rays that gain nothing are left.
+/// Steps of the number of rays per beam: the first number, the limits of the next factors, and the largest
+/// number. `patient_rungs` is the number of steps after which rays that do not converge are given up.
 constexpr double first_rays = 32, shortest_step = 1.25, longest_step = 4, most_rays = 1e9;
 constexpr std::size_t patient_rungs = 4;
 
-/// Slightly more than the fit asks for, since every rung costs.
+/// Factor on the number of rays that the fit predicts, because each further step costs time.
 constexpr double surplus = 1.03;
 
-/// Few enough rays: the next fewer that were tried and failed are this near, or the tolerance is.
+/// The number of rays is small enough if the next smaller number that failed is within the factor
+/// `fine_step`. It is also small enough if the error exceeds the fraction `fine_error` of the tolerance.
 constexpr double fine_step = 1.1, fine_error = 0.95;
 constexpr int most_refinements = 6;
 
-/// Seconds of `samples` samples, by the line through the last two rungs.
+/// Returns the seconds for `samples` samples, by a line through the last two steps.
 double seconds_for(const std::vector<Trial>& ladder, double samples) {
   const Trial& last = ladder.back();
   const double in_proportion = last.work.processor_seconds * samples / last.samples;
@@ -43,13 +48,14 @@ double seconds_for(const std::vector<Trial>& ladder, double samples) {
   return slope > 0 ? last.work.processor_seconds + slope * (samples - last.samples) : in_proportion;
 }
 
-/// The probe pings, and what they say of all others.
+/// Runs settings on the probe pings and predicts errors and work of all other pings.
 class Probes {
  public:
   Probes(const TrialScene& scene, const std::vector<LookedAt>& sensors, ErrorMeasure measure)
       : scene_(scene), sensors_(sensors), measure_(measure) {}
 
-  /// A candidate's errors and seconds. The trial's own errors become the predicted ones.
+  /// Returns the trial of a setting and fills the errors and seconds of its candidate. The errors of the
+  /// trial become the predicted ones.
   Trial run(const EngineSetting& setting, int times, Candidate& candidate) const {
     stop_if_wanted();
     candidate.setting = setting;
@@ -66,7 +72,7 @@ class Probes {
 
   std::size_t beams() const { return scene_.beams(); }
 
-  /// Where a setting cannot compute the scene: a candidate that says why.
+  /// Returns a candidate with the reason if a setting cannot compute the scene.
   std::optional<Candidate> refused(const EngineSetting& setting) const {
     const std::string why = scene_.refusal_of(setting);
     if (why.empty()) return std::nullopt;
@@ -83,7 +89,8 @@ class Probes {
   ErrorMeasure measure_;
 };
 
-/// Finds the fewest rays with which one sampling is predicted to hold, on the probe pings.
+/// Finds the smallest number of rays with which a sampling is predicted to satisfy the tolerance, on the
+/// probe pings.
 class RayLadder {
  public:
   RayLadder(const Probes& probes, RaySampling sampling, const Tolerance& tolerance, std::uint64_t seed,
@@ -118,7 +125,7 @@ class RayLadder {
   }
 
  private:
-  /// Runs a rung; true if it is good enough.
+  /// Runs one step and returns whether its error satisfies the tolerance.
   bool step(double rays) {
     ladder_.push_back(probes_.run(setting(rays), 1, last_));
     return error() <= target_;
@@ -132,7 +139,8 @@ class RayLadder {
     return s;
   }
 
-  /// The last rung holds, the one before does not: narrows down what lies between.
+  /// Narrows down the number of rays between the last step, which satisfies the tolerance, and the one
+  /// before, which does not.
   Candidate refined() {
     Trial good = ladder_.back();
     if (ladder_.size() > 1) {
@@ -147,7 +155,7 @@ class RayLadder {
                                           nearest * bad.samples, good.samples / nearest);
         const double rays = std::round(samples / beams_);
         if (rays * beams_ <= bad.samples || rays * beams_ >= good.samples) break;
-        const bool holds = step(rays);  // before the rung that it adds is named
+        const bool holds = step(rays);  // called first, because it appends to ladder_
         (holds ? good : bad) = ladder_.back();
       }
     }
@@ -175,7 +183,7 @@ class RayLadder {
   std::uint64_t seed_;
   double cap_, beams_;
   std::vector<Trial> ladder_;  ///< with predicted errors
-  Candidate last_;             ///< the last rung
+  Candidate last_;             ///< the last step
 };
 
 std::vector<TrialPings> pings_of(const std::vector<LookedAt>& sensors, bool probes) {
@@ -185,7 +193,8 @@ std::vector<TrialPings> pings_of(const std::vector<LookedAt>& sensors, bool prob
   return chosen;
 }
 
-/// On other pings, and rays with another seed: where a sensor has no other pings, that is all that is new.
+/// Measures the candidates on other pings and with another seed of rays. If a sensor has no other pings,
+/// only the seed differs.
 void measure_on_others(Advice& advice, const SceneDescription& scene, std::uint64_t seed) {
   TrialScene others(
       scene, [&](const Survey&) { return pings_of(advice.sensors, false); }, std::nullopt);
@@ -230,7 +239,8 @@ LookedAt looked_at(std::size_t pings, std::size_t count) {
   for (std::size_t p = 0; p < pings; ++p) all[p] = p;
   LookedAt sensor;
   sensor.pings = pings;
-  if (2 * count <= pings) {  // alternately, so that others are as far from probes as can be
+  // Probes and others alternate, so that the others are as far from the probes as possible.
+  if (2 * count <= pings) {
     const std::vector<std::size_t> both = spread_over(all, 2 * count);
     for (std::size_t k = 0; k < both.size(); ++k)
       (k % 2 == 0 ? sensor.probes : sensor.others).push_back(both[k]);
@@ -315,8 +325,8 @@ std::string command_options(const RunRequest& run) {
 
 Advice pick_settings(const SceneDescription& description, RunRequest& request, bool quiet) {
   AdviceOptions options;
-  options.measure = false;   // all of its time is the user's waiting
-  options.largest_cost = 1;  // dearer rays would not be chosen
+  options.measure = false;   // the user waits for the result
+  options.largest_cost = 1;  // rays that need more work would not be selected
   options.seed = request.rays.seed;
   options.quiet = quiet;
   Advice advice = advise(description, *request.tolerance, options);

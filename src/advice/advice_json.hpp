@@ -8,7 +8,7 @@
 
 namespace tubefoot {
 
-/// What `tubefoot advise --json` says of a scene (docs/advise.md).
+/// Returns the output of `tubefoot advise --json` for a scene (docs/advise.md).
 nlohmann::ordered_json json_of(const Advice& advice, const SceneDescription& scene);
 
 }  // namespace tubefoot

@@ -10,13 +10,14 @@
 
 namespace tubefoot {
 
-/// Relative bound of a chart's reference.
+/// Relative bound of the reference of a chart.
 constexpr double chart_reference_tolerance = 1e-7;
 
-/// A sentence on how a chart was made; `program` is HTML.
+/// Returns a sentence on the measurement of a chart; `program` is HTML.
 std::string chart_origin(const std::string& program, const std::string& pings, int repeats);
 
-/// Writes index.html, chart.csv and each scene's diagrams. Throws std::runtime_error naming the file.
+/// Writes index.html, chart.csv and the diagrams of each scene. Throws std::runtime_error, which names the
+/// file.
 void write_chart(const std::filesystem::path& folder, std::span<const Trial> trials,
                  const std::string& origin);
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Runs engine settings on chosen pings of a scene and measures their error against a reference and their
+// work per ping.
 #include "advice/trials.hpp"
 
 #include <fmt/format.h>
@@ -37,8 +39,8 @@ std::vector<double> ranges_m(const RangeSamples& samples) {
 
 std::size_t receivers(const Recording& recording) { return recording.sensor->has_receiver_pair() ? 2 : 1; }
 
-/// What receivers receive, [ping][receiver][beam][sample]: cross products of their signals can't be told in
-/// dB. `values`: the recording's energies, or their bounds.
+/// Returns the energies of the receivers, [ping][receiver][beam][sample]. Cross products of their signals
+/// are omitted, because they have no level in dB. `values`: energies of the recording, or their bounds.
 std::vector<double> received(const Recording& recording, std::span<const double> values) {
   if (values.empty()) return {};
   std::vector<double> all;
@@ -176,7 +178,7 @@ const std::vector<Survey>& TrialScene::surveys_of(const RunRequest& request) con
 }
 
 std::vector<Recording> TrialScene::record(const RunRequest& request, PingWork& of_a_ping) const {
-  // One sensor and one ping at a time, so that it is known what each one takes.
+  // Computes one sensor and one ping at a time to measure the work of each.
   std::vector<Recording> recordings;
   of_a_ping = {};
   const std::vector<Survey>& surveys = surveys_of(request);
@@ -254,7 +256,8 @@ std::vector<EngineSetting> builtin_settings(std::size_t beams) {
 
 std::vector<Trial> all_trials(const TrialScene& scene, const std::vector<EngineSetting>& settings,
                               int repeats, const LadderEnd& end, const std::function<void()>& step) {
-  constexpr double next_rung = 5;  // rungs are about 4 apart
+  // The numbers of rays of consecutive settings differ by a factor of about 4.
+  constexpr double next_rung = 5;
   constexpr double slow_seconds = 0.5;
   std::vector<Trial> trials;
   std::map<std::string, double> last_seconds;
@@ -269,7 +272,7 @@ std::vector<Trial> all_trials(const TrialScene& scene, const std::vector<EngineS
       trials.push_back(scene.run(setting, last > slow_seconds ? 1 : repeats));
       last = trials.back().work.seconds;
     } else {
-      last = end.seconds;  // nor any finer one
+      last = end.seconds;  // skips finer settings too
     }
     step();
   }

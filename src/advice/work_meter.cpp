@@ -17,7 +17,7 @@ int open_counter() {
   requested.size = sizeof(requested);
   requested.config = PERF_COUNT_HW_INSTRUCTIONS;
   requested.exclude_kernel =
-      1;  // as users may count by default, and pages that the system clears are its affair
+      1;  // users may count only user mode by default, and clearing of pages by the system is excluded
   requested.exclude_hv = 1;
   constexpr int this_thread = 0, any_processor = -1, no_group = -1;
   return static_cast<int>(

@@ -8,8 +8,9 @@
 
 namespace tubefoot {
 
-/// What the calling thread does between two moments. Instructions are those of the processor's counter
-/// (perf_event_open(2)), which virtual machines often lack and systems may keep to themselves: 0 then.
+/// Measures the work of the calling thread between two moments. The performance counter of the processor
+/// counts instructions (perf_event_open(2)). Virtual machines often lack it, and systems may restrict it;
+/// the count is then 0.
 class WorkMeter {
  public:
   WorkMeter();
@@ -17,11 +18,11 @@ class WorkMeter {
   PingWork since_start() const;
 
  private:
-  /// Both of this thread, since some moment.
+  /// Processor seconds and instructions of this thread since an arbitrary moment.
   static double processor_seconds();
   double instructions() const;
 
-  Descriptor counter_;  ///< closed where instructions are not counted
+  Descriptor counter_;  ///< closed if instructions are not counted
   std::chrono::steady_clock::time_point start_;
   double start_processor_seconds_ = 0, start_instructions_ = 0;
 };

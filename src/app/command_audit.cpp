@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The command `audit`. It audits each selected transmission: the visible polygons and the unobstructed
+// region of each tube must add up to the tube. For separate receivers and mirror images it also audits the
+// parts of facets that both ends see. It prints the counts, the largest defect and a hash of the
+// combinatorics.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -30,8 +34,8 @@ int audit_command(const AuditOptions& options) {
   struct RequestedTransmission {
     const SharedTransmissions* group;
     std::size_t ping, transmission;
-    std::uint64_t label;  ///< of all three, so that a transmission's share of the hash does not depend on
-                          ///< what else is audited
+    std::uint64_t label;  ///< identifies group, ping and transmission, so that the hash of a transmission
+                          ///< does not depend on the other audited transmissions
   };
   std::vector<RequestedTransmission> transmissions;
   for (const SharedTransmissions& group : survey->transmissions) {
@@ -52,7 +56,7 @@ int audit_command(const AuditOptions& options) {
               images = 0, pairs = 0;
   double worst = 0;
   TopologyHash hash;
-  bool has_shared = false;  // of two ends, or two images
+  bool has_shared = false;  // whether parts of facets that two ends or two images see were audited
   const auto fail = [&](const Transmission& transmission, const std::string& what, double defect,
                         const char* whole) {
     if (++failures <= 10)

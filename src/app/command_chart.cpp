@@ -41,7 +41,7 @@ int chart_command(const ChartOptions& options) {
       options.pings ? number_of_pings(*options.pings, "--pings 0:N-1", options.quiet) : std::nullopt;
   const std::string pings = options.pings.value_or("0");
   OutputFolder output(options.output, inputs);
-  const ThreadLimit one_thread(1);  // so that a setting's seconds do not depend on what else runs
+  const ThreadLimit one_thread(1);  // the seconds of a setting do not depend on other threads
   std::vector<Trial> trials;
   Progress progress("settings", options.scenes.size() * builtin_settings(1).size(), options.quiet);
   for (const SceneDescription& description : scenes) {

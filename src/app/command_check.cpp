@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The command `check`. It loads everything that a scene names and prints its frame, facets, materials,
+// placement of objects, sensors and tracks. It measures the cost of a few pings and extrapolates the cost
+// of a run.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -31,7 +34,7 @@
 namespace tubefoot {
 namespace {
 
-/// A length with a unit that keeps it readable.
+/// Formats a length in micrometres, millimetres or metres, whichever is readable.
 std::string length_text(double metres) {
   if (metres == 0) return "0 m";
   if (metres < 1e-3) return fmt::format("{:.3g} um", metres * 1e6);
@@ -48,7 +51,7 @@ void print_components(const Scene& scene) {
          c.hi_m.z);
 }
 
-/// Where the frame lies on Earth.
+/// Prints the position of the frame on Earth.
 void print_frame(const Scene& scene) {
   if (!scene.frame.is_georeferenced()) {
     tell("frame          local metres, with no place on Earth\n");
@@ -59,7 +62,7 @@ void print_frame(const Scene& scene) {
   tell("frame          origin at latitude {:.6f}, longitude {:.6f}\n", origin.y, origin.x);
 }
 
-/// How objects stand to the seabed.
+/// Prints the placement of each object relative to the seabed.
 void print_standings(const std::vector<SeabedPlacement>& placements) {
   constexpr std::size_t most_listed = 50;
   if (!placements.empty()) tell("\n{:<24} how it stands to the bed\n", "object");
@@ -68,7 +71,7 @@ void print_standings(const std::vector<SeabedPlacement>& placements) {
   if (placements.size() > most_listed) tell("and {} more objects\n", placements.size() - most_listed);
 }
 
-/// Where a sensor pings, in time and space.
+/// Prints the first and the last position and time of a sensor.
 void print_places(const Scene& scene, const SensorPings& pings, const Trajectory& trajectory) {
   const auto place = [&](std::size_t ping) {
     const glm::dvec3 at_m = pings.poses[ping].position_m;
@@ -85,7 +88,7 @@ void print_places(const Scene& scene, const SensorPings& pings, const Trajectory
          pings.times_s.front(), pings.times_s.back(), trajectory.begin_s(), trajectory.end_s());
 }
 
-/// How round spheres, cylinders and cones are.
+/// Prints the chord errors of spheres, cylinders and cones.
 void print_fineness(const Scene& scene) {
   for (const ComponentReport& c : scene.report.components)
     if (c.fineness.chord_error_m > 0)
@@ -93,11 +96,12 @@ void print_fineness(const Scene& scene) {
            length_text(c.fineness.chord_error_m), c.fineness.from);
 }
 
-/// What the seabed and the objects are of. Areas are the facets' own, not as seen from above.
+/// Prints the materials of the seabed and of the objects. Areas are surface areas of the facets, not areas
+/// of their projection onto a horizontal plane.
 void print_materials(const Scene& scene) {
   std::vector<std::size_t> facets(scene.description.materials.size());
   std::vector<double> area_m2(facets.size());
-  bool mapped = false;  // by a map of terrain of which only parts are in memory
+  bool mapped = false;  // a map assigns materials to terrain of which only some tiles are in memory
   for (FacetId f = 0; f < scene.mesh.facets.size(); ++f) {
     const auto& [a, b, c] = scene.mesh.facets[f];
     const glm::dvec3 p = scene.grid.to_metres(scene.mesh.vertices[a]),
@@ -122,7 +126,7 @@ void print_materials(const Scene& scene) {
       tell("{}: {} facets are cut along the borders of its material map\n", c.name, c.cut_facets);
 }
 
-/// What facets of mesh files go by, and the material that they get by it.
+/// Prints the names by which facets of mesh files are selected, and the material of each name.
 void print_mesh_names(const Scene& scene) {
   constexpr std::size_t most_listed = 50;
   for (const ComponentReport& c : scene.report.components) {
@@ -135,7 +139,7 @@ void print_mesh_names(const Scene& scene) {
   }
 }
 
-/// Of a scene that holds but a part of its facets at a time.
+/// Prints the tiles of a scene that keeps only some of its facets in memory.
 void print_tiles(const Scene& scene) {
   std::size_t facets = 0;
   for (const ComponentReport& c : scene.report.components) facets += c.facets;
@@ -151,13 +155,13 @@ void print_tiles(const Scene& scene) {
   tell(", read where pings look (area: not measured)\n");
 }
 
-/// What a few pings took.
+/// Sums over the probed pings.
 struct Probe {
   std::size_t pings = 0, candidates = 0, footprints = 0;
   double seconds = 0, largest_gap_m = 0;
 };
 
-/// Sees and integrates the transmissions of one ping.
+/// Computes visible polygons and echoes of the transmissions of one ping, and adds their cost to `sum`.
 void probe(const Transmissions& transmissions, const SharedTransmissions& group, std::size_t ping,
            Probe& sum) {
   const Transmissions around(survey_around(transmissions, group, ping), transmissions.request());
@@ -182,19 +186,19 @@ void probe(const Transmissions& transmissions, const SharedTransmissions& group,
   ++sum.pings;
 }
 
-/// Measures a few pings of each group of sensors, spread over their track, and extrapolates.
+/// Measures the cost of a few pings of each group of sensors, spread over the track, and extrapolates it.
 void print_cost(const Survey& survey, RunRequest request, int threads, bool quiet) {
   const Scene& scene = survey.scene;
   request.binning = Binning::exact;
   const Transmissions transmissions(survey, request);
   const WritingCost writing = expected_writing(survey, request, {});
   double seconds = 0, largest_gap_m = 0;
-  std::string told;  // once nothing is drawn any more
+  std::string told;  // messages to print once the progress bar is finished
   auto measuring = std::make_optional<Progress>("measuring", quiet);
   for (const SharedTransmissions& group : survey.transmissions) {
     const std::size_t pings = survey.sensor_set->pings(group), probes = std::min<std::size_t>(pings, 3);
     Probe sum;
-    constexpr double enough_s = 5;  // one ping that takes as long tells enough
+    constexpr double enough_s = 5;  // a single ping of this duration suffices for the extrapolation
     for (std::size_t k = 0; k < probes && sum.seconds < enough_s; ++k)
       probe(transmissions, group, (2 * k + 1) * pings / (2 * probes), sum);
     const double per_ping = sum.seconds / static_cast<double>(sum.pings);

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The command `compare`. It compares the echoes of two files bin by bin. Options fit gain and range
+// dependence, apply an output model, diagnose systematic errors and attribute errors to objects. One option
+// computes the sampling error of a perfect engine. The command prints the results and writes JSON, PNG or
+// HTML (docs/compare.md).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -84,7 +88,7 @@ void print_sensor(const SensorErrors& sensor, const SensorFit* fit) {
          bin.candidate_j, bin.error_db, 100 * bin.share_of_difference);
 }
 
-/// The ping with the largest sum |C - R|.
+/// Returns the ping with the largest sum |C - R|.
 std::size_t worst_ping(const EchoPairs::Sensor& pair) {
   const std::size_t bins = pair.reference->beams * pair.reference->samples;
   std::size_t worst = 0;
@@ -115,16 +119,16 @@ Canvas picture_of(const std::vector<SensorErrors>& sensors, const EchoContents& 
   return draw_comparison(drawn, subtitle, label_font());
 }
 
-/// "SHA-256  file": what a page was made of.
+/// Formats the hash and the name of a file from which a page was made: "SHA-256  file".
 std::string hash_line(const fs::path& file) { return fmt::format("{}  {}", sha256_of(file), file.string()); }
 
-/// Of a perfect engine, where one is given.
+/// Returns the echo file of a perfect engine, if the option names a file and not a sampling.
 std::optional<fs::path> ideal_file(const CompareOptions& options) {
   if (!options.ideal || beam_sampling(*options.ideal)) return std::nullopt;
   return *options.ideal;
 }
 
-/// The command that makes the same again.
+/// Returns a command that makes the same comparison again.
 std::string command_of(const CompareOptions& options) {
   std::string command =
       fmt::format("tubefoot compare {} {}", options.reference.string(), options.candidate.string());
@@ -213,7 +217,7 @@ int compare_command(const CompareOptions& options) {
     forecasts.resize(pairs.sensors.size());
   }
   if (output_model) apply_output_model(*output_model, reference, pairs);
-  std::vector<GeometryErrors> geometries;  // of what the candidate said, before any fit
+  std::vector<GeometryErrors> geometries;  // computed from the candidate as given, before any fit
   for (const EchoPairs::Sensor& pair : pairs.sensors)
     if (options.geometry) geometries.push_back(geometry_errors(echo_pair(pair), options.threshold));
   std::vector<SensorFit> fits;

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The command `footprints`. It writes the visible polygons of selected pings and beams of one sensor, as
+// columns, as exact corners, or both (docs/footprints.md).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,7 +23,7 @@
 namespace tubefoot {
 namespace {
 
-/// The places of the file of columns, if one was asked for, and of that of exact corners.
+/// Output files of the columns and of the exact corners; each is empty if it is not requested.
 struct Places {
   std::optional<OutputFile> columns, exact;
 
@@ -37,7 +39,7 @@ struct Places {
   }
 };
 
-/// The files in them.
+/// Writes footprints into the files of `Places`.
 class Files {
  public:
   Files(Places& places, FootprintFileMaker make, const Transmissions& transmissions, std::size_t sensor)
@@ -49,7 +51,7 @@ class Files {
     if (places.exact) exact_.emplace(places.exact->path(), transmissions, sensor);
   }
 
-  /// Footprints written; without columns, pieces.
+  /// Returns the number of footprints written or, without columns, the number of pieces.
   std::size_t add(std::size_t ping, std::size_t number, std::span<const std::uint32_t> beams) {
     const Transmissions& around =
         around_.at(transmissions_.survey().sensor_set->transmissions_of(sensor_), ping);

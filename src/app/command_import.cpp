@@ -22,7 +22,8 @@
 namespace tubefoot {
 namespace {
 
-/// Longest list of originals that the file's attributes have; longer ones are in the folder alone.
+/// Longest list of originals, in bytes, that the attributes of the file contain. The folder of originals
+/// contains longer lists.
 constexpr std::size_t longest_list = 1 << 14;
 
 std::string list_of(const std::vector<Original>& originals) {

@@ -41,7 +41,8 @@ int join_command(const JoinOptions& join) {
 
   const auto start = std::chrono::steady_clock::now();
   const std::shared_ptr<PingStore> store = partial.open(deal.layout(), run.identity);
-  partial.remove();  // its name: the parts are what is kept if this is killed, and its space is free then
+  partial.remove();  // removes the name only; the shards remain if this process is killed, and its disk space
+                     // is freed then
   parts.hand_over(deal, *store, options.quiet);
   run.simulation_seconds = seconds_since(start);
   const std::vector<Recording> recordings = looked_back(run, *survey, store);

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Entry point of the program: parses the command line, calls the command, and converts exceptions to
+// messages and exit codes. It also accepts renamed options and reports unknown commands.
 #include "app/command_line.hpp"
 
 #include <fcntl.h>
@@ -81,13 +83,14 @@ namespace {
 
 constexpr int done = 0, failed = 1, wrong_input = 2;
 
-/// Where a standard stream is closed, the first file that is opened would take its number, and its words.
+/// Opens /dev/null for each closed standard stream. Otherwise the first file that is opened would take the
+/// number of the stream and receive its output.
 void hold_closed_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
     if (fcntl(stream, F_GETFD) < 0 && errno == EBADF && open("/dev/null", O_RDONLY) < 0) return;
 }
 
-/// Options of earlier versions. They keep their meaning and cause a warning.
+/// An option of an earlier version. It keeps its meaning and causes a warning.
 struct RenamedOption {
   std::string_view before, now;
 };
@@ -101,7 +104,8 @@ constexpr std::array renamed_options{RenamedOption{"--truth", "--labels"},
                                      RenamedOption{"--azimuth", "--azimuths"},
                                      RenamedOption{"--elevation", "--elevations"}};
 
-/// The words of the command line with present names of options, and `help COMMAND` as `COMMAND --help`.
+/// Returns the words of the command line with current option names and with `help COMMAND` as `COMMAND
+/// --help`.
 std::vector<std::string> present_words(int argc, char** argv) {
   std::vector<std::string> words(argv, argv + argc);
   const bool quiet = std::ranges::find(words, "--quiet") != words.end() || is_later_rank();
@@ -140,7 +144,7 @@ bool has_command(const CLI::App& app, const std::vector<std::string>& words) {
   return false;
 }
 
-/// Calls the command; what it throws becomes a message and an exit code.
+/// Calls the command and converts its exceptions to a message and an exit code.
 int called(const std::function<int()>& command) {
   try {
     return command();
@@ -148,7 +152,7 @@ int called(const std::function<int()>& command) {
     say("tubefoot: interrupted: nothing was written\n");
     return failed;
   } catch (const InputError& error) {
-    // A library may have been short of memory for a file that is right.
+    // A library may have run out of memory while it read a valid file.
     if (const std::string_view words = exhaustion_in_words(error); !words.empty()) {
       say("tubefoot: {}\n", words);
       return failed;
@@ -166,14 +170,15 @@ int called(const std::function<int()>& command) {
       say("tubefoot: {}\n", words);
       return failed;
     }
-    // What is wrong with stdout is said once, at the end.
+    // A failure of stdout is reported once, at the end.
     if (std::ferror(stdout) == 0) say("tubefoot: {}\n", shown(error.what()));
     return failed;
   }
 }
 
-/// What libraries set up before main() they do not all look at: OpenImageIO's table of names, 8 MB, may have
-/// holes in which it crashes later. Where as much can still be had, it has none. Throws std::bad_alloc.
+/// Throws std::bad_alloc if little memory is left. Some libraries do not check the allocations that they
+/// make before main(). The table of names of OpenImageIO takes 8 MB. After a failed allocation it has
+/// holes, and OpenImageIO crashes later. If 16 MB are still available here, these allocations succeeded.
 void require_memory_of_libraries() { ::operator delete(::operator new (std::size_t{16} << 20)); }
 
 int obeyed(int argc, char** argv) {
@@ -199,9 +204,9 @@ int obeyed(int argc, char** argv) {
     for (const std::string& word : words) pointers.push_back(word.c_str());
     app.parse(static_cast<int>(pointers.size()), pointers.data());
   } catch (const CLI::ParseError& error) {
-    // Several ranks read the same command: one complains.
+    // Several ranks parse the same command line; only the first reports the error.
     if (argc > 1 && std::string_view(argv[1]) == "run" && is_later_rank()) return done;
-    // --help and --version arrive as errors of code 0.
+    // CLI11 throws --help and --version as errors of code 0.
     std::ostringstream answer, complaint;
     const int code = app.exit(error, answer, complaint);
     tell("{}", answer.str());

@@ -3,8 +3,8 @@
 
 namespace tubefoot {
 
-/// The program. Returns its exit code: 0 done, 1 the run failed, 2 the input or the command line is wrong,
-/// 3 `compare` found more error than was allowed.
+/// Runs the program and returns its exit code: 0 for success, 1 if the run fails, 2 for invalid input or an
+/// invalid command line. The code is 3 if the error that `compare` measures exceeds the limit.
 int run_command_line(int argc, char** argv);
 
 }  // namespace tubefoot

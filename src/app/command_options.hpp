@@ -7,10 +7,10 @@
 
 #include "app/commands.hpp"
 
-// What the command line is read into, and what its commands have in common.
+// Options of the command line, and the functions that add the subcommands to the parser.
 namespace tubefoot {
 
-/// What the command line asks for: the options of each command, and the one command that is called.
+/// The options of each command, and the command to call.
 struct CommandOptions {
   RunOptions run;
   JoinOptions join;
@@ -32,7 +32,7 @@ struct CommandOptions {
   std::function<int()> command;
 };
 
-/// Of every command that reads a scene.
+/// Adds the flags of every command that reads a scene.
 template <class Options>
 void add_scene_flags(CLI::App& command, Options& options, const std::string& group = "Options") {
   command
@@ -42,20 +42,20 @@ void add_scene_flags(CLI::App& command, Options& options, const std::string& gro
   command.add_flag("--quiet", options.quiet, "print results and errors only")->group(group);
 }
 
-/// Of every command that computes with one.
+/// Adds the options of every command that computes with a scene.
 void add_common(CLI::App& command, CommonOptions& options, const std::string& group = "Options");
 
-/// CLI11's own range checks let NaN through, as it is neither too small nor too large.
+/// Accepts finite numbers from `least` on, or above it. The range checks of CLI11 accept NaN.
 CLI::Validator finite_number(double least, bool above);
 
-/// Of the folder of a run, its echoes.nc; every other name stays as it is.
+/// Replaces the folder of a run by its echoes.nc and leaves every other name as it is.
 CLI::Validator echoes_of_run();
 
-// The commands that end in a result folder (requested_run.cpp).
+// Commands that write a result folder (options_of_run.cpp).
 void add_run(CLI::App& app, CommandOptions& requested);
 void add_join(CLI::App& app, CommandOptions& requested);
 
-// Those that say what a scene, or what is in it, is like (requested_scene.cpp).
+// Commands that describe a scene or its contents (options_of_scene.cpp).
 void add_check(CLI::App& app, CommandOptions& requested);
 void add_audit(CLI::App& app, CommandOptions& requested);
 void add_footprints(CLI::App& app, CommandOptions& requested);
@@ -66,7 +66,7 @@ void add_refine(CLI::App& app, CommandOptions& requested);
 void add_export(CLI::App& app, CommandOptions& requested);
 void add_presets(CLI::App& app, CommandOptions& requested);
 
-// Those that hold one result against another, and bring in what others made (requested_validation.cpp).
+// Commands that compare results or import those of other programs (options_of_validation.cpp).
 void add_import_scene(CLI::App& app, CommandOptions& requested);
 void add_compare(CLI::App& app, CommandOptions& requested);
 void add_import(CLI::App& app, CommandOptions& requested);

@@ -37,7 +37,7 @@ int presets_command(const PresetsOptions& options) {
       tell("{}", preset.text);
       return 0;
     }
-  // Not the name of a preset: a part of names or titles.
+  // The argument is not the name of a preset: print all presets whose name or title contains it.
   bool any = false;
   for (const SensorPreset& preset : sensor_presets())
     if (contains_ignoring_case(fmt::format("{} {}", preset.name, preset.title()), *options.name)) {

@@ -16,7 +16,7 @@ int refine_command(const RefineOptions& options) {
   const SceneDescription description = described(options);
   Inputs inputs = description.inputs;
   if (description.refinement.file)
-    std::erase(inputs, *description.refinement.file);  // this is how it is made
+    std::erase(inputs, *description.refinement.file);  // this command writes that file
   OutputFile output(options.output, inputs);
   const ThreadLimit limit(description.run.threads);
   Scene loaded = load_scene(description);

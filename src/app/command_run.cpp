@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The command `run`. It simulates all pings of a scene and writes a result folder, or computes one shard of
+// a run (`--shard`). It resumes from a checkpoint and can take its settings from an error tolerance.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -48,7 +50,8 @@ nlohmann::ordered_json json_of(const Advice& advice, double seconds) {
   return json;
 }
 
-/// Settings as the run that is gone on with had them, as the scene says, or as a tolerance picks them.
+/// Determines the settings: those of the resumed run, those of the scene, or those that a tolerance
+/// selects.
 void settle(RunInProgress& run, const SceneDescription& description, const PartialRun& partial) {
   const nlohmann::ordered_json scene_request = request_json(description, run.request);
   if (partial.kept()) {
@@ -84,10 +87,10 @@ std::vector<Recording> simulate_all(RunInProgress& run, const Survey& survey, Pa
   return recordings;
 }
 
-/// Computes a part of the pings into a file beside the output, for join_command().
+/// Computes a shard of the pings into a file next to the output, for join_command().
 int run_part(const RunOptions& options) {
   const PartNumber number = parse_part(*options.part);
-  if (is_later_rank()) return 0;  // the first says it
+  if (is_later_rank()) return 0;  // the first rank reports errors
   if (is_one_of_several_ranks())
     throw UsageError(
         "--shard is for processes that know nothing of each other, and mpirun shares a run among its own: "
@@ -100,7 +103,7 @@ int run_part(const RunOptions& options) {
         "--tolerance measures which settings are the cheapest, and parts could find different ones: let "
         "'tubefoot "
         "advise' find them once, and give them to all parts");
-  // What join would be refused is refused before anything is computed.
+  // Rejects before the computation what join would reject.
   std::optional<OutputFolder> output(std::in_place, options.output, inputs_of(description));
   RunPart part(options, request_json(description, request));
   output.reset();

@@ -64,7 +64,7 @@ int strength_command(const StrengthOptions& options) {
   if (const auto small = too_small_for(mesh, request.frequencies_hz.front(), request.sound_speed))
     warnings.push_back(options.mesh.string() + ": " + *small);
   print_warnings(warnings, options.quiet);
-  const double bytes_a_cell = options.reference ? 300 : 160;  // numbers, and their text
+  const double bytes_a_cell = options.reference ? 300 : 160;  // numbers and their text
   require_memory(bytes_a_cell * static_cast<double>(request.azimuths_deg.size()) *
                      static_cast<double>(request.elevations_deg.size()) *
                      static_cast<double>(request.frequencies_hz.size()),

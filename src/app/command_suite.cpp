@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The scene as other engines read it, in forms/sdf and the like of its folder.
+/// Writes the scene in the formats of other engines, into forms/sdf and similar folders.
 void write_forms(const Survey& survey, const fs::path& folder) {
   const ExchangedScene scene = exchanged_scene(survey, {}, 0);
   for (const EngineAxes& form : engine_axes()) {

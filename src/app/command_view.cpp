@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The command `view`. It writes a page that shows footprints in three dimensions next to the sonar picture,
+// for a scene file or a result folder. It can compare the picture with that of another engine
+// (docs/viewer.md).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,11 +28,11 @@ namespace tubefoot {
 namespace fs = std::filesystem;
 namespace {
 
-/// What a result folder says of the run that made it.
+/// The parameters of a run that its result folder records.
 struct RunRecord {
   fs::path scene;
   std::string scene_hash, engine, arithmetic, binning;
-  std::optional<std::string> sensor{}, pings{}, beams{};  ///< what it was asked for; none: all
+  std::optional<std::string> sensor{}, pings{}, beams{};  ///< selection of the run; none: all
 };
 
 RunRecord read_record(const fs::path& folder) {
@@ -61,7 +64,7 @@ SceneDescription described_by(const RunRecord& record, const ViewOptions& option
   if (!fs::exists(common.scene))
     throw UsageError(fmt::format("the scene of '{}' is not at '{}': name it with --scene",
                                  options.scene.string(), common.scene.string()));
-  // The result may be somebody else's, and would name any file of this machine.
+  // Another person may have made the result, and its record could name any file of this machine.
   const auto elsewhere = options.moved_scene ? std::nullopt : place_outside(".", common.scene);
   if (elsewhere && options.confined)
     throw UsageError(
@@ -85,7 +88,8 @@ SceneDescription described_by(const RunRecord& record, const ViewOptions& option
   return description;
 }
 
-/// Of each ping that a view shows, its place in a file; fewer where the file has not all.
+/// Returns the index in the file of each ping that the view shows. The result is shorter if the file lacks
+/// pings.
 std::vector<std::size_t> places_of(const ViewData& view, const SensorEchoes& echoes) {
   std::vector<std::size_t> place;
   for (const ViewPing& ping : view.pings) {
@@ -98,7 +102,7 @@ std::vector<std::size_t> places_of(const ViewData& view, const SensorEchoes& ech
   return place;
 }
 
-/// What an echo file has of a view's picture, by cell.
+/// Returns the energies of an echo file at each cell of the picture of the view.
 std::vector<double> picture_in(const fs::path& file, const ViewData& view) {
   const EchoContents contents = read_echo_file(file);
   const std::string& hash = contents.provenance.scene_hash;
@@ -129,7 +133,7 @@ std::vector<double> picture_in(const fs::path& file, const ViewData& view) {
   return picture;
 }
 
-/// Puts another engine's picture beside a view's.
+/// Adds the picture of another engine to the view.
 void take_candidate(const ViewOptions& options, ViewData& view) {
   view.reference_name = view.source;
   if (options.reference) {
@@ -150,7 +154,8 @@ void take_candidate(const ViewOptions& options, ViewData& view) {
       10 * std::log10(ratio)));
 }
 
-/// Replaces a view's picture by the one that the run recorded, and says where footprints do not explain it.
+/// Replaces the picture of a view by the recorded one. Adds a note if the footprints do not explain its
+/// energy.
 void take_recorded(const fs::path& folder, const RunRecord& record, ViewData& view) {
   const fs::path file = folder / "echoes.nc";
   const EchoContents contents = read_echo_file(file);
@@ -160,7 +165,7 @@ void take_recorded(const fs::path& folder, const RunRecord& record, ViewData& vi
     throw UsageError(
         fmt::format("'{}' has beams {} only, which are no picture: view a run of all beams, or '{}'",
                     folder.string(), *record.beams, record.scene.string()));
-  std::vector<std::size_t> place;  // a run may have some only
+  std::vector<std::size_t> place;  // a run may contain only some pings
   if (found != contents.sensors.end()) place = places_of(view, *found);
   const bool has_all = place.size() == view.pings.size();
   if (found != contents.sensors.end() && record.pings && !has_all)
@@ -220,7 +225,7 @@ int view_command(const ViewOptions& options) {
   std::optional<PingRange> range;
   if (options.pings) {
     range = resolved(*options.pings, survey->sensors[sensor].times_s.size());
-  } else if (record && record->pings) {  // the first that there is
+  } else if (record && record->pings) {  // the first ping of the run
     range = resolved(*record->pings, survey->sensors[sensor].times_s.size());
     range->last = range->first;
   }

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Options of each command, as the command line sets them, and the functions that execute the commands. Each
+// function prints to stdout and returns the exit code.
 #pragma once
 
 #include <filesystem>
@@ -11,14 +13,14 @@
 
 namespace tubefoot {
 
-/// Of a run in parts: its scene, its output, and how results are written. All else is what the parts were
-/// asked for.
+/// Options of join: the scene, the output, and the format of the results. All other settings are those of
+/// the shards.
 struct JoinOptions : RunOptions {
   bool keep_parts = false;
 };
 
 struct CheckOptions : CommonOptions {
-  std::optional<std::filesystem::path> picture;  ///< of the scene
+  std::optional<std::filesystem::path> picture;  ///< picture of the scene to write
 };
 
 struct AuditOptions : CommonOptions {
@@ -29,38 +31,41 @@ struct AuditOptions : CommonOptions {
 struct FootprintOptions : CommonOptions {
   std::string sensor;
   std::string pings = "0";
-  std::string beams;  ///< as resolved_beams() reads them; empty: all
+  std::string beams;  ///< in the format of resolved_beams(); empty: all
   std::filesystem::path output;
-  std::optional<std::filesystem::path> rationals;  ///< exact corners as well
+  std::optional<std::filesystem::path> rationals;  ///< file of exact corners
 };
 
 struct CoverageOptions : CommonOptions {
   std::optional<std::string> sensor;
-  std::optional<int> order;  ///< of [paths]; none: the scene's
+  std::optional<int> order;  ///< largest order of paths, as in [paths]; none: that of the scene
   std::string pings = ":";
   std::filesystem::path output;
   std::optional<std::filesystem::path> picture;
 };
 
-/// Of a mesh by itself. Ranges as angles_of() and frequencies_of() read them.
+/// Options of `strength`, which needs a mesh only. Ranges have the format of angles_of() and
+/// frequencies_of().
 struct StrengthOptions {
   std::filesystem::path mesh, output;
   std::string azimuths = "0:359:1", elevations = "0", frequencies, reflection = "rigid";
   double sound_speed = 1500, roughness_m = 0;
   bool reference = false;
-  double tolerance = 1e-3;  ///< of the reference
+  double tolerance = 1e-3;  ///< tolerance of the reference
   std::optional<double> unit_m;
   std::optional<std::string> up;
   std::optional<int> threads;
   bool quiet = false;
 };
 
-/// `scene` is a scene file or a folder that a run wrote.
+/// `scene` is a scene file or the folder of a run.
 struct ViewOptions : CommonOptions {
-  std::optional<std::filesystem::path> moved_scene;  ///< where the scene of a result folder is now
+  std::optional<std::filesystem::path> moved_scene;  ///< present path of the scene of a result folder
   std::optional<std::string> sensor, pings;
-  std::optional<std::filesystem::path> candidate;  ///< echo file whose picture is held against the view's
-  std::optional<std::filesystem::path> reference;  ///< and in the place of that
+  /// Echo file whose picture is compared with that of the view.
+  std::optional<std::filesystem::path> candidate;
+  /// Echo file that replaces the picture of the view in this comparison.
+  std::optional<std::filesystem::path> reference;
   std::filesystem::path output;
 };
 
@@ -69,7 +74,7 @@ struct RefineOptions : CommonOptions {
 };
 
 struct ExportOptions : CommonOptions {
-  std::string to;  ///< as exchange_format() reads it
+  std::string to;  ///< a format of exchange_format()
   std::optional<std::string> sensor;
   std::int64_t ping = 0;
   std::filesystem::path output;
@@ -78,7 +83,7 @@ struct ExportOptions : CommonOptions {
 /// `world` is an SDF file or a Stonefish scenario.
 struct ImportSceneOptions {
   std::filesystem::path world, output;
-  std::vector<std::filesystem::path> model_path;  ///< folders of model://
+  std::vector<std::filesystem::path> model_path;  ///< folders that model:// refers to
   bool quiet = false;
 };
 
@@ -90,17 +95,19 @@ struct CompareOptions {
   std::size_t worst = 5;
   bool any_scene = false;
   std::optional<double> within_l1, within_db;
-  std::string fit;  ///< of gain, range and offset; empty: none
+  std::string fit;  ///< combination of gain, range and offset; empty: none
   bool geometry = false;
-  std::optional<double> threshold;  ///< above it, the candidate is lit; for geometry
-  std::size_t frames = 1;           ///< pings of the candidate that are averaged
+  /// Energy above which a bin of the candidate is insonified; for `geometry`.
+  std::optional<double> threshold;
+  std::size_t frames = 1;  ///< number of consecutive pings of the candidate that are averaged
   bool diagnose = false;
-  std::optional<std::string> ideal;                   ///< sampling of a perfect engine, or the file of one
-  std::optional<std::filesystem::path> scene;         ///< that the reference was computed of
-  bool attribute = false;                             ///< say whose the error is
-  bool confined = false, quiet = false;               ///< as CommonOptions, of the scene
-  std::optional<std::filesystem::path> output_model;  ///< puts the truth into the candidate's measure
-  std::optional<std::filesystem::path> html;          ///< page of it all, with a diagnosis
+  std::optional<std::string> ideal;  ///< sampling of a perfect engine, or an echo file of such an engine
+  std::optional<std::filesystem::path> scene;  ///< scene from which the reference was computed
+  bool attribute = false;                      ///< attribute the error to objects and facets
+  bool confined = false, quiet = false;        ///< as in CommonOptions, for the scene
+  /// Output model file that converts the reference to the units of the candidate.
+  std::optional<std::filesystem::path> output_model;
+  std::optional<std::filesystem::path> html;  ///< page with all results and a diagnosis
 };
 
 struct ChartOptions {
@@ -131,15 +138,15 @@ struct PresetsOptions {
 /// The benchmark suite (docs/benchmark-suite.md).
 struct SuiteOptions {
   std::filesystem::path output;
-  std::optional<std::string> seed;  ///< of a validation set; none: the debug set
-  std::string scenes;               ///< names between commas; empty: all
+  std::optional<std::string> seed;  ///< seed of a validation set; none: the debug set
+  std::string scenes;               ///< names separated by commas; empty: all
   bool without_answers = false;
   std::optional<int> threads;
   bool quiet = false;
 };
 
-// Each prints to stdout and returns the exit code. They throw InputError where the input is wrong, UsageError
-// where the command line is, and std::exception where the run fails.
+// Each command prints to stdout and returns the exit code. It throws InputError for invalid input,
+// UsageError for an invalid command line, and std::exception if the run fails.
 int run_command(const RunOptions& options);
 int join_command(const JoinOptions& options);
 int check_command(const CheckOptions& options);
@@ -156,7 +163,7 @@ int presets_command(const PresetsOptions& options);
 int chart_command(const ChartOptions& options);
 int advise_command(const AdviseOptions& options);
 int suite_command(const SuiteOptions& options);
-/// Returns 3 where the candidate is not within the error that the options allow.
+/// Returns 3 if the error of the candidate exceeds the limit of the options.
 int compare_command(const CompareOptions& options);
 int import_command(const ImportOptions& options);
 

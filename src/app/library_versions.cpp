@@ -36,7 +36,7 @@ std::string hdf5_version() {
   return fmt::format("{}.{}.{}", major, minor, patch);
 }
 
-/// 20407 is 2.4.7, 100901 is 10.9.1.
+/// Formats a version number of two digits per part: 20407 is 2.4.7, 100901 is 10.9.1.
 std::string by_hundreds(int number) {
   return fmt::format("{}.{}.{}", number / 10000, number / 100 % 100, number % 100);
 }
@@ -46,7 +46,7 @@ std::string by_hundreds(int number) {
 std::string library_versions() {
   const int fmt_version = FMT_VERSION;
   const std::pair<const char*, std::string> versions[] = {
-      // exact numbers, and what is proven with them
+      // exact arithmetic
       {"cgal", CGAL_VERSION_STR},
       {"flint", flint_version},
       {"gmp", gmp_version},

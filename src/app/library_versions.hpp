@@ -5,9 +5,10 @@
 
 namespace tubefoot {
 
-/// The libraries that results do not hang on, or only by their version's promise, a line each: what
-/// `--version` says below the build (run/checkpoint/build_identity.hpp has those that decide bits). As they
-/// are at hand now, where a library tells; else as it was compiled.
+/// Returns one line per library on which results do not depend, or depend only through its documented
+/// version. `--version` prints these lines below the build. run/checkpoint/build_identity.hpp lists the
+/// libraries that determine bits of the results. The version is that of the loaded library if the library
+/// reports it, otherwise that at compile time.
 std::string library_versions();
 
 }  // namespace tubefoot

@@ -2,7 +2,7 @@
 #include "app/command_line.hpp"
 #include "run/console/exhausted.hpp"
 
-#ifndef TUBEFOOT_SANITIZED  // sanitizers have an initializer of their own there
+#ifndef TUBEFOOT_SANITIZED  // sanitizers use this section for their own initializer
 namespace {
 
 void before_libraries(int, char**, char**) { tubefoot::before_libraries_start(); }

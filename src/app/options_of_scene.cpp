@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Options of the commands that describe a scene or its contents: check, audit, footprints, coverage,
+// strength, view, refine, export and presets.
 #include "app/command_options.hpp"
 
 namespace tubefoot {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Options of the commands that compare results or import those of other programs: import-scene, compare,
+// import, chart, advise and suite.
 #include <optional>
 
 #include "app/command_options.hpp"
@@ -151,7 +153,7 @@ void add_import(CLI::App& app, CommandOptions& requested) {
                    "a ping of "
                    "a sidescan, port on the left (default: by the shape)")
       ->check(CLI::IsMember({"range-first", "beam-first", "two-sided"}));
-  // An optional flag of CLI11 is false where it is not given, which is not unset.
+  // CLI11 sets an optional flag to false if it is absent, so an absent flag needs a callback to stay unset.
   const auto add_turn = [&](const char* flag, std::optional<bool>& turned, bool value, const char* words) {
     return command->add_flag_callback(
         flag, [&turned, value] { turned = value; }, words);

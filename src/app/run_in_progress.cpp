@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Steps that `run` and `join` share after the simulation: summing statistics, writing the result folder and
+// printing the summary.
 #include "app/run_in_progress.hpp"
 
 #include <fmt/format.h>
@@ -25,14 +27,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// `refined`: transmissions had ground of their own, no finer than its tolerance asks.
+/// `refined`: relief was refined for each transmission, down to the tolerance of the relief.
 void print_reference(double tolerance, const ReferenceStats& reference, bool refined) {
   if (reference.bins_over == 0)
     tell("reference: every energy within {:g} of its bin, certified{}\n", tolerance,
          refined ? ", for the facets that relief was refined into" : "");
   else if (reference.worst_ratio == 0)  // no bound is finite
     tell("reference: {} bins have no bound, and every other energy is 0, certified\n", reference.bins_over);
-  else if (reference.worst_ratio <= 1)  // of the bounds that are finite
+  else if (reference.worst_ratio <= 1)  // the largest ratio of the finite bounds
     tell("reference: {} bins have no bound; every other energy within {:g} of its bin, certified\n",
          reference.bins_over, tolerance);
   else
@@ -78,7 +80,7 @@ void print_coarsening(const SceneCoarsening& coarse) {
       glm::degrees(coarse.largest_turn_rad));
 }
 
-/// For stats.json.
+/// Returns the contents of stats.json.
 nlohmann::ordered_json whole_statistics(const RunInProgress& run, const Survey& survey,
                                         double write_seconds) {
   nlohmann::ordered_json json = statistics_json(survey, run.request, run.stats);
@@ -99,7 +101,7 @@ nlohmann::ordered_json whole_statistics(const RunInProgress& run, const Survey& 
   return json;
 }
 
-/// Pings a second, where this run made all of them.
+/// Formats the number of pings per second if this run computed all pings.
 std::string pace(const RunInProgress& run) {
   return run.kept_pings == 0 && run.simulation_seconds > 0
              ? fmt::format(" ({:.3g} pings a second)",
@@ -160,7 +162,8 @@ std::vector<std::filesystem::path> write_all(RunInProgress& run, const Survey& s
                                {run.options.pictures, run.options.quiet}, run.label_recordings);
   };
   const auto draw_scene = [&] { write_scene_picture(output.staging() / scene_picture_name, survey); };
-  // librsvg ends the program where memory ends: beside others it is let only where there is plenty.
+  // librsvg terminates the program if memory is exhausted. It runs concurrently only if much memory is
+  // free.
   constexpr double plenty_bytes = 2e9;
   if (!draws_scene) {
     write_results();

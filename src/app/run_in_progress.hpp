@@ -20,42 +20,43 @@
 #include "run/survey.hpp"
 #include "sensors/recordings/label_recording.hpp"
 
-// The steps that commands share which end in a result folder: run, and join of what was run in parts.
+// Steps that the commands `run` and `join` share. Both end in a result folder.
 namespace tubefoot {
 
-/// What the steps of a run hand on to each other.
+/// State that the steps of a run pass on to each other.
 struct RunInProgress {
   explicit RunInProgress(const RunOptions& requested) : options(requested) {}
 
   const RunOptions& options;
   RunRequest request;
-  nlohmann::ordered_json identity;  ///< for who goes on with it or shares it
+  nlohmann::ordered_json identity;  ///< identifies the run for processes that resume or share it
   const std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
   SimulationStats stats;
-  std::size_t kept_pings = 0;  ///< of a run before, that this one goes on with
+  std::size_t kept_pings = 0;  ///< pings from an interrupted run that this run resumes
   int threads = 0;
-  std::optional<int> ranks, parts;  ///< several processes that computed it, if so
+  std::optional<int> ranks, parts;  ///< number of processes that computed the run, if there were several
   double simulation_seconds = 0, write_seconds = 0;
-  double expected_write_seconds = 0;             ///< foresee_writing()
-  std::vector<LabelRecording> label_recordings;  ///< if asked for
+  double expected_write_seconds = 0;             ///< set by foresee_writing()
+  std::vector<LabelRecording> label_recordings;  ///< empty unless labels are requested
   RunWarnings warnings{
       [this](const std::string& warning, bool) { print_warnings({warning}, options.quiet); }};
 };
 
-/// Says what writing will take where that is much, and that the disk is too small. Throws UsageError for
-/// pictures that contradict each other.
+/// Estimates the duration and the disk space of writing, and prints them if they are large or the disk is
+/// too small. Throws UsageError for contradictory options of pictures.
 void foresee_writing(RunInProgress& run, const Survey& survey);
 
-/// Sums and recordings of a store that has all pings, and what is to be said of them.
+/// Returns the sums and recordings of a store that contains all pings. Adds the warnings that they cause.
 std::vector<Recording> looked_back(RunInProgress& run, const Survey& survey,
                                    const std::shared_ptr<PingStore>& store);
 
-/// Names of all files written. `expected`: warnings that were given before.
+/// Writes the result folder and returns the names of all files. `expected`: warnings that were printed
+/// before.
 std::vector<std::filesystem::path> write_all(RunInProgress& run, const Survey& survey,
                                              const std::vector<Recording>& recordings,
                                              const std::vector<std::string>& expected, OutputFolder& output);
 
-/// What a run says at its end.
+/// Prints the summary of a run.
 void tell_all(const RunInProgress& run, const LoadedScene& loaded_scene,
               const std::vector<std::filesystem::path>& files);
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Prepares a candidate for comparison: averages frames, fits its energies to the reference, diagnoses it,
+// and formats the results as text and JSON.
 #include "compare/calibration.hpp"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A candidate brought to where it can be compared: frames averaged, its numbers fitted to the reference's.
+// Prepares a candidate for comparison: averages frames and fits its energies to the reference.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -15,29 +15,29 @@
 
 namespace tubefoot {
 
-/// A pair of sensors as the measures take it: views of its arrays.
+/// Returns a pair of sensors as views of their arrays, in the form that the error measures need.
 EchoPair echo_pair(const EchoPairs::Sensor& pair);
 
-/// Replaces every `frames` pings of each sensor that follow one another by their mean: several noisy pictures
-/// of what stands still. Bounds are left out. Throws InputError where they do not divide the pings.
+/// Replaces every `frames` consecutive pings of each sensor by their mean, for noisy pictures of a static
+/// scene. Removes bounds. Throws InputError if `frames` does not divide the number of pings.
 void average_frames(EchoContents& contents, std::size_t frames);
 
-/// What was fitted of one sensor, and how far it was before.
+/// Fitted parameters of one sensor, and its errors before the fit.
 struct SensorFit {
   std::string name;
   EnergyFit fit;
   EchoErrors before;
 };
 
-/// Fits every candidate and puts what was fitted in its place, so that all that follows measures what is
-/// left. Throws InputError where nothing can be fitted. `pairs` is of `candidate`.
+/// Fits every candidate and replaces its energies by the fitted ones, so that later measures describe the
+/// remaining error. Throws InputError if no fit is possible. `pairs` refers to `candidate`.
 std::vector<SensorFit> fit_candidate(EchoContents& candidate, const EchoPairs& pairs, FitTerms terms);
 
-/// What is wrong with every candidate. `as_given` has the candidate's numbers as they were read, `ideal` is
-/// of a perfect engine of the same sampling, or null.
+/// Diagnoses every candidate. `as_given` has the energies of the candidate as read. `ideal` has those of a
+/// perfect engine with the same sampling, or is null.
 std::vector<Diagnosis> diagnose(const EchoPairs& pairs, const EchoContents& as_given, const EchoPairs* ideal);
 
-/// As lines of the table, and as JSON.
+/// The results as lines of the table, and as JSON.
 /// @{
 std::string fit_text(const SensorFit& fit);
 std::string unitless_text(const UnitlessErrors& errors);
@@ -47,8 +47,8 @@ nlohmann::ordered_json unitless_json(const UnitlessErrors& errors);
 nlohmann::ordered_json geometry_json(const GeometryErrors& errors);
 /// @}
 
-/// What to do where the candidate has more than twice the energy in all, or less than half: it may be in
-/// another unit. Empty where it has not.
+/// Returns advice if the total energy of the candidate is more than twice or less than half that of the
+/// reference. The candidate may then have another unit. Otherwise the result is empty.
 std::string wild_ratio_hint(const EchoErrors& errors);
 
 }  // namespace tubefoot

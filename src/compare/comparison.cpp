@@ -37,7 +37,7 @@ Json json_of(const FirstReturnErrors& first) {
   return json;
 }
 
-/// Figures that are not finite (a silent reference) become null.
+/// Figures that are not finite, as for a reference without energy, become null.
 Json json_of(const SensorErrors& sensor) {
   const SensorEchoes& reference = *sensor.pair.reference;
   const EchoErrors& errors = sensor.errors;

@@ -16,10 +16,11 @@ struct SensorErrors {
   EchoErrors errors;
 };
 
-/// How far each candidate is from its reference, with at most `worst` worst bins.
+/// Computes the errors of each candidate, with at most `worst` bins of largest error.
 std::vector<SensorErrors> errors_of(const EchoPairs& pairs, std::size_t worst);
 
-/// All figures (docs/compare.md). Those that are not finite (a silent reference) become null.
+/// Returns all figures (docs/compare.md). Figures that are not finite, as for a reference without energy,
+/// become null.
 nlohmann::ordered_json comparison_json(const EchoContents& reference, const EchoContents& candidate,
                                        const EchoPairs& pairs, const std::vector<SensorErrors>& sensors);
 

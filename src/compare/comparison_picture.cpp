@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Draws reference, candidate and their ratio in dB as three panels per sensor. A pixel shows the mean
+// energy of the bins that it covers. Waterfalls have a time-varied gain of 40 log R.
 #include "compare/comparison_picture.hpp"
 
 #include <fmt/format.h>
@@ -18,13 +20,13 @@ constexpr int margin = 28, title_height = 44, line_height = 24, panel_title_heig
               axis_width = 72, gap = 26, legend_gap = 24, section_gap = 36;
 constexpr int lowest = 260, highest = 720, narrowest = 300, widest = 420;
 
-/// A row or column of the drawing: the bins that a pixel covers, [first, last).
+/// Bins that a pixel covers in a row or a column of the drawing: [first, last).
 struct BinRange {
   std::size_t first = 0, last = 0;
 };
 
-/// The bins under pixel `pixel` of `pixels` that share `bins` bins: several where bins are finer than pixels,
-/// one where pixels are finer.
+/// Returns the bins that a pixel covers if `pixels` pixels share `bins` bins. These are several bins if
+/// bins are finer than pixels, otherwise one bin.
 BinRange bins_under(int pixel, int pixels, std::size_t bins) {
   const auto n = static_cast<double>(bins);
   const auto first = static_cast<std::size_t>(std::floor(pixel * n / pixels));
@@ -32,14 +34,14 @@ BinRange bins_under(int pixel, int pixels, std::size_t bins) {
   return {std::min(first, bins - 1), std::clamp(last, first + 1, bins)};
 }
 
-/// What a panel shows: a table of energies, columns to the right and rows upwards, of one ping or of all.
+/// Table of energies that a panel shows, with columns to the right and rows upwards: one ping or all pings.
 class Drawing {
  public:
   explicit Drawing(const ComparedEchoes& sensor)
       : sensor_(sensor), echoes_(*sensor.reference), waterfall_(drawn_as_waterfall(echoes_)) {
     columns_ = waterfall_ ? echoes_.beams * echoes_.samples : echoes_.beams;
     rows_ = waterfall_ ? echoes_.pings : echoes_.samples;
-    // Whole pixels a bin where bins are few.
+    // Each bin has a whole number of pixels if there are few bins.
     width_ = fitted(columns_, narrowest, widest);
     height_ = fitted(rows_, lowest, highest);
   }
@@ -48,7 +50,7 @@ class Drawing {
   int height() const { return height_; }
   bool waterfall() const { return waterfall_; }
 
-  /// Mean energy per pixel, row by row from the top.
+  /// Returns the mean energy of each pixel, row by row from the top.
   std::vector<double> pixels(const SensorEchoes& side) const {
     std::vector<double> result;
     result.reserve(static_cast<std::size_t>(width_) * height_);
@@ -67,20 +69,20 @@ class Drawing {
     return result;
   }
 
-  /// What a lit bin has at least, per column or row, after the gain of its range.
+  /// Returns the smallest energy of an insonified bin at a column or row, after the gain of its range.
   double lit_threshold(int x) const {
     return sensor_.lit_threshold_j *
            (waterfall_ ? gain(sample_of(bins_under(x, width_, columns_).first)) : 1);
   }
 
-  /// Middle of a bin of `bins` along `pixels`.
+  /// Returns the pixel at the centre of a bin.
   static int middle(double bin, std::size_t bins, int pixels) {
     return static_cast<int>(std::floor((bin + 0.5) * pixels / static_cast<double>(bins)));
   }
   int x_of_column(double column) const { return middle(column, columns_, width_); }
   int y_of_row(double row) const { return height_ - 1 - middle(row, rows_, height_); }
 
-  /// Where a slant range lies among the samples, counted from the first one's centre.
+  /// Returns the position of a slant range on the sample axis, counted from the centre of the first sample.
   double sample_at(double range_m) const {
     const auto& ranges = echoes_.slant_range_m;
     if (ranges.size() < 2) return 0;
@@ -90,7 +92,7 @@ class Drawing {
     const double low = ranges[above - 1], high = ranges[above];
     return static_cast<double>(above - 1) + (range_m - low) / (high - low);
   }
-  /// Column of a waterfall for a sample of a beam: of two beams the first runs to the left.
+  /// Returns the column of a waterfall for a sample of a beam. The first of two beams extends to the left.
   double column_of(std::size_t beam, double sample) const {
     const auto samples = static_cast<double>(echoes_.samples);
     if (echoes_.beams == 1) return sample;
@@ -110,7 +112,7 @@ class Drawing {
     if (echoes_.beams == 1) return column;
     return column < samples ? samples - 1 - column : column - samples;
   }
-  /// Undoes spreading both ways, or the far half of a waterfall would be dark.
+  /// Compensates two-way spreading; without it the far half of a waterfall would be dark.
   double gain(std::size_t sample) const { return std::pow(std::max(echoes_.slant_range_m[sample], 0.0), 4); }
 
   double energy(const SensorEchoes& side, std::size_t row, std::size_t column) const {
@@ -127,9 +129,11 @@ class Drawing {
   int width_ = 0, height_ = 0;
 };
 
-/// The range of the ratio's colours, dB: the least of these that 98 % of the differing pixels keep within.
+/// Returns the range of the colour scale of the ratio, in dB. It is the smallest fixed range that
+/// contains 98 % of the pixels with a difference.
 double difference_range_db(std::vector<double> differences_db) {
-  std::erase_if(differences_db, [](double d) { return !(std::abs(d) > 0); });  // also what is not shown
+  // Also removes pixels that are not shown.
+  std::erase_if(differences_db, [](double d) { return !(std::abs(d) > 0); });
   if (differences_db.empty()) return 1;
   for (double& difference : differences_db) difference = std::abs(difference);
   const auto rank = static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(differences_db.size() - 1));
@@ -157,7 +161,7 @@ void tick_left(Canvas& canvas, int left, int y, const std::string& label) {
   canvas.label(left - 12, y, label, label_size, palette.ink, Anchor::right);
 }
 
-/// A step of whole numbers.
+/// Returns a tick step that is a whole number.
 double whole_step(std::size_t count, int wanted) {
   return std::max(1.0, tick_step(static_cast<double>(count), wanted));
 }
@@ -198,7 +202,7 @@ void draw_axes(Canvas& canvas, const Drawing& drawing, int left, int top, bool l
               labelled ? tick_label(range, range_step) : "");
 }
 
-/// The ratio's bar, as DecibelScale::draw_legend.
+/// Draws the colour bar of the ratio, as DecibelScale::draw_legend does for energies.
 void draw_difference_legend(Canvas& canvas, double range_db, int x, int y0, int y1) {
   const int bar = 20, top = y0 + 2 * label_size, bottom = y1 - 2 * label_size;
   canvas.text(x, y0 + label_size / 2, "dB", label_size, palette.ink);
@@ -213,7 +217,7 @@ void draw_difference_legend(Canvas& canvas, double range_db, int x, int y0, int 
   }
 }
 
-/// A sensor's three panels and two bars.
+/// Three panels and two colour bars of a sensor.
 class Section {
  public:
   Section(const ComparedEchoes& sensor)

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Pairs the sensors of two echo files and checks that their pings, beams, samples, axes and scene hashes
+// agree.
 #include "compare/echo_pairs.hpp"
 
 #include <fmt/format.h>
@@ -77,15 +79,15 @@ class Match {
     return centres.size() > 1 ? centres[1] - centres[0] : centres[0];
   }
 
-  /// How values along an axis are called and compared.
+  /// Names and tolerance of an axis.
   struct Axis {
     const char *variable, *index, *unit;
     double tolerance;
     const char* advice;
-    double period = 0;  ///< values that differ by it are equal
+    double period = 0;  ///< values that differ by this period are equal
   };
 
-  /// What only one side says is not compared.
+  /// Skips values that only one file has.
   void check_axis(const Axis& axis, std::vector<double> SensorEchoes::*values) const {
     const std::vector<double>&reference = reference_.*values, &candidate = candidate_.*values;
     if (reference.empty() || candidate.empty()) return;

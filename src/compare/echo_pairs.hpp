@@ -15,13 +15,16 @@ struct EchoPairs {
     const SensorEchoes *reference, *candidate;
   };
   std::vector<Sensor> sensors;
-  std::vector<std::string> notes;  ///< what the reader of the figures should know
+  std::vector<std::string> notes;  ///< remarks for the reader of the figures
 };
 
-/// Pairs the sensors of two files by name (or one with one, whatever they are called). Throws InputError,
-/// which names both files, unless each pair has equal numbers of pings, beams and samples, slant ranges equal
-/// to 1 % of a sample, beam axes equal to 0.001 degree, and the files one scene hash; a file without a hash
-/// is noted. `sensor`: only this one. `any_scene`: differing hashes are noted instead.
+/// Pairs the sensors of two files by name. A single sensor in each file needs no common name.
+///
+/// Each pair must have equal numbers of pings, beams and samples. Slant ranges must agree within 1 % of a
+/// sample, and beam axes within 0.001 degree. The files must have the same scene hash. A missing hash adds a
+/// note. Otherwise the function throws InputError, which names both files.
+///
+/// `sensor`: only this sensor. `any_scene`: different hashes add a note instead of an error.
 EchoPairs pair_echoes(const EchoContents& reference, const EchoContents& candidate,
                       const std::optional<std::string>& sensor, bool any_scene);
 

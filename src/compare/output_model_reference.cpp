@@ -21,7 +21,7 @@ std::vector<double> bounds_of(const SensorEchoes& sensor) {
   return bounds;
 }
 
-/// Energies sigma dOmega / r^2 to solid angles: r^2 lies between those of the sample's ends.
+/// Converts energies sigma dOmega / r^2 to solid angles. The bound contains r^2 at both ends of the sample.
 void put_solid_angles(BoundedPicture& picture, const SensorEchoes& energies, double strength_db) {
   const double strength = std::pow(10, strength_db / 10);
   for (std::size_t bin = 0; bin < energies.energy.size(); ++bin) {

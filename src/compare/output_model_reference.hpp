@@ -6,9 +6,9 @@
 
 namespace tubefoot {
 
-/// Puts what the output model makes of the reference's energies and bounds in their place, for the sensors of
-/// `pairs`, which are of `reference`. Throws InputError where a step lacks solid angles, or where these are
-/// not of the reference's pings, beams and samples.
+/// Applies the output model to the energies and bounds of the reference, for the sensors of `pairs`, which
+/// refer to `reference`. Throws InputError if a step needs solid angles that are missing or have other
+/// pings, beams or samples.
 void apply_output_model(const OutputModel& output_model, EchoContents& reference, const EchoPairs& pairs);
 
 }  // namespace tubefoot

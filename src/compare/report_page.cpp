@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Writes a comparison as one HTML page without external files: findings, pictures, attribution tables, all
+// figures, and the command that repeats the comparison.
 #include "compare/report_page.hpp"
 
 #include <fmt/format.h>
@@ -35,7 +37,7 @@ pre { white-space: pre-wrap; overflow-wrap: anywhere; margin: 4px 0; } .fault { 
 .bar { background: var(--accent); height: 10px; border-radius: 2px; min-width: 1px; } img { max-width: 100%; height: auto; display: block; }
 )";
 
-/// A number as a page shows it; what is not finite is a dash.
+/// Formats a number for the page; a number that is not finite becomes a dash.
 std::string number(const Json& value) {
   if (value.is_number_integer()) return fmt::format("{}", value.get<std::int64_t>());
   if (value.is_number()) return fmt::format("{:.4g}", value.get<double>());
@@ -48,7 +50,7 @@ std::string level(const Json& db) {
   return db.is_number() && std::isfinite(db.get<double>()) ? fmt::format("{:+.2f}", db.get<double>()) : "-";
 }
 
-/// In memory infinities are numbers still.
+/// In-memory JSON still contains infinities as numbers.
 std::string finite(const Json& value) {
   return value.is_number() && std::isfinite(value.get<double>()) ? number(value) : "-";
 }
@@ -104,7 +106,7 @@ std::string ideal_of(const Json& sensor) {
 
 std::string percent(const Json& share) { return fmt::format("{:.1f} %", 100 * share.get<double>()); }
 
-/// A bar for each row's share of the error.
+/// Draws a bar for the share of each row in the error.
 std::string parts_of(const Json& rows, const char* title, std::size_t most) {
   std::string text = fmt::format(
       "<table class=\"parts\"><tr><th>{}</th><th colspan=\"2\">of the error</th><th>of the "
@@ -155,7 +157,7 @@ std::string attribution_of(const Json& sensor) {
   return text + "</div></section>\n";
 }
 
-/// Every figure below a JSON value, with the path to it.
+/// Adds every figure below a JSON value, with its path.
 void add_rows(const Json& value, const std::string& path, std::string& rows) {
   if (value.is_object()) {
     for (const auto& [key, inner] : value.items())

@@ -7,19 +7,20 @@
 
 namespace tubefoot {
 
-/// What a page of a comparison is made of.
+/// Contents of the page of a comparison.
 struct ReportContents {
-  const nlohmann::ordered_json& figures;  ///< as `compare --json`, with `diagnosis` of each sensor
-  std::vector<unsigned char> png;         ///< of reference, candidate and their ratio
+  const nlohmann::ordered_json& figures;  ///< as in `compare --json`, with `diagnosis` of each sensor
+  std::vector<unsigned char> png;         ///< picture of reference, candidate and their ratio
   std::string caption;
-  std::vector<std::string> files;  ///< what was compared: a line each
-  std::string command;             ///< that makes the page again
+  std::vector<std::string> files;  ///< descriptions of the compared files, one line each
+  std::string command;             ///< command that makes the page again
 };
 
-/// One self-contained page (HTML): findings, pictures, figures, how to repeat it.
+/// Returns one self-contained HTML page: findings, pictures, figures, and the command that repeats the
+/// comparison.
 std::string report_page(const ReportContents& contents);
 
-/// RFC 4648.
+/// Base64 encoding of RFC 4648.
 std::string base64(const std::vector<unsigned char>& bytes);
 
 }  // namespace tubefoot

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Collects the parts of a scene that other engines can represent: facets by component and material, and
+// sonars at one ping. Lists the properties that no exchange format can represent.
 #include "exchange/exchanged_scene.hpp"
 
 #include <fmt/format.h>
@@ -18,7 +20,7 @@
 namespace tubefoot {
 namespace {
 
-/// plain_stem(), once.
+/// Returns plain_stem(), made unique by a number.
 std::string stem_of(const std::string& name, std::set<std::string>& taken) {
   const std::string stem = plain_stem(name, "piece");
   std::string unique = stem;

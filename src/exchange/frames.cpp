@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Axes of other engines and conversions of placements: signed permutations of axes, roll, pitch and yaw,
+// and quaternions. docs/exchange.md describes them.
 #include "exchange/frames.hpp"
 
 #include <fmt/format.h>
@@ -22,7 +24,8 @@ constexpr Axes forward_starboard_down{"x forward, y starboard, z down", {{{0, 1,
 constexpr Axes starboard_down_ahead{"x starboard, y down, z ahead", {{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}}}};
 constexpr Axes starboard_up_behind{"x starboard, y up, z behind", {{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}}};
 
-/// Sine and cosine, exact at whole quarters of a turn, that a text of 15 digits or more means.
+/// Returns sine and cosine. They are exact at multiples of a quarter turn that a text of 15 digits or more
+/// represents.
 std::array<double, 2> sine_cosine(double angle) {
   const double quarters = angle / (std::numbers::pi / 2), whole = std::round(quarters);
   if (std::abs(quarters - whole) > 1e-15 * std::max(1.0, std::abs(whole)))
@@ -49,7 +52,7 @@ glm::dvec3 Axes::to_theirs(glm::dvec3 ours) const {
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 3; ++column)
       if (const int sign = rows[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)]; sign != 0)
-        theirs[row] = sign * ours[column] + 0.0;  // no -0
+        theirs[row] = sign * ours[column] + 0.0;  // avoids -0
   return theirs;
 }
 
@@ -63,9 +66,10 @@ glm::dvec3 Axes::to_ours(glm::dvec3 theirs) const {
 }
 
 const std::array<EngineAxes, 5>& engine_axes() {
-  // Gazebo: docs of SDFormat and of its sensors. Stonefish: docs/scenario.rst, docs/environment.rst; its
-  // vision sensors look along z with -y up. glTF 2.0, 3.4: y up; its cameras look along -z. OBJ has no axes:
-  // ours. HoloOcean: "Units and Coordinates": x forward, y left, z up, right-handed.
+  // Sources of the axes. Gazebo: documentation of SDFormat and of its sensors.
+  // Stonefish: docs/scenario.rst, docs/environment.rst; its vision sensors look along z with -y up.
+  // glTF 2.0, section 3.4: y up; its cameras look along -z. OBJ has no axes: those of tubefoot.
+  // HoloOcean: "Units and Coordinates": x forward, y left, z up, right-handed.
   static const std::array<EngineAxes, 5> table{
       EngineAxes{"sdf", east_north_up, forward_port_up, forward_port_up},
       EngineAxes{"stonefish", north_east_down, forward_starboard_down, starboard_down_ahead},

@@ -54,7 +54,8 @@ void ObjMesh::object(std::string_view name, std::string_view material, std::span
   for (const auto& [a, b, c] : triangles) {
     const std::uint64_t i = points_ + a + 1, j = points_ + b + 1, k = points_ + c + 1;
     if (normals) {
-      // Of floats: it is for shading. A triangle without area has any.
+      // Normals are used for shading only, so that floats suffice. A triangle without area has an arbitrary
+      // one.
       glm::dvec3 n = glm::cross(points[b] - points[a], points[c] - points[a]);
       n = glm::length(n) > 0 ? glm::normalize(n) : glm::dvec3(0, 0, 1);
       ++normals_;

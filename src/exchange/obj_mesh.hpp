@@ -12,21 +12,23 @@
 
 namespace tubefoot {
 
-/// "x y z": the shortest decimals that read as the same doubles; -0 is 0.
+/// Formats "x y z" with the shortest decimals that read as the same doubles; -0 becomes 0.
 std::string numbers_text(glm::dvec3 v);
 
-/// A Wavefront OBJ, object after object. Coordinates are as given; readers of doubles get the same bits.
+/// Writes a Wavefront OBJ object by object. Coordinates are written as given, so that readers that use
+/// doubles get the same bits.
 class ObjMesh {
  public:
-  /// `words`: of any lines, go above it as comments.
+  /// `words`: lines of a comment at the beginning of the file.
   ObjMesh(const std::filesystem::path& file, std::string_view words);
-  /// Goes between objects: "mtllib ...".
+  /// Writes a line between objects: "mtllib ...".
   void line(std::string_view text);
-  /// `material`: of usemtl; empty: none. Names are written as they are: without line ends, please. `normals`:
-  /// each triangle with its own, for engines that make none.
+  /// Writes an object. `material`: name for usemtl; empty: none. Names are written unchanged and must not
+  /// contain line breaks. `normals`: writes a normal for each triangle, for engines that do not compute
+  /// them.
   void object(std::string_view name, std::string_view material, std::span<const glm::dvec3> points,
               std::span<const std::array<std::uint32_t, 3>> triangles, bool normals = false);
-  /// Throws std::runtime_error where the disk refuses, as all of it does.
+  /// Throws std::runtime_error on a write error, as all functions of the class do.
   void close() { file_.close(); }
 
  private:
@@ -37,7 +39,7 @@ class ObjMesh {
   std::uint64_t points_ = 0, normals_ = 0;
 };
 
-/// `#` and a space before each line of a text.
+/// Returns a text with `#` and a space before each line.
 std::string commented(std::string_view text);
 
 }  // namespace tubefoot

@@ -17,7 +17,7 @@ namespace {
 
 using Shape = ExchangedSonar::Shape;
 
-/// In the plane of the fan, from its middle to starboard.
+/// Returns the angle of a beam in the plane of the fan, from the centre to starboard.
 double angle_in_fan_deg(const BeamAxis& beam, bool looks_down) {
   const double level = std::cos(beam.elevation_rad);
   const glm::dvec3 axis(level * std::sin(beam.azimuth_rad), level * std::cos(beam.azimuth_rad),

@@ -12,13 +12,13 @@ namespace tubefoot {
 
 class Sensor;
 
-/// All of a sonar but where it is.
+/// Returns all properties of a sonar except its placement.
 ExchangedSonar sonar_words(const Sensor& sensor);
 
-/// A key's value as TOML: a number, a list of numbers between spaces, or a word of letters and _; empty for
-/// what is none of them, and for what is longer than any of ours.
+/// Returns the value of a key as TOML: a number, a list of numbers separated by spaces, or a word of
+/// letters and _. Other texts, and texts longer than any valid value, give an empty result.
 std::string toml_value(std::string_view text);
-/// Whether a text is the name of a key: small letters and _.
+/// Returns whether a text is a valid name of a key: lower-case letters and _.
 bool is_key(std::string_view text);
 
 }  // namespace tubefoot

@@ -6,11 +6,12 @@
 
 namespace tubefoot {
 
-/// A name from the root, with its links and ".." as they are. Throws UsageError for a relative name where the
-/// current folder is no more, as it may be when somebody deletes it.
+/// Returns an absolute name and keeps links and "..". Throws UsageError for a relative name if the current
+/// folder does not exist any more.
 std::filesystem::path absolute_path(const std::filesystem::path& file);
 
-/// What the system says about a file, in the words of a message: "'a/b': Permission denied".
+/// Returns the system's message about a file in the form of tubefoot's messages: "'a/b': Permission
+/// denied".
 std::string message_of(const std::filesystem::filesystem_error& error);
 
 }  // namespace tubefoot

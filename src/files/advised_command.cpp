@@ -11,7 +11,7 @@ namespace fs = std::filesystem;
 
 std::string shell_word(const fs::path& file) {
   std::string text = file.string();
-  if (text.starts_with('-')) text = "./" + text;  // no option
+  if (text.starts_with('-')) text = "./" + text;  // so that it is not an option
   constexpr std::string_view plain =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./-+=:@%,";
   if (!text.empty() && text.find_first_not_of(plain) == text.npos) return text;

@@ -7,21 +7,21 @@
 
 namespace tubefoot {
 
-/// A name as a shell reads it, quoted where it has to be.
+/// Returns a name in the syntax of a shell, with quotes where they are necessary.
 std::string shell_word(const std::filesystem::path& file);
 
-/// A name beside `file` at which there is nothing yet: "seabed.nc" gives "seabed_new.tif", or
-/// "seabed_new2.tif" where the first is taken.
+/// Returns the name of a file that does not exist yet, in the folder of `file`: "seabed.nc" gives
+/// "seabed_new.tif", or "seabed_new2.tif" if the first exists.
 std::filesystem::path new_file_beside(const std::filesystem::path& file, std::string_view extension,
                                       int first = 1);
 
-/// A command that messages advise, between backticks: `command` with its options, then the file that it reads
-/// and a new one that it writes. It never writes into the user's own file. Words in capitals (EPSG:..., WEST)
-/// are for the user to fill in. A test runs all of them as they stand.
+/// Returns a command that a message advises, between backticks: `command` with its options, the file that
+/// it reads and a new file that it writes. The command never writes into the user's file. The user replaces
+/// words in capitals (EPSG:..., WEST). A test runs all advised commands.
 std::string advised_command(std::string_view command, const std::filesystem::path& file,
                             std::string_view extension = ".tif");
 
-/// The same of ogr2ogr, which names the new file first.
+/// Returns the same for ogr2ogr, which names the new file first.
 std::string advised_ogr2ogr(std::string_view options, const std::filesystem::path& file);
 
 }  // namespace tubefoot

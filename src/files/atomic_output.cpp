@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Writes files and result folders atomically and durably. The output is written into a Staging in the
+// folder of the target, synchronised with the disk, and renamed. Constructors test whether the target can
+// be replaced.
+
 #include "files/atomic_output.hpp"
 
 #include <fcntl.h>
@@ -31,7 +36,7 @@ UsageError dangling(const fs::path& target) {
       fmt::format("'{}' is a link to nothing: choose another -o, or remove it", target.string()));
 }
 
-/// Whether a name stands for something that a process has open, as /dev/stdout does, whatever that is.
+/// Returns whether a name refers to an open file of a process, as /dev/stdout does.
 bool is_of_open_files(fs::path name) {
   std::error_code error;
   for (int links = 0; links < 40 && fs::is_symlink(fs::symlink_status(name, error)); ++links) {
@@ -49,9 +54,9 @@ bool is_mount_point(const fs::path& place) {
          (status.stx_attributes & STATX_ATTR_MOUNT_ROOT) != 0;
 }
 
-/// Whether an earlier file or folder can be given up for a new one, tried without doing it: the system is
-/// asked to do what it must refuse in the end (a folder in the place of a file; a folder in the place of one
-/// that is not empty), but looks at rights, mounts and layers before it does.
+/// Tests whether an earlier file or folder can be replaced, without replacing it. The test requests an
+/// operation that must fail: replacing a file, or a folder that is not empty, by a folder. The system
+/// checks rights, mounts and layers before it rejects this operation.
 void rehearse(const fs::path& target, const Staging& staging) {
   const auto refused = [&](const std::string& why) {
     return UsageError(fmt::format("'{}' cannot be replaced: {}: choose another -o", target.string(), why));
@@ -70,7 +75,7 @@ void rehearse(const fs::path& target, const Staging& staging) {
   if (!expected.contains(errno)) throw refused(std::strerror(errno));
 }
 
-/// The names in a result folder's list. It is no longer ours if it is no ordinary file.
+/// Returns the names in the list of a result folder. A list that is not a regular file does not count.
 std::set<std::string> listed_in(const fs::path& folder) {
   std::set<std::string> names{list_name};
   if (!fs::is_regular_file(fs::symlink_status(folder / list_name))) return names;
@@ -85,7 +90,7 @@ void refuse_strangers(const fs::path& target) {
   const std::set<std::string> known = listed_in(target);
   for (const fs::directory_entry& entry : fs::directory_iterator(target)) {
     const std::string name = entry.path().filename().string();
-    // What has folders in it (a pack) is written over nothing.
+    // An output with subfolders (a pack) never replaces an earlier one.
     if (!known.contains(name) || fs::is_directory(entry.symlink_status()))
       throw UsageError(
           fmt::format("'{}' holds '{}', which tubefoot did not write: choose another -o, or move it away",
@@ -118,7 +123,8 @@ OutputFile::OutputFile(const fs::path& target, const Inputs& inputs) {
   if (target_.filename() == list_name)
     throw UsageError(
         fmt::format("'{}' is where tubefoot lists what it wrote: name another file", target.string()));
-  // Tried, and made again when it is written: what is stopped in between leaves nothing behind.
+  // The trial is removed at once and the staging folder is made again in path(), so that an interrupted
+  // program leaves nothing behind.
   const Staging trial(target_, 0700);
   if (fs::exists(status)) rehearse(target_, trial);
 }
@@ -183,14 +189,15 @@ void OutputFolder::make_parents() {
   }
 }
 
-/// Only if they are empty: nothing was committed.
+/// Removes only empty parents, because nothing was committed.
 void OutputFolder::remove_parents() {
   for (; !made_parents_.empty(); made_parents_.pop_back()) rmdir(made_parents_.back().c_str());
 }
 
 void OutputFolder::commit() {
   staging_->write_list();
-  if (fs::exists(target_)) refuse_strangers(target_);  // somebody may have put a file there since
+  if (fs::exists(target_))
+    refuse_strangers(target_);  // another program may have put a file there in the meantime
   sync_files_in(staging_->path());
   for (const fs::path& parent : made_parents_) sync_names_in(parent.parent_path());
   publish(staging_->path(), target_);

@@ -10,26 +10,28 @@
 
 namespace tubefoot {
 
-// Every file that a command writes goes through one of these two. What they promise:
-// - whole or not at all: it is written into a Staging beside its place, which it takes at the end;
-// - durable: it lies on the disk, under its name, when commit() returns;
-// - never over an input, and never over what somebody else wrote in a result folder;
-// - unusable places are found by the constructor, which throws UsageError, before anything is computed.
+// Every file that a command writes goes through OutputFile or OutputFolder.
+// 1. The output is complete or does not exist. Both write into a Staging in the folder of the target, which
+//    takes the target's name at the end.
+// 2. The output is durable. The bytes and the name are on disk when commit() returns.
+// 3. The output never replaces an input, nor a file that another program wrote into a result folder.
+// 4. The constructor finds unusable places before any computation, and throws UsageError.
 
-/// Files that were read, or will be: no output may take their place.
+/// Files that a command reads. No output may replace them.
 using Inputs = std::vector<std::filesystem::path>;
 
-/// Whether both names are of one file, or would be.
+/// Returns whether both names refer to one file, or would if it existed.
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
-/// A file. A link to a file stays a link. What is no ordinary file (a pipe, /dev/stdout) is written as it is.
+/// Writes a file. A link to a file stays a link. A target that is not a regular file (a pipe, /dev/stdout)
+/// is written directly.
 class OutputFile {
  public:
   OutputFile(const std::filesystem::path& target, const Inputs& inputs);
 
-  /// Where to write until commit().
+  /// Returns the file to write until commit().
   const std::filesystem::path& path();
-  /// Throws write_error(); an earlier file is then still there.
+  /// Throws write_error(); an earlier file then still exists.
   void commit();
 
  private:
@@ -38,19 +40,19 @@ class OutputFile {
   std::optional<Staging> staging_;
 };
 
-/// A folder, replaced as a whole if it holds nothing but what tubefoot wrote. A link to a folder stays a
-/// link.
+/// Writes a folder. It replaces an earlier folder as a whole, if that holds only files that tubefoot wrote.
+/// A link to a folder stays a link.
 class OutputFolder {
  public:
   OutputFolder(const std::filesystem::path& target, const Inputs& inputs);
-  /// Removes what was not committed.
+  /// Removes an output that was not committed.
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
 
-  /// Where to write until commit().
+  /// Returns the folder to write until commit().
   const std::filesystem::path& staging() const { return staging_->path(); }
-  /// Throws std::runtime_error; the earlier result is then still there.
+  /// Throws std::runtime_error; the earlier result then still exists.
   void commit();
 
  private:
@@ -58,7 +60,7 @@ class OutputFolder {
   void remove_parents();
 
   std::filesystem::path target_;
-  std::vector<std::filesystem::path> made_parents_;  ///< innermost last
+  std::vector<std::filesystem::path> made_parents_;  ///< created parents, innermost last
   std::optional<Staging> staging_;
 };
 

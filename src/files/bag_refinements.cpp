@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Reads the tables varres_metadata and varres_refinements of a BAG of variable resolution with HDF5 and
+// checks them against each other. It also finds the finest resolution at which each cell has a node.
+// (Format Specification Document of BAG 2.0, "Variable Resolution")
+
 #include "files/bag_refinements.hpp"
 
 #include <fmt/format.h>
@@ -21,19 +26,19 @@ namespace tubefoot {
 namespace {
 
 constexpr float no_height = 1e6f;
-// GDAL takes the highest of the nodes in a cell if it is not asked for their mean.
+// GDAL takes the highest of the nodes in a cell unless VALUE_POPULATION=MEAN is set.
 constexpr const char* resampled = "gdal_translate -oo MODE=RESAMPLED_GRID -oo VALUE_POPULATION=MEAN";
 const std::string coarser = std::string(resampled) + " -oo RESX=METRES -oo RESY=METRES";
 constexpr const char* metadata = "/BAG_root/varres_metadata";
 constexpr const char* refinements = "/BAG_root/varres_refinements";
 
-/// A row of varres_metadata, of which only this is read.
+/// The members of a row of varres_metadata that tubefoot reads.
 struct Entry {
   std::uint32_t index, columns, rows;
   float step_x, step_y, first_x, first_y;
 };
 
-/// A table of the file: two-dimensional, of records.
+/// A two-dimensional table of records in the file.
 class Table {
  public:
   Table(hid_t file, const char* name, const SourcePlace& place)
@@ -47,7 +52,7 @@ class Table {
     if (static_cast<double>(extent_[0]) * static_cast<double>(extent_[1]) > limits::cells)
       fail(fmt::format("has {} x {} entries, more than {:.3g}: write one coarser resolution with {}",
                        extent_[0], extent_[1], limits::cells, advised_command(coarser, place_.file)));
-    // HDF5 holds at least one chunk whole, however few bytes it has in the file.
+    // HDF5 holds at least one whole chunk in memory, even if the chunk has few bytes in the file.
     std::array<hsize_t, 2> chunk{1, 1};
     if (H5Pget_layout(plan) == H5D_CHUNKED && H5Pget_chunk(plan, 2, chunk.data()) == 2 &&
         static_cast<double>(chunk[0]) * static_cast<double>(chunk[1]) *
@@ -57,7 +62,7 @@ class Table {
   }
   std::size_t rows() const { return static_cast<std::size_t>(extent_[0]); }
   std::size_t columns() const { return static_cast<std::size_t>(extent_[1]); }
-  /// The members of the records that `type` names.
+  /// Reads the members of the records that `type` names.
   template <class T>
   std::vector<T> read(const Hdf5Handle& type) const {
     const Hdf5Handle stored(H5Dget_type(set_), H5Tclose);
@@ -65,7 +70,7 @@ class Table {
       char* const name = H5Tget_member_name(type, i);
       const std::string member = name;
       H5free_memory(name);
-      // HDF5 would leave it as it is.
+      // HDF5 would leave the member's value unset.
       if (H5Tget_member_index(stored, member.c_str()) < 0)
         fail(fmt::format("has records without '{}'", member));
     }
@@ -117,10 +122,11 @@ struct NodeRow {
   auto operator<=>(const NodeRow&) const = default;
 };
 
-/// Whether each of so many equal parts of the side has a node that rounding does not move to another part.
+/// Returns whether each of `parts` equal parts of the side has a node that rounding does not move to
+/// another part.
 bool fills(const NodeRow& row, double side, std::uint32_t parts) {
   constexpr double margin = 1e-3;
-  std::uint32_t filled = 0;  // from the first part on
+  std::uint32_t filled = 0;  // number of filled parts, counted from the first
   for (std::uint32_t k = 0; k < row.count && filled < parts; ++k) {
     const double at = (row.first + k * row.step) / side * parts;
     if (at > filled + 1 - margin) return false;
@@ -129,8 +135,8 @@ bool fills(const NodeRow& row, double side, std::uint32_t parts) {
   return filled == parts;
 }
 
-/// The largest number of parts of a side that all rows fill; 0: not even one, or a hostile file makes the
-/// search too long.
+/// Returns the largest number of parts of a side that all rows fill. It returns 0 if not even one part is
+/// filled, or if a hostile file makes the search too long.
 std::uint32_t most_parts(const std::set<NodeRow>& rows, double side) {
   if (rows.empty()) return 0;
   constexpr double most_nodes = 1e8;

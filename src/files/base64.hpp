@@ -6,7 +6,7 @@
 
 namespace tubefoot {
 
-/// Bytes as text, for what a page or a drawing holds within itself (RFC 4648).
+/// Encodes bytes as base64 (RFC 4648), for data that is embedded in a page or a drawing.
 std::string base64(std::string_view bytes);
 
 }  // namespace tubefoot

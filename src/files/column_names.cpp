@@ -12,7 +12,7 @@
 namespace tubefoot {
 namespace {
 
-constexpr std::size_t longest_name = 100;  // no column's is longer; keeps hostile input cheap
+constexpr std::size_t longest_name = 100;  // longer than any column name; keeps hostile input cheap
 
 bool is_unit(std::string_view word) {
   constexpr std::array units{"deg", "degree", "degrees", "rad",   "radian", "radians", "grad",
@@ -22,7 +22,8 @@ bool is_unit(std::string_view word) {
   return std::ranges::find(units, word) != units.end();
 }
 
-/// Common names of what our columns hold. Left: theirs, right: ours, both as stem_of() has them.
+/// Common names of quantities. Left: names in other programs; right: tubefoot's names. Both are results of
+/// stem_of().
 constexpr std::array<std::pair<std::string_view, std::string_view>, 13> same_quantity{
     {{"yaw", "heading"},
      {"hdg", "heading"},
@@ -38,7 +39,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 13> same_qua
      {"temp", "temperature"},
      {"sal", "salinity"}}};
 
-/// The words of a name in small letters: "SoundSpeed [m/s]" is sound, speed, m, s.
+/// Returns the words of a name in lower case: "SoundSpeed [m/s]" gives sound, speed, m, s.
 std::vector<std::string> words_of(std::string_view name) {
   const auto is_small = [](char c) { return c >= 'a' && c <= 'z'; };
   const auto is_capital = [](char c) { return c >= 'A' && c <= 'Z'; };
@@ -55,7 +56,7 @@ std::vector<std::string> words_of(std::string_view name) {
   return words;
 }
 
-/// What a name measures: without unit, capitals and separators.
+/// Returns the quantity that a name denotes: the name without unit, capitals and separators.
 std::string stem_of(std::string_view name) {
   std::vector<std::string> words = words_of(name);
   while (words.size() > 1 && is_unit(words.back())) words.pop_back();
@@ -64,14 +65,14 @@ std::string stem_of(std::string_view name) {
   return stem;
 }
 
-/// "headingrad" is "heading" with a unit and nothing between.
+/// Returns whether a name is a stem and a unit without a separator, as "headingrad" is.
 bool is_with_unit(std::string_view name, std::string_view stem) {
-  constexpr std::size_t shortest = 4;  // "ups" is no "up" in seconds
+  constexpr std::size_t shortest = 4;  // "ups" is not "up" in seconds
   return stem.size() >= shortest && name.starts_with(stem) && is_unit(name.substr(stem.size()));
 }
 
 bool is_slip(std::string_view name, std::string_view stem) {
-  constexpr std::size_t shortest = 5, long_one = 9;  // of shorter words every second one is near another
+  constexpr std::size_t shortest = 5, long_one = 9;  // too many shorter words are similar to each other
   const auto [less, more] = std::minmax({name.size(), stem.size()});
   if (less < shortest || more - less > 2 || name.front() != stem.front()) return false;
   return edit_distance(name, stem) <= (less >= long_one ? 2 : 1);

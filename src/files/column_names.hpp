@@ -6,9 +6,10 @@
 
 namespace tubefoot {
 
-/// The column that the header of a table means by a name that is none of `columns`: the same quantity in
-/// another spelling ("Pitch", "depth (m)"), without its unit or with another one ("heading", "heading_rad"),
-/// by another common name ("yaw_deg"), or with a slip of the pen. Empty where the name resembles none.
+/// Returns the column of `columns` that a header probably means by an unknown name. The name may have
+/// another spelling ("Pitch", "depth (m)"), no unit or another unit ("heading", "heading_rad"), or a typing
+/// error. It may also be another common name ("yaw_deg"). Returns an empty text if the name resembles no
+/// column.
 std::string_view meant_column(std::string_view name, std::span<const std::string_view> columns);
 
 }  // namespace tubefoot

@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Finds the companions of an input file, which its readers open as well. Examples are world files,
+// projections, masks, parts of a Shapefile and sources of virtual rasters. It limits the depth, the number
+// and the size of these files.
+
 #include "files/companions.hpp"
 
 #include <fmt/format.h>
@@ -30,9 +35,9 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int deepest_vrt = 8;
-/// Of a file that places or names what another holds.
+/// Largest size in bytes of a file that georeferences another file or describes its contents.
 constexpr std::uintmax_t most_words = 65536;
-/// Rasters that one virtual raster asks for, those counted again that it asks for in several ways.
+/// Largest number of rasters that one virtual raster refers to. A raster counts once per reference.
 constexpr std::size_t most_sources = 50'000;
 
 class Companions {
@@ -46,7 +51,7 @@ class Companions {
   }
 
  private:
-  /// Adds what goes with `file`; returns how many rasters it asks for.
+  /// Adds the companions of `file`. Returns the number of rasters that it refers to.
   std::size_t add_of(const fs::path& file, int depth) {
     if (const auto known = requested_.find(file); known != requested_.end()) return known->second;
     const std::size_t rasters = add_what_goes_with(file, depth);
@@ -137,8 +142,8 @@ class Companions {
     return std::max<std::size_t>(rasters, 1);
   }
 
-  /// As GDAL names them: with the first and the last letter of the extension and a w, with all of it and a w,
-  /// and wld.
+  /// Adds world files with the names that GDAL uses. Their extensions are the first and the last letter of
+  /// the file's extension and a w, the whole extension and a w, and wld.
   void add_world_files(const fs::path& file) {
     const std::string extension = file.extension().string();
     if (extension.size() > 2) {
@@ -148,18 +153,18 @@ class Companions {
     add_with_extension(file, ".wld");
   }
 
-  /// In place of the file's own, in small and in capital letters.
+  /// Adds files with `extension` instead of the file's own, in lower case and in upper case.
   void add_with_extension(const fs::path& file, const std::string& extension) {
     std::string small = extension, large = extension;
     std::ranges::transform(small, small.begin(), [](unsigned char c) { return char(std::tolower(c)); });
     std::ranges::transform(large, large.begin(), [](unsigned char c) { return char(std::toupper(c)); });
-    // A Shapefile's own parts hold values, the others words.
+    // The parts of a Shapefile hold values; the other companions are short texts.
     const std::uintmax_t most = small == ".dbf" || small == ".shx" ? limits::named_file_bytes : most_words;
     add(fs::path(file).replace_extension(small), most);
     add(fs::path(file).replace_extension(large), most);
   }
 
-  /// If it is there. What is no ordinary file is refused, not passed over: its reader would meet it.
+  /// Adds a file if it exists. Throws for a file that is not regular, because its reader would open it.
   bool add(const fs::path& path, std::uintmax_t most_bytes = limits::named_file_bytes) {
     std::error_code ignored;
     const fs::file_status status = fs::status(path, ignored);
@@ -182,7 +187,7 @@ class Companions {
   const Admit& admit_;
   std::vector<fs::path> found_;
   std::set<fs::path> known_;
-  std::map<fs::path, std::size_t> requested_;  ///< rasters, by virtual raster
+  std::map<fs::path, std::size_t> requested_;  ///< number of rasters, by virtual raster
 };
 
 }  // namespace

@@ -8,20 +8,21 @@
 
 namespace tubefoot {
 
-/// The files that are read along with `file` by those who read its format, and that are there: a raster's
-/// world file, projection, mask and metadata, a Shapefile's attributes, the rasters that a virtual raster is
-/// put together from with theirs. Always in the same order, each once, under absolute names; `file` itself is
-/// not among them. GDAL sees these and no others (GdalInput), and the scene hash covers them.
+/// Returns the existing files that readers of the format of `file` read in addition to it. These are a
+/// raster's world file, projection, mask and metadata, a Shapefile's attributes, and the source rasters of
+/// a virtual raster with their companions. The order is fixed. Each file occurs once with its absolute
+/// name, and `file` itself does not occur. GDAL can read only these files (GdalInput), and the scene hash
+/// covers them.
 ///
-/// `admit` is asked before each of them is looked into, and may throw.
+/// The function calls `admit` before it reads each of them. `admit` may throw.
 ///
-/// Throws InputError for what must not be read: a companion that is no ordinary file, a virtual raster whose
-/// sources are not there or no rasters or that is nested too deeply, HDF5 with values in other files, a
-/// GeoPackage that is being written to.
+/// Throws InputError for files that must not be read: a companion that is not a regular file, or HDF5 with
+/// values in other files. The same holds for a GeoPackage that another program is writing, and for a
+/// virtual raster that is nested too deeply. The sources of a virtual raster must exist and be rasters.
 std::vector<std::filesystem::path> companions_of(
     const std::filesystem::path& file, const std::function<void(const std::filesystem::path&)>& admit = {});
 
-/// Where `file` really is, links followed, if that is not in `folder` or below it.
+/// Returns the real place of `file`, with links followed, if it is outside of `folder`.
 std::optional<std::filesystem::path> place_outside(const std::filesystem::path& folder,
                                                    const std::filesystem::path& file);
 

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Reads numbers from the named columns of a CSV file. Errors name line and column, and state what is
+// probably wrong: another unit, another spelling of a column, a workbook, or another text encoding.
+
 #include "files/csv_file.hpp"
 
 #include <fmt/core.h>
@@ -22,7 +26,7 @@ namespace {
 
 struct Field {
   std::string_view text;
-  int column = 1;  // of its first character
+  int column = 1;  // column of its first character
 };
 
 std::vector<Field> fields_of(std::string_view line) {
@@ -53,7 +57,8 @@ double number(const Field& field, std::string_view name, const SourcePlace& plac
   return value;
 }
 
-/// A column that is not wanted and named as one that is, but for its unit; empty where there is none.
+/// Returns a further column whose name differs from the wanted one only by its unit; empty if there is
+/// none.
 std::string_view in_other_units(const std::vector<Field>& fields, std::span<const std::string_view> columns,
                                 std::string_view wanted) {
   constexpr std::array units{"rad", "deg", "grad", "m", "km", "cm", "mm", "ft", "s", "ms", "us", "min", "h"};
@@ -66,7 +71,7 @@ std::string_view in_other_units(const std::vector<Field>& fields, std::span<cons
   return {};
 }
 
-/// What may be wrong with the first line of a table.
+/// Returns a hint at the probable error in the first line of a table.
 std::string header_hint(std::string_view text, const std::vector<Field>& fields,
                         std::span<const std::string_view> columns, std::string_view wanted) {
   if (text.starts_with("PK") || text.starts_with("\xD0\xCF"))
@@ -105,7 +110,7 @@ class CsvReader {
     for (std::string line; ++place_.line, next_line(in, line, place_);) {
       std::string_view text = line;
       if (place_.line == 1 && text.starts_with("\xEF\xBB\xBF"))
-        text.remove_prefix(3);  // spreadsheets' UTF-8 mark
+        text.remove_prefix(3);  // byte order mark of UTF-8, which spreadsheets write
       const std::vector<Field> fields = fields_of(text);
       if ((fields.size() == 1 && fields[0].text.empty()) || fields[0].text.starts_with('#')) continue;
       if (header_size_ == 0) {
@@ -161,7 +166,8 @@ class CsvReader {
                                    header_hint(text, fields, optional_columns_, optional_columns_.front())));
   }
 
-  /// The columns that nobody wants. `lacking`: wanted ones that the file does not have.
+  /// Records the columns that were not requested. `lacking` are requested columns that the file does not
+  /// have.
   void read_further(const std::vector<Field>& fields, std::span<const std::string_view> lacking) {
     for (const Field& field : fields)
       if (field.text.find('\0') != field.text.npos)

@@ -11,7 +11,8 @@
 namespace tubefoot {
 namespace {
 
-/// All of the file, however long it gets. The process' number must be 0 for a lock of an open file.
+/// Returns a lock of the whole file, including later growth. The process number must be 0 for a lock of an
+/// open file description.
 struct flock whole_file() {
   struct flock lock {};
   lock.l_type = F_WRLCK;

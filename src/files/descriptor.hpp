@@ -9,7 +9,7 @@
 
 namespace tubefoot {
 
-/// An open file of the system, closed at the end.
+/// A file descriptor of the operating system, closed by the destructor.
 class Descriptor {
  public:
   Descriptor() = default;
@@ -26,19 +26,20 @@ class Descriptor {
   int number_ = -1;
 };
 
-/// Opens a file that only tubefoot is to touch: never through a link, never waiting for a pipe's other end.
-/// No descriptor, and errno, where the system refuses.
+/// Opens a file that only tubefoot uses. It never follows a link and never waits for the other end of a
+/// pipe. On failure it returns an empty descriptor and sets errno.
 Descriptor open_own(const std::filesystem::path& file, int flags, mode_t mode = 0666);
 
-/// Makes this open file the only one that holds the file's lock, until it is closed or the process ends,
-/// however it does; false where another open file holds it. Locks of open file descriptions are known to the
-/// server of a shared disk and to every container that sees the file, as numbers of processes are not. Throws
-/// std::system_error where the file system has no locks. `file` must be open for writing.
+/// Takes the exclusive lock of a file for this descriptor, until it is closed or the process ends in any
+/// way. Returns false if another open file holds the lock.
+/// The lock belongs to the open file description. Unlike process numbers, such locks are visible to the
+/// server of a shared disk and to all containers with access to the file. Throws std::system_error if the
+/// file system has no locks. `file` must be open for writing.
 bool take_lock(const Descriptor& file);
-/// Whether another open file holds the lock.
+/// Returns whether another open file holds the lock.
 bool is_locked_by_another(const Descriptor& file);
-/// Whether `name` still is this open file: whoever had to wait for a lock may hold that of a file that was
-/// removed.
+/// Returns whether `name` still refers to this open file. After a wait for a lock, the locked file may have
+/// been removed.
 bool is_still_at(const std::filesystem::path& name, const Descriptor& file);
 
 }  // namespace tubefoot

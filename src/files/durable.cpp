@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Synchronises files and names with the disk, and replaces a file or a folder atomically. Replacing uses an
+// exchange of two names where the file system supports it.
+
 #include "files/durable.hpp"
 
 #include <fcntl.h>
@@ -38,7 +42,7 @@ bool exchanged(const fs::path& a, const fs::path& b) {
   return renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), RENAME_EXCHANGE) == 0;
 }
 
-/// Brings the names to the disk, or undoes what was done and throws.
+/// Synchronises the names with the disk. On failure it calls `undo` and throws.
 template <class Undo>
 void sync_or(const fs::path& target, const Undo& undo) {
   try {
@@ -57,7 +61,7 @@ void sync_files_in(const fs::path& folder) {
     if (!entry.is_regular_file() || entry.is_symlink()) continue;
     Descriptor file = open_own(entry.path(), O_RDONLY);
     if (!file) fail(entry.path(), errno);
-    // All of them are on their way before the first is waited for.
+    // Writing of all files starts before the first wait.
     sync_file_range(file.number(), 0, 0, SYNC_FILE_RANGE_WRITE);
     constexpr std::size_t most_open = 100;
     files.emplace_back(entry.path(), std::move(file));
@@ -73,9 +77,9 @@ void sync_files_in(const fs::path& folder) {
 
 void sync_names_in(const fs::path& folder) {
   const Descriptor open = open_own(folder, O_RDONLY | O_DIRECTORY);
-  if (!open && errno == EACCES) return sync();  // a folder that may be written but not read
+  if (!open && errno == EACCES) return sync();  // the folder may be written but not read
   if (!open) fail(folder, errno);
-  // Some file systems of other kinds have no such thing, and say so.
+  // Some other file systems report that they do not support the operation.
   if (!synced(open) && errno != EINVAL && errno != ENOSYS && errno != EOPNOTSUPP) fail(folder, errno);
 }
 

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Determines the format of a file from its first 4096 bytes: binary signatures first, then words of text
+// formats. It rejects a file whose bytes match two formats.
+
 #include "files/file_format.hpp"
 
 #include <algorithm>
@@ -11,9 +15,9 @@
 namespace tubefoot {
 namespace {
 
-// GDAL looks for a virtual raster's root in the first 1024 bytes, HDF5 for its signature behind a block of
-// the user's of 512 bytes, 1024 and so on: only the first of these is taken for HDF5 here, and the rest for
-// nothing.
+// GDAL searches the root element of a virtual raster in the first 1024 bytes. HDF5 searches its signature
+// at the offsets 0, 512, 1024 and so on. Here only the offset 0 counts as HDF5, and a signature at another
+// offset is not recognised.
 constexpr std::size_t looked_at = 4096;
 using namespace std::string_view_literals;
 
@@ -23,7 +27,8 @@ std::string lower(std::string_view text) {
   return result;
 }
 
-/// A chunk whose length is more than that of the header of its first chunk, which is one of two.
+/// Returns whether the bytes begin with a 3DS chunk. Its length exceeds that of the header of its first
+/// sub-chunk, which is one of two kinds.
 bool is_3ds(std::string_view head) {
   if (head.size() < 12 || !head.starts_with("MM"sv)) return false;
   const std::string_view first = head.substr(6, 2);
@@ -58,7 +63,7 @@ FileFormat by_words(const std::string& head, const std::filesystem::path& file) 
   if (text.starts_with('{') || text.starts_with("\xef\xbb\xbf{"))
     return lower(file.extension().string()) == ".gltf" ? FileFormat::gltf : FileFormat::geojson;
   if (text.starts_with("; fbx") || text.find("fbxheaderextension:") != text.npos) return FileFormat::fbx;
-  // Behind comments and declarations.
+  // Comments and declarations may precede the root element.
   if ((text.starts_with('<') || text.starts_with("\xef\xbb\xbf<")) && text.find("<collada") != text.npos)
     return FileFormat::collada;
   return FileFormat::other;

@@ -6,12 +6,12 @@
 
 namespace tubefoot {
 
-/// What a file that a library reads is, by its first bytes alone.
+/// Format of a file that a library reads, determined from its first bytes.
 enum class FileFormat {
   other,
   geotiff,
   bag,
-  netcdf4,  ///< HDF5 that is no BAG
+  netcdf4,  ///< HDF5 that is not a BAG
   netcdf_classic,
   ascii_grid,
   png,
@@ -21,23 +21,23 @@ enum class FileFormat {
   shapefile,
   // Models of other programs, which Assimp reads.
   collada,
-  gltf,         ///< JSON, whose buffers may be files of their own
-  gltf_binary,  ///< GLB
+  gltf,  ///< JSON, whose buffers may be separate files
+  gltf_binary,
   studio_3ds,
   fbx
 };
 
-/// Throws InputError at the file if it cannot be opened, or is two formats at once: which one a library would
-/// take it for, nobody should have to guess.
+/// Returns the format of a file. Throws InputError at the file if it cannot be opened. A file that has two
+/// formats at once is an error, too, because a library might choose either.
 FileFormat format_of(const std::filesystem::path& file);
 
-/// As in messages: "GeoTIFF".
+/// Returns the name of a format in messages: "GeoTIFF".
 std::string_view name_of(FileFormat format);
-/// The name of GDAL's driver that reads it; nullptr for other.
+/// Returns the name of the GDAL driver that reads the format; nullptr for `other`.
 const char* gdal_driver_of(FileFormat format);
-/// Whether Assimp reads it.
+/// Returns whether Assimp reads the format.
 bool is_model(FileFormat format);
-/// Whether HDF5 reads it.
+/// Returns whether HDF5 reads the format.
 bool is_hdf5(FileFormat format);
 
 }  // namespace tubefoot

@@ -14,7 +14,7 @@ namespace tubefoot {
 namespace {
 
 EVP_MD_CTX* new_state() {
-  // Its settings are a file of the machine: nothing is read that the scene does not name.
+  // The settings of OpenSSL are a file of the machine. tubefoot reads only files that the scene names.
   OPENSSL_init_crypto(OPENSSL_INIT_NO_LOAD_CONFIG, nullptr);
   EVP_MD_CTX* const state = EVP_MD_CTX_new();
   if (state == nullptr) throw std::bad_alloc();
@@ -22,7 +22,7 @@ EVP_MD_CTX* new_state() {
 }
 
 void require(int done) {
-  if (done != 1) throw std::bad_alloc();  // the only way in which they fail
+  if (done != 1) throw std::bad_alloc();  // these functions fail only for lack of memory
 }
 
 }  // namespace

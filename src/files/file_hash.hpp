@@ -18,14 +18,14 @@ class Sha256 {
   Sha256& operator=(const Sha256&) = delete;
 
   void update(std::string_view bytes);
-  /// The digest of everything so far, 64 lower-case hexadecimal digits. More bytes may follow.
+  /// Returns the digest of all bytes up to now, as 64 lower-case hexadecimal digits. More bytes may follow.
   std::string hex_digest() const;
 
  private:
   evp_md_ctx_st* state_;
 };
 
-/// Of a file's bytes. Throws InputError where it cannot be read.
+/// Returns the digest of a file's bytes. Throws InputError if the file cannot be read.
 std::string sha256_of(const std::filesystem::path& file);
 
 }  // namespace tubefoot

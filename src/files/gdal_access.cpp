@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Confines GDAL to admitted files. Guards replace the file systems of GDAL and check each name while a
+// GdalAccess exists on the thread. Requests to hosts fail in the meantime.
+
 #include "files/gdal_access.hpp"
 
 #include <cpl_conv.h>
@@ -24,19 +28,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What the doors of this thread let in, the innermost last.
+/// Files that the GdalAccess objects of this thread admit, the innermost last.
 thread_local std::vector<std::set<std::string>> admitted_here;
 
-/// GDAL's own folder of tables, empty if it has none.
+/// Returns GDAL's folder of tables; empty if there is none.
 fs::path& tables() {
   static fs::path folder;
   return folder;
 }
 
-/// A file system of GDAL's, as it is for those who stand in no door.
+/// A guard around a file system of GDAL. It changes nothing for threads without a GdalAccess.
 class GuardedFiles final : public VSIFilesystemHandler {
  public:
-  /// `ordinary`: its names are those of files on the disk.
+  /// `ordinary` means that names of this file system are those of files on disk.
   GuardedFiles(VSIFilesystemHandler& behind, bool ordinary) : behind_(behind), ordinary_(ordinary) {}
 
   VSIVirtualHandle* Open(const char* name, const char* access, bool tell, CSLConstList options) override {
@@ -53,7 +57,7 @@ class GuardedFiles final : public VSIFilesystemHandler {
     errno = ENOENT;
     return -1;
   }
-  // In a door nothing is written, and nobody looks around.
+  // During a GdalAccess, GDAL cannot write or list folders.
   int Unlink(const char* name) override {
     return outside(-1, [&] { return behind_.Unlink(name); });
   }
@@ -101,7 +105,7 @@ class GuardedFiles final : public VSIFilesystemHandler {
   bool AbortPendingUploads(const char* name) override {
     return outside(true, [&] { return behind_.AbortPendingUploads(name); });
   }
-  // What they are like is the same for all.
+  // These properties do not depend on admission.
   int IsCaseSensitive(const char* name) override { return behind_.IsCaseSensitive(name); }
   GIntBig GetDiskFreeSpace(const char* name) override { return behind_.GetDiskFreeSpace(name); }
   int SupportsSparseFiles(const char* name) override { return behind_.SupportsSparseFiles(name); }
@@ -129,7 +133,7 @@ class GuardedFiles final : public VSIFilesystemHandler {
     return otherwise;
   }
 
-  /// The file that a name stands for, if the doors let it in.
+  /// Returns the file with this name if a GdalAccess of the thread admits it.
   std::optional<fs::path> admitted(const char* name) const {
     if (!ordinary_ || *name == '\0') return std::nullopt;
     const fs::path file = plain_name(name);
@@ -143,20 +147,21 @@ class GuardedFiles final : public VSIFilesystemHandler {
   bool ordinary_;
 };
 
-/// Once, for all file systems that GDAL knows. They live as long as GDAL does, as those behind them.
+/// Installs the guards once, for all file systems of GDAL. The guards and the file systems behind them
+/// exist as long as GDAL.
 void put_guards() {
-  register_gdal_drivers();  // GDAL makes its list of file systems with the first thing it does
+  register_gdal_drivers();  // the first call of GDAL creates its list of file systems
   if (const char* table = CPLFindFile("gdal", "gdalvrt.xsd"))
     tables() = absolute_path(table).lexically_normal().parent_path();
   char** prefixes = VSIGetFileSystemsPrefixes();
   for (char** prefix = prefixes; prefix != nullptr && *prefix != nullptr; ++prefix)
-    if (std::string_view(*prefix) != "/vsimem/")  // this process's own memory
+    if (std::string_view(*prefix) != "/vsimem/")  // memory of this process
       VSIFileManager::InstallHandler(*prefix, new GuardedFiles(*VSIFileManager::GetHandler(*prefix), false));
   CSLDestroy(prefixes);
   VSIFileManager::InstallHandler("", new GuardedFiles(*VSIFileManager::GetHandler("/"), true));
 }
 
-/// In place of every request to a host.
+/// Replaces every request to a host and reports an error.
 CPLHTTPResult* no_network(const char*, CSLConstList, GDALProgressFunc, void*, CPLHTTPFetchWriteFunc, void*,
                           void*) {
   auto* result = static_cast<CPLHTTPResult*>(CPLCalloc(1, sizeof(CPLHTTPResult)));

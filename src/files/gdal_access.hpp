@@ -9,12 +9,12 @@
 
 namespace tubefoot {
 
-/// While one lives, GDAL opens on this thread the files that it was given and the tables that it came with,
-/// to read them, and nothing else: whatever a file says, no other file, no archive, no address on a network
-/// is there. What a program around this library does with GDAL outside of it stays as it is.
+/// While an object exists, GDAL can open only the admitted files and its own tables on this thread, for
+/// reading. The contents of a file cannot make GDAL open another file, an archive or a network address. Use
+/// of GDAL by other parts of the program is not affected.
 ///
-/// PROJ, which opens files past GDAL, is confined as well. Other libraries under GDAL that open files
-/// themselves (netCDF, SQLite) get names that GdalInput has looked at before.
+/// PROJ opens files without GDAL and is confined separately (ProjConfinement). Other libraries below GDAL
+/// that open files themselves (netCDF, SQLite) get names that GdalInput has checked.
 class GdalAccess {
  public:
   explicit GdalAccess(const std::vector<std::filesystem::path>& admitted);
@@ -22,16 +22,16 @@ class GdalAccess {
   GdalAccess(const GdalAccess&) = delete;
   GdalAccess& operator=(const GdalAccess&) = delete;
 
-  /// An existing file that a coordinate reference system names, which PROJ was not allowed to open; empty:
-  /// there was none.
+  /// Returns an existing file that a coordinate reference system names and that PROJ was not allowed to
+  /// open; empty if there is none.
   const std::string& rejected_by_proj() const { return proj_.rejected(); }
 
  private:
   ProjConfinement proj_;
 };
 
-/// Registers the few drivers of GDAL that are used here: for the formats of FileFormat, and to write GeoTIFF,
-/// GeoPackage and GeoJSON. Not GDALAllRegister(): what is not there cannot be talked into anything.
+/// Registers the few GDAL drivers that tubefoot uses: for the formats of FileFormat, and to write GeoTIFF,
+/// GeoPackage and GeoJSON. GDALAllRegister() is not used, because a file cannot exploit an absent driver.
 void register_gdal_drivers();
 
 }  // namespace tubefoot

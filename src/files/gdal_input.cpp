@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Opens raster and vector files with GDAL and checks them before any value is read. It rejects references
+// to other files, overlarge blocks and ambiguous coordinate systems. Messages advise a command that repairs
+// the file.
+
 #include "files/gdal_input.hpp"
 
 #include <fmt/ranges.h>
@@ -26,7 +31,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// "GeoTIFF, BAG or VRT"
+/// Returns a list for messages: "GeoTIFF, BAG or VRT".
 std::string list_of(std::initializer_list<FileFormat> formats) {
   std::vector<std::string_view> names;
   for (const FileFormat format : formats)
@@ -38,16 +43,17 @@ std::string list_of(std::initializer_list<FileFormat> formats) {
 
 GDALDatasetUniquePtr opened(const fs::path& file, FileFormat format) {
   const std::array<const char*, 2> drivers{gdal_driver_of(format), nullptr};
-  // SQLite looks for changes beside the file unless it is reported that nobody makes any.
+  // By default SQLite searches for changes in a file next to the database. These options declare that none
+  // exist.
   const std::array<const char*, 3> unlocked{"NOLOCK=YES", "IMMUTABLE=YES", nullptr};
-  // By an absolute name: others may be taken for addresses or for parts of files.
+  // An absolute name is necessary, because GDAL may take other names for addresses or for parts of files.
   return GDALDatasetUniquePtr(GDALDataset::Open(
       plain_name(file).c_str(), GDAL_OF_RASTER | GDAL_OF_VECTOR | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR,
       drivers.data(), format == FileFormat::geopackage ? unlocked.data() : nullptr));
 }
 
-/// Where a raster sends its readers for coarser copies of itself: GDAL would open that, whatever it is, with
-/// any of its drivers, and netCDF's goes to hosts.
+/// Returns whether a raster refers to another file for its overviews. GDAL would open that file with any
+/// driver, and its netCDF driver contacts hosts.
 bool sends_elsewhere(GDALDataset& dataset) {
   const auto sends = [](GDALMajorObject& object) { return object.GetMetadata("OVERVIEWS") != nullptr; };
   if (sends(dataset)) return true;
@@ -56,9 +62,9 @@ bool sends_elsewhere(GDALDataset& dataset) {
   return false;
 }
 
-/// What to say of a band of a raster that is stored in blocks (strips, tiles, chunks) larger than
-/// limits::block_bytes, and what to do about it; nothing for others. GDAL holds at least one block whole,
-/// however little of it is read and however few bytes it has in the file.
+/// Returns the message for a band in blocks (strips, tiles, chunks) larger than limits::block_bytes, with
+/// the command that repairs it; empty for other bands. GDAL holds at least one whole block, even if it
+/// reads little of it and the block has few bytes in the file.
 std::optional<std::string> too_large_block(GDALRasterBand& band, const std::string& command) {
   int columns = 0, rows = 0;
   band.GetBlockSize(&columns, &rows);
@@ -82,7 +88,7 @@ std::string overview(const fs::path& file, GDALDataset& dataset) {
       advised_resampling(file, std::abs(transform[1]), std::abs(transform[5])));
 }
 
-/// A copy without metadata has no overviews elsewhere.
+/// Returns the message for such a raster. A copy without metadata has no overviews in another file.
 std::string elsewhere(const fs::path& file) {
   return fmt::format("names another file for its overviews, which is not read: write a copy without with {}",
                      advised_command(fmt::format("gdalwarp -ovr NONE -nomd {}", warp_classes), file));
@@ -97,7 +103,8 @@ bool has_geotransform(GDALDataset& dataset) {
   return dataset.GetGeoTransform(ignored.data()) == CE_None;
 }
 
-/// Calls `fail` for a netCDF source of a virtual raster whose rows GDAL would read from the wrong side.
+/// Calls `fail` for a netCDF source of a virtual raster whose rows run along x, because GDAL would misread
+/// it.
 void refuse_turned_over(const fs::path& part, GDALDataset& source,
                         const std::function<void(const std::string&)>& fail) {
   const NetcdfGrid grid = netcdf_grid(part, source);
@@ -113,14 +120,15 @@ void refuse_turned_over(const fs::path& part, GDALDataset& source,
                         part)));
 }
 
-/// What a coordinate reference system names that is a file of corrections, as GDAL and PROJ understand its
-/// text, whatever its spelling in the file: the file, or the word for it; empty: nothing. All of them are
-/// looked at, because GDAL may be asked for any of them later.
+/// Returns the file of corrections that a coordinate reference system names, or the keyword that names it;
+/// empty if there is none. The check uses the texts of GDAL and PROJ, so that the spelling in the file does
+/// not matter. It covers all systems of the dataset, because GDAL may need any of them later.
 std::string named_by_crs(GDALDataset& dataset, const GdalAccess& access) {
   GridWords words;
   const auto look_at = [&](const OGRSpatialReference* crs) {
     if (crs == nullptr) return;
-    const CPLErrorHandlerPusher quiet(CPLQuietErrorHandler);  // not every one can be said in both
+    const CPLErrorHandlerPusher quiet(
+        CPLQuietErrorHandler);  // some systems cannot be expressed in both formats
     for (const char* format : {"FORMAT=WKT1_GDAL", "FORMAT=WKT2_2019"}) {
       const std::array<const char*, 2> options{format, nullptr};
       char* text = nullptr;
@@ -137,8 +145,8 @@ std::string named_by_crs(GDALDataset& dataset, const GdalAccess& access) {
   return access.rejected_by_proj().empty() ? std::string(words.met()) : access.rejected_by_proj();
 }
 
-/// Throws InputError for a virtual raster with a source that cannot be read, or is stored in blocks that are
-/// too large: its own blocks say nothing of theirs.
+/// Throws InputError for a virtual raster with a source that cannot be read or has overlarge blocks. The
+/// blocks of the virtual raster do not show the blocks of its sources.
 void check_sources(const fs::path& vrt, const std::vector<fs::path>& companions) {
   const GdalMessages messages;
   const GdalAccess access(companions);
@@ -165,8 +173,8 @@ void check_sources(const fs::path& vrt, const std::vector<fs::path>& companions)
   }
 }
 
-/// `file` and what is read along with it. A virtual raster may have thousands of sources and is opened for
-/// each tile of a terrain: of the last ones that were met it is remembered.
+/// Returns `file` and its companions. A cache holds the most recent results, because a virtual raster may
+/// have thousands of sources and is opened for each tile of a terrain.
 std::vector<fs::path> with_companions(const fs::path& file) {
   struct Met {
     fs::path file;
@@ -228,7 +236,7 @@ GdalInput::GdalInput(const fs::path& file, std::initializer_list<FileFormat> exp
     in_degrees_ = grid.in_degrees;
     if (!has_geotransform(*dataset_)) {
       const NetcdfRowOrder order(grid.first_row_is_north);
-      const CPLErrorHandlerPusher quiet(CPLQuietErrorHandler);  // what there is to say was said
+      const CPLErrorHandlerPusher quiet(CPLQuietErrorHandler);  // messages() already has these messages
       dataset_ = opened(file, format);
       if (dataset_ == nullptr) fail("cannot be read a second time");
       netcdf_ = std::move(grid);
@@ -310,7 +318,7 @@ std::string GdalInput::crs() const {
         "they are metres after all, as GDAL writes small local grids, say so with {}",
         text, name_the_degrees(), advised("gdal_translate -a_srs 'LOCAL_CS[\"local\",UNIT[\"metre\",1]]'")));
   };
-  // As netCDF's driver gives them: "lon#units=degrees_east".
+  // Metadata in the form of GDAL's netCDF driver: "lon#units=degrees_east".
   for (CSLConstList item = dataset_->GetMetadata(); item != nullptr && *item != nullptr; ++item)
     if (const std::string_view text = *item; text.find("#units=degree") != text.npos) fail_as_degrees(text);
   if (in_degrees_) fail_as_degrees("by their names");
@@ -332,7 +340,7 @@ void GdalInput::read_row(GDALRasterBand& band, int row, int column, int columns,
   const CPLErr read = band.RasterIO(GF_Read, column, row, columns, 1, out, columns, 1, type, 0, 0, nullptr);
   if (const std::string& named = access_.rejected_by_proj(); !named.empty()) fail(names_grids(named));
   if (read == CE_None) return;
-  // GDAL's last word names the file, which may be one of many in a virtual raster.
+  // GDAL's last message names the file, which may be one of many in a virtual raster.
   const auto& told = messages_.failures();
   fail(fmt::format("row {} cannot be read: the file is cut off or corrupt{}", row,
                    told.size() > 1 ? ": " + told.back() : ""));

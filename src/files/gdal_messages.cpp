@@ -10,10 +10,10 @@
 namespace tubefoot {
 namespace {
 
-// HDF5, under GDAL's BAG and netCDF drivers, prints its error stack to stderr unless told not to, thread by
-// thread. It is GDAL's dependency, not ours: the function is looked up in the running program instead of
-// linked. Signature of HDF5 1.10 and later: herr_t H5Eset_auto2(hid_t stack, H5E_auto2_t function, void*
-// data).
+// HDF5, which GDAL's BAG and netCDF drivers use, prints its error stack to stderr by default, separately in
+// each thread. Only GDAL depends on HDF5 here, so that the function is looked up in the running program
+// instead of linked. Its signature in HDF5 1.10 and later is: herr_t H5Eset_auto2(hid_t stack, H5E_auto2_t
+// function, void* data).
 void silence_hdf5() {
   using SetAuto = int (*)(std::int64_t, void*, void*);
   const auto set_auto = reinterpret_cast<SetAuto>(dlsym(RTLD_DEFAULT, "H5Eset_auto2"));
@@ -23,7 +23,7 @@ void silence_hdf5() {
 
 }  // namespace
 
-// The handler's data is this object itself, which neither moves nor is copied.
+// The data of the handler is the object itself, which is never moved or copied.
 GdalMessages::GdalMessages() {
   const auto handler = [](CPLErr severity, CPLErrorNum, const char* text) {
     auto* self = static_cast<GdalMessages*>(CPLGetErrorHandlerUserData());

@@ -6,8 +6,8 @@
 
 namespace tubefoot {
 
-/// Collects what GDAL has to say while it lives, on this thread, and keeps HDF5 under it quiet, so that
-/// nothing is printed past the program.
+/// Collects GDAL's messages on this thread while the object exists. It also silences HDF5 below GDAL, so
+/// that nothing is printed outside of tubefoot's own messages.
 class GdalMessages {
  public:
   GdalMessages();
@@ -17,7 +17,7 @@ class GdalMessages {
 
   const std::vector<std::string>& warnings() const { return warnings_; }
   const std::vector<std::string>& failures() const { return failures_; }
-  /// " (GDAL: first failure)", or nothing.
+  /// Returns " (GDAL: first failure)", or an empty text.
   std::string in_brackets() const;
 
  private:

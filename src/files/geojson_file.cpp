@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Counts the attribute names of a GeoJSON and the pairs of consecutive names. A scanner of the JSON text
+// finds the names of members before GDAL reads the file.
+
 #include "files/geojson_file.hpp"
 
 #include <fmt/core.h>
@@ -19,8 +23,8 @@
 namespace tubefoot {
 namespace {
 
-/// The names of members of a JSON text, as far as features and their properties go. It is not a check of the
-/// text: GDAL's reader takes some that are no JSON (comments, quotes of the other kind), and so does this.
+/// The names of members in a JSON text, down to features and their properties. The class does not check the
+/// syntax. It accepts the extensions that GDAL's reader accepts (comments, single quotes).
 class MemberNames {
  public:
   explicit MemberNames(const std::filesystem::path& file) : place_{file.string(), 1, 0} {}
@@ -80,7 +84,8 @@ class MemberNames {
       has_string_ = false;
   }
 
-  /// What a colon stands behind. Deeper than the properties of a feature in a collection are values only.
+  /// Records the name before a colon. Objects below the properties of a feature in a collection contain
+  /// only values.
   void name() {
     constexpr std::size_t deepest = 3;
     if (last_.empty() || last_.size() > deepest) return;
@@ -105,9 +110,9 @@ class MemberNames {
   SourcePlace place_;
   In in_ = In::text;
   char quote_ = '"';
-  bool has_string_ = false;  ///< nothing but blanks follows one
+  bool has_string_ = false;  ///< only blanks follow the string
   std::string string_;
-  std::vector<std::uint32_t> last_;  ///< by object around: the last name in it
+  std::vector<std::uint32_t> last_;  ///< last name in each enclosing object
   std::unordered_map<std::string, std::uint32_t> numbers_;
   std::unordered_set<std::uint64_t> pairs_;
 };

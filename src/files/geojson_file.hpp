@@ -5,10 +5,10 @@
 
 namespace tubefoot {
 
-/// GDAL takes time in proportion to the square of the attributes of a GeoJSON, and of the orders in which its
-/// features name them: a small file may keep it for minutes. Throws InputError at the line where a file has
-/// more than limits::map_attributes names, or more than limits::map_attribute_pairs pairs of names that
-/// follow each other.
+/// Throws InputError for a GeoJSON with too many attributes, at the line that exceeds a limit. The limits
+/// are limits::map_attributes names and limits::map_attribute_pairs pairs of consecutive names.
+/// GDAL's time grows with the square of the number of attributes, and of the number of orders in which
+/// features name them. A small file could therefore take minutes.
 void refuse_many_attributes(const std::filesystem::path& geojson);
 
 }  // namespace tubefoot

@@ -21,7 +21,8 @@ SqliteWords words_for(const fs::path& file) {
           "open it in that program once more and close it, or copy it with " + advised_ogr2ogr("", file)};
 }
 
-/// Answers of one text or number; empty for none, or for a question that this file has no answer to.
+/// Returns the first text or number of an answer; empty if there is none, or if the file cannot answer the
+/// question.
 std::string answer(const SqliteFile& database, const char* question) {
   std::string said;
   try {
@@ -34,14 +35,14 @@ std::string answer(const SqliteFile& database, const char* question) {
   return said;
 }
 
-/// Rejects the file for each of its coordinate reference systems. SQLite joins what the pages of the file
-/// divide, so a word that names a file of corrections is found wherever a page ends.
+/// Rejects the file if one of its coordinate reference systems names a file of corrections. SQLite joins
+/// text across pages of the file, so that a keyword is found even if a page ends within it.
 void reject_grid_words(const SqliteFile& database) {
   const auto fail = [&](const std::string& what) {
     throw InputError({database.path().string(), 0, 0}, what);
   };
   constexpr std::size_t most_letters = 99'999;
-  // The second column stands only in files with the extension for WKT 2.
+  // The second column exists only in files with the extension for WKT 2.
   for (const char* column : {"definition", "definition_12_063"}) {
     const std::string longest =
         answer(database, fmt::format("SELECT max(length({})) FROM gpkg_spatial_ref_sys", column).c_str());
@@ -65,13 +66,13 @@ void refuse_geopackage_surprises(const fs::path& file) {
   const SqliteWords words = words_for(file);
   refuse_unfinished_sqlite(file, words);
   constexpr std::size_t format_version =
-      18;  // of those who write, then of those who read: 2 is a write-ahead log
+      18;  // offset of the format versions for writing and for reading; version 2 means a write-ahead log
   const std::string head = InputFile(file).head(100);
   if (head.size() < 100 || head[format_version] != 1 || head[format_version + 1] != 1)
     refuse_as_unfinished(file, words, "its changes would go to a log beside it");
   const SqliteFile database(file, words);
-  // Pages that stand in several tables are rows without end. What a table demands of its rows is a program,
-  // too.
+  // A page that occurs in several tables would give an endless number of rows. Check constraints of a table
+  // are programs as well, and are ignored.
   answer(database, "PRAGMA ignore_check_constraints=ON");
   const std::string checked = answer(database, "PRAGMA quick_check(1)");
   stop_if_wanted();

@@ -5,9 +5,10 @@
 
 namespace tubefoot {
 
-/// Throws InputError at a GeoPackage that is more than tables: with views, which are programs, or virtual
-/// tables other than the indexes that every GeoPackage has, which may be other files; or one that another
-/// program has not finished writing to, whose last changes stand in a file beside it.
+/// Throws InputError at a GeoPackage that contains more than tables. Views are programs, and virtual tables
+/// may refer to other files; only the indexes that every GeoPackage has are allowed.
+/// A GeoPackage that another program is still writing is an error as well, because its last changes are in
+/// a separate file.
 void refuse_geopackage_surprises(const std::filesystem::path& file);
 
 }  // namespace tubefoot

@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Checks a glTF (JSON or binary) before Assimp reads it, and lists its buffers. It limits nesting,
+// repetition of meshes and the number and depth of nodes, and rejects required extensions, except those
+// known to keep the geometry.
+
 #include "files/gltf_file.hpp"
 
 #include <fmt/core.h>
@@ -28,7 +33,7 @@ using nlohmann::json;
 constexpr std::size_t most_words = std::size_t{256} << 20;
 constexpr int most_nesting = 64;
 
-/// What changes materials and textures only, or says no more than what is read anyway.
+/// Extensions that change only materials and textures, or add no information that is read.
 constexpr std::string_view harmless_extensions[] = {"KHR_materials_", "KHR_texture_", "EXT_texture_",
                                                     "KHR_lights_", "KHR_xmp"};
 
@@ -62,7 +67,7 @@ class GltfReader {
   std::string words() const {
     if (format_of(gltf_) == FileFormat::gltf)
       return read_whole(gltf_, place_, most_words, "a glTF (JSON; its numbers in buffers)");
-    // 12 bytes of header, then chunks: length, kind, content. The first is JSON.
+    // The file has 12 bytes of header, then chunks with length, kind and content. The first chunk is JSON.
     constexpr std::size_t header = 20;
     InputFile input(gltf_);
     const std::string head = input.head(header);
@@ -87,7 +92,8 @@ class GltfReader {
     }
   }
 
-  /// Before it is parsed: a parser that asks for every value looks through a list at each of its elements.
+  /// Rejects deep nesting before the text is parsed, because a parser scans a list again for each of its
+  /// elements.
   void refuse_nesting(std::string_view text) const {
     int depth = 0;
     bool in_string = false;
@@ -107,7 +113,7 @@ class GltfReader {
     }
   }
 
-  /// An empty one where there is none.
+  /// Returns the list with this key, or an empty one.
   const json& list_of(const json& value, const char* key) const {
     static const json none = json::array();
     if (!value.is_object()) return none;
@@ -117,8 +123,8 @@ class GltfReader {
     return *found;
   }
 
-  /// What a model names again and again costs as if it held it so often. Throws where that is far more than
-  /// its bytes explain, or where its nodes are no trees of a depth that is read.
+  /// Throws if the model refers to its own parts so often that it expands to far more data than its bytes
+  /// explain. It also throws if the nodes are not trees of a permitted depth.
   void refuse_repetition(const json& root, std::uint64_t bytes) const {
     const std::uint64_t most = bytes + limits::model_repeated;
     const json& accessors = list_of(root, "accessors");
@@ -136,7 +142,7 @@ class GltfReader {
         for (const json& accessor : attributes) add(sum, count_of(accessor));
     };
     std::uint64_t read = 0;
-    std::vector<std::uint64_t> placed_by;  // a node of each mesh
+    std::vector<std::uint64_t> placed_by;  // number of nodes that place each mesh
     for (const json& mesh : list_of(root, "meshes")) {
       stop_if_wanted();
       placed_by.push_back(0);
@@ -203,7 +209,7 @@ class GltfReader {
     refuse_depth(parent);
   }
 
-  /// Follows each node to one whose depth is known: every node once.
+  /// Follows each node to an ancestor of known depth, so that every node is visited once.
   void refuse_depth(const std::vector<std::size_t>& parent) const {
     const std::size_t none = parent.size();
     std::vector<std::size_t> depth(parent.size(), 0), way;
@@ -225,7 +231,7 @@ class GltfReader {
     }
   }
 
-  /// Empty where there is none.
+  /// Returns the text with this key, or an empty one.
   static std::string text_of(const json& value, const char* key) {
     if (!value.is_object()) return {};
     const auto found = value.find(key);
@@ -248,7 +254,7 @@ class GltfReader {
     }
   }
 
-  /// %20 and its like are the bytes that they stand for.
+  /// Replaces escapes such as %20 by their bytes.
   static std::string decoded(const std::string& uri) {
     std::string text;
     for (std::size_t i = 0; i < uri.size(); ++i) {

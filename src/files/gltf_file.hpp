@@ -7,15 +7,16 @@
 
 namespace tubefoot {
 
-/// A file of numbers that a glTF is read with.
+/// A separate file with the numbers of a glTF.
 struct GltfBuffer {
-  std::string uri;             ///< as the glTF names it
-  std::filesystem::path file;  ///< in the glTF's folder or below it
+  std::string uri;             ///< URI in the glTF
+  std::filesystem::path file;  ///< a file in the glTF's folder or below it
 };
 
-/// The buffers of a glTF (JSON or binary) that are files of their own, as it names them. Pictures are none:
-/// they are not read. Throws InputError for a glTF that needs what is not read (another version, compressed
-/// or deformed meshes), and for a buffer that is not there, or not in the glTF's folder or below it.
+/// Returns the buffers of a glTF (JSON or binary) that are separate files. Pictures are not included,
+/// because they are not read. Throws InputError if a buffer does not exist or lies outside of the glTF's
+/// folder. The same holds for a glTF that needs unsupported features (another version, compressed or
+/// deformed meshes).
 std::vector<GltfBuffer> gltf_buffers(const std::filesystem::path& gltf);
 
 }  // namespace tubefoot

@@ -11,13 +11,14 @@ namespace {
 
 using namespace std::string_view_literals;
 
-// Long enough to be in no file by chance.
-constexpr std::array words{"proj4_grids"sv, "parameterfile"sv, "nadgrids"sv, "geoidgrids"sv,
-                           "gridshift"sv,   "defmodel"sv,      "tinshift"sv, "proj=deformation"sv,
-                           "boundcrs\""sv,  "boundcrs&quot;"sv};  // of PROJJSON: any value may be a file
-constexpr std::size_t longest = 24;                               // a word and what follows it
+// The keywords are so long that they do not occur by chance.
+constexpr std::array
+    words{"proj4_grids"sv, "parameterfile"sv, "nadgrids"sv, "geoidgrids"sv,
+          "gridshift"sv,   "defmodel"sv,      "tinshift"sv, "proj=deformation"sv,
+          "boundcrs\""sv,  "boundcrs&quot;"sv};  // in PROJJSON, where any value may be a file
+constexpr std::size_t longest = 24;              // length of the longest keyword and the characters after it
 
-/// Web Mercator says that it has none.
+/// Returns whether the keyword names no file, as in Web Mercator.
 bool is_none(std::string_view behind) {
   return behind.starts_with("nadgrids=@null") && (behind.size() == 14 || behind[14] != ',');
 }
@@ -26,7 +27,7 @@ bool is_none(std::string_view behind) {
 
 void GridWords::feed(std::string_view piece) {
   if (!met_.empty()) return;
-  // Of files with holes nearly all.
+  // Sparse files consist mostly of such pieces.
   if (std::ranges::all_of(piece, [](char c) { return c == '\0'; })) {
     tail_.clear();
     return;
@@ -35,7 +36,8 @@ void GridWords::feed(std::string_view piece) {
   for (const char c : piece) tail_ += c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
   for (const std::string_view word : words)
     for (std::size_t at = tail_.find(word); at != tail_.npos; at = tail_.find(word, at + 1))
-      // At the very end what follows is not known yet: it is looked at with the next piece, or stays.
+      // At the very end, the characters after the keyword are not known yet. The next piece decides, or the
+      // keyword counts.
       if (!is_none(std::string_view(tail_).substr(at))) met_ = word;
   if (tail_.size() > longest) tail_.erase(0, tail_.size() - longest);
 }

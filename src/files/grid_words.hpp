@@ -6,22 +6,23 @@
 
 namespace tubefoot {
 
-/// Looks in the bytes of a file for words by which a coordinate reference system names files of corrections.
-/// It finds the plain spelling only, and says in which file it stands. ProjConfinement holds for every
-/// spelling.
+/// Searches the bytes of a file for keywords by which a coordinate reference system names files of
+/// corrections. It finds only the plain spelling, and the message can then name the file. ProjConfinement
+/// blocks all spellings.
 class GridWords {
  public:
-  /// The next bytes, in pieces of any size.
+  /// Takes the next bytes, in pieces of any size.
   void feed(std::string_view piece);
-  /// The first word that was met; empty: none.
+  /// Returns the first keyword found; empty if there is none.
   std::string_view met() const { return met_; }
 
  private:
-  std::string tail_;  ///< in which a word may have begun
+  std::string tail_;  ///< last bytes, in which a keyword may have begun
   std::string_view met_;
 };
 
-/// What to say of a file whose coordinate reference system names files: `named` is one, or the word for it.
+/// Returns the message for a file whose coordinate reference system names files. `named` is such a file or
+/// the keyword.
 std::string names_grids(std::string_view named);
 
 }  // namespace tubefoot

@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Compresses chunks of doubles (shuffle and deflate) outside of HDF5, so that threads can do it in
+// parallel, and writes them into an HDF5 file. The shuffle transposes the bytes of eight values as an 8 x 8
+// matrix.
+
 #include "files/hdf5_chunks.hpp"
 
 #include <fmt/format.h>
@@ -22,7 +27,8 @@ namespace {
 constexpr std::size_t width = sizeof(double);
 static_assert(std::endian::native == std::endian::little, "bytes of doubles as HDF5 files here have them");
 
-/// Eight values as words, byte k of word j becoming byte j of word k. Its own inverse.
+/// Eight values as 8 x 8 bytes. transpose() makes byte k of word j byte j of word k, and is its own
+/// inverse.
 using Words = std::array<std::uint64_t, width>;
 void transpose(Words& words) {
   const auto swap = [&](std::size_t a, std::size_t b, int bits, std::uint64_t mask) {
@@ -35,14 +41,14 @@ void transpose(Words& words) {
   for (const std::size_t k : {0, 2, 4, 6}) swap(k, k + 1, 8, 0x00ff00ff00ff00ff);
 }
 
-/// Of mostly silent pings there is little to transpose.
+/// Returns whether all words are 0. Pings mostly consist of zeros, which need no transposition.
 bool all_zero(const Words& words) {
   std::uint64_t bits = 0;
   for (const std::uint64_t word : words) bits |= word;
   return bits == 0;
 }
 
-/// Bytes of equal weight side by side, as HDF5's filter has them.
+/// Puts bytes of equal significance together, as HDF5's filter does.
 void shuffle(std::span<const double> values, unsigned char* planes) {
   const std::size_t count = values.size(), whole = count / width * width;
   Words words;
@@ -71,7 +77,8 @@ void unshuffle(const unsigned char* planes, std::span<double> values) {
     for (std::size_t plane = 0; plane < width; ++plane) bytes[k * width + plane] = planes[plane * count + k];
 }
 
-/// HDF5 refuses an image with the name of a file that exists. No file is below another.
+/// Returns a name that cannot exist, because HDF5 rejects an image with the name of an existing file. A
+/// file cannot lie below another file.
 std::filesystem::path in_memory(const std::filesystem::path& path) { return path / "in-memory"; }
 
 bool keeps_in_memory(hid_t access) {
@@ -100,14 +107,15 @@ std::vector<unsigned char> packed_chunk(std::span<const double> values) {
   const Compressor compressor(libdeflate_alloc_compressor(level), &libdeflate_free_compressor);
   if (!compressor) throw std::bad_alloc();
   const std::size_t most = libdeflate_zlib_compress_bound(compressor.get(), values.size_bytes());
-  const std::unique_ptr<unsigned char[]> packed(new unsigned char[most]);  // a vector would clear it
+  const std::unique_ptr<unsigned char[]> packed(
+      new unsigned char[most]);  // a vector would initialise the bytes
   const std::size_t bytes =
       libdeflate_zlib_compress(compressor.get(), planes.get(), values.size_bytes(), packed.get(), most);
   return {packed.get(), packed.get() + bytes};
 }
 
 std::size_t most_packed_bytes(std::size_t values) {
-  return libdeflate_zlib_compress_bound(nullptr, values * width);  // of any compressor
+  return libdeflate_zlib_compress_bound(nullptr, values * width);  // valid for any compressor
 }
 
 bool unpack_chunk(std::span<const unsigned char> packed, std::span<double> values) {
@@ -115,7 +123,7 @@ bool unpack_chunk(std::span<const unsigned char> packed, std::span<double> value
   if (!decompressor) throw std::bad_alloc();
   const std::unique_ptr<unsigned char[]> planes(new unsigned char[values.size_bytes()]);
   std::size_t taken = 0;
-  constexpr std::size_t* all_of_it = nullptr;  // no fewer bytes than asked for are a success
+  constexpr std::size_t* all_of_it = nullptr;  // with a null pointer, fewer bytes than requested are an error
   if (libdeflate_zlib_decompress_ex(decompressor.get(), packed.data(), packed.size(), planes.get(),
                                     values.size_bytes(), &taken, all_of_it) != LIBDEFLATE_SUCCESS ||
       taken != packed.size())
@@ -130,7 +138,7 @@ std::vector<unsigned char> empty_hdf5_file(const std::filesystem::path& path) {
   const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   const Hdf5Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
   constexpr unsigned ordered = H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED;
-  constexpr hbool_t with_times = false;  // equal contents have equal bytes
+  constexpr hbool_t with_times = false;  // equal contents then have equal bytes
   if (keeps_in_memory(access) && H5Pset_link_creation_order(creation, ordered) >= 0 &&
       H5Pset_attr_creation_order(creation, ordered) >= 0 &&
       H5Pset_obj_track_times(creation, with_times) >= 0) {
@@ -152,8 +160,8 @@ Hdf5Chunks::Hdf5Chunks(std::filesystem::path file, std::span<const unsigned char
   const Hdf5Silence silence;
   keep_libraries_to_themselves();
   const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  if (keeps_in_memory(access) &&
-      H5Pset_file_image(access, const_cast<unsigned char*>(image.data()), image.size()) >= 0)  // copies it
+  if (keeps_in_memory(access) && H5Pset_file_image(access, const_cast<unsigned char*>(image.data()),
+                                                   image.size()) >= 0)  // HDF5 copies the bytes
     file_ = std::make_unique<Hdf5Handle>(H5Fopen(in_memory(path_).c_str(), H5F_ACC_RDWR, access), H5Fclose);
   if (!file_ || *file_ < 0)
     throw write_error(path_, "HDF5 cannot add values to it in memory, which may be short");
@@ -171,7 +179,7 @@ void Hdf5Chunks::write(const std::string& variable, std::size_t ping, std::span<
   if (!opened)
     opened = std::make_unique<Hdf5Handle>(H5Dopen2(*file_, variable.c_str(), H5P_DEFAULT), H5Dclose);
   constexpr std::uint32_t all_filters = 0;
-  const hsize_t begin[H5S_MAX_RANK] = {ping};  // as many as the variable has dimensions are read
+  const hsize_t begin[H5S_MAX_RANK] = {ping};  // HDF5 reads as many elements as the variable has dimensions
   if (*opened < 0 ||
       H5Dwrite_chunk(*opened, H5P_DEFAULT, all_filters, begin, packed.size(), packed.data()) < 0)
     throw write_error(path_, fmt::format("cannot write ping {} of variable '{}'", ping, variable));

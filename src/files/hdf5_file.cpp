@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Visits all links, datasets and attributes of an HDF5 file and rejects references to other files. It
+// limits the number of links and attributes, the depth of groups and the size of texts.
+
 #include "files/hdf5_file.hpp"
 
 #include <fmt/format.h>
@@ -23,11 +27,11 @@ using Handle = Hdf5Handle;
 
 constexpr std::size_t most_links = 10'000;
 constexpr int deepest = 32;
-/// Of texts, and of what an attribute holds: descriptions, not data.
+/// Largest size of texts and attribute values, which describe data but do not hold them.
 constexpr double most_text_bytes = 64 << 20;
 
 struct Finding {
-  std::string what;  ///< empty: nothing
+  std::string what;  ///< the problem; empty if there is none
   std::size_t links = 0, attributes = 0;
   double file_bytes = 0;
 };
@@ -50,7 +54,7 @@ double count_of(hid_t space) {
   return count < 0 ? 0 : static_cast<double>(count);
 }
 
-/// An attribute is read whole by whoever looks at it, and its texts may all be one that is stored once.
+/// Checks an attribute. A reader of an attribute reads all of it, and many texts may share one stored text.
 herr_t look_at_attribute(hid_t object, const char* name, const H5A_info_t*, void* data) {
   auto& finding = *static_cast<Finding*>(data);
   if (++finding.attributes > most_links) {
@@ -93,7 +97,7 @@ herr_t look_at_object(hid_t file, const char* name, const H5O_info_t* object, vo
         count_of(space) * static_cast<double>(H5Tget_size(type)) > most_text_bytes)
       finding.what = fmt::format("has '{}', a text of more than {:.0f} MB", name, most_text_bytes / 1048576);
     else if (type >= 0 && H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) == 0) {
-      // May be packed, where nobody sees what it says.
+      // Fixed-length texts may be compressed, so that the bytes of the file do not show the keyword.
       std::string text(static_cast<std::size_t>(count_of(space)) * H5Tget_size(type), '\0');
       GridWords words;
       if (!text.empty() && H5Dread(opened, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) >= 0)
@@ -126,7 +130,7 @@ std::string references_of(const fs::path& path) {
 
 void refuse_hdf5_references(const fs::path& file) {
   const auto state = state_of(file);
-  if (!state) return;  // opening it says why
+  if (!state) return;  // the attempt to open the file reports the reason
   static std::mutex mutex;
   static std::set<FileState> passed;
   const std::lock_guard lock(mutex);

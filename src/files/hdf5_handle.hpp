@@ -5,7 +5,7 @@
 
 namespace tubefoot {
 
-/// Closes what HDF5 opened.
+/// A handle that closes an HDF5 object in its destructor.
 class Hdf5Handle {
  public:
   Hdf5Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
@@ -21,7 +21,7 @@ class Hdf5Handle {
   herr_t (*close_)(hid_t);
 };
 
-/// HDF5 prints its errors to stderr unless told not to, thread by thread.
+/// Silences the errors that HDF5 prints to stderr by default, on this thread.
 class Hdf5Silence {
  public:
   Hdf5Silence() {

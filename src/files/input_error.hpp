@@ -7,19 +7,19 @@
 
 namespace tubefoot {
 
-/// A place in an input file; line and column count from 1, 0 means unknown (a binary file, or the whole
-/// file).
+/// A place in an input file. Line and column count from 1. 0 means unknown, in a binary file or for the
+/// whole file.
 struct SourcePlace {
   std::string file;
   int line = 0, column = 0;
 };
 
-/// "scene.toml:12:5" as far as the place is known.
+/// Returns "scene.toml:12:5", as far as the place is known.
 std::string to_string(const SourcePlace& place);
 
-/// The input is wrong: the program exits with 2 and prints "place: what was expected, what to do".
+/// An error in the input. The program exits with 2 and prints "place: what was expected, what to do".
 struct InputError : std::runtime_error {
-  /// What it says is shown().
+  /// The message passes through shown(), which escapes control characters.
   InputError(const SourcePlace& where, const std::string& message);
   SourcePlace place;
 };

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Opens regular files for reading and reads them in pieces. It detects files that are not regular and files
+// that grow during reading, as those of /proc do.
+
 #include "files/input_registry.hpp"
 
 #include <fcntl.h>
@@ -26,7 +30,7 @@ InputFile::InputFile(const fs::path& file) : InputFile(file, {file.string(), 0, 
 InputFile::InputFile(fs::path file, const SourcePlace& place, std::string_view expected)
     : path_(std::move(file)), place_(place) {
   const std::string name = place.file == path_.string() ? "" : fmt::format("'{}' ", path_.string());
-  // Without waiting: a pipe would otherwise wait for its writer. What is then no ordinary file is never read.
+  // A non-blocking open does not wait for the writer of a pipe. A file that is not regular is never read.
   const int descriptor = open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
   if (descriptor < 0)
     throw InputError(place_,
@@ -69,7 +73,7 @@ void InputFile::for_each_piece(const std::function<void(std::string_view)>& use)
     read.done();
     stream_->read(piece.data(), static_cast<std::streamsize>(piece.size()));
     const auto count = static_cast<std::size_t>(stream_->gcount());
-    // Files of the system itself (/proc) say that they are empty, and may have no end.
+    // Files of the system (/proc) report the size 0 and may be endless.
     if (count > left)
       throw InputError(place_,
                        fmt::format("'{}' has more than the {} bytes that it had when it was opened: it is no "

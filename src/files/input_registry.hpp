@@ -13,16 +13,16 @@
 
 #include "files/input_error.hpp"
 
-// The input registry: every byte that is read comes through an InputFile, or, where a library opens the file
-// itself, through what checks it first (gdal_input.hpp, hdf5_file.hpp). docs/limits.md says what that
-// promises.
+// The input registry. Every byte that tubefoot reads comes through an InputFile. If a library opens a file
+// itself, a check precedes it (gdal_input.hpp, hdf5_file.hpp). docs/limits.md states the guarantees.
 namespace tubefoot {
 
-/// An ordinary file, open to be read. Folders, pipes and devices are refused without waiting for anybody at
+/// A regular file that is open for reading. Folders, pipes and devices are rejected without a wait for
 /// their other end.
 class InputFile {
  public:
-  /// Throws InputError at `place`, for what is no ordinary file saying that `expected` was.
+  /// Throws InputError at `place`. The message for a file that is not regular states that `expected` was
+  /// expected.
   InputFile(std::filesystem::path file, const SourcePlace& place,
             std::string_view expected = "a regular file");
   /// Throws InputError at the file itself.
@@ -32,15 +32,16 @@ class InputFile {
   InputFile& operator=(const InputFile&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
-  /// For libraries that read by themselves: /proc/self/fd/N is this file, whatever becomes of its name.
+  /// Returns the descriptor for libraries that read files themselves: /proc/self/fd/N is this file, even if
+  /// its name changes.
   int descriptor() const;
-  /// In bytes, when it was opened.
+  /// Returns the size in bytes at the time of opening.
   std::uintmax_t size() const { return size_; }
-  /// From its first byte, until it is read.
+  /// Returns the stream, which begins at the first byte.
   std::istream& stream() { return *stream_; }
-  /// Its first bytes, at most `most`; the stream is then where it was.
+  /// Returns the first bytes, at most `most`. The position of the stream does not change.
   std::string head(std::size_t most);
-  /// What is left of its bytes, in pieces. Throws InputError where reading fails midway.
+  /// Calls `use` with the remaining bytes, in pieces. Throws InputError if reading fails.
   void for_each_piece(const std::function<void(std::string_view)>& use);
 
  private:
@@ -52,14 +53,14 @@ class InputFile {
   std::unique_ptr<std::istream> stream_;
 };
 
-/// Which bytes a name stands for, as far as the file system tells: place on the disk, size, time of the last
-/// change.
+/// Identity of the bytes under a name, as far as the file system reports it: place on disk, size and time
+/// of the last change.
 using FileState = std::array<std::int64_t, 5>;
-/// Nothing for a name without a file.
+/// Returns the identity of a file; empty if there is no file.
 std::optional<FileState> state_of(const std::filesystem::path& file);
 
-/// All of a file that has at most `most` bytes. Throws InputError at `place` for a larger one, saying that
-/// `expected` is: "a scene file (TOML text)".
+/// Returns all bytes of a file that has at most `most`. Throws InputError at `place` for a larger file. The
+/// message states that `expected` was expected: "a scene file (TOML text)".
 std::string read_whole(const std::filesystem::path& file, const SourcePlace& place, std::uintmax_t most,
                        std::string_view expected);
 

@@ -6,12 +6,13 @@
 
 namespace tubefoot {
 
-/// As it is written to files. Names of files may be of any bytes: what is no UTF-8 in them becomes U+FFFD.
+/// Returns the text of a JSON value for files. Names of files may have any bytes; bytes that are not UTF-8
+/// become U+FFFD.
 inline std::string text_of(const nlohmann::ordered_json& json) {
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
-/// A name of a file as text, the same way.
+/// Returns a file name as text, with the same replacement.
 inline std::string text_of_name(const std::string& name) {
   return nlohmann::ordered_json::parse(text_of(name)).get<std::string>();
 }

@@ -5,20 +5,20 @@
 
 namespace tubefoot {
 
-/// Before netCDF or HDF5 read anything: netCDF reads no settings from the working folder (.ncrc, .dodsrc),
-/// HDF5 loads no code for compression that it does not have itself, and nothing in the environment moves the
-/// cells of a raster. Once; more often does no harm.
+/// Prepares netCDF, HDF5 and GDAL for isolated reading; call it before they read. HDF5 then loads no
+/// external code for compression, and netCDF reads no settings from the working folder (.ncrc, .dodsrc). No
+/// environment variable shifts the cells of a raster. Repeated calls have no effect.
 void keep_libraries_to_themselves();
 
-/// Removes the variables of the environment that have libraries load code, read settings from files that they
-/// name, write logs or call hosts: what a run does is in its scene and its command line, and nobody promises
-/// that such a file ends. Where data are installed (PROJ_DATA, GDAL_DATA) stays. For programs, before their
-/// first thread; a process around the library keeps its environment.
+/// Removes environment variables that make libraries load code, read settings from files, write logs or
+/// contact hosts. Only the scene and the command line determine a run, and such a file might be endless.
+/// Places of installed data (PROJ_DATA, GDAL_DATA) stay.
+/// Programs call this function before their first thread. A process that uses the library keeps its
+/// environment.
 void remove_library_variables();
 
-/// The name of a file without links to folders: its folder as it really is, and its own name, which may be a
-/// link. Where GDAL, the scene hash and the file system could understand ".." and links in three ways, they
-/// are given this.
+/// Returns the name of a file without links to folders: the real folder and the file's own name, which may
+/// be a link. GDAL, the scene hash and the file system could otherwise resolve ".." and links differently.
 std::filesystem::path plain_name(const std::filesystem::path& file);
 
 }  // namespace tubefoot

@@ -4,39 +4,39 @@
 #include <cstddef>
 #include <cstdint>
 
-// The most that input is given, whatever it asks for. docs/limits.md has them with their reasons, and a test
-// keeps the two in step. What stays below may still not fit a machine: memory_at_hand().
+// Upper limits for input. docs/limits.md lists them with their reasons, and a test keeps both lists equal.
+// Input within these limits may still exceed the memory of a machine: memory_at_hand().
 namespace tubefoot::limits {
 
 inline constexpr std::size_t scene_file_bytes = std::size_t{8} << 20;
-/// Of a text that a scene file holds, of its title, and of a name in it, which may name files.
+/// Length of a text in a scene file, of its title, and of a name, which may name files.
 inline constexpr std::size_t text_bytes = std::size_t{1} << 16, title_bytes = 1000, name_bytes = 200;
-/// Of any file that a scene names: its bytes are hashed before anything else.
+/// Size of any file that a scene names. tubefoot hashes all its bytes first.
 inline constexpr std::uintmax_t named_file_bytes = std::uintmax_t{64} << 30;
-/// Of a line of a text table.
+/// Length of a line of a text table.
 inline constexpr std::size_t line_bytes = std::size_t{1} << 20;
-/// Of a table of poses or sound speeds.
+/// Rows of a table of poses or sound speeds.
 inline constexpr std::size_t table_rows = 10'000'000;
-/// Of a terrain, or read of a raster.
+/// Cells of a terrain, or cells that are read of a raster.
 inline constexpr double cells = 50e6;
-/// Of a raster that is read by tiles: two facets each have numbers of 32 bits.
+/// Cells of a raster that is read by tiles. Each cell has two facets, whose numbers have 32 bits.
 inline constexpr double tiled_cells = 2e9;
-/// Of one primitive.
+/// Facets of one primitive.
 inline constexpr double primitive_facets = 20e6;
-/// Vertices, corners and values of morph targets that a model reads or places by naming what it holds again
-/// (instances of a mesh, primitives of the same vertices): so many more than the model has bytes.
+/// Number of vertices, corners and values of morph targets in addition to the bytes of a model. A model can
+/// read or place its own parts repeatedly (instances of a mesh, primitives that share vertices).
 inline constexpr std::uint64_t model_repeated = 5'000'000;
-/// Of a glTF model: Assimp takes about 20 us of processor time for each.
+/// Nodes of a glTF model. Assimp takes about 20 us of processor time per node.
 inline constexpr std::size_t gltf_nodes = 150'000;
-/// Of the nodes of a model, one in another.
+/// Depth of the nodes of a model.
 inline constexpr std::size_t model_depth = 1000;
-/// Names of attributes of a vector map, and pairs of names that follow each other in a feature.
+/// Attribute names of a vector map, and pairs of consecutive names in a feature.
 inline constexpr std::size_t map_attributes = 1000, map_attribute_pairs = 8000;
-/// Of a raster as it is stored: any row takes whole blocks.
+/// Size of a stored block of a raster. To read a row, whole blocks must be read.
 inline constexpr std::int64_t block_bytes = std::int64_t{1} << 29;
 /// Beams times range samples of one ping.
 inline constexpr std::int64_t ping_cells = std::int64_t{1} << 26;
-/// Pings of a sensor, times the transmissions of each.
+/// Pings of a sensor times transmissions per ping.
 inline constexpr std::int64_t sensor_transmissions = 100'000'000;
 
 }  // namespace tubefoot::limits

@@ -15,8 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The least of the limits of the process's control group and those around it, of version 2 or of version 1,
-/// where memory has a tree of its own; infinite where there is none.
+/// Returns the minimum of the memory limits of the process's control group and of its parents. The group is
+/// of version 2, or of version 1 with its own tree for memory. Without limits the result is infinite.
 double control_group_limit() {
   double least = std::numeric_limits<double>::infinity();
   std::ifstream groups("/proc/self/cgroup");
@@ -30,7 +30,7 @@ double control_group_limit() {
     for (fs::path group = fs::path(line.substr(second + 2)).lexically_normal();;
          group = group.parent_path()) {
       std::ifstream file(root / group / (of_all ? "memory.max" : "memory.limit_in_bytes"));
-      if (double bytes = 0; file >> bytes) least = std::min(least, bytes);  // "max" is no number
+      if (double bytes = 0; file >> bytes) least = std::min(least, bytes);  // "max" is not a number
       if (group.empty() || group == group.parent_path()) break;
     }
   }

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Determines the geotransform and the order of rows of a netCDF variable from its coordinate variables,
+// where GDAL's netCDF driver does not find them.
+
 #include "files/netcdf_grid.hpp"
 
 #include <cpl_conv.h>
@@ -89,7 +93,8 @@ NetcdfGrid netcdf_grid(const fs::path& file, GDALDataset& raster) {
   const char* const variable = raster.GetRasterBand(1)->GetMetadataItem("NETCDF_VARNAME");
   if (variable == nullptr) return grid;
   constexpr const char* drivers[] = {"netCDF", nullptr};
-  const CPLErrorHandlerPusher quiet(CPLQuietErrorHandler);  // who opened the raster received it all
+  const CPLErrorHandlerPusher quiet(
+      CPLQuietErrorHandler);  // the code that opened the raster received all messages
   const GDALDatasetUniquePtr whole(
       GDALDataset::Open(plain_name(file).c_str(), GDAL_OF_MULTIDIM_RASTER | GDAL_OF_READONLY, drivers));
   const std::shared_ptr<GDALGroup> root = whole == nullptr ? nullptr : whole->GetRootGroup();

@@ -10,29 +10,31 @@
 
 namespace tubefoot {
 
-/// Where the cells of a two-dimensional variable of a netCDF file lie, by the file's own coordinate variables
-/// (y(y), x(x)). GDAL's netCDF driver takes a file's first row for the southernmost unless attributes of
-/// those variables say that they are coordinates, whatever their values are.
+/// The positions of the cells of a two-dimensional netCDF variable, by the file's coordinate variables
+/// (y(y), x(x)).
+/// GDAL's netCDF driver takes the first row as the southernmost, unless attributes mark these variables as
+/// coordinates. It does so regardless of their values.
 struct NetcdfGrid {
-  /// Whether the file says which of its rows is the northernmost; and if so, whether that is the first.
+  /// Whether the file determines which row is the northernmost, and whether that row is the first.
   bool says_rows = false, first_row_is_north = false;
-  /// North-up, of evenly spaced coordinates.
+  /// The geotransform of equally spaced coordinates, with north up.
   std::optional<std::array<double, 6>> geotransform;
-  /// The names say longitude and latitude.
+  /// Whether the names denote longitude and latitude.
   bool in_degrees = false;
-  /// Its rows run along x and its columns along y.
+  /// Whether rows run along x and columns along y.
   bool turned_over = false;
-  /// Why the variable cannot be read as a map, and what to do; empty if it can.
+  /// Reason why the variable cannot be read as a map, and a remedy; empty if it can be read.
   std::string problem;
 
-  /// Options of gdal_translate that make it write the variable as it is read here; with a geotransform only.
+  /// Returns the options of gdal_translate that write the variable as it is read here. Requires a
+  /// geotransform.
   std::string placing(int columns, int rows) const;
 };
 
-/// `raster`: the same file as GDAL's raster, with at least one band.
+/// Reads the grid of a netCDF file. `raster` is the same file as GDAL's raster, with at least one band.
 NetcdfGrid netcdf_grid(const std::filesystem::path& file, GDALDataset& raster);
 
-/// While one lives, GDAL opens netCDF files on this thread with their first row in the south, or in the
+/// While an object exists, GDAL opens netCDF files on this thread with the first row in the south or in the
 /// north. GDAL's rows then run from the north.
 class NetcdfRowOrder {
  public:
@@ -41,7 +43,7 @@ class NetcdfRowOrder {
   NetcdfRowOrder(const NetcdfRowOrder&) = delete;
   NetcdfRowOrder& operator=(const NetcdfRowOrder&) = delete;
 
-  /// The same for GDAL's programs: an option and its value.
+  /// Returns the same setting for GDAL's programs: an option and its value.
   static std::string option(bool first_row_is_north);
 };
 

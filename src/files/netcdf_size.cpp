@@ -8,14 +8,15 @@
 
 #include "files/input_registry.hpp"
 
-// The layout follows "NetCDF Classic Format Specification" (Unidata): big-endian; counts and lengths have 32
-// bits (64 in CDF-5), offsets 32 (64 in CDF-2 and 5); names and values are padded to 4 bytes.
+// Computes the minimum size of a netCDF classic file from its header. The layout follows "NetCDF Classic
+// Format Specification" (Unidata) and is big-endian. Counts and lengths have 32 bits (64 in CDF-5). Offsets
+// have 32 bits (64 in CDF-2 and 5). Names and values are padded to 4 bytes.
 namespace tubefoot {
 namespace {
 
 constexpr std::uint64_t kNonsense = std::numeric_limits<std::uint64_t>::max();
 constexpr std::uint64_t kMostElements =
-    1u << 14;  // of a list: keeps a nonsense header from taking memory or time
+    1u << 14;  // largest number of elements of a list; an invalid header then cannot take much memory or time
 
 class Header {
  public:
@@ -42,7 +43,7 @@ class Header {
       std::uint64_t bytes = 0;
       if (__builtin_mul_overflow(elements, type_bytes(number(4)), &bytes) || bytes > kNonsense / 4)
         return kNonsense;
-      count();  // vsize: redundant, and cut to 32 bits for large variables
+      count();  // vsize is redundant, and truncated to 32 bits for large variables
       const std::uint64_t begin = number(version_ == 1 ? 4 : 8);
       if (is_record) {
         record_begin = std::min(record_begin, begin);
@@ -53,7 +54,8 @@ class Header {
       }
     }
     if (!in_) return kNonsense;
-    const bool streaming = records == (version_ == 5 ? kNonsense : 0xffffffffu);  // count unknown
+    const bool streaming =
+        records == (version_ == 5 ? kNonsense : 0xffffffffu);  // the number of records is unknown
     if (record_bytes > 0 && records > 0 && !streaming) {
       std::uint64_t all = 0;
       if (__builtin_mul_overflow(records, record_bytes, &all) ||
@@ -76,7 +78,7 @@ class Header {
     if (n > kMostElements) in_.setstate(std::ios::failbit);
     return n;
   }
-  // Tag and number of elements of a list.
+  // Reads the tag of a list and returns its number of elements.
   std::uint64_t list() {
     number(4);
     return bounded(count());

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Confines PROJ to its own data folders. A finder that PROJ calls for files installs a file interface in
+// each context. The interface checks every name while a ProjConfinement exists on the thread.
+
 #include "files/proj_confinement.hpp"
 
 #include <cpl_string.h>
@@ -23,12 +27,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The innermost of this thread.
+/// The innermost confinement of this thread.
 thread_local ProjConfinement* confinement = nullptr;
-/// Whether GDAL's context of this thread is at work in use_context(), and whether PROJ was then seen to ask.
+/// Whether use_context() is running with GDAL's context of this thread, and whether PROJ called the finder.
 thread_local bool in_use = false, asks = false;
 
-/// PROJ's own folders of data: absolute, without "..".
+/// Returns PROJ's data folders as absolute names without "..".
 std::vector<fs::path>& data_folders() {
   static std::vector<fs::path> folders;
   return folders;
@@ -42,7 +46,7 @@ bool is_data(const char* name) {
 }
 
 FILE* open_data(const char* name) {
-  // Without waiting for anybody at the other end of a pipe.
+  // Without waiting for the other end of a pipe.
   const int descriptor = open(name, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
   if (descriptor < 0) return nullptr;
   struct stat status {};
@@ -56,7 +60,8 @@ FILE* file_of(PROJ_FILE_HANDLE* handle) { return reinterpret_cast<FILE*>(handle)
 
 }  // namespace
 
-/// What PROJ calls in place of the C library. It is C: no exception leaves it.
+/// Functions that PROJ calls instead of those of the C library. PROJ is written in C, so that no exception
+/// may leave them.
 struct ProjFiles {
   static PROJ_FILE_HANDLE* open(PJ_CONTEXT*, const char* name, PROJ_OPEN_ACCESS access, void*) {
     FILE* file = nullptr;
@@ -102,14 +107,15 @@ struct ProjFiles {
     return confinement == nullptr && std::rename(from, to) == 0 ? 1 : 0;
   }
 
-  /// PROJ calls it for each name without a folder, such as that of its database, with the context at work.
+  /// PROJ calls this function for each name without a folder, such as that of its database, and passes the
+  /// context.
   static const char* finder(PJ_CONTEXT* context, const char*, void*) {
     static constexpr PROJ_FILE_API files{1,     open,   read,        write,  seek,  tell,
                                          close, exists, make_folder, remove, rename};
     proj_context_set_fileapi(context, &files, nullptr);
     if (confinement != nullptr) proj_context_set_enable_network(context, 0);
     if (in_use) asks = true;
-    return nullptr;  // PROJ goes on to its own folders
+    return nullptr;  // PROJ continues with its own folders
   }
 
  private:
@@ -123,7 +129,7 @@ struct ProjFiles {
 
 namespace {
 
-/// Contexts that are made from now on call the finder.
+/// Installs the finder for all contexts that are created later.
 void install_finder() {
   char** const folders = OSRGetPROJSearchPaths();
   for (CSLConstList folder = folders; folder != nullptr && *folder != nullptr; ++folder)
@@ -132,7 +138,7 @@ void install_finder() {
   proj_context_set_file_finder(nullptr, ProjFiles::finder, nullptr);
 }
 
-/// Has GDAL use its context of this thread for what needs a file without a folder.
+/// Makes GDAL use its context of this thread for a task that needs a file without a folder.
 void use_context() {
   const GdalMessages quiet;
   in_use = true;
@@ -147,7 +153,7 @@ void make_proj_ask() {
   std::call_once(once, install_finder);
   use_context();
   if (asks) return;
-  OSRCleanup();  // the context of this thread is older than the finder: GDAL makes another
+  OSRCleanup();  // the context of this thread precedes the finder, and GDAL then creates another one
   use_context();
   if (!asks)
     throw std::runtime_error(

@@ -5,12 +5,12 @@
 
 namespace tubefoot {
 
-/// While one exists, PROJ opens on this thread regular files of its own data folders, to read them, and
-/// nothing else: no file that the text of a coordinate reference system names, no file of the working folder,
-/// no address on a network. It does not matter how the text is spelled, because PROJ itself asks before it
-/// opens a file. What a program around this library does with PROJ outside of it stays as it is.
+/// While an object exists, PROJ can open only regular files of its own data folders on this thread, for
+/// reading. The text of a coordinate reference system cannot make PROJ open another file, a file of the
+/// working folder or a network address. The spelling of the text does not matter, because PROJ itself calls
+/// the check before it opens a file. Use of PROJ by other parts of the program is not affected.
 ///
-/// Throws std::runtime_error if GDAL on this thread uses a PROJ that does not ask.
+/// Throws std::runtime_error if GDAL on this thread uses a PROJ that does not call the check.
 class ProjConfinement {
  public:
   ProjConfinement();
@@ -18,7 +18,7 @@ class ProjConfinement {
   ProjConfinement(const ProjConfinement&) = delete;
   ProjConfinement& operator=(const ProjConfinement&) = delete;
 
-  /// The first existing file that PROJ was not allowed to open; empty: there was none.
+  /// Returns the first existing file that PROJ was not allowed to open; empty if there is none.
   const std::string& rejected() const { return rejected_; }
 
  private:

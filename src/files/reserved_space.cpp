@@ -20,7 +20,7 @@ ReservedSpace::ReservedSpace(const std::filesystem::path& file) : file_(file) {
 ReservedSpace::~ReservedSpace() {
   struct stat now {};
   if (fstat(descriptor_, &now) == 0 && ftruncate(descriptor_, now.st_size) != 0)
-    errno = 0;  // only unused space
+    errno = 0;  // an error only leaves unused space
   close(descriptor_);
 }
 
@@ -28,7 +28,7 @@ void ReservedSpace::reserve(std::uintmax_t bytes) {
   struct stat now {};
   if (fstat(descriptor_, &now) != 0) throw write_error(file_, errno);
   const std::uintmax_t wanted = static_cast<std::uintmax_t>(now.st_size) + bytes;
-  rlimit limit{};  // some file systems reserve beyond it
+  rlimit limit{};  // some file systems reserve space beyond this limit
   if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY && wanted > limit.rlim_cur)
     throw write_error(file_, EFBIG);
   int status = 0;

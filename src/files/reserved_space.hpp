@@ -6,20 +6,21 @@
 
 namespace tubefoot {
 
-/// Disk space set aside for a file that a library is writing, so that the library never meets a full disk.
-/// HDF5 1.10 needs that: a file that it cannot close crashes the program when it ends.
+/// Reserved disk space for a file that a library is writing, so that the library never meets a full disk.
+/// HDF5 1.10 needs it: after it fails to close a file, the program crashes at exit.
 class ReservedSpace {
  public:
-  /// Opens `file` beside its writer and creates it if need be. Throws std::runtime_error with its name.
+  /// Opens `file` in addition to its writer and creates it if necessary. Throws std::runtime_error that
+  /// names it.
   explicit ReservedSpace(const std::filesystem::path& file);
-  /// Gives back what was reserved beyond the end.
+  /// Releases the space that was reserved beyond the end of the file.
   ~ReservedSpace();
   ReservedSpace(const ReservedSpace&) = delete;
   ReservedSpace& operator=(const ReservedSpace&) = delete;
 
-  /// Sees to it that the file can grow by `bytes`. Throws std::runtime_error naming it and the reason (no
-  /// space left, file too large) if it cannot; it is then unchanged. File systems without reservations are
-  /// asked for their free space, which others may take meanwhile.
+  /// Reserves space so that the file can grow by `bytes`. On failure it throws std::runtime_error with the
+  /// file and the reason (no space left, file too large), and the file is unchanged. On a file system
+  /// without reservations it checks the free space, which other programs may use in the meantime.
   void reserve(std::uintmax_t bytes);
 
  private:

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Replaces control characters, bidirectional marks and invalid UTF-8 by escapes, and shortens long text.
+// Text of untrusted files is then safe on terminals, pages and drawings.
+
 #include "files/shown.hpp"
 
 #include <fmt/format.h>
@@ -9,7 +13,7 @@
 namespace tubefoot {
 namespace {
 
-/// A character and its bytes; 0 bytes: none that UTF-8 has begins there.
+/// A character and its number of bytes; 0 bytes if no valid UTF-8 begins here.
 struct Character {
   char32_t code = 0;
   std::size_t bytes = 0;
@@ -26,7 +30,7 @@ Character first_of(std::string_view text) {
     if ((byte(k) & 0xc0u) != 0x80u) return {};
     code = code << 6 | (byte(k) & 0x3fu);
   }
-  // Longer than it need be, half of a pair, or beyond the last.
+  // Rejects overlong sequences, surrogates, and codes beyond U+10FFFF.
   constexpr char32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
   if (code < least[bytes] || (code >= 0xd800 && code < 0xe000) || code > 0x10ffff) return {};
   return {code, bytes};
@@ -34,7 +38,7 @@ Character first_of(std::string_view text) {
 
 bool is_control(char32_t code) { return code < 0x20 || (code >= 0x7f && code < 0xa0); }
 
-/// Marks that turn the direction of what follows, and separators of lines and paragraphs.
+/// Returns whether a character is a bidirectional mark, or a separator of lines or paragraphs.
 bool turns_text(char32_t code) {
   return (code >= 0x202a && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069) || code == 0x200e ||
          code == 0x200f || code == 0x061c || code == 0x2028 || code == 0x2029;
@@ -60,7 +64,7 @@ void append_harmless(std::string_view text, bool one_line, std::string& out) {
   }
 }
 
-/// Whether a place lies within a character of several bytes.
+/// Returns whether a position lies within a character of several bytes.
 bool within(std::string_view text, std::size_t at) {
   return (static_cast<unsigned char>(text[at]) & 0xc0) == 0x80;
 }
@@ -68,7 +72,7 @@ bool within(std::string_view text, std::size_t at) {
 }  // namespace
 
 std::string harmless(std::string_view text) {
-  // Most text is: nothing but what can be printed in ASCII.
+  // Most text consists only of printable ASCII characters.
   if (std::all_of(text.begin(), text.end(), [](char c) { return (c >= ' ' && c <= '~') || c == '\n'; }))
     return std::string(text);
   std::string result;

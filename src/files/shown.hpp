@@ -4,24 +4,26 @@
 #include <string>
 #include <string_view>
 
-// Text that may hold what a stranger wrote, on its way to somebody's eyes. Terminals obey control
-// characters, those of C1 (U+0080 to U+009F) too; bidirectional marks show words in another order than they
-// have; bytes that are no UTF-8 are anything.
+// Makes untrusted text safe for display. Terminals obey control characters, including those of C1 (U+0080
+// to U+009F). Bidirectional marks change the displayed order of words. Bytes that are not UTF-8 have no
+// defined meaning.
 namespace tubefoot {
 
-/// With `\x1b` for control characters but line ends and tabs, and for bytes that are no UTF-8, and `\u202e`
-/// for C1's, for bidirectional marks and for separators of lines. Text without any, as our own, is unchanged.
+/// Replaces control characters (except line ends and tabs) and bytes that are not UTF-8 by `\x1b` and
+/// similar escapes. Control characters of C1, bidirectional marks and line separators become `\u202e` and
+/// similar escapes. Other text is unchanged.
 std::string harmless(std::string_view text);
 
-/// The same for a terminal or a log: of more than a few thousand characters the beginning and the end.
+/// Does the same for a terminal or a log. If the text is longer than a few thousand characters, only its
+/// beginning and its end remain.
 std::string shown(std::string_view text);
 
-/// For a title, a name or what else has one line and some width to be shown in: without line ends, too, and
-/// of more than 200 characters the beginning.
+/// Does the same for a title, a name or another single line. It also removes line ends, and keeps the first
+/// 200 characters of longer text.
 std::string shown_line(std::string_view text);
 
-/// For a page (HTML) or a drawing (SVG): harmless, and with &lt; and its like for what begins a tag, ends an
-/// attribute (ours are in double quotes) or names a character.
+/// Does the same for HTML or SVG, and writes &lt; and similar entities. It replaces characters that begin a
+/// tag, end an attribute (tubefoot uses double quotes) or begin an entity.
 std::string shown_markup(std::string_view text);
 
 }  // namespace tubefoot

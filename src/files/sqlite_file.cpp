@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Opens untrusted SQLite databases for reading. It checks the length and the schema, and an authorizer
+// permits only reading of tables.
+
 #include "files/sqlite_file.hpp"
 
 #include <fmt/format.h>
@@ -16,7 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// As SQLite wants a name in an address: with everything but letters and digits as %2f.
+/// Returns a file name as SQLite needs it in a URI: characters except letters, digits and '/' become %20
+/// and the like.
 std::string address_of(const fs::path& file) {
   std::string address = "file:";
   for (const char c : absolute_path(file).string())
@@ -26,7 +31,7 @@ std::string address_of(const fs::path& file) {
   return address + "?immutable=1";
 }
 
-/// In small letters, without comments, one space for any, and for whatever stands in quotes a q.
+/// Returns SQL in lower case, without comments, with single spaces, and with q for any quoted text.
 std::string plain(const std::string& sql) {
   std::string result;
   const auto blank = [&result] {
@@ -54,8 +59,8 @@ std::string plain(const std::string& sql) {
   return result;
 }
 
-/// What is wrong with an entry of the schema. What it says of its type itself is not heeded: SQLite goes by
-/// the text.
+/// Returns the problem of an entry of the schema. The check ignores the entry's declared type, because
+/// SQLite uses only the text.
 std::string surprise_in(const std::string& sql) {
   const auto begins = [&sql](std::string_view words) { return sql.starts_with(words); };
   if (begins("create virtual table ")) {
@@ -66,16 +71,16 @@ std::string surprise_in(const std::string& sql) {
     return sql.find(" as (") != sql.npos || sql.find(" as(") != sql.npos ? "a table with computed columns"
                                                                          : "";
   if (sql.empty() || begins("create index ") || begins("create unique index ") || begins("create trigger "))
-    return "";  // triggers are for those who write
+    return "";  // triggers only affect writers
   return "a view";
 }
 
-/// Whoever does not want to wait is not kept.
+/// Interrupts a query on a stop request.
 int stop(void*) { return stop_wanted() ? 1 : 0; }
 
-/// Reading tables, and what the checks of damage need; nothing else that a question could hold. An R-tree
-/// prepares its own changes as soon as it is looked at (SQLite 3.46 does so in a check): none is carried out,
-/// as the file is opened for reading only.
+/// Permits reading of tables and the checks for damage, and denies all other actions. Reading an R-tree
+/// prepares its own changes (SQLite 3.46 does so in a check). They are never executed, because the file is
+/// open for reading only.
 int only_reading(void*, int action, const char*, const char*, const char*, const char*) {
   switch (action) {
     case SQLITE_SELECT:
@@ -123,7 +128,7 @@ void refuse_unfinished_sqlite(const fs::path& file, const SqliteWords& words) {
 SqliteFile::SqliteFile(fs::path file, const SqliteWords& words)
     : path_(std::move(file)), kind_(words.kind), database_(nullptr, sqlite3_close) {
   refuse_unfinished_sqlite(path_, words);
-  InputFile input(path_);  // an ordinary file
+  InputFile input(path_);  // checks that the file is regular
   bytes_ = input.size();
   const std::string head = input.head(header_bytes);
   check_length({reinterpret_cast<const std::uint8_t*>(head.data()), head.size()});
@@ -144,7 +149,7 @@ SqliteFile::SqliteFile(fs::path file, std::vector<std::uint8_t> bytes, const Sql
   bytes_ = memory_.size();
   check_length(memory_);
   constexpr std::size_t format_version = 18;
-  // 2 tells of a write-ahead log, which nothing in memory has.
+  // Version 2 means a write-ahead log, which does not exist in memory.
   memory_[format_version] = memory_[format_version + 1] = 1;
   sqlite3* opened = nullptr;
   const int status = sqlite3_open_v2(":memory:", &opened, SQLITE_OPEN_READWRITE, nullptr);
@@ -161,7 +166,7 @@ void SqliteFile::fail(const std::string& what) const {
   throw InputError({path_.string(), 0, 0}, fmt::format("cannot be read as {}: {}", kind_, what));
 }
 
-/// SQLite itself looks only when it comes to a page that is not there.
+/// SQLite itself notices a missing page only when it reads that page.
 void SqliteFile::check_length(std::span<const std::uint8_t> header) const {
   if (header.size() < header_bytes) fail("it is cut off or damaged");
   const auto number = [&header](std::size_t at, int bytes) {
@@ -171,7 +176,7 @@ void SqliteFile::check_length(std::span<const std::uint8_t> header) const {
   };
   constexpr std::size_t page_size = 16, changes = 24, pages = 28, pages_valid_for = 92;
   const std::uint64_t page = number(page_size, 2) == 1 ? 65536 : number(page_size, 2);
-  // Programs of before 2010 do not keep the number of pages up to date.
+  // Programs before 2010 do not update the number of pages.
   if (number(changes, 4) == number(pages_valid_for, 4) && number(pages, 4) * page > bytes_)
     fail(fmt::format("it is cut off: {} bytes of {}", bytes_, number(pages, 4) * page));
 }

@@ -13,31 +13,31 @@
 struct sqlite3;
 struct sqlite3_stmt;
 
-// The door to databases of strangers: a schema is a program, rows may be without end.
+// Opens untrusted databases. A schema is a program, and the number of rows may be endless.
 namespace tubefoot {
 
-/// What is said of a database that is refused.
+/// Parts of the messages for rejected databases.
 struct SqliteWords {
   std::string_view kind;     ///< "GeoPackage"
-  std::string plain_tables;  ///< what to do about views: "save its layers as plain tables with `ogr2ogr ...`"
-  std::string finish;        ///< about changes that stand beside it: "open it in that program once more"
+  std::string plain_tables;  ///< advice about views: "save its layers as plain tables with `ogr2ogr ...`"
+  std::string finish;        ///< advice about changes in a separate file: "open it in that program once more"
 };
 
-/// Throws InputError where the last changes to a database stand in a file beside it.
+/// Throws InputError if the last changes to a database are in a separate file.
 void refuse_unfinished_sqlite(const std::filesystem::path& file, const SqliteWords& words);
 [[noreturn]] void refuse_as_unfinished(const std::filesystem::path& file, const SqliteWords& words,
                                        const std::string& what);
 
-/// A database that can be read only, and asked only for what is in its tables: no views, triggers, functions
-/// of the schema, virtual tables but R-trees, no other files.
+/// A read-only database that answers only questions about its tables. Views, triggers, functions of the
+/// schema, virtual tables except R-trees, and other files are not accessible.
 class SqliteFile {
  public:
-  /// Throws InputError at `file` for what is no database, or more than tables.
+  /// Throws InputError at `file` if it is not a database, or contains more than tables.
   SqliteFile(std::filesystem::path file, const SqliteWords& words);
-  /// One that stands in memory, unpacked from `file`.
+  /// Opens a database in memory that was decompressed from `file`.
   SqliteFile(std::filesystem::path file, std::vector<std::uint8_t> bytes, const SqliteWords& words);
 
-  /// An answer's row; a blob's bytes live until the next.
+  /// A row of an answer. The bytes of a blob are valid until the next row.
   class Row {
    public:
     explicit Row(sqlite3_stmt* statement) : statement_(statement) {}
@@ -50,18 +50,19 @@ class SqliteFile {
     sqlite3_stmt* statement_;
   };
 
-  /// All rows of an answer to a SELECT, with numbers for its question marks. How many there are is for `use`
-  /// to watch, which may throw. Throws InputError at a table or column that is not there, and at damage.
+  /// Calls `use` with all rows of the answer to a SELECT. `numbers` replace its question marks. `use` must
+  /// limit the number of rows and may throw. Throws InputError if a table or column is missing, or the file
+  /// is damaged.
   void ask(const char* question, std::span<const std::int64_t> numbers,
            const std::function<void(const Row&)>& use) const;
   bool has_table(std::string_view name) const;
-  /// Of the database: no table holds more.
+  /// Returns the size of the database, an upper bound of the size of each table.
   std::uintmax_t bytes() const { return bytes_; }
   const std::filesystem::path& path() const { return path_; }
   [[noreturn]] void fail(const std::string& what) const;
 
  private:
-  /// `header`: its first bytes.
+  /// `header` has the first bytes of the database.
   void check_length(std::span<const std::uint8_t> header) const;
   void check_schema(const SqliteWords& words) const;
 

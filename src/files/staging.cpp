@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Creates and removes staging folders. A lock on the list of files shows whether the program that made a
+// staging folder still runs. Leftovers of killed programs are removed.
+
 #include "files/staging.hpp"
 
 #include <fcntl.h>
@@ -32,7 +36,8 @@ std::string random_word() {
   return word;
 }
 
-/// What a staging folder's name is for: "out" of ".out.tubefoot-xxxxxxxx"; empty if it is none's name.
+/// Returns the target of a staging folder's name: "out" of ".out.tubefoot-xxxxxxxx"; empty for any other
+/// name.
 std::string_view target_of(std::string_view name) {
   const std::size_t tail = mark.size() + random_letters;
   if (name.size() < tail + 2 || name.front() != '.') return {};
@@ -42,7 +47,7 @@ std::string_view target_of(std::string_view name) {
   return name.substr(1, name.size() - tail - 1);
 }
 
-/// Whether nobody is making this folder any more. `lock` then keeps it so.
+/// Returns whether no program is writing this folder any more. `lock` then keeps others from using it.
 bool is_dead(const fs::path& folder, Descriptor& lock) {
   lock = open_own(folder / list_name, O_RDWR);
   try {
@@ -52,7 +57,7 @@ bool is_dead(const fs::path& folder, Descriptor& lock) {
   }
 }
 
-/// Takes a folder away, its list last: what is stopped in between is still known for what it is.
+/// Removes a folder and its list last, so that the folder stays recognisable if the program is interrupted.
 void remove_folder(const fs::path& folder) {
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
@@ -60,8 +65,8 @@ void remove_folder(const fs::path& folder) {
   fs::remove_all(folder, ignored);
 }
 
-/// Takes away what killed runs left beside the target, or brings an earlier result back that one had moved
-/// aside.
+/// Removes leftovers of killed runs in the folder of the target. It restores an earlier result that such a
+/// run had renamed.
 void clear_leftovers(const fs::path& target) {
   std::error_code ignored;
   std::vector<fs::path> folders;
@@ -85,8 +90,8 @@ void clear_leftovers(const fs::path& target) {
       remove_folder(folder);
     else if (lock)
       continue;
-    lock.close();                 // a file that is open stays in a folder of NFS, under another name
-    fs::remove(folder, ignored);  // if it is empty: of one that was killed before it made its list
+    lock.close();                 // an open file would stay in a folder of NFS under another name
+    fs::remove(folder, ignored);  // removes an empty folder of a run that was killed before it wrote its list
   }
 }
 
@@ -98,7 +103,8 @@ Staging::Staging(const fs::path& target, mode_t mode) : target_(target) {
     if (list_) remove_folder(path_);
     return UsageError(fmt::format("'{}': {}: choose another -o", target.string(), why));
   };
-  // Somebody who clears leftovers may take a folder that has no list yet: then another name is tried.
+  // Another program that clears leftovers may remove a folder without a list. The loop then tries another
+  // name.
   constexpr int most_trials = 100;
   bool made = false;
   for (int trial = 0; trial < most_trials && !made; ++trial) {
@@ -124,7 +130,8 @@ Staging::Staging(const fs::path& target, mode_t mode) : target_(target) {
 }
 
 Staging::~Staging() {
-  // In either case, what is here is ours, or what was replaced. Else it is what could not be brought back.
+  // If the list is at one of these places, the folder holds files of this run, or the replaced result.
+  // Otherwise it holds a result that could not be restored.
   const bool ours = is_still_at(path_ / list_name, list_) || is_still_at(target_ / list_name, list_);
   list_.close();
   if (ours) remove_folder(path_);
@@ -137,7 +144,8 @@ void Staging::write_list() const {
     if (entry.path().filename() != list_name) names.push_back(entry.path().filename().string());
   std::sort(names.begin(), names.end());
   for (const std::string& name : names) list += name + "\n";
-  // Through the lock's own descriptor: a file that is begun anew and fails would take the lock with it.
+  // The list is written through the descriptor with the lock. Opening the file again could fail and lose
+  // the lock.
   errno = ENOSPC;
   if (pwrite(list_.number(), list.data(), list.size(), 0) != static_cast<ssize_t>(list.size()))
     throw write_error(path_ / list_name, errno);

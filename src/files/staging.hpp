@@ -11,16 +11,16 @@
 
 namespace tubefoot {
 
-/// In every folder of tubefoot's: what it wrote there, so that only those files are ever replaced. While the
-/// folder is being made its writer holds the lock of this file.
+/// File in every folder that tubefoot writes, with the list of its files. tubefoot replaces only these
+/// files. The writer of an incomplete folder holds the lock of this file.
 inline constexpr const char* list_name = ".tubefoot-files";
 
-/// A hidden folder beside what is to be written, under a name that nobody else has, in which it is made. It
-/// is taken away at the end with all that is still in it, and by the next one of the same target if the
-/// program was killed: its lock, which is then free, proves it.
+/// A hidden folder with a unique name in the folder of the target, where the output is created. The
+/// destructor removes it with its remaining content. After a killed program, the next Staging of the same
+/// target removes the folder, because its lock is free.
 class Staging {
  public:
-  /// `target`: an absolute path. Throws UsageError where its folder cannot be written or files there cannot
+  /// `target` is an absolute path. Throws UsageError if its folder cannot be written or files there cannot
   /// be locked.
   Staging(const std::filesystem::path& target, mode_t mode);
   ~Staging();
@@ -28,7 +28,7 @@ class Staging {
   Staging& operator=(const Staging&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
-  /// Writes the list of files, of all that is there now. Throws write_error().
+  /// Writes the list of all files that exist now. Throws write_error().
   void write_list() const;
 
  private:
@@ -36,12 +36,12 @@ class Staging {
   Descriptor list_;
 };
 
-/// A folder within one that is being written, with those above it. Throws write_error().
+/// Creates a folder in a staging folder, with its parents. Throws write_error().
 void make_folder(const std::filesystem::path& folder);
-/// A file within it gets another name. Throws write_error().
+/// Renames a file in a staging folder. Throws write_error().
 void rename_file(const std::filesystem::path& file, const std::filesystem::path& name);
 
-/// What a file that is written in a Staging will be called; any other path as it is.
+/// Returns the final name of a file in a Staging; any other path is returned unchanged.
 std::filesystem::path final_name(const std::filesystem::path& file);
 
 }  // namespace tubefoot

@@ -9,11 +9,11 @@
 
 namespace tubefoot {
 
-/// A file that is written piece by piece and counts as written only when close() has returned; until then it
-/// is taken away again on destruction. (write_file of checked_file.hpp is for results that fit in memory.)
+/// A file that is written piece by piece and is complete when close() returns. Without close(), the
+/// destructor removes it. (Use write_file() of checked_file.hpp for results that fit in memory.)
 ///
-/// What the system refuses throws write_error(), and the file is taken away at once (never a device); what is
-/// asked of it afterwards, or after close(), throws std::logic_error.
+/// A failure of the system throws write_error() and removes the file (never a device). Use of the object
+/// after a failure or after close() throws std::logic_error.
 class StreamedFile {
  public:
   explicit StreamedFile(std::filesystem::path file);
@@ -22,14 +22,14 @@ class StreamedFile {
   StreamedFile& operator=(const StreamedFile&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
-  /// Bytes appended so far.
+  /// Returns the number of bytes appended up to now.
   std::uint64_t size() const { return size_; }
 
   void append(std::span<const std::uint8_t> bytes);
   void append(std::string_view text);
-  /// Writes over bytes that are there already, from `offset` on; append() goes on at the end.
+  /// Overwrites existing bytes from `offset` on. append() continues at the end.
   void overwrite(std::uint64_t offset, std::span<const std::uint8_t> bytes);
-  /// The file is complete, and all of it was taken by the system.
+  /// Completes the file, after the system has accepted all bytes.
   void close();
 
  private:

@@ -10,27 +10,27 @@
 
 namespace tubefoot {
 
-/// Bytes that are to stand in a file behind others which are not all known yet, or that are read again: kept
-/// in memory while they are few, then in a file without a name beside it, which vanishes with the program,
-/// however that ends.
+/// A buffer for bytes that follow others in a file before those are known, or that are read again. Few
+/// bytes stay in memory. More bytes are in a nameless file in the folder of the output, which vanishes with
+/// the program in any case.
 class TemporaryBuffer {
  public:
-  /// `beside`: the file that the bytes are for.
+  /// `beside` is the file that will contain the bytes.
   explicit TemporaryBuffer(std::filesystem::path beside) : beside_(std::move(beside)) {}
   ~TemporaryBuffer();
   TemporaryBuffer(TemporaryBuffer&& other) noexcept;
   TemporaryBuffer& operator=(TemporaryBuffer&&) = delete;
 
   std::uint64_t size() const { return on_disk_ + memory_.size(); }
-  /// Throws std::runtime_error with the file's name where the disk refuses; so do the others.
+  /// Throws std::runtime_error with the name of the file if the disk fails, as do the other members.
   void add(const void* bytes, std::size_t count);
   template <class Value>
   void put(const Value& value) {
     add(&value, sizeof value);
   }
-  /// Bytes from one of them on, while nothing is added: from several threads.
+  /// Reads bytes from position `first` on. Several threads may read while no thread adds bytes.
   void read(std::uint64_t first, void* bytes, std::size_t count) const;
-  /// All bytes from the beginning, in portions.
+  /// Calls `take` with all bytes from the beginning, in portions.
   void replay(const std::function<void(std::span<const char>)>& take);
 
  private:

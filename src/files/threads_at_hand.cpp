@@ -15,10 +15,10 @@
 namespace tubefoot {
 namespace {
 
-/// Threads that are left to libraries, which may end the program without them (fonts), and to progress.
+/// Number of threads reserved for progress and for libraries that may end the program without them (fonts).
 constexpr int for_libraries = 5;
-constexpr std::size_t stack_bytes = std::size_t{4} << 20;  // oneTBB gives its threads as much
-/// What a thread takes of a limited space of addresses, with its share of buffers.
+constexpr std::size_t stack_bytes = std::size_t{4} << 20;  // the stack size of oneTBB's threads
+/// Address space per thread, with its share of buffers.
 constexpr double bytes_per_thread = 64 << 20;
 
 void* wait_for_end(void* end) {
@@ -26,7 +26,7 @@ void* wait_for_end(void* end) {
   return nullptr;
 }
 
-/// How many of so many threads can be started at once. It starts them and ends them.
+/// Starts up to `wanted` threads, ends them, and returns their number.
 int startable(int wanted) {
   std::latch end(1);
   std::vector<pthread_t> started;
@@ -47,7 +47,7 @@ int startable(int wanted) {
 }  // namespace
 
 int threads_at_hand(int wanted) {
-  // Threads that have been started once stay with oneTBB, and must not count against themselves.
+  // oneTBB keeps started threads, which must not reduce the number in a later call.
   static std::mutex mutex;
   static int most = 1;
   static bool no_more = false;

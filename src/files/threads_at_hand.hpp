@@ -3,13 +3,13 @@
 
 namespace tubefoot {
 
-/// How many threads can run at once, the caller's among them: 1 to `wanted`. The first time for so many, it
-/// starts them and ends them. Where the space of addresses is limited, threads get no more than half of what
-/// is left of it.
+/// Returns how many threads can run at once, including the caller: 1 to `wanted`. The first call for a
+/// larger number starts and ends that many threads. If the address space is limited, threads get at most
+/// half of the remaining space.
 int threads_at_hand(int wanted);
 
-/// Throws std::system_error where so many more threads cannot be started at once, for a library that ends the
-/// program then.
+/// Throws std::system_error if `count` further threads cannot be started at once. Call it before a library
+/// that would end the program in this case.
 void require_threads(int count);
 
 }  // namespace tubefoot

@@ -9,8 +9,8 @@
 #include "files/advised_command.hpp"
 #include "files/input_registry.hpp"
 
-// TIFF 6.0, section 2: a header names the first directory, each directory the next. BigTIFF: the same with 64
-// bits.
+// Counts the directories of a TIFF (TIFF 6.0, section 2). The header contains the offset of the first
+// directory, and each directory contains that of the next. BigTIFF has the same structure with 64 bits.
 namespace tubefoot {
 namespace {
 
@@ -23,14 +23,14 @@ class Chain {
     big_ = head[2] == 43 || head[3] == 43;
   }
 
-  /// Directories, at most `most` + 1.
+  /// Returns the number of directories, at most `most` + 1.
   int count(int most) {
     in_.seekg(big_ ? 8 : 4);
     int directories = 0;
     for (std::uint64_t at = number(big_ ? 8 : 4); in_ && at != 0 && directories <= most; ++directories) {
       in_.seekg(static_cast<std::streamoff>(at));
       const std::uint64_t entries = number(big_ ? 8 : 2);
-      if (entries > 65535) break;  // of no directory
+      if (entries > 65535) break;  // not a valid directory
       in_.seekg(static_cast<std::streamoff>(entries * (big_ ? 20 : 12)), std::ios::cur);
       at = number(big_ ? 8 : 4);
     }

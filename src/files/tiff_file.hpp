@@ -5,8 +5,8 @@
 
 namespace tubefoot {
 
-/// Throws InputError at a TIFF with a chain of directories that is longer than any raster has, or comes back
-/// to itself: GDAL follows it to its end.
+/// Throws InputError at a TIFF with a chain of directories that is longer than in any raster, or cyclic.
+/// GDAL would follow the chain to its end.
 void refuse_long_tiff(const std::filesystem::path& file);
 
 }  // namespace tubefoot

@@ -5,7 +5,7 @@
 
 namespace tubefoot {
 
-/// The command line asks for something that cannot be: exit code 2.
+/// An invalid request on the command line; exit code 2.
 struct UsageError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };

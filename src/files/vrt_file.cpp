@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Reads a GDAL virtual raster (VRT) as XML, compares its elements and attributes with a list of permitted
+// ones, and returns its source files.
+
 #include "files/vrt_file.hpp"
 
 #include <cpl_minixml.h>
@@ -33,7 +37,7 @@ std::string lower(std::string_view text) {
   return result;
 }
 
-/// Elements that may stand in a VRT and their attributes, in small letters: GDAL takes any.
+/// Permitted elements of a VRT and their attributes, in lower case, because GDAL ignores case.
 const std::map<std::string_view, std::string_view>& allowed_attributes() {
   static const std::map<std::string_view, std::string_view> allowed{
       {"vrtdataset", " rasterxsize rasterysize "},
@@ -98,7 +102,8 @@ class VrtReader {
     if (root == nullptr)
       throw InputError({vrt_.string(), 0, 0},
                        "is no virtual raster that can be read" + messages.in_brackets());
-    // Depth first, as the elements stand in the file, without recursion: a stranger decides how deep it is.
+    // Visits elements depth first, in the order of the file. It does not recurse, because an untrusted file
+    // determines the depth.
     std::vector<const CPLXMLNode*> left{root.get()};
     while (!left.empty()) {
       const CPLXMLNode* node = left.back();
@@ -108,7 +113,8 @@ class VrtReader {
       if (node->eType == CXT_Text && std::strlen(node->pszValue) > most_value_bytes)
         throw InputError({vrt_.string(), 0, 0},
                          fmt::format("has a text of more than {} bytes", most_value_bytes));
-      if (node->eType != CXT_Element || node->pszValue[0] == '?') continue;  // ?: <?xml version="1.0"?>
+      if (node->eType != CXT_Element || node->pszValue[0] == '?')
+        continue;  // "?" begins a declaration such as <?xml version="1.0"?>
       const std::string name = lower(node->pszValue);
       ++met_[name];
       check(node, name);
@@ -141,7 +147,7 @@ class VrtReader {
   void take_source(const CPLXMLNode* node, const std::string& name) {
     const std::string text = CPLGetXMLValue(node, nullptr, "");
     if (text.empty()) fail(name, "names a source without a name");
-    // As GDAL reads the attribute: a number other than 0.
+    // GDAL reads the attribute as true if it is a number other than 0.
     const bool relative = std::atoi(CPLGetXMLValue(node, "relativeToVRT", "0")) != 0;
     if (text.find("/vsi") != text.npos)
       fail(name, fmt::format("reads '{}' through a virtual file system: fetch or unpack it first", text));
@@ -153,14 +159,14 @@ class VrtReader {
                      text));
     const fs::path source = absolute_path(relative ? vrt_.parent_path() / text : fs::path(text));
     const fs::path plain = plain_name(source);
-    // ".." behind a link: what the name is by its letters and what it is on the disk are two files.
+    // If ".." follows a link, the lexical name and the name on disk refer to two files.
     if (plain_name(source.lexically_normal()) != plain)
       fail(name,
            fmt::format("names the source '{}', which leads through a link and back: name it directly", text));
     sources_.push_back(plain);
   }
 
-  /// At the line of the last element of a name that was met.
+  /// Throws InputError at the line of the last visited element with this name.
   [[noreturn]] void fail(const std::string& name, const std::string& what) const {
     throw InputError(
         {vrt_.string(), line_of(name, met_.at(name)), 0},

@@ -6,13 +6,13 @@
 
 namespace tubefoot {
 
-/// The files that a GDAL virtual raster (VRT) is put together from, in the order in which they are named,
-/// each as often as it is. Their names are absolute. They need not exist.
+/// Returns the source files of a GDAL virtual raster (VRT), in the order of the file and with repetitions.
+/// The names are absolute. The files need not exist.
 ///
-/// Throws InputError at the VRT, with the line, for whatever is not on a short list of elements and
-/// attributes: pieces of other rasters, plain or scaled, masks, georeference and descriptions. So nothing
-/// that GDAL could be told there makes it open a file that is not on this list: no warped, derived or raw
-/// bands, open options, overviews, geolocation, addresses of networks or archives.
+/// Throws InputError at the VRT, with the line, for elements and attributes that are not on a short list.
+/// The list permits plain or scaled parts of other rasters, masks, georeference and descriptions. It
+/// excludes warped, derived or raw bands, open options, overviews, geolocation, and addresses of networks
+/// or archives. GDAL then opens only the returned files.
 std::vector<std::filesystem::path> vrt_sources(const std::filesystem::path& vrt);
 
 }  // namespace tubefoot

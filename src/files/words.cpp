@@ -24,7 +24,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }
 
 std::string_view nearest(std::string_view word, const std::vector<std::string>& candidates) {
-  constexpr std::size_t longest_word = 100;  // no name is longer; keeps hostile input cheap
+  constexpr std::size_t longest_word = 100;  // longer than any name; keeps hostile input cheap
   if (word.size() > longest_word) return {};
   std::string_view best;
   std::size_t best_distance = word.size() + longest_word;
@@ -32,7 +32,7 @@ std::string_view nearest(std::string_view word, const std::vector<std::string>& 
     if (candidate.size() > longest_word) continue;
     const std::size_t distance = edit_distance(word, candidate);
     const std::size_t length = std::max(word.size(), candidate.size());
-    // A third of the letters wrong may still be a slip of the pen; a wholly different word is not.
+    // A typing error may change a third of the letters. More changes mean another word.
     if (distance <= (length + 2) / 3 && distance < length && distance < best_distance) {
       best = candidate;
       best_distance = distance;

@@ -5,17 +5,17 @@
 #include <string_view>
 #include <vector>
 
-// Words of messages about input: near misses of a name, lists of names.
+// Functions for messages about input: the most similar name, and lists of names.
 namespace tubefoot {
 
-/// Edit distance with neighbours swapped as one step (optimal string alignment).
+/// Returns the edit distance, with a swap of neighbours as one step (optimal string alignment distance).
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
-/// The candidate with the least edit distance to `word`, or an empty text when none is near enough to be
-/// meant.
+/// Returns the candidate with the least edit distance to `word`, or an empty text if none is similar
+/// enough.
 std::string_view nearest(std::string_view word, const std::vector<std::string>& candidates);
 
-/// 'a', 'b' or 'c' (with the quote mark that is given).
+/// Returns 'a', 'b' or 'c' (with the given quotation mark).
 std::string one_of(const std::vector<std::string>& words, char quote);
 
 }  // namespace tubefoot

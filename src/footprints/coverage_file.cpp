@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Writes a coverage as a GeoPackage and as CSV tables (docs/coverage.md). The GeoPackage holds the visible
+// parts and shadows of facets as shapes, and tables of areas by facet and by number of pings.
+
 #include "footprints/coverage_file.hpp"
 
 #include <cpl_conv.h>
@@ -25,7 +29,7 @@ constexpr const char* local_crs =
     R"wkt(AXIS["east (E)",east,ORDER[1],LENGTHUNIT["metre",1]],)wkt"
     R"wkt(AXIS["north (N)",north,ORDER[2],LENGTHUNIT["metre",1]]])wkt";
 
-/// A GeoPackage notes when it was changed; equal runs are to give equal files.
+/// Fixes the date of change that GDAL writes into a GeoPackage, so that equal runs give equal files.
 class FixedDate {
  public:
   FixedDate() { CPLSetThreadLocalConfigOption("OGR_CURRENT_DATE", "1970-01-01T00:00:00.000Z"); }
@@ -77,7 +81,8 @@ struct CoverageFile::State {
   LocalFrame::Map map;
   FixedDate date;
   GdalMessages messages;
-  std::string memory_file;  ///< GDAL's drivers write here: some of them do not notice a full disk
+  std::string memory_file;  ///< GDAL writes into this memory file, because some GDAL drivers do not notice a
+                            ///< full disk
   GDALDataset* dataset = nullptr;
   OGRLayer *coverage = nullptr, *shadows = nullptr, *upright = nullptr, *facets = nullptr, *depths = nullptr;
 
@@ -92,7 +97,7 @@ struct CoverageFile::State {
   }
   OGRLayer* layer(const char* name, const OGRSpatialReference* crs, OGRwkbGeometryType type) const {
     OGRLayer* made = dataset->CreateLayer(name, const_cast<OGRSpatialReference*>(crs), type,
-                                          nullptr);  // GDAL 3.6 takes it so
+                                          nullptr);  // as GDAL 3.6 requires
     require(made != nullptr, "create a layer of");
     return made;
   }
@@ -110,7 +115,7 @@ struct CoverageFile::State {
     feature.SetField("component", scene.report.components[facet.component].name.c_str());
     feature.SetField("material", scene.description.materials[facet.material].name.c_str());
   }
-  /// The cells as one geometry; adds up their areas.
+  /// Returns the cells as one geometry and adds their areas to `area_m2`.
   PlanShape shape(const CoveredFacet& facet, const std::vector<std::size_t>& cells, double& area_m2) const {
     std::vector<Piece> pieces;
     for (const std::size_t cell : cells) {
@@ -123,7 +128,8 @@ struct CoverageFile::State {
                           scene.frame.origin_height_m() + p.z);
     return plan_shape(facet.corners_m, on_map, pieces);
   }
-  /// Writes a feature with its shape, and the lines round it where it has no plan area.
+  /// Writes a feature with its shape. A shape without plan area also gets a feature with the lines around
+  /// it.
   void write_shape(OGRLayer* to, OGRFeature& feature, const PlanShape& shape) const {
     feature.SetGeometry(shape.multi_polygon().get());
     write(to, feature);
@@ -175,7 +181,7 @@ CoverageFile::CoverageFile(const Scene& scene) : state_(std::make_unique<State>(
   s.fields(s.depths, {"facet", "pings"}, OFTInteger64);
   s.fields(s.depths, {"area_m2", "share"}, OFTReal);
   s.fields(s.depths, {"share_exact"}, OFTString);
-  s.dataset->StartTransaction();  // without one every row is committed
+  s.dataset->StartTransaction();  // without a transaction SQLite commits every row
 }
 
 CoverageFile::~CoverageFile() = default;

@@ -21,44 +21,46 @@ struct CountedPing {
   std::size_t ping = 0;
 };
 
-/// A part of a facet that is in the sector of pings and that none sees, hidden there by one facet.
+/// A part of a facet that lies in the sector of pings but is visible in none of them, because one facet
+/// hides it.
 struct ShadowPart {
-  std::uint32_t in_sector = 0;   ///< pings that have it in their tubes and window
-  std::uint32_t first_ping = 0;  ///< the first of them, as an index into the counted pings
-  FacetId occluder = no_facet;   ///< what comes first on the way to its middle; no_facet if unclear
+  std::uint32_t in_sector = 0;   ///< number of pings whose tubes and range gate contain the part
+  std::uint32_t first_ping = 0;  ///< the first of these pings, as an index into the counted pings
+  FacetId occluder = no_facet;   ///< first facet on the path to the middle of the part; no_facet if ambiguous
   std::uint16_t occluder_component = 0;
-  std::vector<std::size_t> cells{};  ///< of FacetCoverage::cells
+  std::vector<std::size_t> cells{};  ///< indices into FacetCoverage::cells
 };
 
-/// A facet that lies in the sector of a ping, measured in metres. Facets go by their numbers in all of the
-/// scene (Site::number_of).
+/// A facet that lies in the sector of a ping, with measures in metres. Facet numbers are those of the whole
+/// scene (LoadedScene::number_of).
 struct CoveredFacet {
   FacetCoverage coverage;
   std::uint16_t component = 0, material = 0;
   double area_m2 = 0;
-  std::vector<glm::dvec3> corners_m;  ///< local frame
+  std::vector<glm::dvec3> corners_m;  ///< in the local frame
   std::vector<ShadowPart> shadows;
 
   std::vector<glm::dvec3> polygon_m(std::size_t cell) const;
   double cell_area_m2(std::size_t cell) const;
 };
 
-/// What a facet's row tells beside names and numbers, and in which order.
+/// Names of the real-valued columns of a facet's row, in the order of the file.
 inline constexpr std::array<const char*, 8> facet_reals{
     "area_m2", "seen_m2", "never_m2", "shadow_m2", "seen_share", "never_share", "shadow_share", "mean_pings"};
 std::array<double, facet_reals.size()> reals_of(const CoveredFacet& facet);
 
-/// Fractions of more characters are left out of the tables.
+/// Largest number of characters of an exact fraction in the tables. The tables leave longer fractions out.
 inline constexpr std::size_t longest_fraction = 4000;
 
-/// A GeoPackage with the layers coverage, shadows, facets and depths (docs/coverage.md), in the scene's CRS.
+/// A GeoPackage with the layers coverage, shadows, facets and depths (docs/coverage.md), in the CRS of the
+/// scene.
 class CoverageFile {
  public:
-  /// Throws std::runtime_error with GDAL's message where that fails.
+  /// Throws std::runtime_error with GDAL's message if GDAL cannot create the package.
   explicit CoverageFile(const Scene& scene);
   ~CoverageFile();
   void add(const CoveredFacet& facet, std::span<const CountedPing> pings);
-  /// Writes it. Throws std::runtime_error naming the file.
+  /// Writes the package. Throws std::runtime_error that names the file.
   void write(const std::filesystem::path& file);
 
  private:
@@ -66,7 +68,8 @@ class CoverageFile {
   std::unique_ptr<State> state_;
 };
 
-/// The same tables as CSV text: a row a facet, and a row for each number of pings that see some of a facet.
+/// The same tables as CSV text. The first table has one row per facet. The second has one row per facet and
+/// number of pings that see a part of it.
 class CoverageTables {
  public:
   explicit CoverageTables(const Scene& scene);

@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Computes the visible polygons that a coverage counts (docs/coverage.md). A straight path gives one
+// CoverageLook per fan of the sensor, and each pair of mirror images gives further ones. A monostatic path
+// needs one end, a bistatic path has two.
+
 #include "footprints/coverage_looks.hpp"
 
 #include <algorithm>
@@ -13,7 +18,7 @@
 namespace tubefoot {
 namespace {
 
-/// What an end saw, as parts of the scene's facets.
+/// Returns the surface mesh of an end as parts of the scene's facets; null if it is the scene's own mesh.
 std::shared_ptr<const SurfaceParts> seabed_of(const TransmissionEnd& end) {
   if (end.refined == nullptr) return nullptr;
   auto seabed = std::make_shared<SurfaceParts>();
@@ -29,11 +34,11 @@ std::shared_ptr<const SurfaceParts> seabed_of(const TransmissionEnd& end) {
 CoverageEnd seen_by(const TransmissionEnd& end, std::shared_ptr<const SurfaceParts> seabed,
                     const VisibilityOptions& options) {
   CoverageEnd result{end.tubes, look(*end.mesh, *end.tree, end.tubes, options), std::move(seabed)};
-  for (TubeVisibility& seen : result.seen) seen.occluders = {};  // many looks are kept
+  for (TubeVisibility& seen : result.seen) seen.occluders = {};  // saves memory, because many looks are kept
   return result;
 }
 
-/// Adds looks of two ends, a fan each: nobody receives what one fan sends to another.
+/// Splits a bistatic look into one look per fan, because no receiver records what one fan sends to another.
 void add_by_fans(const CoverageLook& all, std::span<const std::uint32_t> fan_of_tx,
                  std::span<const std::uint32_t> fan_of_rx, std::vector<CoverageLook>& looks) {
   const auto of_fan = [](const CoverageEnd& end, std::span<const std::uint32_t> fans, std::uint32_t fan) {
@@ -65,7 +70,7 @@ void add_straight(const Transmission& transmission, std::size_t sensor, std::uin
   add_by_fans(look, fans, fans, looks);
 }
 
-/// What images see, as parts of the scene's facets.
+/// Converts the surfaces in the views of images to parts of the scene's facets.
 class ImageSeabeds {
  public:
   explicit ImageSeabeds(const TransmissionImages& of) : of_(of) {
@@ -105,7 +110,7 @@ class ImageSeabeds {
   }
 
   const TransmissionImages& of_;
-  std::shared_ptr<const SurfaceParts> whole_;  // null: the scene's own facets
+  std::shared_ptr<const SurfaceParts> whole_;  // null for the scene's own facets
 };
 
 void add_over_mirrors(const Transmission& transmission, std::size_t sensor, const PathSettings& settings,

@@ -9,10 +9,12 @@
 
 namespace tubefoot {
 
-/// What a transmission sees, as a sensor receives it, for a coverage of the scene's facets: from both ends
-/// where the receiver is apart, and on the transmission's own ground where it has one; and what it sees over
-/// mirrors, a look for each pair of images between which something is scattered once, on whichever way.
-/// `only_order` of [paths] chooses. `ping`: as the coverage counts. Throws InputError as a run does.
+/// Returns the visible parts of the facets of the scene in one transmission of a sensor, for a coverage.
+/// With a separate receiver, visibility is common to both ends. The surfaces are those of the transmission
+/// where it has its own.
+/// Paths that are scattered once over mirrors add one CoverageLook per pair of images and direction.
+/// `only_order` of [paths] selects the orders. `ping` is the number of the ping in the coverage. Throws
+/// InputError under the same conditions as a run.
 std::vector<CoverageLook> coverage_looks(const Transmission& transmission, std::size_t sensor,
                                          std::uint32_t ping);
 

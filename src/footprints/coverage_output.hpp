@@ -13,18 +13,19 @@
 
 namespace tubefoot {
 
-/// Where a coverage is written: a GeoPackage (.gpkg), the table of facets (.csv), or a folder with both, the
-/// table of depths and a plan; and a plan by itself, if asked for. Complete or not there.
+/// The file or folder that receives a coverage: a GeoPackage (.gpkg), the table of facets (.csv), or a
+/// folder. A folder has both files, the table of depths and a plan. A separate plan is optional. The output
+/// is complete or does not exist.
 class CoverageOutput {
  public:
-  /// Refuses places that cannot be written, before any work: throws UsageError. `inputs` are never written
-  /// over.
+  /// Rejects places that cannot be written before any computation: throws UsageError. `inputs` are never
+  /// overwritten.
   CoverageOutput(const std::filesystem::path& place, const std::optional<std::filesystem::path>& picture,
                  const Inputs& inputs);
-  /// Before the first facet. The survey outlives this.
+  /// Must be called before the first facet. The survey must outlive this object.
   void begin(const Survey& survey, std::vector<CountedPing> pings);
   void add(const CoveredFacet& facet);
-  /// Throws std::runtime_error naming what could not be written.
+  /// Throws std::runtime_error that names the file that could not be written.
   void finish(const std::string& title);
 
  private:

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Draws the plan view of a coverage (docs/coverage.md). A depth buffer keeps the highest surface at each
+// pixel centre. Colours show the number of pings on a logarithmic scale.
+
 #include "footprints/coverage_picture.hpp"
 
 #include <fmt/format.h>
@@ -25,7 +29,8 @@ constexpr int largest_side = 1000, smallest_side = 300;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr Colour shadow_colour{0.80f, 0.13f, 0.16f}, ground_colour{0.33f, 0.34f, 0.36f};
 
-/// From dark blue (once) to pale yellow (most often), even steps in the logarithm of the number.
+/// Returns a colour between dark blue (one ping) and pale yellow (`most` pings), linear in the logarithm of
+/// `pings`.
 Colour colour_of(int pings, int most) {
   const double level =
       most > 1 ? std::log(static_cast<double>(pings)) / std::log(static_cast<double>(most)) : 1.0;
@@ -36,7 +41,7 @@ Colour colour_of(int pings, int most) {
   return mix(stops[k], stops[k + 1], at - static_cast<double>(k));
 }
 
-/// What lies highest at each pixel's centre.
+/// Values and heights of the highest surface at the centre of each pixel.
 struct Plan {
   glm::dvec2 origin_m;  ///< south-west corner
   double pixel_m;
@@ -48,7 +53,7 @@ struct Plan {
     glm::dvec3 normal(0);
     for (std::size_t k = 1; k + 1 < corners.size(); ++k)
       normal += glm::cross(corners[k] - corners[0], corners[k + 1] - corners[0]);
-    if (std::abs(normal.z) <= 1e-9 * glm::length(normal)) return;  // seen from above it is a line
+    if (std::abs(normal.z) <= 1e-9 * glm::length(normal)) return;  // the polygon is a line in plan view
     glm::dvec2 lo(corners[0]), hi(corners[0]);
     for (const glm::dvec3& p : corners) {
       lo = glm::min(lo, glm::dvec2(p));
@@ -74,7 +79,7 @@ struct Plan {
             corners[0].z - (normal.x * (at.x - corners[0].x) + normal.y * (at.y - corners[0].y)) / normal.z;
         const auto pixel =
             static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
-        // A cell lies in the plane of its facet, which was drawn before it.
+        // A cell lies in the plane of its facet, which was drawn before the cell.
         if (up < top_m[pixel] - 1e-6) continue;
         top_m[pixel] = std::max(up, top_m[pixel]);
         value[pixel] = what;

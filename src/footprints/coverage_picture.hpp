@@ -12,24 +12,24 @@
 
 namespace tubefoot {
 
-/// A plan of how many pings see what: north up, what lies highest covers what is below it. Pixels take the
-/// cell at their centre.
+/// A plan view of the number of pings that see each place, with north up. The highest surface hides those
+/// below it. A pixel takes the value of the cell at its centre.
 class CoveragePicture {
  public:
-  /// The survey outlives this: the surface about what is covered is drawn, too.
+  /// The survey must outlive this object: the plan also shows the surface around the covered facets.
   explicit CoveragePicture(const Survey& survey) : survey_(survey) {}
   void add(const CoveredFacet& facet);
   bool empty() const { return polygons_.empty(); }
-  /// Throws std::runtime_error if empty.
+  /// Throws std::runtime_error if there is nothing to draw.
   Canvas draw(const std::string& title) const;
-  /// Throws std::runtime_error naming the file.
+  /// Throws std::runtime_error that names the file.
   void write(const std::filesystem::path& file, const std::string& title) const;
 
  private:
   enum : int { out_of_sector = -2, in_shadow = -1 };
   struct Polygon {
     std::size_t first, count;
-    int pings;  ///< or one of the two above
+    int pings;  ///< number of pings, or one of the two values above
   };
 
   const Survey& survey_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Footprints as polygon meshes: OBJ and PLY.
+// Writes footprints as polygon meshes. An OBJ file has one face per convex piece of a footprint and states
+// the columns in comments. A PLY file has the columns as properties of its faces.
 #include <fmt/format.h>
 
 #include <bit>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Footprints as netCDF: CF's geometries (section 7.5) and contiguous ragged arrays (section 9.3.3).
+// Writes footprints as netCDF-4, after the CF conventions: polygons as geometries (section 7.5), and
+// pieces, corners and occluders as contiguous ragged arrays (section 9.3.3).
 #include <fmt/format.h>
 
 #include "footprints/footprint_file.hpp"
@@ -105,7 +106,8 @@ class Netcdf : public FootprintFile {
     for (const Named& one : list) texts.push_back(one.name);
     group_.put_text(name, group_.dimension(name, texts.size()), long_name, texts);
   }
-  /// Corners stay in the local frame: in a double, a distant origin costs digits.
+  /// States the frame of the corners. They stay in the local frame, because a distant origin would cost
+  /// digits of a double.
   void describe_frame(const Scene& scene) const {
     group_.attribute("coordinates_are", "metres east, north and up of the scene's own origin");
     if (!scene.frame.is_georeferenced()) return;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Footprints as a GeoPackage.
+// Writes footprints as a GeoPackage. The first layer has one multi-polygon per footprint, in the scene's
+// map or in the local frame. A second layer has the outlines of footprints without plan area.
 #include <fmt/format.h>
 #include <ogr_spatialref.h>
 #include <ogrsf_frmts.h>
@@ -17,7 +18,8 @@
 namespace tubefoot {
 namespace {
 
-/// East and north in metres about the scene's own origin; heights are metres above it.
+/// Coordinate reference system of the local frame: east and north in metres from the scene's origin.
+/// Heights are metres above the origin.
 constexpr const char* local_crs =
     R"wkt(ENGCRS["tubefoot local east-north",EDATUM["scene origin"],CS[Cartesian,2],)wkt"
     R"wkt(AXIS["east (E)",east,ORDER[1],LENGTHUNIT["metre",1]],)wkt"
@@ -28,7 +30,7 @@ class GeoPackage : public FootprintFile {
   GeoPackage(const std::filesystem::path& file, const FootprintSource& source)
       : file_(file), source_(source), place_(source.scene) {
     register_gdal_drivers();
-    // Equal tables give equal bytes: the time of writing is none of theirs.
+    // The date is fixed, so that equal tables give equal bytes.
     CPLSetThreadLocalConfigOption("OGR_CURRENT_DATE", "1970-01-01T00:00:00.000Z");
     GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GPKG");
     require(driver != nullptr, "find the GDAL driver for");
@@ -132,7 +134,7 @@ class GeoPackage : public FootprintFile {
     return plan_shape(corners, on_map, table.pieces_in_row(row));
   }
 
-  /// What has no plan area: the row of the first layer again, with the lines round it.
+  /// Repeats the row of the first layer with the outline, for a footprint without plan area.
   void add_upright(const FootprintTable& table, std::size_t row, GIntBig footprint, const PlanShape& shape) {
     OGRFeature feature(upright_->GetLayerDefn());
     int f = 0;

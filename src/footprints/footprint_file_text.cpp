@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Footprints as CSV with WKT, and as GeoJSON.
+// Writes footprints as CSV with shapes in well-known text (WKT), and as GeoJSON. GeoJSON has longitude and
+// latitude (RFC 7946) if the scene is georeferenced.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -18,7 +19,7 @@ std::string number(const FootprintTable& table, const FootprintColumn& column, s
   return std::visit([&](auto values) { return fmt::format("{}", (table.*values)[row]); }, column.values);
 }
 
-/// What lists hold, each as `one` writes it, with commas between.
+/// Returns the items of a list as `one` writes them, separated by commas.
 template <class List, class One>
 std::string listed(const List& list, const One& one) {
   std::string text;
@@ -29,7 +30,8 @@ std::string listed(const List& list, const One& one) {
   return text;
 }
 
-/// A shape as well-known text or as GeoJSON has it: lists of lists, in that notation's brackets.
+/// Returns a shape as well-known text or in GeoJSON notation: nested lists in the brackets of that
+/// notation.
 std::string shape_text(const PlanShape& shape, const char* opened, const char* closed, const char* corner) {
   const auto in_brackets = [&](const std::string& inside) { return opened + inside + closed; };
   const auto line = [&](const PlanShape::Line& points) {
@@ -81,7 +83,7 @@ class GeoJson : public FootprintFile {
   GeoJson(const std::filesystem::path& file, const FootprintSource& source)
       : file_(file), source_(source), on_earth_(source.scene.frame.is_georeferenced()) {
     std::string head = "{\"type\": \"FeatureCollection\",\n\"name\": \"footprints\",\n";
-    if (!on_earth_) head += "\"crs\": null,\n";  // without it readers take metres for degrees
+    if (!on_earth_) head += "\"crs\": null,\n";  // without it readers would take metres for degrees
     head += fmt::format("\"coordinates_are\": \"{}\",\n\"sensor\": {},\n\"features\": [",
                         on_earth_ ? "longitude and latitude in degrees on WGS 84, height in metres"
                                   : "metres east, north and up of the scene's own origin",

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Footprints as VTK's XML PolyData ("VTK File Formats", XML, appended data in base64).
+// Writes footprints as VTK's XML PolyData with one cell per convex piece of a footprint. Arrays are
+// appended data in base64 ("VTK File Formats", XML).
 #include <fmt/format.h>
 
 #include <array>
@@ -16,7 +17,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "the file says LittleEndian");
 
-/// Writes bytes as base64 (RFC 4648) that come in portions.
+/// Encodes bytes that arrive in portions as base64 (RFC 4648).
 class Base64 {
  public:
   explicit Base64(StreamedFile& file) : file_(file) {}
@@ -111,7 +112,7 @@ class Vtp : public FootprintFile {
         as_word(source_.sensor));
     head += names("component_names", source_.scene.report.components);
     head += names("material_names", source_.scene.description.materials);
-    // In the order of the arrays, which is that of the appended data.
+    // The arrays are declared in the order of the appended data.
     const std::string points = entry(*points_);
     std::string polys = entry(*connectivity_);
     polys += entry(*ends_);
@@ -148,7 +149,7 @@ class Vtp : public FootprintFile {
     return arrays_.emplace_back(Array{name, type, components, TemporaryBuffer(file_.path())});
   }
 
-  /// Texts as VTK has them in ASCII: codes of their letters, each text with a 0 behind.
+  /// Returns texts as VTK writes strings in ASCII: the codes of the letters, and a 0 after each text.
   template <class Named>
   static std::string names(const char* name, const std::vector<Named>& list) {
     std::string text = fmt::format(R"(<Array type="String" Name="{}" NumberOfTuples="{}" format="ascii">)",

@@ -5,18 +5,18 @@
 
 #include "footprints/footprint_table.hpp"
 
-// What the writers of footprint files share.
+// Functions that the writers of footprint files share.
 namespace tubefoot {
 
-/// Where the local frame's points lie on the scene's map (LocalFrame::map); without a georeference they stay
-/// as they are.
+/// Transforms points of the local frame to the scene's map (LocalFrame::map). Without a georeference it
+/// returns them unchanged.
 class FootprintPlace {
  public:
   explicit FootprintPlace(const Scene& scene);
   bool is_map() const { return is_map_; }
   const std::string& crs_wkt() const { return map_.crs_wkt; }
   glm::dvec3 operator()(glm::dvec3 local_m) const;
-  /// What coordinates are, in a sentence for people.
+  /// Describes the coordinates in a sentence for the reader of a file.
   std::string said() const;
 
  private:
@@ -27,11 +27,12 @@ class FootprintPlace {
 
 std::string component_name(const Scene& scene, const FootprintTable& table, std::size_t row);
 std::string material_name(const Scene& scene, const FootprintTable& table, std::size_t row);
-/// Facets, separated by spaces.
+/// Returns the occluding facets, separated by spaces.
 std::string occluder_list(const FootprintTable& table, std::size_t row);
-/// For formats whose names are words: anything but letters, digits, '-', '.' becomes '_'.
+/// Replaces each character except letters, digits, '-' and '.' by '_', for formats whose names are single
+/// words.
 std::string as_word(std::string name);
-/// Each piece's part of its footprint's area; they sum to 1.
+/// Returns the fraction of the footprint's area in each of its pieces. The fractions sum to 1.
 std::vector<double> area_shares(const FootprintTable& table, std::size_t row);
 
 }  // namespace tubefoot

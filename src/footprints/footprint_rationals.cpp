@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Writes the visible pieces of tubes with rational coordinates (docs/footprints.md). A corner is exact: its
+// barycentric weights in the facet are quotients of integers. Directions and rays are integer vectors of
+// any length.
+
 #include "footprints/footprint_rationals.hpp"
 
 #include <fmt/format.h>
@@ -25,7 +30,7 @@ namespace {
 
 using Rational = CGAL::Exact_rational;
 
-/// Tubes whose lines are held in memory together.
+/// Number of tubes whose lines are held in memory together.
 constexpr std::size_t tubes_a_block = 256;
 
 std::string text(const Rational& value) { return value.str(); }
@@ -34,10 +39,11 @@ std::string text(const ExactVector& v) {
   return fmt::format(" {} {} {}", text(v[0]), text(v[1]), text(v[2]));
 }
 
-/// A double is a rational.
+/// Converts metres exactly, because every double is a rational number.
 ExactVector exact_metres(glm::dvec3 p) { return {Rational(p.x), Rational(p.y), Rational(p.z)}; }
 
-/// An end of a transmission as lines: facets where they lie, told between their corners.
+/// Formats one end of a transmission as lines. Corners of facets lie at their true positions, interpolated
+/// between the true positions of the vertices.
 class EndLines {
  public:
   EndLines(const WorldGrid& grid, const TransmissionEnd& end)
@@ -55,7 +61,7 @@ class EndLines {
       lines += point(weights, end_.mesh->facets[piece.facet]);
     lines += '\n';
   }
-  /// Where the corners of a piece seem to be, or the borders of open water are.
+  /// Writes the directions to the corners of a piece, apparent or in the unobstructed region.
   void cone(const char* what, const TubeVisibility& seen, const NamedPiece& piece, std::string& lines) const {
     lines += fmt::format("{} {}", what, piece.count);
     for (const ExactVector& d :
@@ -66,7 +72,8 @@ class EndLines {
   bool is_seen_elsewhere() const { return end_.apparent != nullptr; }
 
  private:
-  /// Where a vertex lies: of the grid, or as the rays through refracting water found it, which are doubles.
+  /// Returns the true position of a vertex. It is a point of the grid, or the doubles that the rays through
+  /// stratified water gave.
   ExactVector place(VertexId vertex) const {
     if (end_.apparent != nullptr) return exact_metres(end_.apparent->truth[vertex]);
     const ExactVector way = exact(end_.mesh->vertices[vertex] - end_.tubes.apex);
@@ -118,7 +125,7 @@ std::size_t RationalsFile::add(const Transmission& transmission, std::span<const
   const TransmissionEnds ends(transmission, state_->sensor);
   state_->write(fmt::format("shot {} {}{}\n", transmission.ping(), transmission.number(),
                             EndLines(transmission.scene().grid, ends.tx()).apex()));
-  // Beams are the receiver's: what it receives may come from any tube of a transmitter apart.
+  // Beams are those of the receiver, which may record sound from any tube of a separate transmitter.
   TransmissionEnd rx = ends.rx();
   rx.tubes = only_tubes(std::move(rx.tubes), chosen);
   if (!ends.are_two()) return add_end(transmission, rx, chosen, nullptr);

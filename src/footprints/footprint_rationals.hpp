@@ -10,16 +10,19 @@
 
 namespace tubefoot {
 
-/// The visible pieces and the open water of tubes in exact coordinates, as text (docs/footprints.md).
+/// Writes the visible pieces and the unobstructed region of tubes in exact coordinates, as text
+/// (docs/footprints.md).
 class RationalsFile {
  public:
-  /// Throws std::runtime_error where writing fails, as all else here. In refracting water corners are those
-  /// between vertices that are seen where rays in doubles put them, and lie where they lie; by plain double
-  /// arithmetic those where the planes meet that doubles chose.
+  /// Throws std::runtime_error if writing fails, as do the other members.
+  /// In stratified water, rays in doubles determine the apparent positions of vertices, and corners are
+  /// exact for these positions. With plain double arithmetic, doubles choose the planes, and corners are
+  /// exact intersections of these planes.
   RationalsFile(const std::filesystem::path& file, const Transmissions& transmissions, std::size_t sensor);
   ~RationalsFile();
-  /// A transmission's tubes of `beams` (sorted; empty: all); of a separate receiver its own, and all of the
-  /// transmitter. Returns the number of pieces seen.
+  /// Writes the tubes of a transmission that belong to `beams` (sorted; empty: all). For a separate
+  /// receiver, it writes these tubes of the receiver and all tubes of the transmitter. Returns the number
+  /// of visible pieces.
   std::size_t add(const Transmission& transmission, std::span<const std::uint32_t> beams);
   void close();
 

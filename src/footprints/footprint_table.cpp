@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Computes the table of footprints of a transmission (docs/footprints.md): measures, energies, corners and
+// occluders. One end is enough for a monostatic path. Bistatic paths and paths over mirrors use the common
+// visibility of two ends.
+
 #include "footprints/footprint_table.hpp"
 
 #include <algorithm>
@@ -56,16 +61,16 @@ void append_all(std::vector<Value>& to, const std::vector<Value>& from) {
   to.insert(to.end(), from.begin(), from.end());
 }
 
-/// Offsets that begin with 0 after others.
+/// Appends offsets that begin with 0, shifted by the last offset of `to`.
 void append_offsets(std::vector<std::uint64_t>& to, const std::vector<std::uint64_t>& from) {
   const std::uint64_t base = to.back();
   for (std::size_t k = 1; k < from.size(); ++k) to.push_back(base + from[k]);
 }
 
-/// Facets that take something away from what a tube sees of a facet, by both.
+/// Occluding facets, by the facet that they hide and the tube.
 using Occluders = std::map<std::pair<FacetId, std::uint32_t>, std::vector<FacetId>>;
 
-/// `end` tells of a facet what both ends call it, and its number.
+/// `end` maps a facet of its mesh to the name that both ends share, and to its number in the scene.
 template <class End>
 Occluders occluders_of(const FootprintSet& set, const End& end) {
   Occluders all;
@@ -77,12 +82,12 @@ Occluders occluders_of(const FootprintSet& set, const End& end) {
   return all;
 }
 
-/// Of a facet, in a tube of the transmit leg and one of the receive leg.
+/// Returns the occluders of a facet in a tube of the transmit leg or in a tube of the receive leg.
 std::vector<FacetId> of_either(const Occluders& tx, std::uint32_t tx_tube, const Occluders& rx,
                                std::uint32_t rx_tube, FacetId facet) {
   std::vector<FacetId> occluders;
   const auto add = [&](const Occluders& all, std::uint32_t tube) {
-    // In plain doubles what both see of a facet and what one of them sees may disagree.
+    // With plain doubles, the common visibility may contain a part that one end alone does not see.
     if (const auto its = all.find({facet, tube}); its != all.end())
       occluders.insert(occluders.end(), its->second.begin(), its->second.end());
   };
@@ -93,19 +98,20 @@ std::vector<FacetId> of_either(const Occluders& tx, std::uint32_t tx_tube, const
   return occluders;
 }
 
-/// A way over mirrors, or none.
+/// A path over mirrors, or the path without mirrors.
 struct RowPath {
   std::uint32_t mirrors_tx = 0, mirrors_rx = 0;
-  glm::dmat3 to_true{1};  ///< a direction of the transmit leg as the apex has it
+  glm::dmat3 to_true{1};  ///< maps a direction of the transmit leg to that at the true apex
 };
 
-/// Rows of footprints, whichever way they are seen.
+/// Rows of footprints for all kinds of path.
 class Rows {
  public:
   Rows(const Transmission& transmission, std::size_t s)
       : transmission_(transmission), sensor_(transmission.sensor(s)) {}
 
-  /// `number`: what the facet is called; `place` says where a corner lies that is seen there from the apex.
+  /// `number` is the number of the facet in files. `place` maps a corner, relative to the apex, to its true
+  /// position.
   template <class Place>
   void add(const Footprint& footprint, const FootprintSet& set, std::uint32_t receive_tube, FacetId number,
            FacetId base, const FacetMesh& mesh, double area_m2, double energy_j, double own_beam_energy_j,
@@ -156,7 +162,7 @@ class Rows {
   const Sensor& sensor_;
 };
 
-/// What two ends see together, in some tubes of the receiver.
+/// Returns the footprints in the common visibility of two ends, in some tubes of the receiver.
 FootprintTable table_of_two_ends(const Transmission& transmission, std::size_t s,
                                  std::span<const std::uint32_t> tubes) {
   const Sensor& sensor = transmission.sensor(s);
@@ -178,7 +184,8 @@ FootprintTable table_of_two_ends(const Transmission& transmission, std::size_t s
     stop_if_wanted();
     const Footprint& footprint = seen.footprints.footprints[k];
     if (!std::ranges::binary_search(tubes, seen.receive_tube[k])) continue;
-    if (fans[footprint.tube] != fans[seen.receive_tube[k]]) continue;  // nobody receives that
+    if (fans[footprint.tube] != fans[seen.receive_tube[k]])
+      continue;  // no beam receives sound of another fan
     rows.add(footprint, seen.footprints, seen.receive_tube[k], ends.tx().number_of_name(footprint.facet),
              ends.base_facet(footprint.facet), ends.shared_mesh(), seen.area_m2(k), energies.all_beams[k],
              energies.own_beam[k], of_either(tx, footprint.tube, rx, seen.receive_tube[k], footprint.facet),
@@ -187,10 +194,10 @@ FootprintTable table_of_two_ends(const Transmission& transmission, std::size_t s
   return std::move(rows.table);
 }
 
-/// Of paths that are scattered once over mirrors.
+/// Rows for paths that are scattered once over mirrors.
 class PathRows {
  public:
-  /// `tubes`: of the receiver.
+  /// `tubes` are those of the receiver.
   PathRows(const Transmission& transmission, std::size_t s, const PathSettings& settings,
            std::span<const std::uint32_t> tubes)
       : transmission_(transmission),
@@ -204,7 +211,7 @@ class PathRows {
   FootprintTable table() {
     const PathImages& images = images_.images();
     std::vector<ImagePair> pairs = images.pairs();
-    if (images.one_place())  // sound goes both ways
+    if (images.one_place())  // each path has a reverse path
       for (std::size_t k = pairs.size(); k-- > 0;)
         if (pairs[k].sent != pairs[k].received) pairs.push_back({pairs[k].received, pairs[k].sent});
     const auto path = [&](const ImagePair& pair) {
@@ -222,7 +229,7 @@ class PathRows {
   }
 
  private:
-  /// What hides of each facet, by the names that all images have.
+  /// Returns the occluders of each facet that an image sees, by the facet names that all images share.
   Occluders hidden_of(const Image& image) const {
     struct End {
       const Image& image;
@@ -263,7 +270,8 @@ class PathRows {
       Footprint footprint = seen.footprints.footprints[k];
       const std::uint32_t window = footprint.tube, receive_tube = received.own_tube[seen.receive_tube[k]];
       if (!std::ranges::binary_search(tubes_, receive_tube)) continue;
-      if (!model.beams.in_one_fan(window, seen.receive_tube[k])) continue;  // nobody receives that
+      if (!model.beams.in_one_fan(window, seen.receive_tube[k]))
+        continue;  // no beam receives sound of another fan
       footprint.tube = sent.own_tube[window];
       rows_.add(
           footprint, seen.footprints, receive_tube, number_of(footprint.facet),
@@ -281,7 +289,7 @@ class PathRows {
   SensorModel model_;
   std::vector<std::uint32_t> fans_;
   Rows rows_;
-  std::vector<Occluders> tx_, rx_;  // by image
+  std::vector<Occluders> tx_, rx_;  // index: image
 };
 
 }  // namespace

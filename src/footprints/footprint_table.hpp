@@ -9,37 +9,44 @@
 
 #include "run/transmission.hpp"
 
+// Computes the table of footprints of a transmission: one row per footprint with its measures, energies,
+// corners and occluders. All file formats share its columns (docs/footprints.md).
+
 namespace tubefoot {
 
-/// Footprints of a sensor as columns, whatever they are written to (docs/footprints.md): each column has one
-/// element a footprint. Rows are ordered by ping, transmission, path, tube and facet.
+/// Footprints of a sensor as columns, independent of the file format (docs/footprints.md). Each column has
+/// one element per footprint. Rows are ordered by ping, transmission, path, tube and facet.
 struct FootprintTable {
-  /// Of the seabed: several rays lead to them, and these rows are of the first that arrives. Echoes have all.
+  /// Number of facets of the surface mesh that several rays reach. The rows here contain only the first
+  /// arrival; echoes contain all arrivals.
   std::size_t facets_of_several_rays = 0;
   std::vector<std::uint32_t> ping, transmission;
-  std::vector<std::uint32_t> beam;  ///< of the sensor, that the receive tube belongs to
-  std::vector<std::uint32_t> tube;  ///< of the transmission
+  std::vector<std::uint32_t> beam;  ///< beam of the sensor that the receive tube belongs to
+  std::vector<std::uint32_t> tube;  ///< number in the transmission
   std::vector<std::uint32_t>
-      receive_tube;  ///< that it is received in: the same, unless the receiver is apart
+      receive_tube;  ///< tube of the receiver; the same as `tube` unless the receiver is separate
   std::vector<std::uint32_t> facet,
-      base_facet;  ///< of the transmission's ground; of the scene without relief
-  std::vector<std::uint32_t> component, material;     ///< as the scene numbers them
-  std::vector<std::uint32_t> path_order;              ///< interactions of the path: 1 is the ordinary echo
-  std::vector<std::uint32_t> mirrors_tx, mirrors_rx;  ///< of the transmit leg, and of the receive leg
+      base_facet;  ///< facet of the transmission's surface mesh, and facet of the scene without relief
+  std::vector<std::uint32_t> component, material;  ///< numbers in the scene
+  std::vector<std::uint32_t> path_order;  ///< number of interactions of the path; 1 is the ordinary echo
+  std::vector<std::uint32_t> mirrors_tx,
+      mirrors_rx;  ///< number of mirrors on the transmit leg and on the receive leg
   std::vector<double> area_m2, solid_angle_sr, grazing_deg;
-  /// Of the direction from the sensor to the centroid: clockwise from the local frame's north, [0, 360).
+  /// Direction from the sensor to the centroid, clockwise from the local frame's north, in [0, 360).
   std::vector<double> azimuth_deg;
   std::vector<double> slant_range_min_m, slant_range_max_m;
-  /// What it adds to the echo over all range samples, in all beams that receive it and in its own beam
-  /// (FootprintEnergies).
+  /// Contribution of the footprint to the echo over all range samples (FootprintEnergies): in all beams
+  /// that receive it, and in its own beam.
   std::vector<double> energy_j, own_beam_energy_j;
   std::vector<double> centroid_east_m, centroid_north_m, centroid_up_m;  ///< in the local frame
 
-  /// Ragged: row r has pieces [first_piece[r], first_piece[r + 1]), piece p corners [first_corner[p],
-  /// first_corner[p + 1]), row r occluders [first_occluder[r], first_occluder[r + 1]).
+  /// Offsets of ragged arrays. Row r has the pieces [first_piece[r], first_piece[r + 1]) and the occluders
+  /// [first_occluder[r], first_occluder[r + 1]). Piece p has the corners [first_corner[p], first_corner[p +
+  /// 1]).
   std::vector<std::uint64_t> first_piece{0}, first_corner{0}, first_occluder{0};
-  std::vector<glm::dvec3> corners_m;     ///< convex pieces, counter-clockwise for the sensor; local frame
-  std::vector<std::uint32_t> occluders;  ///< facets that took something of the footprint's facet in its tube
+  std::vector<glm::dvec3>
+      corners_m;  ///< convex pieces in the local frame, counter-clockwise as seen from the sensor
+  std::vector<std::uint32_t> occluders;  ///< facets that hide a part of the footprint's facet in its tube
 
   std::size_t rows() const { return ping.size(); }
   std::size_t pieces() const { return first_corner.size() - 1; }
@@ -52,7 +59,7 @@ struct FootprintTable {
   std::span<const std::uint32_t> occluders_of(std::size_t row) const {
     return std::span(occluders).subspan(first_occluder[row], first_occluder[row + 1] - first_occluder[row]);
   }
-  /// All corners of a row, and its pieces in them.
+  /// Returns all corners of a row. pieces_in_row() divides them into pieces.
   std::span<const glm::dvec3> corners_of_row(std::size_t row) const {
     const std::uint64_t begin = first_corner[first_piece[row]], end = first_corner[first_piece[row + 1]];
     return std::span(corners_m).subspan(begin, end - begin);
@@ -68,32 +75,37 @@ struct FootprintTable {
   void append(const FootprintTable& more);
 };
 
-/// A column of numbers, as files name it.
+/// A column of numbers, with its name in files.
 struct FootprintColumn {
   using Integers = std::vector<std::uint32_t> FootprintTable::*;
   using Reals = std::vector<double> FootprintTable::*;
-  const char *name, *units, *long_name;  ///< units as UDUNITS has them; integers are counted from 0: "1"
+  const char *name, *units,
+      *long_name;  ///< units as in UDUNITS; integers are counted from 0 and have the unit "1"
   std::variant<Integers, Reals> values;
 };
 
-/// All columns of numbers, in the order of files.
+/// Returns all columns of numbers, in the order of files.
 std::span<const FootprintColumn> footprint_columns();
 
-/// The footprints of a transmission in a sensor's tubes of `beams` (of the sensor; sorted; empty: all), with
-/// energies as a run of the tube engine would count them. Through refracting water corners, centroid and area
-/// are true; solid angle, grazing angle, azimuth and ranges are those of the apparent facet. With a receiver
-/// apart a footprint is what one of its tubes and one of the transmitter's both see of a facet, `beams` are
-/// the receiver's, ranges half paths, the other measures as the transmitter sees it, and occluders those
-/// of either. Footprints of paths that are scattered once over mirrors follow, told like those of two ends,
-/// which are images then: tubes are those of the true apexes, directions those at them. `only_order` of
-/// [paths] chooses. Does not depend on the number of threads. Throws InputError as a run does.
+/// Computes the footprints of a transmission in the tubes of `beams` (of the sensor; sorted; empty: all).
+/// Energies are those of a run of the tube engine.
+/// In stratified water, corners, centroid and area are true; solid angle, grazing angle, azimuth and ranges
+/// are those of the apparent facet.
+/// With a separate receiver, a footprint is the part of a facet that a transmit tube and a receive tube
+/// both see. `beams` are those of the receiver, ranges are half the path length, and the other measures
+/// refer to the transmitter. Occluders are those of both ends.
+/// The footprints of paths that are scattered once over mirrors follow. Their ends are images. Tubes are
+/// those of the true apexes, and directions are those at the true apexes. `only_order` of [paths] selects
+/// the orders.
+/// The result does not depend on the number of threads. Throws InputError under the same conditions as a
+/// run.
 FootprintTable footprint_table(const Transmission& transmission, std::size_t sensor,
                                std::span<const std::uint32_t> beams = {});
 
-/// The tubes of a transmission of a sensor that belong to some of its beams (sorted; empty: all).
+/// Returns the tubes of a transmission that belong to some beams of a sensor (sorted; empty: all).
 std::vector<std::uint32_t> tubes_of_beams(const Transmission& transmission, std::size_t sensor,
                                           std::span<const std::uint32_t> beams);
-/// Of a set, those tubes and no others.
+/// Returns a set with only the given tubes.
 TubeSet only_tubes(TubeSet set, std::span<const std::uint32_t> tubes);
 
 }  // namespace tubefoot

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Computes the union of convex pieces of a facet as an OGC simple feature in plan view. A shape has plan
+// area if its area exceeds 10 nm times its perimeter. GEOS repairs shapes that rounding made invalid.
+
 #include "footprints/plan_shape.hpp"
 
 #include <algorithm>
@@ -20,7 +24,7 @@ std::vector<std::uint32_t> ring_of(const Piece& piece) {
   return ring;
 }
 
-/// Pieces as they are: where they make no union.
+/// Returns each piece as a polygon of its own, for pieces whose union cannot be formed.
 std::vector<RingedPolygon> apart(std::span<const Piece> pieces) {
   std::vector<RingedPolygon> polygons;
   for (const Piece& piece : pieces) polygons.push_back({ring_of(piece)});
@@ -68,8 +72,8 @@ void collect(const OGRGeometry& from, std::vector<std::vector<PlanShape::Line>>&
   }
 }
 
-/// What GEOS makes of a shape that is no simple feature. Crossings that it adds lie on an edge: those without
-/// a height get that of the corner nearest to them.
+/// Returns GEOS' repair of an invalid feature. Crossings that GEOS adds lie on an edge. A crossing without
+/// a height gets the height of the nearest corner.
 std::vector<std::vector<PlanShape::Line>> mended(const OGRMultiPolygon& broken, const PlanShape& shape) {
   std::vector<std::vector<PlanShape::Line>> polygons;
   const std::unique_ptr<OGRGeometry> made(broken.MakeValid());

@@ -12,22 +12,23 @@
 
 namespace tubefoot {
 
-/// A part of a facet as geographic programs take it: a valid OGC simple feature, whose validity is one of the
-/// plan. What has no plan area (a wall) cannot be a polygon there: it is the lines round it.
+/// A part of a facet for geographic programs: a valid OGC simple feature in plan view. A part without plan
+/// area (of a wall) cannot be a valid polygon, so that lines around it represent it.
 struct PlanShape {
   using Line = std::vector<glm::dvec3>;     ///< a ring repeats its first corner at its end
-  std::vector<std::vector<Line>> polygons;  ///< each an outer ring and its holes
-  std::vector<Line> outlines;               ///< closed; only where there is no polygon
+  std::vector<std::vector<Line>> polygons;  ///< each with an outer ring and its holes
+  std::vector<Line> outlines;               ///< closed lines; only if there is no polygon
   bool is_upright() const { return polygons.empty(); }
 
   std::unique_ptr<OGRMultiPolygon> multi_polygon() const;
   std::unique_ptr<OGRMultiLineString> multi_line() const;
 };
 
-/// The union of convex pieces of a facet, without the borders that they share. `on_map` has the corners as
-/// they are written; `corners_m` the same in metres, which tell whether there is plan area: a shape of less
-/// than 10 nm of width has none. All corners of the result are those of `on_map`, but where what rounding to
-/// map coordinates made of thin shapes is no simple feature: GEOS mends these, which adds crossings.
+/// Computes the union of convex pieces of a facet, without their common borders. `on_map` has the corners
+/// in output coordinates. `corners_m` has the same corners in metres and decides whether there is plan
+/// area: a shape narrower than 10 nm has none.
+/// All corners of the result are elements of `on_map`, with one exception. Rounding to map coordinates can
+/// make a thin shape an invalid feature. GEOS then repairs the shape and adds crossings.
 PlanShape plan_shape(std::span<const glm::dvec3> corners_m, std::span<const glm::dvec3> on_map,
                      std::span<const Piece> pieces);
 

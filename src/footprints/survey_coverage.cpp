@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Computes the coverage of a survey (docs/coverage.md). It overlays the visible polygons of all
+// transmissions on each facet of the scene, block by block, and measures the cells of the overlay.
+
 #include "footprints/survey_coverage.hpp"
 
 #include <fmt/format.h>
@@ -19,7 +23,7 @@
 namespace tubefoot {
 namespace {
 
-/// What some of the pings that count see.
+/// Returns the visible polygons of some of the counted pings.
 std::vector<CoverageLook> look(const Transmissions& transmissions, std::span<const ReceivedPing> pings,
                                std::span<const std::size_t> chosen, bool quiet) {
   struct Requested {
@@ -72,17 +76,18 @@ CoveredFacet measured(const Survey& survey, const Coverage& overlay, std::span<c
     facet.shadows.push_back({in_sector, ping, clear ? survey.loaded_scene->number_of(occluder) : no_facet,
                              clear ? scene.mesh.component[occluder] : std::uint16_t{0}, std::move(cells)});
   }
-  facet.coverage.facet = survey.loaded_scene->number_of(id);  // by the mesh's until here
+  facet.coverage.facet =
+      survey.loaded_scene->number_of(id);  // until here it was the facet's number in the mesh
   return facet;
 }
 
-/// Calls `add` with the facets of a block that were met, in the order of their numbers.
+/// Calls `add` with the facets of a block that lie in a sector, in the order of facet numbers.
 void cover_block(const Transmissions& transmissions, const FacetBlock& block,
                  const std::vector<CoverageLook>& looks, bool quiet,
                  const std::function<void(const CoveredFacet&)>& add) {
   const Survey& survey = transmissions.survey();
   const Coverage coverage(survey.scene.mesh, *survey.loaded_scene->tree, looks);
-  // A batch at a time: facets are independent of each other, files want them in their order.
+  // Facets are processed in batches. They are independent of each other, but files need them in order.
   constexpr std::size_t batch = 2048;
   Progress progress("facets", coverage.facets(), quiet);
   for (std::size_t first = 0; first < coverage.facets(); first += batch) {
@@ -92,7 +97,8 @@ void cover_block(const Transmissions& transmissions, const FacetBlock& block,
       stop_if_wanted();
       progress.step();
       const FacetId number = survey.loaded_scene->number_of(coverage.facet_of(first + k));
-      if (number < block.first || number >= block.end) return;  // another block has all that see it
+      if (number < block.first || number >= block.end)
+        return;  // another block has all looks that see this facet
       FacetCoverage covered = coverage.facet(first + k);
       if (!covered.closes)
         throw std::logic_error(

@@ -17,19 +17,20 @@
 
 namespace tubefoot {
 
-/// The pings that a coverage counts: "2:5" or the like (resolved()) of a sensor, or of each. Throws
-/// UsageError where there is no such sensor or ping.
+/// Returns the pings that a coverage counts: "2:5" or a similar selection (resolved()) of one sensor or of
+/// each. Throws UsageError if there is no such sensor or ping.
 std::vector<ReceivedPing> counted_pings(const Survey& survey, const std::optional<std::string>& sensor,
                                         const std::string& pings);
-/// Their sensors by name.
+/// Returns the pings with the names of their sensors.
 std::vector<CountedPing> names_of(const Survey& survey, std::span<const ReceivedPing> pings);
 
-/// Lays what these pings see over each other and calls `add` with the facets that they met, in the order of
-/// their numbers. Throws InputError as a run does, Interrupted when somebody wants to stop.
+/// Overlays the visible parts of these pings and calls `add` with the facets in their sector, in the order
+/// of facet numbers. Throws InputError under the same conditions as a run, and Interrupted on a stop
+/// request.
 void cover(const Survey& survey, const RunRequest& request, std::span<const ReceivedPing> pings, bool quiet,
            const std::function<void(const CoveredFacet&)>& add);
 
-/// Areas of all facets that were met, m^2.
+/// Areas in m², summed over all facets in the sector of a ping.
 struct CoverageTotals {
   std::size_t facets = 0, closed = 0, seen_whole = 0, never_seen = 0;
   double area = 0, seen = 0, shadow = 0;
@@ -38,7 +39,7 @@ struct CoverageTotals {
   void add(const CoveredFacet& facet);
 };
 
-/// "A survey: side, 12 pings".
+/// Returns a title such as "A survey: side, 12 pings".
 std::string coverage_title(const Survey& survey, const std::optional<std::string>& sensor, std::size_t pings);
 
 }  // namespace tubefoot

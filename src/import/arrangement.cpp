@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Arranges the numbers of a frame as beams (port first) of range samples (nearest first) and converts their
+// scale to energy. It also determines the order of rows and columns from the shape of the frame.
 #include "import/arrangement.hpp"
 
 #include <fmt/format.h>
@@ -13,7 +15,7 @@
 namespace tubefoot {
 namespace {
 
-/// Of one axis as the file has it: increasing, or turned round, or nothing.
+/// Direction of the values of an axis in the file: increasing or decreasing.
 enum class Run { up, down };
 Run run_of(const std::vector<double>& values, const char* what, const SourcePlace& place) {
   const bool up = std::ranges::adjacent_find(values, std::greater_equal()) == values.end(),
@@ -38,7 +40,7 @@ void turn_samples(PolarPicture& picture) {
                  picture.energy.begin() + static_cast<std::ptrdiff_t>((b + 1) * picture.samples));
 }
 
-/// An axis that the file gives from its far or starboard end is turned with the picture.
+/// Reverses an axis together with the picture if the file lists it from the far or starboard end.
 void take_axes(PolarPicture& picture, const ForeignFrame& frame, const SourcePlace& place) {
   if (!frame.range_m.empty()) {
     if (frame.range_m.size() != picture.samples)
@@ -95,7 +97,7 @@ std::vector<double> ValueScale::energies(const ForeignFrame& frame, const Source
     double& value = energies[k];
     if (kind_ == Kind::db) {
       if (std::isnan(value) || value == INFINITY) refuse(k, "decibels");
-      value = reference_ * std::pow(10, value / 10);  // of silence, minus infinity, 0
+      value = reference_ * std::pow(10, value / 10);  // minus infinity, for no sound, becomes 0
     } else if (!std::isfinite(value)) {
       refuse(k, "a finite number");
     } else if (kind_ == Kind::amplitude) {

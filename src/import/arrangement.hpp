@@ -10,19 +10,19 @@
 
 namespace tubefoot {
 
-/// A picture of a frame as beams (port first) of range samples (nearest first), as energies.
+/// A picture of a frame as energies, in beams (port first) of range samples (nearest first).
 struct PolarPicture {
   std::size_t beams = 0, samples = 0;
   std::vector<double> energy;  ///< [beam][sample]
   AxesOfFile axes;
 };
 
-/// What a number of a picture stands for.
+/// Scale of the numbers of a picture.
 class ValueScale {
  public:
-  /// energy, amplitude, db, db:REFERENCE (the energy of 0 dB) or 8bit. Throws UsageError.
+  /// Parses energy, amplitude, db, db:REFERENCE (the energy of 0 dB) or 8bit. Throws UsageError.
   explicit ValueScale(const std::string& words);
-  /// Throws InputError at `place` for numbers that are none of that scale.
+  /// Throws InputError at `place` for numbers outside the range of the scale.
   std::vector<double> energies(const ForeignFrame& frame, const SourcePlace& place) const;
 
  private:
@@ -30,11 +30,12 @@ class ValueScale {
   double reference_ = 1;
 };
 
-/// The frame's order, "range-first", "beam-first" or "two-sided", as declared or as its shape tells beside
-/// the reference's. Throws UsageError where it does not.
+/// Returns the order of the frame: "range-first", "beam-first" or "two-sided". The order is `declared`, or
+/// it follows from the shapes of the frame and of the reference. Throws UsageError if they do not determine
+/// it.
 std::string order_of(const ForeignFrame& frame, const std::string& declared, const BinAxes& reference);
 
-/// The pictures of a frame: one, or of a two-sided waterfall one a row.
+/// Returns the pictures of a frame: one picture, or one picture per row of a two-sided waterfall.
 std::vector<PolarPicture> arranged(const ForeignFrame& frame, const std::string& order, bool flip_beams,
                                    bool flip_range, const ValueScale& scale, const SourcePlace& place);
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests the assumptions about imported pictures against the reference. It correlates the reference with the
+// pictures read in each possible way, and looks for displacements that other axes would explain.
 #include "import/assumptions.hpp"
 
 #include <fmt/format.h>
@@ -15,7 +17,8 @@
 namespace tubefoot {
 namespace {
 
-// Another way of reading must explain this much of what the assumed one leaves, and be better by as much.
+// Thresholds for another way of reading. It must leave less than 0.8 of the correlation that the assumed way
+// lacks. Its correlation must be larger by 0.03, and above 0.3.
 constexpr double clearly_less = 0.8, clearly_more = 0.03, hardly_alike = 0.3;
 constexpr std::size_t most_others = 4;
 
@@ -32,7 +35,7 @@ double pearson(const std::vector<double>& a, const std::vector<double>& b) {
   return aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : 0;
 }
 
-/// Whether a correlation is so much better than another that this is refuted.
+/// Returns whether one correlation exceeds the other by so much that the other way of reading is refuted.
 bool better(double than, double other) {
   return 1 - than < clearly_less * (1 - other) && than > other + clearly_more && than > hardly_alike;
 }
@@ -41,7 +44,7 @@ bool silent(const std::vector<double>& energies) {
   return std::ranges::none_of(energies, [](double e) { return e > 0; });
 }
 
-/// What displacements mean for who declares axes.
+/// Adds the meaning of displacements for the declared axes.
 void add_displacements(const Diagnosis& diagnosis, const BinAxes& declared, Verdict& verdict) {
   const Bins& samples = declared.samples;
   const double step_m = (samples.edges.back() - samples.edges.front()) / static_cast<double>(samples.count());
@@ -134,8 +137,8 @@ Verdict tested(const EchoShape& shape, const BinAxes& axes, const std::vector<do
                     best.correlation));
     return verdict;
   }
-  // Where contrasts are another scale's, displacements are reported from the picture that looks like the
-  // truth.
+  // If the other scale fits about as well, displacements are measured in the scale whose picture is closer
+  // to the reference.
   const std::vector<double>& looked_at = scale_ambiguous ? otherwise : taken.energies;
   add_displacements(
       diagnose({{shape, truth_j, looked_at, {}, axes.samples.centres}, axes.beams.centres, looked_at, {}}),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What was declared or assumed of a picture, held against the truth.
+// Tests declared or assumed properties of a picture against the reference.
 #pragma once
 
 #include <functional>
@@ -11,29 +11,31 @@
 
 namespace tubefoot {
 
-/// One way to read the pictures; the first is the assumed one.
+/// One way to read the pictures. The first hypothesis is the assumed one.
 struct Hypothesis {
-  std::string name;                                  ///< "mirrored"
-  std::string remedy;                                ///< "--flip-beams"
-  std::function<std::vector<double>()> energies_of;  ///< on the truth's bins, of its pings
-  std::string other_scale;                           ///< "amplitude"; empty: none is as near
+  std::string name;    ///< "mirrored"
+  std::string remedy;  ///< "--flip-beams"
+  /// Returns energies on the bins of the reference, for its pings.
+  std::function<std::vector<double>()> energies_of;
+  std::string other_scale;  ///< for example "amplitude"; empty if no other scale is plausible
   std::function<std::vector<double>()> energies_of_other_scale;
 };
 
 struct Verdict {
-  std::vector<std::string> found;      ///< what holds, with figures
-  std::vector<std::string> refuted;    ///< what does not, and what to declare instead
-  std::vector<std::string> ambiguous;  ///< what the truth cannot decide
+  std::vector<std::string> found;      ///< confirmed properties, with figures
+  std::vector<std::string> refuted;    ///< refuted properties, and what to declare instead
+  std::vector<std::string> ambiguous;  ///< properties that the reference cannot decide
 };
 
-/// How alike two pictures are as the eye sees them: rows at one level, highlights compressed, blurred by a
-/// bin; 1 where they are equal.
+/// Returns the correlation of two pictures after as_seen(): rows have the same level, highlights are
+/// compressed, and a blur of one bin is applied. Equal pictures have correlation 1.
 double correlation(const EchoShape& shape, const BinAxes& axes, const std::vector<double>& truth_j,
                    const std::vector<double>& candidate_j);
 
-/// Tries all hypotheses, the best one by its other scale, too, which no truth in J refutes: a mean per bin
-/// differs from a sum as an energy does from its root. Then looks at the best one for displacements that
-/// other axes would explain. `declared` are the picture's axes, which the remedies are words for.
+/// Tests all hypotheses, and the best one also in its other scale. No reference in J refutes that scale: a
+/// mean per bin differs from a sum as an energy differs from its root. Then it looks in the best picture
+/// for displacements that other axes would explain. `declared` are the axes of the picture, to which the
+/// remedies refer.
 Verdict tested(const EchoShape& shape, const BinAxes& axes, const std::vector<double>& truth_j,
                const std::vector<Hypothesis>& hypotheses, const BinAxes& declared);
 

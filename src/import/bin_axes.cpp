@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Axes of beams and range samples: derived from options, from the file or from the reference, and compared
+// with those of the reference. Pictures are rebinned by the overlaps of the bins of two axes.
 #include "import/bin_axes.hpp"
 
 #include <fmt/format.h>
@@ -24,7 +26,8 @@ Bins even_bins(double first, double last, std::size_t count) {
   return bin_intervals(std::move(edges));
 }
 
-/// Bins whose axes are in the middle of equal pieces of a straight line across the fan's middle.
+/// Returns bins whose centres are the centres of equal parts of a straight line perpendicular to the axis
+/// of the fan.
 Bins tangent_bins(const Bins& reference, std::size_t count) {
   const double middle = (reference.edges.front() + reference.edges.back()) / 2,
                half = (reference.edges.back() - reference.edges.front()) / 2;
@@ -51,7 +54,7 @@ std::vector<double> listed_azimuths(const std::string& file) {
   return azimuths;
 }
 
-/// Ranges that stand for the near edges of bins which are as long as the ways between them.
+/// Interprets ranges as near edges of bins. The length of a bin is the distance to the next edge.
 Bins by_near_edges(std::vector<double> edges) {
   const std::size_t n = edges.size();
   edges.push_back(n > 1 ? 2 * edges[n - 1] - edges[n - 2] : 2 * edges[0]);
@@ -129,13 +132,13 @@ Bins sample_bins(std::size_t count, const AxesOfFile& file, const Bins& referenc
   return bins;
 }
 
-/// Weights of bins of one axis in another's.
+/// Share of a bin of another axis in a bin.
 struct Overlap {
   std::size_t from;
   double share;
 };
-/// Edges that lie beside each other by rounding only are the same: a cut out of a picture has its very
-/// numbers.
+/// Relative tolerance for edges that differ only by rounding. A section of a picture keeps its numbers
+/// exactly.
 constexpr double same = 1e-6;
 std::vector<std::vector<Overlap>> parts_of(const Bins& from, const Bins& to) {
   std::vector<std::vector<Overlap>> parts(to.count());
@@ -159,8 +162,8 @@ bool near(const Bins& a, const Bins& b, double tolerance) {
   return true;
 }
 
-/// Beams that are even in the tangent of their azimuth have their edges so, too: then the opening is what a
-/// scene calls it, and not where the outermost beams would end if they were even in angle.
+/// Derives the edges of beams that are equidistant in the tangent of their azimuth from these tangents. The
+/// opening angle then has the meaning that it has in a scene.
 void end_by_tangents(Bins& beams) {
   const std::size_t n = beams.count();
   if (n < 3 || !(beams.centres.front() > -89) || !(beams.centres.back() < 89)) return;

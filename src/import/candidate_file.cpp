@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Writes an imported candidate as an echo file: its energies and axes, and the times and poses of the
+// sensor of the reference (docs/echo-file.md).
 #include "import/candidate_file.hpp"
 
 #include <fmt/format.h>
@@ -107,7 +109,7 @@ class CandidateFile {
     return ids;
   }
 
-  /// Values of the reference's pings, `each` of them, for those of the candidate.
+  /// Returns the values of the reference, `each` per ping, for the pings of the candidate.
   std::vector<double> of_pings(const std::vector<double>& values, std::size_t each) const {
     std::vector<double> result;
     for (const std::size_t ping : candidate_.ping_of_reference)
@@ -115,8 +117,8 @@ class CandidateFile {
     return result;
   }
 
-  /// Where the sensor is and how wide its beams are; not what the reference knows of its echoes, nor what
-  /// lies along a dimension that has another length there.
+  /// Copies variables of the pose and the beam widths of the sensor. Skips variables of the echoes of the
+  /// reference, and those along a dimension of another length.
   void copy(const EchoVariable& variable, std::size_t beams) {
     const std::vector<std::string>& along = variable.dimensions;
     const bool of_sensor = variable.name.starts_with("sensor_") || variable.name == "ping_number";

@@ -10,18 +10,18 @@
 
 namespace tubefoot {
 
-/// Energies of imported pictures, [ping][beam][sample], and where their bins are.
+/// Energies of imported pictures, [ping][beam][sample], and the axes of their bins.
 struct CandidateEchoes {
   BinAxes axes;
   std::size_t pings = 0;
   std::vector<double> energy;
-  /// Of each ping, that of the reference which it is of.
+  /// For each ping, the corresponding ping of the reference.
   std::vector<std::size_t> ping_of_reference;
-  std::vector<std::pair<std::string, std::string>> attributes;  ///< of the file
+  std::vector<std::pair<std::string, std::string>> attributes;  ///< global attributes of the file
 };
 
-/// Writes an echo file (docs/echo-file.md) with times, poses and what else there is of the reference's
-/// sensor. Throws std::runtime_error naming the file.
+/// Writes an echo file (docs/echo-file.md) with the times, poses and other properties of the sensor of the
+/// reference. Throws std::runtime_error, which names the file.
 void write_candidate(const std::filesystem::path& file, const CandidateEchoes& candidate,
                      const WholeEchoFile& reference, std::size_t sensor);
 

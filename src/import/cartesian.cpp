@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Resamples a fan in a Cartesian picture to beams and range samples. Each bin is the mean of the pixels at
+// many points of the bin, so that a pixel counts in proportion to its overlap.
 #include "import/cartesian.hpp"
 
 #include <fmt/format.h>
@@ -16,12 +18,12 @@ namespace {
 
 constexpr double radians = std::numbers::pi / 180;
 
-/// Sines and cosines of the middles of equal parts of a beam, by how many there are at least.
+/// Sines and cosines of the centres of equal parts of a beam, for at least a given number of parts.
 class DirectionTable {
  public:
   DirectionTable(double left_rad, double right_rad) : left_(left_rad), wide_(right_rad - left_rad) {}
   double wide() const { return wide_; }
-  /// A power of two of them.
+  /// Returns a table whose size is a power of two.
   const std::vector<std::pair<double, double>>& of(int least) const {
     std::size_t power = 0;
     while (1 << power < least) ++power;
@@ -72,7 +74,7 @@ FanPlace fan_place(const std::string& words, std::size_t rows, std::size_t colum
   FanPlace place;
   place.metres_a_pixel = widest / static_cast<double>(columns);
   place.apex_column = -far * std::sin(left * radians) / place.metres_a_pixel;
-  // Down to the apex, or to the lowest point of the nearest arc.
+  // The picture ends at the apex, or at the lowest point of the nearest arc.
   const double lowest = near * std::cos(std::max(-left, right) * radians), height = static_cast<double>(rows);
   for (const double bottom : {0.0, lowest}) {
     place.apex_row = far / place.metres_a_pixel;
@@ -94,7 +96,8 @@ ForeignFrame turned_up(const ForeignFrame& frame, const std::string& forward) {
   if (sideways) std::swap(turned.rows, turned.columns);
   for (std::size_t row = 0; row < turned.rows; ++row)
     for (std::size_t column = 0; column < turned.columns; ++column) {
-      std::size_t from_row = frame.rows - 1 - row, from_column = frame.columns - 1 - column;  // half a turn
+      // Rotation by 180 degrees.
+      std::size_t from_row = frame.rows - 1 - row, from_column = frame.columns - 1 - column;
       if (forward == "left") from_row = frame.rows - 1 - column, from_column = row;
       if (forward == "right") from_row = column, from_column = frame.columns - 1 - row;
       turned.values[row * turned.columns + column] = frame.values[from_row * frame.columns + from_column];

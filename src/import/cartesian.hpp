@@ -9,21 +9,23 @@
 
 namespace tubefoot {
 
-/// Where a fan lies in a picture of even pixels: ahead is up.
+/// Position of a fan in a picture with square pixels, in which ahead is up.
 struct FanPlace {
-  double apex_column = 0, apex_row = 0;  ///< in pixels from the picture's upper left corner
+  double apex_column = 0, apex_row = 0;  ///< in pixels from the upper left corner of the picture
   double metres_a_pixel = 0;
 };
 
-/// "COLUMN:ROW:METRES", or "fan": the fan of these axes fills a picture of so many rows and columns. Throws
-/// UsageError, also for a picture whose sides are not the fan's.
+/// Parses "COLUMN:ROW:METRES", or "fan": the fan of these axes fills a picture of these rows and columns.
+/// Throws UsageError, also if the aspect ratio of the picture does not match the fan.
 FanPlace fan_place(const std::string& words, std::size_t rows, std::size_t columns, const BinAxes& axes);
 
-/// A frame turned so that ahead is up; `forward`: up, down, left or right, where it is.
+/// Rotates a frame so that ahead is up. `forward` is the present direction of ahead: up, down, left or
+/// right.
 ForeignFrame turned_up(const ForeignFrame& frame, const std::string& forward);
 
-/// Means of the picture's energies over each beam and sample: of points so close that every pixel which a bin
-/// meets counts by its part of it. `outside`, if given, counts bins that the picture does not have.
+/// Returns the means of the energies of the picture over each beam and sample. The sampling points are so
+/// dense that each pixel counts in proportion to its overlap with the bin. `outside`, if not null, counts
+/// the bins outside of the picture.
 PolarPicture resampled_fan(const std::vector<double>& energies, std::size_t rows, std::size_t columns,
                            const FanPlace& place, const BinAxes& axes, std::size_t* outside = nullptr);
 

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Reads files of other engines. The first bytes determine the format: NPY, NPZ, PNG, TIFF, OpenEXR, netCDF,
+// a ROS 2 recording, or a matrix as text. Files of a folder are ordered by name, with numbers in names by
+// size.
 #include "import/foreign_file.hpp"
 
 #include <fmt/format.h>
@@ -25,7 +28,8 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::string_view_literals;
 
-/// "frame-9" before "frame-10": runs of digits by their size, all else by its bytes.
+/// Compares names with numbers by size: "frame-9" comes before "frame-10". All other characters compare by
+/// byte.
 bool comes_before(const std::string& a, const std::string& b) {
   const auto digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
   std::size_t i = 0, k = 0;
@@ -52,13 +56,13 @@ bool comes_before(const std::string& a, const std::string& b) {
   return a.size() - i < b.size() - k;
 }
 
-/// A file, and the name by which its place is found.
+/// A file and the name that determines its position.
 struct Placed {
   fs::path file;
   std::string by;
 };
 
-/// What may be asked of a kind of file.
+/// Options that apply to a kind of file.
 struct Kind {
   const char* name;
   bool variable, axes, topic;

@@ -9,20 +9,20 @@
 
 namespace tubefoot {
 
-/// How a file of pictures is read.
+/// Options for reading a file of pictures.
 struct ReadOptions {
   WantedArrays arrays;
-  std::string topic;  ///< of a recording of ROS 2; empty: the only one with pictures
+  std::string topic;  ///< topic of a ROS 2 recording; empty: the only topic with pictures
 };
 
-/// The files that results name: folders of pictures stand for what is in them, and all are in the order of
-/// their names, numbers in them by size (frame-9 before frame-10); a folder of originals has its own. Throws
-/// InputError, for links out of a folder, too.
+/// Lists the files of the results. A folder stands for the pictures in it. Files are ordered by name, with
+/// numbers in names by size (frame-9 before frame-10); a folder of originals has its own order. Throws
+/// InputError, also for links that lead out of a folder.
 std::vector<std::filesystem::path> files_in_order(const std::vector<std::filesystem::path>& results);
 
-/// Everything in a file of another engine, by what its first bytes say it is: NPY, NPZ, PNG, TIFF, OpenEXR,
-/// netCDF, a recording of ROS 2 (is_bag()), else a matrix in text. Throws InputError; UsageError for
-/// options that such a file has nothing for.
+/// Reads all frames of a file of another engine. The first bytes determine the format: NPY, NPZ, PNG, TIFF,
+/// OpenEXR, netCDF, a ROS 2 recording (is_bag()), or otherwise a matrix as text. Throws InputError, and
+/// UsageError for options that do not apply to the format.
 ForeignData read_foreign_file(const std::filesystem::path& file, const ReadOptions& options);
 
 }  // namespace tubefoot

@@ -10,17 +10,18 @@
 
 namespace tubefoot {
 
-/// What is declared of the pictures of another engine; what is empty is as the profile, the file or the
-/// reference has it (docs/import.md).
+/// Declared properties of the pictures of another engine. Empty ones follow from the profile, the file or
+/// the reference (docs/import.md).
 struct ImportOptions {
   std::vector<std::filesystem::path> results;
-  std::optional<std::filesystem::path> like, scene;   ///< one of them
-  std::optional<std::filesystem::path> output_model;  ///< of the measure in which the truth is looked at
+  std::optional<std::filesystem::path> like, scene;  ///< exactly one of them is given
+  /// Converts the reference to the units of the pictures for the tests.
+  std::optional<std::filesystem::path> output_model;
   std::optional<std::string> sensor;
   std::filesystem::path output;
   std::string profile;
   std::string variable, range_variable, azimuth_variable;
-  std::string topic;  ///< of a recording of ROS 2
+  std::string topic;  ///< topic of a ROS 2 recording
   std::string order;  ///< range-first, beam-first or two-sided
   std::optional<bool> flip_beams, flip_range;
   std::string scale;         ///< energy, amplitude, db, db:REFERENCE or 8bit
@@ -29,19 +30,19 @@ struct ImportOptions {
   std::string range_origin;  ///< edges or centres
   std::string cartesian;     ///< fan or COLUMN:ROW:METRES
   std::string forward;       ///< up, down, left or right
-  bool resample = false;     ///< onto the reference's bins
-  bool strict = false;       ///< what the truth refutes is refused
-  bool confined = false;     ///< of a scene
+  bool resample = false;     ///< resample to the bins of the reference
+  bool strict = false;       ///< reject assumptions that the reference refutes
+  bool confined = false;     ///< as in CommonOptions, for the scene
 };
 
-/// Fills in what a profile assumes of pictures as `first` is and nobody declared; returns what that is, in
-/// words. Throws UsageError for a profile that there is not.
+/// Sets the properties that the profile assumes for pictures like `first` and that the user did not
+/// declare. Returns a description of them. Throws UsageError for an unknown profile.
 std::vector<std::string> apply_profile(ImportOptions& options, const ForeignFrame& first);
 
-/// Names of profiles.
+/// Returns the names of the profiles.
 std::vector<std::string> profile_names();
 
-/// All that was declared, as a command line has it: what makes the same again.
+/// Returns all declared options as on the command line, to repeat the import.
 std::string words_of(const ImportOptions& options);
 
 }  // namespace tubefoot

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Reads the pictures of another engine, tests the assumptions about their order, scale and axes against the
+// reference, and returns a candidate for `compare` (docs/import.md).
 #include "import/imported.hpp"
 
 #include <fmt/format.h>
@@ -18,7 +20,7 @@
 namespace tubefoot {
 namespace {
 
-/// As many bins as a test of the pictures looks at.
+/// Largest number of bins for the tests.
 constexpr std::size_t most_bins = 400'000;
 
 struct Frame {
@@ -26,7 +28,7 @@ struct Frame {
   SourcePlace place;
 };
 
-/// How pictures are read.
+/// Order, direction and scale in which pictures are read.
 struct Reading {
   std::string order, forward, scale;
   bool flip_beams = false, flip_range = false;
@@ -147,7 +149,7 @@ class Importer {
     return axes;
   }
 
-  /// Of every `step`-th ping, `count` of them, on the bins `to`.
+  /// Returns the energies of `count` pings, every `step`-th one, on the bins `to`.
   std::vector<double> energies(const Reading& reading, std::size_t count, std::size_t step,
                                const BinAxes& declared, const BinAxes& to, std::size_t* outside) const {
     std::vector<double> all;
@@ -187,7 +189,7 @@ class Importer {
       return [this, reading, pings] {
         try {
           return energies(reading, pings, frames_a_ping_, declared_axes(reading, nullptr), axes_, nullptr);
-        } catch (const std::runtime_error&) {  // no picture can be read so
+        } catch (const std::runtime_error&) {  // the pictures cannot be read in this way
           return std::vector<double>();
         }
       };
@@ -210,7 +212,7 @@ class Importer {
                                                           fmt::join(result_.warnings, "; ")));
   }
 
-  /// All orders that the pictures allow, the assumed one first.
+  /// Returns all orders that the shape of the pictures permits, the assumed one first.
   std::vector<Reading> readings() const {
     std::vector<Reading> all{assumed_};
     const bool square = frames_.front().picture.rows == frames_.front().picture.columns;
@@ -231,7 +233,7 @@ class Importer {
     return all;
   }
 
-  /// What the numbers might be instead; empty: nothing is as near.
+  /// Returns another plausible scale of the numbers, or an empty string.
   std::string other_scale() const {
     if (assumed_.scale == "amplitude") return "energy";
     return assumed_.scale == "energy" || assumed_.scale == "8bit" ? "amplitude" : "";
@@ -242,7 +244,7 @@ class Importer {
     return forward == "left" ? "right" : "left";
   }
 
-  /// What a reading is called beside the assumed one, and the options for it.
+  /// Returns the name of a reading relative to the assumed one, and the options that select it.
   std::pair<std::string, std::string> words_for(const Reading& reading) const {
     std::vector<std::string> name, remedy;
     const auto add = [&](bool differs, const std::string& word, const std::string& option) {
@@ -270,7 +272,7 @@ class Importer {
   bool refuted_ = false;
 };
 
-/// Of what is said of pictures in beams and ranges, a fan in pixels has nothing.
+/// Rejects options of pictures in beams and ranges, which do not apply to Cartesian pictures.
 void refuse_beside_cartesian(const ImportOptions& o) {
   if (o.cartesian.empty()) return;
   const std::pair<const char*, bool> idle[] = {{"--order", !o.order.empty()},

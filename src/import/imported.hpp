@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pictures of another engine made a candidate for `compare`.
+// Converts pictures of another engine to a candidate for `compare`.
 #pragma once
 
 #include <filesystem>
@@ -14,22 +14,23 @@ namespace tubefoot {
 
 struct Imported {
   CandidateEchoes candidate;
-  std::vector<std::string> told;      ///< how the pictures were read
-  std::vector<std::string> found;     ///< what the truth says of that
-  std::vector<std::string> warnings;  ///< what it refutes, and what `compare` will not like
+  std::vector<std::string> told;   ///< how the pictures were read
+  std::vector<std::string> found;  ///< assumptions that the reference confirms
+  /// Assumptions that the reference refutes, and properties that `compare` will reject.
+  std::vector<std::string> warnings;
 };
 
-/// A reference, and which of its sensors the pictures are of.
+/// A reference and the sensor in it to which the pictures belong.
 struct ImportReference {
   WholeEchoFile file;
   std::size_t sensor = 0;
 };
 
-/// The one that is named, or the only one. Throws UsageError.
+/// Returns the index of the named sensor, or of the only one. Throws UsageError.
 std::size_t sensor_of(const WholeEchoFile& reference, const std::optional<std::string>& name);
 
-/// Reads all results. `reference_of` is asked once, for so many pings. Throws InputError and UsageError; with
-/// `strict` also where the truth refutes what was assumed.
+/// Reads all results. Calls `reference_of` once, with the number of pings. Throws InputError and
+/// UsageError. With `strict`, it also throws if the reference refutes an assumption.
 Imported imported(ImportOptions options, const std::vector<std::filesystem::path>& files,
                   const std::function<const ImportReference&(std::size_t pings)>& reference_of);
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Copies imported files into a folder of originals, each under the hash of its bytes. Reads such a folder
+// back and checks the hashes.
 #include "import/originals.hpp"
 
 #include <fmt/format.h>
@@ -27,7 +29,8 @@ constexpr std::string_view of_azimuths = "# --azimuths:";
 
 fs::path beside(fs::path echo_file) { return echo_file.replace_extension(".originals"); }
 
-/// A name that ends as it did: by that it is known what it is, of .db3.zstd by both.
+/// Returns a name with the original extension, which identifies the format; .db3.zstd keeps both
+/// extensions.
 std::string kept_name(const std::string& sha256, const fs::path& file) {
   const std::string ending = file.extension().string();
   return sha256 + (ending == ".zstd" ? file.stem().extension().string() : "") + ending;
@@ -38,7 +41,7 @@ bool begins_with_hash(std::string_view line) {
          line.substr(0, hash_digits).find_first_not_of("0123456789abcdef") == line.npos;
 }
 
-/// Throws InputError unless the bytes have this hash.
+/// Throws InputError unless the file has this hash.
 void require_hash(const fs::path& file, const SourcePlace& listed, const std::string& sha256) {
   InputFile input(file, listed);
   Sha256 hash;
@@ -79,7 +82,7 @@ std::vector<Original> OriginalsFolder::keep(const std::vector<fs::path>& picture
       keep_one(file, file.filename().string());
       continue;
     }
-    std::vector<fs::path> parts = read_bag_metadata(file).files;  // and nothing else that lies there
+    std::vector<fs::path> parts = read_bag_metadata(file).files;  // other files of the folder are ignored
     parts.insert(parts.begin(), file / "metadata.yaml");
     const fs::path folder = file.has_filename() ? file.filename() : file.parent_path().filename();
     for (const fs::path& part : parts) keep_one(part, (folder / part.filename()).string());
@@ -101,7 +104,7 @@ std::optional<std::vector<fs::path>> listed_originals(const fs::path& folder) {
   std::string line;
   bool pictures_follow = true;
   for (SourcePlace place{list.string(), 1, 0}; next_line(input.stream(), line, place); ++place.line) {
-    if (place.line == 1 && !begins_with_hash(line)) return std::nullopt;  // some other list
+    if (place.line == 1 && !begins_with_hash(line)) return std::nullopt;  // a list of another kind
     if (line == of_azimuths) {
       pictures_follow = false;
       continue;

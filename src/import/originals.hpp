@@ -10,21 +10,21 @@
 
 namespace tubefoot {
 
-/// A file as it was when it was imported.
+/// An imported file and its hash.
 struct Original {
-  std::string name;  ///< without its folder; of a recording's part, with that
+  std::string name;  ///< name without the folder; for a part of a recording, with its folder
   std::string sha256;
 };
 
-/// NAME.originals beside the echo file NAME.nc: each original under the hash of its bytes, and list.txt,
-/// which has hashes and names in the order of the pictures.
+/// The folder NAME.originals next to the echo file NAME.nc. It contains each original under the hash of its
+/// bytes, and list.txt with hashes and names in the order of the pictures.
 class OriginalsFolder {
  public:
-  /// Throws UsageError as OutputFolder does.
+  /// Throws UsageError under the same conditions as OutputFolder.
   OriginalsFolder(const std::filesystem::path& echo_file, const Inputs& inputs);
   const std::filesystem::path& path() const { return path_; }
-  /// Copies; of a folder (a recording) its metadata.yaml and the files which that names. `azimuths` is no
-  /// picture. Throws std::runtime_error where that fails.
+  /// Copies the files. For the folder of a recording, it copies metadata.yaml and the files that it names.
+  /// `azimuths` is an additional file that is not a picture. Throws std::runtime_error on failure.
   std::vector<Original> keep(const std::vector<std::filesystem::path>& pictures,
                              const std::optional<std::filesystem::path>& azimuths);
   void commit() { folder_.commit(); }
@@ -34,8 +34,8 @@ class OriginalsFolder {
   OutputFolder folder_;
 };
 
-/// The pictures of a folder of originals, in the order in which they were imported; nothing if it is none.
-/// Throws InputError for one whose list or files are not what was written.
+/// Returns the pictures of a folder of originals, in the order of their import, or nothing for another
+/// folder. Throws InputError if its list or files were changed.
 std::optional<std::vector<std::filesystem::path>> listed_originals(const std::filesystem::path& folder);
 
 }  // namespace tubefoot

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What engines write, as their sources have it. It is assumed here and tested against the truth afterwards.
+// Profiles: the picture formats of other engines according to their source code. Importing assumes a
+// profile and then tests it against the reference.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,11 +20,12 @@ struct Profile {
   const char* why;
 };
 
-// HoloOcean: client, sensors.py: float32 (RangeBins, AzimuthBins), mean per bin; the sign of azimuths is not
-// stated. Stonefish b21eb8e1: the shader writes bin i to row N-1-i; beams are columns of a perspective view.
-// DAVE nps_uw_multibeam_sonar 47dae1f: index = sample x beams + k, beams reversed, min(255, gain |P|).
-// OceanSim 2809388: azimuths from 90 - hfov / 2 (starboard) on, bins by their left edges, each row by its own
-// maximum or all by one.
+// HoloOcean: client, sensors.py: float32 (RangeBins, AzimuthBins), mean per bin; it does not state the sign
+// of azimuths.
+// Stonefish b21eb8e1: the shader writes bin i to row N-1-i; beams are columns of a perspective view.
+// DAVE nps_uw_multibeam_sonar 47dae1f: index = sample x beams + k, reversed beams, min(255, gain |P|).
+// OceanSim 2809388: azimuths start at 90 - hfov / 2 (starboard); bins by their left edges. Each row is
+// divided by its maximum, or all rows by the common maximum.
 constexpr Profile profiles[] = {
     {"holoocean", "range-first", false, false, "energy", "", "",
      "rows are ranges, the nearest first; columns go "
@@ -63,11 +65,12 @@ std::vector<std::string> apply_profile(ImportOptions& options, const ForeignFram
     unless_said(options.order, found->order);
     unless_said(options.azimuths, found->azimuths);
     unless_said(options.range_origin, found->range_origin);
-    // OceanSim's points say where they are; DAVE reverses the beams of its pictures, not of its tables.
+    // OceanSim's points contain their positions. DAVE reverses the beams of its pictures but not of its
+    // tables.
     const bool table = !first.range_m.empty() && first.azimuth_rad.empty(),
                points = options.profile == "oceansim" && !first.azimuth_rad.empty();
     if (!options.flip_beams) options.flip_beams = found->flip_beams && !table && !points;
-    // Ranges that the file gives say themselves which way they run.
+    // Ranges in the file determine their direction themselves.
     if (!options.flip_range) options.flip_range = found->flip_range && first.range_m.empty();
   }
   unless_said(options.scale, found->scale);

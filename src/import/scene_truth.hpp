@@ -10,8 +10,8 @@
 
 namespace tubefoot {
 
-/// What `run` makes of a sensor of a scene: its first `pings` pings, or all where it has no more. A file in
-/// `folder` is written for it and taken away. Throws as `run`.
+/// Computes the result of `run` for a sensor of a scene: its first `pings` pings, or all if it has fewer.
+/// Writes a temporary file in `folder`. Throws under the same conditions as `run`.
 WholeEchoFile truth_of_scene(SceneDescription description, const std::optional<std::string>& sensor,
                              std::size_t pings, const std::filesystem::path& folder);
 

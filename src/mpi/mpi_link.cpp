@@ -9,19 +9,22 @@
 
 #include "run/ranks/rank_link.hpp"
 
+// This file implements RankLink with MPI. A long message travels in several portions, because MPI counts
+// bytes in int. All sends and receives are non-blocking.
+
 namespace tubefoot {
 namespace {
 
-// Of a message's portions: whether it goes on.
+// The tag of a portion states whether more portions of the message follow.
 constexpr int last_tag = 1, more_tag = 2;
 
-/// A message that is leaving, in portions.
+/// A message that is being sent in portions.
 struct Outgoing {
   std::string bytes;
   std::size_t portions_left = 0;
 };
 
-/// Sends and receives without waiting: what waits for a rank that waits in turn would wait for ever.
+/// Sends and receives without waiting, because two ranks that wait for each other would never continue.
 class MpiLink : public RankLink {
  public:
   explicit MpiLink(std::size_t most_at_once) : most_at_once_(most_at_once) {
@@ -84,7 +87,7 @@ class MpiLink : public RankLink {
   }
 
  private:
-  /// Lets go of what has left.
+  /// Releases messages that have left completely.
   void see_off() {
     if (requests_.empty()) return;
     int count = 0;
@@ -104,7 +107,8 @@ class MpiLink : public RankLink {
     leaving_.resize(kept);
   }
 
-  /// The next portion of the message that is arriving, or the first of another, if it is there.
+  /// Starts to receive the next portion of the incoming message, or the first portion of another message.
+  /// Returns false if none has arrived.
   bool begin_portion() {
     MPI_Message portion;
     MPI_Status status;
@@ -124,11 +128,11 @@ class MpiLink : public RankLink {
 
   const std::size_t most_at_once_;
   int rank_ = 0, ranks_ = 1, local_ranks_ = 1;
-  std::vector<MPI_Request> requests_;               ///< of what is leaving
+  std::vector<MPI_Request> requests_;               ///< of the outgoing portions
   std::vector<std::shared_ptr<Outgoing>> leaving_;  ///< by request
   std::vector<int> gone_;
   std::size_t unsent_ = 0;
-  std::optional<RankMessage> incoming_;  ///< one at a time; the others wait with MPI
+  std::optional<RankMessage> incoming_;  ///< one message at a time; MPI holds the others
   MPI_Request incoming_request_ = MPI_REQUEST_NULL;
   bool portion_under_way_ = false, more_to_come_ = false;
 };

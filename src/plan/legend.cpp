@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Draws the legend of a scene drawing: sensors with their range gates, colours of heights, and the meaning of
+// lines and marks.
 #include "plan/legend.hpp"
 
 #include <fmt/format.h>
@@ -15,7 +17,7 @@ namespace {
 constexpr double swatch = 16, room = 236, letter_size = 10.5;
 constexpr Lettering faint{.size = letter_size, .colour = "#5c646d"};
 
-/// As much of a text as the column has room for.
+/// Returns the text, cut off to the width of the column.
 std::string fitting(const std::string& text, double size, double width) {
   if (width_of(text, size) <= width) return text;
   std::string part = text;
@@ -23,7 +25,8 @@ std::string fitting(const std::string& text, double size, double width) {
     part.pop_back();
     while (!part.empty() && (part.back() & 0xC0) == 0x80) part.pop_back();
   }
-  if (!part.empty() && (part.back() & 0x80) != 0) part.pop_back();  // the first byte of several
+  // Removes the first byte of a multi-byte character.
+  if (!part.empty() && (part.back() & 0x80) != 0) part.pop_back();
   return part + "...";
 }
 

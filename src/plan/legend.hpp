@@ -9,12 +9,12 @@
 
 namespace tubefoot {
 
-/// What the colours and lines of a drawing mean: sensors with their windows, seabed by height, and the rest
-/// as far as the scene has it. Returns how far down it reaches.
+/// Draws the legend: sensors with their range gates, heights of the seabed, and the marks that the scene
+/// contains. Returns the lower end of the legend in pixels.
 double draw_legend(Sheet& sheet, glm::dvec2 top_left, const Survey& survey, const SceneMarks& marks,
                    bool is_seabed_coarse);
 
-/// What the drawing's numbers count from.
+/// Returns a description of the origin of the coordinates.
 std::string frame_words(const Scene& scene);
 
 }  // namespace tubefoot

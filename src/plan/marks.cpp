@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Collects the elements of a scene drawing: sectors of the sensors at selected pings, tracks with headings,
+// objects and the extent of the terrain.
 #include "plan/marks.hpp"
 
 #include <algorithm>
@@ -9,14 +11,14 @@
 namespace tubefoot {
 namespace {
 
-/// Every so manieth of `count` things, so that `most` are not exceeded.
+/// Returns a stride with which at most `most` of `count` items are selected.
 std::size_t stride_of(std::size_t count, std::size_t most) {
   return (count + most - 1) / std::max<std::size_t>(most, 1);
 }
 
 double angle(glm::dvec3 a, glm::dvec3 b) { return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)); }
 
-/// Cuts a tube into cells so narrow that flat ones look round.
+/// Divides a tube into cells so narrow that a curved border looks smooth.
 void add_cells(glm::dvec3 apex_m, const std::array<glm::dvec3, 4>& ray, std::vector<SectorCell>& cells) {
   constexpr double narrow_rad = 0.07;
   const auto parts = [](double widest) {
@@ -118,7 +120,7 @@ SceneMarks marks_of(const Survey& survey, std::span<const SeabedPlacement> place
     marks.objects.push_back({object.name, i, {object.lo_m, object.hi_m}, buried});
   }
   add_sectors(survey, marks.sectors);
-  // Sensors of one carrier go the same way.
+  // Sensors of one carrier have the same track.
   std::vector<std::size_t> drawn;
   for (std::size_t s = 0; s < survey.sensors.size(); ++s) {
     const std::size_t trajectory = scene.sensor_trajectory[s];
@@ -154,7 +156,7 @@ glm::dvec3 section_direction(const SectorMark& sector) {
     }
   constexpr double nearly_down = 0.1, nearly_round = 2;
   if (std::hypot(sum.x, sum.y) > nearly_down * glm::length(sum)) return level_or(sum, starboard);
-  // It looks down: across, if it is a fan, along its wider side.
+  // The sector looks down. The section lies along the wider side of a fan.
   const double middle = (xx + yy) / 2, half = std::hypot((xx - yy) / 2, xy);
   if (middle + half < nearly_round * (middle - half))
     return level_or(sector.pose.attitude * glm::dvec3(0, 1, 0), {0, 1, 0});

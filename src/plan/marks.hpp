@@ -17,12 +17,12 @@
 
 namespace tubefoot {
 
-/// A pyramid of directions from one place, in which a sensor looks.
+/// A pyramid of directions from one apex, part of a sector.
 struct SectorCell {
   glm::dvec3 apex_m{0};
-  std::array<glm::dvec3, 4> directions;  ///< unit vectors, in turn
-  std::array<double, 4>
-      recorded_to_m{};  ///< along each: to the seabed, the sea surface or the end of the range window
+  std::array<glm::dvec3, 4> directions;   ///< unit vectors, in cyclic order
+  std::array<double, 4> recorded_to_m{};  ///< along each direction: range of the seabed, of the sea surface
+                                          ///< or of the end of the range gate
 
   bool is_received(double from_m) const {
     return std::ranges::any_of(recorded_to_m, [&](double end_m) { return end_m > from_m; });
@@ -30,24 +30,24 @@ struct SectorCell {
   glm::dvec3 at(std::size_t corner, double range_m) const { return apex_m + range_m * directions[corner]; }
 };
 
-/// Where a sensor looks at a ping.
+/// Sector of a sensor at a ping.
 struct SectorMark {
   std::size_t sensor = 0, ping = 0;
-  bool chosen = false;  ///< the ping of the sensor that is drawn large
+  bool chosen = false;  ///< the drawing shows this ping of the sensor at large scale
   Pose pose;
-  double first_m = 0, last_m = 0;        ///< of the range window
-  std::vector<SectorCell> cells;         ///< of all its transmissions
-  std::optional<glm::dvec3> receiver_m;  ///< where that is apart
+  double first_m = 0, last_m = 0;        ///< limits of the range gate
+  std::vector<SectorCell> cells;         ///< cells of all transmissions of the ping
+  std::optional<glm::dvec3> receiver_m;  ///< position of a separate receiver
 };
 
 struct Heading {
   glm::dvec3 place_m{0}, ahead{0, 1, 0};
 };
 
-/// Where a sensor goes, and how its carrier heads.
+/// Track of a sensor, and headings of its carrier.
 struct TrackMark {
-  std::vector<std::vector<glm::dvec3>> lines_m;  ///< at pings
-  std::vector<Heading> headings;                 ///< at some of them
+  std::vector<std::vector<glm::dvec3>> lines_m;  ///< positions of the pings
+  std::vector<Heading> headings;                 ///< headings at some pings
 };
 
 struct ObjectMark {
@@ -57,7 +57,7 @@ struct ObjectMark {
   bool is_buried = false;
 };
 
-/// What a drawing of a scene shows.
+/// Elements of a scene drawing.
 struct SceneMarks {
   std::vector<SectorMark> sectors;
   std::vector<TrackMark> tracks;
@@ -65,15 +65,16 @@ struct SceneMarks {
   Extent terrain;
 };
 
-/// Of the pings of each sensor first, middle and last, and headings at some more. `placements`: of the
-/// objects, if they are known.
+/// Collects the first, the middle and the last ping of each sensor, and headings at further pings.
+/// `placements`: placements of the objects, if known.
 SceneMarks marks_of(const Survey& survey, std::span<const SeabedPlacement> placements);
 
-/// Looks along each direction of a sector, where it meets the seabed or the sea surface.
+/// Finds the range along each direction of a sector at which it meets the seabed or the sea surface.
 void look_for_seabed(SectorMark& sector, const PlanHeights& seabed, std::optional<double> surface_m);
 
-/// The horizontal direction in which a section through a sector shows most of it: where it looks; of one that
-/// looks down, along its wider side, to starboard, or ahead where it has none.
+/// Returns the horizontal direction of a section that shows most of a sector. This is the direction of the
+/// sector. For a sector that looks down, it is the direction of its wider side, towards starboard. For a
+/// sector that looks down and has no wider side, it is the forward direction.
 glm::dvec3 section_direction(const SectorMark& sector);
 
 }  // namespace tubefoot

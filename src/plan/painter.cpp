@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Draws the elements of a scene on plan and side views: seabed, sea surface, sectors, objects, tracks, pings,
+// distances and section lines. Labels do not overlap.
 #include "plan/painter.hpp"
 
 #include <fmt/format.h>
@@ -28,7 +30,7 @@ Box common(const Box& a, const Box& b) {
           std::min(a.bottom, b.bottom)};
 }
 
-/// An extent as it is seen on a panel.
+/// Returns the box of an extent on a panel.
 Box seen(const Panel& panel, const Extent& extent) {
   Box box = Box::none();
   for (int corner = 0; corner < 8; ++corner)
@@ -40,7 +42,7 @@ Box seen(const Panel& panel, const Extent& extent) {
 
 Box about(glm::dvec2 place, double by) { return {place.x - by, place.y - by, place.x + by, place.y + by}; }
 
-/// Keeps names off the lines of a track, at some places of it.
+/// Keeps labels away from points along a line.
 void keep_line_free(Labels& labels, const std::vector<glm::dvec2>& line) {
   constexpr double step = 6;
   std::size_t left = 2000;
@@ -135,7 +137,7 @@ void Painter::draw_seabed(const Panel& panel) {
   sheet_.picture({low.x, high.y, high.x, low.y}, shaded(map, marks_.terrain.lo_m.z, marks_.terrain.hi_m.z));
 }
 
-/// A terrain that would not be seen for its size.
+/// Marks a terrain that is too small to be visible.
 void Painter::draw_terrain_mark(const Panel& panel, Labels& labels) {
   if (marks_.terrain.empty()) return;
   const Box box = seen(panel, marks_.terrain);
@@ -152,7 +154,7 @@ void Painter::draw_profile(const Panel& panel, bool cut) {
   const Window& window = panel.window();
   const View& view = panel.view();
   Profile profile(window.lo_m.x, window.hi_m.x, static_cast<int>(panel.box().width() / pixels_a_column));
-  // Seen from above, a section is a line; of what lies before and behind, nothing is left out.
+  // In the plan, a section is a line. A side view includes everything in front of and behind the plane.
   Window wanted{glm::dvec2(marks_.terrain.lo_m), glm::dvec2(marks_.terrain.hi_m)};
   if (cut) {
     const glm::dvec3 a = view.zero_m + window.lo_m.x * view.right,
@@ -176,7 +178,7 @@ void Painter::draw_profile(const Panel& panel, bool cut) {
         top.push_back({p.x, std::clamp(p.y, panel.box().top - 100, panel.box().bottom + 100)});
       }
       first = k;
-      // A column is as wide as a pixel: to its sides.
+      // Extends the outline by half a pixel at both sides, because a column is one pixel wide.
       top.insert(top.begin(), {top.front().x - 0.5, top.front().y});
       top.push_back({top.back().x + 0.5, top.back().y});
       top = simplified(top, 0.3);
@@ -315,7 +317,7 @@ void Painter::draw_tracks(const Panel& panel, bool with_headings, Labels& labels
     std::vector<glm::dvec2> drawn;
     for (const Heading& heading : track.headings) {
       const glm::dvec2 from = panel.at(heading.place_m);
-      // As long as it looks from here, but not as the heights are stretched.
+      // The length of the arrow is the projected one, without the vertical stretch.
       const glm::dvec2 level(glm::dot(heading.ahead, panel.view().right),
                              -glm::dot(heading.ahead, panel.view().up));
       if (!panel.box().holds(about(from, 0)) || glm::length(level) < 0.2 ||
@@ -336,7 +338,7 @@ void Painter::draw_tracks(const Panel& panel, bool with_headings, Labels& labels
   }
 }
 
-/// Where pings are drawn from, and their numbers.
+/// Draws the positions of pings and their numbers.
 void Painter::draw_places(const Panel& panel, bool near, Labels& labels) {
   struct Place {
     glm::dvec2 at;
@@ -366,7 +368,7 @@ void Painter::draw_places(const Panel& panel, bool near, Labels& labels) {
       labels.put(sheet_, about(place.at, 6), fmt::format("ping {}", place.ping), place_letters);
 }
 
-/// From the first sensor to the terrain, where it is not over it.
+/// Draws the distance from the first sensor to the terrain if the sensor is not above it.
 void Painter::draw_distance(const Panel& panel, Labels& labels) {
   if (marks_.terrain.empty() || marks_.sectors.empty()) return;
   for (const SectorMark& sector : marks_.sectors) {
@@ -389,7 +391,7 @@ void Painter::draw_distance(const Panel& panel, Labels& labels) {
 }
 
 void Painter::draw_cut(const Panel& panel, const Cut& cut) {
-  // From border to border of the panel, through where the section's zero is.
+  // The line runs from border to border of the panel through the origin of the section.
   const glm::dvec2 middle = panel.at(cut.view.zero_m), way(cut.view.right.x, -cut.view.right.y);
   const Box inner = grown(panel.box(), -9);
   const double far = 2 * (panel.box().width() + panel.box().height());

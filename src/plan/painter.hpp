@@ -10,25 +10,26 @@
 
 namespace tubefoot {
 
-/// Draws what a scene holds onto panels of one sheet, all but their axes.
+/// Draws the elements of a scene on the panels of one sheet, except for axes.
 class Painter {
  public:
   Painter(const Survey& survey, const SceneMarks& marks, Sheet& sheet)
       : survey_(survey), marks_(marks), sheet_(sheet) {}
 
-  /// Where a section cuts the plan.
+  /// Line in the plan along which a section lies.
   struct Cut {
     View view;
     std::string letter;
   };
-  /// From above. `near`: only the pings that are drawn large.
+  /// Draws a view from above. `near`: only pings at large scale.
   void draw_plan(const Panel& panel, std::span<const Cut> cuts, bool near);
-  /// From the side: seabed from the lowest to the highest before and behind.
+  /// Draws a side view. The seabed appears between its lowest and its highest point along the line of
+  /// sight.
   void draw_side(const Panel& panel);
-  /// The seabed where the panel's plane cuts it, and objects that come into `about` seen from above.
+  /// Draws the seabed in the plane of the panel, and the objects that overlap `about` in plan.
   void draw_section(const Panel& panel, const Extent& about);
 
-  /// Whether some of the seabed was drawn coarsely.
+  /// Returns whether part of the seabed was drawn at reduced resolution.
   bool was_coarse() const { return coarse_; }
 
  private:
@@ -49,7 +50,8 @@ class Painter {
   bool coarse_ = false;
 };
 
-/// What of a line is inside of a box or near it: what is far outside has more digits than a drawing holds.
+/// Returns the parts of a line inside of a box or near it. Coordinates far outside have too many digits for
+/// a drawing.
 std::vector<std::vector<glm::dvec2>> clipped(const std::vector<glm::dvec2>& line, const Box& box);
 
 }  // namespace tubefoot

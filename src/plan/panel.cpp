@@ -11,13 +11,13 @@
 namespace tubefoot {
 namespace {
 
-/// Ticks of one axis, so few that their labels stay apart.
+/// Ticks of one axis, few enough that their labels do not overlap.
 struct Ticks {
   std::vector<double> places_m;
   std::vector<std::string> labels;
   std::string unit;
 
-  /// `room_of`: how many pixels a label needs.
+  /// `room_of`: returns the size of a label in pixels.
   template <class Room>
   Ticks(double lo_m, double hi_m, double pixels, const Room& room_of) {
     constexpr double kilometres_from_m = 2e4;
@@ -79,7 +79,7 @@ void Panel::draw_axes(Sheet& sheet, const std::string& title, const std::string&
 }
 
 double stretch_of(glm::dvec2 size_m, double width, double height) {
-  const double flat = size_m.y / size_m.x * width;  // as high as it would be
+  const double flat = size_m.y / size_m.x * width;  // height without a stretch
   constexpr double enough = 0.4;
   if (!(flat > 0) || flat > enough * height) return 1;
   const double largest = 0.9 * height / flat, power = std::pow(10.0, std::floor(std::log10(largest)));

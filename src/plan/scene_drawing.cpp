@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Arranges the views of a scene on one drawing: a plan and a side view of the whole scene. If the scene is
+// much larger than the surroundings of the first sensor, it adds a plan and a section of these.
 #include "plan/scene_drawing.hpp"
 
 #include <fmt/format.h>
@@ -19,11 +21,11 @@
 namespace tubefoot {
 namespace {
 
-// Of the paper, in pixels.
+// Dimensions of the drawing, in pixels.
 constexpr double panel_width = 440, first_left = 76, second_left = 602, legend_left = 1066,
                  paper_width = 1316, first_top = 76, gap_below = 74, lowest_paper = 520;
 
-/// Places that a view has to show.
+/// Positions that a view must contain.
 struct Places {
   std::vector<glm::dvec3> all_m;
 
@@ -42,7 +44,8 @@ struct Places {
     for (const glm::dvec3& place_m : all_m) all.add(place_m);
     return all;
   }
-  /// With some room about them, and never so small that numbers have no digits for it.
+  /// Returns a window with a margin around the positions. Its least size ensures that labels have enough
+  /// digits.
   Window window(const View& view) const {
     Window window;
     if (!all_m.empty()) window.lo_m = window.hi_m = view.of(all_m.front());
@@ -64,7 +67,7 @@ double largest_side_m(const Extent& extent) {
   return extent.empty() ? 0 : std::max({size.x, size.y, size.z});
 }
 
-/// Where a sector is received, and where it begins to be; all of its window where nothing is.
+/// Adds the region in which a sector receives echoes, or its whole range gate if there are none.
 void add_reach(const SectorMark& sector, Places& places) {
   places.add(sector.pose.position_m);
   for (const SectorCell& cell : sector.cells)
@@ -74,14 +77,15 @@ void add_reach(const SectorMark& sector, Places& places) {
     }
 }
 
-/// Sectors find the seabed on maps of it, fine enough for each.
+/// Computes the ranges of the sectors on height maps of the seabed with sufficient resolution for each
+/// sector.
 void look_for_seabed(const Survey& survey, SceneMarks& marks) {
   constexpr int cells = 360;
   const std::optional<SeaSurfaceDescription>& sea = survey.scene.description.sea_surface;
   const std::optional<double> surface_m = sea ? std::optional(sea->height_m) : std::nullopt;
   const Window terrain{glm::dvec2(marks.terrain.lo_m), glm::dvec2(marks.terrain.hi_m)};
   const auto map_of = [&](const Window& window) {
-    // With a border, so that what looks along its edge looks at it.
+    // A border ensures that directions along the edge of the window meet the map.
     const glm::dvec2 size = window.hi_m - window.lo_m, border(0.02 * std::max(size.x, size.y));
     PlanHeights map({window.lo_m - border, window.hi_m + border}, cells);
     each_terrain_facet(survey, map.window(), [&](const auto& facet) { map.add(facet); });
@@ -111,10 +115,10 @@ void look_for_seabed(const Survey& survey, SceneMarks& marks) {
   }
 }
 
-/// What the views of a drawing show.
+/// Contents of the views of a drawing.
 struct Scope {
   Places all, near;
-  bool has_near = false;  ///< what is near the first sensor is worth a plan of its own
+  bool has_near = false;  ///< the surroundings of the first sensor need a plan of their own
   const SectorMark* first = nullptr;
 };
 
@@ -180,7 +184,7 @@ class Drawing {
     return std::clamp(panel_width * size.y / size.x, least, most);
   }
 
-  /// A section's view: its zero is straight under the sensor, up counts as in the scene.
+  /// Returns the view of a section. Its origin is below the sensor, at height 0 of the scene.
   Painter::Cut cut(const std::string& letter, glm::dvec3 right) const {
     const glm::dvec3 at_m = scope_.first->pose.position_m;
     return {{{at_m.x, at_m.y, 0}, right, {0, 0, 1}}, letter};
@@ -202,7 +206,7 @@ class Drawing {
     panel.draw_axes(sheet_, stretched("Section " + path_words(cut), stretch), "from the sensor", "up");
   }
 
-  /// The seabed within the section's window, however deep it lies.
+  /// Extends the window of a section to the seabed at any depth.
   void include_seabed(const View& view, Window& window) {
     Profile profile(window.lo_m.x, window.hi_m.x, 100);
     const glm::dvec3 a = view.zero_m + window.lo_m.x * view.right,
@@ -224,7 +228,8 @@ class Drawing {
     window.lo_m.y -= margin, window.hi_m.y += margin;
   }
 
-  /// Plan and side view of all, and of what is near the first sensor. Returns how far down they reach.
+  /// Draws plan and side view of the whole scene and of the surroundings of the first sensor. Returns their
+  /// lower end in pixels.
   double draw_whole_and_near() {
     const View plan;
     const Window whole = scope_.all.window(plan), near = scope_.near.window(plan);
@@ -239,7 +244,7 @@ class Drawing {
     painter_.draw_plan(near_panel, {&section, 1}, true);
     near_panel.draw_axes(sheet_, near_title(), "east", "north");
 
-    // From the side that it is longer on.
+    // The side view shows the longer side.
     const glm::dvec2 size = whole.hi_m - whole.lo_m;
     const bool from_south = size.x >= size.y;
     const View side{glm::dvec3(0), from_south ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0), {0, 0, 1}};
@@ -265,7 +270,7 @@ class Drawing {
                                     : "Plan near " + name;
   }
 
-  /// One plan and two sections of all. Returns how far down they reach.
+  /// Draws one plan and two sections of the whole scene. Returns their lower end in pixels.
   double draw_plan_and_sections() {
     const View plan;
     const Window whole = scope_.all.window(plan);
@@ -303,7 +308,7 @@ std::string scene_drawing(const Survey& survey, std::span<const SeabedPlacement>
 
 void write_scene_picture(const std::filesystem::path& file, const Survey& survey,
                          std::span<const SeabedPlacement> placements) {
-  // Where less is left librsvg, or a library below it, ends the program instead of saying so.
+  // With less memory librsvg or one of its libraries terminates the program without an error message.
   constexpr double needed_bytes = 100e6;
   if (memory_at_hand() < needed_bytes) throw std::bad_alloc();
   write_png_of_svg(scene_drawing(survey, placements), file);

@@ -10,21 +10,26 @@
 
 namespace tubefoot {
 
-/// A scene as a drawing (SVG): plan and side views with axes in metres, seabed, objects, tracks with
-/// headings, and where sensors look at their first, middle and last pings; a plan and a section near the
-/// first sensor, where all of the scene is much larger. `placements`: of the objects, if they are known.
-/// Computes no ping. Throws InputError for a raster that can no longer be read, Interrupted when somebody
-/// wants to stop.
+/// Returns a drawing (SVG) of a scene: plan and side views with axes in metres.
+///
+/// The views show seabed, objects, tracks with headings, and the sectors of the sensors at their first,
+/// middle and last pings. If the scene is much larger than the surroundings of the first sensor, a plan and
+/// a section show these surroundings. `placements`: placements of the objects, if known. No ping is
+/// computed.
+///
+/// Throws InputError for a raster that can no longer be read, and Interrupted if the user stops the
+/// program.
 std::string scene_drawing(const Survey& survey, std::span<const SeabedPlacement> placements);
 
-/// The name of that drawing in a result folder.
+/// Name of the drawing in a result folder.
 inline constexpr const char* scene_picture_name = "scene.png";
 
-/// Writes the drawing as a PNG file. Throws as scene_drawing(), and std::runtime_error naming the file.
+/// Writes the drawing as a PNG file. Throws as scene_drawing() does, and std::runtime_error, which names
+/// the file.
 void write_scene_picture(const std::filesystem::path& file, const Survey& survey,
                          std::span<const SeabedPlacement> placements);
 
-/// For who has not looked how objects stand: where that is soon known it is looked up, else left open.
+/// Writes the drawing without given placements. They are computed if that is fast, otherwise omitted.
 void write_scene_picture(const std::filesystem::path& file, const Survey& survey);
 
 }  // namespace tubefoot

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Heights of the terrain for scene drawings: facets in a window, height maps by rasterisation, and profiles
+// along sections. A shaded picture has light from the north-west.
 #include "plan/seabed.hpp"
 
 #include <cairo.h>
@@ -31,7 +33,7 @@ void each_facet_of(const ComponentMesh& mesh, const TakeFacet& take) {
   for (const auto& [a, b, c] : mesh.triangles) take({mesh.points_m[a], mesh.points_m[b], mesh.points_m[c]});
 }
 
-/// Each tile as two facets, corners as high as the middles of the tiles about them.
+/// Visits each tile as two facets. The height of a corner is the mean of the heights of the adjacent tiles.
 void each_coarse_facet(const TerrainTiles& terrain, const std::vector<std::uint32_t>& tiles,
                        const TakeFacet& take) {
   const auto columns = static_cast<std::ptrdiff_t>(terrain.columns()),
@@ -83,7 +85,7 @@ bool each_terrain_facet(const Survey& survey, const Window& window, const TakeFa
           tile.facets > 0 && meets(window, tile.lo_m, tile.hi_m))
         within.push_back(k);
     constexpr std::size_t most_read = 400,
-                          at_a_time = 64;  // more have more cells than the drawing has pixels
+                          at_a_time = 64;  // more tiles have more cells than the drawing has pixels
     if (within.size() > most_read) {
       coarse = true;
       each_coarse_facet(*tiled.tiles, within, take);
@@ -108,7 +110,7 @@ PlanHeights::PlanHeights(const Window& window, int most)
 }
 
 void PlanHeights::add(const std::array<glm::dvec3, 3>& facet) {
-  std::array<glm::dvec3, 3> p;  // east and north in cells, from the first one's middle
+  std::array<glm::dvec3, 3> p;  // east and north in cells, from the centre of the first cell
   for (std::size_t k = 0; k < 3; ++k)
     p[k] = {(facet[k].x - window_.lo_m.x) / cell_m_ - 0.5, (facet[k].y - window_.lo_m.y) / cell_m_ - 0.5,
             facet[k].z};
@@ -163,7 +165,7 @@ std::optional<double> PlanHeights::at(glm::dvec2 place_m) const {
 
 std::optional<double> PlanHeights::distance_m(glm::dvec3 from_m, glm::dvec3 direction, double most_m) const {
   if (empty()) return std::nullopt;
-  // Only where there may be terrain.
+  // Restricts the ray to the box of the terrain.
   double first = 0, last = most_m;
   const std::array<std::array<double, 4>, 3> slabs{
       {{from_m.x, direction.x, window_.lo_m.x, window_.hi_m.x},
@@ -211,7 +213,7 @@ namespace {
 using Components = std::array<double, 3>;
 
 Components tint(double share) {
-  // From deep to shallow; sensors' colours have to stand out.
+  // Colours from deep to shallow. The colours of the sensors must stand out from them.
   constexpr std::array<Components, 3> stops{{{0.56, 0.66, 0.73}, {0.78, 0.80, 0.76}, {0.95, 0.90, 0.78}}};
   const double at = std::clamp(share, 0.0, 1.0) * (stops.size() - 1);
   const auto k = std::min(static_cast<std::size_t>(at), stops.size() - 2);
@@ -234,7 +236,7 @@ std::string seabed_colour(double share_of_height) {
 
 std::string shaded(const PlanHeights& heights, double low_m, double high_m) {
   const int columns = heights.columns(), rows = heights.rows();
-  // Slope towards the north-west, where there are neighbours.
+  // Slope towards the north-west, if there are neighbours.
   const auto slope = [&](int column, int row) {
     const auto rise = [&](int dc, int dr) {
       const int c0 = std::max(column - dc, 0), c1 = std::min(column + dc, columns - 1),
@@ -265,7 +267,7 @@ std::string shaded(const PlanHeights& heights, double low_m, double high_m) {
     for (int column = 0; column < columns; ++column) {
       const double up = heights.up_m(column, row);
       if (std::isnan(up)) continue;
-      // Few steps of both, which pack well.
+      // Few levels of both, which compress well.
       const double share = high_m > low_m ? std::round(24 * (up - low_m) / (high_m - low_m)) / 24 : 0.5,
                    light = 1 - 0.16 * std::round(4 * std::clamp(slope(column, row) / usual, -1.0, 1.0)) / 4;
       const Components c = tint(share);

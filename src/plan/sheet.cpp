@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Writes SVG elements: texts, lines, boxes, pictures and clip regions.
+// Places labels next to the marks that they name, without overlaps.
 #include "plan/sheet.hpp"
 
 #include <fmt/format.h>
@@ -17,7 +19,7 @@ void Box::add(glm::dvec2 point) {
 }
 
 double width_of(std::string_view text, double size) {
-  constexpr double em_a_letter = 0.62;  // DejaVu Sans is the widest of the usual ones
+  constexpr double em_a_letter = 0.62;  // DejaVu Sans is the widest of the usual fonts
   const auto letters = std::ranges::count_if(text, [](char c) { return (c & 0xC0) != 0x80; });
   return em_a_letter * size * static_cast<double>(letters);
 }
@@ -66,7 +68,7 @@ void Sheet::picture(const Box& box, std::string_view png) {
 }
 
 void Sheet::begin_clip(const Box& box) {
-  // Names of a drawing are names of the page that it stands in.
+  // Identifiers of an SVG drawing share the name space of the page that contains it.
   const std::string name = fmt::format("drawing-clip-{}", clips_++);
   body_ += fmt::format("<clipPath id=\"{}\">", name);
   rectangle(box, "");
@@ -88,7 +90,7 @@ bool Labels::put(Sheet& sheet, const Box& about, std::string_view name, const Le
   const double width = width_of(name, how.size), height = how.size * 1.2;
   constexpr double gap = 4, above = 5;
   const glm::dvec2 middle = about.middle();
-  // Top left corners, the best first.
+  // Upper left corners of possible positions, the best first.
   const std::array<glm::dvec2, 8> corners{{{about.right + gap, middle.y - height / 2},
                                            {about.left - gap - width, middle.y - height / 2},
                                            {middle.x - width / 2, about.top - above - height},

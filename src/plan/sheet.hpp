@@ -9,11 +9,11 @@
 
 namespace tubefoot {
 
-/// A rectangle of a drawing, in its pixels: x to the right, y down.
+/// A rectangle of a drawing in pixels: x to the right, y down.
 struct Box {
   double left = 0, top = 0, right = 0, bottom = 0;
 
-  /// That holds nothing yet.
+  /// Returns a box that contains nothing.
   static Box none() {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     return {infinity, infinity, -infinity, -infinity};
@@ -31,20 +31,20 @@ struct Box {
   void add(glm::dvec2 point);
 };
 
-/// How a text is set.
+/// Style of a text.
 struct Lettering {
-  std::string_view anchor = "start";  ///< start, middle or end of it is at its place
+  std::string_view anchor = "start";  ///< part of the text at its position: start, middle or end
   double size = 11;
   std::string_view colour = "#1b1e22";
   bool bold = false;
-  bool halo = false;     ///< white about it, for a text on a picture
-  bool upwards = false;  ///< turned by 90 degrees, as beside an axis
+  bool halo = false;     ///< white outline, for a text on a picture
+  bool upwards = false;  ///< rotated by 90 degrees, as along an axis
 };
 
-/// About how wide a text will be: fonts differ, this is for the widest that is usual.
+/// Returns an upper estimate of the width of a text, for the widest of the usual fonts.
 double width_of(std::string_view text, double size);
 
-/// An SVG drawing that is being made. Texts may hold anything (shown_markup).
+/// Builds an SVG drawing. Texts may contain any characters; shown_markup() escapes them.
 class Sheet {
  public:
   void text(glm::dvec2 at, std::string_view words, const Lettering& how = {});
@@ -52,15 +52,15 @@ class Sheet {
   void rectangle(const Box& box, std::string_view style);
   void circle(glm::dvec2 middle, double radius, std::string_view style);
   void polyline(const std::vector<glm::dvec2>& points, std::string_view style);
-  /// `data`: of a path, as Silhouette::path() makes it.
+  /// `data`: data of an SVG path, as from Silhouette::path().
   void path(const std::string& data, std::string_view style);
-  /// A PNG, from the top left corner of the box to its bottom right one.
+  /// Adds a PNG that fills the box.
   void picture(const Box& box, std::string_view png);
-  /// What is drawn until end_clip() is seen inside of the box only.
+  /// Restricts everything drawn until end_clip() to the box.
   void begin_clip(const Box& box);
   void end_clip();
 
-  /// The whole drawing, on white.
+  /// Returns the whole drawing on a white background.
   std::string svg(double width, double height) const;
 
  private:
@@ -68,14 +68,14 @@ class Sheet {
   int clips_ = 0;
 };
 
-/// Names beside what they name, none over another.
+/// Places labels next to the marks that they name, without overlaps.
 class Labels {
  public:
   explicit Labels(const Box& within) : within_(within) {}
 
-  /// Keeps a place free of names.
+  /// Keeps a region free of labels.
   void keep_free(const Box& box) { taken_.push_back(box); }
-  /// Writes a name beside a box, where there is room; else leaves it out and returns false.
+  /// Writes a label next to a box. Returns false, without writing, if there is no free position.
   bool put(Sheet& sheet, const Box& about, std::string_view name, const Lettering& how);
 
  private:

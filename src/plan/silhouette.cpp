@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Union of convex shapes as an outline: rasterises the shapes to cells, traces the borders of the covered
+// cells, and simplifies the resulting loops.
 #include "plan/silhouette.hpp"
 
 #include <fmt/format.h>
@@ -87,7 +89,7 @@ void Silhouette::add(std::span<const glm::dvec2> points) {
   const auto first = static_cast<std::size_t>(std::max(0.0, std::floor(box.top))),
              last = static_cast<std::size_t>(std::min(rows - 1, std::floor(box.bottom)));
   for (std::size_t row = first; row <= last; ++row) {
-    // What of the hull lies in this row of cells reaches from lo to hi.
+    // The part of the hull in this row of cells extends from lo to hi.
     const auto top = static_cast<double>(row), bottom = top + 1;
     double lo = columns, hi = -1;
     for (std::size_t k = 0; k < hull.size(); ++k) {
@@ -111,13 +113,13 @@ void Silhouette::add(std::span<const glm::dvec2> points) {
   }
 }
 
-// Each side between a covered cell and one that is not is a step, with what is covered on its right.
+// Each side between a covered and an uncovered cell is a step, with the covered cell on its right.
 std::vector<std::vector<glm::dvec2>> Silhouette::loops() const {
   enum Step { east, south, west, north };
   constexpr std::array<int, 4> step_x{1, 0, -1, 0}, step_y{0, 1, 0, -1};
   const std::size_t width = columns_ + 1;
   std::vector<std::uint8_t> steps(width * (rows_ + 1));
-  const auto is_covered = [&](std::size_t x, std::size_t y) {  // beyond 0 is a large number
+  const auto is_covered = [&](std::size_t x, std::size_t y) {  // a negative index becomes a large number
     return x < columns_ && y < rows_ && covered_[y * columns_ + x] != 0;
   };
   for (std::size_t y = 0; y < rows_; ++y)
@@ -136,7 +138,7 @@ std::vector<std::vector<glm::dvec2>> Silhouette::loops() const {
       int step = -1;
       while (steps[at] != 0) {
         int next = 0;
-        // Where four cells meet, to the right, so that loops touch and do not cross.
+        // At a corner of four cells the loop turns right, so that loops touch but do not cross.
         for (const int side : {1, 0, 3})
           if (next = step < 0 ? 0 : (step + side) % 4; step < 0 || (steps[at] >> next & 1) != 0) break;
         if (step < 0)
@@ -161,7 +163,7 @@ std::string Silhouette::path() const {
   if (empty()) return data;
   constexpr double stairs = 0.9 * cell;
   for (std::vector<glm::dvec2>& loop : loops()) {
-    // A loop ends where it begins: it is cut in two where it is farthest from there.
+    // Splits the closed loop at its point farthest from the start, because simplified() needs open lines.
     const auto far = std::ranges::max_element(
         loop, {}, [&](const glm::dvec2& p) { return glm::distance(p, loop.front()); });
     const std::vector<glm::dvec2> there(loop.begin(), far + 1);

@@ -11,22 +11,22 @@
 
 namespace tubefoot {
 
-/// Leaves out points that are less than `tolerance` from the line without them.
+/// Removes points whose distance from the simplified line is less than `tolerance`.
 std::vector<glm::dvec2> simplified(const std::vector<glm::dvec2>& points, double tolerance);
 
-/// What many convex shapes cover together, as one outline: the union of their pixels, traced. Each cell that
-/// a shape touches is covered, so that the thinnest beam is seen.
+/// Union of many convex shapes as an outline. Each cell of a raster that a shape touches is covered, so
+/// that even the thinnest beam is visible.
 class Silhouette {
  public:
-  /// What lies outside of the box is cut off.
+  /// Shapes are clipped to the box.
   explicit Silhouette(const Box& within);
 
-  /// The convex hull of some points.
+  /// Adds the convex hull of some points.
   void add(std::span<const glm::dvec2> points);
   bool empty() const { return bounds_.empty(); }
-  /// Of what was covered.
+  /// Returns the box of the covered cells.
   const Box& bounds() const { return bounds_; }
-  /// Data of an SVG path, to be filled by the even-odd rule; empty if nothing is covered.
+  /// Returns the data of an SVG path for the even-odd fill rule; empty if nothing is covered.
   std::string path() const;
 
  private:

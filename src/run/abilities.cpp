@@ -12,6 +12,9 @@
 #include "run/run_request.hpp"
 #include "run/survey.hpp"
 
+// This file contains the table of features that cannot be combined, and finds the first refusal that applies
+// to a scene and a request (docs/abilities.md).
+
 namespace tubefoot {
 namespace {
 
@@ -140,7 +143,7 @@ constexpr auto table = std::to_array<Refusal>({
      "without it first"},
 });
 
-/// A feature that is there, where the scene asks for it, and the beginning of a sentence about it.
+/// A feature of the scene, its place in the scene file, and the subject of a sentence about it.
 struct Found {
   Feature feature;
   SourcePlace place;
@@ -209,7 +212,7 @@ std::optional<Refused> refused(std::vector<Found> found, std::span<const Feature
       continue;
     Refused answer{&refusal, first->place, fmt::format("{}, and {}", first->subject, refusal.reason),
                    static_cast<std::size_t>(first - found.begin()) >= of_scene};
-    // What a command asks has no place in the scene.
+    // A feature that the command requests has no place in the scene file.
     for (const Feature other :
          {refusal.more[0].value_or(refusal.second), refusal.more[1].value_or(refusal.second), refusal.second})
       if (!answer.requested && (other == reference || other >= own_engine)) {
@@ -265,7 +268,7 @@ void require_able(const Survey& survey, const RunRequest& request, Feature reque
 }
 
 void require_able(const RunRequest& request, Feature requested) {
-  // Of tubes: rays and binnings are for runs.
+  // Only tube features count here. Rays and binnings are features of runs.
   std::vector<Feature> all{requested};
   if (requested == reference)
     all = requested_by(request);

@@ -11,29 +11,30 @@
 #include "files/input_error.hpp"
 #include "scene/description/run_description.hpp"
 
-// What can be combined: one table, which every command reads and docs/abilities.md shows.
+// This header declares the table of features that cannot be combined. Every command reads this table, and
+// docs/abilities.md shows it.
 namespace tubefoot {
 
 struct RunRequest;
 struct Survey;
 
-/// What a scene may have, what a run of it may ask for, and what else may be done with it.
+/// Features of a scene, features that a run requests, and commands that can be applied to a scene.
 enum class Feature : unsigned char {
-  // of a scene
+  // features of a scene
   refraction,                ///< water whose sound speed varies
-  mirrors,                   ///< paths over mirrors, and of two scatterings
-  separate_receiver,         ///< from its transmitter
-  two_receivers,             ///< one above the other, for phases
-  signals,                   ///< of elements, with phase
+  mirrors,                   ///< paths over mirrors, and paths with two scatterings
+  separate_receiver,         ///< a receiver that is separate from its transmitter
+  two_receivers,             ///< two receivers, one above the other, for phase differences
+  signals,                   ///< signals of array elements, with phase
   tiles,                     ///< terrain of which only parts are in memory
-  relief,                    ///< that facets are refined by, once or for each transmission
-  relief_each_transmission,  ///< relief that is refined anew for each transmission
-  scattering_model,          ///< another than Lambert's
+  relief,                    ///< relief by which facets are refined, once or for each transmission
+  relief_each_transmission,  ///< relief that is refined again for each transmission
+  scattering_model,          ///< a scattering model other than Lambert's law
   micro_texture,
-  unbounded_texture,  ///< a micro-texture of one's own, that has no enclosure
-  inclined_mirrors,   ///< facets that mirror and are not level
-  scatterings,        ///< more than one on a path
-  // of a run
+  unbounded_texture,  ///< a micro-texture of the user without a certified enclosure
+  inclined_mirrors,   ///< facets that are mirrors and are not horizontal
+  scatterings,        ///< more than one scattering on a path
+  // features of a run
   reference,
   double_arithmetic,
   fast_binning,
@@ -48,41 +49,42 @@ enum class Feature : unsigned char {
   footprints,
   exact_corners,
   refine,
-  trial,         ///< of settings: chart, advise, --tolerance
-  transmission,  ///< of the Python module, traced by itself
+  trial,         ///< trials of settings: chart, advise, --tolerance
+  transmission,  ///< a transmission that the Python module traces individually
 };
 inline constexpr int features = static_cast<int>(Feature::transmission) + 1;
 
-/// As in docs/abilities.md.
+/// Returns the name that docs/abilities.md uses.
 std::string_view name_of(Feature feature);
 
-/// Features that do not go together, why, and what to do about it.
+/// Two features that cannot be combined, the reason, and a remedy.
 struct Refusal {
   Feature first, second;
-  std::array<std::optional<Feature>, 2> more;  ///< that have to be there as well
+  /// further features that must be present, too, for the refusal to apply
+  std::array<std::optional<Feature>, 2> more;
   std::string_view reason;
 };
 std::span<const Refusal> refusals();
 
-/// What of the table applies to a scene: the first refusal, and whose feature it is.
+/// The first refusal of the table that applies to a scene, and the place of the feature that causes it.
 struct Refused {
   const Refusal* refusal;
-  SourcePlace place;  ///< of the scene's feature
-  std::string what;   ///< the sentence: "sensor 'a' has its separate receiver, and ..."
-  bool requested;     ///< by the command, not by the scene
+  SourcePlace place;  ///< place of the scene's feature in the scene file
+  std::string what;   ///< sentence for the message: "sensor 'a' has its separate receiver, and ..."
+  bool requested;     ///< true if the command requests the feature, false if the scene has it
 };
 std::optional<Refused> refused(const Survey& survey, std::span<const Feature> requested,
                                std::optional<std::size_t> sensor = {});
 
-/// What a run asks for.
+/// Returns the features that a run requests.
 std::vector<Feature> requested_by(const RunRequest& request);
 
-/// Throw InputError at the scene's feature, or UsageError for what the command asks. Of one sensor where only
-/// that is looked at.
+/// Throws InputError at the place of the scene's feature, or UsageError if the command requests the feature.
+/// With `sensor`, only the features of this sensor count.
 void require_able_to_run(const Survey& survey, const RunRequest& request);
 void require_able(const Survey& survey, const RunRequest& request, Feature requested,
                   std::optional<std::size_t> sensor = {});
-/// Before the scene is opened: of what the command line says already.
+/// Checks the command line alone, before the scene is opened.
 void require_able(const RunRequest& request, Feature requested);
 
 }  // namespace tubefoot

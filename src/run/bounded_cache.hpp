@@ -11,11 +11,15 @@
 #include <memory>
 #include <mutex>
 
+// This header defines a thread-safe cache of values by number. The cache keeps the values that were used
+// last, up to a limit of bytes.
+
 namespace tubefoot {
 
-/// Values by number, loaded when they are asked for, and kept, those that were used last, while they take no
-/// more bytes together than a limit. Those in use are kept beyond it: nothing can be gained by forgetting
-/// them. Thread-safe; a value that several threads ask for is loaded once.
+/// Values by number, which the cache loads at their first use. The cache keeps the values that were used
+/// last while their sum of bytes does not exceed the limit. A value in use stays in the cache beyond the
+/// limit, because removing it would free no memory. Thread-safe. If several threads request a value, one of
+/// them loads it once.
 template <class Value>
 class BoundedCache {
  public:
@@ -27,7 +31,8 @@ class BoundedCache {
   BoundedCache(std::size_t most_bytes, std::function<Loaded(std::size_t)> load)
       : most_bytes_(most_bytes), load_(std::move(load)) {}
 
-  /// Throws what loading throws; the next one to ask tries again.
+  /// Returns a value. Throws the exception of the loading function; the next request then loads the value
+  /// again.
   std::shared_ptr<const Value> get(std::size_t number) {
     std::promise<std::shared_ptr<const Value>> promise;
     std::shared_future<std::shared_ptr<const Value>> future;

@@ -16,12 +16,15 @@
 #include "geometry/mesh/coarsened.hpp"
 #include "geometry/steps/stop.hpp"
 
+// This file computes the length that the sensors resolve on each facet. It replaces the facets of a scene by
+// fewer facets within a fraction of this length (docs/coarse.md).
+
 namespace tubefoot {
 namespace {
 
 glm::dvec3 vector_of(GridPoint p) { return {p.x, p.y, p.z}; }
 
-/// Points in a tree of halves, asked for the distance of the nearest one.
+/// Finds the distance to the nearest of a set of points, with a binary tree.
 class NearestPoint {
  public:
   explicit NearestPoint(std::vector<glm::dvec3> points) : points_(std::move(points)) {
@@ -67,14 +70,14 @@ class NearestPoint {
   std::vector<std::uint8_t> axis_;
 };
 
-/// A sensor's places, and what it tells apart from there; lengths in grid units.
+/// Positions of a sensor and its resolution. Lengths are in grid units.
 struct Looks {
   NearestPoint places;
   double sample, beam_rad, reach;
 
-  /// On facets whose nearest point is no nearer than that.
+  /// Returns the resolved length on facets whose nearest point is at this distance or beyond.
   double resolved_at(double distance) const {
-    // No facet comes halfway to a sonar.
+    // The bound distance / 2 keeps every facet away from the sonar.
     return distance > reach ? std::numeric_limits<double>::infinity()
                             : std::min({sample, beam_rad * distance, distance / 2});
   }
@@ -103,7 +106,7 @@ Box box_of(const FacetMesh& mesh, FacetId facet) {
   return box;
 }
 
-/// No two points of the boxes are nearer.
+/// Returns a lower bound of the distance between points of the two boxes.
 double gap(const Box& a, const Box& b) {
   const auto apart = [](std::int64_t a_lo, std::int64_t a_hi, std::int64_t b_lo, std::int64_t b_hi) {
     return static_cast<double>(std::max({std::int64_t{0}, b_lo - a_hi, a_lo - b_hi}));
@@ -116,8 +119,8 @@ bool share_a_corner(const std::array<VertexId, 3>& a, const std::array<VertexId,
   return std::ranges::any_of(a, [&](VertexId v) { return std::ranges::find(b, v) != b.end(); });
 }
 
-/// No farther than half the way to facets of another component or material that share no corner: nothing then
-/// comes through what it lay behind.
+/// Limits the displacement to half of the distance to facets of another component, or of another material
+/// without a common vertex. No facet can then pass through a facet that was in front of it.
 void keep_apart(const LoadedScene& loaded_scene, std::vector<double>& most_move) {
   const FacetMesh& mesh = loaded_scene.scene.mesh;
   const auto is_another = [&](FacetId a, FacetId b) {
@@ -149,7 +152,7 @@ void keep_apart(const LoadedScene& loaded_scene, std::vector<double>& most_move)
 
 }  // namespace
 
-std::vector<double> resolved_lengths_m(const LoadedScene& loaded_scene, const SensorSet& sensor_set) {
+std::vector<double> resolved_lengths(const LoadedScene& loaded_scene, const SensorSet& sensor_set) {
   const FacetMesh& mesh = loaded_scene.scene.mesh;
   std::vector<Looks> all;
   for (const SensorPings& pings : sensor_set.sensors) all.push_back(looks_of(pings, loaded_scene.scene.grid));
@@ -174,7 +177,7 @@ void coarsen(LoadedScene& loaded_scene, const SensorSet& sensor_set, double tole
                  loaded_scene.scene.description.run.place,
                  fmt::format("coarsening {} facets", loaded_scene.scene.mesh.facets.size()),
                  "leave out --coarsen");
-  std::vector<double> most_move = resolved_lengths_m(loaded_scene, sensor_set);
+  std::vector<double> most_move = resolved_lengths(loaded_scene, sensor_set);
   for (double& move : most_move) move *= tolerance;
   keep_apart(loaded_scene, most_move);
   CoarseMesh coarse = coarsened(loaded_scene.scene.mesh, most_move, std::sqrt(tolerance));

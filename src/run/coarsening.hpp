@@ -4,18 +4,20 @@
 #include "run/loaded_scene.hpp"
 #include "run/sensor_set.hpp"
 
-// Facets that no sonar tells apart, taken away: docs/coarse.md.
+// This header declares the removal of facets that no sonar resolves (docs/coarse.md).
 namespace tubefoot {
 
-/// By facet of the loaded scene's mesh, grid units: the least that any sensor tells apart on it, over all
-/// transmissions: a sample of range, or the width of the narrowest beam at the facet's nearest point,
-/// whichever is less. 0 for facets out of every transmission's reach.
-std::vector<double> resolved_lengths_m(const LoadedScene& loaded_scene, const SensorSet& sensor_set);
+/// Returns, by facet of the loaded scene's mesh, the smallest length that any sensor resolves on the facet,
+/// in grid units, over all transmissions. This length is the range sample, or the width of the narrowest
+/// beam at the nearest point of the facet, whichever is less. It is 0 for facets out of reach of every
+/// transmission.
+std::vector<double> resolved_lengths(const LoadedScene& loaded_scene, const SensorSet& sensor_set);
 
-/// In place of the loaded scene's facets: fewer, of which no point is moved by more than `tolerance` times
-/// what is resolved there, nor turned by more than the square root of the tolerance in radians. What comes
-/// near another component or material, in space or by a border, moves half the way there at most. Not on
-/// sites whose facets are to be resolved later (abilities.hpp): they stay as they are.
+/// Replaces the facets of the loaded scene by fewer facets. No point moves by more than `tolerance` times
+/// the resolved length at that point. No facet turns by more than the square root of the tolerance, in
+/// radians. A facet near another component or material moves at most half of the distance to it. Not for
+/// scenes whose facets must keep their identity (abilities.hpp); open_survey() leaves their facets
+/// unchanged.
 void coarsen(LoadedScene& loaded_scene, const SensorSet& sensor_set, double tolerance);
 
 }  // namespace tubefoot

@@ -19,15 +19,20 @@
 #include "run/transmission_images.hpp"
 #include "run/transmission_rays.hpp"
 
+// This file implements the parts of a transmission's echoes. They are direct echoes from one surface,
+// separate receivers, receiver pairs, mixed-eigenray returns, references in refracting water, paths,
+// signals, and engines of the user. A table of flags selects the parts of a run.
+
 namespace tubefoot {
 namespace {
 
-/// Each receiver of a receiver pair sees for itself; else by the transmitter's history, as others do.
+/// Returns whether each receiver of a receiver pair has a visibility of its own. Otherwise both use the
+/// history of the transmitter.
 bool receiver_pairs_are_bistatic(const RunRequest& request) {
   return request.engine == Engine::tube && request.binning == Binning::exact;
 }
 
-/// Receiver apart.
+/// Adds the reference of a separate receiver.
 void add_refracted_pair_reference(const Transmission& transmission, PingSums& sums) {
   const RefractedPairTransmission found = certify_refracted_pair_transmission(transmission);
   PingCounts& counts = sums.counts;
@@ -45,7 +50,7 @@ void add_refracted_pair_reference(const Transmission& transmission, PingSums& su
              found.pair.apparent.mesh, found.history, sums);
 }
 
-/// Through refracting water a reference chooses its own apparent surface.
+/// Adds the reference through refracting water, which chooses its own apparent surface.
 void add_refracted_reference(const Transmission& transmission, PingSums& sums) {
   if (transmission.has_separate_receiver()) return add_refracted_pair_reference(transmission, sums);
   const RefractedTransmission found = certify_refracted_transmission(transmission);
@@ -92,7 +97,7 @@ void add_refracted_receiver_pair_reference(const Transmission& transmission, Pin
   }
 }
 
-/// `mesh`: that of the history's facets.
+/// `mesh`: mesh of the history's facets.
 void add_both(const Transmission& transmission, const BistaticHistory& history, const FacetMesh& mesh,
               PingSums& sums) {
   sums.as_echo([&] {
@@ -117,7 +122,7 @@ void add_both(const Transmission& transmission, const BistaticHistory& history, 
   });
 }
 
-/// No energies: what the surface took that the parts after this one share.
+/// Adds no energies. Counts the facets and the relief of the surface that the following parts share.
 void count_surface(const Transmission& transmission, PingSums& sums) {
   const TransmissionSurface& surface_mesh = transmission.surface_mesh();
   if (surface_mesh.apparent() != nullptr)
@@ -136,7 +141,7 @@ void add_separate_receiver(const Transmission& transmission, PingSums& sums) {
     add(transmission.trace_both());
 }
 
-/// `mesh`: that of the histories' facets, which `trace(fan, receiver pair)` makes.
+/// `mesh`: mesh of the histories' facets. `trace(fan, receiver pair)` makes the histories.
 template <class Trace>
 void add_receiver_pair(const Transmission& transmission, std::size_t s, const SensorModel& model,
                        const FacetMesh& mesh, PingSums& sums, const Trace& trace) {
@@ -214,7 +219,7 @@ void add_receiver_pairs(const Transmission& transmission, PingSums& sums) {
                         });
 }
 
-/// What all sensors that do not see for themselves receive of one history.
+/// Adds the echoes of one history for all sensors, except receiver pairs with a visibility of their own.
 template <class Add>
 void add_history(const Transmission& transmission, const History& history, PingSums& sums, const Add& add) {
   sums.as_echo([&] {
@@ -235,8 +240,8 @@ void add_history(const Transmission& transmission, const History& history, PingS
   });
 }
 
-/// The tubes that make the beams that are asked for; none of them said, where that is all. A beam with a
-/// pattern receives all tubes, and a reference's targets are those of all beams.
+/// Returns the tubes of the selected beams. Empty if all tubes are wanted. A beam with a pattern receives
+/// energy from all tubes, and the tolerance of a reference refers to all beams.
 std::vector<bool> wanted_tubes(const Transmission& transmission, const PingSums& sums) {
   std::vector<bool> wanted;
   if (transmission.request().reference_tolerance) return wanted;
@@ -275,7 +280,8 @@ void add_certified(const Transmission& transmission, PingSums& sums) {
   });
 }
 
-/// Between different rays to one place, by tubes for rays too.
+/// Adds paths with different eigenrays to and from a place. The computation uses tubes, also for the ray
+/// engine.
 void add_mixed_eigenrays(const Transmission& transmission, PingSums& sums) {
   const ApparentSurface& surface_mesh = *transmission.surface_mesh().apparent();
   const auto take = [&](const BistaticHistory& history) {
@@ -308,11 +314,11 @@ void add_sampled(const Transmission& transmission, PingSums& sums) {
       [&] { add_history(transmission, history, sums, add); }, nullptr, &guide);
 }
 
-/// What decides between the parts.
+/// Flags that select the parts.
 struct EchoFlags {
   bool own_engine, mirrors;
-  bool direct;       ///< the way to a facet and straight back, by a built-in engine
-  bool one_surface;  ///< that, on the transmission's one ground
+  bool direct;       ///< direct path to a facet and back, by a built-in engine
+  bool one_surface;  ///< direct path on the single surface of the transmission
   bool certified, refracted, apart, receiver_pairs, others, rays, signals;
 };
 
@@ -331,7 +337,7 @@ EchoFlags echo_flags_of(const Transmissions& transmissions, const SharedTransmis
   flags.refracted = survey.scene.water->refracts();
   flags.apart = sensor(group.sensors.front()).has_separate_receiver();
   flags.one_surface = flags.direct && !(flags.refracted && (flags.certified || flags.apart));
-  // Only a transmitter in their middle can see for both receivers of a receiver pair.
+  // Only a transmitter in the middle of a receiver pair can represent the visibility of both receivers.
   const bool apart = receiver_pairs_are_bistatic(request) || flags.apart;
   flags.receiver_pairs = apart && std::ranges::any_of(group.sensors, has_receiver_pair);
   flags.others = !(apart && std::ranges::all_of(group.sensors, has_receiver_pair));

@@ -9,20 +9,20 @@
 
 namespace tubefoot {
 
-/// A part of what the sensors of a transmission receive of it: adds its energies, bounds and counts to the
-/// ping's.
+/// One part of the echoes that the sensors of a transmission receive. `add` adds its energies, bounds and
+/// counts to those of the ping.
 struct EchoPart {
   std::string_view name;
   void (*add)(const Transmission& transmission, PingSums& sums);
 };
 
-/// The parts that make up the echoes of a group's transmissions, in the order in which they are added: chosen
-/// here alone, by what the scene has and what is asked for.
+/// Returns the parts of the echoes of a group's transmissions, in the order of summation. This function
+/// alone chooses the parts, by the features of the scene and the request.
 std::vector<EchoPart> echo_parts(const Transmissions& transmissions, const SharedTransmissions& group);
 
-/// What a transmission's tubes see of its one ground. The cycles of a camera that stands still light the same
-/// tubes from the same place: what is seen of the surface that they share is looked for once, as it is for
-/// several parts of one transmission.
+/// Returns the history of a transmission's tubes on its surface mesh. A stationary camera sends the same
+/// tubes from the same position in each cycle. On a surface that its cycles share, the history is therefore
+/// computed once. It is also computed once for several parts of one transmission.
 const History& traced(const Transmission& transmission, PingSums& sums);
 
 }  // namespace tubefoot

@@ -13,16 +13,20 @@
 #include "run/facet_numbering.hpp"
 #include "run/tiles_in_view.hpp"
 
+// This file divides the facets of terrain that is read by tiles into blocks of consecutive numbers. Each
+// block has all pings that may see its facets, and the tiles of these pings fit into the tile cache where
+// possible.
+
 namespace tubefoot {
 namespace {
 
-/// What is not divided: a row of tiles, or a component that is not tiled.
+/// Smallest part of a block: a row of tiles, or a component without tiles.
 struct Unit {
   std::size_t component, row;
   std::vector<std::size_t> pings{};
 };
 
-/// The units of a scene in the order of their facets' numbers; `first` is by component.
+/// Returns the units of a scene in the order of their facet numbers. `first`: by component, its first unit.
 std::vector<Unit> units_of(const Scene& scene, std::vector<std::size_t>& first) {
   std::vector<Unit> units;
   for (std::size_t i = 0; i < scene.tiled.size(); ++i) {
@@ -33,7 +37,7 @@ std::vector<Unit> units_of(const Scene& scene, std::vector<std::size_t>& first) 
   return units;
 }
 
-/// Tiles and pings that a block has so far.
+/// Tiles and pings of a block under construction.
 class Growing {
  public:
   Growing(const Scene& scene, std::size_t pings) : scene_(scene), has_ping_(pings) {

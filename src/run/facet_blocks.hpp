@@ -11,21 +11,22 @@
 
 namespace tubefoot {
 
-/// A ping as a sensor receives it.
+/// One ping as one sensor receives it.
 struct ReceivedPing {
   std::size_t sensor = 0, ping = 0;
 };
 
-/// Facets with numbers one after the other (Site::number_of), and all pings that may have to do with them.
+/// Facets with consecutive numbers (LoadedScene::number_of), and all pings that may see them.
 struct FacetBlock {
   FacetId first = 0, end = std::numeric_limits<FacetId>::max();
-  std::vector<std::size_t> pings;  ///< as they stand in the list that was asked for
-  TileChoice tiles;                ///< what these pings need
+  std::vector<std::size_t> pings;  ///< indices into the list of pings that the caller passed
+  TileChoice tiles;                ///< tiles that these pings need
 };
 
-/// The facets that pings may have to do with, for what looks at facets and at the pings that see them: one
-/// block, or, where terrain is read by tiles, by increasing numbers as many as the cache for tiles asks for;
-/// none holds less than a row of tiles.
+/// Returns the facets that the pings may see, in blocks, for work that combines facets with the pings that
+/// see them. The result is one block if all terrain is in memory. For terrain that is read by tiles, the
+/// blocks have increasing facet numbers and fit into the tile cache. No block is smaller than a row of
+/// tiles.
 std::vector<FacetBlock> facet_blocks(const Transmissions& transmissions, std::span<const ReceivedPing> pings);
 
 }  // namespace tubefoot

@@ -13,6 +13,10 @@
 #include "run/transmission_surface.hpp"
 #include "scene/surfaces/material_map.hpp"
 
+// This file numbers the facets of terrain that is read by tiles as if the whole scene were in memory. It
+// counts the pieces into which material maps, the sea surface and relief divide each facet of a raster
+// (docs/big-terrain.md).
+
 namespace tubefoot {
 
 void PieceCount::add(std::uint64_t number, std::uint64_t pieces) {
@@ -33,7 +37,8 @@ PieceCount::Left PieceCount::of(std::uint64_t number) const {
 
 FacetNumbering::FacetNumbering(const LoadedScene& loaded_scene)
     : scene_(loaded_scene.scene), left_(scene_.tiled.size()) {
-  const bool is_cut = loaded_scene.is_cut && !loaded_scene.refines_tiles();  // that comes after relief
+  // the cut at the surface then follows the relief
+  const bool is_cut = loaded_scene.is_cut && !loaded_scene.refines_tiles();
   std::vector<std::uint64_t> in_mesh(scene_.tiled.size());
   for (const std::uint16_t component : scene_.mesh.component) ++in_mesh[component];
   std::uint64_t sum = 0;
@@ -66,7 +71,7 @@ FacetNumbering::FacetNumbering(const LoadedScene& loaded_scene, const FacetNumbe
       const std::size_t columns = tiles ? tiles->columns() : 1;
       for (std::size_t column = 0; column < columns; column += tiles_at_once) {
         stop_if_wanted();
-        // With those around, whose materials and normals have a say at borders.
+        // Includes the surrounding tiles, whose materials and normals affect the facets at their borders.
         TileChoice chosen(scene_.tiled.size()), around(scene_.tiled.size());
         for (std::size_t r = row - (row > 0); tiles && r < std::min(row + 2, tiles->rows()); ++r)
           for (std::size_t c = column - (column > 0);
@@ -88,7 +93,7 @@ void FacetNumbering::count_refined(const LoadedScene& loaded_scene, std::size_t 
                                    const TileChoice& tiles, const TileChoice& around, FacetId first,
                                    std::span<std::uint64_t> pieces) const {
   const Scene part = with_tiles(scene_, around);
-  const std::vector<FacetId> numbers = of(around), wanted = of(tiles);  // before relief, as yet
+  const std::vector<FacetId> numbers = of(around), wanted = of(tiles);  // numbers before relief
   std::vector<FacetId> facets, names;
   for (FacetId f = 0; f < numbers.size(); ++f) {
     if (part.mesh.component[f] != component || !std::ranges::binary_search(wanted, numbers[f])) continue;
@@ -172,7 +177,8 @@ std::vector<FacetId> FacetNumbering::of(const TileChoice& choice, std::span<cons
     else
       for (FacetId number = first_[i]; number < first_[i + 1]; ++number) numbers.push_back(number);
   if (parent.empty()) return numbers;
-  // At the rim of the tiles a facet may be cut otherwise than with all around it: nothing sees those.
+  // At the border of the loaded tiles, relief may cut a facet differently than with its neighbours. No ping
+  // sees such facets.
   std::vector<FacetId> refined(parent.size());
   for (std::size_t f = 0; f < parent.size(); ++f)
     refined[f] = f > 0 && parent[f] == parent[f - 1]

@@ -8,10 +8,13 @@
 #include "engine/scattering/pattern_levels.hpp"
 #include "run/transmission_images.hpp"
 
+// This file adds the labels of each echo part of a transmission. It repeats the integrals of the energies
+// with the echo models of LabelModels, one per channel (labels.hpp).
+
 namespace tubefoot {
 namespace {
 
-/// By part of a ground that several rays show.
+/// Returns the owners by part of a surface that several rays reach.
 std::vector<std::uint16_t> owners_of_parts(const LabelChannels& labels, const ApparentSurface& surface_mesh) {
   std::vector<std::uint16_t> owners(surface_mesh.part_material.size());
   for (const RayOfPart& ray : surface_mesh.several)

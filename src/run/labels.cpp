@@ -15,11 +15,16 @@
 #include "run/signals.hpp"
 #include "run/stored_pings.hpp"
 
+// This file computes the labels of energies. Each owner (object and material) has an echo model in which all
+// other owners scatter nothing. Mean height and mean range use a weight as a further factor of the
+// reflectivity texture (docs/truth.md).
+
 namespace tubefoot {
 namespace {
 
-/// A factor that is a function of place, as smooth as a range is. All have the same complex growth, so that
-/// quadratures take the same nodes for each and means of them are means.
+/// A factor that is a function of position and as smooth as a range. All weights have the same bound on
+/// their complex growth. Quadratures therefore use the same nodes for each of them, and their means are
+/// consistent.
 class Weight : public ReflectivityField {
  public:
   explicit Weight(double scale_m) : scale_m_(scale_m) {}
@@ -75,7 +80,7 @@ LabelChannels::LabelChannels(const Survey& survey, const RunRequest& request)
   number_.assign(scene.report.components.size(), std::vector<std::int32_t>(materials, -1));
   const FacetMesh& mesh = scene.mesh;
   for (FacetId f = 0; f < mesh.facets.size(); ++f) number_.at(mesh.component[f]).at(mesh.material[f]) = 0;
-  for (std::size_t k = 0; k < scene.tiled.size(); ++k) {  // tiles are not there yet
+  for (std::size_t k = 0; k < scene.tiled.size(); ++k) {  // for tiles that are not loaded yet
     const TiledTerrain& terrain = scene.tiled[k];
     if (!terrain.tiles) continue;
     if (terrain.map) std::ranges::fill(number_.at(k), 0);
@@ -148,7 +153,7 @@ LabelModels::LabelModels(const Transmission& transmission, std::size_t sensor, c
 void LabelModels::make_tables() {
   const RangeSamples& samples = transmission_.sensor(sensor_).samples();
   const glm::dvec3 tx_m = model_.path.tx.apex_m;
-  // No place of a path is farther from either of its ends than the path is long.
+  // No position on a path is farther from either end than the path is long.
   scale_m_ = 2 * (samples.first_m + samples.count * samples.step_m);
   lowest_m_ = tx_m.z - scale_m_;
   glm::dvec3 rx_m = tx_m;

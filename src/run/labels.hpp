@@ -13,45 +13,49 @@
 #include "run/transmission.hpp"
 #include "sensors/recordings/label_recording.hpp"
 
-// Whose each energy is, and where it comes from (docs/labels.md). A share is the same integral over fewer
-// facets, and a mean height the same with the height as one more factor of the density, as micro-texture is:
-// whatever the engine integrates, it integrates once more for each channel, by another law.
+// This header declares the labels of each energy: object, material, mean height and mean range
+// (docs/labels.md). The energy of one object and material is the same integral over fewer facets. A mean
+// height is the same integral with the height as one more factor of the density, in the way of a
+// micro-texture. Each integral that an engine computes is therefore repeated for each channel with another
+// echo model.
 namespace tubefoot {
 
-/// What is resolved in a survey.
+/// Channels of the labels of a survey.
 class LabelChannels {
  public:
   LabelChannels(const Survey& survey, const RunRequest& request);
 
   using Owner = LabelRecording::Owner;
-  /// The pairs of an object and a material that facets may have.
+  /// Returns the pairs of object and material that facets may have.
   const std::vector<Owner>& owners() const { return owners_; }
-  /// As in LabelRecording::values: channel k is owner k's; then these.
+  /// Channel numbers as in LabelRecording::values. Channel k belongs to owner k; the channels below follow.
   std::size_t height() const { return owners_.size(); }
   std::size_t range() const { return owners_.size() + 1; }
   std::size_t unscattered() const { return owners_.size() + 2; }
   bool has_unscattered() const { return has_unscattered_; }
-  /// Of what an owner returns near the peak of beam patterns.
+  /// Channel of the energy that an owner returns near the peak of the beam patterns.
   std::size_t near_peak(std::size_t owner) const {
     return owners_.size() + 2 + (has_unscattered_ ? 1 : 0) + owner;
   }
-  /// Below the two-way peak; none where no sensor has beam patterns.
+  /// Returns the level below the two-way peak. Empty if no sensor has beam patterns.
   const std::optional<double>& label_level_db() const { return label_level_db_; }
   std::size_t channels() const { return near_peak(label_level_db_ ? owners_.size() : 0); }
 
   std::uint16_t owner(std::uint16_t object, std::uint16_t material) const;
-  /// By facet.
+  /// Returns the owner of each facet.
   std::vector<std::uint16_t> owners_of(const FacetMesh& mesh) const;
-  /// The same of the mesh of the survey's site, kept.
+  /// Returns the mesh of the survey's loaded scene.
   const FacetMesh& scene_mesh() const { return *scene_mesh_; }
-  /// The mesh of the survey's site with owners for materials, made when it is first asked for. Thread-safe.
+  /// Returns the mesh of the survey's loaded scene with owners in place of materials. The first call makes
+  /// it. Thread-safe.
   const FacetMesh& owned_scene_mesh() const;
   std::span<const std::uint16_t> owners_of_loaded_scene() const;
 
  private:
   const FacetMesh* scene_mesh_;
   std::vector<Owner> owners_;
-  std::vector<std::vector<std::int32_t>> number_;  ///< by object and material; below 0: no facet is of these
+  /// by object and material; negative if no facet has this pair
+  std::vector<std::vector<std::int32_t>> number_;
   bool has_unscattered_ = false;
   std::optional<double> label_level_db_;
   mutable std::once_flag loaded_scene_owned_, mesh_owned_;
@@ -59,23 +63,25 @@ class LabelChannels {
   mutable FacetMesh owned_;
 };
 
-/// The laws of a transmission's channels, as a sensor receives it.
+/// Echo models of the label channels of a transmission, as one sensor receives it.
 class LabelModels {
  public:
-  /// `model`: as for the energies, of `mesh`. All outlive this.
+  /// `model`: the echo model of the energies, for the facets of `mesh`. All arguments must outlive this
+  /// object.
   LabelModels(const Transmission& transmission, std::size_t sensor, const EchoModel& model,
               const FacetMesh& mesh);
-  /// `owners`: by what `law.material` is by.
+  /// `owners`: has the same index as `model.material`.
   LabelModels(const Transmission& transmission, std::size_t sensor, const EchoModel& model,
               std::vector<std::uint16_t> owners);
   LabelModels(const LabelModels&) = delete;
   LabelModels& operator=(const LabelModels&) = delete;
 
-  /// An echo by a law: [beam of the transmission][sample], and more channels, which are not read.
+  /// Function that returns an echo by an echo model: [beam of the transmission][sample]. Further channels
+  /// are ignored.
   using EchoBy = std::function<std::vector<double>(const EchoModel&)>;
-  /// Adds what is scattered.
+  /// Adds the labels of the scattered energy.
   void add(PingSums& sums, const EchoBy& echo_by) const;
-  /// The law itself, with owners for materials, and that of a seabed that scatters nothing.
+  /// The echo model with owners in place of materials, and the echo model of a seabed that scatters nothing.
   EchoModel whole() const;
   EchoModel silent() const;
 
@@ -90,14 +96,14 @@ class LabelModels {
   const EchoModel& model_;
   std::vector<std::uint16_t> own_;
   std::span<const std::uint16_t> owners_;  ///< by facet
-  double scale_m_ = 1, lowest_m_ = 0;      ///< of the weights, which are about 0 to 1
-  std::vector<double> mu_, no_mu_;         ///< by owner, as all below
+  double scale_m_ = 1, lowest_m_ = 0;  ///< offset and scale of the weights, which lie between about 0 and 1
+  std::vector<double> mu_, no_mu_;     ///< by owner, as are the members below
   std::vector<std::shared_ptr<const ScatteringModel>> scattering_, no_scattering_;
   Textures plain_, level_, height_, range_;
 };
 
-/// A mesh with owners for materials, and what of the scene is by material, by owner: for paths, that make
-/// meshes of their own of it.
+/// A mesh with owners in place of materials, and the reflection by owner. Path computations build their own
+/// meshes from it.
 struct LabelledSurface {
   LabelledSurface(const Transmission& transmission, const FacetMesh& mesh);
   LabelledSurface(const LabelledSurface&) = delete;
@@ -111,12 +117,14 @@ struct LabelledSurface {
   std::optional<FacetMesh> own;
 };
 
-/// Where a ping store keeps the truth of a sensor: as one more sensor, that fires with it.
+/// Returns the index of a sensor's labels in a ping store. The store keeps them as a further sensor, which
+/// shares the sensor's transmissions.
 std::size_t place_of_labels(const Survey& survey, std::size_t sensor);
 void add_labels(StoreLayout& layout, const Survey& survey, const RunRequest& request,
                 const std::vector<ChosenEchoes>& chosen);
 
-/// Of each sensor that is kept, if the run was asked for it. They keep the store alive.
+/// Returns one recording of labels per stored sensor if the run requests labels. The recordings keep the
+/// store alive.
 std::vector<LabelRecording> label_recordings_of(const Survey& survey, const RunRequest& request,
                                                 const std::shared_ptr<PingStore>& store);
 

@@ -10,8 +10,8 @@
 namespace tubefoot {
 namespace {
 
-/// What is made may itself run in parallel: a thread that waits for it takes no task from outside, which
-/// might ask for the same and wait for ever.
+/// `make` may run in parallel. The isolated thread takes no outside task while it waits, because such a task
+/// might request the same object and wait forever.
 template <class Make>
 void make_once(std::once_flag& made, const Make& make) {
   std::call_once(made, [&] { tbb::this_task_arena::isolate(make); });

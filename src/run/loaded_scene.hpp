@@ -12,6 +12,9 @@
 #include "scene/scene.hpp"
 #include "scene/tiled_scene.hpp"
 
+// This header declares the loaded scene: its facets on the grid, their search tree, and the state of relief,
+// coarsening and terrain tiles.
+
 namespace tubefoot {
 
 class FacetNumbering;
@@ -20,76 +23,82 @@ class OmittedRelief;
 class RayScene;
 class RefinedSurfaceFile;
 
-/// How relief is in a scene's facets; nothing of it without relief.
+/// State of the relief in the facets of a scene. All members keep their defaults without relief.
 struct SceneRelief {
-  double cell_m = 0;                                ///< 0: no relief
-  std::size_t base_facets = 0, uniform_facets = 0;  ///< unrefined; textured ones in cells
-  std::vector<FacetId> parent;  ///< offline: by facet of the scene, the unrefined one; of a part, the part's
+  double cell_m = 0;  ///< size of a relief cell, or 0 without relief
+  /// number of facets before relief; number of facets if all textured facets were refined to cells
+  std::size_t base_facets = 0, uniform_facets = 0;
+  /// offline: by facet of the scene (or of a part of it), the facet before relief
+  std::vector<FacetId> parent;
   std::shared_ptr<const OmittedRelief> omitted;
-  // Of a tiled site, offline, whose tiles are refined when they are loaded:
-  std::uint64_t parts_a_facet = 1;                 ///< into how many facets one may be cut, about
-  std::shared_ptr<const RefinedSurfaceFile> file;  ///< that they come from; null: they are made
+  // For a tiled scene, offline, whose tiles are refined when they are loaded:
+  std::uint64_t parts_a_facet = 1;  ///< approximate largest number of facets that relief makes of one facet
+  /// file with the refined facets; null if they are computed
+  std::shared_ptr<const RefinedSurfaceFile> file;
 };
 
-/// What was made of a loaded scene's facets that no sonar tells apart (coarsening.hpp). Bounds of the map
-/// from the facets given onto those there are.
+/// Results of the coarsening of a loaded scene (coarsening.hpp). Bounds apply to the map from the given
+/// facets to the coarse facets.
 struct SceneCoarsening {
-  double tolerance = 0;  ///< asked for, of what is resolved
+  double tolerance = 0;  ///< requested tolerance, relative to the resolved length
   std::size_t facets_before = 0, facets = 0;
-  double largest_move_m = 0;    ///< of a point
-  double largest_share = 0;     ///< of what is resolved where it is moved
-  double largest_turn_rad = 0;  ///< of the direction that a point of the surface faces
-  double rms_turn_rad = 0;      ///< of what was turned at all, by area
+  double largest_move_m = 0;    ///< largest displacement of a point
+  double largest_share = 0;     ///< largest displacement relative to the resolved length at the same point
+  double largest_turn_rad = 0;  ///< largest change of the surface normal
+  double rms_turn_rad = 0;      ///< root mean square over the turned facets, weighted by area
   double seconds = 0;
 };
 
-/// What was loaded of terrain that is read by tiles.
+/// Counts of loaded regions of terrain that is read by tiles.
 struct TerrainUse {
-  std::atomic<std::size_t> regions{0}, loads{0};  ///< regions that pings are grouped into; loaded, also again
-  std::atomic<std::size_t> most_bytes{0};         ///< held at a time
+  /// number of regions into which pings are grouped; number of loads, repeated ones included
+  std::atomic<std::size_t> regions{0}, loads{0};
+  std::atomic<std::size_t> most_bytes{0};  ///< largest number of bytes in memory at one time
 };
 
-/// A loaded scene, ready for pings: relief is in its facets or ready to be refined for each transmission, and
-/// the facets are in a tree. open_survey() and survey_with_tiles() build sites; to all others they are const.
-/// Where terrain is read by tiles (scene.tiled), the scene's mesh has all but that.
+/// A loaded scene, ready for pings. Relief is in its facets or ready to be refined for each transmission,
+/// and the facets are in a tree. The functions open_survey() and survey_with_tiles() build loaded scenes;
+/// all other code uses them as const. If terrain is read by tiles (scene.tiled), the scene's mesh contains
+/// everything except that terrain.
 struct LoadedScene {
   explicit LoadedScene(Scene loaded);
   ~LoadedScene();
-  LoadedScene(const LoadedScene&) = delete;  // tree and ground point into the scene
+  LoadedScene(const LoadedScene&) = delete;  // tree and surface mesh refer to the scene
   LoadedScene& operator=(const LoadedScene&) = delete;
 
   Scene scene;
   SceneRelief relief;
   std::unique_ptr<const SurfaceMesh>
-      surface_mesh;  ///< relief online: what transmissions refine, each for itself
+      surface_mesh;  ///< relief online: the surface that each transmission refines for itself
   std::unique_ptr<const SceneTree> tree;
-  bool is_cut = false;           ///< by the sea surface, above which no facet is
-  std::size_t facets_given = 0;  ///< before planes were merged; 0: they were not
+  bool is_cut = false;  ///< true if the sea surface has cut the facets, so that no facet lies above it
+  std::size_t facets_given = 0;  ///< number of facets before planes were merged; 0 if they were not merged
   std::optional<SceneCoarsening> coarsening;
-  double lowest_m = 0;  ///< of the scene, where water refracts: rays do not turn below
+  double lowest_m = 0;  ///< lowest height of the scene, for refracting water: rays do not turn below it
   double load_seconds = 0, tree_seconds = 0;
   std::shared_ptr<TerrainUse> terrain_use;  ///< null without tiles
-  // Of what survey_with_tiles() makes:
-  std::shared_ptr<const LoadedScene> whole;  ///< the tiled site that this is a part of
-  TileChoice tiles;                          ///< its tiles that the mesh has
+  // For a part that survey_with_tiles() makes:
+  std::shared_ptr<const LoadedScene> whole;  ///< the tiled scene to which this part belongs
+  TileChoice tiles;                          ///< tiles of that scene that the mesh contains
 
   bool is_tiled() const { return !scene.tiled.empty(); }
-  /// Whether relief gets into facets as tiles are loaded.
+  /// Returns whether relief refines the facets of tiles when they are loaded.
   bool refines_tiles() const { return is_tiled() && relief.cell_m > 0 && surface_mesh == nullptr; }
-  /// Whether each transmission meets facets of its own.
+  /// Returns whether each transmission has a surface mesh of its own.
   bool has_surface_per_transmission() const { return surface_mesh != nullptr || scene.water->refracts(); }
-  /// The number that a facet of the mesh has where all of the scene is in memory. Thread-safe. Throws as
+  /// Returns the number that a facet of the mesh has in the whole scene. Thread-safe. Throws the errors of
   /// FacetNumbering().
   FacetId number_of(FacetId facet) const;
-  /// Of the facet, before relief, that a facet is part of.
+  /// Returns the number of the facet before relief that contains a facet.
   FacetId base_number_of(FacetId facet) const;
-  /// Of a tiled site. Thread-safe.
+  /// Returns the facet numbers of a tiled scene. Thread-safe.
   const FacetNumbering& numbering() const;
-  /// Of its facets before relief. Thread-safe.
+  /// Returns the facet numbers of a tiled scene before relief. Thread-safe.
   const FacetNumbering& base_numbering() const;
-  /// The mesh's vertices in metres, worked out at the first call. Thread-safe.
+  /// Returns the vertices of the mesh in metres. The first call computes them. Thread-safe.
   const std::vector<glm::dvec3>& vertices_m() const;
-  /// The facets made ready for rays, at the first call. Thread-safe. Throws as RayScene().
+  /// Returns the facets as a scene for rays. The first call builds it. Thread-safe. Throws the errors of
+  /// RayScene().
   const RayScene& rays() const;
 
  private:
@@ -97,8 +106,9 @@ struct LoadedScene {
       base_numbering_made_;
   mutable std::unique_ptr<const RayScene> rays_;
   mutable std::vector<glm::dvec3> vertices_m_;
-  mutable std::vector<FacetId> numbers_, base_numbers_;  ///< of a part, by facet; by facet before relief
-  mutable std::unique_ptr<const FacetNumbering> numbering_, base_numbering_;  ///< of a tiled site
+  /// for a part: by facet, and by facet before relief
+  mutable std::vector<FacetId> numbers_, base_numbers_;
+  mutable std::unique_ptr<const FacetNumbering> numbering_, base_numbering_;  ///< for a tiled scene
 };
 
 }  // namespace tubefoot

@@ -17,10 +17,13 @@
 #include "run/transmission.hpp"
 #include "scene/extent.hpp"
 
+// This file finds sensors that receive nothing, before a run from a few pings or after it from the
+// recordings. It derives the reason from the positions of sensor, facets and range gate.
+
 namespace tubefoot {
 namespace {
 
-/// From the nearest to the farthest point of something, in metres.
+/// Interval of distances to an object, in metres.
 struct Span {
   double lo_m = std::numeric_limits<double>::infinity(), hi_m = -std::numeric_limits<double>::infinity();
   bool empty() const { return lo_m > hi_m; }
@@ -32,13 +35,13 @@ struct Span {
 
 Span window_of(const Sensor& sensor) {
   const RangeSamples& samples = sensor.samples();
-  // A receiver pair's receivers are apart from where the range is counted from.
+  // The receivers of a receiver pair are at some distance from the origin of the range.
   const double aside_m = sensor.receiver_pair().baseline_m / 2;
   return {samples.first_m - aside_m, samples.first_m + samples.step_m * samples.count + aside_m};
 }
 
-/// Whether some of what was met may be received. A separate receiver receives other ranges than the
-/// transmitter's.
+/// Returns whether the sensor may receive some of the footprints. A separate receiver has other ranges than
+/// the transmitter.
 bool receives(const Sensor& sensor, const History& history) {
   const Span window = window_of(sensor);
   return std::ranges::any_of(history.footprints.footprints, [&](const Footprint& footprint) {
@@ -47,7 +50,8 @@ bool receives(const Sensor& sensor, const History& history) {
   });
 }
 
-/// Middle, first, last, then between them: at most `most` of so many pings.
+/// Returns the middle, the first and the last ping, and then pings between them, at most `most` of all
+/// pings.
 std::vector<std::size_t> spread(std::size_t pings, std::size_t most) {
   std::vector<std::size_t> chosen{pings / 2, 0, pings - 1};
   for (std::size_t parts = 4; parts < 2 * most; parts *= 2)
@@ -66,19 +70,18 @@ TubeSet some_of(TubeSet set, std::size_t most) {
   return set;
 }
 
-/// Takes the sensors out of `silent` that a transmission is received by.
+/// Removes those sensors from `silent` that receive a transmission.
 void listen(const Transmission& transmission, std::vector<std::size_t>& silent) {
   const auto received_in = [&](const History& history) {
     std::erase_if(silent, [&](std::size_t s) { return receives(transmission.sensor(s), history); });
   };
-  constexpr std::size_t few =
-      64;  // most sensors receive something in the first of their tubes that are asked
+  constexpr std::size_t few = 64;  // for most sensors, a few tubes are enough to receive something
   const TubeSet all = transmission.tubes();
   if (all.tubes.size() > few) received_in(transmission.trace(some_of(all, few)));
   if (!silent.empty()) received_in(transmission.trace(all));
 }
 
-/// Why a sensor receives nothing at a ping.
+/// Finds the reason why a sensor receives nothing at a ping.
 class Reason {
  public:
   Reason(const Survey& survey, const RunRequest& request, std::size_t s, std::size_t ping)
@@ -127,7 +130,7 @@ class Reason {
                        survey_.loaded_scene->is_tiled() ? " within its range window" : "", to_text(terrain_));
   }
 
-  /// Where the sensor is.
+  /// Returns the position of the sensor.
   std::string place() const {
     return fmt::format(
         "east {:.2f}, north {:.2f}, up {:.2f} m{}", at_m_.x, at_m_.y, at_m_.z,
@@ -158,8 +161,8 @@ class Reason {
                        window());
   }
 
-  /// Of terrain that is read by tiles, which are not read to look farther than pings do: as if it were as far
-  /// below everywhere as it is straight below.
+  /// Returns a reason for terrain that is read by tiles. It assumes a horizontal seabed at the altitude
+  /// vertically below the sensor, because no tiles beyond those of the pings are read.
   std::optional<std::string> of_level_surface() const {
     if (!survey_.loaded_scene->is_tiled() || std::isnan(altitude_m()) || elevation_.lo_m >= 0)
       return std::nullopt;
@@ -174,7 +177,7 @@ class Reason {
                        window());
   }
 
-  /// Coordinates of two different frames.
+  /// Returns a reason if sensor and terrain have coordinates in two different frames.
   std::optional<std::string> of_frame(double beside_m) const {
     if (const std::optional<std::array<double, 2>>& origin =
             scene_.description.georeference ? scene_.description.georeference->origin_lat_lon_deg
@@ -220,7 +223,7 @@ class Reason {
 };
 
 /// `when`: " at any of 9 pings", or empty.
-/// `requested`: the pings that are asked for.
+/// `requested`: the selected pings.
 NoReturn no_return(const Survey& survey, const RunRequest& request, std::size_t s, PingSpan requested,
                    const std::string& when) {
   const SensorPings& pings = survey.sensors[s];
@@ -246,7 +249,7 @@ bool is_silent(const Recording& recording) {
 
 std::vector<NoReturn> expected_no_returns(const Survey& survey, const RunRequest& request) {
   std::vector<NoReturn> found;
-  if (!has_facets(survey.scene)) return found;  // which is reported already
+  if (!has_facets(survey.scene)) return found;  // another message reports this already
   const Transmissions transmissions(survey, request);
   TransmissionsAround around(transmissions);
   const std::vector<ChosenEchoes> chosen = chosen_of(survey, request.selection);
@@ -289,7 +292,7 @@ std::vector<NoReturn> met_no_returns(const Survey& survey, const RunRequest& req
     const std::size_t s = survey.sensor_set->sensor_named(sensor.name);
     const std::size_t first = recording.number_of(0);
     if (!recording.beam_numbers
-             .empty())  // others may receive something: there is nothing wrong with the sensor
+             .empty())  // other beams may receive something, so that the sensor itself is correct
       found.push_back({s, fmt::format("{}: sensor '{}' receives nothing in the requested beams: all "
                                       "samples are 0",
                                       to_string(sensor.place), sensor.name)});

@@ -14,16 +14,16 @@ namespace tubefoot {
 /// A sensor that receives nothing.
 struct NoReturn {
   std::size_t sensor = 0;  ///< index in the survey
-  std::string warning;     ///< which, where, why, and what to do, in the scene's terms
+  std::string warning;     ///< sensor, place, reason and remedy, in the terms of the scene file
 };
 
-/// Sensors whose tubes meet no facet within their window at any of a few pings, spread over their track. Of a
-/// sensor that may receive by mirrors, direct sound or several scatterings nothing is expected. Makes the
-/// ground of these pings where each transmission has its own, and reads their tiles. Throws InputError as
-/// Transmission::ground().
+/// Returns the sensors whose tubes meet no facet within their range gate, at any of a few pings spread over
+/// their track. Skips sensors that may receive by mirrors, direct sound or several scatterings. Computes the
+/// surface meshes of these pings if each transmission has its own, and reads their tiles. Throws InputError
+/// as Transmission::surface_mesh().
 std::vector<NoReturn> expected_no_returns(const Survey& survey, const RunRequest& request);
 
-/// Sensors all of whose samples are 0; reads recordings up to the first that is not.
+/// Returns the sensors whose samples are all 0. Reads each recording up to its first sample that is not 0.
 std::vector<NoReturn> met_no_returns(const Survey& survey, const RunRequest& request,
                                      const std::vector<Recording>& recordings);
 

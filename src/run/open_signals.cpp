@@ -10,7 +10,7 @@
 namespace tubefoot {
 namespace {
 
-/// Of all that a sensor receives.
+/// Returns the contributions without a bound to all signals of a sensor.
 std::vector<std::string> open_ways(const Survey& survey, std::size_t s) {
   const Sensor& sensor = *survey.sensors[s].sensor;
   const Scene& scene = survey.scene;
@@ -22,7 +22,7 @@ std::vector<std::string> open_ways(const Survey& survey, std::size_t s) {
   return motions;
 }
 
-/// Of some facets.
+/// Returns the contributions without a bound from some of the facets.
 std::vector<std::string> open_surfaces(const Scene& scene) {
   std::vector<std::string> surfaces;
   for (const std::uint16_t material : std::set(scene.mesh.material.begin(), scene.mesh.material.end())) {

@@ -8,8 +8,8 @@
 
 namespace tubefoot {
 
-/// A warning for each sensor of which a reference's signals may hold what no bound encloses, and what that
-/// is.
+/// Returns one warning for each sensor whose signals may contain contributions without a certified bound in
+/// a reference. The warning names these contributions.
 std::vector<std::string> open_signals(const Survey& survey);
 
 }  // namespace tubefoot

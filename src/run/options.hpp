@@ -9,25 +9,25 @@
 #include "run/selection.hpp"
 #include "sensors/recordings/run_context.hpp"
 
-// What somebody asks of a run, on a command line or in Python.
+// This header declares the options of a run, as the command line and Python set them.
 namespace tubefoot {
 
-/// Options that several commands share; unset means: as the scene file says.
+/// Options of several commands. An unset option means that the scene file decides.
 struct CommonOptions {
   std::filesystem::path scene;
   std::optional<std::string> arithmetic;
   std::optional<int> threads;
-  bool confined = false;  ///< nothing outside of the scene file's folder is read
+  bool confined = false;  ///< if true, nothing outside of the scene file's folder is read
   bool quiet = false;
 };
 
-/// Pings `first` to `last`, both included; the default is all of them.
+/// Pings `first` to `last`, both included; the default is all pings.
 struct PingRange {
   std::int64_t first = 0;
   std::int64_t last = -1;
 };
 
-/// "3", "2:5", ":5" or "2:"; throws std::invalid_argument saying what was expected.
+/// Parses "3", "2:5", ":5" or "2:". Throws std::invalid_argument with the expected form.
 PingRange parse_ping_range(const std::string& text);
 
 struct RunOptions : CommonOptions {
@@ -39,14 +39,14 @@ struct RunOptions : CommonOptions {
   std::optional<std::string> sampling;
   std::optional<std::int64_t> rays, rays_per_beam;
   std::optional<std::uint64_t> seed;
-  std::optional<std::string> coarsen;  ///< RunRequest::coarseness
+  std::optional<std::string> coarsen;  ///< see RunRequest::coarseness
   bool reference = false;
   bool labels = false;
-  std::optional<double> label_level_db;  ///< RunRequest's; with `labels` only
+  std::optional<double> label_level_db;  ///< see RunRequest::label_level_db; only with `labels`
   bool resume = false;
-  std::optional<std::string> part;  ///< "2/8": only this part of the pings, into a file of its own
-  /// Of a reference: its relative bound, 1e-9 if unset. Else as parse_tolerance() reads it: picks the
-  /// settings.
+  std::optional<std::string> part;  ///< shard "2/8": only this part of the pings, in a file of its own
+  /// With `reference`: relative bound of the energies, 1e-9 if unset. Otherwise a tolerance for
+  /// parse_tolerance(), by which the run chooses its settings.
   std::optional<std::string> tolerance;
 };
 

@@ -10,14 +10,15 @@ namespace tubefoot {
 
 class Transmission;
 
-/// An engine that is not built in. It runs, and is charted and compared, like those that are.
+/// An engine of the user. Runs, charts and comparisons treat it as they treat the built-in engines.
 struct OwnEngine {
   std::string name;
-  /// Fills the energies [J] that a sensor receives of a transmission, [channel][beam of the
-  /// transmission][sample] (Sensor::channels()), which are 0 before. Where terrain is read by tiles, the
-  /// transmission's survey has those that the built-in engines need for it, and its ground knows what facets
-  /// are called in all of the scene. Called from several threads at a time. What it throws ends the run; so
-  /// does a product of two receivers' signals that their energies cannot have (std::domain_error).
+  /// Fills the energies [J/m^2 for a source of 1 J/sr] that a sensor receives from a transmission:
+  /// [channel][beam of the transmission][sample] (Sensor::channels()). They are 0 before the call. If
+  /// terrain is read by tiles, the survey of the transmission contains the tiles that the built-in engines
+  /// need. Its surface mesh then reports facet numbers of the whole scene. Several threads call this
+  /// function at the same time. An exception ends the run. A cross product of two receivers' signals that
+  /// exceeds the geometric mean of their energies also ends the run (std::domain_error).
   std::function<void(const Transmission& transmission, std::size_t sensor, std::span<double> energy)> echo;
 };
 

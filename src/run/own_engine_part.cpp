@@ -13,7 +13,8 @@
 namespace tubefoot {
 namespace {
 
-/// Two signals have no more in common than either has. `channels`: [4][beam][sample].
+/// Throws std::domain_error if a cross product exceeds the geometric mean of the two energies. `channels`:
+/// [4][beam][sample].
 void check_coherence(const Transmission& transmission, std::size_t s, std::span<const double> channels) {
   constexpr double rounding = 1e-6;
   const std::size_t cells = channels.size() / 4,

@@ -6,8 +6,8 @@
 
 namespace tubefoot {
 
-/// Adds what an engine of one's own (own_engine.hpp) says that a transmission returns. Throws
-/// std::domain_error where two receivers would have more in common than either receives.
+/// Adds the energies that an engine of the user (own_engine.hpp) computes for a transmission. Throws
+/// std::domain_error if the cross product of two receivers exceeds the geometric mean of their energies.
 void add_own_engine(const Transmission& transmission, PingSums& sums);
 
 }  // namespace tubefoot

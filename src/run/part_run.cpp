@@ -19,13 +19,16 @@
 #include "run/partial_run.hpp"
 #include "run/simulation.hpp"
 
+// This file computes one shard of a run into its file, and joins the files of all shards. It checks that all
+// shards belong to the same request and are complete (docs/cluster.md).
+
 namespace tubefoot {
 namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// "2/8" with "/" between, "2-of-8" with "-of-"; none for what is not written like that.
+/// Parses "2/8" with the separator "/", or "2-of-8" with "-of-". Returns nothing for any other text.
 std::optional<PartNumber> part_in(std::string_view text, std::string_view between) {
   const std::size_t at = text.find(between);
   if (at == std::string_view::npos) return std::nullopt;
@@ -44,7 +47,7 @@ std::string file_ending(const PartNumber& part) {
   return fmt::format(".part-{}-of-{}", part.number, part.of);
 }
 
-/// "2", "2 and 5", "2, 3 and 5", and where there are many how many more.
+/// Returns "2", "2 and 5", or "2, 3 and 5". A long list ends with the number of further elements.
 std::string listed(const std::vector<int>& numbers) {
   constexpr std::size_t most = 10;
   std::string words;
@@ -69,7 +72,7 @@ void take(const Json& json, const char* key, std::optional<Value>& value) {
 void put(Json& json, const char* key, bool value) { json[key] = value; }
 void take(const Json& json, const char* key, bool& value) { value = json.at(key); }
 
-/// What a command line asks of a run's energies, by name.
+/// Calls `each` with the name and the value of each option that affects the energies of a run.
 void each_word(auto& options, const auto& each) {
   each("arithmetic", options.arithmetic);
   each("sensor", options.selection.sensor);
@@ -145,7 +148,7 @@ std::vector<PingUnit> PartDeal::units_of(int part) const {
 std::string PartDeal::in_words(const PingUnit& unit) const {
   std::string names;
   for (const std::size_t s : layout_.groups[unit.group].sensors)
-    if (s < survey_.sensors.size())  // truth is kept as of further sensors
+    if (s < survey_.sensors.size())  // further sensors hold labels
       names +=
           fmt::format("{}'{}'", names.empty() ? "" : ", ", survey_.sensors[s].sensor->description().name);
   return fmt::format("ping {} of {}", unit.ping, names);
@@ -239,7 +242,7 @@ std::string RunPart::advice() const {
 RunParts::RunParts(const fs::path& output) : output_(output) {
   const fs::path any = beside(output, ".part-");
   const std::string begin = any.filename().string();
-  std::map<int, std::vector<int>> found;  // by number of parts
+  std::map<int, std::vector<int>> found;  // by number of shards
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(any.parent_path(), ignored)) {
     const std::string name = entry.path().filename().string();
@@ -371,7 +374,7 @@ void RunParts::remove() const {
   for (int number = 1; number <= count_; ++number) fs::remove(path_of(number), ignored);
   try {
     sync_names_in(absolute_path(path_of(1)).parent_path());
-  } catch (const std::runtime_error&) {  // they would only be joined again
+  } catch (const std::runtime_error&) {  // harmless: the shards would only be joined again
   }
 }
 

@@ -14,6 +14,9 @@
 #include "run/checkpoint/build_identity.hpp"
 #include "run/console/exhausted.hpp"
 
+// This file implements the checkpoint of a run: the file '<output>.partial' next to the result. It compares
+// the stored request with the current one before it continues the file.
+
 namespace tubefoot {
 namespace {
 
@@ -137,11 +140,12 @@ std::string PartialRun::advice() const {
 }
 
 void PartialRun::remove() {
-  fs::remove(file_);  // before others can have its lock
+  fs::remove(file_);  // before another run can obtain the lock
   store_.reset();
   try {
-    sync_names_in(file_.parent_path());  // or it would stand beside the result again after a power cut
-  } catch (const std::runtime_error&) {  // which is no harm
+    // otherwise the file might reappear next to the result after a power failure
+    sync_names_in(file_.parent_path());
+  } catch (const std::runtime_error&) {  // harmless
   }
 }
 

@@ -15,11 +15,14 @@
 #include "run/transmission_images.hpp"
 #include "run/transmission_rays.hpp"
 
+// This file adds the echoes of paths over mirrors and of second scatterings to a ping, by order, for single
+// receivers and receiver pairs (docs/paths.md).
+
 namespace tubefoot {
 namespace {
 
-/// The seabed that a sensor's paths meet where it lies: in refracting water images make apparent grounds of
-/// their own.
+/// The seabed of a sensor's paths at its true position. In refracting water, images make apparent surfaces
+/// of their own.
 class PathSeabed {
  public:
   PathSeabed(const Transmission& transmission, std::size_t s, const PathEnds& ends)
@@ -29,7 +32,7 @@ class PathSeabed {
     water_.emplace(path_water(transmission, s, ends.transmit.reach * transmission.scene().grid.unit_m()));
   }
   const TransmissionSurface& operator*() const { return lying_ ? *lying_ : transmission_.surface_mesh(); }
-  /// Null where it is even.
+  /// Returns null in isovelocity water.
   const PathWater* water() const { return water_ ? &*water_ : nullptr; }
 
  private:

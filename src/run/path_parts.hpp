@@ -6,9 +6,9 @@
 
 namespace tubefoot {
 
-/// The part of a transmission's echoes that comes over mirrors and by second scatterings, by order, of all
-/// sensors of the transmission that have such paths. Throws InputError at the sensor's place for too many
-/// images.
+/// Adds the echoes of a transmission over mirrors and by second scatterings, by order, for all sensors of
+/// the transmission that have such paths. Throws InputError at the sensor's place in the scene file if there
+/// are too many images.
 void add_paths(const Transmission& transmission, PingSums& sums);
 
 }  // namespace tubefoot

@@ -12,6 +12,9 @@
 #include "geometry/tubes/window_tubes.hpp"
 #include "run/transmission.hpp"
 
+// This file derives the settings of paths over mirrors from the scene, and the directions in which such
+// paths may meet relief (docs/paths.md).
+
 namespace tubefoot {
 
 std::optional<PathSettings> path_settings(const Scene& scene, double frequency_khz) {
@@ -30,7 +33,7 @@ std::optional<PathSettings> path_settings(const Scene& scene, double frequency_k
   settings.mirrors.reflection = reflection;
   settings.mirrors.phase = scene.mirror_phase;
   if (d.sea_surface) {
-    // At the surface, where it is rough.
+    // Speed at the surface, where the sea is rough.
     const double speed =
         scene.water->refracts()
             ? scene.water->profile().at(scene.water->surface_height_m() - d.sea_surface->height_m)
@@ -44,7 +47,7 @@ std::optional<PathSettings> path_settings(const Scene& scene, double frequency_k
 
 namespace {
 
-/// All directions, in eight parts.
+/// Returns tubes in all directions: one per octant.
 TubeSet all_round(GridPoint apex, double reach) {
   WindowTubes octants(apex, reach);
   for (const double x : {-1.0, 1.0})
@@ -57,7 +60,8 @@ TubeSet all_round(GridPoint apex, double reach) {
   return octants.tubes();
 }
 
-/// Of a sensor. What other facets hide does not count: no window is left out that relief may open.
+/// Adds the tubes of a sensor's apexes and images. They ignore hiding by other facets, so that no direction
+/// is missing that relief may uncover.
 void add_looks(const Transmission& transmission, std::size_t s, const PathSettings& settings,
                std::vector<PathLook>& looks) {
   const Scene& scene = transmission.scene();
@@ -70,7 +74,7 @@ void add_looks(const Transmission& transmission, std::size_t s, const PathSettin
   if (settings.scatterings > 1)
     looks.push_back({all_round(apexes.front().apex, apexes.front().reach), std::numbers::pi / 2});
   if (settings.order < 2) return;
-  if (scene.water->refracts()) {  // images look along bent rays
+  if (scene.water->refracts()) {  // images look along refracted rays
     for (const TubeSet& tubes : apexes) looks.push_back({all_round(tubes.apex, tubes.reach), beam_rad});
     return;
   }
@@ -114,7 +118,7 @@ std::optional<std::size_t> material_of_inclined_mirrors(const Scene& scene) {
   for (FacetId f = 0; f < mesh.facets.size(); ++f)
     if (reflects(mesh.material[f]) && (height(f, 0) != height(f, 1) || height(f, 1) != height(f, 2)))
       return mesh.material[f];
-  // Tiles are not there yet.
+  // Tiles are not loaded yet.
   for (const TiledTerrain& terrain : scene.tiled)
     if (terrain.tiles && reflects(terrain.material)) return terrain.material;
   return std::nullopt;

@@ -9,9 +9,9 @@
 
 namespace tubefoot {
 
-/// All pings of all groups in one order: stretches of one group after the other, so that of every group about
-/// the same share is done at any time. What is done then says what is left, however much longer the pings of
-/// one group take than those of another.
+/// All pings of all groups in one order. The order alternates between stretches of the groups, so that at
+/// any time about the same share of each group is done. The number of finished pings then indicates the
+/// remaining time, even if the pings of one group take much longer than those of another.
 class PingOrder {
  public:
   explicit PingOrder(std::span<const std::size_t> pings_of_groups)
@@ -23,7 +23,7 @@ class PingOrder {
   }
 
   std::size_t size() const { return begins_.back(); }
-  /// Group and ping.
+  /// Returns group and ping.
   std::pair<std::size_t, std::size_t> operator[](std::size_t place) const {
     const auto piece =
         static_cast<std::size_t>(std::ranges::upper_bound(begins_, place) - begins_.begin() - 1);

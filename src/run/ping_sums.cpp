@@ -12,6 +12,9 @@
 #include "run/labels.hpp"
 #include "run/signals.hpp"
 
+// This file adds the echo parts of a transmission to the energies, bounds, labels and signals of a ping. It
+// keeps only the selected beams.
+
 namespace tubefoot {
 namespace {
 
@@ -19,8 +22,8 @@ void add_to(std::span<double> sums, std::span<const double> values) {
   std::transform(values.begin(), values.end(), sums.begin(), sums.begin(), std::plus<>());
 }
 
-/// Calls visit(row, first place of its beam) for `rows` rows [channel][beam of the transmission], of those
-/// beams that are chosen.
+/// Calls visit(row, index of the beam's first row in the stored values) for the rows [channel][beam of the
+/// transmission] of the selected beams.
 template <class Visit>
 void each_chosen_row(std::size_t rows, const std::vector<std::uint32_t>& beams, const ChosenEchoes& chosen,
                      const Visit& visit) {
@@ -29,7 +32,7 @@ void each_chosen_row(std::size_t rows, const std::vector<std::uint32_t>& beams, 
       visit(row, row / beams.size() * chosen.beams.size() + *beam);
 }
 
-/// `rows`: [channel][beam of the transmission][sample]; `all`: of the sensor's beams that are chosen.
+/// `rows`: [channel][beam of the transmission][sample]. `all`: values of the sensor's selected beams.
 void add_rows(std::span<const double> rows, const std::vector<std::uint32_t>& beams, std::size_t channels,
               const ChosenEchoes& chosen, std::span<double> all) {
   const std::size_t samples = rows.size() / (beams.size() * channels);
@@ -38,8 +41,8 @@ void add_rows(std::span<const double> rows, const std::vector<std::uint32_t>& be
   });
 }
 
-/// What bounds are worth where not all of a transmission's beams are chosen: of those that are, the targets
-/// being the whole transmission's.
+/// Compares the bounds of the selected beams with the tolerance if some beams of a transmission are not
+/// selected. The tolerance refers to the whole transmission.
 void count_chosen(CertifiedEcho& certified, const Sensor& sensor, const std::vector<std::uint32_t>& beams,
                   const ChosenEchoes& chosen, double tolerance) {
   const auto samples = static_cast<std::size_t>(certified.echo.samples);
@@ -115,7 +118,7 @@ void PingSums::add(const Transmission& transmission, std::size_t s, std::size_t 
   const std::vector<std::uint32_t>& beams =
       transmission.sensor(s).beams_of_transmission(transmission.number());
   const auto samples = static_cast<std::size_t>(transmission.sensor(s).samples().count);
-  // 0 changes no sum: what is not lit need not be looked at.
+  // Zeros do not change a sum, so that samples outside of `lit` are skipped.
   double sum = 0;
   each_chosen_row(energy.size() / samples, beams, chosen(s), [&](std::size_t row, std::size_t place) {
     const auto [first, end] = lit.empty() ? SampleSpan{0, samples} : lit[row];

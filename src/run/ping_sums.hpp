@@ -16,41 +16,44 @@
 
 namespace tubefoot {
 
-/// Keeps the worse of two pings' bounds; of equals the one met first.
+/// Keeps the worse of two pings' bounds, or the first one if they are equal.
 void keep_worst(PingCounts& kept, const PingCounts& met);
 
-/// Where the parts of a ping's echoes are added up: energies and bounds, and what was counted.
+/// Sums of the parts of a ping's echoes: energies, bounds and counts.
 class PingSums {
  public:
-  /// `values` are zero. `chosen`, by sensor, outlives it, as they do: what is not chosen is not kept.
+  /// `values` are zero at first. `chosen` has one entry per sensor; energies outside of the selection are
+  /// dropped. Both arguments must outlive this object.
   PingSums(const std::vector<ChosenEchoes>& chosen, PingValues& values) : chosen_(chosen), values_(values) {}
 
   PingCounts counts;
   FinerRelief finer_relief;
 
-  /// Energies of paths with `order` interactions that a sensor receives of a transmission:
+  /// Adds the energies of paths with `order` interactions that a sensor receives from a transmission:
   /// [channel][beam of the transmission][sample].
-  /// `lit`, by row of samples: those outside are 0; none: any may be lit.
+  /// `lit`: by row of samples, the range of samples outside of which all are 0. Empty if any sample may be
+  /// non-zero.
   void add(const Transmission& transmission, std::size_t sensor, std::size_t order,
            std::span<const double> energy, std::span<const SampleSpan> lit = {});
-  /// The same with their bounds.
+  /// Adds energies with their bounds.
   void add(const Transmission& transmission, std::size_t sensor, const CertifiedEcho& certified,
            std::size_t order = 1);
-  /// To a channel of the truth of what a sensor receives (Truth::channels()): [beam of the
-  /// transmission][sample], and more channels, which are not read.
+  /// Adds values to a channel of a sensor's labels (LabelChannels): [beam of the transmission][sample].
+  /// Further channels in `values` are ignored.
   void add_labels(const Transmission& transmission, std::size_t sensor, std::size_t channel,
                   std::span<const double> values);
-  /// To the signals of what its elements record: [receiver][sample][real, imaginary]; with their bounds, or
-  /// none.
+  /// Adds values to the signals that a sensor's elements record: [receiver][sample][real, imaginary].
+  /// `bounds`: bounds of the values, or empty.
   void add_signals(const Transmission& transmission, std::size_t sensor, std::span<const double> values,
                    std::span<const double> bounds);
-  /// What finer relief than the facets that are seen would change of it.
+  /// Adds the change that relief finer than the visible facets would cause.
   void add_finer_relief(const Transmission& transmission, const CommonVisibility& visibility,
                         const FacetMesh& mesh, double sample_m);
-  /// Transmission::echo(), in memory that pings share one after the other, and `use` of it.
+  /// Calls `use` with the result of Transmission::echo(). The memory of the echo is shared by successive
+  /// pings.
   void with_echo(const Transmission& transmission, const CommonVisibility& visibility, std::size_t sensor,
                  const EchoModel& model, const std::function<void(const LitEcho&)>& use);
-  /// Does a part of the work whose seconds are the echo's, not those of what is seen.
+  /// Runs work whose duration counts as echo time, and not as visibility time.
   template <class Work>
   void as_echo(const Work& work) {
     const auto start = std::chrono::steady_clock::now();
@@ -58,8 +61,8 @@ class PingSums {
     counts.echo_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
 
-  /// What the last transmission saw of the surface that all transmissions share, for one that looks through
-  /// the same tubes.
+  /// History of the last transmission on the surface that all transmissions share. A later transmission with
+  /// the same tubes reuses it.
   struct Seen {
     History history;
     std::size_t candidates = 0;

@@ -15,15 +15,20 @@
 #include "run/transmission_surface.hpp"
 #include "scene/extent.hpp"
 
+// This file checks the plausibility of a scene before a run. It reports objects that are buried, float above
+// the seabed or have other units than the terrain. It also reports range gates that extend far beyond all
+// facets.
+
 namespace tubefoot {
 namespace {
 
-/// The seabed over and under one place after the other.
+/// The seabed above and below given positions, one position after another.
 class Seabed {
  public:
   explicit Seabed(const LoadedScene& loaded_scene) : below_(loaded_scene) {}
 
-  /// How high a place is above the highest terrain there, less than 0 below it; nothing beside all terrain.
+  /// Returns the height of a position above the highest terrain there; negative below it. Empty outside of
+  /// all terrain.
   std::optional<double> height_over_m(glm::dvec3 place_m) {
     const LoadedScene& loaded_scene = below_.in_line_with(place_m);
     const TransmissionSurface surface_mesh = surface_in_line_with(loaded_scene, place_m);
@@ -44,7 +49,7 @@ class Seabed {
   SceneBelow below_;
 };
 
-/// Some of a component's vertices: the outermost, and others in between.
+/// Returns some of a component's vertices: the outermost ones, and others between them.
 std::vector<glm::dvec3> places_of(const Scene& scene, std::size_t component, std::size_t most) {
   std::vector<VertexId> vertices;
   const auto [first, last] =
@@ -135,7 +140,7 @@ std::vector<SeabedPlacement> placements(const Survey& survey) {
   std::vector<SeabedPlacement> all;
   if (terrain.empty()) return all;
   const std::size_t terrains = scene.description.terrains.size();
-  // Each place of a tiled terrain, or of one with relief, is loaded or made.
+  // For tiled terrain, each position loads tiles; with relief, each position computes a surface.
   const std::size_t most = survey.loaded_scene->is_tiled()                       ? 4
                            : survey.loaded_scene->has_surface_per_transmission() ? 30
                                                                                  : 300;

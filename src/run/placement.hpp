@@ -9,19 +9,19 @@
 
 namespace tubefoot {
 
-/// How an object stands to the seabed.
+/// Position of an object relative to the seabed.
 struct SeabedPlacement {
   std::string object;
   std::string words;    ///< "in the seabed: from 0.5 m below it to 0.5 m above"
-  std::string warning;  ///< empty where that is nothing odd
+  std::string warning;  ///< empty if the position is plausible
   bool is_buried = false;
 };
 
-/// Of each object of a scene with terrain, by some of its vertices: what lies between them may differ. Throws
-/// InputError for a raster that can no longer be read.
+/// Returns the position of each object of a scene with terrain, from some of its vertices. Between these
+/// vertices the height above the seabed may differ. Throws InputError if a raster can no longer be read.
 std::vector<SeabedPlacement> placements(const Survey& survey);
 
-/// Warnings of sensors whose range window reaches far beyond all that there is.
+/// Returns warnings for sensors whose range gate extends far beyond all facets.
 std::vector<std::string> vast_windows(const Survey& survey);
 
 }  // namespace tubefoot

@@ -12,8 +12,8 @@
 
 namespace tubefoot {
 
-/// The four channels of a receiver pair: [channel][beam][sample], a beam a fan. With a reference, their
-/// bounds, too.
+/// The four channels of a receiver pair: [channel][beam][sample], with one beam per fan. With a reference,
+/// also their bounds.
 class ReceiverPairRows {
  public:
   ReceiverPairRows(const Transmission& transmission, std::size_t s)
@@ -30,7 +30,7 @@ class ReceiverPairRows {
     all_.bins_over += found.bins_over;
     if (!(found.worst_ratio > all_.worst_ratio)) return;
     all_.worst_ratio = found.worst_ratio;
-    all_.worst_beam = int(fan);  // of whichever channel
+    all_.worst_beam = int(fan);  // the worst bound may be in any channel
     all_.worst_sample = found.worst_sample;
   }
   void add_to(PingSums& sums, const Transmission& transmission, std::size_t s, std::size_t order) const {

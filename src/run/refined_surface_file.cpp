@@ -20,6 +20,9 @@
 #include "scene/surfaces/material_map.hpp"
 #include "scene/tiled_scene.hpp"
 
+// This file writes, reads and hashes refined seabeds as binary PLY files. A file lists its faces in the
+// order of their parent facets, so that the parts of some facets can be found by binary search.
+
 namespace tubefoot {
 namespace {
 
@@ -52,7 +55,7 @@ std::string header(const std::string& hash, std::size_t vertices, std::size_t fa
 }
 
 /// Calls `use` with the corners on the grid and the material of each facet before relief, in the order of
-/// their numbers.
+/// facet numbers.
 template <class Use>
 void for_base_facets(const Scene& scene, const Use& use) {
   FacetId next = 0;
@@ -89,12 +92,12 @@ void for_base_facets(const Scene& scene, const Use& use) {
   }
 }
 
-/// At which places of a facet the relief's heights are part of the hash: some thousands in all, of few facets
-/// at many each.
+/// Selects the places at which the relief's heights enter the hash: some thousands in total. A scene of few
+/// facets has many places per facet.
 class HashedPlaces {
  public:
   explicit HashedPlaces(const Scene& scene) {
-    // As the files have them: the same however terrain is read.
+    // Counts facets as the files contain them, so that the hash does not depend on how terrain is read.
     std::uint64_t facets = 0;
     for (const ComponentReport& component : scene.report.components) facets += component.facets_in_file;
     constexpr std::uint64_t wanted = 4096;
@@ -102,8 +105,8 @@ class HashedPlaces {
     stride_ = std::max<std::uint64_t>(facets / wanted, 1);
   }
   std::uint64_t on(std::uint64_t facet) const { return facet % stride_ == 0 ? a_facet_ : 0; }
-  /// Weights of two corners at the k-th place, evenly over the facet: multiples of the two powers of the
-  /// plastic number's inverse (Roberts 2018), folded into the triangle.
+  /// Returns the weights of two corners at the k-th place, uniformly over the facet. They are multiples of
+  /// the first two powers of the inverse plastic number (Roberts 2018), folded into the triangle.
   static std::pair<double, double> weights(std::uint64_t k) {
     const auto part = [k](double step) {
       const double at = 0.5 + static_cast<double>(k) * step;
@@ -130,7 +133,7 @@ std::string seabed_hash(const Scene& scene, double cell_m) {
   for_base_facets(scene, [&](const std::array<GridPoint, 3>& corners, std::uint16_t material) {
     for (const GridPoint& p : corners) put(bytes, p);
     put(bytes, material);
-    // Fields are functions: what they are is what they say.
+    // Relief fields are functions, which their values identify.
     const std::uint64_t places = hashed.on(number);
     const auto& field = scene.relief[material];
     if (places > 0) put(bytes, field ? 1 : 0);
@@ -222,13 +225,13 @@ RefinedSurfaceFile::RefinedSurfaceFile(std::filesystem::path file, const SourceP
     throw refused("is cut short or longer than it says");
 }
 
-/// Records of the open file.
+/// Reads records of the open file.
 class RefinedSurfaceFile::Reader {
  public:
   explicit Reader(const RefinedSurfaceFile& of)
       : of_(of), input_(of.file_, of.place_), faces_at_(of.first_byte_ + of.vertices_ * vertex_bytes) {}
 
-  /// The first face that is part of this facet or of a later one.
+  /// Returns the first face that is part of this facet or of a later one.
   std::uint64_t first_face_of(FacetId base) {
     std::uint64_t lo = 0, hi = of_.facets_;
     while (lo < hi) {
@@ -284,7 +287,7 @@ RefinedMesh RefinedSurfaceFile::read(std::span<const FacetId> base) const {
   for (std::size_t k = 0; k < base.size();) {
     std::size_t end = k + 1;
     while (end < base.size() && base[end] == base[end - 1] + 1) ++end;
-    FacetId next = base[k];  // that none of the faces so far is part of
+    FacetId next = base[k];  // first facet that has no face so far
     reader.faces(reader.first_face_of(base[k]), reader.first_face_of(base[end - 1] + 1), [&](const char* at) {
       const auto corners = take<std::uint8_t>(at);
       std::array<VertexId, 3> facet;
@@ -304,10 +307,10 @@ RefinedMesh RefinedSurfaceFile::read(std::span<const FacetId> base) const {
     if (next != base[end - 1] + 1) throw refused("is damaged");
     k = end;
   }
-  // Vertices that lie near each other in the file are read at once, those between along with them.
+  // Vertices that are close together in the file are read at once, together with the vertices between them.
   struct Run {
     std::uint64_t first, end;
-    std::size_t at;  // in `points`
+    std::size_t at;  // index in `points`
   };
   constexpr std::uint64_t near = 64;
   std::vector<VertexId> named;
@@ -333,7 +336,7 @@ RefinedMesh RefinedSurfaceFile::read(std::span<const FacetId> base) const {
       }
     });
   }
-  // As facets name them, which is their order in the file.
+  // Numbers the vertices in the order in which facets use them, which is their order in the file.
   constexpr VertexId unnamed = std::numeric_limits<VertexId>::max();
   std::vector<VertexId> number(points.size(), unnamed);
   for (auto& facet : mesh.facets)

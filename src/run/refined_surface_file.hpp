@@ -11,26 +11,28 @@
 
 namespace tubefoot {
 
-/// What a refined seabed is made from, as 64 hexadecimal digits: the scene's facets on the grid, [relief],
-/// and the relief's heights at some thousands of places spread over the facets. The same however terrain is
-/// read; by tiles, all of it is read once more, a row of tiles at a time.
+/// Returns a hash of the inputs of a refined seabed, as 64 hexadecimal digits. It covers the scene's facets
+/// on the grid, [relief], and the relief's heights at some thousands of places spread over the facets. The
+/// hash does not depend on how the terrain is read. Terrain that is read by tiles is read once more for the
+/// hash, one row of tiles at a time.
 std::string seabed_hash(const Scene& scene, double cell_m);
 
-/// Writes a refined seabed as a binary PLY file for mesh tools: vertices in metres, faces with material,
-/// component and the facet of the scene (`base_facet`) each is part of; the hash is a comment. Throws
-/// std::runtime_error.
+/// Writes a refined seabed as a binary PLY file for mesh tools. Vertices are in metres. Each face has its
+/// material, its component, and the facet of the scene (`base_facet`) that contains it. The hash is a
+/// comment of the file. Throws std::runtime_error.
 void write_refined_seabed(const std::filesystem::path& file, const RefinedMesh& seabed, const Scene& scene,
                           const SurfaceMesh& surface_mesh);
 
-/// A file of write_refined_seabed(), to be read back, the same to the last bit. Thread-safe.
+/// A file of write_refined_seabed(), which this class reads back without any change of a bit. Thread-safe.
 class RefinedSurfaceFile {
  public:
-  /// Throws InputError at `place`: no such file, not written by write_refined_seabed(), cut short, or of
-  /// another scene.
+  /// Throws InputError at `place` if the file is missing, is truncated, belongs to another scene, or was not
+  /// written by write_refined_seabed().
   RefinedSurfaceFile(std::filesystem::path file, const SourcePlace& place, const Scene& scene, double cell_m);
 
-  /// The parts of some facets of the scene, by their numbers in all of it, increasing; those are the parents
-  /// of the parts, too. Throws InputError for a damaged file.
+  /// Returns the parts of some facets of the scene. `base` contains the facets' numbers in the whole scene
+  /// in increasing order, and the parents of the parts have the same numbers. Throws InputError for a
+  /// damaged file.
   RefinedMesh read(std::span<const FacetId> base) const;
 
  private:

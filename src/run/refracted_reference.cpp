@@ -14,16 +14,21 @@
 #include "run/refraction.hpp"
 #include "run/sensor_model.hpp"
 
+// This file computes certified echoes in refracting water. It refines the apparent surface of a transmission
+// until the certified bounds reach the requested tolerance, or until a limit of facets is reached
+// (docs/refraction.md).
+
 namespace tubefoot {
 namespace {
 
 constexpr int most_tries = 6;
-constexpr double most_facets = 24'000;          // of the last try: some half a minute of one core
-constexpr double most_facets_of_paths = 6'000;  // each pair of images encloses its own
-constexpr std::size_t few_facets = 1'500;       // that cost next to nothing
-constexpr double coarsest = 0.1;                // tolerance that the first try is made for
+constexpr double most_facets = 24'000;  // limit for the last refinement: about half a minute of one core
+constexpr double most_facets_of_paths = 6'000;  // lower, because each pair of images has bounds of its own
+constexpr std::size_t few_facets = 1'500;       // surfaces of so few facets cost almost no time
+constexpr double coarsest = 0.1;                // tolerance for which the first surface is made
 constexpr double least_worth = 1.2;
-constexpr int most_halvings = 30;  // of what facets are cut by, until they are cut
+// limit of successive halvings of the mapping tolerances until facets are cut
+constexpr int most_halvings = 30;
 
 RefractedTransmission certify(const Transmission& transmission, const TransmissionApparentMap& seen,
                               ApparentSurface apparent) {
@@ -93,8 +98,8 @@ RefractedPairTransmission certify(const Transmission& transmission, const PairAp
   return found;
 }
 
-/// One fan of a receiver pair, whose ends the surface was mapped for: transmitter, upper and lower
-/// receiver.
+/// One fan of a receiver pair with the ends for which the surface was mapped: transmitter, upper receiver
+/// and lower receiver.
 struct ReceiverPairEnds {
   const EndsApparentMap& ends;
   std::size_t sensor;
@@ -145,13 +150,15 @@ RefractedReceiverPairTransmission certify(const Transmission& transmission, cons
   return found;
 }
 
-/// Bins, those of them whose bound is wider than asked or infinite, those without a bound, and how much too
-/// wide the middle one of the finite bounds is.
+/// Quality of a certified echo. `over`: range bins whose bound is wider than requested or infinite.
+/// `unbounded`: range bins without a bound. `usual_excess`: median ratio of the finite bounds to the
+/// requested bounds.
 struct Quality {
   std::size_t bins = 0, over = 0, unbounded = 0;
   double usual_excess = 0;
 
-  /// Slivers at a beam's ends are wider than asked with any ground.
+  /// Slivers at the ends of a beam have wide bounds on any surface, so that one bin in 200 may exceed the
+  /// tolerance.
   bool is_wide() const { return (over - unbounded) * 200 > bins - unbounded; }
   bool is_enough() const { return unbounded == 0 && !is_wide(); }
   bool is_worth_more_than(const Quality& before) const {
@@ -159,8 +166,8 @@ struct Quality {
                                              double(unbounded) * least_worth < double(before.unbounded) ||
                                              usual_excess * least_worth < before.usual_excess);
   }
-  /// By how much finer the next ground is to be. Facets without a proven ray are cut in halves: how fine they
-  /// have to be is not known.
+  /// Returns the factor by which the next surface is finer. Facets without a proven ray are halved, because
+  /// the fineness that they need is unknown.
   double finer(double room) const {
     const double least = unbounded > 0 ? std::min(2.0, room) : least_worth;
     return is_wide() ? std::clamp(1.3 * usual_excess, least, room) : least;
@@ -177,14 +184,14 @@ Quality quality_of(std::span<const RefractedReference> sensors) {
   return quality;
 }
 
-/// As finely as the first try is made for.
+/// Returns the mapping settings of the first surface.
 ApparentMapSettings first_settings(const Transmission& transmission, double reach_m,
                                    ApparentMapSettings settings) {
   const double unit = transmission.scene().grid.unit_m(), sample = transmission.sample_length_m(),
                first = std::max(*transmission.request().reference_tolerance, coarsest);
-  // The scene's own keys are for ordinary runs. What is left between straight and curved shrinks with the
-  // gap, and the change of a factor over a facet with its edges. The first ground is coarse: how many facets
-  // a tolerance takes is known only from what it has.
+  // The keys of the scene are meant for ordinary runs. The difference between straight and refracted paths
+  // decreases with the travel-path error, and the change of a factor over a facet decreases with its edges.
+  // The first surface is coarse, because only its result shows how many facets a tolerance needs.
   settings.travel_path_error_m =
       std::min(settings.travel_path_error_m, std::max(first * sample / 16, 2 * unit));
   settings.tolerance_db = std::min(settings.tolerance_db, 2 * first);
@@ -209,7 +216,8 @@ double largest_travel_path_error_m(const RefractedPair& pair) {
                   pair.apparent.receive.largest_travel_path_error_m);
 }
 
-/// Ever finer. `ground(settings)`: mapped so, for certify().
+/// Refines the surface until the bounds reach the tolerance. `surface_mesh_of(settings)`: maps the surface
+/// for certify().
 template <class Seen, class SurfaceMesh>
 auto certify_until_tolerance(const Transmission& transmission, double reach_m, const Seen& seen,
                              const SurfaceMesh& surface_mesh_of) {
@@ -222,7 +230,8 @@ auto certify_until_tolerance(const Transmission& transmission, double reach_m, c
     const Quality quality = quality_of(best->sensors);
     if (quality.is_enough()) break;
     best->at_limit = quality.is_wide();
-    // Facets grow as the square at most, where it is spreading that they are cut for.
+    // The number of facets grows at most with the square of the fineness if spreading is the reason for
+    // cutting facets.
     const double room = std::sqrt(most_facets / std::max(double(facets_before), 1.0));
     if (room < least_worth || tries == most_tries) break;
     const double finer = quality.finer(room);
@@ -235,12 +244,13 @@ auto certify_until_tolerance(const Transmission& transmission, double reach_m, c
     const auto hardly_grown = [&] {
       return double(facets_of(*surface_mesh)) < least_worth * double(facets_before);
     };
-    // Facets without a proven ray may be far finer than what they are cut by.
+    // Facets without a proven ray may already be much finer than the mapping tolerances require.
     if (quality.unbounded > 0)
       for (int halvings = 0; hardly_grown() && halvings < most_halvings; ++halvings)
         surface_mesh.emplace(finer_surface(std::min(2.0, room)));
     const std::size_t facets = facets_of(*surface_mesh);
-    // Where it was about as fine as that already, the next one is to be finer than it is.
+    // If the surface was about as fine as requested before, the next one must be finer than the surface
+    // itself.
     const bool hardly_finer = hardly_grown();
     if (hardly_finer)
       settings.travel_path_error_m = std::min(settings.travel_path_error_m,
@@ -254,7 +264,7 @@ auto certify_until_tolerance(const Transmission& transmission, double reach_m, c
     const bool worth_more = found.is_worth_more_than(quality);
     if (worth_more || found.over <= quality.over) best.emplace(std::move(next));
     best->at_limit = quality_of(best->sensors).is_wide();
-    // What a few facets more do not gain, many may.
+    // Many more facets may reduce bounds that a few more facets do not.
     if (!worth_more && !hardly_finer && facets >= few_facets) break;
   }
   return std::move(*best);
@@ -329,7 +339,8 @@ RefractedPathsTransmission certify_refracted_paths(const Transmission& transmiss
     return found;
   };
   RefractedPathsTransmission best = certified();
-  int halvings = 0;  // of what facets are cut by: one more each time that none is cut
+  // number of halvings of the mapping tolerances, which grows each time that no facet is cut
+  int halvings = 0;
   for (int tries = 1;; ++tries) {
     const Quality quality = quality_of(best.orders);
     best.at_limit = quality.is_wide();

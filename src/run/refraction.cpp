@@ -18,6 +18,10 @@
 #include "scene/scene_water.hpp"
 #include "sensors/recordings/sensor_kind.hpp"
 
+// This file maps the facets of a transmission to their apparent positions in refracting water. It chooses
+// the tolerances of the map, and counts and reports facets without exactly one eigenray
+// (docs/refraction.md).
+
 namespace tubefoot {
 namespace {
 
@@ -29,7 +33,8 @@ std::array<double, 3> polar(glm::dvec3 direction, double range_m) {
           std::asin(std::clamp(direction.z, -1.0, 1.0)) * degrees, range_m};
 }
 
-/// What `make` makes for a transmission; what it throws, with the scene file's words.
+/// Returns the result of `make` for a transmission, and converts its exceptions to the terms of the scene
+/// file.
 template <class Make>
 auto made_for(const Transmission& transmission, const Make& make) {
   try {
@@ -39,7 +44,8 @@ auto made_for(const Transmission& transmission, const Make& make) {
   }
 }
 
-/// Whether a way is reported by more than one apparent surface: of those each shows what its first rays do.
+/// Returns whether some path involves more than one apparent surface. Each of these surfaces contains first
+/// arrivals only.
 bool has_paths_of_first_rays(const Survey& survey) {
   return std::ranges::any_of(survey.sensors, [&](const SensorPings& pings) {
     const auto paths = path_settings(survey.scene, pings.sensor->frequency_khz());
@@ -57,7 +63,8 @@ std::string turning_points(const Survey& survey) {
   return fmt::format("{} turning point{} at most", most, most == 1 ? "" : "s");
 }
 
-/// Which of several rays to a place are followed; empty: every one, transmit and receive along any two.
+/// Returns a text about the rays that are followed if several rays reach a place. Empty if every ray is
+/// followed, in any combination of transmit leg and receive leg.
 std::string rays_left_out(const Survey& survey, bool reference) {
   if (reference || has_paths_of_first_rays(survey))
     return "for separate receivers, over mirrors and in references, tubefoot follows the first arrival only";
@@ -67,13 +74,15 @@ std::string rays_left_out(const Survey& survey, bool reference) {
   return {};
 }
 
-/// The gap at which no phase of a pair of receivers is off by more than phase_error_rad: a place that is seen
-/// beside itself by the gap turns by gap / range, and the phase by 2 pi / wavelength times the baseline times
-/// that, or times twice the gap where that is less. Infinite without such a pair.
+/// Returns the travel-path error at which no phase of a receiver pair is wrong by more than phase_error_rad.
+/// A position that is displaced by the error turns by error / range as seen from the sonar. The phase
+/// changes by 2 pi / wavelength times the baseline times this angle. It changes by 2 pi / wavelength times
+/// twice the error if that is less. Infinite without a receiver pair.
 double gap_of_phases_m(const Transmission& transmission) {
-  // The standard deviation of a single look's phase at a coherence of 0.9999, which few bins have.
+  // Standard deviation of the phase of a single look at a coherence of 0.9999, which few range bins have.
   constexpr double phase_error_rad = 0.01;
-  // Half the path is longer than the way from the receiver by up to half of what lies between the two ends.
+  // Half of a path may exceed the distance from the receiver by up to half of the distance between the two
+  // ends.
   const double between_m =
       transmission.has_separate_receiver()
           ? glm::distance(transmission.pose().position_m, transmission.receiver_pose().position_m) / 2
@@ -144,7 +153,7 @@ ApparentMap apparent_map_of(const LoadedScene& loaded_scene, const SensorPings& 
 
 double sound_speed_at(const Scene& scene, const SensorDescription& sensor, const Trajectory& trajectory) {
   if (!scene.water->refracts()) return scene.sound_speed_m_s;
-  // Only a place is asked of it: the samples may still change with the speed.
+  // Only the position is used here, because the samples may still change with the sound speed.
   const auto provisional = make_sensor(in_water(sensor, scene.sound_speed_m_s));
   const double first_s = PingTimes(sensor, trajectory, sensor.trajectory).first_s();
   const glm::dvec3 at_m = provisional->pose_on(trajectory.at(first_s)).position_m;
@@ -158,7 +167,7 @@ void put_into_water(LoadedScene& loaded_scene, SensorSet& sensor_set) {
   if (loaded_scene.relief.parent.empty())
     for (const GridPoint& v : scene.mesh.vertices)
       loaded_scene.lowest_m = std::min(loaded_scene.lowest_m, scene.grid.to_metres(v).z);
-  else  // before relief: what it may lower is the same however terrain is read
+  else  // heights before relief, so that the result does not depend on how terrain is read
     for (const ComponentReport& component : scene.report.components)
       loaded_scene.lowest_m =
           std::min(loaded_scene.lowest_m, scene.grid.to_metres(scene.grid.snap(component.lo_m)).z);
@@ -188,11 +197,11 @@ ApparentMapSettings apparent_map_settings(const Transmission& transmission, doub
   settings.travel_path_error_m =
       keys.travel_path_error_m.value_or(std::min(sample / 4, gap_of_phases_m(transmission)));
   settings.tolerance_db = keys.refraction_tolerance_db.value_or(0.1);
-  // Caustics and the borders of shadows take no more edges than a sector is wide.
+  // Caustics and shadow boundaries thus cause only as many edges of this length as fit across a sector.
   settings.shortest_edge_m = std::max({sample, reach_m / 2000, 16 * transmission.scene().grid.unit_m()});
   settings.shadow_edge_m = std::max(4 * settings.shortest_edge_m, reach_m / 50);
-  // A gap that is asked for, or that phases need, is kept where rays do not cross: of an edge it is no more
-  // than g / c a quarter of its square.
+  // A travel-path error that the user sets, or that phases require, is observed where rays do not cross. For
+  // an edge of length e it is at most (g / c) e^2 / 4, for the gradient g of the sound speed c.
   const double bend_per_m = transmission.scene().water->profile().largest_bend_per_m();
   if ((keys.travel_path_error_m || settings.travel_path_error_m < sample / 4) && bend_per_m > 0)
     settings.shortest_edge_m =
@@ -271,7 +280,7 @@ EndsApparentMap::EndsApparentMap(const Transmission& transmission, std::vector<T
   for (std::size_t end = 0; end < tubes_.size(); ++end)
     all_view_bounds_.emplace_back(tubes_[end], transmission.scene().grid.unit_m(), water_[end]);
   seabed_.emplace(transmission, tubes_, all_view_bounds_, weights);
-  // What any may see: what hides from one need not be seen by another.
+  // Contains all facets that any end may see. A facet hidden from one end need not be seen by another.
   facets_ = seabed_->facets(all_view_bounds_);
 }
 
@@ -343,7 +352,7 @@ BistaticHistory trace_both(const Transmission& transmission, const RefractedPair
 
 std::vector<ReceiverBaseline> refracted_receiver_baselines(const Transmission& transmission,
                                                            const RefractedPair& pair) {
-  // Phases turn by the speed at the receivers, ranges are reported by another.
+  // Phases depend on the sound speed at the receivers, but ranges are computed with another sound speed.
   const Scene& scene = transmission.scene();
   const double stretch =
       pair.transmit_water.reference_speed_m_s() /

@@ -19,7 +19,7 @@ TileChoice together(const TileChoice& a, const TileChoice& b) {
   return sum;
 }
 
-/// Whether two choices of tiles have one in common.
+/// Returns whether two choices of tiles have a tile in common.
 bool meet(const TileChoice& a, const TileChoice& b) {
   for (std::size_t i = 0; i < a.size(); ++i)
     for (const std::uint32_t tile : b[i])
@@ -32,7 +32,7 @@ bool meet(const TileChoice& a, const TileChoice& b) {
 RegionPlan::RegionPlan(const Transmissions& transmissions, std::uint64_t most_facets) {
   const Survey& survey = transmissions.survey();
   const TilesInView view(*survey.loaded_scene);
-  constexpr std::size_t at_once = 256;  // so that no more choices than these are in memory
+  constexpr std::size_t at_once = 256;  // limits the number of choices in memory
   for (std::size_t g = 0; g < survey.transmissions.size(); ++g) {
     const std::size_t pings = survey.sensor_set->pings(survey.transmissions[g]), before = regions_.size();
     for (std::size_t begin = 0; begin < pings; begin += at_once) {
@@ -45,7 +45,8 @@ RegionPlan::RegionPlan(const Transmissions& transmissions, std::uint64_t most_fa
         if (regions_.size() > before) {
           TileChoice& tiles = regions_.back().tiles;
           TileChoice both = together(tiles, choices[k]);
-          // Apart, their tiles would be two sheets where all of the terrain has one.
+          // Choices without a common tile stay in separate regions. Their tiles would otherwise form two
+          // height fields where the whole terrain forms one.
           if (both == tiles || (meet(tiles, choices[k]) && view.facets(both) <= most_facets)) {
             tiles = std::move(both);
             continue;

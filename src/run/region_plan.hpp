@@ -9,10 +9,11 @@
 
 namespace tubefoot {
 
-/// Pings one after the other that share the tiles they need, so that these are loaded once for all of them.
+/// Regions of consecutive pings that share the tiles they need, so that these tiles are loaded once for all
+/// of them.
 class RegionPlan {
  public:
-  /// No region has more facets in its tiles than `most_facets`, unless one ping alone needs them.
+  /// No region has more than `most_facets` facets in its tiles, unless a single ping needs more.
   RegionPlan(const Transmissions& transmissions, std::uint64_t most_facets);
 
   struct Region {
@@ -20,7 +21,7 @@ class RegionPlan {
     TileChoice tiles;
   };
   const std::vector<Region>& regions() const { return regions_; }
-  /// The region of a ping.
+  /// Returns the region of a ping.
   std::size_t of(std::size_t group, std::size_t ping) const;
 
  private:

@@ -9,7 +9,7 @@
 namespace tubefoot {
 namespace {
 
-/// Deep trees and long waits cost more than what neighbouring regions load twice.
+/// Limit of a region. Deep trees and long waits cost more than tiles that neighbouring regions load twice.
 constexpr std::size_t most_facets = 1 << 20, bytes_a_region_facet = 64;
 
 std::size_t cache_bytes(const Survey& survey) {
@@ -32,13 +32,13 @@ PingCounts RegionalSimulation::run(const PingUnit& unit, PingValues& values) {
   const std::size_t whole = unit.ping + first_ping(survey_.transmissions[unit.group], chosen_);
   const std::size_t number = plan_.of(unit.group, whole);
   const std::shared_ptr<const PingSimulation> region = cache_.get(number);
-  // Who has a region's first ping loads the next one while others work.
+  // The thread with a region's first ping loads the next region while other threads compute.
   if (plan_.regions()[number].first_ping == whole && number + 1 < plan_.regions().size() &&
       tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism) > 1) {
     try {
       cache_.get(number + 1);
     } catch (const InputError&) {
-      // Its own pings will tell.
+      // The pings of that region will report the error.
     }
   }
   survey_.loaded_scene->terrain_use->loads = cache_.loads();
@@ -47,7 +47,8 @@ PingCounts RegionalSimulation::run(const PingUnit& unit, PingValues& values) {
 }
 
 BoundedCache<PingSimulation>::Loaded RegionalSimulation::load(std::size_t number) const {
-  // Who waits for a part of this must not begin a ping meanwhile, which could wait for this in turn.
+  // A thread that waits for a part of this work must not start a ping, because that ping could wait for this
+  // region.
   return tbb::this_task_arena::isolate([&] {
     const Survey survey = survey_with_tiles(survey_, plan_.regions()[number].tiles);
     auto simulation = std::make_shared<const PingSimulation>(survey, request_);

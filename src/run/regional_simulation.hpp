@@ -9,13 +9,14 @@
 
 namespace tubefoot {
 
-/// The pings of a survey whose terrain is read by tiles, each simulated in a survey that has those it needs
-/// (docs/big-terrain.md).
+/// Simulation of a survey whose terrain is read by tiles. Each ping is simulated in a survey with the tiles
+/// that it needs (docs/big-terrain.md).
 class RegionalSimulation {
  public:
   RegionalSimulation(const Survey& survey, const RunRequest& request);
 
-  /// As PingSimulation::run(), from several threads. Throws InputError where a tile cannot be read.
+  /// Simulates a ping, as PingSimulation::run() does. Thread-safe. Throws InputError if a tile cannot be
+  /// read.
   PingCounts run(const PingUnit& unit, PingValues& values);
 
  private:

@@ -19,7 +19,7 @@ Engine engine_from_name(std::string_view name) {
   throw std::invalid_argument(fmt::format("unknown engine '{}'", name));
 }
 
-/// What `make` makes of words.
+/// Returns the result of `make`, and converts its exceptions about unknown texts to UsageError.
 template <class Make>
 RunRequest of_words(const Make& make) {
   try {

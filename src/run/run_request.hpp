@@ -19,30 +19,33 @@ struct RunDescription;
 
 enum class Engine { tube, ray };
 
-/// All that is asked of a run's energies. Scene files, command lines and kept runs say it in words; inside
-/// there are none.
+/// All settings that determine the energies of a run. Scene files, command lines and checkpoints contain
+/// them as text; this structure contains none.
 struct RunRequest {
   Engine engine = Engine::tube;
-  VisibilityOptions visibility;      ///< of tubes: arithmetic, and what goes with it
-  Binning binning = Binning::exact;  ///< of tubes
+  VisibilityOptions visibility;      ///< settings of the tube engine: arithmetic and its parameters
+  Binning binning = Binning::exact;  ///< setting of the tube engine
   RaySettings rays{RaySampling::stratified, 100000, RaySettings::Per::ping, 1};
-  std::optional<double> reference_tolerance;      ///< energies are enclosed, to this relative bound
-  std::optional<Tolerance> tolerance;             ///< picks the settings above
-  Selection selection{};                          ///< what is kept of the scene's echoes
-  std::shared_ptr<const OwnEngine> own_engine{};  ///< in place of a built-in one
-  double coarseness = 0;  ///< facets are coarsened to this tolerance (coarsening.hpp); 0: they are not
-  bool labels = false;    ///< also whose each energy is, and where it comes from (labels.hpp)
-  /// With `labels`: labels go by what is received within so many dB of a beam pattern's two-way peak.
+  /// if set, energies are enclosed in bounds of this relative width
+  std::optional<double> reference_tolerance;
+  std::optional<Tolerance> tolerance;             ///< if set, chooses the settings above
+  Selection selection{};                          ///< echoes of the scene that the run stores
+  std::shared_ptr<const OwnEngine> own_engine{};  ///< engine of the user in place of a built-in engine
+  double coarseness = 0;  ///< tolerance to which facets are coarsened (coarsening.hpp); 0: no coarsening
+  bool labels = false;    ///< if true, the run also stores the labels of each energy (labels.hpp)
+  /// With `labels`: labels count the energy that is received within this level [dB] below the two-way peak
+  /// of a beam pattern.
   double label_level_db = 20;
 };
 
-/// Of the words of [run]. Throws UsageError for words that mean nothing.
+/// Converts the texts of [run] to a request. Throws UsageError for an unknown text.
 RunRequest request_of(const RunDescription& run);
 
 std::string_view name_of(Engine engine);
 
-/// All settings of a built-in engine that energies depend on, and back, everything else as in `otherwise`.
-/// The way back throws nlohmann::json::exception, and UsageError as request_of().
+/// Converts all settings of a built-in engine that affect energies to JSON and back. The inverse takes all
+/// other settings from `otherwise`. It throws nlohmann::json::exception, and UsageError as request_of()
+/// does.
 nlohmann::ordered_json json_of(const RunRequest& request);
 RunRequest request_of(const nlohmann::ordered_json& settings, RunRequest otherwise);
 

@@ -15,11 +15,15 @@
 #include "run/refraction.hpp"
 #include "run/run_steps.hpp"
 
+// This file collects the entries of stats.json: scene, build, settings, counts, times, memory, and the
+// properties of coarsening, relief and refraction.
+
 namespace tubefoot {
 
 namespace {
 
-/// cos^2 (45 deg - turn) is (1 + sin(2 turn)) cos^2 45 deg.
+/// Returns the relative change of Lambert's law at 45 degrees: cos^2(45 deg - turn) = (1 + sin(2 turn))
+/// cos^2(45 deg).
 double change_at_45_deg(double turn_rad) { return std::sin(2 * std::min(turn_rad, std::numbers::pi / 4)); }
 
 nlohmann::ordered_json coarsening_json(const SceneCoarsening& coarse) {

@@ -7,11 +7,11 @@
 
 namespace tubefoot {
 
-/// What stats.json says of a run's scene, settings and counts.
+/// Returns the entries of stats.json about a run's scene, settings and counts.
 nlohmann::ordered_json statistics_json(const Survey& survey, const RunRequest& request,
                                        const SimulationStats& stats);
 
-/// Most memory that the program had at a time, in units of 2^20 bytes.
+/// Returns the peak memory of the program, in units of 2^20 bytes.
 double peak_memory_mb();
 
 }  // namespace tubefoot

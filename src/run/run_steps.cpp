@@ -19,6 +19,9 @@
 #include "run/settings.hpp"
 #include "sensors/kinds/scene_file.hpp"
 
+// This file implements the steps of a run that the command and the Python module share: request, identity,
+// expected cost, and result files.
+
 namespace tubefoot {
 namespace {
 
@@ -26,14 +29,14 @@ double bound_requested(const std::optional<std::string>& text) {
   double bound = 1e-9;
   if (!text) return bound;
   const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), bound);
-  // Not a number fails both comparisons.
+  // NaN fails both comparisons.
   if (error != std::errc() || end != text->data() + text->size() || !(bound >= 1e-12 && bound <= 0.1))
     throw UsageError(
         fmt::format("--tolerance of a --reference is a relative bound, 1e-12 to 0.1, not '{}'", *text));
   return bound;
 }
 
-/// 0 to 1. Throws UsageError.
+/// Parses a coarseness between 0 and 1. Throws UsageError.
 double coarseness_requested(const std::string& text) {
   double coarseness = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), coarseness);
@@ -58,7 +61,7 @@ void refuse_what_the_tolerance_picks(const RunOptions& options) {
         fmt::format("--tolerance picks engine and settings itself: leave out {}, or --tolerance", option));
 }
 
-/// Settings of the engine that is not used.
+/// Throws UsageError for settings of the engine that is not used.
 void refuse_unused_settings(const RunOptions& options, Engine engine) {
   const bool rays = engine == Engine::ray;
   const char* unused = !rays && options.rays            ? "--rays"
@@ -80,7 +83,7 @@ RunContext context_of(const Scene& scene, const PictureSettings& pictures, bool 
           with_bounds,          scene.water};
 }
 
-/// Recordings of what is asked for, without energies.
+/// Returns recordings of the selection, without energies.
 std::vector<Recording> recordings_to_be(const Survey& survey, const Selection& selection) {
   std::vector<Recording> recordings;
   const std::vector<ChosenEchoes> chosen = chosen_of(survey, selection);
@@ -127,10 +130,10 @@ RunRequest requested(const RunOptions& options, SceneDescription& description) {
     refuse_what_the_tolerance_picks(options);
     require_able(request, Feature::trial);
     request.tolerance = requested_tolerance(*options.tolerance);
-    // One dial: the surface is refined no further, and no less, unless the scene says how far.
+    // The tolerance also determines the fineness of the relief, unless the scene sets it.
     if (!description.refinement.tolerance)
       description.refinement.tolerance = relative_error(*request.tolerance);
-    // Paths that together return less than a third of it are not worth following, either.
+    // Paths that together return less than a third of the tolerance are not followed.
     description.paths.cutoff_db =
         std::min(description.paths.cutoff_db, -10 * std::log10(relative_error(*request.tolerance) / 3));
   }
@@ -205,7 +208,8 @@ WritingCost expected_writing(const Survey& survey, const RunRequest& request,
                              const PictureSettings& pictures) {
   const bool with_bounds = request.reference_tolerance.has_value();
   const RunContext context = context_of(survey.scene, pictures, with_bounds);
-  constexpr double scene_picture_s = 0.1, scene_picture_bytes = 3e5;  // beyond the files written beside it
+  // in addition to the files written next to it
+  constexpr double scene_picture_s = 0.1, scene_picture_bytes = 3e5;
   WritingCost all;
   if (pictures.which != PictureSettings::Which::none) all += {scene_picture_s, 0, scene_picture_bytes};
   for (const Recording& recording : recordings_to_be(survey, request.selection)) {

@@ -16,48 +16,51 @@
 #include "sensors/recordings/writing_cost.hpp"
 #include "study/tolerance.hpp"
 
-// The steps of a run that the command and the Python module share.
+// This header declares the steps of a run that the command and the Python module share.
 namespace tubefoot {
 
-/// What a run of a scene is asked: its options override the scene's own. Throws UsageError where they
-/// contradict each other.
+/// Returns the request for a run of a scene. The options override the settings of the scene. Throws
+/// UsageError if the options contradict each other.
 RunRequest requested(const RunOptions& options, SceneDescription& description);
 
-/// What makes two runs the same: the program's build, scene and everything it names, settings.
+/// Returns the data that identify a run: the build of the program, the scene with all files that it names,
+/// and the settings.
 nlohmann::ordered_json request_json(const SceneDescription& description, const RunRequest& request);
 
-/// Throws std::runtime_error if the scene file, or a file that it names, is no longer what was described: its
-/// hash has changed, or it cannot be read.
+/// Throws std::runtime_error if the scene file, or a file that it names, has changed since it was described.
+/// This is the case if its hash differs, or if it cannot be read.
 void refuse_changed_input(const SceneDescription& description);
 
-/// Pings of one's own engine, a reference and binnings that know of a footprint's centroid alone meet the
-/// facets that the scene has.
+/// Returns which facets the pings use. An engine of the user, a reference, and binnings that use only the
+/// centroid of a footprint need the facets as given.
 Facets facets_for(const RunRequest& request);
 
-/// What computed the energies: the name of an engine of one's own, or of a built-in one.
+/// Returns the name of the engine that computes the energies: an engine of the user, or a built-in one.
 std::string engine_name(const RunRequest& request);
 
-/// What an echo file says of where it comes from.
+/// Returns the provenance that an echo file records.
 Provenance provenance_of(const Scene& scene, const RunRequest& request);
 
-/// Which files a run will not write, and why, as far as that can be said before it; `with_bounds`: of a
-/// reference run.
+/// Returns messages about the files that a run will not write, with reasons, as far as these are known
+/// before the run. `with_bounds`: whether the run is a reference.
 std::vector<std::string> files_left_out(const Survey& survey, const Selection& selection = {},
                                         bool with_bounds = false);
 
-/// What writing the files of a run will take, and how large they may become, about (docs/performance.md).
+/// Returns the approximate time to write the files of a run, and their approximate size
+/// (docs/performance.md).
 WritingCost expected_writing(const Survey& survey, const RunRequest& request,
                              const PictureSettings& pictures);
 
-/// How a result folder is written.
+/// Settings for writing a result folder.
 struct Writing {
   PictureSettings pictures{};
-  bool quiet = true;  ///< nothing of it is reported on stderr
+  bool quiet = true;  ///< if true, progress is not reported on stderr
 };
 
-/// Writes everything that a result folder holds but stats.json, and returns the names. Of a sensor of which
-/// only some beams were asked for there are echoes only: other files and pictures are of whole pings.
-/// `label_recordings`: of each recording, or none. Throws std::runtime_error naming the file and what failed.
+/// Writes all files of a result folder except stats.json, and returns their names. For a sensor with a
+/// selection of beams it writes echoes only, because other files and pictures contain whole pings.
+/// `label_recordings`: one per recording, or empty. Throws std::runtime_error naming the file and the
+/// failure.
 std::vector<std::filesystem::path> write_result_files(const std::filesystem::path& folder,
                                                       const Survey& survey, const RunRequest& request,
                                                       const std::vector<Recording>& recordings,

@@ -10,24 +10,25 @@
 
 namespace tubefoot {
 
-/// What a run warns of, each thing once, and told as soon as it is known.
+/// The warnings of a run. Each warning is reported once, as soon as it is known.
 class RunWarnings {
  public:
   using Tell = std::function<void(const std::string& warning, bool is_silence)>;
   explicit RunWarnings(Tell tell) : tell_(std::move(tell)) {}
 
-  /// Of the scene, before a ping is computed: what loading it found, range windows, sensors that will receive
-  /// nothing. Where a transmission's ground is made for it that is left for look_back(): one more ping takes
-  /// longer than knowing it is worth.
+  /// Adds the warnings about the scene before any ping is computed: results of loading, range gates, and
+  /// sensors that receive nothing. If each transmission has a surface of its own, or terrain is read by
+  /// tiles, look_back() reports the last kind instead. An additional ping would then cost more time than an
+  /// early warning is worth.
   void foresee(const Survey& survey, const RunRequest& request);
-  /// Of all pings: what rays did not reach, and sensors that received nothing.
+  /// Adds the warnings about all pings: facets that rays did not reach, and sensors that received nothing.
   void look_back(const Survey& survey, const RunRequest& request, const SimulationStats& stats,
                  const std::vector<Recording>& recordings);
   void add(const std::vector<std::string>& warnings);
-  /// Of what was told before.
+  /// Records warnings that were reported before.
   void keep(const std::vector<std::string>& warnings);
 
-  /// In the order in which they came.
+  /// Returns all warnings in the order in which they occurred.
   const std::vector<std::string>& all() const { return all_; }
 
  private:
@@ -35,7 +36,7 @@ class RunWarnings {
 
   Tell tell_;
   std::vector<std::string> all_;
-  std::vector<std::size_t> silent_;  ///< sensors that were told to receive nothing
+  std::vector<std::size_t> silent_;  ///< sensors that a warning already reports as receiving nothing
 };
 
 }  // namespace tubefoot

@@ -10,15 +10,17 @@
 
 namespace tubefoot {
 
-/// A site with some tiles, and what transmissions ask of its facets; no tree yet.
+/// Returns a loaded scene with some tiles, and with the data that transmissions need of its facets. It has
+/// no tree yet.
 std::unique_ptr<LoadedScene> loaded_with(const LoadedScene& loaded_scene, const TileChoice& choice);
 
-/// The facets above and below one place after the other: of a tiled site with the tiles that lie there.
-/// surface_in_line_with() then has the relief.
+/// The facets above and below given positions, one position after another. For a tiled scene, loads the
+/// tiles at the position. surface_in_line_with() then adds the relief.
 class SceneBelow {
  public:
   explicit SceneBelow(const LoadedScene& loaded_scene);
-  /// Until the next call. Not cut at the sea surface where tiles were loaded for it.
+  /// Returns the scene at a position. The result stays valid until the next call. The sea surface does not
+  /// cut the tiles that this call loads.
   const LoadedScene& in_line_with(glm::dvec3 place_m);
 
  private:

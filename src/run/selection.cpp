@@ -10,10 +10,13 @@
 #include "run/settings.hpp"
 #include "run/survey.hpp"
 
+// This file resolves the selection of a command line (sensor, pings and beams) to numbers, and builds the
+// recordings of the selected part.
+
 namespace tubefoot {
 namespace {
 
-/// A sensor of which some beams are kept: for files of echoes, which know axes and samples only.
+/// A sensor with only the stored beams, for echo files, which use only its axes and samples.
 class SomeBeams : public Sensor {
  public:
   SomeBeams(const Sensor& whole, const std::vector<std::uint32_t>& kept) : Sensor(whole) {

@@ -30,7 +30,8 @@ SensorModel::SensorModel(const Transmission& transmission, const TransmissionSur
                                     pings.sound_speed_m_s, transmission.number());
   model.patterns = &patterns;
   if (surface_mesh.apparent() == nullptr || patterns.baselines.empty()) return;
-  // Phases turn by the speed of sound at the receiver pair, ranges are reported by that of its first place.
+  // Phases depend on the sound speed at the receiver pair, but ranges are computed with the sound speed at
+  // the sensor's first position.
   const double depth_m = scene.water->surface_height_m() -
                          pings.transmission_pose(transmission.ping(), transmission.number()).position_m.z;
   for (ReceiverBaseline& baseline : patterns.baselines)

@@ -6,10 +6,11 @@
 
 namespace tubefoot {
 
-/// The echo model of a sensor at a transmission, and the patterns that it refers to. The site, and what the
-/// ground refers to, outlive it.
+/// The echo model of a sensor at a transmission, and the beam patterns to which it refers. The loaded scene
+/// and the objects to which the surface mesh refers must outlive it.
 struct SensorModel {
-  /// On an apparent surface receiver pairs are as much longer as integrate_receiver_pair_echo() asks for.
+  /// On an apparent surface, the baselines of receiver pairs are longer by the factor that
+  /// integrate_receiver_pair_echo() requires.
   SensorModel(const Transmission& transmission, const TransmissionSurface& surface_mesh, std::size_t sensor);
   SensorModel(const SensorModel&) = delete;
   SensorModel& operator=(const SensorModel&) = delete;

@@ -8,6 +8,9 @@
 #include <limits>
 #include <optional>
 
+// This file checks that sensors and their elements do not lie on a facet, below the terrain or inside a
+// closed object. It uses the crossings of the vertical through each position.
+
 namespace tubefoot {
 
 SensorPlaces::SensorPlaces(LoadedScene& loaded_scene) : loaded_scene_(loaded_scene), below_(loaded_scene) {}
@@ -73,15 +76,15 @@ double SensorPlaces::check(const PingPlace& where, std::set<std::uint16_t>& insi
   return altitude_m;
 }
 
-/// By the objects as they are loaded: relief leaves closed what is closed, and terrain by tiles is none of
-/// them.
+/// Uses the objects as they are loaded. Relief does not open closed objects, and tiled terrain is not an
+/// object.
 void SensorPlaces::refuse_enclosed(const PingPlace& where) {
   const FacetMesh& mesh = loaded_scene_.scene.mesh;
   const GridPoint point = loaded_scene_.scene.grid.snap(where.at_m);
   std::vector<FacetId> near;
   facets_near_vertical(*loaded_scene_.tree, point, near);
   for (const VerticalCrossings& c : vertical_crossings(mesh, near, point)) {
-    // What is closed is crossed on both sides, or on none.
+    // A vertical from inside a closed object crosses the object above and below.
     if (is_terrain(c.component) || c.above == 0 || c.below == 0) continue;
     const ClosedShells& shells = shells_.try_emplace(c.component, mesh, c.component).first->second;
     if (!is_enclosed(mesh, shells, near, point)) continue;

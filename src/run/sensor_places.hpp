@@ -18,40 +18,41 @@
 
 namespace tubefoot {
 
-/// A place of a sensor at a ping [m, local frame], and what it is called: "sensor 'camera'".
+/// Position of a sensor at a ping [m, local frame], and its name in messages: "sensor 'camera'".
 struct PingPlace {
-  const SourcePlace& place;  ///< of the sensor, in its scene file
+  const SourcePlace& place;  ///< place of the sensor in its scene file
   std::size_t ping = 0;
   double time_s = 0;
   glm::dvec3 at_m{0};
   std::string what;
 };
 
-/// The elements of an array at a ping [m, local frame].
+/// Positions of the elements of an array at a ping [m, local frame].
 struct ElementPlaces {
-  const SourcePlace& place;  ///< of the sensor, in its scene file
+  const SourcePlace& place;  ///< place of the sensor in its scene file
   const std::string& sensor;
   std::size_t ping = 0;
   double time_s = 0;
   std::span<const glm::dvec3> transmitters_m, receivers_m;
 };
 
-/// Holds places of sensors against the scene, straight up and down from each. While the loaded scene has its
-/// bodies whole, before the sea surface cuts them. Not for several threads at once.
+/// Checks positions of sensors against the scene, along the vertical through each of them. Use it while the
+/// loaded scene contains whole bodies, before the sea surface cuts them. Not thread-safe.
 class SensorPlaces {
  public:
-  /// `loaded_scene`: warnings go to its report.
+  /// `loaded_scene`: its report receives the warnings.
   explicit SensorPlaces(LoadedScene& loaded_scene);
 
-  /// A surface through the apex has no side that could be seen, hides nothing, and returns nothing: that is
-  /// no limit of what a sensor beside it receives, so it is no place for one: throws InputError.
+  /// Throws InputError for a position exactly on a facet, an edge or a vertex. From there the facet has no
+  /// visible side, hides nothing and returns nothing. This is not the limit of the echoes at neighbouring
+  /// positions.
   void refuse_on_facet(const PingPlace& where);
-  /// The same, and throws InputError for a place below the terrain, which is a mistake in the scene; one
-  /// inside an object may be in its own housing, which is a warning, once for each of `inside`. Returns the
-  /// altitude over the terrain, not a number where there is none.
+  /// Checks a position on a facet in the same way, and throws InputError for a position below the terrain. A
+  /// position inside an object may be the sensor's own housing, and causes a warning, once for each element
+  /// of `inside`. Returns the altitude above the terrain, or NaN without terrain.
   double check(const PingPlace& where, std::set<std::uint16_t>& inside);
-  /// Throws InputError for elements that lie on a facet, below the terrain, or enclosed by an object
-  /// (ClosedShells): of several, for the transmitter, then for the first receiver.
+  /// Throws InputError for elements that lie on a facet, below the terrain, or inside a closed object
+  /// (ClosedShells). The error names the transmitter, or else the first such receiver.
   void refuse_hidden(const ElementPlaces& elements);
 
  private:
@@ -67,7 +68,7 @@ class SensorPlaces {
 
   LoadedScene& loaded_scene_;
   SceneBelow below_;
-  std::map<std::uint16_t, ClosedShells> shells_;  ///< of objects that elements were in line with
+  std::map<std::uint16_t, ClosedShells> shells_;  ///< of objects on a vertical through an element
 };
 
 }  // namespace tubefoot

@@ -16,14 +16,16 @@ struct SensorPings {
   std::shared_ptr<const Sensor> sensor;  ///< never null
   std::vector<double> times_s;
   std::vector<std::size_t> line_starts;  ///< first ping of each line of a survey; empty: not divided
-  std::vector<Pose> poses;               ///< at the pings' times
+  std::vector<Pose> poses;               ///< at the times of the pings
   std::vector<Pose> transmission_poses;  ///< [ping][transmission], each at its own time
-  std::vector<Pose> receiver_poses;      ///< [ping][transmission], of a receiver that is apart; else empty
-  /// At its first place; the scene's, in isovelocity water. Travel times times this are slant ranges.
+  std::vector<Pose> receiver_poses;      ///< [ping][transmission], for a separate receiver; otherwise empty
+  /// Sound speed at the sensor's first position, or the scene's in isovelocity water. Slant ranges are
+  /// travel times multiplied by this speed.
   double sound_speed_m_s = 1500;
-  std::shared_ptr<const WaterColumn>
-      water;                        ///< with absorption at its frequency; null: even, rays are straight
-  std::vector<double> altitudes_m;  ///< above the terrain straight below; not a number where there is none
+  std::shared_ptr<const WaterColumn> water;  ///< with absorption at the sensor's frequency; null: isovelocity
+                                             ///< water, in which rays are straight
+  /// altitudes above the terrain vertically below; NaN where there is none
+  std::vector<double> altitudes_m;
 
   const Pose& transmission_pose(std::size_t ping, std::size_t transmission) const {
     return transmission_poses.at(ping * sensor->transmissions() + transmission);
@@ -34,12 +36,12 @@ struct SensorPings {
   }
 };
 
-/// Sensors that fire the same tubes from the same places at the same times: one history serves them all.
+/// Sensors that send the same tubes from the same positions at the same times. They share one history.
 struct SharedTransmissions {
-  std::vector<std::size_t> sensors;  ///< indices into Fleet::sensors
+  std::vector<std::size_t> sensors;  ///< indices into SensorSet::sensors
 };
 
-/// Who pings where.
+/// The sensors of a scene and their pings.
 struct SensorSet {
   std::vector<SensorPings> sensors;
   std::vector<SharedTransmissions> transmissions;
@@ -50,11 +52,11 @@ struct SensorSet {
   std::size_t transmissions_per_ping(const SharedTransmissions& group) const {
     return sensors[group.sensors.front()].sensor->transmissions();
   }
-  /// The group of a sensor's transmissions.
+  /// Returns the group that contains a sensor's transmissions.
   const SharedTransmissions& transmissions_of(std::size_t sensor) const;
-  /// Index of the sensor of that name; throws UsageError naming the nearest ones.
+  /// Returns the index of the sensor with that name. Throws UsageError naming the most similar names.
   std::size_t sensor_named(const std::string& name) const;
-  /// Some pings of one sensor, by their numbers, as a sensor set of its own.
+  /// Returns some pings of one sensor, by their numbers, as a sensor set of their own.
   SensorSet some_pings(std::size_t sensor, const std::vector<std::size_t>& pings) const;
 };
 

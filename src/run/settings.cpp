@@ -17,6 +17,9 @@
 #include "run/console/say.hpp"
 #include "sensors/kinds/scene_file.hpp"
 
+// This file reads the common options of commands: scene file, threads, tolerance, ping ranges and beam
+// lists. It also limits the threads of the program.
+
 namespace tubefoot {
 namespace {
 
@@ -104,7 +107,7 @@ std::vector<std::uint32_t> resolved_beams(const std::string& text, std::size_t b
 }
 
 SceneDescription described(const CommonOptions& options) {
-  const Progress reading("scene", 1, options.quiet);  // large files are hashed whole
+  const Progress reading("scene", 1, options.quiet);  // large files are hashed completely
   SceneDescription description = read_scene_file(options.scene, options.confined);
   if (options.arithmetic) description.run.arithmetic = *options.arithmetic;
   if (options.threads) description.run.threads = *options.threads;
@@ -119,7 +122,8 @@ Inputs inputs_of(const SceneDescription& description) {
 
 namespace {
 
-/// oneTBB ends the program where it cannot start a thread, so it is asked for no more than can be started.
+/// Returns the number of threads that can start, up to `wanted`. oneTBB ends the program if it cannot start
+/// a thread.
 int threads_that_start(int wanted) {
   const int there = threads_at_hand(wanted);
   static std::atomic<bool> told{false};

@@ -15,13 +15,13 @@
 
 namespace tubefoot {
 
-/// Reads the scene file and lets the command line's options override its [run] section.
+/// Reads the scene file; the options of the command line override its [run] section.
 SceneDescription described(const CommonOptions& options);
 
-/// Every file that the scene names, and its own: what no command may write over.
+/// Returns the scene file and every file that it names. No command may overwrite these.
 Inputs inputs_of(const SceneDescription& description);
 
-/// Limits the threads of everything while it lives; 0 is all cores.
+/// Limits the threads of the whole program during the lifetime of this object; 0 means all cores.
 class ThreadLimit {
  public:
   explicit ThreadLimit(int threads);
@@ -35,18 +35,19 @@ class ThreadLimit {
 /// Prints the warnings of a scene to stderr, unless quiet.
 void print_warnings(const std::vector<std::string>& warnings, bool quiet);
 
-/// A tolerance of the command line; throws UsageError.
+/// Parses a tolerance of the command line. Throws UsageError.
 Tolerance requested_tolerance(const std::string& text);
 
 /// The number of pings that a bare number meant in earlier versions of 'advise' and 'chart', with a warning
 /// that names the present option. None for other texts. Throws UsageError for 0.
 std::optional<std::size_t> number_of_pings(const std::string& text, const std::string& instead, bool quiet);
 
-/// Checks a ping range against a number of pings, of a sensor of that name; throws UsageError.
+/// Parses a ping range and checks it against the number of pings of the named sensor. Throws UsageError.
 PingRange resolved(const std::string& text, std::size_t pings, const std::string& sensor = {});
 
-/// Beams of a sensor that has so many, "3", "2:5" (both included), ":5", "2:" or several of these between
-/// commas: sorted, each once; none for an empty text. Throws UsageError.
+/// Parses the beams of a sensor with `beams` beams: "3", "2:5" (both included), ":5", "2:", or several of
+/// these separated by commas. The result is sorted and without repetitions; it is empty for an empty text.
+/// Throws UsageError.
 std::vector<std::uint32_t> resolved_beams(const std::string& text, std::size_t beams,
                                           const std::string& sensor = {});
 

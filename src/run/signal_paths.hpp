@@ -10,17 +10,18 @@
 
 namespace tubefoot {
 
-/// What is done with what a transmission's channels receive over mirrors.
+/// Callbacks for the paths over mirrors by which a transmission's channels receive sound.
 struct SignalPaths {
-  std::function<void(const CoherentPath&)> scattered{};   ///< once; its references end with the call
-  std::function<void(const CoherentArrival&)> arrived{};  ///< without scattering
+  /// for a path with one scattering; its references are valid during the call
+  std::function<void(const CoherentPath&)> scattered{};
+  std::function<void(const CoherentArrival&)> arrived{};  ///< for a path without scattering
 };
 
-/// Hands out what channels of a sensor receive of a transmission over mirrors, of the orders that [paths]
-/// asks for; the straight way to a facet and back, order 1 as well, is the transmission's own
-/// (Transmission::trace()). `channels`: near the sensor's place, local frame. Nothing in a scene without
-/// mirrors. Throws InputError for water that refracts, for second scatterings, and where there are too many
-/// images.
+/// Calls `take` for the paths over mirrors by which the channels of a sensor receive a transmission. The
+/// paths have the orders that [paths] requests. The direct path to a facet and back, which also has order 1,
+/// belongs to Transmission::trace(). `channels`: near the sensor's position, in the local frame. Does
+/// nothing in a scene without mirrors. Throws InputError for refracting water, for second scatterings, and
+/// for too many images.
 void for_signal_paths(const Transmission& transmission, std::size_t sensor,
                       std::span<const SignalChannel> channels, const SignalPaths& take);
 

@@ -22,7 +22,7 @@ std::size_t values_of(const SignalModel& model) {
   return 2 * model.array.receivers_m.size() * model.sampling.samples;
 }
 
-/// As a ping store keeps them: [receiver][sample][real, imaginary].
+/// Converts values to the form of a ping store: [receiver][sample][real, imaginary].
 std::vector<double> parts_of(std::span<const std::complex<double>> values) {
   std::vector<double> parts;
   parts.reserve(2 * values.size());

@@ -8,36 +8,39 @@
 #include "run/ping_sums.hpp"
 #include "run/transmission.hpp"
 
-// What the elements of arrays receive, with phase (docs/signals.md): kept beside the energies of their
-// sensors, as these see them.
+// This header declares the signals that the elements of arrays receive, with phase (docs/signals.md). A ping
+// store keeps them in addition to the energies of their sensors.
 namespace tubefoot {
 
-/// Where a ping store keeps the signals of a sensor: as one more sensor, that fires with it.
+/// Returns the index of a sensor's signals in a ping store. The store keeps them as a further sensor, which
+/// shares the sensor's transmissions.
 std::size_t place_of_signals(const Survey& survey, std::size_t sensor);
-/// How many such places there are: none where no sensor has signals.
+/// Returns the number of these indices, which is 0 if no sensor has signals.
 std::size_t places_of_signals(const Survey& survey);
-/// Adds them to a layout that has the sensors themselves.
+/// Adds the signals to a layout that already contains the sensors.
 void add_signals(StoreLayout& layout, const Survey& survey, const std::vector<ChosenEchoes>& chosen);
 
-/// The scatterers of a survey's ground, by its scene and by what its arrays can tell apart. The scene has an
-/// array.
+/// Returns the scatterers of a survey's surfaces. Their properties follow from the scene and from the
+/// resolution of its arrays. The scene must have an array.
 SurfaceField surface_field_of(const Survey& survey);
 
-/// A transmission's ends as its elements are at it: a channel for each receiver, local frame.
+/// Returns the ends of a transmission at the positions of its elements: one channel per receiver, in the
+/// local frame.
 std::vector<SignalChannel> signal_channels(const Transmission& transmission, std::size_t sensor);
 
-/// Hands recordings of sensors that have signals these, of the pings that are chosen.
+/// Attaches the signals to the recordings of sensors that have them, for the selected pings.
 void attach_signals(std::vector<Recording>& recordings, const Survey& survey,
                     const std::vector<ChosenEchoes>& chosen, const std::shared_ptr<PingStore>& store);
 
-/// What the elements of a sensor receive of a transmission, about the frequency that it mixes with.
-/// `history`: what its tubes see; not read of those that see for themselves, or whose receiver is apart. With
-/// bounds where the run asks for them, infinite where a sample may hold what has none. Throws InputError for
-/// what has no phases, and for grounds of too many scatterers.
+/// Returns the signals that the elements of a sensor receive from a transmission, relative to the mixing
+/// frequency. `history`: history of the transmission's tubes. It is not used for elements with views of
+/// their own, and not for separate receivers. The result has bounds if the run requests them; a bound is
+/// infinite if the sample may contain a contribution without a bound. Throws InputError for features without
+/// phases, and for surfaces with too many scatterers.
 CertifiedSignals signals_received(const Transmission& transmission, std::size_t sensor,
                                   const History& history);
 
-/// The part of a transmission's echoes that its elements record.
+/// Adds the part of a transmission's echoes that its elements record.
 void add_signals(const Transmission& transmission, PingSums& sums);
 
 }  // namespace tubefoot

@@ -19,18 +19,22 @@
 #include "run/signals.hpp"
 #include "run/transmission_images.hpp"
 
+// This file computes the signals that the elements of a sensor receive, with phase (docs/signals.md). It
+// sums rough surfaces over scatterers, smooth surfaces over their visible polygons, and adds paths over
+// mirrors. With a tolerance, polygons of suitable smooth surfaces have certified bounds.
+
 namespace tubefoot {
 namespace {
 
 constexpr double pi = std::numbers::pi;
 
-/// As many in one common visibility take most of an hour, and a slip of the pen soon asks for a million times
-/// as many.
+/// Limit of scatterers in one common visibility. That many take most of an hour, and a typing error easily
+/// causes a million times as many.
 constexpr double most_scatterers = 1e10;
-/// Of a channel's loudest sample: what is fainter need not be known better.
+/// Fraction of the largest amplitude of a channel. Smaller amplitudes need no greater precision.
 constexpr double signal_floor = 1e-3;
 
-/// Throws std::invalid_argument for a field that has too many scatterers on what is seen.
+/// Throws std::invalid_argument if a field has too many scatterers on the visible polygons.
 void check_number(const VisiblePolygons& seen, const SurfaceField& field) {
   double count = 0;
   for (const VisiblePolygon& patch : seen.patches) {
@@ -49,13 +53,13 @@ void check_number(const VisiblePolygons& seen, const SurfaceField& field) {
                     1.05 * field.spacing_m * std::sqrt(count / most_scatterers)));
 }
 
-/// About the middle of the waveform's band, where its bandwidth is least.
+/// Middle of the waveform's band, relative to which its bandwidth is smallest.
 double carrier_hz(const SignalModel& model) { return model.waveform.centre_hz(); }
 
 CoherentReceiver receiver_of(const Transmission& transmission, std::size_t s) {
   const SignalModel& model = *transmission.sensor(s).signals();
   const FrequencyBand band = band_of(model.waveform);
-  // Flanks have tails beyond the waveform's band: what samples hold of them counts, up to four times the
+  // Flanks extend beyond the waveform's band. The part that samples contain counts, up to four times the
   // band, and above frequency 0.
   const double band_hz = band.high_hz - band.low_hz,
                held_hz = std::max(band_hz,
@@ -73,8 +77,8 @@ CoherentReceiver receiver_of(const Transmission& transmission, std::size_t s) {
   return receiver;
 }
 
-/// What a ping needs of a track, with times from its start on: clocks that count seconds of years would round
-/// times within a ping to steps, on which nothing can be told to move.
+/// Returns the part of a track that a ping needs, with times from the start of the ping. Times in seconds
+/// since years ago would be rounded to steps that are too coarse to describe motion within a ping.
 Trajectory track_from(const Trajectory& track, double start_s, double until_s) {
   std::vector<Trajectory::Sample> samples;
   for (const Trajectory::Sample& sample : track.samples()) {
@@ -86,7 +90,7 @@ Trajectory track_from(const Trajectory& track, double start_s, double until_s) {
   return Trajectory(std::move(samples));
 }
 
-/// From about the middle of the pulse's band to about the frequency that the sonar mixes with.
+/// Shifts the signals from the middle of the pulse's band to the frequency with which the sonar mixes.
 void mix(ChannelSignals& signals, const SignalModel& model) {
   const double shift_hz = model.sampling.baseband_hz - carrier_hz(model);
   if (shift_hz == 0) return;
@@ -139,7 +143,7 @@ std::vector<SignalChannel> signal_channels(const Transmission& transmission, std
   if (!sensor.signals()->stop_and_hop && !track.is_fixed())
     on_the_way = std::make_shared<const Trajectory>(
         track_from(track, pings.times_s[transmission.ping()], sensor.signals()->sampling.end_s()));
-  /// Of a place on the sensor, by where that or its receiver is.
+  /// Returns the motion of a position on the sensor, from the pose of the sensor or of its receiver.
   const auto motion = [&](Pose (Sensor::*pose_on)(const Pose&) const, glm::dvec3 place) -> PlatformMotion {
     if (!on_the_way) return {};
     return [&sensor, on_the_way, pose_on, place](double after_start_s) {
@@ -159,7 +163,7 @@ std::vector<SignalChannel> signal_channels(const Transmission& transmission, std
 
 namespace {
 
-/// How the elements of a sensor receive a transmission.
+/// The signals that the elements of a sensor receive from a transmission.
 class TransmissionSignals {
  public:
   TransmissionSignals(const Transmission& transmission, std::size_t s)
@@ -171,8 +175,8 @@ class TransmissionSignals {
         field_(surface_field_of(transmission.survey())) {}
 
   ChannelSignals no_return() const { return silence_of(receiver_.channels); }
-  /// What comes straight to what is seen and back: what all receivers receive of one common visibility, or
-  /// each of its own.
+  /// Returns the signals of direct paths to the common visibility and back. All receivers share one common
+  /// visibility, or each has its own.
   ChannelSignals straight(const History& history) const {
     ChannelSignals all = silence_of({});
     for_views(history, [&](const CommonVisibility& visibility, const std::vector<SignalChannel>& channels) {
@@ -183,7 +187,7 @@ class TransmissionSignals {
     });
     return all;
   }
-  /// The same with bounds, mixed.
+  /// Returns the signals of direct paths with bounds, after mixing.
   CertifiedSignals certified(const History& history, double tolerance) const {
     CertifiedSignals all{silence_of({}), {}};
     for_views(history, [&](const CommonVisibility& visibility, const std::vector<SignalChannel>& channels) {
@@ -197,7 +201,7 @@ class TransmissionSignals {
   bool has_mirrors() const {
     return path_settings(transmission_.scene(), transmission_.sensor(sensor_).frequency_khz()).has_value();
   }
-  /// Adds what comes over mirrors.
+  /// Adds the signals of paths over mirrors.
   void add_mirrored(ChannelSignals& sum) const {
     for_signal_paths(transmission_, sensor_, receiver_.channels,
                      {[&](const CoherentPath& path) {
@@ -212,7 +216,7 @@ class TransmissionSignals {
     none.value.assign(none.channels * none.samples, 0);
     return none;
   }
-  /// Calls use(common visibility, channels that receive of it), in the channels' order.
+  /// Calls use(common visibility, its channels), in the order of the channels.
   template <class Use>
   void for_views(const History& history, const Use& use) const {
     if (model_.own_views)
@@ -231,7 +235,8 @@ class TransmissionSignals {
   const SmoothSurface* surface_of(FacetId facet, const EchoModel& echo_model) const {
     return transmission_.scene().smooth_surface(echo_model.material[facet]);
   }
-  /// What mirrors is received by its images, which have the echo of its plane.
+  /// Returns null for mirrors, because the images of paths over mirrors already contain the echo of the
+  /// mirror's plane.
   const SmoothSurface* received_of(FacetId facet, const EchoModel& echo_model) const {
     return transmission_.scene().material_reflection[echo_model.material[facet]] > 0
                ? nullptr
@@ -254,7 +259,7 @@ class TransmissionSignals {
   CertifiedSignals certified(const CommonVisibility& visibility, const std::vector<SignalChannel>& channels,
                              double tolerance) const {
     const EchoModel& echo_model = echo_model_.model;
-    const SplitPolygons patches =  // those with a bound first
+    const SplitPolygons patches =  // polygons with a bound first
         split_polygons(visible_polygons(visibility, echo_model), [&](FacetId facet) {
           const SmoothSurface* surface = surface_of(facet, echo_model);
           return surface != nullptr && std::ranges::all_of(channels, [&](const SignalChannel& channel) {
@@ -270,7 +275,7 @@ class TransmissionSignals {
          visibility.grid_unit_m()},
         {waveform.start_hz, waveform.stop_hz, waveform.duration_s, waveform.taper}, receiver_.times,
         model_.sampling.baseband_hz, receiver_.sound_speed_m_s);
-    // What the loudest sample says of how little the others need be off by.
+    // The largest amplitude determines the permitted bound of all samples.
     const ChannelSignals about = patches.smooth.patches.empty()
                                      ? silence_of(channels)
                                      : smooth_signals(patches.smooth, receiver_with(channels), echo_model,
@@ -297,7 +302,7 @@ class TransmissionSignals {
     pose.position_m = receiver_m;
     TubeSet sent = transmission_.tubes_of(sensor_),
             received = transmission_.sensor(sensor_).tubes(pose, scene.grid, transmission_.number());
-    // Half of a path is no less than the range from either end, less half of the way between them.
+    // Half of a path is no less than the range from either end, minus half of the distance between the ends.
     const double apart =
         glm::distance(receiver_m, transmission_.pose().position_m) / (2 * scene.grid.unit_m());
     sent.reach += apart;

@@ -18,6 +18,9 @@
 #include "run/stored_pings.hpp"
 #include "run/surfaces.hpp"
 
+// This file simulates the pings of a survey on all threads, sums their counts, and makes recordings from the
+// store.
+
 namespace tubefoot {
 
 StoreLayout layout_of(const Survey& survey, const RunRequest& request) {
@@ -36,7 +39,7 @@ StoreLayout layout_of(const Survey& survey, const RunRequest& request) {
     for (const std::size_t s : group.sensors) {
       if (chosen[s].pings == 0) continue;
       kept.sensors.push_back(s);
-      kept.pings = chosen[s].pings;  // the same of all, as their pings are
+      kept.pings = chosen[s].pings;  // all sensors of a group have the same number of pings
     }
   }
   add_signals(layout, survey, chosen);
@@ -96,8 +99,8 @@ void for_each_ping(const Survey& survey, const StoreLayout& layout, const IsLeft
   Progress progress("pings", all, onlookers.quiet, onlookers.afterwards_s);
   const auto take = [&](std::size_t g, std::size_t ping) {
     if (!left(g, ping) || stop_wanted()) return;
-    // A thread that waits for others must not begin a second ping: each holds the surface of its
-    // transmission, or the signals of all its elements.
+    // A waiting thread must not start a second ping, because each ping holds the surface of its transmission
+    // or the signals of all its elements.
     try {
       if (survey.loaded_scene->surface_mesh || survey.loaded_scene->is_tiled() ||
           places_of_signals(survey) > 0)
@@ -119,7 +122,7 @@ void for_each_ping(const Survey& survey, const StoreLayout& layout, const IsLeft
     tbb::parallel_for(std::size_t{0}, order.size(), take_at);
     return;
   }
-  // One after the other, so that all threads are in few regions at a time.
+  // Takes the pings one after another, so that all threads work on few regions at a time.
   std::atomic<std::size_t> next{0};
   tbb::parallel_for(
       0, tbb::this_task_arena::max_concurrency(),

@@ -15,51 +15,55 @@
 #include "run/transmission.hpp"
 #include "sensors/recordings/recording.hpp"
 
+// This header declares the simulation of a survey's pings into a store, in any order and on all threads. It
+// also declares the statistics and recordings of the result.
+
 namespace tubefoot {
 
 class RegionalSimulation;
 
-/// How well a reference run kept its tolerance.
+/// Bounds of a reference run compared with its tolerance.
 struct ReferenceStats {
-  std::size_t bins_over = 0;  ///< bins whose bound is above what was asked for
-  double worst_ratio = 0;     ///< largest bound over what was asked for it
+  std::size_t bins_over = 0;  ///< number of range bins whose bound exceeds the tolerance
+  double worst_ratio = 0;     ///< largest ratio of a bound to its tolerance
   std::string worst_sensor;
   std::size_t worst_ping = 0;
   int worst_beam = 0, worst_sample = 0;
 };
 
-/// What a simulation counted, summed over its pings. Seconds are those of each ping's task, added up.
+/// Counts of a simulation, summed over its pings. Seconds are those of each ping's task, added over the
+/// pings.
 struct SimulationStats {
   std::size_t pings = 0, tubes = 0, candidates = 0, footprints = 0, pieces = 0, hits = 0;
-  std::size_t images = 0, arrivals = 0;     ///< of paths (docs/paths.md)
+  std::size_t images = 0, arrivals = 0;     ///< for paths (docs/paths.md)
   std::array<double, 9> energy_of_order{};  ///< by number of interactions
   double visibility_seconds = 0, echo_seconds = 0;
-  std::size_t refined_facets = 0;  ///< made for transmissions, with relief online
-  /// What finer relief than its facets would change (FinerRelief), of the worst ping.
+  std::size_t refined_facets = 0;  ///< facets made for transmissions, with relief online
+  /// Change that relief finer than the facets would cause (FinerRelief), for the worst ping.
   double finer_relief_largest = 0, finer_relief_rms = 0;
   ApparentMapCounts refraction;
-  std::size_t shadowed_pings = 0;  ///< of which facets were left out in shadows
+  std::size_t shadowed_pings = 0;  ///< number of pings of which facets in shadow were omitted
   ReferenceStats reference;
 };
 
-/// What has to be kept of a survey's pings, of those that are asked for; with bounds for a reference. Throws
-/// as chosen_of().
+/// Returns the layout of a store for the selected pings of a survey, with bounds for a reference. Throws the
+/// errors of chosen_of().
 StoreLayout layout_of(const Survey& survey, const RunRequest& request);
 
-/// Simulates pings of a survey one by one, on any thread, as a request asks for them. With a reference
-/// tolerance stores must keep bounds.
+/// Simulates single pings of a survey, on any thread, for one request. With a reference tolerance, stores
+/// must have bounds.
 class PingSimulation {
  public:
-  /// Throws InputError and UsageError for what cannot be combined (abilities.hpp).
+  /// Throws InputError and UsageError for features that cannot be combined (abilities.hpp).
   PingSimulation(const Survey& survey, const RunRequest& request);
   ~PingSimulation();
   PingSimulation(const PingSimulation&) = delete;
   PingSimulation& operator=(const PingSimulation&) = delete;
 
-  /// Leaves the energies of a group's ping, counted among those that are asked for, in `values`, for a
-  /// store's finish().
+  /// Computes one ping of a group into `values`, for finish() of a store. The number of the ping counts the
+  /// selected pings only.
   PingCounts run(const PingUnit& unit, PingValues& values) const;
-  /// The same into a store, which is done with the ping then.
+  /// Computes a ping into a store, and marks it as done.
   void run_into(PingStore& store, const PingUnit& unit, PingBufferPool& spare) const {
     spare.with([&](PingValues& values) {
       const PingCounts counts = run(unit, values);
@@ -72,38 +76,39 @@ class PingSimulation {
   StoreLayout layout_;
   std::vector<ChosenEchoes> chosen_;                ///< by sensor
   std::vector<std::vector<EchoPart>> parts_;        ///< by group
-  std::unique_ptr<RegionalSimulation> by_regions_;  ///< where terrain is read by tiles; else null
+  std::unique_ptr<RegionalSimulation> by_regions_;  ///< for terrain that is read by tiles; otherwise null
 };
 
-/// Who looks on while pings are simulated.
+/// Observers of a simulation.
 struct Onlookers {
-  bool quiet = true;          ///< nothing on stderr
+  bool quiet = true;          ///< if true, nothing is printed to stderr
   RunWatch* watch = nullptr;  ///< may be null
-  double afterwards_s = 0;    ///< what is done after the last ping takes about so long
+  double afterwards_s = 0;    ///< approximate duration of the work after the last ping
 };
 
 PingOrder ping_order_of(const StoreLayout& layout);
 
-/// Calls `keep` for each ping of `layout`, by group and ping, that is `left` to do, from all threads and in
-/// any order, near ones together. Returns early when somebody wants to stop (geometry/steps/stop.hpp).
+/// Calls `keep` for each ping of `layout` for which `left` returns true. The calls come from all threads and
+/// in any order, with neighbouring pings together. Returns early after a request to stop
+/// (geometry/steps/stop.hpp).
 using OfPing = std::function<void(std::size_t group, std::size_t ping)>;
 using IsLeft = std::function<bool(std::size_t group, std::size_t ping)>;
 void for_each_ping(const Survey& survey, const StoreLayout& layout, const IsLeft& left, const OfPing& keep,
                    const Onlookers& onlookers);
 
-/// Runs all pings of all sensors that `store` has not yet, as PingSimulation does. Returns early, with
-/// what was finished in the store, when somebody wants to stop (geometry/steps/stop.hpp).
+/// Simulates all pings of all sensors that `store` does not contain yet, with PingSimulation. After a
+/// request to stop (geometry/steps/stop.hpp), returns early with the finished pings in the store.
 void simulate(const Survey& survey, const RunRequest& request, PingStore& store, const Onlookers& onlookers);
 
-/// The sums over a store's pings, added in the order of the pings.
+/// Returns the sums over a store's pings, added in the order of the pings.
 SimulationStats totals(const Survey& survey, const PingStore& store, const Selection& selection = {});
 
-/// One recording per sensor of the survey that is asked for, of the energies in `store`, which they keep
-/// alive.
+/// Returns one recording per selected sensor of the survey. The recordings refer to the energies in `store`
+/// and keep it alive.
 std::vector<Recording> recordings_of(const Survey& survey, const std::shared_ptr<PingStore>& store,
                                      const Selection& selection = {});
 
-/// All of it in memory. Throws Interrupted when somebody wants to stop.
+/// Simulates the whole survey in memory. Throws Interrupted after a request to stop.
 std::vector<Recording> simulate(const Survey& survey, const RunRequest& request, SimulationStats& stats,
                                 const Onlookers& onlookers = {});
 

@@ -8,14 +8,14 @@
 #include "run/checkpoint/ping_store.hpp"
 #include "sensors/recordings/ping_energies.hpp"
 
-// A store's pings, as recordings read them.
+// This header gives recordings access to the pings of a store.
 namespace tubefoot {
 
-/// The energies of a sensor, or their bounds, of a store that keeps them packed, which lives as long; null
-/// for one in memory.
+/// Returns the packed energies of a sensor, or their bounds. The result keeps the store alive. Null for a
+/// store in memory.
 std::shared_ptr<const PackedPings> packed_pings(const std::shared_ptr<const PingStore>& store,
                                                 std::size_t sensor, bool bound = false);
-/// The energies of a sensor, all pings' one behind the other; empty where the store keeps them packed.
+/// Returns the energies of a sensor for all pings in sequence. Empty if the store keeps them packed.
 std::span<const double> in_memory(const std::shared_ptr<const PingStore>& store, std::size_t sensor);
 
 }  // namespace tubefoot

@@ -18,8 +18,8 @@ double farthest2(const GridPoint& apex, const GridPoint& lo, const GridPoint& hi
   return along(apex.x, lo.x, hi.x) + along(apex.y, lo.y, hi.y) + along(apex.z, lo.z, hi.z);
 }
 
-/// The farthest point of any facet in a tube, grid units; but no farther than `enough`, and `at_least` where
-/// nothing lies beyond that.
+/// Returns the distance of the farthest point of any facet in a tube, in grid units. The result lies between
+/// `at_least` and `enough`.
 double farthest_surface(const LoadedScene& loaded_scene, const TubeSet& tubes, std::size_t tube,
                         double at_least, double enough) {
   TubePyramid pyramid(tubes, tube);
@@ -34,7 +34,8 @@ double farthest_surface(const LoadedScene& loaded_scene, const TubeSet& tubes, s
   };
   loaded_scene.tree->query(
       [&](const GridPoint& lowest, const GridPoint& highest) {
-        look();  // at what the box before had: boxes that lie nearer than this are not opened
+        // evaluates the facets of the previous box; boxes nearer than the result so far are not opened
+        look();
         return farthest < enough && farthest2(tubes.apex, lowest, highest) > farthest * farthest &&
                pyramid.may_meet(lowest, highest);
       },

@@ -9,15 +9,15 @@
 
 namespace tubefoot {
 
-/// Whether it can be said where the beams of a sensor have no surface any more: in isovelocity water, where
-/// receiver and transmitter are in one place and all of the terrain is in memory.
+/// Returns whether the range is known beyond which the beams of a sensor contain no surface. This is the
+/// case in isovelocity water with a monostatic sensor and with all terrain in memory.
 bool surfaces_are_known(const Survey& survey, std::size_t sensor);
 
-/// Of each beam of a ping, how many range samples from the first on may hold a surface: up to the farthest
-/// point of any facet in the beam's tubes, whether it is seen, hidden or turned away. Shadow lies on a
-/// surface; where none is left it is open water, or ground outside of the scene. `energy`, [beam][sample] of
-/// that ping: what echoed is not looked for. Relief that transmissions refine for themselves is not in the
-/// facets that are asked.
+/// Returns, by beam of a ping, the number of range samples from the first on that may contain a surface.
+/// This number extends to the farthest point of any facet in the tubes of the beam, whether the facet is
+/// visible, hidden or faces away. Shadow lies on a surface. Beyond the last surface there is open water, or
+/// seabed outside of the scene. `energy`: the energies [beam][sample] of that ping; ranges with an echo are
+/// not searched. Relief that each transmission refines for itself is not considered.
 std::vector<int> samples_with_surfaces(const Survey& survey, std::size_t sensor, std::size_t ping,
                                        std::span<const double> energy);
 

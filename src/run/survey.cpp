@@ -24,6 +24,9 @@
 #include "scene/ping_times.hpp"
 #include "sensors/recordings/sensor_kind.hpp"
 
+// This file opens a survey. It loads the scene, places all pings on their trajectories and checks the
+// positions. It also merges and coarsens facets, and groups sensors that share their transmissions.
+
 namespace tubefoot {
 namespace {
 
@@ -32,7 +35,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 }
 
 bool same_transmissions(const WorldGrid& grid, const SensorPings& a, const SensorPings& b) {
-  // Facets return by their rays' absorption, which goes by the frequency.
+  // The echo of an apparent facet includes the absorption along its ray, which depends on the frequency.
   if (a.water &&
       (a.sensor->frequency_khz() != b.sensor->frequency_khz() || a.sound_speed_m_s != b.sound_speed_m_s))
     return false;
@@ -66,7 +69,8 @@ void find_shared_transmissions(const WorldGrid& grid, SensorSet& sensor_set) {
   }
 }
 
-/// A fixed trajectory lasts for ever; of others the loader has checked that they cover the pings' times.
+/// Places the pings on a trajectory. A fixed trajectory has no end. For others, the loader has checked that
+/// they cover the times of the pings.
 void place_transmissions(SensorPings& pings, const Trajectory& trajectory) {
   const Sensor& sensor = *pings.sensor;
   const std::size_t transmissions = pings.times_s.size() * sensor.transmissions();
@@ -93,7 +97,7 @@ void place_transmissions(SensorPings& pings, const Trajectory& trajectory) {
   }
 }
 
-/// Of narrow beams: what their energies are worth.
+/// Warns about the precision of energies in narrow beams.
 void warn_of_rounding(const Sensor& sensor, std::vector<std::string>& warnings) {
   constexpr double worth_telling = 1e-4;
   if (sensor.wall_rounding() > worth_telling)
@@ -103,9 +107,9 @@ void warn_of_rounding(const Sensor& sensor, std::vector<std::string>& warnings) 
         to_string(sensor.description().place), sensor.description().name, sensor.wall_rounding()));
 }
 
-/// A beam is as wide as its wavelength over the length of its antenna.
+/// Warns about an implausible antenna. Its length is the wavelength divided by the beam width in radians.
 void warn_of_aperture(const SensorPings& pings, std::vector<std::string>& warnings) {
-  constexpr double longest_m = 18;  // of antennas under ships, for 12 kHz
+  constexpr double longest_m = 18;  // longest antennas under ships, for 12 kHz
   const SensorFigures figures = figures_of(pings.sensor->description());
   const double wavelength_m = pings.sound_speed_m_s / (1000 * figures.frequency_khz),
                antenna_m = wavelength_m / glm::radians(figures.beam_deg);
@@ -117,7 +121,8 @@ void warn_of_aperture(const SensorPings& pings, std::vector<std::string>& warnin
         figures.frequency_khz, antenna_m));
 }
 
-/// Elements of an array receive from where they are: in the water, and in nothing else.
+/// Throws InputError for elements of an array that are not in the water, because each element receives at
+/// its own position.
 void refuse_hidden_elements(const Scene& scene, const SensorPings& pings, std::size_t ping,
                             SensorPlaces& places) {
   const SensorDescription& description = pings.sensor->description();
@@ -167,7 +172,7 @@ void check_places(LoadedScene& loaded_scene, SensorSet& sensor_set) {
                             fmt::format("the {} receiver of {}", end > 0 ? "upper" : "lower", what)),
                          receiver_inside);
       if (sensor.signals() != nullptr) refuse_hidden_elements(loaded_scene.scene, pings, ping, places);
-      // Of the later transmissions of a ping only what would spoil them.
+      // For later transmissions of a ping, only positions on a facet are errors.
       for (std::size_t transmission = 1; transmission < sensor.transmissions(); ++transmission) {
         const auto check = [&](const Pose& now, const Pose& before, const std::string& who) {
           if (now.position_m != before.position_m) places.refuse_on_facet(at(ping, now.position_m, who));
@@ -182,13 +187,13 @@ void check_places(LoadedScene& loaded_scene, SensorSet& sensor_set) {
   }
 }
 
-/// Whether the sea surface cuts the terrain or an object; of a part of a loaded scene, whether it cuts the
-/// whole.
+/// Returns whether the sea surface cuts the terrain or an object. For a part of a loaded scene, returns
+/// whether it cuts the whole scene.
 bool reaches_surface(const LoadedScene& loaded_scene) {
   if (loaded_scene.whole) return loaded_scene.whole->is_cut;
   const Scene& scene = loaded_scene.scene;
   if (!scene.description.sea_surface || loaded_scene.surface_mesh)
-    return false;  // ground of its own each transmission cuts
+    return false;  // each transmission cuts its own surface
   const std::int32_t height = scene.surface_height();
   return std::ranges::any_of(scene.mesh.vertices, [=](GridPoint v) { return v.z > height; }) ||
          std::ranges::any_of(scene.tiled, [&](const TiledTerrain& terrain) {
@@ -199,7 +204,7 @@ bool reaches_surface(const LoadedScene& loaded_scene) {
          });
 }
 
-/// Leaves what is in the water. After check_places(), which counts the crossings of whole objects.
+/// Removes everything above the water. Must follow check_places(), which counts crossings of whole objects.
 void cut_at_surface(LoadedScene& loaded_scene) {
   loaded_scene.is_cut = reaches_surface(loaded_scene);
   if (loaded_scene.is_cut &&
@@ -207,8 +212,8 @@ void cut_at_surface(LoadedScene& loaded_scene) {
     loaded_scene.tree = std::make_unique<SceneTree>(loaded_scene.scene.mesh);
 }
 
-/// Whether facets are resolved later, or their size matters: relief has parents of them, tiles numbers,
-/// water bends within them, and sound that scatters again comes from them as from points.
+/// Returns whether facets must stay as they are loaded. Relief has parents of facets, tiles have facet
+/// numbers, and refracted facets bend. Sound that scatters repeatedly treats each facet as a point.
 bool keeps_its_facets(const LoadedScene& loaded_scene) {
   return loaded_scene.is_tiled() || loaded_scene.relief.cell_m > 0 || loaded_scene.scene.water->refracts() ||
          loaded_scene.scene.description.paths.scatterings > 1;
@@ -222,7 +227,7 @@ void merge_planes(LoadedScene& loaded_scene) {
   loaded_scene.tree = std::make_unique<SceneTree>(loaded_scene.scene.mesh);
 }
 
-/// What signals ask of the scene.
+/// Checks the requirements of signals on the scene.
 void check_signals(const Scene& scene, const SensorPings& pings, const SignalModel& model,
                    const Trajectory& trajectory) {
   const SensorDescription& description = pings.sensor->description();
@@ -297,7 +302,7 @@ std::unique_ptr<const Survey> open_survey(const SceneDescription& description, F
         pings_of(*loaded_scene, description.sensors[s],
                  loaded_scene->scene.trajectories[loaded_scene->scene.sensor_trajectory[s]]));
   check_places(*loaded_scene, *sensor_set);
-  // After the look at places, which names what a sensor lies on.
+  // Must follow check_places(), whose messages name the facets under a sensor.
   if (facets == Facets::merged && !keeps_its_facets(*loaded_scene)) {
     merge_planes(*loaded_scene);
     if (coarseness > 0) coarsen(*loaded_scene, *sensor_set, coarseness);

@@ -10,36 +10,37 @@
 
 namespace tubefoot {
 
-/// A site and who pings there. Both are const, and shared: a survey is cheap to copy.
+/// A loaded scene and its sensors with their pings. Both are const and shared, so that a survey is cheap to
+/// copy.
 struct Survey {
   std::shared_ptr<const LoadedScene> loaded_scene;
   std::shared_ptr<const SensorSet> sensor_set;
-  // What of them is asked for most:
+  // Short names for the members that are used most:
   const Scene& scene = loaded_scene->scene;
   const std::vector<SensorPings>& sensors = sensor_set->sensors;
   const std::vector<SharedTransmissions>& transmissions = sensor_set->transmissions;
 };
 
-/// Which facets pings meet.
+/// Which facets the pings use.
 enum class Facets {
   as_given,
-  /// With planes merged (geometry/mesh/merged_planes.hpp): for who wants energies and names no facet. Only
-  /// where facets stay as they are loaded: without relief, refraction and tiles.
+  /// Facets of common planes are merged (geometry/mesh/merged_planes.hpp), for callers that need energies
+  /// and name no facet. This has an effect only for scenes without relief, refraction, tiles and several
+  /// scatterings.
   merged
 };
 
-/// Loads the scene, builds the tree, lays out the pings. `arithmetic` and `threads` are the caller's
-/// business. `coarseness`: of merged facets, the tolerance that they are coarsened to (coarsening.hpp); 0:
-/// not at all. Throws InputError: also where a sensor lies below the seabed. Adds warnings to the scene's
-/// report.
+/// Loads the scene, builds the tree, and places the pings. The caller applies `arithmetic` and `threads`.
+/// `coarseness`: tolerance to which merged facets are coarsened (coarsening.hpp); 0 means no coarsening.
+/// Throws InputError, also for a sensor below the seabed. Adds warnings to the report of the scene.
 std::unique_ptr<const Survey> open_survey(const SceneDescription& description,
                                           Facets facets = Facets::as_given, double coarseness = 0);
 
-/// The same pings on a loaded scene whose mesh has some tiles, too. Throws InputError for a raster that can
-/// no longer be read.
+/// Returns the same pings on a loaded scene whose mesh also contains some tiles. Throws InputError if a
+/// raster can no longer be read.
 Survey survey_with_tiles(const Survey& survey, const TileChoice& choice);
 
-/// dB per metre, one way, for a sensor's frequency in the scene's water.
+/// Returns the absorption in dB per metre, one way, at a sensor's frequency in the scene's water.
 double absorption_db_per_m(const Scene& scene, const Sensor& sensor);
 
 }  // namespace tubefoot

@@ -14,6 +14,9 @@
 #include "run/paths.hpp"
 #include "run/refraction.hpp"
 
+// This file finds the tiles that a ping may need (docs/big-terrain.md). It searches the bounding boxes of
+// tiles in the view of the ping's tubes and within the reach of its paths.
+
 namespace tubefoot {
 namespace {
 
@@ -25,8 +28,8 @@ void add_facet(FacetMesh& mesh, GridPoint lo, GridPoint hi) {
   mesh.facets.push_back({first, first + 1, first});
 }
 
-/// No path over mirrors has to do with what is farther from where it begins: unfolded, it is as long as an
-/// image looks far. What scatters once more begins anew.
+/// Returns the largest distance of a path over mirrors from its start. The unfolded path is as long as the
+/// reach of an image. Each further scattering starts a new path.
 double farthest_of_paths(const PathSettings& settings, double reach) { return reach * settings.scatterings; }
 
 double fastest_m_s(const SoundSpeedProfile& profile) {
@@ -76,7 +79,8 @@ void TilesInView::finish(TileChoice& choice) const {
     const TerrainTiles& terrain = *loaded_scene_.scene.tiled[boxes.component].tiles;
     std::vector<std::uint32_t>& list = choice[boxes.component];
     in_order(list);
-    // An island between holes is a height fields or not by its size: none may be cut small.
+    // The size of an island between holes decides whether it is a height field. No island may be truncated,
+    // so that the neighbours of tiles with holes are added.
     std::vector<std::uint32_t> more;
     for (const std::uint32_t tile : list) {
       if (!terrain.tiles()[tile].has_holes) continue;
@@ -120,14 +124,14 @@ TileChoice TilesInView::looked_at(std::span<const Boxes> list, const Transmissio
     std::vector<TubeSet> sets{transmission.tubes()};
     if (transmission.has_separate_receiver())
       sets.push_back(transmission.receive_tubes(transmission.first()));
-    const TubeSet middle = sets.back();  // of a receiver pair
+    const TubeSet middle = sets.back();  // middle of a receiver pair
     if (pings.sensor->has_receiver_pair())
       for (const ReceiverBaseline& receiver_pair :
            pings.sensor->patterns(transmission.receiver_pose(), pings.sound_speed_m_s, number).baselines)
         for (const double end : {1.0, -1.0})
           sets.push_back(moved_along(middle, receiver_pair, end, grid.unit_m()));
     for (const TubeSet& tubes : sets) {
-      // How much farther a ray may come than its range says.
+      // Ratio by which a ray may travel farther than its range indicates.
       double stretch = 1;
       if (scene.water->refracts()) {
         const ApparentMap apparent_map = apparent_map_of(loaded_scene_, pings, grid.to_metres(tubes.apex));
@@ -136,8 +140,9 @@ TileChoice TilesInView::looked_at(std::span<const Boxes> list, const Transmissio
           boxes.add_to(choice, view_bounds.facets(boxes.mesh, *boxes.tree, grid, lift_m_));
         stretch = fastest_m_s(scene.water->profile()) / apparent_map.reference_speed_m_s();
       } else {
-        // Without ground of its own a transmission knows which sheets it sees from above, which what is under
-        // and over its tubes may change: docs/big-terrain.md
+        // Without a surface of its own, a transmission uses the height fields of the loaded scene, which it
+        // sees from above. Tiles above and below its tubes may change these height fields
+        // (docs/big-terrain.md).
         const Sector sector(tubes, grid.unit_m());
         for (const Boxes& boxes : list)
           boxes.add_to(choice,
@@ -225,7 +230,7 @@ const Transmissions& TransmissionsAround::at(const SharedTransmissions& group, s
   if (!view_) return transmissions_;
   TileChoice tiles = view_->of(transmissions_, group, ping);
   if (!part_ || tiles != tiles_) {
-    part_.reset();  // before the next one is loaded
+    part_.reset();  // before the next part is loaded
     part_ = std::make_unique<const Transmissions>(survey_with_tiles(transmissions_.survey(), tiles),
                                                   transmissions_.request());
     tiles_ = std::move(tiles);

@@ -15,32 +15,33 @@
 
 namespace tubefoot {
 
-/// Which tiles of a loaded scene's terrain a ping may have to do with: all whose facets could be candidates
-/// of a tube, carry relief that a transmission refines, or be met by its paths. With only these in the mesh,
-/// a ping computes what it would with all of them, to the last bit (docs/big-terrain.md says why).
+/// Finds the tiles of a loaded scene's terrain that a ping may need. These are all tiles whose facets could
+/// be candidates of a tube, carry relief that a transmission refines, or be met by its paths. With these
+/// tiles alone in the mesh, a ping has the same result as with all tiles, to the last bit
+/// (docs/big-terrain.md contains the reason).
 class TilesInView {
  public:
-  /// The site outlives this.
+  /// The loaded scene must outlive this object.
   explicit TilesInView(const LoadedScene& loaded_scene);
 
-  /// Of a ping of a group of these transmissions, which are of this site.
+  /// Returns the tiles for a ping of a group. The transmissions must belong to this loaded scene.
   TileChoice of(const Transmissions& transmissions, const SharedTransmissions& group, std::size_t ping) const;
-  /// The components in the mesh, of which the ping may have to do with a facet.
+  /// Returns the components in the mesh of which the ping may need a facet.
   std::vector<std::size_t> components_of(const Transmissions& transmissions, const SharedTransmissions& group,
                                          std::size_t ping) const;
-  /// Those with facets that come into a box.
+  /// Returns the tiles with facets that meet a box.
   TileChoice within(glm::dvec3 lo_m, glm::dvec3 hi_m) const;
-  /// Those with facets above or below a place, before or after relief moves them.
+  /// Returns the tiles with facets above or below a position, before or after relief moves them.
   TileChoice below(glm::dvec3 place_m) const;
-  /// In their tiles; about so many where relief is refined with them.
+  /// Returns the number of facets in the tiles; approximate if relief is refined with them.
   std::uint64_t facets(const TileChoice& choice) const;
 
  private:
-  /// Tiles as facets with the same boxes, so that what asks for facets finds tiles.
+  /// Tiles as facets with the same bounding boxes, so that a search for facets finds tiles.
   struct Boxes {
     std::size_t component;
     std::vector<std::uint32_t> tile;  ///< by facet
-    FacetMesh mesh, columns;          ///< columns: however high and low
+    FacetMesh mesh, columns;          ///< columns: boxes of unlimited height
     std::unique_ptr<SceneTree> tree, column_tree;
 
     void add(std::uint32_t number, const WorldGrid& grid, glm::dvec3 lo_m, glm::dvec3 hi_m);
@@ -51,28 +52,28 @@ class TilesInView {
   void finish(TileChoice& choice) const;
 
   const LoadedScene& loaded_scene_;
-  double lift_m_;  ///< of relief, and the grid's rounding
+  double lift_m_;  ///< largest relief, and the rounding of the grid
   std::vector<Boxes> boxes_;
-  std::vector<Boxes> rest_;  ///< of the components that are not tiled, one each
+  std::vector<Boxes> rest_;  ///< components without tiles, one each
 };
 
-/// A survey that one ping can be seen in: the transmissions' own, or, where terrain is read by tiles, one
-/// with those that the ping needs.
+/// Returns a survey with all facets that one ping may see. It is the survey of the transmissions, or, for
+/// terrain that is read by tiles, a survey with the tiles that the ping needs.
 Survey survey_around(const Transmissions& transmissions, const SharedTransmissions& group, std::size_t ping);
 
-/// Calls `look` with scenes that have the tiles between them that come into a box, a row of tiles at a time,
-/// and all that is not tiled each; not at all for a survey that is not tiled.
+/// Calls `look` with scenes that together contain the tiles that meet a box, one row of tiles at a time.
+/// Each scene also contains everything that is not tiled. Does nothing for a survey without tiles.
 void for_tiles_within(const Survey& survey, glm::dvec3 lo_m, glm::dvec3 hi_m,
                       const std::function<void(const Scene&)>& look);
 
-/// A survey's transmissions, for who asks ping by ping: where terrain is read by tiles, those of
-/// survey_around().
+/// A survey's transmissions for callers that process single pings. If terrain is read by tiles, they belong
+/// to survey_around().
 class TransmissionsAround {
  public:
-  /// The transmissions outlive this.
+  /// The transmissions must outlive this object.
   explicit TransmissionsAround(const Transmissions& transmissions);
-  /// Transmissions of the survey that this ping can be seen in, which live until another ping is asked for.
-  /// Throws InputError for a raster that can no longer be read.
+  /// Returns transmissions of a survey with all facets that this ping may see. They stay valid until another
+  /// ping is requested. Throws InputError if a raster can no longer be read.
   const Transmissions& at(const SharedTransmissions& group, std::size_t ping);
 
  private:

@@ -10,11 +10,14 @@
 #include "run/labels.hpp"
 #include "run/transmission_rays.hpp"
 
+// This file implements the interface from a survey to one transmission: its tubes, surface mesh, visibility
+// and echoes.
+
 namespace tubefoot {
 namespace {
 
-/// Half of the path from transmitter to receiver is no less than the range from either of them, less half of
-/// the way between them.
+/// Extends the reach for a separate receiver. Half of the path from transmitter to receiver is no less than
+/// the range from either of them, minus half of the distance between them.
 TubeSet reaching_beyond(const Transmission& transmission, const SensorPings& pings, TubeSet set) {
   set.reach += glm::distance(pings.transmission_pose(transmission.ping(), transmission.number()).position_m,
                              pings.receiver_pose(transmission.ping(), transmission.number()).position_m) /
@@ -73,8 +76,8 @@ TubeSet Transmission::receive_tubes(std::size_t s) const {
 std::vector<Look> Transmission::looks(std::span<const TubeSet> tubes) const {
   double nearest = pings().sensor->samples().first_m;
   for (const std::size_t s : group_.sensors) nearest = std::min(nearest, sensor(s).samples().first_m);
-  if (tubes.size() >
-      1)  // half the path is longer than the way from the nearer end by up to half of what lies between
+  if (tubes.size() > 1)  // half of the path may exceed the distance from the nearer end by up to half of the
+                         // distance between the ends
     nearest = std::max(nearest - glm::distance(pose().position_m, receiver_pose().position_m) / 2, 0.0);
   std::vector<Look> looks;
   for (const TubeSet& set : tubes) looks.push_back({&set, nearest, sample_length_m()});

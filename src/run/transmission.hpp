@@ -16,14 +16,14 @@
 #include "run/survey.hpp"
 #include "run/transmission_surface.hpp"
 
-// The one way from a survey to what a transmission meets and returns: whatever computes, proves, draws or
-// writes a ping asks its transmissions.
+// This header declares the only interface from a survey to the surface and the echoes of a transmission. All
+// code that computes, certifies, draws or writes a ping uses its transmissions.
 namespace tubefoot {
 
 class Transmission;
 class LabelChannels;
 
-/// The transmissions of a survey, as one run asks for them, and what they share. Thread-safe.
+/// The transmissions of a survey for one run, and the objects that they share. Thread-safe.
 class Transmissions {
  public:
   Transmissions(Survey survey, RunRequest request);
@@ -33,24 +33,25 @@ class Transmissions {
 
   const Survey& survey() const { return survey_; }
   const RunRequest& request() const { return request_; }
-  /// Null where it is not asked for.
+  /// Returns the channels of the labels; null if the run does not request labels.
   const LabelChannels* labels() const { return labels_.get(); }
-  /// Transmission `number` of a ping of one of the survey's groups. This outlives it.
+  /// Returns transmission `number` of a ping of one of the survey's groups. This object must outlive it.
   Transmission of(const SharedTransmissions& group, std::size_t ping, std::size_t number) const;
-  /// The one that a sensor takes part in.
+  /// Returns a transmission that a sensor receives.
   Transmission received_by(std::size_t sensor, std::size_t ping, std::size_t number) const;
 
  private:
   friend class Transmission;
   const Survey survey_;
   const RunRequest request_;
-  const TransmissionSurface whole_;  ///< the loaded scene's own facets
-  const TubeEngine engine_;  ///< of these: keeps its threads' buffers from transmission to transmission
+  const TransmissionSurface whole_;  ///< the facets of the loaded scene itself
+  /// engine for these facets, which keeps its threads' buffers from transmission to transmission
+  const TubeEngine engine_;
   const std::unique_ptr<const LabelChannels> labels_;
 };
 
-/// One transmission of the sensors of a group. Its ground is made when it is first asked for, by one thread,
-/// and kept.
+/// One transmission of the sensors of a group. The first call of surface_mesh() makes its surface mesh,
+/// which the transmission then keeps. That call must come from one thread.
 class Transmission {
  public:
   Transmission(const Transmissions& transmissions, const SharedTransmissions& group, std::size_t ping,
@@ -66,55 +67,61 @@ class Transmission {
   const SharedTransmissions& group() const { return group_; }
   std::size_t ping() const { return ping_; }
   std::size_t number() const { return number_; }
-  /// "transmission 0 of ping 3 of sensor 'a'", for messages.
+  /// Returns "transmission 0 of ping 3 of sensor 'a'", for messages.
   std::string name() const;
 
-  /// Of the group's first sensor: places, times and tubes are all its sensors'.
+  /// Returns the first sensor of the group. Positions, times and tubes are the same for all its sensors.
   std::size_t first() const { return group_.sensors.front(); }
   const SensorPings& pings() const { return survey().sensors[first()]; }
   const Sensor& sensor(std::size_t s) const { return *survey().sensors[s].sensor; }
   const Pose& pose() const { return pings().transmission_pose(ping_, number_); }
   const Pose& receiver_pose() const { return pings().receiver_pose(ping_, number_); }
-  /// A receiver that is apart shares its transmissions with nobody.
+  /// Returns whether the receiver is separate. A sensor with a separate receiver shares its transmissions
+  /// with no other sensor.
   bool has_separate_receiver() const { return pings().sensor->has_separate_receiver(); }
-  /// The shortest range sample of its sensors'.
+  /// Returns the shortest range sample of the group's sensors.
   double sample_length_m() const;
 
-  /// With the largest reach of its sensors.
+  /// Returns the tubes with the largest reach of the group's sensors.
   TubeSet tubes() const;
-  /// As one of its sensors sends them, with its own reach.
+  /// Returns the tubes that one sensor sends, with its own reach.
   TubeSet tubes_of(std::size_t sensor) const;
-  /// Those that a sensor receives in: the same tubes, unless its receiver is apart.
+  /// Returns the tubes of a sensor's receiver. They equal the transmit tubes, unless the receiver is
+  /// separate.
   TubeSet receive_tubes(std::size_t sensor) const;
-  /// What it asks of relief that is refined for it, by its tubes (two sets where the receiver is apart),
-  /// which outlive the looks.
+  /// Returns the requirements on relief that is refined for this transmission, by its tubes. `tubes` has two
+  /// sets for a separate receiver, and must outlive the result.
   std::vector<Look> looks(std::span<const TubeSet> tubes) const;
-  /// The facets that it meets, for all its sensors, and for a receiver that is apart. Throws InputError where
-  /// that takes too many.
+  /// Returns the facets that this transmission meets, for all its sensors and a separate receiver. Throws
+  /// InputError if there are too many facets.
   const TransmissionSurface& surface_mesh() const;
-  /// How a sensor receives the surface.
+  /// Returns the model by which a sensor receives the echoes of the surface.
   SensorModel model(std::size_t sensor) const { return {*this, surface_mesh(), sensor}; }
 
-  /// What its tubes see, those that are `wanted`, or others from the same place (TubeEngine).
+  /// Returns the history of its tubes, limited to the `wanted` tubes, or of other tubes from the same apex
+  /// (TubeEngine).
   History trace(std::size_t* candidates = nullptr, bool measured = true,
                 const std::vector<bool>& wanted = {}) const;
   History trace(TubeSet tubes, std::size_t* candidates = nullptr, bool measured = true) const;
-  /// What transmitter and receiver, apart, both see in isovelocity water.
+  /// Returns the common visibility of transmitter and separate receiver in isovelocity water.
   BistaticHistory trace_both() const;
-  /// The same by rays, in portions.
+  /// Samples the common visibility by rays, in portions.
   void trace_rays_of_both(const RayScene& scene, const RaySettings& settings,
                           const std::function<void(const BistaticHistory&)>& take) const;
-  /// What a fan's transmitter and the two receivers on its receiver pair see.
+  /// Returns the common visibility of a fan's transmitter and the two receivers of its receiver pair.
   ReceiverPairHistory trace_receiver_pair(std::size_t sensor, std::uint32_t fan,
                                           const ReceiverBaseline& receiver_pair) const;
-  /// The closure law for each of its tubes; `label` tells transmissions apart in the hash.
+  /// Checks the closure law for each of its tubes. `label` distinguishes transmissions in the hash.
   std::vector<TubeAudit> audit(std::uint64_t label) const;
 
-  /// The beams of a transmission that a sensor receives in (Sensor::beams_of_transmission).
+  /// Returns the number of beams of this transmission that a sensor receives
+  /// (Sensor::beams_of_transmission).
   int beams(std::size_t s) const { return static_cast<int>(sensor(s).beams_of_transmission(number_).size()); }
-  /// Which beams receive what; `fans`, which outlives it, is the sensor's fan_of_tube().
+  /// Returns the assignment of beams to tubes. `fans`: the sensor's fan_of_tube(), which must outlive the
+  /// result.
   ReceiveBeams beams_by_fans(std::size_t sensor, const std::vector<std::uint32_t>& fans) const;
-  /// What a sensor receives of what is seen, by a law of this transmission.
+  /// Returns the echo that a sensor receives from the common visibility, by an echo model of this
+  /// transmission.
   Echo echo(const CommonVisibility& visibility, std::size_t sensor, const EchoModel& model) const;
   ReceiverPairEcho echo(const ReceiverPairHistory& history, std::size_t sensor, std::uint32_t fan,
                         const SensorModel& model) const;
@@ -126,7 +133,7 @@ class Transmission {
   const SharedTransmissions& group_;
   std::size_t ping_, number_;
   mutable std::optional<TransmissionSurface> surface_mesh_;
-  mutable std::optional<TubeEngine> own_engine_;  ///< of ground of its own
+  mutable std::optional<TubeEngine> own_engine_;  ///< engine for a surface mesh of its own
 };
 
 }  // namespace tubefoot

@@ -13,32 +13,34 @@
 
 namespace tubefoot {
 
-/// One end of a transmission's paths: its tubes, and the seabed as they see it.
+/// One end of a transmission's paths: its tubes, and the seabed from its view.
 struct TransmissionEnd {
   TubeSet tubes;
   const FacetMesh* mesh = nullptr;
   const SceneTree* tree = nullptr;
-  const RefinedMesh* refined = nullptr;  ///< the mesh as parts of the scene's facets; null: those themselves
-  const ApparentSurface* apparent = nullptr;  ///< null where facets are where they seem to be
-  /// By facet: the same one's name for the other end, where both ends have meshes of their own; else empty.
+  /// the mesh as parts of the scene's facets; null: the scene's facets themselves
+  const RefinedMesh* refined = nullptr;
+  const ApparentSurface* apparent = nullptr;  ///< null if apparent and true positions are equal
+  /// By facet: the shared name of this facet at both ends, if each end has its own mesh. Otherwise empty.
   std::span<const FacetId> name{};
   const LoadedScene* loaded_scene =
-      nullptr;  ///< whose facets these are; null: they are the transmission's own
+      nullptr;  ///< scene to which these facets belong; null: the facets are the transmission's own
 
   FacetId name_of(FacetId facet) const { return name.empty() ? facet : name[facet]; }
-  /// What a facet of that name is called: of the loaded scene's own, its number in all of the scene.
+  /// Returns the number of a facet with that name: its number in the whole scene, if it is a facet of the
+  /// loaded scene.
   FacetId number_of_name(FacetId shared) const {
     return loaded_scene == nullptr ? shared : loaded_scene->number_of(shared);
   }
   FacetId number_of(FacetId facet) const { return number_of_name(name_of(facet)); }
 };
 
-/// The ends of a transmission's paths, and what they see: one, or two where the receiver is apart. The
-/// transmission outlives them.
+/// The ends of a transmission's paths and their visibility: one end, or two for a separate receiver. The
+/// transmission must outlive this object.
 class TransmissionEnds {
  public:
-  /// With one end: tubes as that sensor sends them. `weights`: with RefinedMesh::weights about the scene's
-  /// facets. Throws as Transmission::ground().
+  /// With one end, the tubes are those that `sensor` sends. `weights`: whether to compute
+  /// RefinedMesh::weights relative to the scene's facets. Throws the errors of Transmission::surface_mesh().
   TransmissionEnds(const Transmission& transmission, std::size_t sensor, bool weights = false);
   TransmissionEnds(const TransmissionEnds&) = delete;
   TransmissionEnds& operator=(const TransmissionEnds&) = delete;
@@ -47,22 +49,24 @@ class TransmissionEnds {
   const TransmissionEnd& tx() const { return ends_.front(); }
   const TransmissionEnd& rx() const { return ends_.back(); }
   std::span<const TransmissionEnd> all() const { return ends_; }
-  /// Facets of what two ends see together, and, in refracting water, where each sees them; null in even
-  /// water.
+  /// Returns the facets of the common visibility of two ends. The function apparent_pair() returns their
+  /// apparent positions from each end; it returns null in isovelocity water.
   const FacetMesh& shared_mesh() const { return pair_ ? pair_->apparent.mesh : *tx().mesh; }
-  /// Of the scene without relief, a facet of that, by its number in all of the scene.
+  /// Returns the facet of the scene without relief that contains a shared facet, by its number in the whole
+  /// scene.
   FacetId base_facet(FacetId shared) const;
   const ApparentPair* apparent_pair() const { return pair_ ? &pair_->apparent : nullptr; }
 
-  /// What two ends see, each by itself and together, from one look of each.
+  /// Visibility from two ends, separately and in common, with one computation per end.
   struct Seen {
     std::vector<History> alone;
     PathFootprints together;
   };
   Seen seen() const;
-  /// How the transmission receives what two ends see together.
+  /// Returns the model by which the transmission receives the common visibility of two ends.
   std::unique_ptr<SensorModel> model(std::size_t sensor) const;
-  /// The laws of both; `label` tells transmissions apart in the hash.
+  /// Checks the closure laws of each end and of their common visibility. `label` distinguishes transmissions
+  /// in the hash.
   BistaticAudit audit(std::uint64_t label) const;
 
  private:
@@ -73,8 +77,8 @@ class TransmissionEnds {
   const Transmission& transmission_;
   std::optional<TransmissionSurface> surface_mesh_;  ///< with weights
   std::optional<RefractedPair> pair_;
-  std::vector<FacetId> pair_parent_;               ///< by facet of the pair's mesh: the scene's
-  std::vector<std::unique_ptr<SceneTree>> trees_;  ///< of the pair
+  std::vector<FacetId> pair_parent_;               ///< by facet of the pair's mesh: the facet of the scene
+  std::vector<std::unique_ptr<SceneTree>> trees_;  ///< trees of the pair
   std::vector<TransmissionEnd> ends_;
 };
 

@@ -26,7 +26,7 @@ TransmissionImages::TransmissionImages(const Transmission& transmission, std::si
   if (transmission.scene().water->refracts())
     water_.emplace(path_water(transmission, s, ends_.transmit.reach * grid.unit_m()));
   if (water_) water_->limits.weights = weights;
-  // Images in refracting water make apparent grounds of their own.
+  // In refracting water, images make apparent surfaces of their own.
   if (water_ || (weights && transmission.loaded_scene().has_surface_per_transmission()))
     lying_.emplace(lying_surface_of(transmission, weights));
   VisibilityOptions options = transmission.request().visibility;

@@ -13,21 +13,21 @@
 
 namespace tubefoot {
 
-/// Whether [paths] asks for paths of that order.
+/// Returns whether [paths] requests paths of that order.
 bool is_order_wanted(const Scene& scene, std::size_t order);
 
-/// Where a sensor's own paths begin and end: its range says how far they go.
+/// Start and end of a sensor's own paths. The range of the sensor limits their length.
 struct PathEnds {
   TubeSet transmit, receive;
   PathEnds(const Transmission& transmission, std::size_t sensor);
 };
 
-/// The images of a transmission's ends, for what a sensor receives over mirrors and scattered once. The
-/// transmission outlives them.
+/// The images of a transmission's ends, for echoes that a sensor receives over mirrors with one scattering.
+/// The transmission must outlive this object.
 class TransmissionImages {
  public:
-  /// `settings`: path_settings() of the sensor. `open_water`: whether images tell what they see of it,
-  /// `weights` as TransmissionEnds(). Throws InputError where there are too many images, or facets.
+  /// `settings`: path_settings() of the sensor. `open_water`: whether images report their unobstructed
+  /// region. `weights`: see TransmissionEnds(). Throws InputError if there are too many images or facets.
   TransmissionImages(const Transmission& transmission, std::size_t sensor, PathSettings settings,
                      PathEnds ends, bool open_water = false, bool weights = false);
   TransmissionImages(const TransmissionImages&) = delete;
@@ -35,7 +35,7 @@ class TransmissionImages {
 
   const PathSettings& settings() const { return settings_; }
   const PathEnds& ends() const { return ends_; }
-  /// Where it lies.
+  /// Returns the surface at its true position.
   const TransmissionSurface& surface_mesh() const { return lying_ ? *lying_ : transmission_.surface_mesh(); }
   const PathImages& images() const { return *images_; }
 
@@ -48,9 +48,9 @@ class TransmissionImages {
   std::unique_ptr<const PathImages> images_;
 };
 
-/// Calls `use` with what holds of the paths of a transmission that are scattered once over mirrors, for each
-/// of its sensors that has any; of a receiver pair for each of its fans and ends. `label` as
-/// Transmission::audit(). Throws as TransmissionImages.
+/// Calls `use` with the audit of the paths of a transmission that have one scattering and pass mirrors. It
+/// does so for each sensor with such paths, and for each fan and end of a receiver pair. `label`: see
+/// Transmission::audit(). Throws the errors of TransmissionImages.
 void audit_paths(const Transmission& transmission, std::uint64_t label,
                  const std::function<void(const PathAudit&)>& use);
 

@@ -9,7 +9,7 @@
 namespace tubefoot {
 namespace {
 
-/// Tells pings of a survey apart.
+/// Returns a number that distinguishes the pings and transmissions of a survey.
 std::uint64_t label_of(const Transmission& transmission) {
   std::uint64_t label = transmission.ping();
   for (const SharedTransmissions& group : transmission.survey().transmissions) {

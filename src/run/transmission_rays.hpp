@@ -8,14 +8,15 @@
 
 namespace tubefoot {
 
-/// The rays of a transmission: every ping draws its own sample, so that errors of neighbours are independent.
+/// Returns the ray settings of a transmission. Each ping draws its own sample, so that the errors of
+/// neighbouring pings are independent.
 RaySettings rays_of(const Transmission& transmission);
 
-/// What adaptive rays of a transmission go by: the shortest range samples of its sensors, and how bright its
-/// materials are, whatever their law, at 45 degrees.
+/// Returns the criteria of adaptive rays for a transmission. These are the shortest range sample of its
+/// sensors, and the scattering of its materials at 45 degrees for any scattering model.
 RayGuide guide_of(const Transmission& transmission);
 
-/// A transmission's ground, made ready for rays.
+/// The surface of a transmission, prepared for rays.
 class RaySurface {
  public:
   explicit RaySurface(const Transmission& transmission) : loaded_scene_(transmission.loaded_scene()) {

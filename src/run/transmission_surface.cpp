@@ -17,10 +17,13 @@
 #include "run/refraction.hpp"
 #include "run/transmission.hpp"
 
+// This file applies relief to the facets of a scene. It does so offline for the whole seabed, or online for
+// the view of each transmission, and cuts the result at the sea surface.
+
 namespace tubefoot {
 namespace {
 
-/// A facet of a refined seabed with its share of vertices and tree takes some 60 bytes.
+/// A facet of a refined seabed takes about 60 bytes, including its share of vertices and tree.
 constexpr RefinementLimits most_offline{.facets = 100'000'000}, most_per_transmission{.facets = 20'000'000};
 
 std::vector<bool> mirror_materials(const Scene& scene) {
@@ -70,7 +73,7 @@ void check_cell(const Scene& scene, double cell_m) {
     }
   for (const TiledTerrain& terrain : scene.tiled)
     if (terrain.tiles) longest2 = std::max(longest2, std::pow(terrain.tiles->longest_edge_m(), 2));
-  // Neighbours of different size take a few halvings more.
+  // Neighbours of different size need a few more halvings.
   const double finest = std::sqrt(longest2) / std::exp2(deepest_refinement - 4);
   if (cell_m < finest)
     throw InputError(place,
@@ -167,7 +170,8 @@ void lay_relief(LoadedScene& loaded_scene) {
     double longest_m = 0;
     for (const TiledTerrain& terrain : scene.tiled)
       if (terrain.tiles) longest_m = std::max(longest_m, terrain.tiles->longest_edge_m());
-    // The longest edge is halved until it is no cell's; shorter ones are no more often.
+    // Relief halves the longest edge until it is at most a cell long. Shorter edges are halved no more
+    // often.
     for (; longest_m > loaded_scene.relief.cell_m; longest_m /= 2) loaded_scene.relief.parts_a_facet *= 4;
     loaded_scene.relief.file = std::move(file);
     return;

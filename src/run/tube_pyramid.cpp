@@ -12,7 +12,7 @@ glm::dvec3 from(const GridPoint& apex, const GridPoint& p) {
   return {double(p.x) - apex.x, double(p.y) - apex.y, double(p.z) - apex.z};
 }
 
-/// Cuts a convex polygon by the half-space normal . p >= 0.
+/// Clips a convex polygon by the half-space normal . p >= 0.
 void clip(std::vector<glm::dvec3>& polygon, glm::dvec3 normal, std::vector<glm::dvec3>& scratch) {
   scratch.clear();
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -53,7 +53,7 @@ bool TubePyramid::may_meet(const GridPoint& lowest, const GridPoint& highest) co
 const std::vector<glm::dvec3>& TubePyramid::part_of(const FacetMesh& mesh, FacetId facet) {
   polygon_.clear();
   for (const VertexId v : mesh.facets[facet]) polygon_.push_back(from(apex_, mesh.vertices[v]));
-  // The walls of a pyramid bound a second one behind the apex, too.
+  // The side planes of a pyramid also bound a second pyramid behind the apex.
   clip(polygon_, ahead_, scratch_);
   for (const glm::dvec3& normal : inward_) clip(polygon_, normal, scratch_);
   return polygon_;

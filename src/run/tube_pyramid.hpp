@@ -10,17 +10,19 @@
 
 namespace tubefoot {
 
-/// The pyramid of one tube, in doubles: for what is looked at, not for what is seen.
+/// The pyramid of one tube in floating-point arithmetic. It serves to select facets, not to compute
+/// visibility.
 class TubePyramid {
  public:
   TubePyramid(const TubeSet& tubes, std::size_t tube);
 
-  /// Its walls, for SceneTree::query().
+  /// Returns the side planes for SceneTree::query().
   const std::array<SceneTree::HalfSpace, 4>& walls() const { return walls_; }
-  /// Whether a box may meet it.
+  /// Returns whether a box may meet the pyramid.
   bool may_meet(const GridPoint& lowest, const GridPoint& highest) const;
-  /// The part of a facet inside it, whatever hides it: corners from the apex, in grid units; of fewer than
-  /// three, nothing. Good until the next call.
+  /// Returns the part of a facet inside the pyramid, regardless of visibility: corners relative to the apex,
+  /// in grid units. Fewer than three corners mean that no part is inside. The result is valid until the next
+  /// call.
   const std::vector<glm::dvec3>& part_of(const FacetMesh& mesh, FacetId facet);
 
  private:

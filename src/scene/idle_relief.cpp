@@ -13,14 +13,14 @@
 namespace tubefoot {
 namespace {
 
-constexpr double least_sine = 0.05;   ///< of the angle between displacement and facet: 3 degrees
-constexpr double least_share = 0.01;  ///< of a component's area with relief
+constexpr double least_sine = 0.05;   ///< sine of the angle between displacement and facet: 3 degrees
+constexpr double least_share = 0.01;  ///< fraction of a component's area with relief
 
 struct Areas {
   double all = 0, idle = 0;
 };
 
-/// Whether relief that moves the corners in these directions leaves a facet in its plane.
+/// Returns whether relief with these directions at the corners leaves a facet in its plane.
 bool is_idle(glm::dvec3 normal, const std::array<glm::dvec3, 3>& directions) {
   return std::ranges::all_of(directions,
                              [&](glm::dvec3 way) { return std::abs(glm::dot(normal, way)) < least_sine; });

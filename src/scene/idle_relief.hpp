@@ -8,8 +8,8 @@
 
 namespace tubefoot {
 
-/// A warning for each component on which relief moves points within the facets themselves: they stay flat,
-/// and are refined all the same. `scene.report` names the components.
+/// Returns a warning for each component on which relief moves points within the planes of the facets. Such
+/// facets stay flat but are refined. `scene.report` contains the names of the components.
 std::vector<std::string> idle_relief_warnings(const Scene& scene);
 
 }  // namespace tubefoot

@@ -10,7 +10,8 @@
 namespace tubefoot {
 namespace {
 
-/// Some multiple of 5 degrees, with four decimals at least, as nobody writes degrees.
+/// Returns whether a value is a multiple of 5 degrees in radians with at least four decimals. Values in
+/// degrees rarely have so many decimals.
 bool looks_like_radians(double value) {
   const std::string text = fmt::format("{}", value);
   const std::size_t point = text.find('.');

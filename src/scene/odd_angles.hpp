@@ -8,8 +8,8 @@
 
 namespace tubefoot {
 
-/// Warnings of angles that are round ones in radians, as 1.5708 and -0.785398 are: they count degrees. Of
-/// objects, trajectories and the mounting of sensors.
+/// Returns warnings for angles that are probably radians because they are round in radians, such as 1.5708
+/// or -0.785398. Keys expect degrees. The check covers objects, trajectories and the mounting of sensors.
 std::vector<std::string> odd_angles(const SceneDescription& description);
 
 }  // namespace tubefoot

@@ -10,17 +10,17 @@
 
 namespace tubefoot {
 
-/// When a sensor pings: an interval apart from its first ping on. On the lines of a survey it begins anew at
-/// the beginning of each, and pings until the line ends; what is asked for are the first of all these.
+/// Times of a sensor's pings, at equal intervals from its first ping. On the lines of a survey, the pings
+/// begin again at the beginning of each line and end with it. `pings` limits their total number.
 class PingTimes {
  public:
-  /// Throws InputError at the sensor's place for pings before or after its trajectory, for more than the
-  /// lines hold, and for lines that hold none or more than 10^7.
+  /// Throws InputError at the sensor's place for pings outside of its trajectory. It also throws if the
+  /// lines hold no pings, fewer than requested, or more than 10^7.
   PingTimes(const SensorDescription& sensor, const Trajectory& trajectory,
             const std::string& trajectory_name);
 
   std::size_t count() const { return count_; }
-  /// Calls `take` with the time of each ping [s].
+  /// Calls `take` with the time of each ping in s.
   template <class Take>
   void each(const Take& take) const {
     for (std::size_t line = 0; line < starts_.size(); ++line)
@@ -29,7 +29,8 @@ class PingTimes {
   }
   std::vector<double> times_s() const;
   double first_s() const { return first_s_.front(); }
-  /// The first ping of each line of a survey that has pings; empty: its track is not divided.
+  /// Returns the first ping of each line of a survey that has pings; empty if the track is not divided into
+  /// lines.
   std::vector<std::size_t> line_starts() const { return divided_ ? starts_ : std::vector<std::size_t>{}; }
 
  private:

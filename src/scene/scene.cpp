@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Loads a scene from its description: terrains, objects, materials, water and trajectories. The components
+// are placed in the local frame and rounded to one integer grid that holds them all.
+
 #include "scene/scene.hpp"
 
 #include <fmt/core.h>
@@ -37,7 +41,7 @@
 namespace tubefoot {
 namespace {
 
-// An error in a file that the scene names: both places are reported.
+// Reports both places of an error in a file that the scene names.
 template <typename Read>
 auto named_at(const SourcePlace& place, Read read) {
   try {
@@ -71,7 +75,7 @@ bool is_curved(const ObjectDescription& object) {
 
 NamedMesh object_mesh(const SceneDescription& scene, const ObjectDescription& object) {
   if (object.facets) return {*object.facets, {}, {}};
-  // The chord error is that of the facets in the scene, after scaling.
+  // The chord error refers to the facets in the scene, after scaling.
   const double chord_error = facet_fineness(scene, object).chord_error_m /
                              *std::max_element(object.scale.begin(), object.scale.end());
   struct {
@@ -94,7 +98,8 @@ NamedMesh object_mesh(const SceneDescription& scene, const ObjectDescription& ob
   return std::visit(make, object.kind);
 }
 
-// Where the sensor is at each of its pings, which is also the check that its trajectory covers them.
+// Returns the extent of the sensor's positions at its pings. PingTimes also checks that the trajectory
+// covers the pings.
 Extent sensor_positions(const SensorDescription& sensor, const TrajectoryDescription& described,
                         const Trajectory& trajectory) {
   Extent box;
@@ -112,10 +117,10 @@ struct LoadedComponent {
   ComponentMesh mesh;
   std::uint16_t material = 0;
   bool is_file = false;
-  std::vector<std::uint16_t> facet_materials = {};  // of a material map or a mesh's names
+  std::vector<std::uint16_t> facet_materials = {};  // from a material map or from the names in a mesh file
 };
 
-// What the grid must hold of one component or sensor, for the message when it does not fit.
+// Extent of one component or sensor in the grid, for the message if it does not fit.
 struct Part {
   std::string name;
   SourcePlace place;
@@ -128,7 +133,7 @@ bool has_mirrors(const SceneDescription& description) {
          std::any_of(materials.begin(), materials.end(), [](const auto& m) { return m.specular_loss_db; });
 }
 
-/// What the grid has to hold.
+/// Returns the extent that the grid must hold.
 Extent grid_box(const SceneDescription& description, const std::vector<Part>& parts) {
   Extent box;
   for (const Part& part : parts) {
@@ -137,7 +142,8 @@ Extent grid_box(const SceneDescription& description, const std::vector<Part>& pa
   }
   if (parts.empty()) box.add(glm::dvec3(0));
   if (description.sea_surface) box.add({box.lo_m.x, box.lo_m.y, description.sea_surface->height_m});
-  // An image apex is as far away as the way that its mirrors fold up, which crosses the scene once for each.
+  // The distance of an image apex is the length of the unfolded path, which crosses the scene once per
+  // mirror.
   if (has_mirrors(description)) {
     const double beyond = description.paths.order * glm::distance(box.lo_m, box.hi_m);
     box.lo_m -= beyond;
@@ -146,11 +152,11 @@ Extent grid_box(const SceneDescription& description, const std::vector<Part>& pa
   return box;
 }
 
-/// Of the finest grid that [run] may ask for.
+/// Returns the exponent of the finest grid that [run] may request.
 int finest_exponent(const Extent& box) {
   for (int exponent = finest_grid_exponent; exponent > 0; --exponent) try {
       return WorldGrid::with_exponent(exponent, box.lo_m, box.hi_m).exponent();
-    } catch (const GridRangeError&) {  // the next one
+    } catch (const GridRangeError&) {  // try the next exponent
     }
   return 0;
 }
@@ -163,7 +169,7 @@ WorldGrid grid_for(const SceneDescription& description, const std::vector<Part>&
                     : WorldGrid::fitting(box.lo_m, box.hi_m);
   } catch (const GridRangeError& error) {
     if (parts.empty()) throw InputError(description.run.place, error.what());
-    // The culprit is most likely the one that reaches furthest out.
+    // The cause is most likely the part with the largest coordinates.
     const auto reach = [](const Part& part) {
       const glm::dvec3 r = glm::max(glm::abs(part.box.lo_m), glm::abs(part.box.hi_m));
       return std::max({r.x, r.y, r.z});
@@ -269,7 +275,8 @@ class Loader {
       scene.reflectivity.push_back(load_reflectivity(m, frame_.value_or(LocalFrame()), report_.warnings));
       scene.material_reflection.push_back(m.specular_loss_db ? std::pow(10.0, -*m.specular_loss_db / 10) : 0);
     }
-    // What a fluid makes of a phase depends on the angle, which mirrors do not know: as of what is rigid.
+    // The phase of a reflection at a fluid depends on the angle, which mirrors do not consider. The fluid
+    // counts as rigid.
     for (const std::optional<SmoothSurface>& surface : scene.smooth)
       scene.mirror_phase.push_back(surface && !surface->fluid && surface->reflection != 0.0
                                        ? surface->reflection / std::abs(surface->reflection)
@@ -288,7 +295,7 @@ class Loader {
 
  private:
   void load_components() {
-    std::vector<ComponentMesh> terrains;  // objects may stand on them
+    std::vector<ComponentMesh> terrains;  // objects may stand on these terrains
     for (const TerrainDescription& t : description_.terrains) {
       if (!named_at(t.place, [&] { return is_read_by_tiles(t); })) {
         terrains.push_back(terrain_mesh(t, frame_));
@@ -372,7 +379,7 @@ class Loader {
     return extent;
   }
 
-  /// Of all terrains, at some places; `who` asks.
+  /// Returns the heights of all terrains at some positions. `who` is the place of the request.
   std::vector<std::optional<double>> heights_m(const SourcePlace& who,
                                                std::span<const ComponentMesh> terrains,
                                                std::span<const glm::dvec2> places) const {
@@ -388,13 +395,13 @@ class Loader {
         for (const std::size_t k : here) some.push_back(places[k]);
         const auto of_patch = terrain_heights_m({&patch, 1}, some);
         for (std::size_t k = 0; k < here.size(); ++k)
-          heights[here[k]] = std::max(heights[here[k]], of_patch[k]);  // nothing is below all heights
+          heights[here[k]] = std::max(heights[here[k]], of_patch[k]);  // std::nullopt is less than any height
       }
     }
     return heights;
   }
 
-  /// Of the component that was added last.
+  /// Reports the tiles of the component that was added last.
   void report_tiles(TiledTerrain& terrain, std::uint16_t material) {
     terrain.material = material;
     const TerrainTiles& tiles = *terrain.tiles;
@@ -407,7 +414,7 @@ class Loader {
     report_.warnings.insert(report_.warnings.end(), tiles.warnings().begin(), tiles.warnings().end());
   }
 
-  /// Where depths count from.
+  /// Height from which depths count.
   double surface_height_m() const {
     return description_.sea_surface ? description_.sea_surface->height_m
                                     : description_.water.surface_height_m.value_or(0);
@@ -415,7 +422,7 @@ class Loader {
 
   bool is_tiled(std::size_t component) const { return !tiled_.empty() && tiled_[component].tiles; }
 
-  /// Displaced facets have to fit the grid, too.
+  /// Enlarges the extents, because displaced facets must fit the grid as well.
   void make_room_for(const std::vector<std::shared_ptr<const ElevationField>>& relief) {
     double largest_m = 0;
     for (const auto& field : relief)
@@ -444,7 +451,7 @@ class Loader {
   void build_mesh(Scene& scene) {
     double facets = 0;
     for (const LoadedComponent& c : components_) facets += static_cast<double>(c.mesh.triangles.size());
-    // What they are read into is already taken.
+    // The input buffers are already allocated.
     constexpr double bytes_as_read = 24;
     require_memory((bytes_a_facet - bytes_as_read) * facets, {description_.file.string(), 0, 0},
                    fmt::format("the scene's {:.3g} facets", facets),
@@ -456,7 +463,7 @@ class Loader {
       builder.add(c.mesh.points_m, c.mesh.triangles, c.material, static_cast<std::uint16_t>(i));
       given_m2.push_back(area_m2(c.mesh.points_m, c.mesh.triangles));
       c.facet_materials = std::move(c.mesh.materials);
-      c.mesh = {};  // millions of facets need not be held twice
+      c.mesh = {};  // frees the memory, because millions of facets need not exist twice
     }
     scene.mesh = builder.finish(report_.mesh);
     FacetId first = 0;
@@ -477,7 +484,7 @@ class Loader {
   }
 
   const SceneDescription& description_;
-  std::optional<LocalFrame> frame_;  // unset: the first raster settles it
+  std::optional<LocalFrame> frame_;  // if empty, the first raster determines it
   std::vector<Part> parts_;
   std::vector<LoadedComponent> components_;
   std::vector<TiledTerrain> tiled_;

@@ -23,17 +23,18 @@
 
 namespace tubefoot {
 
-/// What loading one component met.
+/// Results of loading one component.
 struct ComponentReport {
   std::string name;
-  std::size_t facets_in_file = 0;  ///< triangles the source holds (polygons counted as their triangles)
-  std::size_t facets = 0;          ///< facets in the scene: equal, but for a material map's cuts
-  std::size_t cut_facets = 0;      ///< facets of the source that a material map cuts
-  std::size_t hole_cells = 0;      ///< raster cells left open because a corner has no data
-  std::size_t kept_outside_halfedge = 0;  ///< facets that OpenMesh refused and that take part all the same
-  std::vector<NamedFacets> names;         ///< in the order of the file
-  glm::dvec3 lo_m{0}, hi_m{0};            ///< extent in the local frame
-  FacetFineness fineness;                 ///< of a curved object; else 0
+  std::size_t facets_in_file = 0;  ///< triangles in the source (polygons count as their triangles)
+  std::size_t facets = 0;      ///< facets in the scene: the same number, except after cuts by a material map
+  std::size_t cut_facets = 0;  ///< facets of the source that a material map cuts
+  std::size_t hole_cells = 0;  ///< raster cells without facets because a corner has no data
+  std::size_t kept_outside_halfedge =
+      0;                           ///< facets that OpenMesh rejected; they are in the scene all the same
+  std::vector<NamedFacets> names;  ///< in the order of the file
+  glm::dvec3 lo_m{0}, hi_m{0};     ///< extent in the local frame
+  FacetFineness fineness;          ///< of a curved object; otherwise 0
 };
 
 struct SceneReport {
@@ -46,43 +47,44 @@ class TerrainMap;
 
 /// A terrain that is read by tiles.
 struct TiledTerrain {
-  std::shared_ptr<const TerrainTiles> tiles;  ///< null: a component that is in the scene's mesh
+  std::shared_ptr<const TerrainTiles> tiles;  ///< null for a component in the scene's mesh
   std::uint16_t material = 0;
-  std::shared_ptr<const TerrainMap> map;  ///< null: all of it is of this material
+  std::shared_ptr<const TerrainMap> map;  ///< null if all of the terrain has this material
 };
 
-/// Everything a run needs, loaded and immutable.
+/// All data of a run, loaded and immutable.
 struct Scene {
   SceneDescription description;
   WorldGrid grid;
   FacetMesh mesh;
-  LocalFrame frame;                         ///< where the local frame lies on Earth, if the scene says so
-  std::vector<double> material_mu;          ///< Lambert mu (linear), by material index
-  std::vector<double> material_reflection;  ///< energy that it mirrors, by material: 0 to 1
-  std::vector<std::shared_ptr<const ElevationField>> relief;           ///< by material; null: facets are flat
-  std::vector<std::shared_ptr<const ReflectivityField>> reflectivity;  ///< by material; null: even
-  std::vector<std::shared_ptr<const ScatteringModel>> scattering;      ///< by material; null: Lambert's
-  std::vector<std::optional<SmoothSurface>> smooth;                    ///< by material; none: rough
-  /// By material, what a reflection at it makes of a signal besides its loss: of modulus 1, at all angles.
+  LocalFrame frame;                         ///< position of the local frame on Earth, if the scene states it
+  std::vector<double> material_mu;          ///< Lambert's mu (linear), by material index
+  std::vector<double> material_reflection;  ///< reflected fraction of energy, by material: 0 to 1
+  std::vector<std::shared_ptr<const ElevationField>> relief;  ///< by material; null if facets are flat
+  std::vector<std::shared_ptr<const ReflectivityField>> reflectivity;  ///< by material; null if uniform
+  std::vector<std::shared_ptr<const ScatteringModel>> scattering;  ///< by material; null for Lambert's law
+  std::vector<std::optional<SmoothSurface>> smooth;                ///< by material; empty if rough
+  /// By material, the phase factor of a reflection, of modulus 1. It is the same at all angles and excludes
+  /// the loss.
   std::vector<std::complex<double>> mirror_phase;
   std::shared_ptr<const SceneWater> water;
-  double sound_speed_m_s = 1500;               ///< of isovelocity water; else at the depth that [water] names
-  std::vector<Trajectory> trajectories;        ///< as in the description
-  std::vector<std::size_t> sensor_trajectory;  ///< per sensor: index of its trajectory
-  std::vector<TiledTerrain> tiled;             ///< by component; empty: the mesh holds all of the scene
+  double sound_speed_m_s = 1500;               ///< of isovelocity water; otherwise at the depth in [water]
+  std::vector<Trajectory> trajectories;        ///< in the order of the description
+  std::vector<std::size_t> sensor_trajectory;  ///< index of the trajectory, by sensor
+  std::vector<TiledTerrain> tiled;             ///< by component; empty if the mesh holds the whole scene
   SceneReport report;
 
-  /// What a material reflects in phase; null: it is rough.
+  /// Returns the smooth surface of a material, which reflects in phase; null if the material is rough.
   const SmoothSurface* smooth_surface(std::uint16_t material) const {
     return smooth[material] ? &*smooth[material] : nullptr;
   }
-  /// Of the sea surface, which there must be, in grid units.
+  /// Returns the height of the sea surface in grid units. The scene must have a sea surface.
   std::int32_t surface_height() const {
     return grid.snap({grid.origin_m().x, grid.origin_m().y, description.sea_surface->height_m}).z;
   }
 };
 
-/// Loads every file the description names. Throws InputError (with the place that named the file).
+/// Loads every file that the description names. Throws InputError with the place that names the file.
 Scene load_scene(const SceneDescription& description);
 
 }  // namespace tubefoot

@@ -31,8 +31,8 @@ glm::dvec3 position_of(const ObjectDescription& object, const LocalFrame& frame)
 void place_by_lon_lat(std::span<glm::dvec3> points, const LocalFrame& frame, const SourcePlace& place,
                       const char* without_frame) {
   if (!frame.is_georeferenced()) throw InputError(place, without_frame);
-  // A vertical is not the local up away from a tangent frame's origin: the height that ends at the wanted one
-  // comes second.
+  // Away from the origin of a tangent frame, the vertical is not the local up direction. A second step
+  // corrects the height, so that the point has the given local height.
   std::vector<glm::dvec3> level(points.begin(), points.end());
   for (glm::dvec3& p : level) p.z = 0;
   frame.from_lon_lat(level, place);

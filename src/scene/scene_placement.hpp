@@ -12,16 +12,15 @@
 
 namespace tubefoot {
 
-/// Puts points, which are given by longitude, latitude [degrees] and local height, where they lie in the
-/// local frame; heights stay. Throws InputError at `place`, in the words of `without_frame` for a frame that
-/// does not lie on Earth.
+/// Transforms points with longitude, latitude [degrees] and local height to the local frame; heights stay.
+/// Throws InputError at `place` with the text `without_frame` if the frame has no position on Earth.
 void place_by_lon_lat(std::span<glm::dvec3> points, const LocalFrame& frame, const SourcePlace& place,
                       const char* without_frame);
 
-/// Puts an object where its description says: scales along east, north and up, turns by roll,
-/// pitch and heading, moves to its position, and sets it on the terrain, of which `height_m` tells the height
-/// at a place east and north, if asked to; `extent` says where the terrain is. Throws InputError at the
-/// object's place.
+/// Places an object as its description states: scaling along east, north and up, rotation by roll, pitch
+/// and heading, and translation. If requested, the object then stands on the terrain. `height_m` returns
+/// the height of the terrain at a position east and north, and `extent` describes where the terrain is.
+/// Throws InputError at the object's place.
 void place_object(ComponentMesh& mesh, const ObjectDescription& object, const LocalFrame& frame,
                   const std::function<std::optional<double>(double, double)>& height_m,
                   const std::function<std::string()>& extent);

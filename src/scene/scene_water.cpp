@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Computes the sound-speed profile and the absorption of a scene's water, from formulas, tables or casts
+// (sound_speed.hpp). A cast gives temperature and salinity as functions of depth.
+
 #include "scene/scene_water.hpp"
 
 #include <fmt/core.h>
@@ -33,7 +37,7 @@ double model_db_per_km(const WaterDescription& water, double frequency_khz, doub
                                                       water.ph);
 }
 
-/// Refuses a value outside of [lo, hi] at its place.
+/// Throws InputError at the place of a value outside of [lo, hi].
 void check(const CsvRow& row, std::size_t column, std::string_view name, double lo, double hi) {
   const double value = row.values[column];
   if (!(value >= lo && value <= hi))
@@ -42,7 +46,7 @@ void check(const CsvRow& row, std::size_t column, std::string_view name, double 
 
 void check_depth(const CsvRow& row, bool first, double depth_before_m) {
   check(row, 0, "depth_m", -100, 12000);
-  constexpr double least_step_m = 1e-6;  // nearer to each other, a gradient between them is no number
+  constexpr double least_step_m = 1e-6;  // for smaller steps, the gradient is not a finite number
   if (!first && !(row.values[0] - depth_before_m >= least_step_m))
     throw InputError(row.places[0], fmt::format("depth_m is {} after {}, expected depths that increase",
                                                 row.values[0], depth_before_m));
@@ -83,7 +87,7 @@ std::vector<ProfilePoint> SceneWater::read_table() const {
 
 std::vector<ProfilePoint> SceneWater::read_cast() {
   constexpr std::array<std::string_view, 3> columns = {"depth_m", "temperature_c", "salinity_psu"};
-  // Where the formulas hold: Mackenzie 25 to 40, Leroy up to 42 (engine/water/sound_speed.hpp).
+  // Valid salinities of the formulas: Mackenzie 25 to 40, Leroy up to 42 (engine/water/sound_speed.hpp).
   const bool leroy = description_.sound_speed_formula == "leroy";
   std::vector<ProfilePoint> points;
   read_csv(*description_.profile_file, columns, [&](const CsvRow& row) {
@@ -125,7 +129,7 @@ std::vector<ProfilePoint> SceneWater::points() {
 WaterColumn SceneWater::column(double frequency_khz) const {
   WaterColumn column{profile_, {}};
   for (std::size_t layer = 0; layer < profile_.layers(); ++layer) {
-    // The outermost layers are as at the profile's ends.
+    // The outermost layers use the values at the ends of the profile.
     const std::size_t last = profile_.points().size() - 1;
     const std::size_t above = layer == 0 ? 0 : layer - 1, below = std::min(layer, last);
     double t = description_.temperature_c, s = description_.salinity_psu;

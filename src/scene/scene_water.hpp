@@ -8,22 +8,23 @@
 
 namespace tubefoot {
 
-/// One-way absorption of isovelocity water at a frequency, dB/km, as the description says.
+/// Returns the one-way absorption of isovelocity water at a frequency in dB/km, as described.
 double absorption_db_per_km(const WaterDescription& water, double frequency_khz);
 
-/// A scene's water: the sound-speed profile, and the absorption of each of its layers.
+/// The water of a scene: the sound-speed profile, and the absorption of each of its layers.
 class SceneWater {
  public:
-  /// Reads the profile's file if there is one. Throws InputError: at the file's line and column, or at the
-  /// description's place.
+  /// Reads the file of the profile if there is one. Throws InputError at the line and column of the file,
+  /// or at the place of the description.
   explicit SceneWater(const WaterDescription& description);
 
   const SoundSpeedProfile& profile() const { return profile_; }
   bool refracts() const { return !profile_.is_constant(); }
-  /// Height of the sea surface in the local frame: depth = this - z.
+  /// Returns the height of the sea surface in the local frame; depth = this height - z.
   double surface_height_m() const { return description_.surface_height_m.value_or(0); }
-  /// The profile with absorption: by the model at each layer's middle, from the cast's temperature and
-  /// salinity there if it is a cast's; or the description's own figure.
+  /// Returns the profile with the absorption of each layer. The absorption is the value of the description,
+  /// or that of the model at the middle of the layer. For a cast, the model uses the cast's temperature and
+  /// salinity there.
   WaterColumn column(double frequency_khz) const;
 
  private:

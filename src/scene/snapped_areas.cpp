@@ -11,7 +11,7 @@ namespace {
 
 constexpr double largest_change = 1e-3;
 
-/// Twice the area.
+/// Returns twice the area.
 double doubled(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c) { return glm::length(glm::cross(b - a, c - a)); }
 
 double change_of(const SnappedArea& area) { return std::abs(area.snapped_m2 / area.given_m2 - 1); }
@@ -27,7 +27,7 @@ double area_m2(const std::vector<glm::dvec3>& points_m,
 
 double area_m2(const FacetMesh& mesh, const WorldGrid& grid, FacetId first, FacetId last) {
   double sum = 0;
-  // Differences are exact: in grid units, and about no origin.
+  // Differences are exact, because the coordinates are integers without an origin.
   const auto at = [&](VertexId v) {
     const GridPoint& p = mesh.vertices[v];
     return glm::dvec3(p.x, p.y, p.z);

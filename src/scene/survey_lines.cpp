@@ -8,8 +8,8 @@
 namespace tubefoot {
 namespace {
 
-/// Before the first or behind the last sample of a line, on the way that the carrier has between `end`, which
-/// is that sample, and the one next to it.
+/// Extrapolates a line before its first or after its last sample `end`, with the velocity between `end` and
+/// its neighbour `next`.
 Trajectory::Sample beyond(const Trajectory::Sample& next, const Trajectory::Sample& end, double by_s) {
   const glm::dvec3 velocity = (end.pose.position_m - next.pose.position_m) / (end.time_s - next.time_s);
   const double later_s = end.time_s > next.time_s ? by_s : -by_s;
@@ -41,7 +41,7 @@ SurveyLines::SurveyLines(double turn_s) : turn_s_(turn_s) {
 void SurveyLines::add(std::vector<Trajectory::Sample> line) {
   const double begin_s = lines_.empty() ? 0 : lines_.back().end_s + turn_s_;
   for (Trajectory::Sample& sample : line) sample.time_s += begin_s;
-  const double straight_on_s = 0.49 * turn_s_;  // less than half: times increase
+  const double straight_on_s = 0.49 * turn_s_;  // less than half, so that times increase
   if (!lines_.empty()) samples_.push_back(beyond(line[1], line[0], straight_on_s));
   samples_.insert(samples_.end(), line.begin(), line.end());
   samples_.push_back(beyond(line.at(line.size() - 2), line.back(), straight_on_s));

@@ -14,32 +14,33 @@
 
 namespace tubefoot {
 
-/// What tracks need of the scene that they go through.
+/// Properties of a scene that its tracks depend on.
 struct TrackSurroundings {
   LocalFrame frame{};
-  double surface_height_m = 0;  ///< of the water
-  /// Heights of the terrain at places east and north, in their order; nothing where there is none.
+  double surface_height_m = 0;  ///< height of the water surface
+  /// Returns the heights of the terrain at positions east and north, in their order; empty where there is
+  /// no terrain.
   std::function<std::vector<std::optional<double>>(std::span<const glm::dvec2>)> terrain_heights_m{};
-  /// If given, receives what is odd about tracks: headings that fit their way as radians and not as degrees,
-  /// speeds that no carrier has, columns that are ignored.
+  /// If given, receives warnings about tracks. Examples are headings that fit the track as radians and not
+  /// as degrees, implausible speeds, and ignored columns.
   std::vector<std::string>* odd = nullptr;
 
-  /// Puts points where they lie in the local frame; heights are local and stay. Given by longitude and
-  /// latitude in degrees, or by easting and northing of the scene's CRS. Throws InputError at `place`.
+  /// Transform points to the local frame; heights are local and stay. The input is longitude and latitude
+  /// in degrees, or easting and northing in the scene's CRS. Throw InputError at `place`.
   /// @{
   void place_by_lon_lat(std::span<glm::dvec3> points, const SourcePlace& place) const;
   void place_by_crs(std::span<glm::dvec3> points, const SourcePlace& place) const;
   /// @}
 };
 
-/// Lines one after the other, and turns between them. Before and behind a line the carrier goes straight on
-/// for half a turn, as those do that turn outside of the area: what a ping at its end fires later is fired
-/// there.
+/// Survey lines in sequence, with turns between them. Before and after a line, the carrier continues
+/// straight for half of the turn. This models a carrier that turns outside of the area. Later transmissions
+/// of a ping at the end of a line take place there.
 class SurveyLines {
  public:
-  /// Throws std::invalid_argument for a turn that takes no time.
+  /// Throws std::invalid_argument for a turn without duration.
   explicit SurveyLines(double turn_s);
-  /// At least two samples, of which the first is at time 0.
+  /// Adds a line with at least two samples. The first sample has the time 0.
   void add(std::vector<Trajectory::Sample> line);
   Trajectory finish() &&;
 

@@ -9,7 +9,7 @@
 namespace tubefoot {
 namespace {
 
-// Height of a triangle above a place; nothing where it does not reach or stands upright.
+// Returns the height of a triangle at a position; empty if the triangle is elsewhere or vertical.
 std::optional<double> height_of(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, double x,
                                 double y) {
   const auto turn = [x, y](const glm::dvec3& p, const glm::dvec3& q) {
@@ -21,7 +21,7 @@ std::optional<double> height_of(const glm::dvec3& a, const glm::dvec3& b, const 
   return (wa * a.z + wb * b.z + wc * c.z) / sum;
 }
 
-/// Places by the cells of a grid about them, about one a cell.
+/// Positions in the cells of a grid, with about one position per cell.
 class PlaceGrid {
  public:
   explicit PlaceGrid(std::span<const glm::dvec2> places) {
@@ -37,7 +37,7 @@ class PlaceGrid {
       cells_[index(column(places[k].x, lo_.x), column(places[k].y, lo_.y))].push_back(k);
   }
 
-  /// Calls `take` with all places within a box, and maybe some about it.
+  /// Calls `take` with all positions within a box, and possibly with some near it.
   template <class Take>
   void each_in(glm::dvec2 lo, glm::dvec2 hi, const Take& take) const {
     if (lo.x > hi_.x || lo.y > hi_.y || hi.x < lo_.x || hi.y < lo_.y) return;

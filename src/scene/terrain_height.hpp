@@ -10,8 +10,8 @@
 
 namespace tubefoot {
 
-/// Heights of the highest terrain facet above or below places east and north (edges included), in their
-/// order; nothing where there is none. Each facet is asked once, whatever the number of places.
+/// Returns the heights of the highest terrain facet at positions east and north (edges included), in their
+/// order; empty where there is no terrain. Each facet is visited once, for any number of positions.
 std::vector<std::optional<double>> terrain_heights_m(std::span<const ComponentMesh> terrains,
                                                      std::span<const glm::dvec2> places_m);
 

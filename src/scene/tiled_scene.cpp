@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Adds chosen tiles of tiled terrains to the mesh of a scene. Facets and vertices keep the order that they
+// have in a mesh with all tiles.
+
 #include "scene/tiled_scene.hpp"
 
 #include <fmt/format.h>
@@ -12,7 +16,7 @@
 namespace tubefoot {
 namespace {
 
-/// The facets [first, last) of a mesh as a component of another one, and what they are of.
+/// Returns the facets [first, last) of a mesh as a component of another mesh, with their materials.
 ComponentMesh taken_from(const FacetMesh& mesh, const WorldGrid& grid, FacetId first, FacetId last) {
   constexpr VertexId unknown = std::numeric_limits<VertexId>::max();
   ComponentMesh part;
@@ -22,7 +26,8 @@ ComponentMesh taken_from(const FacetMesh& mesh, const WorldGrid& grid, FacetId f
   for (VertexId v = 0; v < number.size(); ++v) {
     if (number[v] == unknown) continue;
     number[v] = static_cast<VertexId>(part.points_m.size());
-    part.points_m.push_back(grid.to_metres(mesh.vertices[v]));  // exact: they snap to where they are
+    part.points_m.push_back(
+        grid.to_metres(mesh.vertices[v]));  // exact, because the points snap to their own grid points
   }
   for (FacetId f = first; f < last; ++f) {
     const auto& [a, b, c] = mesh.facets[f];

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Creates trajectories from their descriptions: a fixed pose, a straight line, a file of waypoints, or
+// parallel survey lines with turns between them.
+
 #include "scene/tracks.hpp"
 
 #include <fmt/core.h>
@@ -87,7 +91,7 @@ struct Maker {
   }
 
  private:
-  /// +1 along the heading, -1 back.
+  /// Returns +1 along the heading of the first line, -1 against it.
   static double sense(const SurveyTrajectory& survey, std::size_t line) {
     return survey.one_way || line % 2 == 0 ? 1 : -1;
   }
@@ -103,7 +107,7 @@ struct Maker {
     return static_cast<std::size_t>(count);
   }
 
-  /// Stretches of a line between which its height is a straight line's.
+  /// Returns the number of sections of a line. The height is linear within a section.
   std::size_t steps_of(const SurveyTrajectory& survey, std::size_t lines) const {
     if (!survey.altitude_m) return 1;
     const double steps = std::ceil(survey.length_m / survey.altitude_step_m.value_or(*survey.altitude_m));

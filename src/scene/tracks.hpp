@@ -7,7 +7,7 @@
 
 namespace tubefoot {
 
-/// The trajectory that a scene describes. Throws InputError at the description's place.
+/// Creates the trajectory of a description. Throws InputError at the place of the description.
 Trajectory make_trajectory(const TrajectoryDescription& description, const TrackSurroundings& around);
 
 }  // namespace tubefoot

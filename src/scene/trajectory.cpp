@@ -11,15 +11,15 @@
 namespace tubefoot {
 namespace {
 
-// Ping times are sums and products of decimal fractions: the last ping of a line may miss its end by
-// rounding.
+// Ping times are sums and products of decimal fractions. Rounding may shift the last ping of a line beyond
+// its end.
 constexpr double kTimeRounding_s = 1e-9;
 
 }  // namespace
 
 glm::dquat attitude_from_angles(double heading_rad, double pitch_rad, double roll_rad) {
-  // Seen from the carrier outwards: roll about its forward axis, then pitch about starboard, then heading,
-  // which turns clockwise, against the mathematical sense.
+  // Order of rotations, from the inner to the outer: roll about the forward axis, pitch about starboard,
+  // then heading. The heading is clockwise, against the mathematical sense.
   return glm::angleAxis(-heading_rad, glm::dvec3(0, 0, 1)) * glm::angleAxis(pitch_rad, glm::dvec3(1, 0, 0)) *
          glm::angleAxis(roll_rad, glm::dvec3(0, 1, 0));
 }

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Reads a trajectory from waypoints in a CSV file. Positions are local, geographic or in the CRS of the
+// scene. Missing times follow from the speed, missing headings from the track.
+
 #include "scene/waypoint_file.hpp"
 
 #include <fmt/format.h>
@@ -37,21 +41,21 @@ constexpr std::array<std::string_view, column_count> names = {
     "time_s", "east_m",  "north_m",    "latitude_deg", "longitude_deg", "easting",  "northing",
     "up_m",   "depth_m", "altitude_m", "heading_deg",  "pitch_deg",     "roll_deg", "line"};
 
-// Years that have times to the microsecond in a double; the coordinates of scene files; maps' own; any number
-// of turns.
+// Largest values: times for which a double has microseconds, coordinates of scene files, coordinates of
+// maps, and angles of many turns.
 constexpr std::array<double, column_count> largest = {1e10,  far_m, far_m, 90,  360, 1e9, 1e9,
                                                       far_m, far_m, far_m, 1e6, 1e6, 1e6, 1e9};
 
-/// A row as it stands in the file.
+/// A row of the file.
 struct Waypoint {
   std::array<double, column_count> values;
   int line_number = 0;
-  std::array<int, column_count> characters{};  ///< where its values begin in the line
+  std::array<int, column_count> characters{};  ///< columns in the line where the values begin
   bool has(Column column) const { return !std::isnan(values[column]); }
   double operator[](Column column) const { return values[column]; }
 };
 
-/// Rows, of which all have the same columns.
+/// Rows that all have the same columns.
 struct WaypointTable {
   std::string file;
   std::vector<Waypoint> rows;
@@ -79,11 +83,11 @@ struct WaypointTable {
   }
 
   bool has(Column column) const { return rows.front().has(column); }
-  /// Of a value, or of the header that lacks its column.
+  /// Returns the place of a value, or of the header if the column is missing.
   SourcePlace place(std::size_t row, Column column) const {
     return has(column) ? SourcePlace{file, rows[row].line_number, rows[row].characters[column]} : header;
   }
-  /// The one of some columns that is there.
+  /// Returns the only existing one of some columns.
   Column only_one(std::initializer_list<Column> some, std::string_view expected) const {
     std::optional<Column> found;
     for (const Column column : some) {
@@ -98,7 +102,7 @@ struct WaypointTable {
   }
 };
 
-/// What is odd about a line of waypoints.
+/// Returns warnings about a line of waypoints.
 std::vector<std::string> odd_waypoints(const std::vector<Trajectory::Sample>& samples, bool has_times,
                                        const std::filesystem::path& file) {
   std::vector<std::string> odd;
@@ -148,7 +152,8 @@ class Waypoints {
     std::vector<Trajectory::Sample> samples;
     std::vector<Trajectory::Line> lines;
     SurveyLines survey(description_.turn_s);
-    const std::size_t told = around_.odd == nullptr ? 0 : around_.odd->size();  // of one line will do
+    const std::size_t told =
+        around_.odd == nullptr ? 0 : around_.odd->size();  // warnings about one line are enough
     for (std::size_t k = 0, begin = 0; k < ends.size(); begin = ends[k++]) {
       std::vector<Trajectory::Sample> of_line;
       for (const Pose& pose : poses(begin, ends[k])) {
@@ -198,7 +203,7 @@ class Waypoints {
                                      rows_[i - 1][time_s]));
   }
 
-  /// Local positions of all rows.
+  /// Computes the local positions of all rows.
   void place() {
     const SourcePlace file{description_.file.string(), 0, 0};
     for (const Waypoint& row : rows_) {
@@ -233,7 +238,7 @@ class Waypoints {
     }
   }
 
-  /// Beyond the last waypoint of each line.
+  /// Returns the index after the last waypoint of each line.
   std::vector<std::size_t> ends_of_lines() const {
     std::vector<std::size_t> ends;
     for (std::size_t i = 1; i < rows_.size(); ++i)
@@ -242,7 +247,7 @@ class Waypoints {
     return ends;
   }
 
-  /// Of the i-th waypoint, behind those of its line before.
+  /// Returns the time of the i-th waypoint, after the earlier waypoints of its line.
   double time_under_way(std::size_t i, std::span<const Trajectory::Sample> before) const {
     if (before.empty()) return 0;
     const double time =
@@ -253,7 +258,7 @@ class Waypoints {
     return time;
   }
 
-  /// Of the waypoints [begin, end) of a line.
+  /// Returns the poses of the waypoints [begin, end) of a line.
   std::vector<Pose> poses(std::size_t begin, std::size_t end) const {
     const auto angle = [&](std::size_t i, Column column) {
       return table_.has(column) ? glm::radians(rows_[i][column]) : 0;
@@ -268,7 +273,8 @@ class Waypoints {
     return poses;
   }
 
-  /// Half way between the way to each waypoint and that from it; a carrier that stays keeps its ways.
+  /// Returns the mean of the directions to each waypoint and from it. A stationary carrier keeps its
+  /// direction.
   std::vector<double> headings_along(std::size_t begin, std::size_t end) const {
     std::vector<glm::dvec2> course(end - begin, glm::dvec2(0));
     const auto walk = [&](std::size_t from, std::size_t to, glm::dvec2& way) {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Writes tables of target strengths as CSV, netCDF and PNG. Certified values are written with all digits,
+// because bounds do not include rounding of the text.
 #include "strength/strength_output.hpp"
 
 #include <fmt/format.h>
@@ -57,7 +59,7 @@ std::string to_csv(const StrengthTable& table) {
       "elevation_deg,azimuth_deg,frequency_hz,target_strength_db,length_re_m,length_im_m,silhouette_m2";
   text += table.certified() ? ",length_bound_m,target_strength_bound_db\n" : "\n";
   const StrengthRequest& request = table.request;
-  // Certified numbers are written with all digits: what is left out of them would have to be in the bound.
+  // Certified numbers have all digits; a bound would otherwise have to include the omitted digits.
   const auto number = [&](double value) {
     return table.certified() ? fmt::format("{:.16e}", value) : fmt::format("{:.9e}", value);
   };

@@ -10,13 +10,13 @@
 
 namespace tubefoot {
 
-/// Where target strengths are written: a table (.csv), netCDF (.nc), a picture (.png), or a folder with all
-/// three. Complete or not there.
+/// Output of target strengths: a table (.csv), netCDF (.nc), a picture (.png), or a folder with all three.
+/// It is written completely or not at all.
 class StrengthOutput {
  public:
-  /// Refuses places that cannot be written, before any work: throws UsageError.
+  /// Throws UsageError, before any computation, if the output cannot be written there.
   StrengthOutput(const std::filesystem::path& place, const Inputs& inputs);
-  /// Throws std::runtime_error naming what could not be written.
+  /// Throws std::runtime_error, which names the file, if writing fails.
   void write(const StrengthTable& table);
 
  private:
@@ -25,11 +25,11 @@ class StrengthOutput {
   std::string ending_;
 };
 
-/// One row a direction and frequency.
+/// Returns one row per direction and frequency.
 std::string to_csv(const StrengthTable& table);
 void write_netcdf(const StrengthTable& table, const std::filesystem::path& file);
-/// Lines of target strength over azimuth, or elevation, for up to five frequencies; over frequency for one
-/// direction; a map where there are more.
+/// Draws target strength over azimuth or elevation, one line for each of up to five frequencies. For a
+/// single direction, it draws target strength over frequency. For more values, it draws a map.
 void write_picture(const StrengthTable& table, const std::filesystem::path& file);
 
 }  // namespace tubefoot

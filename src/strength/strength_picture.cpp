@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Draws a table of target strengths as lines over an angle or frequency, or as a map over two axes. It
+// shows the 60 dB below the strongest value.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,7 +18,7 @@
 namespace tubefoot {
 namespace {
 
-constexpr double shown_db = 60;  // below the strongest
+constexpr double shown_db = 60;  // range of levels below the strongest
 constexpr std::size_t most_lines = 5;
 
 struct Axis {
@@ -32,7 +34,7 @@ std::string title_of(const StrengthTable& table) {
   return fmt::format("Target strength of {}, {}", table.mesh_name, table.request.surface_name);
 }
 
-/// The picture's three axes, longest first, and the strength by their indices.
+/// The three axes of the table, longest first, and the target strength by their indices.
 class Cube {
  public:
   explicit Cube(const StrengthTable& table) : table_(table) {
@@ -84,7 +86,7 @@ void write_lines(const StrengthTable& table, const Cube& cube, const std::filesy
   write_png_of_svg(to_svg(diagram), file);
 }
 
-/// Where a value lies between the first and last of an axis, by its nearest index.
+/// Returns the index of the axis value nearest to a fraction of the axis.
 std::size_t nearest(const std::vector<double>& values, double part) {
   const double value = values.front() + part * (values.back() - values.front());
   const auto above = std::lower_bound(values.begin(), values.end(), value);

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Parses the arguments of the command `strength`: angles, frequencies and surfaces. strength_request.hpp
+// describes their formats.
 #include "strength/strength_request.hpp"
 
 #include <fmt/format.h>

@@ -6,18 +6,20 @@
 
 #include "engine/signal/smooth_surface.hpp"
 
-// What `strength` is asked for, in the words of a command line.
+// Parses the arguments of the command `strength`.
 namespace tubefoot {
 
-/// "FIRST:LAST:STEP" (LAST included where a step meets it), "FIRST:LAST" with a step of 1, or numbers between
-/// commas; degrees. Increasing. Throws UsageError naming `what`.
+/// Parses angles in degrees. The formats are "FIRST:LAST:STEP" (with LAST if a step meets it), "FIRST:LAST"
+/// with a step of 1, or numbers separated by commas. The result is increasing. Throws UsageError, which
+/// names `what`.
 std::vector<double> angles_of(const std::string& text, const std::string& what);
 
-/// The same for frequencies; numbers end in Hz (or nothing), kHz or MHz, and a range has its step always.
+/// Parses frequencies in the same formats. Numbers end in Hz (or nothing), kHz or MHz; a range must have a
+/// step.
 std::vector<double> frequencies_of(const std::string& text);
 
-/// "rigid", "soft", a pressure reflection coefficient from -1 to 1, or "fluid:DENSITY:SPEED" with ratios to
-/// the water's and, if given, ":LOSS" in dB a wavelength.
+/// Parses "rigid", "soft", a pressure reflection coefficient from -1 to 1, or "fluid:DENSITY:SPEED". The
+/// latter has ratios to the values of the water and, optionally, ":LOSS" in dB per wavelength.
 SmoothSurface surface_of(const std::string& text, double roughness_m);
 
 }  // namespace tubefoot

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Computes backscattering lengths of a mesh over directions and frequencies, in parallel over directions.
+// It checks the mesh for open edges, coarse facets and a size below one wavelength, where Kirchhoff's
+// approximation is invalid.
 #include "strength/strength_table.hpp"
 
 #include <fmt/format.h>
@@ -23,10 +26,10 @@
 namespace tubefoot {
 namespace {
 
-/// An edge, and a facet on it; corners go by place.
+/// An edge and a facet on it. Vertices at equal positions have the same number.
 struct EdgeOfFacet {
-  std::array<std::uint32_t, 2> ends;  ///< the smaller first
-  std::uint32_t facet, opposite;      ///< the corner across
+  std::array<std::uint32_t, 2> ends;  ///< the smaller index first
+  std::uint32_t facet, opposite;      ///< vertex opposite the edge
 };
 
 std::vector<EdgeOfFacet> edges_of(const ComponentMesh& mesh) {
@@ -43,7 +46,7 @@ std::vector<EdgeOfFacet> edges_of(const ComponentMesh& mesh) {
   return edges;
 }
 
-/// Half the diagonal of the box that holds the mesh.
+/// Half of the diagonal of the bounding box of the mesh.
 double radius_of(const ComponentMesh& mesh) {
   if (mesh.points_m.empty()) return 0;
   glm::dvec3 lo = mesh.points_m[0], hi = lo;
@@ -54,9 +57,9 @@ double radius_of(const ComponentMesh& mesh) {
   return glm::length(hi - lo) / 2;
 }
 
-/// How far the surface that two facets of an edge may stand for is off them: chords of a circle that turn by
-/// an angle over a length stand off it by angle times length over 8, and triangles by up to twice that. 0
-/// where they meet at an edge that is one, or lie in a plane.
+/// Estimates the distance of two adjacent facets from a curved surface that they may approximate. A chord
+/// of a circle that turns by an angle over a length deviates from it by angle times length over 8.
+/// Triangles deviate by up to twice that. The distance is 0 at sharp edges and for coplanar facets.
 struct Coarse {
   double off_m = 0, edge_m = 0;
 };
@@ -115,7 +118,7 @@ BoundsHeld bounds_held(const StrengthTable& table) {
       held.worst_ratio = std::max(held.worst_ratio, bound / requested);
       continue;
     }
-    if (bound == 0) continue;  // nothing is there, and nothing was asked of it
+    if (bound == 0) continue;  // the length is 0 and exact
     ++held.over;
     const double ratio = requested > 0 ? bound / requested : std::numeric_limits<double>::infinity();
     if (ratio <= held.worst_ratio) continue;
@@ -183,7 +186,7 @@ std::vector<std::string> warnings_of(const ComponentMesh& mesh, double highest_f
     warnings.push_back(fmt::format(
         "{} of the mesh's {} edges have more than two facets: of what lies in one place, one facet counts",
         crowded, all));
-  constexpr double good = 1.0 / 50;  // a phase of a quarter of a radian, there and back
+  constexpr double good = 1.0 / 50;  // corresponds to a two-way phase of a quarter of a radian
   const double wavelength = sound_speed / highest_frequency_hz;
   if (worst.off_m > good * wavelength)
     warnings.push_back(fmt::format(

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Formats the trials of work-precision charts: verdicts per scene, diagrams of error over work, a CSV table
+// and an HTML page.
 #include "study/chart_page.hpp"
 
 #include <fmt/format.h>
@@ -88,7 +90,7 @@ Diagram work_precision_plot(const std::string& scene, std::span<const Trial> tri
   plot.y_label = l1 ? "sum |E - reference| / sum reference" : "dB";
   double bound = 0;
   for (const Trial& t : all) bound = std::max(bound, t.bound);
-  // A relative error e is 10 log10(1 + e) dB.
+  // A relative error e corresponds to 10 log10(1 + e) dB, about 4.34 e.
   plot.floor = l1 ? bound : bound * 4.342944819;
   plot.floor_name = "the reference's own bound";
   for (const std::string& engine : engines_of(all)) {

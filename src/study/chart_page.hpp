@@ -11,33 +11,35 @@
 
 namespace tubefoot {
 
-/// What the trials of one scene say about the choice of an engine.
+/// Conclusion from the trials of one scene about the choice of an engine.
 struct SceneVerdict {
   std::string scene;
   WorkMeasure work = WorkMeasure::seconds;
-  /// Work of the best sampling setting over that of the best exact one, at 0.1 dB RMS and at 1e-3 L1.
+  /// Work of the best sampling setting divided by that of the best exact setting, at 0.1 dB RMS and at 1e-3
+  /// L1.
   std::optional<double> ray_over_tube_at_db, ray_over_tube_at_l1;
-  bool db_extrapolated = false, l1_extrapolated = false;  ///< the sampling side was not measured that far
-  double crossing_l1 = 0;                                 ///< above this L1 error, sampling is cheaper
+  bool db_extrapolated = false, l1_extrapolated = false;  ///< the sampling trials do not reach this error
+  double crossing_l1 = 0;                                 ///< above this L1 error, sampling needs less work
 };
 
 SceneVerdict verdict_of(const std::string& scene, std::span<const Trial> trials,
                         WorkMeasure work = WorkMeasure::seconds);
 
-/// "seconds", "processor time", "instructions".
+/// Returns "seconds", "processor time" or "instructions".
 std::string name_of(WorkMeasure work);
 
-/// Error over seconds, a line an engine.
+/// Returns a diagram of error over seconds, one line per engine.
 Diagram work_precision_plot(const std::string& scene, std::span<const Trial> trials, ErrorMeasure measure);
 
-/// One row a trial: scene, engine, setting, l1_error, rms_db_error, seconds, bound, processor_seconds,
-/// instructions (empty where they are not counted).
+/// Returns a table with one row per trial: scene, engine, setting, l1_error, rms_db_error, seconds, bound,
+/// processor_seconds, instructions. The last column is empty if instructions are not counted.
 std::string to_csv(std::span<const Trial> trials);
 
-/// One self-contained page: verdicts, diagrams, the table. `about` is a sentence on how it was made.
+/// Returns one self-contained page with verdicts, diagrams and the table. `about`: a sentence on the
+/// measurement.
 std::string to_html(std::span<const Trial> trials, const std::string& about);
 
-/// Scenes in the order of their first trials.
+/// Returns the scenes in the order of their first trials.
 std::vector<std::string> scenes_of(std::span<const Trial> trials);
 std::vector<Trial> of_scene(std::span<const Trial> trials, const std::string& scene);
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Draws diagrams with linear or logarithmic axes as SVG: axes with whole ticks, series with points and
+// lines, and labels.
 #include "study/diagram.hpp"
 
 #include <fmt/format.h>
@@ -15,8 +17,8 @@ namespace {
 
 constexpr double width = 760, height = 520, left = 84, right = 206, top = 44, bottom = 62;
 
-// Okabe & Ito's palette, which colour-blind readers tell apart; with a brown for its yellow, which is too
-// faint on white.
+// Palette of Okabe and Ito, which colour-blind readers can distinguish. Brown replaces its yellow, which is
+// too faint on white.
 constexpr std::array<const char*, 8> colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                              "#56b4e9", "#e69f00", "#000000", "#8c6d31"};
 
@@ -48,7 +50,7 @@ struct Axis {
   double at(double value) const { return at_measure(measure(value)); }
   int ticks() const { return static_cast<int>(std::lround((hi - lo) / step)) + 1; }
   double tick(int k) const { return lo + k * step; }
-  /// Ticks from label to label, so that they stay apart.
+  /// Number of ticks per label, so that labels do not overlap.
   int stride() const { return std::max(1, static_cast<int>(std::ceil((ticks() - 1) / 9.0))); }
 };
 
@@ -122,7 +124,7 @@ std::string to_svg(const Diagram& diagram) {
   for (std::size_t s = 0; s < diagram.series.size(); ++s) {
     const PlotSeries& series = diagram.series[s];
     const std::string colour = series_colour(s);
-    // A line of many points is a line: dots would hide it, but for those that are drawn where they are not.
+    // Dots would hide a joined line of many points.
     constexpr std::size_t most_dots = 100;
     const bool dotted = !series.joined || series.points.size() <= most_dots;
     std::string path, dots;

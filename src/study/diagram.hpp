@@ -7,30 +7,31 @@
 
 namespace tubefoot {
 
-/// One line of a diagram: points in the order they are joined.
+/// One series of a diagram; its points are joined in this order.
 struct PlotSeries {
   std::string name;
-  std::string note;  ///< beside the line's last point, e.g. its order; may be empty
+  std::string note;  ///< text next to the last point, for example the order of convergence; may be empty
   std::vector<std::pair<double, double>> points;
   bool joined = true;
 };
 
-/// How an axis counts.
+/// Scale of an axis.
 enum class Scale { logarithmic, linear };
 
-/// A diagram. What a logarithmic axis cannot show is left out of it, but see `floor`.
+/// A diagram. Points that a logarithmic axis cannot show are omitted, except as `floor` describes.
 struct Diagram {
   std::string title, x_label, y_label;
   std::vector<PlotSeries> series;
-  Scale scale = Scale::logarithmic;  ///< of both axes
-  double floor = 0;                  ///< a dashed line; points below it are drawn on it, hollow. 0: none
-  std::string floor_name;            ///< what the line says
+  Scale scale = Scale::logarithmic;  ///< scale of both axes
+  double floor = 0;        ///< a dashed line; points below it are drawn on it as hollow dots; 0: none
+  std::string floor_name;  ///< label of that line
 };
 
-/// "#rrggbb" of the n-th series, for what else is drawn of the same things; few colours, then again.
+/// Returns the colour of the n-th series, "#rrggbb", for other elements of the same subject. The colours
+/// repeat.
 const char* series_colour(std::size_t n);
 
-/// The diagram as a self-contained SVG of 760 x 520 pixels.
+/// Returns the diagram as a self-contained SVG of 760 x 520 pixels.
 std::string to_svg(const Diagram& diagram);
 
 }  // namespace tubefoot

@@ -17,7 +17,7 @@ std::size_t seen(const PixelMap& map) {
       std::count_if(map.values.begin(), map.values.end(), [](double v) { return !std::isnan(v); }));
 }
 
-/// Sums over the pixels that two pictures share.
+/// Sums over the pixels that two pictures have in common.
 struct Shared {
   double n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
 
@@ -36,7 +36,7 @@ struct Shared {
   }
 };
 
-/// The correlations of all whole shifts of at most `most` pixels either way.
+/// Correlations of all integer shifts of at most `most` pixels in each direction.
 class Correlations {
  public:
   Correlations(const PixelMap& first, const PixelMap& second, int most) : most_(most) {
@@ -68,7 +68,8 @@ class Correlations {
   std::vector<double> values_;
 };
 
-/// Of the vertex of the parabola through three neighbours, from the middle one, which is the largest.
+/// Returns the offset of the vertex of a parabola through three neighbours from the middle one, which is
+/// the largest.
 double vertex(double before, double middle, double after) {
   const double bend = before - 2 * middle + after;
   return std::isfinite(before) && std::isfinite(after) && bend < 0 ? (before - after) / (2 * bend) : 0;

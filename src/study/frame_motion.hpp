@@ -6,7 +6,7 @@
 
 namespace tubefoot {
 
-/// A picture in square pixels, row by row; not a number where nothing was seen.
+/// A picture with square pixels, row by row; NaN where nothing is visible.
 struct PixelMap {
   std::size_t columns = 0, rows = 0;
   std::vector<double> values;
@@ -14,17 +14,21 @@ struct PixelMap {
   double at(std::size_t column, std::size_t row) const { return values[row * columns + column]; }
 };
 
-/// How far the content of one picture lies from where it was in another.
+/// Displacement of the contents of one picture relative to another.
 struct FrameShift {
-  double columns = 0, rows = 0;  ///< to fractions of a pixel
-  double correlation = 0;        ///< normalised, at the best whole shift: 1 for the same content
+  double columns = 0, rows = 0;  ///< in pixels, with fractions
+  double correlation = 0;        ///< normalised, at the best integer shift: 1 for the same contents
 };
 
-/// Finds the shift (c, r) for which second(x + c, y + r) is most like first(x, y): the largest normalised
-/// cross-correlation over the pixels that both have seen, among whole shifts of at most `most_shift` pixels
-/// either way, then the vertex of a parabola through the peak and its neighbours. Shifts with an overlap of
-/// less than a quarter of the first picture's pixels are not considered. Throws std::invalid_argument for
-/// pictures of different sizes, without content, or smaller than the shift.
+/// Finds the shift (c, r) for which second(x + c, y + r) correlates best with first(x, y).
+///
+/// The function computes the normalised cross-correlation over the common pixels for all integer shifts of
+/// at most `most_shift` pixels in each direction. The vertex of a parabola through the maximum and its
+/// neighbours gives the fraction. Shifts with an overlap of less than a quarter of the pixels of the first
+/// picture are excluded.
+///
+/// Throws std::invalid_argument for pictures of different sizes, without contents, or smaller than the
+/// shift.
 FrameShift find_shift(const PixelMap& first, const PixelMap& second, int most_shift);
 
 }  // namespace tubefoot

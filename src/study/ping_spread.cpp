@@ -10,7 +10,7 @@
 namespace tubefoot {
 namespace {
 
-/// Jackknife.
+/// Computes the jackknife estimate of the standard error.
 double standard_error(std::span<const PingError> pings, ErrorMeasure measure) {
   const auto n = static_cast<double>(pings.size());
   std::vector<double> without;
@@ -36,7 +36,7 @@ double error_limit(std::span<const PingError> pings, std::size_t population, Err
   if (pings.size() < 2) return std::numeric_limits<double>::infinity();
   const auto n = static_cast<double>(pings.size());
   const double all = static_cast<double>(population);
-  const double unseen = all / (all - n);  // their own mean varies, too
+  const double unseen = all / (all - n);  // accounts for the variance of the mean of the unseen pings
   const double quantile = boost::math::quantile(boost::math::students_t(n - 1), error_limit_confidence);
   const double limit = error + quantile * std::sqrt(unseen) * standard_error(pings, measure);
   return std::isfinite(limit) ? std::max(at_least, limit) : std::numeric_limits<double>::infinity();

@@ -18,8 +18,8 @@
 namespace tubefoot {
 namespace {
 
-/// GLib ends the program where it is refused memory. Throws std::bad_alloc where there are not the addresses
-/// that it may come to take, and std::system_error where no thread can be started.
+/// Throws std::bad_alloc if the address space that GLib may need is not available, and std::system_error if
+/// no thread can start. GLib terminates the program if an allocation fails.
 void require_room_for_fonts() {
   constexpr std::size_t bytes = std::size_t{256} << 20;
   void* const room = mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
@@ -28,7 +28,7 @@ void require_room_for_fonts() {
   require_threads(1);
 }
 
-/// Throws std::system_error where no thread becomes free within the patience.
+/// Throws std::system_error if no thread can start within the time limit.
 GThread* started(const gchar* name, GThreadFunc work, gpointer data) {
   constexpr std::chrono::milliseconds pause(2);
   constexpr std::chrono::seconds patience(10);
@@ -43,11 +43,11 @@ GThread* started(const gchar* name, GThreadFunc work, gpointer data) {
 
 }  // namespace
 
-// GLib's function of this name ends the program with a signal where the thread cannot start. The dynamic
-// linker prefers this definition (CMakeLists.txt here). Pango 1.50 starts two threads for each font, which
-// end once they have found it, and nobody knows how many fonts a text needs. Pango 1.56 starts one thread. So
-// one free thread is enough where this function waits for it. Where none becomes free, std::terminate's
-// handler says so (run/console/exhausted.hpp).
+// Replaces g_thread_new() of GLib, which terminates the program with a signal if the thread cannot start.
+// The dynamic linker prefers this definition (CMakeLists.txt in this folder). Pango 1.50 starts two threads
+// for each font, which end after they find the font. The number of fonts of a text is unknown. Pango 1.56
+// starts one thread. One free thread therefore suffices if this function waits for it. If none becomes
+// free, the handler of std::terminate reports it (run/console/exhausted.hpp).
 extern "C" __attribute__((visibility("default"), used)) GThread* g_thread_new(const gchar* name,
                                                                               GThreadFunc work,
                                                                               gpointer data) noexcept {

@@ -6,8 +6,8 @@
 
 namespace tubefoot {
 
-/// Draws an SVG into a PNG file, `scale` pixels for each of its own (librsvg, cairo). Throws
-/// std::runtime_error naming the file where that fails.
+/// Renders an SVG into a PNG file with `scale` pixels per SVG pixel (librsvg, cairo). Throws
+/// std::runtime_error, which names the file, on failure.
 void write_png_of_svg(const std::string& svg, const std::filesystem::path& file, double scale = 1.5);
 
 }  // namespace tubefoot

@@ -12,7 +12,7 @@
 namespace tubefoot {
 namespace {
 
-/// Without a unit; more is rather meant in dB or in percent.
+/// Largest tolerance without a unit. Larger numbers are probably meant in dB or in percent.
 constexpr double largest_bare_tolerance = 0.1;
 
 [[noreturn]] void refuse(std::string_view text) {
@@ -25,7 +25,7 @@ constexpr double largest_bare_tolerance = 0.1;
 
 Tolerance parse_tolerance(std::string_view text) {
   Tolerance tolerance;
-  // from_chars reads "nan" and "inf", too: the ranges below refuse them.
+  // from_chars also reads "nan" and "inf"; the ranges below reject them.
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), tolerance.value);
   if (error != std::errc()) refuse(text);
   std::string unit;

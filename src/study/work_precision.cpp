@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Work-precision analysis: errors of trials, and orders of convergence by least squares in logarithms.
+// It interpolates or extrapolates the work that an error requires on the trials of each engine.
 #include "study/work_precision.hpp"
 
 #include <algorithm>
@@ -12,7 +14,7 @@ struct Point {
   double samples, work, error;
 };
 
-/// Least squares through (x, y); none if all x are equal.
+/// Least-squares line through points (x, y); none if all x are equal.
 struct Line {
   double slope, intercept;
 };
@@ -31,7 +33,7 @@ std::optional<Line> fit(const std::vector<std::pair<double, double>>& points) {
   return Line{xy / xx, y - xy / xx * x};
 }
 
-/// Sampling trials by engine, by number of samples.
+/// Returns the sampling trials of each engine, ordered by number of samples.
 std::map<std::string, std::vector<Point>> ladders(std::span<const Trial> trials, ErrorMeasure measure,
                                                   WorkMeasure work) {
   std::map<std::string, std::vector<Point>> all;
@@ -43,9 +45,9 @@ std::map<std::string, std::vector<Point>> ladders(std::span<const Trial> trials,
   return all;
 }
 
-/// Cost on one engine's ladder.
+/// Returns the work that one engine needs for an error.
 std::optional<Cost> cost_on(const std::vector<Point>& ladder, double error) {
-  // A coarse setting may be right by chance; it counts only if all finer ones are as good.
+  // A coarse setting may have a small error by chance. It counts only if all finer settings are as good.
   std::size_t first = ladder.size();
   while (first > 0 && ladder[first - 1].error <= error) --first;
   if (first < ladder.size()) {
@@ -55,7 +57,7 @@ std::optional<Cost> cost_on(const std::vector<Point>& ladder, double error) {
     const double part = std::log(bad.error / error) / std::log(bad.error / good.error);
     return Cost{bad.work * std::pow(good.work / bad.work, part), false};
   }
-  std::vector<std::pair<double, double>> tail;  // the finer half: the coarse end has not converged yet
+  std::vector<std::pair<double, double>> tail;  // the finer half; coarse settings have not converged yet
   for (std::size_t k = ladder.size() / 2; k < ladder.size(); ++k)
     if (ladder[k].error > 0 && ladder[k].work > 0)
       tail.emplace_back(std::log(ladder[k].samples), std::log(ladder[k].error));
@@ -63,7 +65,7 @@ std::optional<Cost> cost_on(const std::vector<Point>& ladder, double error) {
   const std::optional<Line> line = fit(tail);
   if (!line || !(line->slope < -0.1)) return std::nullopt;
   const Point& best = ladder.back();
-  // Work grows with the samples at the far end of the ladder.
+  // Work is proportional to the number of samples for fine settings.
   return Cost{best.work * std::pow(error / best.error, 1 / line->slope), true};
 }
 
@@ -99,7 +101,7 @@ double error_of(std::span<const PingError> pings, ErrorMeasure measure) {
   }
   if (!(part > 0)) return 0;
   return measure == ErrorMeasure::l1 ? part / whole
-                                     : std::sqrt(part / whole);  // infinite where all is silent
+                                     : std::sqrt(part / whole);  // infinite if all energies are 0
 }
 
 std::optional<double> convergence_order(std::span<const Trial> trials, ErrorMeasure measure, double floor) {
@@ -123,7 +125,7 @@ std::optional<double> samples_for(std::span<const Trial> ladder, ErrorMeasure me
       points.emplace_back(std::log(t.samples), std::log(e));
   if (points.size() < 2) return std::nullopt;
   const std::optional<Line> line = fit(points);
-  // A slower fall is none that more samples would pay for.
+  // A slower decrease does not justify more samples.
   constexpr double flattest = -0.1;
   if (!line || !(line->slope < flattest)) return std::nullopt;
   return std::exp((std::log(error) - line->intercept) / line->slope);

@@ -14,7 +14,7 @@ Draw::Draw(std::optional<std::string> word, std::string_view scene) : word_(std:
 
 std::uint64_t Draw::next() {
   Sha256 hash;
-  // A word has any characters: its length tells where it ends.
+  // A word may have any characters, so that its length marks its end.
   const std::string word = word_.value_or("");
   hash.update(
       fmt::format("{} {} {} {} {}", word_ ? "validation" : "debug", word.size(), word, scene_, drawn_++));

@@ -9,18 +9,19 @@
 
 namespace tubefoot {
 
-/// What a scene of the benchmark suite leaves open. In the debug set every value is the one that the pack
-/// publishes; in a validation set it is drawn by a word that somebody chooses, for each scene apart, so that
-/// a scene is the same whichever others are asked for. Same word, same values, on every machine.
+/// The variable parameters of a scene of the benchmark suite. The debug set uses the published values. A
+/// validation set draws the values from a seed word.
+/// Each scene draws independently of the selection of scenes. The same word gives the same values on every
+/// machine.
 class Draw {
  public:
   Draw(std::optional<std::string> word, std::string_view scene);
 
-  /// `published`, or one of first, first + step, ..., last, all as likely.
+  /// Returns `published`, or one of first, first + step, ..., last with equal probability.
   double among(double published, double first, double last, double step);
-  /// 0 to n - 1 in the order that is published, or in any.
+  /// Returns a permutation of 0 to n - 1: the published one, or a random one.
   std::vector<std::size_t> order(std::vector<std::size_t> published);
-  /// Evenly spread over 0 to 1, 1 excluded: scattered things are scattered in the debug set, too.
+  /// Returns a number of the uniform distribution on [0, 1). It is pseudo-random in the debug set, too.
   double number();
 
  private:

@@ -15,7 +15,7 @@ void write_npy(const std::filesystem::path& file, std::array<std::size_t, 3> sha
                std::span<const double> values) {
   std::string header = fmt::format("{{'descr': '<f8', 'fortran_order': False, 'shape': ({}, {}, {}), }}",
                                    shape[0], shape[1], shape[2]);
-  // Magic, version and length take ten bytes; values begin at a multiple of 64.
+  // Magic, version and length take ten bytes. The values begin at a multiple of 64 bytes.
   constexpr std::size_t before = 10, multiple = 64;
   header.resize((before + header.size() + 1 + multiple - 1) / multiple * multiple - before - 1, ' ');
   header += '\n';

@@ -8,7 +8,7 @@
 
 namespace tubefoot {
 
-/// Writes an array of float64 in C order as NumPy's format 1.0, little-endian. Throws write_error().
+/// Writes an array of float64 in C order in NumPy's format 1.0, little-endian. Throws write_error().
 void write_npy(const std::filesystem::path& file, std::array<std::size_t, 3> shape,
                std::span<const double> values);
 

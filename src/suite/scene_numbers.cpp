@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Describes a scene of the benchmark suite in numbers, for engines that do not read scene files. The
+// numbers describe surfaces, water, beams, range samples, poses of the pings, and the measures that judge
+// an engine.
+
 #include "suite/scene_numbers.hpp"
 
 #include <algorithm>
@@ -30,7 +35,8 @@ Json water_of(const Survey& survey) {
   return json;
 }
 
-/// The beams' borders: mid-way between axes; the outermost reach as far out as in.
+/// Returns the borders of the beams. Inner borders are half-way between axes. An outermost border is as far
+/// from its axis as the inner border of that beam.
 Json borders_of(const std::vector<BeamAxis>& beams) {
   Json borders = Json::array();
   for (std::size_t k = 0; k + 1 < beams.size(); ++k) {

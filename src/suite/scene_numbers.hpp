@@ -8,7 +8,8 @@
 
 namespace tubefoot {
 
-/// All that an engine has to know of a scene, in numbers: scene.json of the pack (its README lists the keys).
+/// Returns all numbers of a scene that an engine needs: scene.json of the pack, whose README lists the
+/// keys.
 nlohmann::ordered_json scene_numbers(const Aspect& aspect, const SuiteScene& scene, const Survey& survey);
 
 }  // namespace tubefoot

@@ -13,7 +13,7 @@
 namespace tubefoot {
 namespace {
 
-// The strength of Lambert's law, in dB.
+// Strengths of Lambert's law, in dB.
 constexpr std::array<std::pair<std::string_view, int>, 4> materials{
     {{"bed", -20}, {"target", -10}, {"middling", -15}, {"hard", -6}}};
 

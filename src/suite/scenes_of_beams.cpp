@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where beams are: even in angle, equidistant, anywhere; and what they receive beside themselves.
+// Scenes with equiangular beams, equidistant beams and listed beam angles, and scenes with side lobes.
 #include <fmt/format.h>
 
 #include "suite/scene_text.hpp"
@@ -7,7 +7,7 @@
 namespace tubefoot {
 namespace {
 
-/// Upright plates of about two beams' width, side by side over the fan, with dark beams between.
+/// Upright plates about two beams wide across the fan, with empty beams between them.
 SuiteScene posts(Draw& draw, const std::string& title, const SuiteFan& fan, double half_fan_deg) {
   constexpr int count = 13;
   SuiteScene scene;
@@ -53,7 +53,8 @@ SuiteScene equidistant_scene(Draw& draw) {
 SuiteScene listed_angles_scene(Draw& draw) {
   SuiteFan fan = wide_fan();
   constexpr int steps = 63,
-                alike = 9;  // so many neighbours are equally far apart: lists drift from what is even
+                alike = 9;  // number of neighbouring beams with equal spacing; the listed angles drift from
+                            // equiangular ones
   std::vector<double> step_deg;
   for (int k = 0; k < steps / alike; ++k) step_deg.push_back(draw.among(0.75 + 0.125 * k, 0.75, 1.5, 0.125));
   double all = 0;

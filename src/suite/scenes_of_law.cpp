@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What returns how much: laws of range, absorption and grazing, and a seabed too large for careless
-// arithmetic.
+// Scenes of range, absorption and grazing angle, and of a seabed so large that rounding errors show.
 #include <fmt/format.h>
 
 #include <array>
@@ -12,7 +11,8 @@
 namespace tubefoot {
 namespace {
 
-/// Upright plates square to the sonar, each before some of the beams and at a range of its own.
+/// Upright plates perpendicular to the direction from the sonar. Each covers some of the beams at a range
+/// of its own.
 SuiteScene plates(Draw& draw, const std::string& title, double absorption_db_per_km) {
   SuiteScene scene;
   scene.title = title;

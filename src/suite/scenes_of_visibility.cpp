@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is seen: shadows, thin things, edges, order, many small things, terrain, one ping after another.
+// Scenes of visibility: shadows, thin walls, silhouettes, occlusion order, many small objects, terrain, and
+// pings of a moving sonar.
 #include <fmt/format.h>
 
 #include <array>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Ways of sound that are not there and back along a straight line.
+// Scenes whose paths are not straight from a monostatic sonar: refraction, mirrors, two scatterings and a
+// separate receiver.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -38,8 +39,8 @@ SuiteScene surface_multiple_scene(Draw& draw) {
   SceneText text;
   const double depth = draw.among(2.5, 2.25, 2.75, 0.125), range = draw.among(6.5, 6, 7, 0.125);
   text.sonar_m = {0, 0, -depth};
-  // Level, the plate within one beam, and none of its edges upright: where walls of a beam and of its image
-  // cut a facet in one line, or meet in its edge, bounds are wide.
+  // The sonar is level, the plate lies within one beam, and none of its edges is vertical. Bounds are wide
+  // where walls of a beam and of its image cut a facet in one line, or meet in its edge.
   constexpr double beam_deg = 1.5, height_m = 0.5;
   text.fan = {.beams = 11,
               .horizontal_deg = 11 * beam_deg,
@@ -57,8 +58,8 @@ SuiteScene surface_multiple_scene(Draw& draw) {
   scene.solids.push_back(plate);
   text.more = fmt::format("[sea_surface]\nheight_m = 0\nloss_db = {}\n\n[paths]\norder = 3\n",
                           draw.among(1, 0, 3, 0.5));
-  // The shortest way over the surface is to the plate's upper edge, the longest straight one to its lower
-  // edge.
+  // The shortest path over the sea surface leads to the upper edge of the plate, the longest straight path
+  // to its lower edge.
   const double upper_depth = depth + lower - height_m / 2;
   const double direct = std::hypot(range, height_m / 2 + lower),
                over = (range + std::hypot(range, depth + upper_depth)) / 2;
@@ -84,7 +85,7 @@ SuiteScene two_scatterings_scene(Draw& draw) {
   const double azimuth = draw.among(14, 13, 15, 0.25), range = draw.among(6, 5.75, 6.25, 0.0625),
                turn = draw.among(45, 40, 50, 1);
   constexpr double side_m = 0.375;
-  // Each is turned away from the sonar, towards the other.
+  // Each plate is turned away from the sonar, towards the other plate.
   scene.solids.push_back(upright_plate("port", "hard", place_at(text.sonar_m, range, -azimuth, 0),
                                        -azimuth - turn, side_m, side_m));
   scene.solids.push_back(upright_plate("starboard", "hard", place_at(text.sonar_m, range, azimuth, 0),

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Creates the meshes of the benchmark suite (plates, boxes and spheres), and rounds their vertices to
+// multiples of 2^-10 m. It writes them as Wavefront OBJ and binary STL.
+
 #include "suite/solids.hpp"
 
 #include <fmt/format.h>

@@ -7,36 +7,37 @@
 #include <string>
 #include <vector>
 
-// Meshes of the benchmark suite. Every coordinate is a multiple of 2^-10 m below 8192 m: a decimal of the OBJ
-// and a float of the STL hold it in full, so whoever reads either has the scene itself.
+// Meshes of the benchmark suite. Every coordinate is a multiple of 2^-10 m below 8192 m. OBJ decimals and
+// STL floats represent such coordinates exactly, so that readers of both formats get the same scene.
 namespace tubefoot {
 
 struct Solid {
   std::string name, material;
   std::vector<glm::dvec3> vertices_m;
-  std::vector<std::array<std::uint32_t, 3>> facets;  ///< counter-clockwise for someone outside
+  std::vector<std::array<std::uint32_t, 3>> facets;  ///< counter-clockwise as seen from outside
 };
 
-/// East-north rectangle, facing up.
+/// Returns a rectangle with horizontal sides to the east and north, facing up.
 Solid level_plate(const std::string& name, const std::string& material, glm::dvec3 centre_m, double width_m,
                   double length_m);
-/// Upright rectangle, square to a heading (degrees, clockwise from north), facing the one who looks along it.
+/// Returns an upright rectangle perpendicular to a heading (degrees, clockwise from north). Its front faces
+/// a viewer who looks along the heading.
 Solid upright_plate(const std::string& name, const std::string& material, glm::dvec3 centre_m,
                     double heading_deg, double width_m, double height_m);
-/// Turned clockwise, seen from above.
+/// Returns a box that is turned clockwise as seen from above.
 Solid box(const std::string& name, const std::string& material, glm::dvec3 centre_m, glm::dvec3 size_m,
           double heading_deg);
-/// Parallels and meridians.
+/// Returns a sphere whose facets lie between parallels and meridians.
 Solid sphere(const std::string& name, const std::string& material, glm::dvec3 centre_m, double radius_m,
              int rings, int sectors);
-/// All facets of `more` become `solid`'s.
+/// Appends all facets of `more` to `solid`.
 void add(Solid& solid, const Solid& more);
-/// Vertices to the nearest multiple of 2^-10 m.
+/// Rounds the vertices to the nearest multiple of 2^-10 m.
 void snap(Solid& solid);
 
-/// Wavefront OBJ.
+/// Returns the solid as Wavefront OBJ.
 std::string obj_text(const Solid& solid);
-/// Binary STL, little-endian.
+/// Returns the solid as binary STL, little-endian.
 std::string stl_bytes(const Solid& solid);
 
 }  // namespace tubefoot

@@ -12,35 +12,36 @@
 
 namespace tubefoot {
 
-/// A measure of compare.py by which an engine has, or has not, a scene's aspect.
+/// A measure of compare.py with the limit that decides whether an engine has a scene's aspect.
 struct Decider {
   std::string measure;
   double limit = 0;
 };
 
-/// A scene of the benchmark suite, before it is written.
+/// A scene of the benchmark suite before it is written.
 struct SuiteScene {
   std::string title;
-  std::vector<Solid> solids;  ///< as the scene file names them
-  std::string text;           ///< the scene file
+  std::vector<Solid> solids;  ///< in the order of the scene file
+  std::string text;           ///< text of the scene file
   std::vector<Decider> deciders;
-  /// Bound that is proven of every energy (docs/reference.md); none where no reference is possible.
+  /// Relative bound that the reference proves for every energy (docs/reference.md). It is empty if no
+  /// reference is possible.
   std::optional<double> certified = 1e-9;
-  double tolerance_l1 = 0;               ///< without: how far the sum of all may be off, relative
-  std::optional<double> later_from_m{};  ///< what arrives from here on went over two bounces
-  std::optional<int> main_lobe_beams{};  ///< half the main lobe, in beams
+  double tolerance_l1 = 0;  ///< without a reference: allowed relative error of the sum of all energies
+  std::optional<double> later_from_m{};  ///< range from which on all arrivals have two bounces
+  std::optional<int> main_lobe_beams{};  ///< half width of the main lobe, in beams
 };
 
-/// What one scene of the pack separates from all else.
+/// A property of engines that one scene of the pack tests separately from all others.
 struct Aspect {
   std::string_view name, tests;
   SuiteScene (*scene)(Draw& draw);
 };
 
-/// All, as the pack's README lists them.
+/// Returns all aspects, in the order of the pack's README.
 std::span<const Aspect> aspects();
 
-// By what they are of; each has one file.
+// The scenes, grouped by topic. Each group has one file.
 SuiteScene range_law_scene(Draw& draw);
 SuiteScene absorption_scene(Draw& draw);
 SuiteScene grazing_scene(Draw& draw);

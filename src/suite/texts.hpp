@@ -5,7 +5,7 @@
 
 namespace tubefoot {
 
-// What lies beside the scenes in every pack, put into the program by embed.cmake.
+// Files in every pack in addition to the scenes. embed.cmake embeds them in the program.
 extern const std::string_view readme, errata, checker, licence;
 
 }  // namespace tubefoot

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Writes the benchmark suite (docs/reference-pack.md): scene files, meshes, scenes in numbers, reference
+// answers with certified bounds where they are possible, and SHA-256 sums.
+
 #include "suite/write_suite.hpp"
 
 #include <fmt/format.h>
@@ -38,7 +42,7 @@ void write_json(const fs::path& file, const Json& json) { write_file(file, text_
 
 double sum(std::span<const double> values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
-/// Scene file and meshes, as far as they are there before the scene is loaded.
+/// Writes the inputs of a scene before it is loaded: scene file and meshes.
 void write_inputs(const fs::path& folder, const SuiteScene& scene) {
   make_folder(folder);
   for (const Solid& solid : scene.solids) {
@@ -81,7 +85,7 @@ void write_answer(const fs::path& folder, const SuiteScene& scene, const Survey&
   write_echoes(folder / "echoes.nc", recordings, provenance_of(survey.scene, request));
 }
 
-/// Of all files below, but those in `left_out`, as sha256sum writes and reads it.
+/// Writes the SHA-256 sums of all files below `folder` except `left_out`, in the format of sha256sum.
 void write_sums(const fs::path& folder, const fs::path& left_out) {
   std::map<std::string, std::string> digests;
   for (fs::recursive_directory_iterator entry(folder), end; entry != end; ++entry) {
@@ -95,8 +99,8 @@ void write_sums(const fs::path& folder, const fs::path& left_out) {
   write_file(folder / sums_name, text);
 }
 
-/// What a folder's list and its own files are brought to the disk by is the atomic output's business; what
-/// lies deeper is ours.
+/// Writes the files of subfolders to disk. OutputFolder::commit() writes only the files directly in the
+/// folder.
 void sync_below(const fs::path& folder) {
   for (const fs::directory_entry& entry : fs::directory_iterator(folder))
     if (entry.is_directory()) {

@@ -5,7 +5,7 @@
 
 namespace tubefoot {
 
-// The viewer's page, style and scripts, put into the program by embed.cmake.
+// Page, style and scripts of the viewer, which embed.cmake compiles into the program.
 extern const std::string_view page_html, page_css, page_js;
 
 }  // namespace tubefoot

@@ -15,12 +15,12 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "pages hold little-endian numbers, as browsers do");
 
-/// Each less the one `stride` before, modulo 2^32.
+/// Replaces each value by its difference from the value `stride` places before, modulo 2^32.
 void take_differences(std::vector<std::uint32_t>& values, std::size_t stride) {
   for (std::size_t k = values.size(); k-- > stride;) values[k] -= values[k - stride];
 }
 
-/// To the nearest number with so many bits after the point of its binary form.
+/// Rounds to the nearest float whose significand has so many fractional bits.
 float rounded(float value, int bits) {
   constexpr int all = 23;
   if (bits >= all || !std::isfinite(value)) return value;

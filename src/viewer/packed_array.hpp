@@ -9,18 +9,20 @@
 
 namespace tubefoot {
 
-/// Writes arrays into a page, each in a script element of its own that no browser runs: differences between
-/// neighbours, bytes of equal weight side by side, deflate, base64. data.js reads them.
+/// Writes compressed arrays into a page; data.js reads them. Each array is in a script element that
+/// browsers do not execute. The steps are differences of neighbours, bytes of equal weight grouped
+/// together, deflate, and base64.
 class PackedArrays {
  public:
   explicit PackedArrays(std::string& html) : html_(html) {}
 
-  /// Numbers that often are near to the one `stride` places before.
+  /// Adds numbers that are often close to the number `stride` places before.
   void add(const char* name, std::vector<std::uint32_t> values, std::size_t stride = 1);
   void add(const char* name, const std::vector<std::uint16_t>& values);
-  /// Floats of which so many bits after the point are kept: to within half of 2^-bits of each.
+  /// Adds floats with so many fractional bits of the significand. The relative error is at most half of
+  /// 2^-bits.
   void add(const char* name, std::vector<float> values, int bits);
-  /// Places in metres, in whole steps of `unit_m`.
+  /// Adds positions in metres relative to `from`, in integer steps of `unit_m`.
   void add_places(const char* name, const std::vector<glm::dvec3>& places, glm::dvec3 from, double unit_m);
 
  private:

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Assembles the page of the viewer: the template with style and scripts, the metadata as JSON, and the
+// compressed arrays of the view.
 #include "viewer/page.hpp"
 
 #include <algorithm>
@@ -13,12 +15,12 @@
 namespace tubefoot {
 namespace {
 
-/// Of the energies of samples and footprints: to within 8e-6 of each, 3e-5 dB.
+/// Precision of the energies of samples and footprints: relative error 8e-6, that is 3e-5 dB.
 constexpr int energy_bits = 16;
-/// Of numbers that a page shows with more digits, and of all digits.
+/// Precision of numbers that the page shows with more digits, and full precision.
 constexpr int finer_bits = 20, all_bits = 23;
 
-/// About the footprints: the middle, and in what steps places are kept.
+/// Centre of the footprints, and the step of stored positions.
 struct Frame {
   glm::dvec3 middle_m{0};
   double unit_m = 1e-4;
@@ -34,7 +36,7 @@ Frame frame_of(const ViewData& data) {
       hi[k] = std::max(hi[k], p[k]);
     }
   const glm::dvec3 size = hi - lo;
-  constexpr double steps = 1 << 20;  // too fine to be seen
+  constexpr double steps = 1 << 20;  // smaller steps are not visible
   const double extent = std::max({size.x, size.y, size.z, 1e-3});
   return {(lo + hi) / 2.0, extent / steps};
 }
@@ -83,7 +85,7 @@ class PageWriter {
                                {"receiver", place(ping.receiver_m)},
                                {"shadows", ping.shadows}});
     std::string text = json.dump(-1, ' ', true, nlohmann::ordered_json::error_handler_t::replace);
-    // Nothing in a title may end the script element that holds it.
+    // A title must not end the script element that contains it.
     for (std::size_t at = 0; (at = text.find('<', at)) != std::string::npos;) text.replace(at, 1, "\\u003c");
     return text;
   }
@@ -189,7 +191,7 @@ std::string view_page(const ViewData& data) {
   const PageWriter writer(data);
   std::string html;
   std::string_view page = page_html;
-  // The template's marks, each alone in a comment.
+  // Marks of the template, each in a comment.
   while (!page.empty()) {
     const std::size_t begin = page.find("<!--{"), end = page.find("}-->", begin);
     html += page.substr(0, begin);

@@ -7,9 +7,9 @@
 
 namespace tubefoot {
 
-/// One HTML page that holds everything: markup, style, scripts (src/viewer/*.{html,css,js}) and the data.
-/// It asks the network for nothing. Places are kept in millionths of the footprints' extent, energies to
-/// within 1e-5 of each, all of it compressed (packed_array.hpp).
+/// Returns one HTML page with markup, style, scripts (src/viewer/*.{html,css,js}) and data, which loads
+/// nothing from the network. The resolution of positions is a millionth of the extent of the footprints.
+/// Energies have a relative error below 1e-5. All data is compressed (packed_array.hpp).
 std::string view_page(const ViewData& data);
 
 }  // namespace tubefoot

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Collects the data of a page of the viewer. It traces the chosen pings and links footprints to cells of the
+// picture. Then it adds tubes, hidden parts of facets and the surrounding mesh.
 #include "viewer/view_gather.hpp"
 
 #include <fmt/format.h>
@@ -28,10 +30,11 @@
 namespace tubefoot {
 namespace {
 
-/// With beam patterns all beams receive all footprints; what is weaker than this in its sample is left out.
+/// With beam patterns each beam receives from all footprints. Smaller shares of the energy of a cell are
+/// omitted.
 constexpr double least_share_with_patterns = 1e-3;
 
-/// The angle of each beam across the fan that the beams make: in the sensor's horizontal plane, or in the one
+/// Returns the angle of each beam across the fan, in the horizontal plane of the sensor or in the plane
 /// across the track.
 std::vector<double> beam_angles_deg(const Sensor& sensor) {
   std::vector<double> flat, across;
@@ -131,7 +134,7 @@ class Gatherer {
     return take_mesh(near.scene, near.scene.mesh, about, limits_.mesh_facets, view);
   }
 
-  /// Of a ping in several transmissions on a carrier that moves: how far, at the pings shown.
+  /// Adds a remark on the largest displacement between the transmissions of a ping, if the carrier moves.
   void tell_of_stripes() {
     const std::size_t transmissions = sensor_.transmissions();
     if (transmissions < 2) return;
@@ -201,14 +204,14 @@ class Gatherer {
                     });
     }
     SensorModel model = transmission.model(index_);
-    model.patterns.baselines.clear();  // what is viewed is what the transmitter sees
+    model.patterns.baselines.clear();  // the view shows the visibility from the transmitter
     const std::vector<std::uint32_t>& beam_of_tube = sensor_.beam_of_tube(transmission.number());
     link(transmission, history, {transmission.beams(index_), beam_of_tube},
          transmission.echo(history, index_, model.model), model.model, place, first_footprint);
     shade(transmission, end, history);
   }
 
-  /// What both see together, and what is in the tubes of either and hidden from it.
+  /// Adds the parts that both ends see, and those in the tubes of either end that are hidden from it.
   void add_two_ends(const Transmission& transmission, const TransmissionEnds& ends, std::uint32_t place) {
     const TransmissionEnds::Seen all = ends.seen();
     const PathFootprints& seen = all.together;
@@ -241,8 +244,8 @@ class Gatherer {
          transmission.echo(seen.history, index_, model->model), model->model, place, first_footprint);
   }
 
-  /// A tube is drawn to its farthest footprint; into open water, to the end of the samples. Returns the
-  /// number of the first.
+  /// Adds the tubes, each up to its farthest footprint, or to the end of the samples in unobstructed water.
+  /// Returns the index of the first.
   std::uint32_t draw_tubes(const Transmission& transmission, const TubeSet& tubes, const History& history,
                            std::uint32_t place, glm::dvec3 apex) {
     const auto first_tube = static_cast<std::uint32_t>(view.tubes.size());
@@ -266,7 +269,7 @@ class Gatherer {
     return first_tube;
   }
 
-  /// `lies` says where a point lies that is seen there from the apex.
+  /// `lies` returns the position of a point on the surface from its direction as seen from the apex.
   template <class Lies>
   void add_footprint(const Transmission& transmission, const Footprint& f, const FootprintSet& set,
                      std::uint32_t place, std::uint32_t receive_tube, std::uint32_t first_tube,
@@ -314,7 +317,7 @@ class Gatherer {
   const ViewLimits& limits_;
   std::size_t cells_;
   bool shadows_stopped_ = false;
-  FacetMesh own_mesh_;  // of the first transmission, where relief is refined for it
+  FacetMesh own_mesh_;  // mesh of the first transmission, if its relief is refined
 };
 
 PictureLayout layout_of(const Sensor& sensor) {
@@ -361,7 +364,7 @@ ViewData gather_view(const Transmissions& transmissions, std::size_t sensor,
         cells, most_cells, requested.first,
         requested.first + std::max<std::int64_t>(
                               0, static_cast<std::int64_t>(most_cells / view.beams / view.samples) - 1)));
-  constexpr std::size_t most_lines = 1000;  // more are too fine to be clicked
+  constexpr std::size_t most_lines = 1000;  // more lines are too thin to be selected
   Progress progress("pings", static_cast<std::size_t>(requested.last - requested.first + 1), quiet);
   for (std::int64_t ping = requested.first; ping <= requested.last; ++ping) {
     stop_if_wanted();

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Collects the surroundings of the footprints of a view: partly hidden facets in the tubes, and the facets
+// of the mesh nearest to the footprints.
 #include "viewer/view_surroundings.hpp"
 
 #include <algorithm>
@@ -22,7 +24,8 @@ double area_of(const std::vector<glm::dvec3>& polygon) {
   return glm::length(sum) / 2;
 }
 
-/// How far a place is from what is shown, in plan and roughly: by cells of a grid over the box.
+/// Approximate horizontal distance of a position from the footprints, on the cells of a grid over their
+/// box.
 class Nearness {
  public:
   Nearness(const ViewData& view, glm::dvec3 lo, glm::dvec3 hi)
@@ -64,7 +67,7 @@ bool add_shadows(const Scene& scene, const TransmissionEnd& end, const History& 
   const glm::dvec3 apex = scene.grid.to_metres(tubes.apex);
   const double unit = scene.grid.unit_m();
   const auto& footprints = history.footprints.footprints;
-  std::size_t next = 0;  // they are ordered by tube
+  std::size_t next = 0;  // footprints are ordered by tube
   std::vector<FacetId> facets;
   std::vector<glm::dvec3> polygon;
   std::unordered_map<FacetId, double> seen_m2;
@@ -140,7 +143,7 @@ std::size_t take_mesh(const Scene& scene, const FacetMesh& mesh, const ViewSurro
     std::nth_element(near.begin(), last, near.end(), [](const Near& a, const Near& b) {
       return a.distance_m != b.distance_m ? a.distance_m < b.distance_m : a.facet < b.facet;
     });
-    // Whole cells, so that the border is not ragged; but for the first.
+    // Takes whole cells to keep the border straight, except for cells at distance 0.
     const double limit_m = last->distance_m;
     near.resize(most);
     if (limit_m > 0) std::erase_if(near, [&](const Near& n) { return n.distance_m >= limit_m; });

@@ -127,7 +127,7 @@ TEST_F(CoarseningRun, WhatIsReportedApartGrowsWithTheRange) {
   const auto survey = open_survey(
       read_scene_file(folder.write("scene.toml", materials + rolling_seabed + line + camera + sidescan)));
   const Scene& scene = survey->scene;
-  const std::vector<double> apart = resolved_lengths_m(*survey->loaded_scene, *survey->sensor_set);
+  const std::vector<double> apart = resolved_lengths(*survey->loaded_scene, *survey->sensor_set);
   std::size_t unreached = 0;
   for (std::size_t f = 0; f < scene.mesh.facets.size(); f += 7) {
     double nearest = std::numeric_limits<double>::infinity(), farthest = nearest;

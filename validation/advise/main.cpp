@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// tubefoot_advise_study PAGE SCENE...: asks for advice on each scene and writes a page with what it is worth
-// on pings that it has not seen.
+// tubefoot_advise_study PAGE SCENE...: requests advice for each scene and writes a page. The page compares
+// the advice with measurements on pings that the advice did not use.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <tbb/global_control.h>
@@ -31,7 +31,8 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// Everything that advice may name, up to the cost of exact cuts, which always hold.
+/// Measures all settings that advice may select, up to the work of exact cuts, which always satisfy the
+/// tolerance.
 std::vector<Measured> all_measured(UnseenPings& unseen) {
   constexpr int repeats = 3;
   constexpr double most_rays = 1e6;
@@ -48,7 +49,7 @@ std::vector<Measured> all_measured(UnseenPings& unseen) {
 
 std::string name(const EngineSetting& s) { return s.engine + ", " + s.setting; }
 
-/// Seconds of both, measured in turns, since the machine's speed drifts.
+/// Measures the seconds of two settings alternately, because the speed of the machine drifts.
 std::pair<double, double> seconds_in_turns(UnseenPings& unseen, const EngineSetting& a,
                                            const EngineSetting& b) {
   constexpr int rounds = 7;
@@ -107,7 +108,7 @@ int run(const std::filesystem::path& page, const std::vector<std::filesystem::pa
   for (const auto& scene : scenes) {
     try {
       rows += study(scene, tally);
-    } catch (const std::exception& error) {  // data that is not in the repository
+    } catch (const std::exception& error) {  // the data is not in the repository
       left_out.push_back(fmt::format("- left out: {}", error.what()));
       fmt::print(stderr, "{}\n", left_out.back());
     }

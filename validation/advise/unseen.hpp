@@ -9,21 +9,21 @@
 
 namespace tubefoot {
 
-/// Pings that advice has not seen, with exact cuts to hold settings against. Where a sensor has none left,
-/// all sensors are moved and turned a little: `moved_places` times, by decimetres and degrees.
+/// Pings that the advice did not use, with exact cuts as the reference. If a sensor has no further pings,
+/// all sensors are displaced and rotated by decimetres and degrees, `moved_places` times.
 class UnseenPings {
  public:
   static constexpr int moved_places = 3;
 
-  /// At most `count` pings of each sensor and place. Throws as TrialScene does.
+  /// Takes at most `count` pings per sensor and place. Throws as TrialScene does.
   UnseenPings(const SceneDescription& scene, const std::vector<LookedAt>& seen, std::size_t count);
 
   /// "8 other pings a sensor" or "3 other places".
   const std::string& what() const { return what_; }
   std::size_t beams() const { return places_.front()->beams(); }
 
-  /// With a seed that no advice uses. Errors are those of all these pings together, of the worst sensor;
-  /// seconds those of a ping.
+  /// Runs a setting with a seed that advice does not use. Errors are those of all pings together, for the
+  /// worst sensor. Seconds are those of one ping.
   Trial run(EngineSetting setting, int repeats);
 
  private:
@@ -31,8 +31,8 @@ class UnseenPings {
   std::string what_;
 };
 
-/// Every sampling that advice considers on rungs of rays 1.25 apart, from 32 a beam on, up to `seconds` a
-/// ping or `most_rays` a beam; with their settings.
+/// Setting and trial of a sampling. fine_ladder() increases the rays from 32 per beam by factors of 1.25.
+/// It ends at `seconds` per ping or `most_rays` per beam.
 struct Measured {
   EngineSetting setting;
   Trial trial;

@@ -26,7 +26,8 @@ void* counted_or_throw(std::size_t size, std::size_t alignment) {
 
 std::uint64_t tubefoot::allocations() { return count.load(std::memory_order_relaxed); }
 
-// All of them: with some left out, a sanitizer's own operators would free what these have not allocated.
+// All operators are replaced. Otherwise the operators of a sanitizer would free memory that they did not
+// allocate.
 void* operator new(std::size_t size) { return counted_or_throw(size, 1); }
 void* operator new[](std::size_t size) { return counted_or_throw(size, 1); }
 void* operator new(std::size_t size, std::align_val_t a) {

@@ -5,9 +5,9 @@
 
 namespace tubefoot {
 
-/// How often memory was asked for by operator new since the program began, by all threads. Linking
-/// allocations.cpp replaces every operator new and delete of the program; GMP's numbers go by malloc and are
-/// not counted.
+/// Returns the number of allocations by operator new since the start of the program, over all threads.
+/// Linking allocations.cpp replaces every operator new and delete of the program. GMP allocates numbers
+/// with malloc; they are not counted.
 std::uint64_t allocations();
 
 }  // namespace tubefoot

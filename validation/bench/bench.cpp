@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Figures of speed and memory, as medians of interleaved repeats in one run, into figures.json beside the
-// program.
+// Benchmark of speed and memory. It writes medians of interleaved repetitions in one run to figures.json
+// next to the program.
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
@@ -44,7 +44,7 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// Runs all works in turn, `repeats` times, and returns each one's median.
+/// Runs all works in turn, `repeats` times, and returns the median time of each.
 std::vector<double> interleaved(int repeats, const std::vector<std::function<void()>>& works) {
   std::vector<std::vector<double>> times(works.size());
   for (int r = -1; r < repeats; ++r)  // the first round warms up
@@ -57,7 +57,7 @@ std::vector<double> interleaved(int repeats, const std::vector<std::function<voi
   return medians;
 }
 
-/// Candidates to finished pieces for a whole sector, the tree already built.
+/// Computes a whole sector from candidates to finished pieces, with a tree built before.
 struct View {
   explicit View(FacetMesh m, int columns = 1) : View(std::move(m), benchmark_sector(columns)) {}
   View(FacetMesh m, TubeSet t) : mesh(std::move(m)), tree(mesh), tubes(std::move(t)) {}
@@ -82,8 +82,8 @@ struct FootprintMemory {
   double bytes = 0, allocations = 0;  ///< per footprint
 };
 
-/// Bytes of a ping's footprints, and how often memory is asked for while the ping is repeated into the same
-/// buffers.
+/// Measures the bytes of the footprints of a ping, and the number of allocations when the ping is repeated
+/// into the same buffers.
 FootprintMemory footprint_memory(View& view) {
   FootprintSet set;
   const auto ping = [&] {
@@ -119,7 +119,8 @@ int main(int, char** argv) {
   };
   survey_figures(figure);
   relief_figures(figure);
-  constexpr double tuned_tolerance = 1e-14;  // the right topology on this terrain; docs/performance.md
+  // Gives the correct topology on this terrain; docs/performance.md.
+  constexpr double tuned_tolerance = 1e-14;
   {
     View sector(benchmark_terrain(200)), beams(benchmark_terrain(200), 96);
     const auto t =
@@ -161,7 +162,7 @@ int main(int, char** argv) {
     figure("bytes_per_footprint", memory.bytes);
     figure("allocations_per_footprint_steady", memory.allocations);
   }
-  // Some 270 facets, few and large or many and small.
+  // About 270 facets: few large ones, or many small ones.
   figure("envelope_over_fixed", envelope_over_fixed(benchmark_terrain(20), benchmark_sector(1), 0));
   figure("envelope_over_fixed_beam", envelope_over_fixed(benchmark_terrain(200), benchmark_sector(150), 75));
   {

@@ -24,8 +24,8 @@ constexpr int repeats = 3;
 void chart_figures(const std::function<void(const std::string& name, double value)>& figure) {
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   const std::filesystem::path scenes = TUBEFOOT_SCENES;
-  // Ladders end by rays, so that every machine measures the same. What they do not reach is extrapolated, and
-  // is another figure.
+  // A number of rays ends the series, so that every machine measures the same settings. Errors beyond it
+  // are extrapolated, which gives a separate figure.
   constexpr double all_rays = 70e6, some_rays = 6e6;
   const std::vector<std::pair<const char*, double>> most_rays{
       {"chart/rough-terrain.toml", all_rays}, {"wellhead/scene.toml", all_rays},
@@ -36,7 +36,7 @@ void chart_figures(const std::function<void(const std::string& name, double valu
     TrialScene scene(read_scene_file(scenes / file), first_pings(1), reference_tolerance);
     const std::vector<Trial> trials =
         all_trials(scene, builtin_settings(scene.beams()), repeats, {.rays = rays});
-    // By the clock, and once more by what depends less on what else the machine does.
+    // By elapsed time, and by the measure that depends least on the load of the machine.
     const WorkMeasure steadiest = steadiest_measure(trials);
     const std::string steadily =
         steadiest == WorkMeasure::instructions ? "_by_instructions" : "_by_processor_time";

@@ -14,7 +14,7 @@
 namespace tubefoot {
 namespace {
 
-/// The scene's own camera, made a DIDSON on its way from the first viewpoint to the second.
+/// Returns the scene with its camera as a DIDSON that moves from the first viewpoint to the second.
 SceneDescription sequence(bool side_lobes) {
   SceneDescription scene = read_scene_file(std::filesystem::path(TUBEFOOT_SCENES) / "wellhead/scene.toml");
   std::erase_if(scene.sensors, [](const SensorDescription& sensor) { return sensor.name != "camera"; });

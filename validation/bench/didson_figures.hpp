@@ -6,9 +6,10 @@
 
 namespace tubefoot {
 
-/// Frames a second of a DIDSON (preset didson-identification: 8 cycles of 12 beams, each at its own time and
-/// pose) that moves about the well head of scenes/wellhead, on two threads, from tubes to energies:
-/// didson_frames_per_s with the side lobes of uniform lines, didson_frames_per_s_ideal without patterns.
+/// Measures frames per second of a DIDSON that moves about the well head of scenes/wellhead, on two
+/// threads, from tubes to energies. The preset didson-identification has 8 cycles of 12 beams, each at its
+/// own time and pose. The figures are didson_frames_per_s with the side lobes of uniform lines, and
+/// didson_frames_per_s_ideal without patterns.
 void didson_figures(const std::function<void(const std::string& name, double value)>& figure);
 
 }  // namespace tubefoot

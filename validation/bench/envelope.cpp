@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "envelope.hpp"
 
-// One of CGAL 5.5.1's assertions in Envelope_3 is ambiguous in C++20; some preconditions need the assertions.
+// An assertion of CGAL 5.5.1 in Envelope_3 is ambiguous in C++20; some preconditions need the assertions.
 #ifndef CGAL_NO_ASSERTIONS
 #define CGAL_NO_ASSERTIONS
 #endif
@@ -24,7 +24,7 @@
 namespace tubefoot {
 namespace {
 
-// With the lazy exact kernel Envelope_3 is no faster here: 0.37 s against 0.36 s for 295 facets.
+// The lazy exact kernel does not accelerate Envelope_3 here: 0.37 s compared with 0.36 s for 295 facets.
 using Kernel = CGAL::Simple_cartesian<CGAL::Exact_rational>;
 using Number = Kernel::FT;
 using Traits = CGAL::Env_surface_data_traits_3<CGAL::Env_triangle_traits_3<Kernel>, FacetId>;

@@ -16,7 +16,7 @@ namespace tubefoot {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr int pings = 120;  // their energies are kept in memory here
+constexpr int pings = 120;  // the energies are kept in memory
 
 double seconds_of_a_line(const Survey& survey, const fs::path& folder) {
   fs::remove_all(folder);

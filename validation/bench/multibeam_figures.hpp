@@ -6,8 +6,8 @@
 
 namespace tubefoot {
 
-/// A RESON 8101 over the whole real grid (scenes/multibeam/real-grid.toml) on two threads, from the first
-/// ping to the last file: mbes_pings_per_s.
+/// Measures a RESON 8101 over the whole real grid (scenes/multibeam/real-grid.toml) on two threads, from
+/// the first ping to the last file: mbes_pings_per_s.
 void multibeam_figures(const std::function<void(const std::string& name, double value)>& figure);
 
 }  // namespace tubefoot

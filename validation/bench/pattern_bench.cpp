@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What beam patterns cost: one cycle of an acoustic camera over the benchmark terrain, 12 beams that transmit
-// and receive at once and receive the whole sector, 512 samples.
+// Cost of beam patterns: one cycle of an acoustic camera over the benchmark terrain. It has 12 beams that
+// transmit and receive simultaneously and receive from the whole sector, with 512 samples.
 //
 //     tubefoot_pattern_bench [facets a side] [tubes] [repetitions] [pattern]
 #include <fmt/core.h>
@@ -21,7 +21,7 @@ namespace {
 constexpr double degree = 0.017453292519943295;
 constexpr int beams = 12;
 
-/// Beams of one cycle: every eighth of 96 over 29 degrees.
+/// Beams of one cycle: every eighth of 96 beams over 29 degrees.
 std::vector<Directivity> cycle(const Directivity& pattern) {
   std::vector<Directivity> made(beams, pattern);
   for (int b = 0; b < beams; ++b) made[b].centre = std::sin((-14.5 + 29.0 / 96 * (8 * b + 3.5)) * degree);
@@ -37,7 +37,7 @@ std::shared_ptr<const PatternTable> table_with_floor() {
   return std::make_shared<const PatternTable>(angle, level);
 }
 
-/// Processor time, which others on the machine disturb least.
+/// Returns the least processor time, which other programs disturb least.
 template <class Run>
 double best_ms(int repetitions, const Run& run) {
   double best = 1e300;

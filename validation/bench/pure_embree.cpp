@@ -20,7 +20,7 @@ struct PureEmbree::State {
 PureEmbree::PureEmbree(const FacetMesh& mesh, const TubeSet& tubes, double unit_m, int side)
     : state_(std::make_unique<State>()) {
   State& s = *state_;
-  rtcSetSceneFlags(s.scene, RTC_SCENE_FLAG_ROBUST);  // as the ray engine
+  rtcSetSceneFlags(s.scene, RTC_SCENE_FLAG_ROBUST);  // as in the ray engine
   RTCGeometry geometry = rtcNewGeometry(s.device, RTC_GEOMETRY_TYPE_TRIANGLE);
   auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
       geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.vertices.size()));

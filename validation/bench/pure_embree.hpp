@@ -6,14 +6,14 @@
 #include "geometry/mesh/facet_mesh.hpp"
 #include "geometry/tubes/tube.hpp"
 
-/// What the ray engine can be at best: Embree alone, on a square of rays that are ready in memory, in blocks
-/// of four by four, hits counted and nothing made of them.
+/// Upper limit of the speed of the ray engine: Embree alone, on a square of precomputed rays in blocks of
+/// four by four. Hits are counted and not processed.
 class PureEmbree {
  public:
-  /// `side` x `side` jittered rays in the first tube; `side` a multiple of four.
+  /// Prepares `side` x `side` jittered rays in the first tube; `side` must be a multiple of four.
   PureEmbree(const tubefoot::FacetMesh& mesh, const tubefoot::TubeSet& tubes, double unit_m, int side);
   ~PureEmbree();
-  /// Traces all rays; the number of hits.
+  /// Traces all rays and returns the number of hits.
   long trace() const;
 
  private:

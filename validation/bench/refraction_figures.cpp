@@ -29,7 +29,8 @@ void refraction_figures(const std::function<void(const std::string& name, double
   const fs::path scenes = TUBEFOOT_SCENES;
   SceneDescription description = read_scene_file(scenes / "survey/scene.toml");
   SensorDescription& line = description.sensors.front();
-  line.ping_interval_s *= static_cast<double>(line.pings.value_or(1)) / pings;  // fewer, over the same track
+  // Fewer pings over the same track.
+  line.ping_interval_s *= static_cast<double>(line.pings.value_or(1)) / pings;
   line.pings = pings;
   const auto straight = open_survey(description);
   description.water.profile = "cast";

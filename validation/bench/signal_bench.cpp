@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What signals of elements cost over the survey scene (docs/signals.md): seconds of processor time against
-// elements, polygons and bandwidth, and beside the direct sum over the same scatterers.
+// Cost of element signals over the survey scene (docs/signals.md). Measures processor seconds as a function
+// of elements, polygons and bandwidth. Compares them with the direct sum over the same scatterers.
 //
 //     tubefoot_signal_bench [reach in metres] [most elements] [direct: 0 or 1]
 #include <fmt/core.h>
@@ -34,13 +34,13 @@ double seconds(const Run& run) {
   return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
 }
 
-/// Elements half a wavelength apart along x, which look along y.
+/// Returns elements half a wavelength apart along x that look along y.
 CoherentReceiver array_of(int elements, double bandwidth_hz, glm::dvec3 place_m, double reach_m) {
   CoherentReceiver receiver;
   for (int k = 0; k < elements; ++k)
     receiver.channels.push_back(
         {place_m, place_m + glm::dvec3((k - 0.5 * (elements - 1)) * wavelength / 2, 0, 0)});
-  // Amplitudes 1e-3 of the peak are its band's ends.
+  // The band ends at amplitudes of 1e-3 of the peak.
   receiver.pulse = gaussian_pulse(std::sqrt(-2 * std::log(1e-3)) / (std::numbers::pi * bandwidth_hz), 1e-3);
   receiver.times = {0, 1.25 * bandwidth_hz, std::size_t(2 * reach_m / sound_speed * 1.25 * bandwidth_hz)};
   receiver.carrier_hz = carrier_hz;
@@ -48,7 +48,7 @@ CoherentReceiver array_of(int elements, double bandwidth_hz, glm::dvec3 place_m,
   return receiver;
 }
 
-/// The same on a vehicle that goes along y and turns.
+/// Returns the receiver on a vehicle that moves along y and turns.
 CoherentReceiver on_the_way(CoherentReceiver receiver, double speed_m_s, double rad_s) {
   const glm::dvec3 middle = receiver.channels[0].transmit_m;
   const auto way = [&](glm::dvec3 place_m) -> PlatformMotion {
@@ -75,7 +75,7 @@ double spacing_for(double bandwidth_hz) {
   return surface_spacing_m(bandwidth_hz, wavelength, sound_speed, 60 * degree);
 }
 
-/// Each scatterer to each element, one after the other.
+/// Sums the contribution of each scatterer to each element directly.
 ChannelSignals direct_sum(const Place& place, const CoherentReceiver& receiver, const SurfaceField& field,
                           std::size_t& scatterers) {
   ChannelSignals all{receiver.channels.size(), receiver.times.count, {}};
@@ -111,7 +111,7 @@ void compare(const char* what, const ChannelSignals& signals, const ChannelSigna
   fmt::print("  {}: rms error {:.1e} of the rms signal\n", what, std::sqrt(difference / power));
 }
 
-/// Large polygons: a flat seabed 10 m below.
+/// Large polygons: a flat seabed 10 m below the sonar.
 Place flat_seabed(glm::dvec3 apex) {
   static const std::vector<double> mu{0.01};
   static const std::vector<std::uint16_t> material{0};
@@ -193,7 +193,7 @@ void run(double reach_m, int most_elements, bool direct) {
   };
   if (!direct) return;
   beside_direct(flat_seabed(apex), "a flat bed of 40 m x 20 m");
-  // One polygon in 16: the direct sum takes as long for each.
+  // One polygon in 16, because the direct sum takes equally long for each polygon.
   Place some = place;
   some.seen.patches.clear();
   for (std::size_t k = 0; k < place.seen.patches.size(); k += 16)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What signals of smooth surfaces cost (docs/smooth-surfaces.md): seconds of processor time for an array over
-// a sphere and over the wreck of the survey scene, beside the pulse along every edge.
+// Cost of signals of smooth surfaces (docs/smooth-surfaces.md). Measures processor seconds for an array over
+// a sphere and over the wreck of the survey scene. Compares them with the exact pulse along every edge.
 //
 //     tubefoot_smooth_bench [elements] [elements of the exact pulse]
 #include <fmt/core.h>
@@ -116,7 +116,7 @@ void run(int elements, int exact_elements) {
   });
   measure("wreck", split.smooth, elements, exact_elements);
 
-  // A sphere of radius 0.5 m, 10 m off: its rows of facets towards the sonar.
+  // A sphere of radius 0.5 m at a distance of 10 m: its rows of facets that face the sonar.
   VisiblePolygons ball;
   const int rows = 24;
   const glm::dvec3 centre(0, 10, 0);

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Measures sidescan lines in child processes, whose statistics give speed and peak memory.
+// survey_figures.hpp lists the figures.
 #include "survey_figures.hpp"
 
 #include <fcntl.h>
@@ -71,7 +73,7 @@ samples = 1000
   return run_apart(scene, folder / fmt::format("flat-{}", pings)).at("peak_memory_mb").get<double>();
 }
 
-/// Removed at the end, with all that is in it.
+/// A temporary folder that its destructor removes with its contents.
 struct TemporaryFolder {
   TemporaryFolder() {
     std::string pattern = (fs::temp_directory_path() / "tubefoot-bench-XXXXXX").string();

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Benchmark meshes: a seeded rough terrain with optional hidden sheets, a sector of tubes, and interlaced
+// strips that pass through each other.
 #include "terrain.hpp"
 
 #include <cmath>
@@ -17,7 +19,7 @@ std::uint64_t mix(std::uint64_t x) {  // finaliser of splitmix64
   return x ^ (x >> 31);
 }
 
-/// A standard normal number for a place, the same everywhere.
+/// Returns a standard normal number for a grid point, the same on every machine.
 double normal(std::uint64_t i, std::uint64_t j) {
   const std::uint64_t h = mix(mix(i * 0x9e3779b97f4a7c15u + 1) + j);
   const double u = (static_cast<double>(h >> 11) + 0.5) * 0x1p-53;
@@ -37,7 +39,7 @@ FacetMesh benchmark_terrain(int n, int hidden_behind) {
   const double cell = extent_m / n, unit = std::ldexp(1.0, terrain_grid_exponent);
   for (int sheet = 0; sheet <= hidden_behind; ++sheet) {
     const auto base = static_cast<VertexId>(mesh.vertices.size());
-    // Sheets below the first one: nothing of them is ever seen.
+    // The sheets below the first one are never visible.
     const double drop = 4.0 * sheet;
     for (int j = 0; j <= n; ++j)
       for (int i = 0; i <= n; ++i) {

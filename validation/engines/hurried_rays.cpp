@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Embree as a ray engine in a hurry uses it, for validation/engines/embree_hurry.py (ctypes): float
-// coordinates as they are, rays from the sonar on, the first hit counts.
+// Embree in the simplest use by a ray engine, for validation/engines/embree_hurry.py (ctypes): float
+// coordinates as given, rays that start at the sonar, first hit only.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -14,8 +14,9 @@ constexpr std::uint32_t nothing = std::numeric_limits<std::uint32_t>::max();
 
 }  // namespace
 
-/// `corners`: nine floats a triangle; `directions`: three a ray. Writes each ray's distance (in lengths of
-/// its direction) and triangle, or infinity and 2^32 - 1. Returns 0, or Embree's error.
+/// Finds the first hits. `corners` has nine floats per triangle and `directions` three per ray. Writes the
+/// distance of each ray, in lengths of its direction, and its triangle. Without a hit, they are infinity
+/// and 2^32 - 1. Returns 0 or the error of Embree.
 extern "C" int hurried_first_hits(const float* corners, std::size_t triangles, const float* apex,
                                   const float* directions, std::size_t rays, float* distances,
                                   std::uint32_t* hits) {

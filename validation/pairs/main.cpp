@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// tubefoot_pairs PAGE: the processor time of a ping with two features of the table of what can be combined,
-// over the sum of those with one of them each, as a page.
+// tubefoot_pairs PAGE: writes a page with the costs of combined features. A cost is the processor time of a
+// ping with two features, divided by the sum of the times with one of them each.
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
@@ -22,7 +22,7 @@ namespace tubefoot {
 namespace {
 
 constexpr int rounds = 5;
-constexpr double least_seconds = 0.02;  // of one measurement, by repeats
+constexpr double least_seconds = 0.02;  // of one measurement, by repetition
 
 const std::vector<Feature> of_runs{Feature::reference, Feature::double_arithmetic, Feature::fast_binning,
                                    Feature::rays};
@@ -36,7 +36,7 @@ RunRequest request_with(const std::set<Feature>& chosen, const Survey& survey) {
   return request;
 }
 
-/// A scene that is ready to run, again and again.
+/// A scene that can be run repeatedly.
 class Combination {
  public:
   Combination(const TestFolder& folder, const std::set<Feature>& chosen, const SceneSize& size)
@@ -46,7 +46,7 @@ class Combination {
     while (seconds() < least_seconds) repeats_ *= 2;
   }
 
-  /// Of processor, for one run.
+  /// Returns processor seconds of one run.
   double measure() { return seconds() / repeats_; }
 
  private:
@@ -64,8 +64,8 @@ class Combination {
   int repeats_ = 1;
 };
 
-/// Cost of both over the sum of each: the median of rounds, in each of which all three take their turn.
-/// Nothing where they cannot be combined.
+/// Returns the time with both features divided by the sum of the times with each. The result is the median
+/// of rounds, in which all three take turns. Returns nothing if the features cannot be combined.
 std::optional<double> ratio_of(const TestFolder& folder, Feature a, Feature b) {
   const bool paths = a == Feature::scatterings || b == Feature::scatterings;
   const SceneSize size{8, 64, paths || a == Feature::mirrors || b == Feature::mirrors};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// tubefoot_rays [PAGE]: tubefoot's rays against figures that independent ray codes published, as a table.
-// Exits with 1 where one is farther off than that code's own steps explain.
+// tubefoot_rays [PAGE]: compares the acoustic rays of tubefoot with published figures of independent ray
+// codes, as a table. The exit code is 1 if a difference exceeds the error that the steps of that code
+// explain.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,9 +23,9 @@ constexpr double degree = std::numbers::pi / 180;
 struct Figure {
   std::string water, what;
   double ours = 0, published = 0;
-  int digits = 0;  ///< published, after the point
+  int digits = 0;  ///< published digits after the decimal point
   const char* code = "";
-  double allowed = 0;  ///< what that code's steps are known to be off by
+  double allowed = 0;  ///< known error of the steps of that code
 
   double difference() const { return ours - published; }
   bool holds() const {

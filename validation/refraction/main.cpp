@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// tubefoot_refraction_study SCENE PICTURE: what the first multibeam of a scene with a profile makes of the
-// seabed, reduced with the sound speed at the sonar along straight rays: through the scene's water, through
-// one gradient of the same depth and opposite sign, and through isovelocity water. Writes a diagram across
-// the track.
+// tubefoot_refraction_study SCENE PICTURE: shows the seabed that the first multibeam of a scene with a
+// sound-speed profile measures. Soundings are reduced with the sound speed at the sonar along straight
+// rays. It compares the water of the scene, one gradient of the same depth and opposite sign, and
+// isovelocity water. Writes a diagram across the track.
 #include <fmt/format.h>
 
 #include <cmath>

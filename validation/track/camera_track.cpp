@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Estimates the track of a camera from its frames: projects each frame onto a flat seabed and correlates
+// consecutive pictures. The shift of the contents is the negative step of the camera.
 #include "track/camera_track.hpp"
 
 #include <algorithm>
@@ -15,7 +17,7 @@ namespace {
 
 constexpr double unseen = std::numeric_limits<double>::quiet_NaN();
 
-/// Unit vectors of a pose's heading, level.
+/// Horizontal unit vectors of the heading of a pose.
 struct Heading {
   explicit Heading(const Pose& pose) {
     const glm::dvec3 forward = pose.attitude * glm::dvec3(0, 1, 0);
@@ -25,8 +27,8 @@ struct Heading {
   glm::dvec3 ahead, starboard;
 };
 
-/// The elevation, in the camera's axes, at which a beam meets the seabed at a slant range; nothing if it does
-/// not.
+/// Returns the elevation, in the axes of the camera, at which a beam meets the seabed at a slant range.
+/// Returns nothing if the beam does not meet it there.
 std::optional<double> elevation_at(const Pose& pose, double height_m, double azimuth_rad, double range_m) {
   const double level = (pose.attitude * glm::dvec3(std::sin(azimuth_rad), std::cos(azimuth_rad), 0)).z,
                up = (pose.attitude * glm::dvec3(0, 0, 1)).z, most = std::hypot(level, up);
@@ -39,10 +41,10 @@ std::optional<double> elevation_at(const Pose& pose, double height_m, double azi
   return std::abs(one) < std::abs(other) ? one : other;
 }
 
-/// Energies over the mean of their range, less 1, where the seabed fills the beam.
+/// Returns energies divided by the mean of their range, minus 1, where the seabed fills the beam.
 std::vector<double> flattened(const Sensor& sensor, const Pose& pose, double height_m,
                               std::span<const double> energies) {
-  constexpr double inner = 0.95;  // of the beam's height
+  constexpr double inner = 0.95;  // share of the height of the beam
   const auto samples = static_cast<std::size_t>(sensor.samples().count);
   std::vector<double> flat(energies.size(), unseen);
   for (std::size_t k = 0; k < samples; ++k) {
@@ -65,7 +67,7 @@ std::vector<double> flattened(const Sensor& sensor, const Pose& pose, double hei
   return flat;
 }
 
-/// Where in a frame, in beams and samples, a place in the camera's own axes is received.
+/// Finds the energy of a frame at a position in the axes of the camera, by its beam and sample.
 class FrameLookup {
  public:
   FrameLookup(const Sensor& sensor, std::vector<double> flat)
@@ -147,7 +149,7 @@ TrackEstimate estimate_track(const Recording& recording, const std::vector<std::
     PixelMap now = ground_picture(recording, ping, frames[ping], layout);
     if (ping > 0) {
       const FrameShift shift = find_shift(before, now, most_shift);
-      // What the camera passes moves the other way in its frames.
+      // The contents of the frames move opposite to the camera.
       const TrackStep measured{-shift.columns * layout.pixel_m, -shift.rows * layout.pixel_m};
       const TrackStep truth = seen_from(recording.ping_pose[ping - 1], recording.ping_pose[ping].position_m);
       estimate.worst_pixels =

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Draws consecutive camera frames as seen from above, with a marked place of the seabed that moves through
+// them. The positions of the place follow from the true track.
 #include "track/drift_sheet.hpp"
 
 #include <fmt/format.h>
@@ -12,12 +14,12 @@ namespace tubefoot {
 namespace {
 
 constexpr std::size_t frames_shown = 8, in_a_row = 4;
-constexpr double pixel_m = 0.005, ahead_m = 4.0;  // of the squares' middles
+constexpr double pixel_m = 0.005, ahead_m = 4.0;  // of the centres of the squares
 constexpr int side = 300, gap = 12, head = 84, label = 30;
-constexpr double swing = 0.2;  // of the flattened energies, from dark to bright
+constexpr double swing = 0.2;  // range of the flattened energies, from dark to bright
 constexpr Colour mark{0.25f, 0.95f, 1.0f};
 
-/// A pixel of a square: (0, 0) is its top left one, port and farthest ahead.
+/// A pixel of a square: (0, 0) is the upper left one, which is farthest to port and ahead.
 struct Spot {
   double x = 0, y = 0;
 };

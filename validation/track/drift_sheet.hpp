@@ -8,11 +8,13 @@
 
 namespace tubefoot {
 
-/// Draws the first eight frames of a camera as seen from above, flattened (ground_picture), cut to the same
-/// square ahead of the camera, the way it looks up. A ring follows one place of the seabed by the camera's
-/// true way; dots are where it was in the frames before. The place is the brightest near the middle of the
-/// first square, so that the eye can tell whether what is there goes along. `font` as for Canvas. Throws
-/// std::invalid_argument for fewer frames, and where the seabed ahead is not seen.
+/// Draws the first eight frames of a camera as seen from above (ground_picture), each cut to the same
+/// square ahead of the camera. The viewing direction of the camera is upwards.
+///
+/// A ring follows one place of the seabed by the true track, and dots mark its positions in earlier frames.
+/// The place is the brightest one near the centre of the first square, so that the viewer can check whether
+/// the texture moves with it. `font` as for Canvas. Throws std::invalid_argument for fewer frames, or if
+/// the seabed ahead is not visible.
 Canvas draw_drift(const Recording& recording, const std::vector<std::vector<double>>& frames, double seabed_m,
                   const std::string& font);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// tubefoot_track_study SCENE TRACK FRAMES: runs the first camera of a scene twice, over its micro-texture and
-// over an even seabed with speckle, and estimates the camera's way from neighbouring frames. Writes a diagram
-// of the measured and the true track, and a sheet of frames on which the texture drifts by.
+// tubefoot_track_study SCENE TRACK FRAMES: estimates the track of a camera from consecutive frames. It runs
+// the first camera of a scene twice, over its micro-texture and over a uniform seabed with speckle. Writes
+// a diagram of the measured and the true track, and a sheet of frames that shows the motion of the texture.
 #include <fmt/format.h>
 
 #include <exception>
@@ -21,7 +21,7 @@ namespace {
 constexpr double pixel_m = 0.01;
 constexpr int most_shift = 12;
 
-/// `sheet`: where to draw the frames; empty: nowhere.
+/// `sheet`: file for the drawing of the frames; empty: none.
 TrackEstimate track_of(const SceneDescription& description, const std::filesystem::path& sheet = {}) {
   const auto survey = open_survey(description);
   SimulationStats stats;

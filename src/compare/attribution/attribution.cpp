@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Attribution of the error of a sensor to objects, materials, kinds of bins, ranges and beams. Each bin has
+// the shares of its owners in the energy; ErrorSplit divides the error of a bin with several owners. The
+// largest errors are listed with the facets behind them.
 #include "compare/attribution/attribution.hpp"
 
 #include <fmt/format.h>
@@ -19,7 +22,7 @@ namespace {
 
 constexpr std::size_t most_bands = 10, most_facets = 8;
 
-/// Cuts `count` things into at most `most_bands` spans of equal length.
+/// Divides `count` items into at most `most_bands` spans of equal length.
 class Bands {
  public:
   explicit Bands(std::size_t count) : count_(count), bands_(std::min(count, most_bands)) {}
@@ -79,7 +82,7 @@ class Attributor {
         if (!edges.empty()) caster = edges.front();
         by_silhouette = by_silhouette || !edges.empty();
         if (!by_silhouette && !parts.empty()) caster = parts.front();
-        if (parts.empty() && caster) caster->energy_j = 1;  // all of nothing
+        if (parts.empty() && caster) caster->energy_j = 1;  // the caster owns the whole dark bin
         add_bin({ping, beam, sample}, origins.kind[in_scene],
                 parts.empty() && caster ? std::span<const BinPart>(&*caster, 1) : parts);
       }
@@ -173,7 +176,7 @@ class Attributor {
     WorstBin bin{place, pair_.slant_range_m[place.sample], reference, candidate, 0, kind, {}};
     for (const BinPart& part : parts.first(std::min(parts.size(), most_facets)))
       bin.facets.push_back({part.object, part.material, part.facet, part.energy_j / total});
-    // Of equals the first stays first.
+    // The first of equal errors stays first.
     worst.insert(std::ranges::find_if(worst, [&](const WorstBin& other) { return size(other) < error; }),
                  bin);
     if (worst.size() > most_worst_) worst.pop_back();
@@ -185,11 +188,11 @@ class Attributor {
   Bands ranges_, beams_;
   Attribution result_;
   std::map<std::pair<std::uint16_t, std::uint16_t>, std::uint32_t> number_;
-  std::vector<std::pair<std::size_t, std::size_t>> owners_;  // object, material
-  std::vector<std::array<std::size_t, bin_kinds>> bins_of_;  // by owner
+  std::vector<std::pair<std::size_t, std::size_t>> owners_;  // object and material of each owner
+  std::vector<std::array<std::size_t, bin_kinds>> bins_of_;  // by owner and kind
   std::uint32_t nobody_ = 0;
   ErrorSplit split_{bin_kinds};
-  std::vector<OwnerShare> shares_;  // of the bin at hand
+  std::vector<OwnerShare> shares_;  // shares of the current bin
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Whose an error is: by object, material, kind of bin, range and beam; and which facets are behind the worst.
+// Attribution of errors to objects, materials, kinds of bins, ranges and beams, and to the facets behind
+// the largest errors.
 #pragma once
 
 #include <array>
@@ -19,24 +20,24 @@ namespace tubefoot {
 struct ErrorPart {
   std::string name;
   ErrorSums sums;
-  std::size_t bins = 0;  ///< that belong to it, or in which it has something
+  std::size_t bins = 0;  ///< number of bins that belong to this part, or in which it has energy
 };
 
 struct FacetShare {
   std::uint16_t object = 0, material = 0;
-  FacetId facet = 0;  ///< of the scene without relief, counted through all its objects
-  double share = 0;   ///< of the bin's energy
+  FacetId facet = 0;  ///< facet of the scene without relief, numbered through all objects
+  double share = 0;   ///< share in the energy of the bin
 };
 
 struct WorstBin {
-  BinPlace place;  ///< in the files
+  BinPlace place;  ///< position in the compared files
   double slant_range_m = 0, reference_j = 0, candidate_j = 0, share_of_difference = 0;
   BinKind kind = BinKind::interior;
-  /// Largest first, eight at most; of a dark bin, the one that casts the shadow.
+  /// At most eight facets, largest share first. For a dark bin, the facet that casts the shadow.
   std::vector<FacetShare> facets;
 };
 
-/// Each table adds up to the whole.
+/// Tables of the error. The rows of each table add up to `whole`.
 struct Attribution {
   ErrorSums whole;
   std::vector<ErrorPart> kinds, objects, materials, ranges, beams;
@@ -46,10 +47,14 @@ struct Attribution {
   std::vector<std::string> notes;
 };
 
-/// Of a sensor, `pair` being its reference and what is compared with it. Owners of a bin are those of its
-/// energy in the scene, bin_origins(); of a bin that nothing returns sound into, whoever casts the shadow:
-/// whose silhouette is the last before it in its beam, without any the largest of the last bin before it, and
-/// before the first return nobody. Throws InputError where the scene does not fit.
+/// Attributes the error of a sensor; `pair` has the reference and the compared energies.
+///
+/// The owners of a bin are the facets that contribute energy to it (bin_origins()). The owner of a bin
+/// without energy is the facet that casts the shadow. This is the facet of the last silhouette before the
+/// bin in its beam. Without a silhouette it is the facet with the largest energy in the last non-empty bin
+/// before. A bin before the first return has no owner.
+///
+/// Throws InputError if the echoes do not fit the scene.
 Attribution attribute(const SceneAtHand& scene, const SensorEchoes& reference, const EchoPair& pair,
                       std::size_t worst, bool quiet);
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Attributions as text for the terminal and as JSON. The level of a part is 10 log10 (C / R), with the sums
+// of candidate energies C and reference energies R.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,7 +17,7 @@ using Json = nlohmann::ordered_json;
 
 double ratio(double part, double whole) { return whole > 0 ? part / whole : 0; }
 
-/// 10 log10 (C / R); not finite where there is no C or no R.
+/// Computes 10 log10 (C / R), which is not finite if C or R is 0.
 double level_db(const ErrorSums& sums) {
   return 10 * std::log10((sums.energy + sums.difference) / sums.energy);
 }

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Classifies range bins by the edges of the visible polygons in them. Each edge of each footprint is
+// sampled at two or more points per range sample. At each point, the facet on the other side of the edge
+// determines the kind: object border, silhouette, shadow edge, or end of the beam.
 #include "compare/attribution/bin_kinds.hpp"
 
 #include <algorithm>
@@ -15,7 +18,8 @@ namespace {
 
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
-/// The picture of a tube on a plane before its apex, where straight lines are straight.
+/// Central projection of a tube onto a plane in front of its apex. It maps straight lines to straight
+/// lines.
 class ImagePlane {
  public:
   ImagePlane(const TubeSet& set, const Tube& tube) {
@@ -43,13 +47,14 @@ class ImagePlane {
     return {glm::dot(place, across_) / far, glm::dot(place, up_) / far};
   }
   glm::dvec3 direction(glm::dvec2 at) const { return glm::normalize(ahead_ + at.x * across_ + at.y * up_); }
-  /// The wall that a point lies outside of, or on.
+  /// Returns a wall of the tube that a point lies outside of or on, if there is one.
   std::optional<std::size_t> wall_before(glm::dvec2 point) const {
     for (std::size_t k = 0; k < 4; ++k)
       if (turn_ * cross(corners_[(k + 1) % 4] - corners_[k], point - corners_[k]) <= 0) return k;
     return std::nullopt;
   }
-  /// Of the sine of the angle that the tube lies above the wall.
+  /// Sine of the angle between the normal of the wall, which points into the tube, and the horizontal
+  /// plane.
   double height_over(std::size_t wall) const {
     return glm::normalize(glm::cross(rays_[wall], rays_[(wall + 1) % 4])).z * inward();
   }
@@ -65,14 +70,14 @@ class ImagePlane {
   double turn_ = 1;
 };
 
-/// A convex part of a footprint in the image.
+/// A convex part of a footprint in the projection.
 struct Shape {
   const Footprint* footprint;
-  std::size_t first = 0, count = 0;  ///< corners
+  std::size_t first = 0, count = 0;  ///< first corner and number of corners
   glm::dvec2 lo, hi;
 };
 
-/// All that a tube sees, and what of it lies at a point of its image.
+/// Visible polygons of a tube in projection, with a search for the polygon at a point.
 class TubeImage {
  public:
   TubeImage(const History& history, std::size_t first, std::size_t end, const ImagePlane& plane)
@@ -110,14 +115,14 @@ class TubeImage {
   glm::dvec3 place_m(const Shape& shape, std::size_t k) const {
     return places_m_[shape.first + k % shape.count];
   }
-  /// 1 where corners turn counter-clockwise.
+  /// Returns 1 for counter-clockwise corners and -1 for clockwise ones.
   double turn(const Shape& shape) const {
     double area = 0;
     for (std::size_t k = 0; k < shape.count; ++k)
       area += cross(corner(shape, k) - corner(shape, 0), corner(shape, k + 1) - corner(shape, 0));
     return area < 0 ? -1 : 1;
   }
-  /// Null: open water.
+  /// Returns the footprint at a point, or null in the unobstructed region.
   const Footprint* seen_at(glm::dvec2 point) const {
     const auto [x, y] = cell_of(point);
     for (const std::uint32_t s : cells_[y * side_ + x])
@@ -152,7 +157,7 @@ class TubeImage {
   std::vector<std::vector<std::uint32_t>> cells_;
 };
 
-/// Of a facet's plane, in a direction.
+/// Slant range from the apex to the plane of a facet in a given direction.
 double range_m(const Footprint& footprint, glm::dvec3 direction) {
   return footprint.plane_distance_m / std::abs(glm::dot(footprint.plane_normal, direction));
 }
@@ -182,10 +187,11 @@ class Edges {
  private:
   enum class Wall : std::uint8_t { side, lower_end, upper_end };
 
-  /// Ends are the walls that no other tube of the beam has and that lie below or above it rather than beside.
+  /// Finds the lower and upper end walls of the beams. An end wall belongs to no other tube of the beam,
+  /// and it lies below or above the tube rather than at its side.
   void find_end_walls() {
     const TubeSet& set = seen_.history.tubes;
-    using Side = std::array<std::uint32_t, 3>;  // beam, rays
+    using Side = std::array<std::uint32_t, 3>;  // beam and two rays
     const auto side_of = [&](std::size_t tube, std::size_t wall) {
       const std::uint32_t a = set.tubes[tube][wall], b = set.tubes[tube][(wall + 1) % 4];
       return Side{seen_.beam_of_tube[tube], std::min(a, b), std::max(a, b)};
@@ -220,7 +226,7 @@ class Edges {
         if (!(length > away)) continue;
         const glm::dvec2 outward = turn * glm::dvec2(way.y, -way.x) / length;
         const glm::dvec3 from_m = image.place_m(shape, k), to_m = image.place_m(shape, k + 1);
-        // Two places a sample at least.
+        // At least two points per sample.
         const double steps = std::ceil(2 * glm::length(to_m - from_m) / seen_.samples.step_m);
         const auto places = static_cast<std::size_t>(std::clamp(steps, 1.0, 4.0 * double(samples_)));
         for (std::size_t n = 0; n < places; ++n) {
@@ -257,7 +263,7 @@ class Edges {
                                                                           : BinKind::interior;
   }
 
-  /// What is seen before the first sample, or behind the last, is cut off.
+  /// Marks footprints that extend beyond the first or the last sample: the range gate cuts them off.
   void mark_window(const Footprint& footprint) {
     const double first_m = seen_.samples.first_m,
                  last_m = first_m + seen_.samples.step_m * seen_.samples.count;

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Finds the facets that contribute energy to each bin of a ping, from the visible polygons of the tubes.
+// Adds the kind of each bin (bin_kinds.hpp) and marks the bins without energy as shadow or open water.
 #include "compare/attribution/bin_origins.hpp"
 
 #include <algorithm>
@@ -52,7 +54,7 @@ class Origins {
     const History history = transmission.trace();
     const TransmissionSurface& surface_mesh = transmission.surface_mesh();
     SensorModel model = transmission.model(index_);
-    model.patterns.baselines.clear();  // what the transmitter sees
+    model.patterns.baselines.clear();  // only the visibility from the transmitter matters here
     add_parts(
         transmission, history, {transmission.beams(index_), sensor_.beam_of_tube(transmission.number())},
         transmission.echo(history, index_, model.model), model.model, surface_mesh.mesh(),
@@ -110,7 +112,7 @@ class Origins {
       }
   }
 
-  /// Of bins without parts.
+  /// Sets the kind of bins without parts.
   void mark_dark() {
     std::vector<bool> lit(found_.kind.size(), false);
     for (const BinPart& part : found_.parts) lit[part.bin] = true;

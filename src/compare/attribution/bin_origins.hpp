@@ -11,26 +11,28 @@
 
 namespace tubefoot {
 
-/// What one facet adds to a bin.
+/// Contribution of one facet to a bin.
 struct BinPart {
   std::uint32_t bin = 0;  ///< beam * samples + sample
-  FacetId facet = 0;      ///< of the scene without relief
+  FacetId facet = 0;      ///< facet of the scene without relief
   std::uint16_t object = 0, material = 0;
   double energy_j = 0;
 };
 
-/// Whose the energies of a ping are, and what is special about its bins.
+/// Facets behind the energies of a ping, and the kinds of its bins.
 struct BinOrigins {
   std::vector<BinKind> kind;   ///< by bin
   std::vector<BinPart> parts;  ///< by bin, then by energy, largest first
-  /// By bin: whose silhouette is in it, behind which the shadow begins; without energies.
+  /// Facets whose silhouettes lie in a bin and begin a shadow, by bin; their energies are 0.
   std::vector<BinPart> casters;
 };
 
-/// Of a sensor's ping, by exact cuts of what its tubes see. With beam patterns, of which each beam receives
-/// everything, what adds less than a thousandth is left out, and kinds are those of each beam's own tubes.
-/// With a separate receiver, kinds are as it sees the scene. Paths over mirrors have no parts. Throws
-/// InputError as a run does.
+/// Computes the origins of the energies of a ping from the exact visible polygons of its tubes.
+///
+/// With beam patterns, each beam receives from all tubes. Contributions below a thousandth are then
+/// omitted, and the kinds are those of the tubes of each beam. With a separate receiver, the kinds are
+/// those that the receiver sees. Paths over mirrors have no parts. Throws InputError under the same
+/// conditions as a run.
 BinOrigins bin_origins(const Transmissions& transmissions, TransmissionsAround& around, std::size_t sensor,
                        std::size_t ping);
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Cuts the tubes of each beam lengthwise into columns of equal angle. The rays that cut a wall are shared
+// between the tubes on both sides, so that the parts cover the beam without gaps.
 #include "compare/attribution/cut_tubes.hpp"
 
 #include <fmt/format.h>
@@ -13,7 +15,7 @@
 namespace tubefoot {
 namespace {
 
-/// By its two rays, whichever tube it is seen from.
+/// Two rays in ascending order, so that both adjacent tubes have the same key.
 using Wall = std::pair<std::uint32_t, std::uint32_t>;
 
 class Cutter {
@@ -23,7 +25,7 @@ class Cutter {
     cut_.set.reach = set.reach;
   }
 
-  /// `tubes`: of one beam.
+  /// Cuts the tubes of one beam.
   void cut_beam(const std::vector<std::uint32_t>& tubes) {
     const std::size_t across = short_walls(tubes);
     const std::vector<std::vector<std::uint32_t>> stacks = stacks_of(tubes, across);
@@ -53,7 +55,8 @@ class Cutter {
     return std::acos(std::clamp(glm::dot(unit(wall.first), unit(wall.second)), -1.0, 1.0));
   }
 
-  /// Which walls are the ends of the beam's longer side: 0 and 2, or 1 and 3.
+  /// Returns the walls at the ends of the longer side of the beam: 0 for walls 0 and 2, 1 for walls 1 and
+  /// 3.
   std::size_t short_walls(const std::vector<std::uint32_t>& tubes) const {
     std::map<Wall, int> uses;
     for (const std::uint32_t t : tubes)
@@ -65,7 +68,7 @@ class Cutter {
     return length[0] <= length[1] ? 0 : 1;
   }
 
-  /// Tubes that lie lengthwise one after another, by the walls that they share there.
+  /// Groups tubes that follow each other lengthwise, by the walls that they share.
   std::vector<std::vector<std::uint32_t>> stacks_of(const std::vector<std::uint32_t>& tubes,
                                                     std::size_t across) const {
     std::map<Wall, std::vector<std::uint32_t>> at;
@@ -84,7 +87,8 @@ class Cutter {
     return stacks;
   }
 
-  /// Rays that cut a wall into parts, from its first ray to its second; tubes on both sides share them.
+  /// Returns the rays that cut a wall into parts, from its first ray to its second. Adjacent tubes share
+  /// them.
   const std::vector<std::uint32_t>& rays_within(Wall wall, std::size_t parts) {
     std::vector<std::uint32_t>& list = within_[wall];
     if (!list.empty()) return list;
@@ -114,7 +118,8 @@ class Cutter {
     for (std::size_t k = 0; k < parts; ++k) {
       cut_.set.tubes.push_back({low[k], low[k + 1], high[k + 1], high[k]});
       cut_.whole.push_back(number);
-      // All tubes of a stack count from the same side: rays of a grid are numbered alike in all its rows.
+      // All tubes of a stack count from the same side, because all rows of a grid number their rays in the
+      // same order.
       cut_.column.push_back(next_column_ + static_cast<std::uint32_t>(a < b ? k : parts - 1 - k));
     }
   }

@@ -9,16 +9,16 @@
 
 namespace tubefoot {
 
-/// Tubes cut lengthwise into parts of equal angle, side by side.
+/// Tubes cut lengthwise into adjacent parts of equal angle.
 struct CutTubes {
   TubeSet set;
-  std::vector<std::uint32_t> whole;   ///< by part: the tube that it is of
-  std::vector<std::uint32_t> column;  ///< by part: which column of which beam it belongs to
+  std::vector<std::uint32_t> whole;   ///< original tube of each part
+  std::vector<std::uint32_t> column;  ///< column of each part; each column belongs to one beam
 };
 
-/// Cuts each beam, one tube or a grid of tubes, into as many columns along its longer side. The parts of a
-/// tube are what it was, but for the rounding of rays. Throws std::invalid_argument where a beam is several
-/// tubes wide, which the columns are no multiple of.
+/// Cuts each beam, a single tube or a grid of tubes, into `columns` columns along its longer side. The
+/// parts of a tube cover the tube except for the rounding of rays. Throws std::invalid_argument if the
+/// number of tubes across a beam does not divide the number of columns.
 CutTubes cut_into_columns(const TubeSet& set, std::span<const std::uint32_t> beam_of_tube,
                           std::size_t columns);
 

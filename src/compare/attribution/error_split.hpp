@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Errors of bins that several owners have energy in, split among these. Arrays only.
+// Splits the errors of bins in which several owners have energy. Works on arrays only.
 #pragma once
 
 #include <cstdint>
@@ -8,33 +8,36 @@
 
 namespace tubefoot {
 
-/// What one owner has of a bin's energy.
+/// Share of one owner in the energy of a bin.
 struct OwnerShare {
   std::uint32_t owner = 0;
-  double share = 0;  ///< of a bin they add up to 1
+  double share = 0;  ///< the shares of a bin add up to 1
 };
 
-/// Sums over bins, or over parts of bins.
+/// Sums over bins, or over parts of bins, for the candidate C and the reference R.
 struct ErrorSums {
-  double error = 0;       ///< of |C - R|
-  double difference = 0;  ///< of C - R
-  double energy = 0;      ///< of R
+  double error = 0;       ///< sum of |C - R|
+  double difference = 0;  ///< sum of C - R
+  double energy = 0;      ///< sum of R
   ErrorSums& operator+=(const ErrorSums& other);
 };
 
-/// A bin of one owner is all its. In a bin of several, an owner has of the error
+/// Splits errors between owners. A bin with one owner belongs to this owner. In a bin with several owners,
+/// the share of an owner in the error is
 ///
-///     (its energy there) * (its error rate) / (the sum of these over the bin's owners)
+///     (its energy in the bin) * (its error rate) / (the sum of these products over the owners of the bin)
 ///
-/// its rate being its error over its energy, in all bins: what makes the errors of all bins most likely, were
-/// they counts. It is found by rounds, which begin with equal rates. So an error of one owner alone is found
-/// to be its alone, if others have bins to themselves that are right. Shares add up to the whole.
+/// The error rate of an owner is its error divided by its energy, over all bins. These shares maximise the
+/// likelihood of the errors of all bins as if errors were counts. An iteration finds them and starts with
+/// equal rates. If only one owner has errors and the other owners have bins of their own without error, the
+/// iteration attributes all errors to this owner. The shares of a bin add up to its error.
 class ErrorSplit {
  public:
   explicit ErrorSplit(std::size_t groups) : groups_(groups) {}
-  /// `group`: another division, of whole bins. What needs no splitting takes no memory.
+  /// Adds a bin. `group` is a second classification, of whole bins. A bin with a single owner takes no
+  /// memory.
   void add(std::size_t group, std::span<const OwnerShare> shares, const ErrorSums& bin);
-  /// By owner and group, [owner * groups + group], of at least `owners` owners.
+  /// Returns the sums by owner and group, [owner * groups + group], for at least `owners` owners.
   std::vector<ErrorSums> finish(std::size_t owners, int rounds = 200);
 
  private:
@@ -44,7 +47,7 @@ class ErrorSplit {
   };
   ErrorSums& sums_of(std::size_t owner, std::size_t group);
   std::size_t groups_;
-  std::vector<ErrorSums> sums_;  // of what is not split
+  std::vector<ErrorSums> sums_;  // sums over bins that need no split
   std::vector<Mixed> mixed_;
   std::vector<OwnerShare> shares_;
 };

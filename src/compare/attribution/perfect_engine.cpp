@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Echoes of a perfect engine that samples each beam with few rays, and the expected error of random points.
+// For N independent rays of weights w the variance of a bin of energy R is (N E[w^2] - R^2) / N.
+// The number of rays in a bin is a Poisson variable of mean R^2 / variance.
 #include "compare/attribution/perfect_engine.hpp"
 
 #include <fmt/format.h>
@@ -33,14 +36,14 @@ RunRequest request_for(const BeamSampling& sampling) {
   return request;
 }
 
-/// Whether rays of its own tubes are all that a sensor receives.
+/// Returns whether the sensor receives only along the rays of its own tubes.
 bool is_plain(const Survey& survey, std::size_t s) {
   const Sensor& sensor = *survey.sensors[s].sensor;
   return !sensor.has_separate_receiver() && !sensor.has_receiver_pair() &&
          !path_settings(survey.scene, sensor.frequency_khz());
 }
 
-/// A sensor's energies into the place of the reference's.
+/// Copies the energies of a sensor of the scene into those of a file.
 class Copier {
  public:
   Copier(SensorEchoes& to, const SensorPlace& place) : to_(to), place_(place) {}
@@ -57,7 +60,7 @@ class Copier {
   const SensorPlace& place_;
 };
 
-/// Whatever the scene has: as a run of the engine of rays.
+/// Runs the ray engine, which supports every scene.
 void run_rays(const Survey& survey, const SensorPlace& place, const BeamSampling& sampling, SensorEchoes& to,
               bool quiet) {
   RunRequest request = request_for(sampling);
@@ -73,7 +76,7 @@ void run_rays(const Survey& survey, const SensorPlace& place, const BeamSampling
   }
 }
 
-/// The facets of a transmission, for rays.
+/// Facets of a transmission in the form that rays need.
 class TransmissionRays {
  public:
   explicit TransmissionRays(const Transmission& transmission) : transmission_(transmission) {
@@ -132,7 +135,7 @@ void run_columns(const Survey& survey, const SensorPlace& place, const BeamSampl
   }
 }
 
-/// What each hit returns by itself, as a beam of its own.
+/// Returns the energy of each hit, integrated as if the hit were a beam of its own.
 std::vector<double> energies_of_hits(const Transmission& transmission, std::size_t s, const EchoModel& model,
                                      const History& history) {
   const RangeSamples& samples = transmission.sensor(s).samples();
@@ -147,7 +150,7 @@ std::vector<double> energies_of_hits(const Transmission& transmission, std::size
   return integrate_echo(alone, {static_cast<int>(beams.size()), beams}, as_one, model).energy;
 }
 
-/// For each of a ping's bins the sum over rays of energy^2 over solid angle, and by beam the solid angle.
+/// By bin of a ping: sum over rays of energy^2 / solid angle. By beam: solid angle.
 struct SecondMoments {
   std::vector<double> of_bin, solid_angle_sr;
 };
@@ -278,7 +281,7 @@ nlohmann::ordered_json ideal_json(const IdealShare& share) {
 
 namespace {
 
-/// ln k!: the C library's lgamma is one of those whose last bit depends on the processor.
+/// Computes ln k!. The last bit of lgamma of the C library depends on the processor.
 double log_factorial(double k) {
   using Doubles = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
   return boost::math::lgamma(k + 1, Doubles());
@@ -288,7 +291,7 @@ double log_factorial(double k) {
 
 double poisson_mean_deviation(double mean) {
   if (!(mean > 0)) return 0;
-  // E|X - m| = 2 m^(k + 1) exp(-m) / k!, k the whole part of m.
+  // E|X - m| = 2 m^(k + 1) exp(-m) / k!, where k is the integer part of m.
   const double whole = std::floor(mean);
   return 2 * std::exp(whole * std::log(mean) - mean - log_factorial(whole));
 }
@@ -331,7 +334,7 @@ std::optional<PointsForecast> points_forecast(const SceneAtHand& scene, const Se
         total += energy;
         const std::size_t beam = place.beams[b];
         const double integral = moments.of_bin[beam * reference.samples + k] * moments.solid_angle_sr[beam];
-        // What no ray of many found is of less than one of few.
+        // If none of many rays hit a bin, few rays will not hit it either.
         const double variance =
             (std::max(integral, energy * energy) - energy * energy) / double(sampling.rays);
         if (integral == 0) {

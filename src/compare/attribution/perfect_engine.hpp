@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What an engine without a mistake would have of an error, if it only took as few samples.
+// Error of an engine that makes no mistake except that it takes as few samples as the candidate.
 #pragma once
 
 #include <cstdint>
@@ -13,49 +13,55 @@
 
 namespace tubefoot {
 
-/// How an engine takes samples of each beam.
+/// Sampling of each beam by an engine.
 struct BeamSampling {
-  std::int64_t columns = 0;   ///< side by side, at the middles of equal parts of the beam; 0: at random
-  std::int64_t rays = 0;      ///< of each column, at equal angles; at random: of the beam
-  std::string words() const;  ///< "1 x 512 rays a beam"
+  /// Columns side by side, at the centres of equal parts of the beam; 0: random points.
+  std::int64_t columns = 0;
+  std::int64_t rays = 0;      ///< rays of each column, at equal angles; for random points, rays of the beam
+  std::string words() const;  ///< for example "1 x 512 rays a beam"
 };
 
-/// Of "1x512" (columns x rows) or "points:512"; nothing where it is not of such a form, and names a file.
-/// Throws UsageError for numbers that no engine has.
+/// Parses "1x512" (columns x rows) or "points:512". Returns nothing for other words, which name a file.
+/// Throws UsageError for numbers outside the permitted range.
 std::optional<BeamSampling> beam_sampling(const std::string& words);
 
-/// The reference's sensors, or `only` one, as a perfect engine of that sampling has them. Throws UsageError
-/// for columns that the scene's beams cannot be cut into, InputError as a run does.
+/// Computes the echoes of a perfect engine for all sensors of the reference, or for `only` one. Throws
+/// UsageError if the beams of the scene cannot be cut into the columns, and InputError under the same
+/// conditions as a run.
 EchoContents perfect_echoes(const SceneAtHand& scene, const EchoContents& reference,
                             const BeamSampling& sampling, const std::optional<std::string>& only, bool quiet);
 
-/// What is to be expected of points at random, before they are drawn.
+/// Expected errors of random points.
 struct PointsForecast {
-  double l1 = 0, l1_deviation = 0;  ///< of one draw
+  double l1 = 0, l1_deviation = 0;  ///< mean, and standard deviation of one draw
   double rms_db = 0;
-  double empty_where_lit = 0;  ///< bins
+  double empty_where_lit = 0;  ///< number of bins
 };
 
-/// Of a bin of energy R into which N independent rays of a beam send weights w, the variance is
-/// (N E[w^2] - R^2) / N; E[w^2] is an integral over the beam, here over many rays of one weight each
-/// (stratified). R^2 / variance is how many rays of equal weight the bin is made of, on average; how many
-/// there are is Poisson's. Nothing where beams have patterns, receivers are apart, or paths have mirrors.
+/// Computes the expected errors of random points.
+///
+/// N independent rays of a beam contribute weights w to a bin of energy R. The variance of the bin is
+/// (N E[w^2] - R^2) / N. E[w^2] is an integral over the beam. It is estimated with many stratified rays of
+/// one weight each. R^2 / variance is the mean number of rays of equal weight that make up the bin. The
+/// number of these rays has a Poisson distribution.
+///
+/// Returns nothing for beams with patterns, for separate receivers, and for paths over mirrors.
 std::optional<PointsForecast> points_forecast(const SceneAtHand& scene, const SensorEchoes& reference,
                                               const BeamSampling& sampling);
 
-/// What of an error is sampling.
+/// Part of an error that sampling explains.
 struct IdealShare {
-  std::string sampling;                    ///< in words
-  double l1 = 0, rms_db = 0;               ///< of the perfect engine's picture
-  double yours_l1 = 0;                     ///< the candidate's
-  std::optional<PointsForecast> forecast;  ///< counts in the picture's stead
-  /// Of the candidate's error, 1 at most.
+  std::string sampling;                    ///< description of the sampling
+  double l1 = 0, rms_db = 0;               ///< errors of the picture of the perfect engine
+  double yours_l1 = 0;                     ///< error of the candidate
+  std::optional<PointsForecast> forecast;  ///< replaces the picture, if present
+  /// Share of the error of the candidate that sampling explains, at most 1.
   double explained() const;
 };
 std::string ideal_text(const IdealShare& share);
 nlohmann::ordered_json ideal_json(const IdealShare& share);
 
-/// Of a number of Poisson's law with this mean: the mean of |number - mean| / mean, and of
+/// For a Poisson distribution with this mean: the mean of |number - mean| / mean, and the mean of
 /// decibel_error(mean, number)^2.
 /// @{
 double poisson_mean_deviation(double mean);

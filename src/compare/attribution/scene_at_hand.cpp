@@ -10,7 +10,7 @@
 namespace tubefoot {
 namespace {
 
-/// Numbers that a file gives, or 0, 1, 2 and so on; all must be below `count`.
+/// Takes the numbers that a file lists, or 0, 1, 2 and so on. Returns false unless all are below `count`.
 template <class Number>
 bool take_numbers(const std::vector<double>& given, std::size_t found, std::size_t count,
                   std::vector<Number>& numbers) {

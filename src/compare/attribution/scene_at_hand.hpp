@@ -12,29 +12,29 @@
 
 namespace tubefoot {
 
-/// Where the echoes of a file are in the scene that they are of.
+/// Sensor, pings and beams of the scene to which the echoes of a file belong.
 struct SensorPlace {
-  std::size_t sensor = 0;            ///< of the survey
-  std::vector<std::size_t> pings;    ///< by ping of the file: the scene's number
-  std::vector<std::uint32_t> beams;  ///< by beam of the file: the sonar's number
+  std::size_t sensor = 0;            ///< index in the survey
+  std::vector<std::size_t> pings;    ///< number in the scene of each ping of the file
+  std::vector<std::uint32_t> beams;  ///< number in the sonar of each beam of the file
 };
 
-/// The scene that a reference was computed of, opened.
+/// The open scene from which a reference was computed.
 class SceneAtHand {
  public:
-  /// Throws InputError, which names both files, where the reference has another scene's hash, unless
-  /// `any_scene`; what the reader should know is added to `notes`.
+  /// Throws InputError, which names both files, if the hash of the scene differs from that of the
+  /// reference, unless `any_scene` is set. Adds remarks for the user to `notes`.
   SceneAtHand(const SceneDescription& scene, const EchoContents& reference, bool any_scene,
               std::vector<std::string>& notes);
 
   const Survey& survey() const { return *survey_; }
-  /// Throws InputError where the scene has no such sensor, or other pings, beams or samples.
+  /// Throws InputError if the scene lacks the sensor, or if its pings, beams or samples differ.
   SensorPlace place_of(const SensorEchoes& echoes) const;
 
  private:
   std::string scene_, reference_;
   std::unique_ptr<const Survey> survey_;
-  bool one_sensor_ = false;  ///< in the reference: its name does not matter
+  bool one_sensor_ = false;  ///< the reference has a single sensor, whose name is not compared
 };
 
 }  // namespace tubefoot

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Fine alignment of the reference with the candidate. Gauss-Newton iterations with Huber weights fit
+// displacement, scales, blur, gain and range exponent together. Standard errors come from the spread of the
+// steps of patches of the picture. Terms that are not significant are removed one by one.
 #include "compare/diagnosis/alignment.hpp"
 
 #include <algorithm>
@@ -15,28 +18,28 @@ using Picture = std::vector<double>;
 
 constexpr std::size_t patch_columns = 16, patch_rows = 8, patches = patch_columns * patch_rows;
 constexpr double fine_blur = 1, least_error_bars = 5;
-constexpr std::size_t border = 3;  // where blur and shifts meet what is outside of the picture
+constexpr std::size_t border = 3;  // bins at the border, where blur and shifts reach outside of the picture
 
 bool is_blur(WarpTerm term) { return term == WarpTerm::beam_blur || term == WarpTerm::sample_blur; }
 
-/// One thing to fit: gain and exponent of the law come first.
+/// A parameter of the fit. Gain and exponent of range come first.
 struct Parameter {
-  std::optional<WarpTerm> term;  ///< nothing: gain or exponent
+  std::optional<WarpTerm> term;  ///< none for gain and exponent
   bool is_gain = false;
-  double step = 0;     ///< for derivatives
-  double largest = 0;  ///< step of one iteration
-  double visible = 0;  ///< what is less has no effect that matters
+  double step = 0;     ///< step of the numerical derivative
+  double largest = 0;  ///< largest step of one iteration
+  double visible = 0;  ///< smaller values have no relevant effect
 };
 using Parameters = std::vector<Parameter>;
 
-/// The inverse of a positive definite matrix of n rows, by Gauss and Jordan.
+/// Returns the inverse of a positive definite matrix of n rows, by Gauss-Jordan elimination.
 std::vector<double> inverted(std::vector<double> a, std::size_t n) {
   std::vector<double> scale(n), result(n * n);
   for (std::size_t i = 0; i < n; ++i) scale[i] = 1 / std::sqrt(a[i * n + i]);
   for (std::size_t i = 0; i < n; ++i) {
     result[i * n + i] = 1;
     for (std::size_t j = 0; j < n; ++j) a[i * n + j] *= scale[i] * scale[j];
-    a[i * n + i] += 1e-6;  // terms that say nearly the same share it
+    a[i * n + i] += 1e-6;  // regularisation: terms with nearly the same effect share it
   }
   for (std::size_t c = 0; c < n; ++c) {
     const double pivot = 1 / a[c * n + c];
@@ -58,7 +61,7 @@ std::vector<double> inverted(std::vector<double> a, std::size_t n) {
   return result;
 }
 
-/// Gauss and Newton over all terms.
+/// Gauss-Newton search over all terms.
 class FineSearch {
  public:
   FineSearch(const Pictures& pictures, const Warp& start)
@@ -121,7 +124,7 @@ class FineSearch {
     return energy;
   }
 
-  /// Gain and law by patches (energy_fit.hpp), of the rows that count.
+  /// Fits gain and range exponent to patches (energy_fit.hpp) of the rows that count.
   void calibrate() {
     predicted_j_ = fan_.warped(pictures_.reference_j, warp_);
     const Picture reference = masked(predicted_j_), candidate = masked(pictures_.candidate_j);
@@ -181,11 +184,11 @@ class FineSearch {
       calibrate();
       if (largest < 0.05) break;
     }
-    solve(parameters);  // the errors here
+    solve(parameters);  // sets errors_ at the solution
     stop_if_wanted();
   }
 
-  /// Fits, and drops what is not significant, the weakest first.
+  /// Fits all parameters, and removes those that are not significant, the weakest first.
   void settle(Parameters& parameters) {
     bool tangent_tried = warp_.tangent != 0 || !fan_.has_width();
     while (true) {
@@ -201,14 +204,15 @@ class FineSearch {
     }
   }
 
-  /// A shift and a scale of ranges do nearly the same where all echoes lie in a narrow band of range: each of
-  /// them alone is tried, and kept if it explains about as much as what was found; the shift first.
+  /// Tries a shift alone and a scale of range alone. Their effects are nearly the same if all echoes lie in
+  /// a narrow interval of range. Each of them is kept if it explains about as much as both; the shift is
+  /// tried first.
   void simplify(Parameters& parameters) {
     const bool scaled = warp_.range_scale != 0;
     if (!scaled && warp_.samples == 0) return;
     const double found = misfit();
     for (const WarpTerm alone : {WarpTerm::samples, WarpTerm::range_scale}) {
-      if (!scaled && alone == WarpTerm::samples) continue;  // is it already
+      if (!scaled && alone == WarpTerm::samples) continue;  // this is the present model already
       const bool simpler = scaled && (warp_.samples != 0 || alone == WarpTerm::samples);
       if (scaled && !simpler) continue;
       const FineSearch was = *this;
@@ -228,7 +232,8 @@ class FineSearch {
     }
   }
 
-  /// One view's tangent displaces most of the fan as another opening angle does.
+  /// Tries the tangent of a single view instead of the azimuth scale. Over most of the fan it displaces
+  /// beams as another opening angle does.
   void try_tangent(Parameters& parameters) {
     if (fan_.largest_of_tangent(1) < 0.08) return;
     const double found = misfit();
@@ -271,7 +276,7 @@ class FineSearch {
     return slopes;
   }
 
-  /// What is further off than this counts less.
+  /// Returns the limit of Huber's weights. Larger deviations have less weight.
   double huber_limit(const Picture& at) const {
     std::vector<double> sizes;
     for (std::size_t k = 0; k < at.size(); ++k)
@@ -282,7 +287,7 @@ class FineSearch {
     return std::max(3 * *middle, 0.02);
   }
 
-  /// One step, and errors_ of all.
+  /// Makes one step of all parameters and sets their errors_.
   std::vector<double> solve(const Parameters& parameters) {
     const std::size_t n = parameters.size();
     const Picture at = predicted(warp_, 0, 0);
@@ -310,7 +315,8 @@ class FineSearch {
     std::vector<double> steps(n);
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t j = 0; j < n; ++j) steps[i] += inverse[i * n + j] * right[j];
-    // What each patch wants beyond the whole's step: the spread of their votes.
+    // The step that each patch would make beyond the common step. The spread of these steps gives the
+    // errors.
     errors_.assign(n, 0);
     double voters = 0;
     for (std::size_t patch = 0; patch < patches; ++patch) {
@@ -333,7 +339,7 @@ class FineSearch {
     return steps;
   }
 
-  /// The term to be dropped next, if one is to be.
+  /// Returns the term to remove next, or the end if all are significant.
   Parameters::iterator weakest_of(Parameters& parameters) {
     auto weakest = parameters.end();
     double least = 1;
@@ -351,7 +357,8 @@ class FineSearch {
     return weakest;
   }
 
-  /// Adds the number of views whose tangent explains most of what is left, if one does.
+  /// Adds the tangent with the number of views that explains most of the remaining difference, if it is
+  /// significant.
   bool add_tangent(Parameters& parameters) {
     double strongest = least_error_bars;
     int best = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Which displacement, blur, gain and law of range make the truth look like the candidate.
+// Finds the displacement, blur, gain and range dependence that transform the reference into the candidate.
 #pragma once
 
 #include <array>
@@ -10,16 +10,17 @@
 
 namespace tubefoot {
 
-/// Two pictures to be aligned. Energies of the candidate are without its noise floor, so they may be
-/// negative.
+/// Two pictures to align. The noise floor is subtracted from the energies of the candidate, so that they
+/// may be negative.
 struct Pictures {
   Fan fan;
   std::vector<double> reference_j, candidate_j;
-  double faintest_j = 0;      ///< candidate's unit: rows whose level is below it say nothing (8 bits, noise)
-  std::size_t first_row = 0;  ///< samples before it say nothing
+  /// In the unit of the candidate; rows of a lower level are not used (8-bit steps, noise)
+  double faintest_j = 0;
+  std::size_t first_row = 0;  ///< earlier samples are not used
 };
 
-/// The parameters of a Warp that have a size and an error bar.
+/// The parameters of a Warp with a size and a standard error.
 enum class WarpTerm { beams, samples, azimuth_scale, range_scale, tangent, beam_blur, sample_blur };
 inline constexpr std::size_t warp_terms = 7;
 double& value_of(Warp& warp, WarpTerm term);
@@ -28,29 +29,31 @@ double value_of(const Warp& warp, WarpTerm term);
 struct Alignment {
   Warp warp;                                ///< terms that are not significant are 0
   std::array<double, warp_terms> errors{};  ///< standard errors of the terms that are not 0
-  EnergyFit fit;                            ///< gain and law of range of the candidate to the warped truth
-  std::vector<double> predicted_j;  ///< what the candidate would have in its own unit, but for its noise
-  /// sum of differences over sum of both pictures, as the eye sees them (rows at one level, highlights
-  /// compressed): before the warp, and after it.
+  EnergyFit fit;  ///< gain and range dependence of the candidate relative to the warped reference
+  std::vector<double> predicted_j;  ///< energies of the candidate without noise, in its own unit
+  /// Sum of the differences divided by the sum of both pictures, before and after the warp.
+  /// `as_seen()` prepares both pictures: rows have the same level and highlights are compressed.
   double misfit_before = 0, misfit = 0;
-  std::size_t terms() const;  ///< that are not 0
+  std::size_t terms() const;  ///< number of terms that are not 0
 };
 
-/// From where coarse_warp() (coarse_search.hpp) found it: all terms together with gain and law, by Gauss and
-/// Newton on the pictures with Huber's weights; error bars from the spread between patches. Terms below five
-/// error bars or of no visible effect are dropped, the weakest first, and the others fitted again.
+/// Fits all terms together with gain and range exponent, starting from coarse_warp() (coarse_search.hpp).
+/// The fit uses Gauss-Newton iterations with Huber weights. The standard errors come from the spread
+/// between patches. Terms below five standard errors or without visible effect are removed, the weakest
+/// first, and the others are fitted again.
 Alignment align(const Pictures& pictures, const Warp& start);
 
-/// How far the pictures differ where they say something, under a warp and the best gain and law.
+/// Returns the misfit over the rows that are used, under a warp and the best gain and range exponent.
 double misfit_under(const Pictures& pictures, const Warp& warp);
 
-/// A shift alone, with its error bar, significant or not.
+/// Fits a shift alone and returns it with its standard error, significant or not.
 struct LocalEstimate {
   Estimate beams, samples;
 };
 LocalEstimate local_shift(const Pictures& pictures);
 
-/// Mean of what is lit in the rows around each row (more of them where none is lit).
+/// Returns for each row the mean of the insonified bins in the rows around it. More rows are used if none
+/// is insonified.
 std::vector<double> row_levels(const EchoShape& shape, const std::vector<double>& energy_j);
 
 }  // namespace tubefoot

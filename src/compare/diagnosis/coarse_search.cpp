@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Coarse search for the warp. It tries orders of the beams, shifts and scales on blurred pictures whose
+// rows are divided by their levels. Each accepted warp must reduce the misfit by a given factor.
 #include "compare/diagnosis/coarse_search.hpp"
 
 #include <algorithm>
@@ -9,7 +11,7 @@
 namespace tubefoot {
 namespace {
 
-/// Tries warps on pictures of their own levels, blurred.
+/// Tries warps on blurred pictures, each divided by its own row levels.
 class CoarseSearch {
  public:
   explicit CoarseSearch(const Pictures& pictures)
@@ -30,7 +32,7 @@ class CoarseSearch {
       warp_.order = order;
       best_ = misfit(warp_);
       shift_around(warp_);
-      // Another order must be clearly better: a scene may nearly be its own mirror image.
+      // Another order must be clearly better, because a scene may be almost symmetric.
       if (best_ < 0.9 * before) continue;
       warp_ = kept;
       best_ = before;
@@ -59,7 +61,7 @@ class CoarseSearch {
     return misfit_of(without_first_rows(fan_.warped(reference_, warp)), candidate_);
   }
 
-  /// Takes the warp if it is better than the best by this factor.
+  /// Accepts the warp if its misfit is below `must_be` times the best misfit.
   void attempt(const Warp& warp, double must_be) {
     const double value = misfit(warp);
     if (!(value < must_be * best_)) return;
@@ -88,7 +90,7 @@ class CoarseSearch {
       Warp warp = centre;
       warp.range_scale += scale;
       attempt(warp, 0.96);
-      // About the middle of the window, too: a wrong scale and a shift.
+      // Also tries a scale about the middle of the range gate, which is a scale and a shift.
       for (int s = -4; s <= 4; ++s) {
         warp.samples = centre.samples - scale * middle + 2 * s;
         attempt(warp, 0.94);

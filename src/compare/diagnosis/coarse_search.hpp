@@ -5,12 +5,12 @@
 
 namespace tubefoot {
 
-/// What is found by trying, on blurred pictures: the order of the beams and a shift, then scales of range and
-/// azimuth and beams equidistant. Each must be clearly better than what is without it.
+/// Searches on blurred pictures for the order of the beams and a shift. Then it tries scales of range and
+/// azimuth, and equidistant beams. Each addition must reduce the misfit clearly.
 Warp coarse_warp(const Pictures& pictures);
 
-/// How a picture is seen: rows over their levels, up to twice the level as it is, so that noise of sampling
-/// has no bias, and highlights by their logarithm.
+/// Divides rows by their levels. Values up to twice the level stay linear, so that sampling noise has no
+/// bias. Larger values are compressed logarithmically.
 std::vector<double> as_seen(const EchoShape& shape, const std::vector<double>& energy_j,
                             const std::vector<double>& levels_j);
 

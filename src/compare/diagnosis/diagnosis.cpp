@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Diagnosis of a candidate: aligns the reference with it, subtracts the noise floor, and looks for
+// systematic errors. These are geometric displacements, blur, gain, range dependence, noise, errors at
+// shadows, and quantisation. It divides the relative L1 error into the parts that these errors explain.
 #include "compare/diagnosis/diagnosis.hpp"
 
 #include <fmt/format.h>
@@ -13,11 +16,11 @@
 namespace tubefoot {
 namespace {
 
-// A finding is larger than five of its error bars and than what matters.
+// A finding exceeds five standard errors and a least relevant size.
 constexpr double error_bars = 5, least_level_db = 0.3, least_exponent = 0.1, least_edge = 0.25;
 constexpr std::size_t least_wrongly_lit = 12;
 
-/// The input's pings that are looked at, as arrays of their own.
+/// The selected pings of the input, as arrays of their own.
 struct Excerpt {
   EchoShape shape;
   std::vector<double> reference, candidate;
@@ -42,7 +45,7 @@ Excerpt excerpt_of(const DiagnosisInput& input, std::size_t most_bins) {
   return excerpt;
 }
 
-/// The prediction with the traces of interpolation taken off, so that dark is 0.
+/// Sets small energies of the prediction to 0. Interpolation causes such energies in shadows.
 std::vector<double> without_traces(const EchoShape& shape, std::vector<double> predicted_j,
                                    const std::vector<double>& levels_j) {
   for (std::size_t k = 0; k < predicted_j.size(); ++k)
@@ -87,7 +90,7 @@ class Doctor {
     const double gain = fit ? std::pow(10, fit->gain_db.value / 10) : 1;
     take_off_floor(pictures, truth, gain);
     align_both_ways(pictures, start);
-    if (result_.floor.mean_j > 0) {  // again, where the echoes are now known to be
+    if (result_.floor.mean_j > 0) {  // again, with the positions of the echoes from the alignment
       take_off_floor(pictures, clean(result_.alignment.predicted_j), 1);
       align_both_ways(pictures, result_.alignment.warp);
     }
@@ -126,9 +129,9 @@ class Doctor {
   std::vector<double> clean(const std::vector<double>& predicted_j) const {
     return without_traces(excerpt_.shape, predicted_j, row_levels(excerpt_.shape, predicted_j));
   }
-  /// The candidate's smallest step from 0, where it has some, in the unit of what is compared: the least gap
-  /// between two of its values (its smallest value may be many steps: an even seabed), of amplitude if that
-  /// is even.
+  /// Returns the smallest step of the candidate from 0 if its values are quantised, in the unit of the
+  /// comparison. It is the least difference between two values, because the smallest value may be many
+  /// steps (a uniform seabed). For uniform steps of amplitude, it is the energy of one step of amplitude.
   double step_j() const {
     if (steps_.levels == 0) return 0;
     const bool amplitude = std::string(steps_.scale) == "amplitude";
@@ -138,10 +141,11 @@ class Doctor {
     if (values.empty()) return 0;
     double step = *values.begin();
     for (auto next = values.begin(), value = next++; next != values.end(); value = next++)
-      if (*next - *value > 1e-6 * *next) step = std::min(step, *next - *value);  // not of rounding
+      // Ignores differences by rounding.
+      if (*next - *value > 1e-6 * *next) step = std::min(step, *next - *value);
     return amplitude ? step * step : step;
   }
-  /// Below it steps are too coarse: less than three of energy or of amplitude.
+  /// Returns the energy of three steps of energy or of amplitude. Below it the quantisation is too coarse.
   double faintest_step_j() const { return (std::string(steps_.scale) == "amplitude" ? 9 : 3) * step_j(); }
   std::vector<bool> rows_that_count(const std::vector<double>& predicted, const std::vector<double>& levels,
                                     double faintest_j) const {
@@ -155,9 +159,11 @@ class Doctor {
     return counts;
   }
 
-  /// The noise floor is that of the deep shadow, which is where the order of the beams puts it. Noise that is
-  /// clipped at 0 (about half of the bins are 0) adds less where there is echo: sigma (phi(x) - x (1 -
-  /// Phi(x))) on average, x the echo over sigma.
+  /// Estimates the noise floor in the deep shadow and subtracts it.
+  ///
+  /// The order of the beams determines the position of the shadow. Noise that is clipped at 0 (about half
+  /// of the bins are 0) adds less to bins with an echo. Its mean is sigma (phi(x) - x (1 - Phi(x))), with x
+  /// the echo divided by sigma.
   void take_off_floor(Pictures& pictures, const std::vector<double>& truth, double gain) {
     NoiseFloor& floor = result_.floor;
     floor = noise_floor(excerpt_.shape, excerpt_.candidate, deep_shadow(excerpt_.shape, truth, 2, 4));
@@ -175,8 +181,8 @@ class Doctor {
     }
   }
 
-  /// A candidate that begins late has lost its near returns, or lies further off: whichever alignment
-  /// explains what both have.
+  /// Aligns twice if the candidate begins late. It may lack its near returns, or its echoes may be
+  /// displaced. Keeps the alignment that explains the samples that both pictures have.
   void align_both_ways(Pictures& pictures, const Warp& start) {
     result_.alignment = align(pictures, start);
     const std::vector<double> levels = row_levels(excerpt_.shape, result_.alignment.predicted_j);
@@ -193,7 +199,7 @@ class Doctor {
     result_.alignment = other;
     pictures = std::move(later);
   }
-  /// In which three of ten beams have an echo that matters.
+  /// Returns the first row in which at least three of ten beams have a significant echo.
   std::size_t first_row(const std::vector<double>& energy_j, const std::vector<double>& levels,
                         double noise_j) const {
     const EchoShape& shape = excerpt_.shape;
@@ -238,8 +244,8 @@ class Doctor {
               warp.samples * fan_.sample_m(),
               half ? ": half a sample, as where bins are taken by an edge instead of their centre" : ""));
     }
-    // The displacement is reported by where the candidate shows it: k of k / (1 - k) that the truth is
-    // stretched by.
+    // Reports the displacement relative to the position in the candidate. A displacement k there is a
+    // stretch of the reference by k / (1 - k).
     const auto stretched = [](double k) { return k / (1 - k); };
     if (const double scale = stretched(warp.azimuth_scale); scale != 0)
       add("azimuth-scale", scale, error_of(WarpTerm::azimuth_scale), "of the angle",
@@ -357,7 +363,7 @@ class Doctor {
     const std::vector<double> fitted =
         fit.fitted({shape, excerpt_.reference, excerpt_.candidate, {}, excerpt_.ranges_m});
     result_.l1_after_gain = relative_l1(fitted, excerpt_.reference);
-    // The prediction is in the candidate's unit: both sides by its gain and law.
+    // The prediction is in the unit of the candidate, so gain and range dependence apply to both sides.
     const std::vector<double> should = fit.fitted({shape, predicted, predicted, {}, excerpt_.ranges_m});
     result_.l1_after_warp = relative_l1(fitted, should);
     const std::vector<double> less_floor =
@@ -378,7 +384,7 @@ class Doctor {
                       100 * result_.scatter, 100 * of_ideal));
   }
 
-  /// The same alignment for parts of the fan, where the whole's terms are taken off already.
+  /// Aligns parts of the fan separately, after the terms of the whole fan.
   void along_fan(const Pictures& pictures) {
     constexpr std::size_t parts = 6, least_beams = 8;
     const EchoShape& shape = excerpt_.shape;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is wrong with a candidate, by how much, and how sure that is.
+// Systematic errors of a candidate, with their sizes and standard errors.
 #pragma once
 
 #include <optional>
@@ -12,34 +12,36 @@
 
 namespace tubefoot {
 
-/// What is looked at. Spans outlive the call.
+/// Input of the diagnosis. The spans must outlive the call.
 struct DiagnosisInput {
   EchoPair pair;
   std::span<const double> beam_azimuth_deg;
-  std::span<const double> as_given;  ///< the candidate's numbers before any fit: for their steps (8 bits)
-  std::span<const double> ideal_j;   ///< of a perfect engine with the candidate's sampling; or empty
+  /// Numbers of the candidate before any fit, for the detection of quantisation (8 bits)
+  std::span<const double> as_given;
+  /// Energies of a perfect engine with the sampling of the candidate; or empty.
+  std::span<const double> ideal_j;
 };
 
-/// One mistake.
+/// One systematic error.
 struct Finding {
-  std::string fault;  ///< a short name that stays: "mirror", "sample-shift"
+  std::string fault;  ///< short name that does not change between versions: "mirror", "sample-shift"
   double size = 0, error = 0;
   std::string unit;
   std::string words;  ///< a sentence
 };
 
-/// How far a part of the fan is off beside the whole, beams and samples.
+/// Additional displacement of a part of the fan relative to the whole, in beams and samples.
 struct LocalShift {
   std::size_t first_beam = 0, last_beam = 0;
   Estimate beams, samples;
 };
 
-/// Where shadows begin and end in the candidate, beside where the aligned truth has them: positive where the
-/// candidate's shadow is larger.
+/// Offsets of the borders of shadows in the candidate from those in the aligned reference. Positive values
+/// mean that the shadow of the candidate is larger.
 struct EdgeOffsets {
   std::size_t edges = 0;
-  Estimate mean;      ///< beams at sides, samples at ends
-  double spread = 0;  ///< standard deviation of single edges
+  Estimate mean;      ///< beams at the sides of shadows, samples at their ends
+  double spread = 0;  ///< standard deviation of single borders
 };
 
 struct Diagnosis {
@@ -48,15 +50,16 @@ struct Diagnosis {
   NoiseFloor floor;
   std::vector<LocalShift> along_fan;
   EdgeOffsets sides, ends;
-  /// Relative L1 error as it is; after gain and law; after displacement and blur; without what is wrongly lit
-  /// and the floor. What is left is sampling, or a mistake that has no name here.
+  /// Relative L1 errors: as given; after gain and range dependence; after displacement and blur; without
+  /// wrongly insonified bins and the noise floor. The last one is sampling error or an unknown systematic
+  /// error.
   double l1 = 0, l1_after_gain = 0, l1_after_warp = 0, l1_left = 0;
-  std::optional<double> ideal_l1;  ///< of the perfect engine of the same sampling
-  double scatter = 0;              ///< relative deviation of single bins in even areas
+  std::optional<double> ideal_l1;  ///< of the perfect engine with the same sampling
+  double scatter = 0;              ///< relative deviation of single bins in uniform areas
   bool has(const std::string& fault) const;
 };
 
-/// Pings beyond what `most_bins` allow are left out, evenly.
+/// Diagnoses a candidate. If the input has more than `most_bins` bins, it selects pings at equal intervals.
 Diagnosis diagnose(const DiagnosisInput& input, std::size_t most_bins = 400'000);
 
 }  // namespace tubefoot

@@ -8,11 +8,11 @@
 
 namespace tubefoot {
 
-/// Findings first, then what is left of the error, as lines of a table.
+/// Returns the findings and then the parts of the error, as lines of a table.
 std::string diagnosis_text(const std::string& sensor, const Diagnosis& diagnosis);
 nlohmann::ordered_json diagnosis_json(const Diagnosis& diagnosis);
 
-/// What of the error is what, a line each: "0.0575  as it is".
+/// A part of the error and its description, for example "0.0575  as it is".
 struct ErrorShare {
   double l1 = 0;
   std::string words;

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Measures the difference that remains after alignment: wrongly insonified shadows, missing near returns,
+// offsets of first returns and of shadow borders, scatter, and quantisation steps.
 #include "compare/diagnosis/residuals.hpp"
 
 #include <algorithm>
@@ -9,7 +11,7 @@
 namespace tubefoot {
 namespace {
 
-/// Means, deviations and medians of single edges or beams.
+/// Mean, deviation and median of single borders or beams.
 double mean_of(const std::vector<double>& values) {
   return values.empty()
              ? 0
@@ -28,14 +30,16 @@ double median_of(std::vector<double> values) {
   return *middle;
 }
 
-/// Walks along an axis of the picture and gathers, at each border between `plateau` lit bins and as many dark
-/// ones, how many bins' worth of energy the candidate lacks: its shadow is larger by so much.
+/// Walks along an axis of the picture and measures the shift of each shadow border. A border lies between
+/// `plateau` insonified bins and as many dark bins. The shift is the energy that the candidate lacks there,
+/// in bins; a positive shift means a larger shadow.
 class EdgeWalk {
  public:
   explicit EdgeWalk(const Residual& residual) : residual_(residual) {}
 
   void along(std::size_t first, std::size_t stride, std::size_t length) {
-    // Between the line's first echo and its last: the fan's own ends are no shadow's.
+    // Only borders between the first and the last echo of the line count, since the ends of the fan are not
+    // shadows.
     const auto is_lit = [&](std::size_t k) { return residual_.predicted_j[first + k * stride] > 0; };
     std::size_t begin = 0, end = length;
     while (begin < end && !is_lit(begin)) ++begin;
@@ -50,7 +54,7 @@ class EdgeWalk {
     offsets.edges = offsets_.size();
     offsets.spread = deviation_of(offsets_);
     offsets.mean.value = mean_of(offsets_);
-    // Edges beside each other are of one object: count them as a third.
+    // Adjacent borders belong to one object. The standard error therefore counts a third of the borders.
     if (!offsets_.empty())
       offsets.mean.error = offsets.spread * std::sqrt(3 / static_cast<double>(offsets_.size()));
     return offsets;
@@ -59,7 +63,7 @@ class EdgeWalk {
  private:
   static constexpr std::size_t plateau = 4;
 
-  /// The border before place k; `way` 1: dark from k on, -1: dark before k.
+  /// Measures the border before place k. `way` 1: dark from k on, -1: dark before k.
   std::optional<double> at(std::size_t first, std::size_t stride, std::size_t k, int way) const {
     double lit = 0, lack = 0;
     for (std::size_t i = 0; i < plateau; ++i) {
@@ -69,7 +73,7 @@ class EdgeWalk {
       if (!residual_.row_counts[row]) return std::nullopt;
       const double level = residual_.levels_j[row];
       const double p = residual_.predicted_j[in_light], q = residual_.predicted_j[in_dark];
-      // The border's own two bins may be half lit.
+      // The two bins at the border may be partly insonified.
       if (i > 0 && (!(p > 0.4 * level) || !(p < 1.8 * level) || q > 0.02 * level)) return std::nullopt;
       if (i == 0 && (!(p > 0.5 * level) || q > 0.5 * level)) return std::nullopt;
       if (i > 0) lit += p / (plateau - 1);
@@ -82,7 +86,8 @@ class EdgeWalk {
   std::vector<double> offsets_;
 };
 
-/// Whether something brighter than the rows stands within some samples before a bin of its beam.
+/// Returns whether a bin within some samples before `bin` in its beam is brighter than the level of its
+/// row.
 bool bright_before(const Residual& r, std::size_t bin) {
   constexpr std::size_t reach = 20;
   const std::size_t s = bin % r.fan.shape().samples;
@@ -142,7 +147,8 @@ std::optional<double> near_returns_missing_to(const Residual& r) {
     }
     if (should == 0) continue;
     if (10 * has > should) {
-      // A cut: what is lost before it is lost whole, and what is behind it is there.
+      // Missing near returns are a cut: nearly all echoes before it are missing and most echoes after it
+      // are present.
       if (rows < 3 || lost < 30 || 2 * has < should) return std::nullopt;
       return r.fan.range_m(s) - r.fan.sample_m() / 2;
     }
@@ -169,7 +175,7 @@ Scallops scallops(const Residual& r) {
       for (std::size_t k = s + 1; k <= s + reach; ++k) plateau += r.predicted_j[from + k] / reach;
       for (std::size_t k = s - reach; k <= s + reach; ++k)
         lack += r.predicted_j[from + k] - r.candidate_j[from + k];
-      // The edge is off, and not all that is behind it: that would be a shadow's side.
+      // Only the edge is displaced. If all echoes behind it differ, the bin lies at the side of a shadow.
       double should = 0, has = 0;
       for (std::size_t k = s + reach + 1; k <= s + 2 * reach; ++k) {
         should += r.predicted_j[from + k];
@@ -252,7 +258,7 @@ EvenSteps steps_of(std::span<const double> values) {
   steps.smallest = different.size() <= most ? *different.begin() : 0;
   if (different.size() > most || different.size() * least_share > lit || different.size() < 2) return steps;
   steps.levels = different.size();
-  // Even steps of a scale: all values are whole multiples of the smallest gap.
+  // Steps are uniform if all values are integer multiples of the smallest difference.
   const auto even = [&](auto of) {
     double gap = INFINITY, before = NAN;
     for (const double v : different) {

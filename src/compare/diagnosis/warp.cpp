@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Geometric transformation of a picture: order of beams, displacement along beams and samples, and blur. It
+// reads values between bins with the cubic interpolation of Catmull and Rom and sets negative results to 0.
 #include "compare/diagnosis/warp.hpp"
 
 #include <algorithm>
@@ -10,7 +12,7 @@ namespace {
 
 constexpr double radians = 0.017453292519943295;
 
-/// Values along an axis, read between its places by Catmull and Rom's cubic; silent outside.
+/// Catmull-Rom weights of four values along an axis. Values outside of the axis are 0.
 struct Tap {
   std::ptrdiff_t first;
   std::array<double, 4> weights;
@@ -33,7 +35,7 @@ double read(const double* values, std::size_t stride, std::size_t length, const 
   return std::max(sum, 0.0);
 }
 
-/// Three neighbours' means as often as the variance needs; edges keep what they have.
+/// Repeats a weighted mean of three neighbours until its variance is reached. No energy leaves at the ends.
 void blur_along(std::vector<double>& values, std::size_t first, std::size_t stride, std::size_t length,
                 double variance, std::vector<double>& line) {
   const int times = std::max(1, static_cast<int>(std::ceil(variance / 0.3)));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What an engine's mistakes of geometry make of the true picture.
+// Transformation of a reference picture by the geometric errors of an engine.
 #pragma once
 
 #include <cstddef>
@@ -9,23 +9,25 @@
 
 namespace tubefoot {
 
-/// The beams' order in the candidate.
+/// Order of the beams in the candidate.
 enum class BeamOrder { as_is, mirrored, halves_swapped, halves_mirrored };
 
-/// Where the candidate shows what the truth has. Displacements are towards larger beam and sample numbers.
+/// Positions in the candidate of the echoes of the reference. Positive displacements are towards larger
+/// beam and sample numbers.
 struct Warp {
   BeamOrder order = BeamOrder::as_is;
-  double beams = 0;          ///< shift
-  double samples = 0;        ///< shift
-  double azimuth_scale = 0;  ///< displacement per beam of distance from the fan's middle
+  double beams = 0;          ///< displacement of all beams
+  double samples = 0;        ///< displacement of all samples
+  double azimuth_scale = 0;  ///< displacement per beam of distance from the centre of the fan
   double range_scale = 0;    ///< displacement per range
-  int views = 1;             ///< how many pictures side by side make the fan
-  double tangent = 0;    ///< 0: beams even in angle, 1: even in the tangent of the angle from a view's middle
-  double beam_blur = 0;  ///< variance of a Gaussian, beams^2
-  double sample_blur = 0;  ///< the same, samples^2
+  int views = 1;             ///< number of pictures side by side that make up the fan
+  double tangent = 0;    ///< 0: equiangular beams; 1: beams equidistant in the tangent of the angle from the
+                         ///< centre of a view
+  double beam_blur = 0;  ///< variance of a Gaussian, in beams^2
+  double sample_blur = 0;  ///< variance of a Gaussian, in samples^2
 };
 
-/// Pictures of one fan: azimuths and slant ranges of their bins.
+/// Geometry of the pictures of a fan: azimuths and slant ranges of their bins.
 class Fan {
  public:
   Fan(const EchoShape& shape, std::vector<double> beam_azimuth_deg, std::vector<double> slant_range_m);
@@ -35,19 +37,20 @@ class Fan {
   double range_m(std::size_t sample) const { return ranges_m_[sample]; }
   double sample_m() const { return sample_m_; }
   double beam_deg() const { return beam_deg_; }
-  /// Whether beams lie side by side, so that they can be shifted; one or two are waters apart.
+  /// Returns whether the beams are adjacent, so that shifts make sense. One or two beams are separate.
   bool has_width() const { return shape_.beams > 4; }
 
-  /// How far the candidate shows at this beam what the truth has before it, beams; likewise samples.
+  /// Displacement in the candidate of the echo of this beam, in beams; sample_displacement() likewise in
+  /// samples.
   double beam_displacement(const Warp& warp, std::size_t beam) const;
   double sample_displacement(const Warp& warp, std::size_t sample) const;
-  /// The largest displacement that the tangent makes, beams.
+  /// Largest displacement that the tangent causes, in beams.
   double largest_of_tangent(int views) const;
 
-  /// What the candidate would have if the truth were this, energies as [ping][beam][sample].
+  /// Applies a warp to energies of the reference, [ping][beam][sample].
   std::vector<double> warped(const std::vector<double>& energy_j, const Warp& warp) const;
 
-  /// A copy blurred by Gaussians of these variances; slightly negative ones sharpen.
+  /// Returns a copy blurred by Gaussians of these variances. Small negative variances sharpen.
   std::vector<double> blurred(std::vector<double> energy_j, double beam_blur, double sample_blur) const;
 
  private:

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Errors of a candidate relative to a reference: relative L1 error, RMS error in dB, energy ratio and first
+// returns. It also computes shares within the bound of the reference, and the worst bins.
 #include "compare/measures/echo_errors.hpp"
 
 #include <algorithm>
@@ -20,7 +22,7 @@ void check_lengths(const EchoPair& pair) {
 
 double sum(std::span<const double> values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
-/// part / whole, where a silent reference is met by `if_both_silent` or infinitely much.
+/// Returns part / whole. If the reference has no energy, returns `if_both_silent` or infinity.
 double relative(double part, double whole, double candidate_total, double if_both_silent) {
   if (whole > 0) return part / whole;
   return candidate_total > 0 ? std::numeric_limits<double>::infinity() : if_both_silent;
@@ -69,7 +71,7 @@ std::vector<BinError> worst_bins(const EchoPair& pair, double difference_j, std:
 }  // namespace
 
 double decibel_error(double reference_j, double candidate_j) {
-  if (reference_j == candidate_j) return 0;  // both silent included
+  if (reference_j == candidate_j) return 0;  // includes bins that are empty on both sides
   return std::clamp(10 * std::log10(candidate_j / reference_j), -largest_error_db, largest_error_db);
 }
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Fits gain, range exponent and offset of a candidate: C = gain (r / r0)^range R + offset. Gain and
+// exponent are a line through the logarithms of the energy ratios of patches, by Huber's weights.
 #include "compare/measures/energy_fit.hpp"
 
 #include <fmt/format.h>
@@ -17,7 +19,7 @@ namespace {
 constexpr std::size_t most_bands = 12, most_groups = 16, least_bins = 4;
 constexpr double decibels_per_neper = 4.342944819032518;
 
-/// A patch: the logarithm of its ratio of energies, where it lies, and what it counts.
+/// A patch: logarithms of its energy ratio and of its range, and its weight.
 struct Cell {
   double log_range = 0, log_ratio = 0, weight = 0;
   std::size_t group = 0;
@@ -30,8 +32,8 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-/// Per sample the inverse of the reference's mean over its lit bins, so that near ranges do not drown the far
-/// ones.
+/// Returns per sample the inverse of the mean of the reference over its insonified bins. These weights
+/// prevent near ranges from dominating far ranges.
 std::vector<double> sample_weights(const EchoPair& pair, double threshold_j) {
   std::vector<double> sums(pair.shape.samples), counts(pair.shape.samples);
   for (std::size_t bin = 0; bin < pair.reference_j.size(); ++bin) {
@@ -61,7 +63,7 @@ class Fitter {
     return lit_samples_.empty() ? 1 : pair_.slant_range_m[lit_samples_[lit_samples_.size() / 2]];
   }
 
-  /// Patches of the fitted candidate against the reference.
+  /// Returns the patches of the fitted candidate and the reference.
   std::vector<Cell> cells() const {
     const std::vector<double> fitted = fit_.fitted(pair_);
     const std::size_t columns = pair_.shape.pings * pair_.shape.beams, samples = pair_.shape.samples;
@@ -95,8 +97,8 @@ class Fitter {
   std::size_t bands_ = 1, groups_ = 1;
 };
 
-/// Weighted line a + b x through the cells (b = 0 where no law is fitted), by Huber's weights, with the
-/// covariance that the groups' spread tells.
+/// Weighted line a + b x through the patches, by Huber's weights. b is 0 if no exponent is fitted. The
+/// spread between groups gives the standard errors.
 struct Line {
   Estimate a, b;
 };
@@ -142,7 +144,8 @@ Line line_through(const std::vector<Cell>& cells, bool gain, bool model) {
       var_b += db * db;
     }
     const auto n = static_cast<double>(scores.size());
-    const double finite = n > 1 ? n / (n - 1) : 1;  // of one group, its residuals sum to 0: no error bar
+    // The residuals of a single group sum to 0, which gives no standard error.
+    const double finite = n > 1 ? n / (n - 1) : 1;
     line.a.error = std::sqrt(finite * var_a);
     line.b.error = std::sqrt(finite * var_b);
     if (std::abs(step_a) + std::abs(step_b) < 1e-12) break;
@@ -192,7 +195,7 @@ std::optional<EnergyFit> fit_energies(const EchoPair& pair, FitTerms terms) {
   fit.middle_range_m = fitter.middle_range_m();
   if (!(fit.middle_range_m > 0)) return std::nullopt;
   if (!terms.gain && !terms.range) return fit;
-  // What the law does within a patch is not its middle's: what is left is fitted again.
+  // The range factor at the centre of a patch differs from that of its bins. The remainder is fitted again.
   for (int round = 0; round < 8; ++round) {
     const std::vector<Cell> cells = fitter.cells();
     fit.cells = cells.size();

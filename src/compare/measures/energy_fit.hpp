@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Another engine's numbers brought to the reference's: gain, law of range and offset, each with an error bar.
+// Fits the numbers of another engine to the reference: gain, range exponent and offset, each with a
+// standard error.
 #pragma once
 
 #include <optional>
@@ -10,13 +11,14 @@
 
 namespace tubefoot {
 
-/// C = gain (r / r0)^range R + offset, r the bin's slant range and r0 the middle one of the lit bins.
+/// Terms of C = gain (r / r0)^range R + offset. The slant range of the bin is r; the middle slant range of
+/// the insonified bins is r0.
 struct FitTerms {
   bool gain = false, range = false, offset = false;
   bool any() const { return gain || range || offset; }
 };
 
-/// "gain,range,offset" in any order, each at most once. Throws UsageError.
+/// Parses "gain,range,offset" in any order, each at most once. Throws UsageError.
 FitTerms fit_terms(const std::string& words);
 
 /// A value and its standard error.
@@ -27,18 +29,23 @@ struct Estimate {
 struct EnergyFit {
   FitTerms terms;
   double middle_range_m = 1;   ///< r0
-  Estimate gain_db, exponent;  ///< 10 log10 of the gain; the power of r
-  Estimate offset_j;           ///< in the candidate's unit: its noise floor, or its black
-  std::size_t cells = 0;       ///< patches of the picture that gain and law were fitted to
-  /// max(C - offset, 0) / (gain (r / r0)^range), for every bin; C itself without an offset.
+  Estimate gain_db, exponent;  ///< 10 log10 of the gain; exponent of the range
+  Estimate offset_j;           ///< noise floor or black level, in the unit of the candidate
+  std::size_t cells = 0;       ///< number of patches to which gain and exponent were fitted
+  /// max(C - offset, 0) / (gain (r / r0)^range) for every bin. Without the offset term, C replaces
+  /// max(C - offset, 0).
   std::vector<double> fitted(const EchoPair& pair) const;
 };
 
-/// The offset is the candidate's mean in the deep shadow (noise_floor.hpp). Gain and exponent are fitted to
-/// ratios of energies of patches (at most 12 bands of range x 16 groups of beams), in which the bins of each
-/// range count as much as those of the others; patches far off (a missing shadow, a shift at an edge) count
-/// less, by Huber's weights. Error bars from the spread between groups of beams. Nothing where the two sides
-/// have no patch in common, or a law is asked for and there is only one band.
+/// Fits the requested terms.
+///
+/// The offset is the mean of the candidate in the deep shadow (noise_floor.hpp). Gain and exponent are
+/// fitted to the energy ratios of patches, at most 12 bands of range x 16 groups of beams. In a patch, all
+/// ranges have the same weight. Patches with large deviations (a missing shadow, a shift at an edge) have
+/// less weight, by Huber's weights. The standard errors come from the spread between groups of beams.
+///
+/// Returns nothing if the two sides have no patch in common, or if an exponent is requested and there is
+/// only one band.
 std::optional<EnergyFit> fit_energies(const EchoPair& pair, FitTerms terms);
 
 }  // namespace tubefoot

@@ -4,7 +4,7 @@
 namespace tubefoot {
 namespace {
 
-// How far an echo may be moved or blurred without counting as noise.
+// Displacement or blur of an echo that does not count as noise.
 constexpr std::size_t reach_beams = 2, reach_samples = 3;
 
 }  // namespace

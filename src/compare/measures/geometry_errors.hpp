@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What two engines see, whatever they say of its energy: first returns, shadows, what is visible.
+// Errors of the geometry that two engines see, independent of energies: first returns, shadows, visible
+// bins.
 #pragma once
 
 #include "compare/measures/echo_errors.hpp"
@@ -7,10 +8,11 @@
 
 namespace tubefoot {
 
-/// Two masks of bins.
+/// Overlap of two sets of bins.
 struct Overlap {
-  std::size_t reference = 0, candidate = 0, both = 0;  ///< bins of each, and in common
-  /// Intersection over union; 1 where both are empty.
+  /// Number of bins of each set, and of their intersection.
+  std::size_t reference = 0, candidate = 0, both = 0;
+  /// Intersection over union; 1 if both are empty.
   double iou() const {
     const std::size_t either = reference + candidate - both;
     return either > 0 ? static_cast<double>(both) / static_cast<double>(either) : 1;
@@ -18,14 +20,16 @@ struct Overlap {
 };
 
 struct GeometryErrors {
-  double reference_threshold_j = 0, candidate_threshold_j = 0;  ///< above it, a bin is lit: each side its own
-  NoiseFloor floor;                                             ///< the candidate's
-  FirstReturnErrors first_return;                               ///< steady ones, if the candidate has noise
-  Overlap shadow;   ///< bins that are not lit and lie before the reference's last lit one of their beam
-  Overlap visible;  ///< lit bins
+  /// Energies above which a bin is insonified, one per side.
+  double reference_threshold_j = 0, candidate_threshold_j = 0;
+  NoiseFloor floor;                ///< noise floor of the candidate
+  FirstReturnErrors first_return;  ///< steady first returns if the candidate has noise
+  Overlap shadow;   ///< bins that are not insonified and lie before the last insonified bin of the reference
+                    ///< in their beam
+  Overlap visible;  ///< insonified bins
 };
 
-/// `candidate_threshold_j`: instead of lit_threshold_above() the noise floor.
+/// `candidate_threshold_j` replaces the threshold that lit_threshold_above() derives from the noise floor.
 GeometryErrors geometry_errors(const EchoPair& pair, std::optional<double> candidate_threshold_j = {});
 
 }  // namespace tubefoot

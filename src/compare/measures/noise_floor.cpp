@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Robust estimate of the noise of a candidate in the deep shadow of the reference, and first returns that
+// single noisy bins do not affect.
 #include "compare/measures/noise_floor.hpp"
 
 #include <algorithm>
@@ -8,11 +10,11 @@
 namespace tubefoot {
 namespace {
 
-/// Spreads `lit` over `reach` places to both sides along an axis of `length` places that lie `stride` apart.
+/// Extends `lit` by `reach` places to both sides along an axis of `length` places with distance `stride`.
 void spread(std::vector<bool>& lit, std::size_t first, std::size_t stride, std::size_t length,
             std::size_t reach) {
   std::vector<bool> wide(length);
-  std::size_t until = 0;  // lit as far as here, one beyond
+  std::size_t until = 0;  // end of the extended region
   for (std::size_t k = 0; k < length + reach; ++k) {
     if (k < length && lit[first + k * stride]) until = k + 2 * reach + 1;
     if (k >= reach && k < until) wide[k - reach] = true;
@@ -26,9 +28,10 @@ double sixtieth_percentile(std::vector<double>& values) {
   return *rank;
 }
 
-/// Six deviations of noise that is clipped at 0 (24 times its 60th percentile), more of other laws, whatever
-/// the strongest 40 % are: of the shadow before the beams' first echoes or of that behind them, whichever is
-/// quieter, since noise is in both.
+/// Returns a first upper limit of the noise that ignores the strongest 40 % of the bins. It is 24 times the
+/// 60th percentile, which is six standard deviations of noise clipped at 0 and more for other
+/// distributions. The percentile is taken separately before the first echoes of the beams and behind them,
+/// and the smaller one counts: noise is in both regions.
 double first_limit(const EchoShape& shape, std::span<const double> energy_j,
                    const std::vector<bool>& shadow) {
   constexpr std::size_t least_bins = 30;
@@ -66,7 +69,7 @@ NoiseFloor noise_floor(const EchoShape& shape, std::span<const double> energy_j,
   NoiseFloor floor;
   double limit = first_limit(shape, energy_j, shadow);
   for (int round = 0; round < 50; ++round) {
-    // Groups of one beam each: noise may be of one beam more than of another.
+    // Each beam is a group, because the noise may differ between beams.
     double sum = 0, squares = 0, positive = 0;
     std::size_t bins = 0;
     double groups = 0, group_squares = 0, group_sizes = 0;
@@ -95,7 +98,7 @@ NoiseFloor noise_floor(const EchoShape& shape, std::span<const double> energy_j,
     floor.share_positive = positive / n;
     if (groups > 1) floor.mean_error_j = std::sqrt(group_squares / (groups - 1) / group_sizes);
     if (settled) break;
-    limit = (floor.mean_j + 6 * floor.deviation_j) * (1 + 1e-9);  // rounding is no deviation
+    limit = (floor.mean_j + 6 * floor.deviation_j) * (1 + 1e-9);  // the factor absorbs rounding
   }
   return floor;
 }

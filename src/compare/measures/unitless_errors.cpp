@@ -8,7 +8,7 @@
 namespace tubefoot {
 namespace {
 
-/// Ranks from 0 on of values, equal ones sharing the mean of theirs, less their mean.
+/// Returns the ranks of values minus their mean. Equal values share the mean of their ranks.
 std::vector<double> centred_ranks(const std::vector<double>& values) {
   std::vector<std::size_t> order(values.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

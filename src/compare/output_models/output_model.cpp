@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Applies the steps of an output model to a picture with bounds. A monotone step maps both ends of the
+// interval of a bin. A linear step (blur) transforms bounds as it transforms values. docs/recipes.md lists
+// the formulas.
 #include "compare/output_models/output_model.hpp"
 
 #include <algorithm>
@@ -8,7 +11,7 @@
 namespace tubefoot {
 namespace {
 
-/// An interval; what is not negative stays so.
+/// An interval. The lower end of a value that is not negative stays at least 0.
 struct Ends {
   double low, high;
 };
@@ -18,13 +21,13 @@ Ends ends_of(const BoundedPicture& picture, std::size_t bin) {
   return {std::max(picture.value[bin] - b, 0.0), picture.value[bin] + b};
 }
 
-/// Value and bound of a bin from the step's value and the ends that it may have.
+/// Sets value and bound of a bin from the result of a step and the interval of possible results.
 void set(BoundedPicture& picture, std::size_t bin, double value, Ends ends) {
   picture.value[bin] = value;
   if (!picture.bound.empty()) picture.bound[bin] = std::max({ends.high - value, value - ends.low, 0.0});
 }
 
-/// An increasing function of the bin.
+/// Applies an increasing function to each bin.
 void map(BoundedPicture& picture, const std::function<double(double)>& f) {
   for (std::size_t bin = 0; bin < picture.value.size(); ++bin) {
     const Ends ends = ends_of(picture, bin);
@@ -32,7 +35,7 @@ void map(BoundedPicture& picture, const std::function<double(double)>& f) {
   }
 }
 
-/// Once a range factor has been put on, a bin's bound holds it for every range of its sample.
+/// Multiplies by a range factor. The bound of a bin covers the factor at every range of its sample.
 void put(const RangeLawStep& step, const SourcePlace&, BoundedPicture& picture) {
   const auto model = [&](double r) {
     return std::pow(r, step.exponent) * std::pow(10, step.absorption_db_per_km * 2 * r / 1e4);
@@ -57,7 +60,8 @@ void require_solid_angles(const SourcePlace& place, const BoundedPicture& pictur
                          "recipe solid_angles = \"FILE.nc\" (docs/output-models.md says how to make it)");
 }
 
-/// The median solid angle of each row's bins that see something, as its bounds let it be; ping by ping.
+/// Returns intervals of the median solid angle of each row, over its bins with a positive solid angle, ping
+/// by ping.
 std::vector<Ends> medians_of(const BoundedPicture& picture) {
   const EchoShape& shape = picture.shape;
   const std::vector<double>& bounds = picture.solid_angle_bound_sr;
@@ -99,8 +103,8 @@ void put(const MeanStep& step, const SourcePlace& place, BoundedPicture& picture
                               bin % picture.shape.samples;
       const double low = step.least_share * usual[row].low, high = step.least_share * usual[row].high;
       if (omega < (low + high) / 2) value = 0;
-      if (omega - b < high) of_mean.low = 0;  // it may be left empty
-      if (omega + b < low) of_mean.high = 0;  // it is for certain
+      if (omega - b < high) of_mean.low = 0;  // the bin may lie below the least share
+      if (omega + b < low) of_mean.high = 0;  // the bin certainly lies below the least share
     }
     set(picture, bin, value, of_mean);
   }
@@ -116,8 +120,8 @@ void put(const CountStep& step, const SourcePlace& place, BoundedPicture& pictur
   map(picture, [&](double omega) { return omega * step.points_per_sr; });
 }
 
-/// Weights that are not negative and sum to 1; at the picture's edges those inside are as they are, so that
-/// what is outside counts as 0.
+/// Returns a kernel of weights that are not negative and sum to 1. At the border of the picture the weights
+/// stay unchanged; values outside count as 0.
 std::vector<double> kernel_of(double deviation, std::int64_t size) {
   std::vector<double> kernel;
   double sum = 0;
@@ -141,7 +145,7 @@ void blur_line(std::vector<double>& values, std::size_t first, std::size_t strid
   for (std::size_t i = 0; i < length; ++i) values[first + i * stride] = line[i];
 }
 
-/// Linear with weights that are not negative: bounds are blurred as values are.
+/// Blurs values and bounds with the same weights, which are not negative.
 void put(const BlurStep& step, const SourcePlace&, BoundedPicture& picture) {
   const EchoShape& shape = picture.shape;
   const std::vector<double> across = kernel_of(step.beams, step.size),
@@ -156,7 +160,7 @@ void put(const BlurStep& step, const SourcePlace&, BoundedPicture& picture) {
   }
 }
 
-/// The bins that are normalised together, by number of a group.
+/// Returns the number of the group of bins that are normalised together.
 std::size_t group_of(const std::string& over, const EchoShape& shape, std::size_t bin) {
   const std::size_t column = bin / shape.samples, ping = column / shape.beams;
   if (over == "image") return ping;
@@ -185,7 +189,7 @@ void put(const NormaliseStep& step, const SourcePlace&, BoundedPicture& picture)
       set(picture, bin, 0, {0, high[g] > 0 ? 1.0 : 0.0});
       continue;
     }
-    // No bin is more than the whole of its group.
+    // No bin exceeds the total of its group.
     set(picture, bin, picture.value[bin] / whole[g],
         {ends.low / high[g], low[g] > 0 ? std::min(1.0, ends.high / low[g]) : 1.0});
   }

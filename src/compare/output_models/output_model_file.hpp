@@ -10,21 +10,21 @@
 
 namespace tubefoot {
 
-/// A output model file (docs/output models.md).
+/// An output model file (docs/recipes.md).
 struct OutputModel {
   SourcePlace place;
   std::string title;
-  /// Echoes of the scene with every material's strength cos^1 of incidence, whose energies are solid angles
-  /// over r^2; and that strength.
+  /// Echoes of the scene in which every material has the strength cos^1 of the angle of incidence. Their
+  /// energies are solid angles divided by r^2. `solid_angle_strength_db` is that strength.
   std::optional<std::filesystem::path> solid_angles;
   double solid_angle_strength_db = 0;
   std::vector<OutputModelStep> steps;
 };
 
-/// Throws InputError at the line of what is wrong.
+/// Throws InputError at the line of the error.
 OutputModel read_output_model(const std::filesystem::path& file);
 
-/// Every key of it, for the documentation's test.
+/// Returns every key of the file, for the test of the documentation.
 std::vector<SceneKey> output_model_keys();
 
 }  // namespace tubefoot

@@ -14,15 +14,19 @@
 #include "engine/certified/reference.hpp"
 #include "geometry/steps/steps.hpp"
 
+// Encloses the error of apparent facets: travel-path error, range error, and the ratio of true to apparent
+// return. The travel-path error is at most half the squared radius of the smallest circle around the
+// corners, times the second derivative of the image (S. Waldron, SIAM J. Numer. Anal. 35 (1998) 1191). See
+// docs/reference.md, section "Through refracting water".
 namespace tubefoot {
 namespace {
 
 constexpr double slack = enclosure_slack;
 constexpr double infinite = std::numeric_limits<double>::infinity();
-/// What lies on a facet.
+/// Scattering of a facet.
 struct Surface {
-  const ScatteringModel* model = nullptr;  ///< none: Lambert's, but for its mu
-  double most = 1;                         ///< of mu, or 1 with a law; times the texture
+  const ScatteringModel* model = nullptr;  ///< none: Lambert's law with mu = 1
+  double most = 1;                         ///< largest mu, or 1 with a scattering model, times the texture
 };
 
 class Encloser {
@@ -46,7 +50,7 @@ class Encloser {
     const bool alone =
         rays_.none_turns_before(flat.padded(flat.centre_m), flat.u, flat.v, {least.x - wider, most.x + wider},
                                 {least.y - wider, most.y + wider});
-    // Where corners are seen, and how far their apparent corners are from there.
+    // Images of the corners, and their distances from the apparent corners.
     double off_m = 0;
     for (int k = 0; k < 3; ++k) {
       const auto corner = rays_.over(flat.padded(truth[k]), flat.u, flat.v, 0.0, 0.0, alone);
@@ -66,7 +70,8 @@ class Encloser {
     facet.normal = facing < 0 ? -normal : normal;
     facet.plane_m = std::abs(facing);
 
-    // All of it in boxes; in smaller ones until there is one ray to each box, and while that says more.
+    // Covers the facet by boxes. The boxes are halved until each box has one proven ray, and further while
+    // this improves the bounds.
     Gathered best;
     bool one_ray = false;
     for (int parts = 1; parts <= 8; parts *= 2) {
@@ -80,9 +85,9 @@ class Encloser {
       if (enough) break;
     }
     if (!one_ray) return facet;
-    // Of linear interpolation between the corners: at most half the squared radius of the smallest circle
-    // around them times the second derivative (S. Waldron, SIAM J. Numer. Anal. 35 (1998) 1191); in the
-    // margin around them more by the margin times the error of the slopes.
+    // Error of linear interpolation between the corners (S. Waldron, SIAM J. Numer. Anal. 35 (1998) 1191).
+    // It is at most half the squared radius of the smallest circle around the corners, times the second
+    // derivative. In the margin around the corners, it grows by the margin times the error of the slopes.
     const double reach = flat.longest_m + flat.margin_m,
                  beyond = 2 * flat.margin_m * reach * reach / flat.height_m;
     const auto gap = [&](double bend) {
@@ -100,10 +105,10 @@ class Encloser {
 
     const double sine = facet.plane_m / facet.farthest_m;
     facet.shift_m = sine > 0 ? across_m / sine * (1 + slack) : infinite;
-    // A ray that meets the image beside the facet's own part of it has to do so within the margin.
+    // A ray that meets the image outside of the facet's own part must meet it within the margin.
     const double drift_m = facet.travel_path_error_m / sine / least_stretch(flat, seen);
     const bool within = drift_m <= flat.margin_m;
-    // FacetCorners beside the plane, and the rounding of a map between triangles as thin as this one.
+    // Corners may lie off the plane, and the map between triangles as thin as this one has rounding errors.
     facet.place_off_m =
         (drift_m + 4 * pad_m + 1e-14 * flat.longest_m * flat.longest_m / flat.height_m) * (1 + slack);
     const Interval towards = middle_sine(flat, *middle);
@@ -114,7 +119,7 @@ class Encloser {
     Interval level = log(towards.lo > 0 ? towards : -towards) +
                      3.0 * log(speed_ * middle->slowness_s_per_m.v) - log(middle->area_ratio_per_sr.v) -
                      beta_ * db - log(outwards(facet.plane_m * (1 - slack), facet.plane_m * (1 + slack)));
-    // What slopes make between the middle and the corners, and in the margin around them.
+    // Change that slopes cause between the middle and the corners, and in the margin around the corners.
     const auto change = [&](const Interval& a, const Interval& b) {
       Interval all = 0.0;
       for (int k = 0; k < 3; ++k) {
@@ -150,10 +155,10 @@ class Encloser {
   struct Gathered {
     Bends bends;
     Interval level_a, level_b, per_sr, per_area, sine;
-    std::vector<GrazingPatch> grazing;  // of a law
+    std::vector<GrazingPatch> grazing;  // with a scattering model
   };
 
-  /// The places of a facet's plane that are a and b from its middle.
+  /// Points of the facet's plane at offsets a and b from its middle.
   static std::array<Jet, 2> places(const FlatFacet& flat, const Interval& a, const Interval& b) {
     std::array<Jet, 2> at;
     for (int k = 0; k < 2; ++k) {
@@ -167,7 +172,7 @@ class Encloser {
     const std::array<Interval, 3> centre = flat.padded(flat.centre_m);
     return sine_of(flat, rays, {centre[0], centre[1]}).v;
   }
-  /// Height of the apex above the apparent facet's plane that a ray's image is on, as far as it is.
+  /// Height of the apex above the plane through a ray's image, parallel to the apparent facet.
   static Jet height_of(const glm::dvec3& normal, const RayJets& rays) {
     Jet height;
     for (int i = 0; i < 3; ++i) height = height + Jet(normal[i]) * rays.image[i];
@@ -183,7 +188,8 @@ class Encloser {
     return {seen.v, seen.a, seen.b, ratio(lies.a, rays.slowness_s_per_m.a, height.a),
             ratio(lies.b, rays.slowness_s_per_m.b, height.b)};
   }
-  /// Sine of the grazing angle on the true facet times the distance: that of the plane, in isovelocity water.
+  /// Sine of the grazing angle on the true facet times the distance. In isovelocity water it is the distance
+  /// of the facet's plane.
   static Jet sine_of(const FlatFacet& flat, const RayJets& rays, const std::array<Jet, 2>& at) {
     const glm::dvec3& n = flat.normal;
     return rays.arrival_across * (Jet(n.x) * at[0] + Jet(n.y) * at[1]) - Jet(n.z) * rays.arrival_down_m;
@@ -219,7 +225,7 @@ class Encloser {
           by_sine = Interval(0, scattered.hi / flattest);
         }
         own.per_sr = by_sine * lost / area;
-        // Areas per steradian there and back: their ratio is that of the squared sound speeds.
+        // The areas per steradian in the two directions differ by the ratio of the squared sound speeds.
         own.per_area = scattered * lost / squared(area * rays_.least_area_ratio());
         const auto slope = [&](const Interval& of_sine, const Interval& of_time, const Interval& of_area,
                                const Interval& of_db) {
@@ -243,7 +249,7 @@ class Encloser {
     return !first;
   }
 
-  /// The smallest stretch of the facet on the way to its apparent one.
+  /// Smallest stretch of the affine map from the facet to its apparent facet.
   static double least_stretch(const FlatFacet& flat, const FacetCorners& seen) {
     const glm::dvec2 p = flat.at[1] - flat.at[0], q = flat.at[2] - flat.at[0];
     const double det = cross(p, q);
@@ -252,7 +258,7 @@ class Encloser {
     const double a = glm::dot(along_u, along_u), b = glm::dot(along_u, along_v),
                  c = glm::dot(along_v, along_v);
     const double least = (a + c) / 2 - std::sqrt((a - c) * (a - c) / 4 + b * b);
-    return 0.9 * std::sqrt(std::max(least, 0.0));  // the image's own slopes differ a little
+    return 0.9 * std::sqrt(std::max(least, 0.0));  // the slopes of the image itself differ a little
   }
 
   const RayEnclosure& rays_;

@@ -14,51 +14,55 @@
 
 namespace tubefoot {
 
-/// What is proven of an apparent facet and the curved image of the true facet that it stands for. Places are
-/// relative to the apex, metres.
+/// Proven bounds of an apparent facet and of the curved image of the true facet that it represents.
+/// Positions are relative to the apex, in metres.
 struct FacetEnclosure {
   enum class State {
     proven,
-    /// Seen edge-on, or so flat that its image may fold: only what it returns at most is known.
+    /// The facet is seen edge-on, or so flat that its image may fold. Only upper bounds of its return are
+    /// known.
     conservative,
-    /// It is not known that one ray leads to each of its points. Nothing is known but where rays to it may
-    /// come from and how soon.
+    /// It is not proven that exactly one ray leads to each point of the facet. The bounds are only those of
+    /// the directions and ranges of possible rays.
     unproven
   };
   State state = State::unproven;
-  std::array<glm::dvec3, 3> seen{};  ///< corners of the apparent facet; of an unproven one, of the true facet
-  glm::dvec3 normal{0};              ///< unit, of the apparent facet's plane, away from the apex
-  double plane_m = 0;                ///< distance of that plane
-  double travel_path_error_m = 0;    ///< no image is farther from its place on the apparent facet
-  double shift_m = 0;                ///< no range along a ray differs by more, of rays that meet both
-  double nearest_m = 0, farthest_m = 0;  ///< ranges of the image
-  /// What the facet returns along a ray over what the straight law makes of the apparent facet.
+  /// Corners of the apparent facet, or of the true facet if the state is unproven.
+  std::array<glm::dvec3, 3> seen{};
+  glm::dvec3 normal{0};  ///< unit normal of the apparent facet's plane, away from the apex
+  double plane_m = 0;    ///< distance of this plane from the apex
+  /// Largest distance of a point's image from its position on the apparent facet.
+  double travel_path_error_m = 0;
+  double shift_m = 0;                    ///< largest difference of the ranges at which a ray meets both
+  double nearest_m = 0, farthest_m = 0;  ///< bounds of the image's ranges
+  /// Ratio between the facet's return along a ray and the straight-ray return of the apparent facet.
   Interval factor;
-  /// The straight law, of a material that has one; none: Lambert's.
+  /// Scattering model of the apparent facet for straight rays; none: Lambert's law.
   std::optional<ScatteringModel> model;
-  /// No place that a ray meets is farther from where the facet's map (FacetMap) has it.
+  /// Largest distance between the point that a ray meets and the point that the facet's map (FacetMap)
+  /// gives.
   double place_off_m = 0;
-  double most_per_sr = 0;  ///< upper bound of what it returns [J] per steradian of launch
-  double most = 0;         ///< and in all
+  double most_per_sr = 0;  ///< upper bound of the return [J] per steradian of launch directions
+  double most = 0;         ///< upper bound of the whole return
 };
 
 struct ApparentEnclosures {
-  std::vector<FacetEnclosure> facets;    ///< as the apparent surface's
-  std::vector<FacetEnclosure> unproven;  ///< facets that may be seen, among them those that were left out
+  std::vector<FacetEnclosure> facets;    ///< in the order of the apparent surface
+  std::vector<FacetEnclosure> unproven;  ///< facets that may be seen, including omitted ones
 };
 
-/// An apparent surface, and the facets that it is mapped of.
+/// An apparent surface, and the facets from which it was mapped.
 struct MappedSeabed {
   const ApparentSurface& surface_mesh;
-  const SceneTree& tree;              ///< of the apparent facets
-  const FacetMesh& base;              ///< flat facets, where they lie
-  std::span<const FacetId> parent{};  ///< by apparent facet: the one that it is part of
+  const SceneTree& tree;              ///< tree of the apparent facets
+  const FacetMesh& base;              ///< flat facets at their true positions
+  std::span<const FacetId> parent{};  ///< base facet of each apparent facet
   const WorldGrid& grid;
 
   const FacetMesh& mesh() const { return surface_mesh.refined.mesh; }
 };
 
-/// Encloses the facets of an apparent surface. `model`: that of apparent ranges.
+/// Encloses the facets of an apparent surface. The ranges of `model` are apparent ranges.
 ApparentEnclosures enclose(const MappedSeabed& seabed, const RayEnclosure& rays, const EchoModel& model);
 
 }  // namespace tubefoot

@@ -5,19 +5,23 @@
 #include <cmath>
 #include <numbers>
 
+// Fits the angle of incidence phi on the true facet as an affine function of the apparent angle psi. The
+// angles satisfy cos phi = e^ratio cos psi. The slopes of phi - stretch psi enclose the remainder. Near the
+// normal, the slopes of phi^2 - stretch^2 psi^2 are used. See docs/reference.md, section "Through refracting
+// water".
 namespace tubefoot {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr double rounding = 2e-15;  // of angles in doubles, and where pieces of a law meet in them
+constexpr double rounding = 2e-15;  // of angles in doubles, and of the angles at which pieces of a model meet
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 Interval both_ways(double size) { return {-size, size}; }
 Interval common(const Interval& a, const Interval& b) { return {std::max(a.lo, b.lo), std::min(a.hi, b.hi)}; }
-/// Sines are none above 1.
+/// Clips an interval of sines to [0, 1].
 Interval sine_in(const Interval& s) { return {std::clamp(s.lo, 0.0, 1.0), std::clamp(s.hi, 0.0, 1.0)}; }
 
-/// Angles of incidence, from the normal.
+/// Angles of incidence, measured from the normal.
 Interval incidence_of(const Interval& sine) {
   const Interval s = sine_in(sine);
   const Interval angle = outwards(std::acos(s.hi), std::acos(s.lo), library_units);
@@ -25,20 +29,22 @@ Interval incidence_of(const Interval& sine) {
 }
 Interval expm1(const Interval& x) { return outwards(std::expm1(x.lo), std::expm1(x.hi), library_units); }
 
-/// x / sin x, which grows.
+/// x / sin x, which increases with x.
 Interval over_sine(const Interval& x) {
   const auto at = [](double y) { return y < 1e-4 ? 1 + y * y / 6 : y / std::sin(y); };
   return outwards(at(x.lo), at(x.hi), 64);
 }
 
-/// The true angle of incidence phi on a facet, from the apparent one psi: about shift_rad + stretch psi.
+/// Fit of the true angle of incidence phi as a function of the apparent angle psi: phi is about shift_rad +
+/// stretch psi.
 struct AngleFit {
   double shift_rad = 0, stretch = 1;
-  /// Near the normal angles are no smooth functions of place, but their squares are: no shift.
+  /// Near the normal, angles are not smooth functions of position, but their squares are. The fit then has
+  /// no shift.
   bool upright = false;
 };
 
-/// cos phi = e^ratio cos psi, so that phi' = e^ratio (sin psi / sin phi) psi' - ratio' / tan phi.
+/// From cos phi = e^ratio cos psi follows phi' = e^ratio (sin psi / sin phi) psi' - ratio' / tan phi.
 AngleFit fit_of(const GrazingPatch& middle, double log_ratio, double least_incidence_rad) {
   const double s = std::clamp(middle.sine.middle(), 0.0, 1.0),
                true_s = std::min(s * std::exp(log_ratio), 1.0), psi = std::acos(s), phi = std::acos(true_s);
@@ -72,7 +78,7 @@ struct AngleSlopes {
       if (!smooth) return outwards(1, 0);
       return (ratio / turn - stretch) * (-of_sine / sin_psi) - ratio * s / (sin_psi * turn) * of_ratio;
     };
-    // With K(x) = x / sin x: (x^2)' = -2 K s', and K changes with x^2 by no more than 1 / pi.
+    // With K(x) = x / sin x, (x^2)' = -2 K s'. The slope of K as a function of x^2 is at most 1 / pi.
     const Interval true_s = ratio * s, phi = over_sine(incidence_of(true_s)),
                    psi = over_sine(incidence_of(s));
     const double apart =
@@ -87,7 +93,7 @@ struct AngleSlopes {
   }
 };
 
-/// No less than |d log sigma / d phi| of a piece up to an angle.
+/// Upper bound of |d log sigma / d phi| of a piece up to an angle.
 double steepest(const ScatteringModel::Piece& piece, double incidence_rad) {
   double most = 0;
   for (const ScatteringModel::Term& t : piece.terms)
@@ -98,11 +104,12 @@ double steepest(const ScatteringModel::Piece& piece, double incidence_rad) {
   return most;
 }
 
-/// The logarithm of a law over what one piece's terms say beyond its end: where two angles that are `off_rad`
-/// apart lie on either side of an end of a piece, the first of them in `incidence`.
+/// Bounds the logarithm of the ratio between a model and the continuation of one piece's terms beyond its
+/// end. Two angles that differ by `off_rad` may lie on opposite sides of an end of a piece. The first of
+/// them lies in `incidence`.
 double over_ends(const ScatteringModel& model, const Interval& incidence, double off_rad) {
   const auto& pieces = model.pieces();
-  std::vector<std::pair<double, double>> ends;  // angle, and what it makes
+  std::vector<std::pair<double, double>> ends;  // angle, and the bound of the change there
   for (std::size_t k = 0; k + 1 < pieces.size(); ++k) {
     const double end = pieces[k].to;
     if (end < incidence.lo - off_rad || end > incidence.hi + off_rad) continue;
@@ -114,7 +121,7 @@ double over_ends(const ScatteringModel& model, const Interval& incidence, double
   }
   double most = 0;
   for (std::size_t first = 0; first < ends.size(); ++first) {
-    double sum = 0;  // of those that may lie between the two
+    double sum = 0;  // sum over the ends that may lie between the two angles
     for (std::size_t k = first; k < ends.size() && ends[k].first <= ends[first].first + 2 * off_rad; ++k)
       sum += ends[k].second;
     most = std::max(most, sum);
@@ -150,7 +157,7 @@ std::optional<ApparentScattering> apparent_scattering(
                  psi_middle = incidence_of(middle.sine);
   const Interval square = squared(phi_middle) - fit.stretch * fit.stretch * squared(psi_middle) +
                           spread(slopes.square_a, slopes.square_b) + both_ways(rounding);
-  // Of numbers that are not negative, the square of their difference is no more than that of their squares.
+  // For non-negative numbers, the square of their difference is at most the difference of their squares.
   Interval angle = both_ways(std::sqrt(square.largest()) * (1 + 1e-9));
   angle = common(angle, phi_middle - fit.stretch * psi_middle + spread(slopes.angle_a, slopes.angle_b));
   if (const Interval sum = phi + fit.stretch * psi; sum.surely_positive())
@@ -171,7 +178,7 @@ std::optional<ApparentScattering> apparent_scattering(
       rest = rest ? hull(*rest, own) : own;
     }
   }
-  // A law is a sum of terms that are positive: so is the ratio of two between those of their terms.
+  // A model is a sum of positive terms, so the ratio of two models lies between the ratios of their terms.
   ApparentScattering found{model.of_angle(fit.shift_rad, fit.stretch, std::exp(fitted_ratio)), {}};
   found.rest = *rest + both_ways(over_ends(model, phi, off.largest()) + 1e-12);
   if (!found.rest.is_finite()) return std::nullopt;

@@ -8,37 +8,43 @@
 #include "engine/scattering/scattering_model.hpp"
 #include "geometry/numbers/interval.hpp"
 
-// Scattering laws on facets that are seen elsewhere: the angle at which a ray meets a facet is not that at
-// which it is seen to meet the apparent one.
+// Fits scattering models to apparent facets. A ray meets the true facet at an angle of incidence phi, and
+// the apparent facet at another angle psi. The fitted model is the true model at phi = shift + stretch psi.
+// The remaining difference is enclosed. See docs/reference.md, section "Through refracting water".
 namespace tubefoot {
 
-/// The rays to a part of a facet: the sine of the grazing angle at which each is seen to meet the apparent
-/// facet, the true sine over that one, and what both change by along the two directions of the facet's plane.
+/// Rays to a part of a facet. `sine` is the sine of the apparent grazing angle. The ratio is that of the
+/// true sine to the apparent sine. The suffixes a and b denote derivatives along the two directions of the
+/// facet's plane.
 struct GrazingPatch {
   Interval sine, sine_a, sine_b;
-  Interval ratio_a, ratio_b;  ///< of its logarithm
+  Interval ratio_a, ratio_b;  ///< of the logarithm of the ratio
 };
 
-/// What an integral over an apparent facet is to take for a law, and what that leaves.
+/// Scattering model for an integral over an apparent facet, and the enclosed remainder.
 struct ApparentScattering {
   ScatteringModel model;
-  /// Logarithm of the true cross-section at the true angle over `model`'s at the apparent one, less twice
-  /// that of the two sines: nothing is left of Lambert's law.
+  /// Logarithm of the ratio of two cross-sections: the true one at the true angle, and that of `model` at
+  /// the apparent angle. Twice the logarithm of the ratio of the two sines is subtracted. For Lambert's law
+  /// the remainder is 0.
   Interval rest;
 };
 
-/// The law of the apparent facet is the true one at an angle of incidence that is an affine function of the
-/// apparent one (ScatteringModel::of_angle), so that pieces meet where they are seen to; the rest is how far
-/// that function may be off anywhere on the facet. `middle` and the logarithm `log_ratio` of the sines: at
-/// the facet's middle. `over`: all of it, in parts. `spread(a, b)`: what slopes in these intervals make
-/// between the middle and any place of the facet. None where an angle may be level, or nothing is known of
-/// it.
+/// Fits the model of an apparent facet. It is the true model at an angle of incidence that is an affine
+/// function of the apparent angle (ScatteringModel::of_angle). The pieces of the fitted model therefore meet
+/// at the corresponding apparent angles. The remainder bounds the error of the affine function anywhere on
+/// the facet.
+///
+/// `middle` and the logarithm `log_ratio` of the ratio of the sines belong to the middle of the facet.
+/// `over` covers the whole facet in parts. `spread(a, b)` returns the change between the middle and any
+/// point of the facet, for slopes in these intervals. The result is empty if a grazing angle may be 0 or is
+/// not bounded.
 std::optional<ApparentScattering> apparent_scattering(
     const ScatteringModel& model, const GrazingPatch& middle, const Interval& log_ratio,
     std::span<const GrazingPatch> over,
     const std::function<Interval(const Interval& a, const Interval& b)>& spread);
 
-/// No less than a law's cross-section at any grazing angle whose sine is in an interval.
+/// Returns an upper bound of a model's cross-section over all grazing angles whose sine is in an interval.
 double largest_cross_section(const ScatteringModel& model, const Interval& sine);
 
 }  // namespace tubefoot

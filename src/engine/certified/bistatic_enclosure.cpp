@@ -14,6 +14,9 @@
 #include "engine/certified/reference.hpp"
 #include "geometry/steps/steps.hpp"
 
+// Encloses flattened facets for two ends. Second derivatives of the difference between squared true range
+// and squared flattened range bound the half-path error between the corners (S. Waldron, SIAM J. Numer.
+// Anal. 35 (1998) 1191). See docs/reference.md, section "Of two ends".
 namespace tubefoot {
 namespace {
 
@@ -39,10 +42,10 @@ double bend_of(const Jet& x) {
   return std::sqrt((squared(x.aa) + 2.0 * squared(x.ab) + squared(x.bb)).hi) * (1 + slack);
 }
 
-/// What lies on a facet.
+/// Scattering of a facet.
 struct Surface {
   const ScatteringModel* model = nullptr;
-  double most = 1;  ///< of mu, or 1 with a law; times the texture
+  double most = 1;  ///< largest mu, or 1 with a scattering model, times the texture
 };
 
 class BistaticEncloser {
@@ -63,7 +66,7 @@ class BistaticEncloser {
     std::array<FacetEnclosure, 2> end;
     BistaticEnclosure pair;
   };
-  /// `sees`: which ends do; the third: the receiver beside the second.
+  /// `sees` states which ends see the facet: transmitter, receiver, other receiver.
   Found enclose(FacetId f, const std::array<bool, 3>& sees, const BistaticFacet* bistatic) const {
     Found found;
     const std::array<VertexId, 3>& vertices = seabed_.mesh.facets[f];
@@ -75,7 +78,7 @@ class BistaticEncloser {
       base[k] = seabed_.grid.to_metres(seabed_.base.vertices[whole[k]]);
     }
     for (const glm::dvec3& corner : lies) refined = refined || std::ranges::find(base, corner) == base.end();
-    // Refined corners are rounded to the grid and may lie beside their base facet.
+    // Refined corners are rounded to the grid and may lie off their base facet.
     const double pad_m = refined ? 2 * seabed_.grid.unit_m() : 0;
     std::array<FacetCorners, 2> seen;
     for (int e = 0; e < 2; ++e) {
@@ -110,7 +113,8 @@ class BistaticEncloser {
     }
     const Surface& surface = surfaces_[seabed_.mesh.material[f]];
 
-    // All of it in boxes; in smaller ones until each end has one ray to each box, and while that says more.
+    // Covers the facet by boxes. The boxes are halved until each end has one proven ray per box, and further
+    // while this improves the bounds.
     Gathered best;
     for (int parts = 1; parts <= 8; parts *= 2) {
       Gathered finer = gather(flat, ends, beside, surface.model, parts);
@@ -135,7 +139,7 @@ class BistaticEncloser {
   struct Gathered {
     std::vector<std::pair<Interval, Interval>> boxes;
     std::array<std::vector<EndPatch>, 2> patches;  // by box
-    std::array<bool, 2> whole{};                   // none of them failed
+    std::array<bool, 2> whole{};                   // no box failed
     std::array<Bends, 2> bends;
     Interval level_a, level_b;
     std::array<double, 2> per_sr{};
@@ -157,7 +161,7 @@ class BistaticEncloser {
 
   struct Beside {
     bool sees = false;
-    std::optional<EndOfFacet> end;  // none where it sees it without a proven ray
+    std::optional<EndOfFacet> end;  // none if the other receiver sees the facet without a proven ray
   };
 
   Gathered gather(const FlatFacet& flat, const std::array<std::optional<EndOfFacet>, 2>& ends,
@@ -176,7 +180,7 @@ class BistaticEncloser {
         auto patch = ends[e]->over(all.boxes[k].first, all.boxes[k].second);
         all.whole[e] = patch.has_value();
         if (!patch) break;
-        // Bends of images, which are upside down with their normals.
+        // Second derivatives of images, which have the same vertical flip as their normals.
         const Bends bend = bends_of(patch->rays, ends[e]->seen_normal());
         all.bends[e].all = std::max(all.bends[e].all, bend.all);
         all.bends[e].across = std::max(all.bends[e].across, bend.across);
@@ -198,7 +202,7 @@ class BistaticEncloser {
     return all;
   }
 
-  /// Slopes of the logarithm of what an end makes of a place, over the straight law's of its image.
+  /// Slopes of the logarithm of one end's factor, relative to the straight-ray factor of the image.
   Interval slope(const EndPatch& at, Interval Jet::*along) const {
     const RayJets& rays = at.rays;
     const Interval beyond_db =
@@ -208,7 +212,7 @@ class BistaticEncloser {
   }
   double reference_speed() const { return seabed_.tx.rays.reference_speed_m_s(); }
 
-  /// Upper bounds of what a box returns by way of two ends: a square metre, and per steradian of either.
+  /// Upper bounds of a box's return over two ends: per square metre, and per steradian at either end.
   struct Most {
     double per_sr[2]{}, per_area = 0;
   };
@@ -222,15 +226,15 @@ class BistaticEncloser {
                     ? largest
                     : std::sqrt(largest_cross_section(*model, {std::min(least, 1.0), largest})) * (1 + slack);
       by_sine[e] = model == nullptr ? 1 : lobe[e] / least;
-      area[e] = (at.rays.area_ratio_per_sr.v * at.distance2.v).lo;  // back from the place
+      area[e] = (at.rays.area_ratio_per_sr.v * at.distance2.v).lo;  // area per steradian from the point back
       if (!(area[e] > 0)) area[e] = 0;
       lost *= exp(-(beta_ * at.rays.absorption_db.v)).hi;
     }
     const double sent = seabed_.tx.water.finder().source_speed_m_s(),
                  received = seabed_.rx.water.finder().source_speed_m_s(),
-                 there = tx.speed.lo / sent * (1 - slack),  // areas there and back differ by its square
-        speeds = sent / received * (1 + slack);
-    // A place may be seen a tenth wider than its apparent facet has it.
+                 // The areas per steradian in the two directions differ by its square.
+        there = tx.speed.lo / sent * (1 - slack), speeds = sent / received * (1 + slack);
+    // A point may be seen a tenth wider than on its apparent facet.
     return {{1.1 * by_sine[0] * lobe[1] * lost / area[1],
              1.1 * lobe[0] * by_sine[1] * lost * speeds * speeds / area[0]},
             lobe[0] * lobe[1] * lost / (area[0] * there * there * area[1])};
@@ -238,7 +242,8 @@ class BistaticEncloser {
   static double least_size(const Interval& x) {
     return x.may_be_zero() ? 0 : std::min(std::abs(x.lo), std::abs(x.hi));
   }
-  /// `beside`: what a receiver there receives as well, per steradian of the receive leg; null: none.
+  /// Adds the bounds of a box. `beside`: the box as the other receiver sees it, whose return per steradian
+  /// of the receive leg is included; null: no other receiver.
   void add_most(const EndPatch& tx, const EndPatch& rx, const EndPatch* beside, const ScatteringModel* model,
                 Gathered& all) const {
     Most most = most_of(tx, rx, model);
@@ -256,7 +261,7 @@ class BistaticEncloser {
       all.per_sr[std::size_t(e)] = std::max(all.per_sr[std::size_t(e)], most.per_sr[e]);
   }
 
-  /// Of linear interpolation between corners (S. Waldron, SIAM J. Numer. Anal. 35 (1998) 1191).
+  /// Error of linear interpolation between corners (S. Waldron, SIAM J. Numer. Anal. 35 (1998) 1191).
   static double interpolated(const FlatFacet& flat, double bend) {
     return flat.radius_m * flat.radius_m / 2 * bend * (1 + slack);
   }
@@ -267,7 +272,7 @@ class BistaticEncloser {
     const glm::dvec3 apex = seabed_.end(int(e)).water.apex_m();
     const double off = 1.1 * end.off_m() * (1 + slack) +
                        glm::distance(apex,
-                                     seabed_.grid.to_metres(seabed_.grid.snap(apex))),  // where tubes start
+                                     seabed_.grid.to_metres(seabed_.grid.snap(apex))),  // start of the tubes
         gap = interpolated(flat, all.bends[e].all) + off,
                  across = interpolated(flat, all.bends[e].across) + off;
     if (!std::isfinite(gap)) return;
@@ -285,7 +290,7 @@ class BistaticEncloser {
     }
     facet.state = State::conservative;
     const double sine = facet.plane_m / facet.farthest_m;
-    // A place is seen beside where its apparent facet has it, too.
+    // A point also has a sideways distance from its position on the apparent facet.
     facet.shift_m = sine > 0 ? (across + gap) / sine * (1 + slack) + gap : infinite;
     Interval sines = all.patches[e].front().sine_m.v;
     for (const EndPatch& patch : all.patches[e]) sines = hull(sines, patch.sine_m.v);
@@ -295,7 +300,8 @@ class BistaticEncloser {
     facet.state = State::proven;
   }
 
-  /// By how much of itself its area may be off: of edges that are the base facet's, corners lie beside it.
+  /// Bounds the relative error of a facet's area. Along edges of the base facet, corners may lie off the
+  /// edge.
   static double edge_pad(const FlatFacet& flat, const FacetCorners& base, const FacetCorners& lies,
                          double pad_m) {
     if (pad_m == 0) return 0;
@@ -311,12 +317,12 @@ class BistaticEncloser {
     return length * 2 * pad_m / flat.area_m2;
   }
 
-  /// What is laid out over one end's ranges.
+  /// Difference between true and flattened ranges for one end.
   struct Misfit {
-    Jet at_middle;                      // of squares: true less laid out
-    Interval v, a, b;                   // and anywhere
-    std::vector<Jet> by_box;            // of ranges
-    std::array<Interval, 3> at_corner;  // of ranges
+    Jet at_middle;                      // squares: true minus flattened
+    Interval v, a, b;                   // the same, anywhere on the facet
+    std::vector<Jet> by_box;            // ranges
+    std::array<Interval, 3> at_corner;  // ranges
     double largest_m = 0;
   };
   Jet square_of_range(const EndPatch& at) const {
@@ -360,12 +366,13 @@ class BistaticEncloser {
     return found;
   }
 
-  /// The rays to a part of a facet, and what its grazing angle is over the one laid out.
+  /// Returns the rays to a part of a facet, with the flattened grazing angles and the ratio of true to
+  /// flattened sine.
   static GrazingPatch grazing(const EndPatch& at, const Jet& laid2, const Interval& misfit2,
                               const Interval& misfit2_a, const Interval& misfit2_b, double height) {
     const Jet sine = Jet(height) * inverse(root(laid2));
     const auto ratio = [&](Interval Jet::*along, const Interval& misfit_slope) {
-      // Half the logarithm of laid out over true squares of ranges, which are all but alike.
+      // Half the logarithm of the ratio of flattened to true squared ranges, which are almost equal.
       const Interval of_range = at.rays.time_s.*along / at.rays.time_s.v;
       return at.sine_m.*along / at.sine_m.v + at.rays.slowness_s_per_m.*along / at.rays.slowness_s_per_m.v +
              of_range * (misfit2 / laid2.v) - 0.5 * (misfit_slope / laid2.v);
@@ -443,7 +450,7 @@ class BistaticEncloser {
     if (seabed_.beside != nullptr &&
         !take_rx(flat, *ends[1], all.patches[1], flattened[1], misfit[1], pair.rx))
       return;
-    pair.rx.pad_m = 2 * pad_m;  // of a length
+    pair.rx.pad_m = 2 * pad_m;  // error of a length
     pair.factor = exp(level);
     pair.place_off_m = 4 * pad_m;
     pair.proven = pair.factor.is_finite() && std::isfinite(pair.shift_m) && pair.turn_rad[0] < 0.1 &&
@@ -476,7 +483,7 @@ class BistaticEncloser {
         const Interval laid2 = flattened.range2(at.x, at.y).v, range2 = square_of_range(*there).v,
                        sum = root(range2) + root(laid2);
         rx.lattice_m[std::size_t(i * (rx.parts + 1) + j)] =
-            (range2 - laid2) / sum + both_ways(1e-14 * sum.hi);  // places are rounded
+            (range2 - laid2) / sum + both_ways(1e-14 * sum.hi);  // positions are rounded
       }
     return true;
   }
@@ -484,7 +491,8 @@ class BistaticEncloser {
   static void take_directions(const FlatFacet& flat, const Flattened& flattened, const FacetCorners& seen,
                               const FacetEnclosure& facet, std::size_t e, BistaticEnclosure& pair) {
     pair.turn_rad[e] = 1.1 * facet.travel_path_error_m / facet.nearest_m + slack * slack;
-    // The squares of distances where it is seen and of those laid out differ by a function of second degree.
+    // The difference between squared apparent distances and squared flattened distances is a polynomial of
+    // second degree.
     const glm::dvec2 p = flat.at[1] - flat.at[0], q = flat.at[2] - flat.at[0];
     const glm::dvec3 s = seen[1] - seen[0], t = seen[2] - seen[0];
     const double det = cross(p, q);

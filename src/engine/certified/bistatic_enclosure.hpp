@@ -9,73 +9,78 @@
 #include "engine/certified/apparent_enclosure.hpp"
 #include "engine/surface/bistatic_facet.hpp"
 
-// What is proven of facets that two ends of a path see elsewhere.
+// Encloses facets that the two ends of a path see at different apparent positions in stratified water. For
+// each flattened facet it bounds the half path length, the ratio of true to straight-ray return, and the
+// launch directions. See docs/reference.md, section "Of two ends".
 namespace tubefoot {
 
-/// An end of a path, and what it sees of a seabed: vertices of its ground have the numbers of the seabed's.
-/// Its apex may lie beside the grid point that its tubes look from.
+/// One end of a path, and the apparent seabed that it sees. The vertices of the surface have the same
+/// numbers as those of the seabed. The apex may differ from the grid point from which its tubes start.
 struct BistaticEnd {
   const ApparentSurface& surface_mesh;
-  const SceneTree& tree;            ///< of its apparent facets
-  std::span<const FacetId> origin;  ///< by apparent facet: that of the seabed
+  const SceneTree& tree;            ///< tree of the apparent facets
+  std::span<const FacetId> origin;  ///< facet of the seabed for each apparent facet
   const ApparentMap& water;
-  const RayEnclosure& rays;  ///< through that
+  const RayEnclosure& rays;  ///< rays through this water
 };
 
-/// A seabed that is cut alike for both ends, and the flat facets that it is cut of.
+/// Seabed with the same cuts for both ends, and the flat facets from which it was cut.
 struct BistaticSurface {
   const FacetMesh& mesh;
-  std::span<const FacetId> parent;  ///< by facet of the mesh: that of the base
-  const FacetMesh& base;            ///< where it lies
+  std::span<const FacetId> parent;  ///< base facet of each facet of the mesh
+  const FacetMesh& base;            ///< at true positions
   const WorldGrid& grid;
   BistaticEnd tx, rx;
-  /// Another receiver of the same transmission: most_per_sr and most are of what either receives of a place.
+  /// Another receiver of the same transmission, or null. With it, most_per_sr and most bound the return of a
+  /// point to either receiver.
   const BistaticEnd* beside = nullptr;
-  double ranges_within_m = 0;  ///< with that: how closely ReceiveRanges are to be told
+  double ranges_within_m = 0;  ///< with another receiver: required accuracy of ReceiveRanges
 
   const BistaticEnd& end(int which) const { return which == 0 ? tx : rx; }
 };
 
-/// Ranges along rays home from a facet, less those laid out: on a lattice of a power of two of parts a side,
-/// from the first corner to the second (i) and to the third (j), as the mesh has them. What two receivers
-/// beside each other differ by, mostly, is all but alike for both: so ranges have to be told far more closely
-/// than samples ask for.
+/// Ranges along receive legs from a facet, minus the flattened ranges. The values lie on a lattice with a
+/// power of two of parts per side. Index i runs from the first corner to the second, and j from the first to
+/// the third, in the order of the mesh. Two neighbouring receivers have almost equal errors of range. The
+/// difference of their ranges requires far higher accuracy than range bins do.
 struct ReceiveRanges {
   int parts = 0;
-  std::vector<Interval> lattice_m{};  ///< at i (parts + 1) + j
-  double between_m = 0;  ///< and anywhere between no farther than that from the linear; all of that at 1 part
-  double pad_m = 0;      ///< places lie no farther from where the mesh has them
-  std::array<Interval, 3> change{};  ///< of the range with its place, anywhere
+  std::vector<Interval> lattice_m{};  ///< at index i (parts + 1) + j
+  double between_m = 0;               ///< largest deviation from linear interpolation if parts is 1
+  double pad_m = 0;                   ///< largest distance of a point from its position in the mesh
+  std::array<Interval, 3> change{};   ///< slopes of the range along the axes, anywhere on the facet
 
-  /// The difference of both ranges differs by no more from that of those laid out.
+  /// Returns an upper bound of the error that flattening causes in the range difference of two receivers.
   static double largest_difference_m(const ReceiveRanges& one, const ReceiveRanges& other);
 };
 
-/// What is proven of a facet flattened (BistaticFacet), by ends: transmit and receive.
+/// Proven bounds of a flattened facet (BistaticFacet). Index 0 of the arrays is the transmit end, index 1
+/// the receive end.
 struct BistaticEnclosure {
   bool proven = false;
-  double shift_m = 0;  ///< the half path of no place differs by more from the one laid out
-  /// What a place returns along its two rays, over what the straight law makes of it laid out: of Lambert's
-  /// law, or of the laws below, which are those of the angles that are laid out.
+  double shift_m = 0;  ///< largest difference of a half path length from the flattened one
+  /// Ratio between the return of a point along its two rays and the straight-ray return of its flattened
+  /// point. The latter uses Lambert's law, or the models below, which are functions of the flattened angles.
   Interval factor;
   std::array<std::optional<ScatteringModel>, 2> model;
-  /// No ray is launched farther than this from where its end sees the place, and the place's distance there
-  /// is no farther than this part of itself from the range laid out.
+  /// `turn_rad`: largest angle between the launch direction of a ray and the apparent direction of its
+  /// point. `stretch`: largest relative difference between the apparent distance of a point and its
+  /// flattened range.
   std::array<double, 2> turn_rad{}, stretch{};
-  ReceiveRanges rx;        ///< of a receiver that has one beside it
-  double place_off_m = 0;  ///< no place lies farther from where the laid out plane has it
+  ReceiveRanges rx;        ///< only with another receiver
+  double place_off_m = 0;  ///< largest distance of a point from its position by the flattened plane
 };
 
 struct BistaticEnclosures {
-  /// As the ends' apparent facets. Their shifts are those of ambiguities about places: of ranges to a facet's
-  /// plane in the direction of a place; energies are those of the whole path.
+  /// Enclosures of each end's apparent facets. Their shifts are those of ambiguities about points: errors of
+  /// the range to a facet's plane in the direction of a point. Their energies are those of the whole path.
   std::array<ApparentEnclosures, 2> ends;
-  std::vector<BistaticEnclosure> facets;  ///< as `shared`
+  std::vector<BistaticEnclosure> facets;  ///< in the order of `shared`
 };
 
-/// Encloses the facets of a seabed that either end sees, and more closely those that they share: `shared`,
-/// and how each is laid out. `model`: that of apparent ranges, with the path's mirrors; material by facet of
-/// the seabed.
+/// Encloses the facets of a seabed that either end sees, and more tightly those in `shared` that both ends
+/// see. `bistatic` contains the flattened facets of `shared`. The ranges of `model` are apparent ranges, and
+/// its path contains the mirrors. Materials are those of the facets of the seabed.
 BistaticEnclosures enclose(const BistaticSurface& seabed, std::span<const SharedFacet> shared,
                            std::span<const BistaticFacet> bistatic, const EchoModel& model);
 

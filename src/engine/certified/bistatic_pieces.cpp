@@ -9,6 +9,9 @@
 #include "engine/certified/flattened_facet.hpp"
 #include "geometry/numbers/enclosure_slack.hpp"
 
+// Integrates pieces of flattened facets in ball arithmetic. The bounds of BistaticEnclosure then widen the
+// result. They cover the factor, the half-path error at sample borders, patterns and the position of texture.
+// See docs/reference.md, section "Of two ends".
 namespace tubefoot {
 namespace {
 
@@ -53,7 +56,7 @@ void BistaticPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm
   const std::size_t cells = cut ? cut_by_cells(polygon, *texture, lies, most_cells, {}) : 0;
   const BinInterval even = cells > 0 ? BinInterval{1, 1} : range;
   const std::size_t row = borders_.size() - 1;
-  // About a border between samples all may be missing anyway.
+  // Within the shift of a border between samples, the whole energy is uncertain in any case.
   const auto allowance = [&](double relative, double parts) {
     return CertifiedPathIntegrator::Allowance{
         relative, [this, row, first, parts](std::size_t beam, std::size_t sample) {
@@ -63,7 +66,8 @@ void BistaticPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm
   };
   const Interval& factor = on.proven.factor;
 
-  // Of an even seabed without patterns, by sample: what changes of patterns and of texture are reported by.
+  // Energies of the untextured seabed without patterns, by sample. They scale the errors due to patterns and
+  // texture.
   std::map<std::size_t, double> plain;
   double all_plain = 0;
   const bool weighed = model_.patterns != nullptr;
@@ -95,7 +99,7 @@ void BistaticPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm
       ambiguities[b].take_rx(receive[b], back, on.proven);
     }
   }
-  std::map<std::size_t, std::vector<BinInterval>> found;  // by sample, over all cells
+  std::map<std::size_t, std::vector<BinInterval>> found;  // by sample, summed over all cells
   const auto add_part = [&](const CertifiedPolygon& part, const CertifiedCell* cell) {
     CertifiedPathIntegrand integrand(energy, gains, cell);
     const double parts = 200 * double(std::max<std::size_t>(cells, 1)) * even.hi;
@@ -118,7 +122,8 @@ void BistaticPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm
     const double most_plain = (weighed || texture_change > 0) ? plain_of(sample) : 0;
     for (std::size_t b = 0; b < sums.size(); ++b) {
       double off = 0;
-      // A sliver's part of a cell may be lost where it is cut; no texture has more than that.
+      // Cutting a sliver may lose its part of a cell. The energy with the largest texture value bounds that
+      // of the part.
       const double most = most_plain * range.hi * ambiguities[b].most_tx * ambiguities[b].most_rx;
       if (weighed && !(sums[b].hi <= std::numeric_limits<double>::max())) sums[b].hi = most;
       if (weighed) off += ambiguities[b].of(sums[b].hi, most_plain * range.hi);

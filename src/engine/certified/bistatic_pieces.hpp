@@ -12,18 +12,20 @@
 #include "engine/certified/pattern_ambiguity.hpp"
 #include "engine/certified/refracted_bins.hpp"
 
-// What two ends share of facets that each sees elsewhere, enclosed piece by piece. Heavy: include only in
-// .cpp files.
+// Encloses the energies of facet pieces that two ends share and see at different apparent positions. Include
+// this heavy header only in .cpp files.
 namespace tubefoot {
 
-/// Of one path: its law, with patterns as its ends have them, samples and tolerance.
+/// Integrates the pieces of one path with its scattering models, its patterns in the directions of its ends,
+/// its samples and its tolerance.
 class BistaticPieces {
  public:
-  /// `model` and `borders_m` outlive it; `target`: by bin, how wide its enclosure may be.
+  /// `model` and `borders_m` must outlive this object. `target` contains the permitted half-width of each
+  /// bin's enclosure.
   BistaticPieces(const EchoModel& model, std::span<const double> borders_m, double step_m,
                  std::vector<double> target, double tolerance);
 
-  /// A facet that was proven, for one thread.
+  /// State of a proven facet for one thread.
   struct OnFacet {
     const BistaticFacet& bistatic;
     const BistaticEnclosure& proven;
@@ -32,13 +34,13 @@ class BistaticPieces {
     std::unique_ptr<CertifiedPathIntegrator> integrator;
   };
   OnFacet on(FacetId facet, const BistaticFacet& bistatic, const BistaticEnclosure& proven) const;
-  /// A piece by its corners as the transmitter sees them (SharedFootprints), received in beams [first,
-  /// second).
+  /// Adds a piece that beams [first, second) receive. The corners are those that the transmitter sees
+  /// (SharedFootprints).
   void add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm::dvec3 receiver_m,
            std::uint32_t receive_tube, std::pair<std::uint32_t, std::uint32_t> beams,
            BinIntervals& bins) const;
 
-  /// No less than what mirrors and patterns leave of what goes out and comes home in these directions.
+  /// Returns an upper bound of the product of mirror losses and patterns in these directions.
   double most_of(std::uint32_t transmit, std::uint32_t beam, const Towards& tx, const Towards& rx) const;
 
  private:

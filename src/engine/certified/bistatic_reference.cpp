@@ -18,6 +18,9 @@
 #include "geometry/numbers/enclosure_slack.hpp"
 #include "geometry/steps/steps.hpp"
 
+// Computes reference energies of bistatic paths in stratified water. It adds the certain energies of proven
+// shared facets and the ambiguities at both ends: tube walls, occluding edges, close facets and unproven
+// rays. See docs/reference.md, section "Of two ends".
 namespace tubefoot {
 namespace {
 
@@ -25,26 +28,26 @@ constexpr double slack = enclosure_slack;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr FacetId none = std::numeric_limits<FacetId>::max();
 using State = FacetEnclosure::State;
-/// Neighbours as a rule, of the same bins.
+/// Facets of a run are usually neighbours, with the same bins.
 constexpr std::size_t facets_in_run = 32;
 
-/// One tube by itself.
+/// Sector of a single tube.
 Sector sector_of(const TubeSet& tubes, std::uint32_t tube, double unit_m) {
   TubeSet own = tubes;
   own.tubes = {tubes.tubes[tube]};
   return Sector(own, unit_m);
 }
 
-/// What one end looks at.
+/// View of one end.
 struct EndLook {
   TubeSet tubes;
   std::vector<Sector> sectors;  // by tube
   std::vector<TubeVisibility> seen;
-  std::vector<FacetId> parent;       // by apparent facet: of the base
-  std::vector<FacetId> apparent_of;  // by facet of the seabed
+  std::vector<FacetId> parent;       // base facet of each apparent facet
+  std::vector<FacetId> apparent_of;  // apparent facet of each facet of the seabed
 };
 
-/// About a part of a facet as an end sees it.
+/// Ball and range interval around a part of a facet, as an end sees it.
 struct About {
   glm::dvec3 centre_m{0};
   double radius_m = 0, nearest_m = 0, farthest_m = 0;
@@ -73,8 +76,8 @@ class BistaticReference {
         unit_m_(seabed.grid.unit_m()),
         borders_(sample_borders_m(samples)),
         pieces_(model, borders_, samples.step_m, reference_targets(ordinary, tolerance), tolerance) {
-    // Facets that begin beyond the reach may be seen before it; where sound is faster than ranges say, ends
-    // are farther apart.
+    // Facets beyond the reach may have images within it. If sound is faster than the reference speed, the
+    // two ends are effectively farther apart. The margin covers both.
     const double reach_m = std::max(tubes.tx.reach, tubes.rx.reach) * unit_m_,
                  apart_m = glm::distance(seabed.tx.water.apex_m(), seabed.rx.water.apex_m());
     margin_m_ = 0.01 * reach_m + 0.1 * apart_m;
@@ -94,7 +97,7 @@ class BistaticReference {
     }
   }
 
-  /// What both ends see, laid out and enclosed.
+  /// Flattens and encloses the facets that both ends see.
   void enclose_shared(const Flattening& flatten) {
     const FootprintSharer sharer(
         {looks_[0].tubes, looks_[0].seen, &seabed_.tx.surface_mesh.refined.mesh, seabed_.tx.origin},
@@ -108,8 +111,8 @@ class BistaticReference {
           facet.state = State::conservative;
   }
 
-  /// All of them after enclose_shared(). `beside`: a receiver whose energies ambiguities are reported with,
-  /// too.
+  /// Computes all parts after enclose_shared(). `beside`: another receiver whose energies the ambiguities
+  /// must also cover.
   BistaticParts parts(const BistaticReference* beside = nullptr) {
     beside_ = beside;
     const SharedFootprints& shared = shared_;
@@ -144,7 +147,7 @@ class BistaticReference {
         add_pieces(number, bins[run]);
       }
     });
-    // Facets of which only the most that they return is known.
+    // Facets for which only an upper bound of the return is known.
     found.conservative = bins.size();
     BinIntervals& conservative = bins.emplace_back();
     std::vector<char> proven(seabed_.mesh.facets.size(), 1);
@@ -183,7 +186,7 @@ class BistaticReference {
     if (model_.patterns != nullptr) return model_.patterns->beams_of_tube[rx_tube];
     return {beams_.of_tube[rx_tube], beams_.of_tube[rx_tube] + 1};
   }
-  /// Tubes that are received alike have the same.
+  /// Tubes that are received by the same beams and patterns have equal labels.
   std::array<std::uint32_t, 4> label_of(std::size_t e, std::uint32_t tube) const {
     const auto& fans = e == 0 ? beams_.fan_of_transmit_tube : beams_.fan_of_receive_tube;
     const std::uint32_t fan = fans.empty() ? 0 : fans[tube];
@@ -192,7 +195,7 @@ class BistaticReference {
     return {fan, first, end, model_.patterns != nullptr ? model_.patterns->fan_of_tube[tube] : 0};
   }
 
-  /// Walls of each tube beyond which sound is not received alike.
+  /// Returns the walls of each tube beyond which the receiving beams or patterns change.
   std::vector<std::vector<UncertainEdges::Wall>> walls_of(std::size_t e) const {
     const TubeSet& tubes = looks_[e].tubes;
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<std::uint32_t>> sharers;
@@ -249,7 +252,7 @@ class BistaticReference {
     for (BinIntervals& of_tube : by_tube) bins.push_back(std::move(of_tube));
   }
 
-  /// All that is received of an end's tube at half paths from there on.
+  /// Marks everything received in a tube of an end, at half path lengths from a limit on, as unbounded.
   void add_unknown(std::size_t e, std::uint32_t tube, double from_m, BinIntervals& bins) const {
     for (std::uint32_t rx = 0; rx < looks_[1].tubes.tubes.size(); ++rx) {
       if (e == 1 ? rx != tube : !in_one_fan(tube, rx)) continue;
@@ -269,19 +272,21 @@ class BistaticReference {
     for (std::size_t k = from; k < to; ++k) take(k);
   }
 
-  /// What an end is not certain of, in all beams that may receive it. `less`: it may be missing, too.
+  /// Adds an ambiguity of one end to all beams that may receive it. With `less`, the energy may also be
+  /// missing.
   void add(const Ambiguity& ambiguity, std::size_t e, bool less, BinIntervals& bins) const {
     if (!(ambiguity.energy_j > 0)) return;
     const FacetId facet = seabed_.end(int(e)).origin[ambiguity.facet];
     const FacetEnclosure &here = *end_of(e, facet), *there = end_of(1 - e, facet);
-    // What the other does not look at is not received; without a proven ray there, all is unknown.
+    // If the other end does not see the facet, nothing is received. If the other end has no proven ray,
+    // everything behind is unbounded anyway.
     if (there == nullptr || there->state == State::unproven) return;
     const glm::dvec3 from[3]{here.seen[0], here.seen[1], here.seen[2]},
         to[3]{there->seen[0], there->seen[1], there->seen[2]};
     const FacetMap map = facet_map(from, to);
     std::vector<glm::dvec3> elsewhere;
     for (const glm::dvec3& p : ambiguity.part_m) elsewhere.push_back(map.at(p));
-    // Where nothing is seen through windows something may be, beside them.
+    // Outside of apertures nothing is visible. Next to their walls, something may be visible.
     const auto beside = [&](std::size_t end, const FacetEnclosure& seen) {
       return seen.travel_path_error_m + 2 * off_rad_[end] * seen.farthest_m;
     };
@@ -304,8 +309,8 @@ class BistaticReference {
     }
   }
 
-  /// Beams that may receive something about there, and no less than what patterns leave of it.
-  /// `beside`: of the same for the receiver beside it; null: none.
+  /// Returns the beams that may receive from this region, with an upper bound of the patterns. `beside`:
+  /// region as the other receiver sees it; null: no other receiver.
   std::map<std::uint32_t, double> received_of(const std::array<About, 2>& about,
                                               const std::optional<Towards>& beside) const {
     std::vector<char> fans;
@@ -337,7 +342,8 @@ class BistaticReference {
     return received;
   }
 
-  /// Where the receiver beside this one sees a part of a facet. Without a proven ray all is unknown.
+  /// Returns the region in which the other receiver sees a part of a facet. Without a proven ray there,
+  /// everything is unbounded anyway.
   std::optional<Towards> received_beside(FacetId facet, const About& about,
                                          const FacetEnclosure& here) const {
     const FacetEnclosure* there = beside_ != nullptr ? beside_->end_of(1, facet) : nullptr;
@@ -346,7 +352,7 @@ class BistaticReference {
         to[3]{there->seen[0], there->seen[1], there->seen[2]};
     const FacetMap map = facet_map(from, to);
     Towards moved{map.at(about.centre_m), 0};
-    // Its ball may be stretched.
+    // The map may stretch the ball.
     const glm::dmat3& m = map.linear;
     const double stretch = std::sqrt(glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2]));
     moved.radius_m = about.radius_m * stretch * (1 + slack) + there->travel_path_error_m;
@@ -358,8 +364,8 @@ class BistaticReference {
   const EchoModel& model_;
   const BistaticReference* beside_ = nullptr;
   SharedFootprints shared_;
-  std::vector<BistaticFacet> bistatic_;  // as its facets
-  std::array<double, 2> off_rad_;        // of windows
+  std::vector<BistaticFacet> bistatic_;  // in the order of the facets of `shared_`
+  std::array<double, 2> off_rad_;        // of apertures
   double unit_m_, margin_m_ = 0;
   std::vector<double> borders_;
   BistaticPieces pieces_;
@@ -372,7 +378,7 @@ void require_exact(const VisibilityOptions& options) {
     throw std::invalid_argument("a reference needs an exact arithmetic: fixed, filtered or rational");
 }
 
-/// A law with patterns by the directions that its path's ends have.
+/// Echo model with patterns in the directions of its path's ends.
 struct PatternsOfEnds {
   explicit PatternsOfEnds(const EchoModel& of) : model(of) {
     if (of.patterns == nullptr) return;

@@ -14,51 +14,55 @@ namespace tubefoot {
 /// Tubes of both ends of a path.
 struct BistaticTubes {
   const TubeSet &tx, &rx;
-  /// Of an image they are windows, made of what is seen of a mirror: no wall is farther than this from where
-  /// curved rays have it.
+  /// Tubes of an image are apertures, which are made of the visible parts of a mirror. For refracted rays,
+  /// each wall may be displaced by at most this angle.
   std::array<double, 2> off_rad{};
 };
 
-/// Encloses the echo of a path whose two ends see the seabed elsewhere, through refracting water: the energy
-/// that curved rays bring from true facets. Places of what both see of a facet flattened are places of
-/// the true facet; so facets' own edges and textures are certain, and what the enclosures leave open is
+/// Encloses the echo of a path whose two ends see the seabed at different apparent positions in stratified
+/// water. It is the energy that refracted rays bring from the true facets. Points of a flattened facet are
+/// points of the true facet, so the facets' own edges and textures are certain. The enclosures leave these
+/// uncertainties:
 ///
-/// - a factor, from least to most, and half paths, within shift_m of a border between samples;
-/// - beam patterns in the directions of rays, which are within turn_rad of those in which places are seen;
-/// - which tube sees a place next to a wall between tubes that are not received alike, or whether a window
-/// does;
-///   whether one is seen beside the edge of what hides it, or where two facets are closer together than
-///   ranges may be off;
-/// - all that lies behind a facet without a proven ray.
+/// (1) Each facet has an interval of factors. Half path lengths are uncertain within shift_m of a border
+///     between samples.
+/// (2) Directions of rays differ by at most turn_rad from the apparent directions, which changes beam
+///     patterns.
+/// (3) Next to a wall between tubes with different beams, it is uncertain which tube sees a point. The same
+///     applies to the edges of apertures.
+/// (4) Visibility is uncertain next to occluding edges, and where two facets are closer than their range
+///     errors.
+/// (5) Everything behind a facet without a proven ray is unknown.
 ///
-/// `beams`, `model` as integrate_echo() has them for that path, `ordinary` what it makes of it. Throws as
-/// certify_refracted_echo() of one apex.
+/// `beams` and `model` are those of integrate_echo() for this path, and `ordinary` is its result. Throws the
+/// errors of certify_refracted_echo() for one apex.
 RefractedReference certify_refracted_echo(const BistaticSurface& seabed, const BistaticTubes& tubes,
                                           const VisibilityOptions& options, const ReceiveBeams& beams,
                                           const RangeSamples& samples, const EchoModel& model,
                                           const Echo& ordinary, double tolerance);
 
-/// The facets that two ends share, flattened, in their order.
+/// Function that flattens the facets that two ends share, in their order.
 using Flattening = std::function<std::vector<BistaticFacet>(const SharedFootprints& shared)>;
 
-/// What is known of such an echo before it is added up.
+/// Enclosed parts of a bistatic echo before summation.
 struct BistaticParts {
   SharedFootprints shared;
-  std::vector<BistaticFacet> bistatic;    ///< as its facets
-  std::vector<BistaticEnclosure> facets;  ///< as these
-  std::vector<char> is_proven;            ///< as these: the facet, and that both ends see it by one ray
-  /// By runs of such facets what they surely have, a list of what loose facets may have, and from
-  /// first_ambiguity[end] on of what that end is not certain of.
+  std::vector<BistaticFacet> bistatic;    ///< in the order of the facets of `shared`
+  std::vector<BistaticEnclosure> facets;  ///< in the same order
+  std::vector<char> is_proven;  ///< in the same order: the facet is proven, and both ends see it by one ray
+  /// Bins of the certain parts by runs of proven facets, then bins of the conservative facets. From
+  /// first_ambiguity[end] on, the list contains the bins of the ambiguities at this end.
   std::vector<BinIntervals> bins;
-  std::size_t conservative = 0;  ///< where that list of loose facets is
+  std::size_t conservative = 0;  ///< index of the conservative facets' bins
   std::array<std::size_t, 2> first_ambiguity{};
 };
-/// By bin, in the order of the list.
+/// Sums the bins in the order of the list.
 BinIntervals added_up(std::span<const BinIntervals> parts);
 
-/// Of two receivers, each beside the other (BistaticSurface::beside), which receive one beam by all tubes:
-/// what is in ambiguity holds the energies that both receive of a place, and so the root of their product.
-/// `ordinary`, `flatten`: by receiver.
+/// Computes the parts of two neighbouring receivers (BistaticSurface::beside) that receive one beam from all
+/// tubes. Ambiguities contain the larger of the energies that the two receivers receive from a point. They
+/// therefore also bound the geometric mean of the energies. `ordinary` and `flatten` contain one element per
+/// receiver.
 std::array<BistaticParts, 2> bistatic_parts(const std::array<BistaticSurface, 2>& seabeds,
                                             const std::array<BistaticTubes, 2>& tubes,
                                             const VisibilityOptions& options, const RangeSamples& samples,

@@ -7,6 +7,9 @@
 
 #include "engine/certified/certified_gain.hpp"
 
+// Encloses the energy of unscattered arrivals, in isovelocity water E = loss B_t B_r 10^(-alpha r / 10) /
+// r^2. In stratified water the energy follows from an enclosed ray. The file also encloses products of two
+// receivers' signals.
 namespace tubefoot {
 namespace {
 
@@ -25,7 +28,7 @@ Ball gain(const Directivity& pattern, const BallVector& direction) {
   return value.is_finite() ? value : most * Ball::between(0, 1);
 }
 
-/// An energy: no less than nothing.
+/// Ball of an energy, which is not negative.
 Ball ball_of(const Bounded& energy) {
   const Ball bound(energy.bound), middle(energy.value);
   return Ball::between(std::max((middle - bound).lo(), 0.0), (middle + bound).hi());
@@ -59,7 +62,8 @@ std::optional<EnclosedRay> enclose_ray(const ApparentMap& water, const RayEnclos
   const auto ball = [](const Interval& x) { return Ball::between(x.lo, x.hi); };
   const Interval distance2 = squared(at[0]) + squared(at[1]) + squared(at[2]), distance = root(distance2),
                  range = rays.reference_speed_m_s() * found->time_s.v;
-  // Areas there and back differ by the square of the speeds at the ends.
+  // The areas per steradian in the two directions differ by the square of the ratio of sound speeds at the
+  // ends.
   const double ratio = water.water().profile.at(water.depth_m(place_m)) / water.finder().source_speed_m_s(),
                beta = std::numbers::ln10 / 10;
   const Interval area = found->area_ratio_per_sr.v * distance2 * squared(outwards(ratio, ratio, 16)),
@@ -90,7 +94,7 @@ void certify_arrival(const EnclosedRay& ray, const Arrival& arrival, bool sure, 
   energy = energy * exp(-(Ball(loss.roughness) * exponent));
   if (!sure) energy = Ball(std::max(energy.hi(), 0.0)) * Ball::between(0, 1);
   if (arrival.transmit != nullptr) {
-    BallVector sent;  // as the true apex has it
+    BallVector sent;  // in the frame of the true apex
     for (int row = 0; row < 3; ++row) {
       Ball& one = sent[std::size_t(row)];
       for (int column = 0; column < 3; ++column)

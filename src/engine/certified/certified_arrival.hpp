@@ -15,32 +15,33 @@
 
 namespace tubefoot {
 
-/// What comes straight from an apex, or from its image, to a receiver (path_echo.hpp).
+/// Sound that travels from an apex or its image to a receiver without scattering (path_echo.hpp).
 struct Arrival {
-  GridPoint displacement{};  ///< from the one to the other, grid units
-  double unit_m = 1;         ///< of the grid
+  GridPoint displacement{};  ///< vector from the source to the receiver, in grid units
+  double unit_m = 1;         ///< metres per grid unit
   double absorption_db_per_m = 0;
-  const Leg* leg = nullptr;                   ///< of the image
+  const Leg* leg = nullptr;                   ///< leg of the image
   const TransmitPattern* transmit = nullptr;  ///< null: without patterns
-  std::span<const Directivity> receive{};     ///< by beam; without patterns one beam receives it
+  std::span<const Directivity> receive{};     ///< by beam; without patterns there is one beam
 };
 
 using TakeArrival = std::function<void(std::size_t beam, std::size_t sample, double energy, double bound)>;
-/// Encloses it: by beam and sample, energy and half-width of its bound. Where a border between samples may be
-/// all of the path's half, from nothing to all of it is in either.
+/// Encloses an arrival. `take` receives energy and half-width of its bound by beam and sample. If half the
+/// path length may lie on a border between samples, each of these samples receives an interval from zero to
+/// the whole energy.
 void certify_arrival(const Arrival& arrival, const RangeSamples& samples, const TakeArrival& take);
 
-/// A ray from an apex, or over mirrors, to a place.
+/// Ray from an apex, or over mirrors, to a point.
 struct EnclosedRay {
-  Ball half_path_m;  ///< half of what sound covers in its time at the reference speed
-  Ball energy;       ///< of 1 J/sr what passes a square metre there, but for what mirrors take
-  std::array<Ball, 3> sent, arrives;  ///< directions of travel, unit vectors; as the image has it, and there
+  Ball half_path_m;  ///< half of the distance that sound covers in the travel time at the reference speed
+  Ball energy;       ///< energy per square metre at the point for 1 J/sr, without mirror losses
+  std::array<Ball, 3> sent, arrives;  ///< directions of travel, unit vectors: at the image, and at the point
 };
-/// None where it is not proven that there is one.
+/// Returns nothing if it is not proven that exactly one ray exists.
 std::optional<EnclosedRay> enclose_ray(const ApparentMap& water, const RayEnclosure& rays,
                                        const glm::dvec3& place_m);
-/// What comes along it; `sure`: or nothing does. Of `arrival` the way and what is about isovelocity water are
-/// not read.
+/// Encloses an arrival along a ray. `sure` is false if the arrival may not exist. The members of `arrival`
+/// for the vector, the grid unit and isovelocity absorption are not used.
 void certify_arrival(const EnclosedRay& ray, const Arrival& arrival, bool sure, const RangeSamples& samples,
                      const TakeArrival& take);
 
@@ -49,9 +50,10 @@ struct Bounded {
   double value = 0, bound = 0;
 };
 
-/// What the signals of two receivers on a receiver pair, of these energies, have in common that came straight
-/// from one place: the root of both energies, with the phase between the two ends. `displacement`: from there
-/// to the receiver pair's middle, grid units. Real and imaginary part.
+/// Encloses the mean product of the signals of a receiver pair for sound that arrives from one point without
+/// scattering. It is the geometric mean of both energies, with the phase difference between the two
+/// receivers. `displacement`: vector from the source to the middle of the pair, in grid units. Returns real
+/// and imaginary part.
 std::array<Bounded, 2> certify_arrivals_product(const GridPoint& displacement, double unit_m,
                                                 const ReceiverBaseline& receiver_pair, const Bounded& upper,
                                                 const Bounded& lower);

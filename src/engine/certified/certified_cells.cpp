@@ -8,16 +8,19 @@
 
 #include "geometry/steps/stop.hpp"
 
+// Cuts certified polygons along the planes between texture cells and evaluates the texture factor in each
+// part. Neighbouring parts share one chord, so that the parts make up exactly the polygon. See
+// docs/reference.md, section "Micro-texture".
 namespace tubefoot {
 namespace {
 
 using Points = std::vector<CertifiedPolygon::Point>;
 
-/// Heights above a plane between cells below which a corner is taken to lie in it, in cells: far above the
-/// corners' roundings, far below what any tolerance sees.
+/// A corner whose height above a plane between cells is below this counts as lying in the plane, in cells.
+/// It is far above the rounding of corners, and far below the resolution of any tolerance.
 constexpr double level = 1e-18;
 constexpr double largest_coordinate = 0x1p50;
-constexpr double least_bound = 1e-300;  // so that it has a logarithm
+constexpr double least_bound = 1e-300;  // positive, so that its logarithm exists
 constexpr double largest_off = 0.01;
 
 class Cutter {
@@ -29,7 +32,7 @@ class Cutter {
     const auto balls = [](const glm::dvec3& p) {
       return std::array<Ball, 3>{Ball(p.x), Ball(p.y), Ball(p.z)};
     };
-    // Ways where the polygon lies, of ways where it is seen.
+    // Maps vectors of apparent positions to vectors of true positions.
     const auto two_way = [&](const std::array<Ball, 3>& e) {
       std::array<Ball, 3> on;
       for (int row = 0; row < 3; ++row)
@@ -94,7 +97,7 @@ class Cutter {
       return true;
     };
     if (first <= last && cut_at(std::floor((first + last) / 2))) return;
-    // The outermost planes may only touch it.
+    // The outermost planes may only touch the polygon.
     for (double plane = first; plane <= last; ++plane)
       if (cut_at(plane)) return;
     cell_.cell[axis] = std::int64_t(std::floor(lo + (hi - lo) / 2));

@@ -13,10 +13,10 @@
 
 namespace tubefoot {
 
-/// One cell of a texture, on the plane of a polygon.
+/// One cell of a texture on the plane of a polygon.
 struct CertifiedCell {
   const CertifiedTexture* texture = nullptr;
-  /// By axis: q = at_foot + along_u x + along_v y.
+  /// Texture coordinate of one axis: q = at_foot + along_u x + along_v y.
   struct Trace {
     Ball at_foot, along_u, along_v;
   };
@@ -26,27 +26,27 @@ struct CertifiedCell {
   };
   std::vector<IntervalTrace> traces_in_doubles;
   std::vector<std::int64_t> cell;
-  /// Added to factors: what the cell's polynomial may differ by where the polygon's corners are outside of
-  /// the cell by their rounding, or lie in a plane between two cells.
+  /// Allowance that is added to factors. Corners of the polygon may lie outside of the cell by their
+  /// rounding, or in a plane between two cells. The cell's polynomial may be wrong there by this amount.
   Ball slack;
 
-  /// At a place in the cell, in polar coordinates about the foot point.
+  /// Encloses the factor at a point in the cell, in polar coordinates about the foot point.
   Ball factor(const Ball& rho, const Ball& angle) const;
   /// Upper bound of the modulus.
   double largest(const ComplexBall& rho, const ComplexBall& angle) const;
-  /// The same along u and v from the foot point.
+  /// Does the same for coordinates along u and v from the foot point.
   Ball factor_at(const Ball& x, const Ball& y) const;
   Interval factor_at(const Interval& x, const Interval& y) const;
   double largest_at(const ComplexBall& x, const ComplexBall& y) const;
 };
 
-/// Receives the parts of a polygon by cell.
+/// Function that receives the parts of a polygon by cell.
 using CellSink = std::function<void(const CertifiedPolygon& part, const CertifiedCell& cell)>;
 
-/// Cuts a convex polygon along the planes between a texture's cells. `lies`: where the polygon lies, which is
-/// told relative to its apex; the map is taken for exact. The parts are the polygon, no more and no less
-/// (CertifiedPolygon's split). Returns their number, or 0 if there are more than `most`: then the sink has
-/// seen some of them. Without a sink they are counted.
+/// Cuts a convex polygon along the planes between a texture's cells. `lies` maps apparent to true positions
+/// and counts as exact. The polygon is relative to its apex. Together, the parts are exactly the polygon
+/// (split of CertifiedPolygon). Returns the number of parts. Returns 0 if there are more than `most`; the
+/// sink has then received some of them. Without a sink, the parts are only counted.
 std::size_t cut_by_cells(const CertifiedPolygon& polygon, const CertifiedTexture& texture,
                          const FacetMap& lies, std::size_t most, const CellSink& sink);
 

@@ -6,12 +6,15 @@
 #include <limits>
 #include <numbers>
 
+// Encloses line, piston, Gaussian and tabulated beam patterns. Their bounds in the complex plane are e^(pi
+// |Im z|) for sinc z, e^|Im z| for 2 J1(z) / z, and e^(c (Im a)^2) for e^(-c a^2). See docs/reference.md,
+// section "Error of the quadrature".
 namespace tubefoot {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// sin(pi x) / (pi x). No steeper than 1.3703, and no larger than 1 / (pi |x|).
+/// sin(pi x) / (pi x). Its slope is at most 1.3703, and its modulus at most 1 / (pi |x|).
 Interval sinc(const Interval& x) {
   const double middle = x.lo + (x.hi - x.lo) / 2, nearest = std::nearbyint(middle),
                radius = std::max(x.hi - middle, middle - x.lo) * (1 + 1e-15);
@@ -40,7 +43,7 @@ CertifiedGain::CertifiedGain(const Directivity& directivity) : pattern(&directiv
 }
 
 Ball CertifiedGain::largest() const {
-  // A little above, for the rounding of the tables' cubics.
+  // Slightly larger, for the rounding of the cubics of tables.
   const auto of_level = [](double db) {
     return exp(Ball(db * (1 + 1e-9) + 1e-9) * log(Ball(10)) / Ball(10));
   };
@@ -51,7 +54,7 @@ Ball CertifiedGain::largest() const {
   return most_db == 0 ? of_no_table : of_level(most_db);
 }
 
-/// |sinc z| <= e^(pi |Im z|) and |2 J1(z) / z| <= e^|Im z|, because both are means of e^(i z s) over s;
+/// |sinc z| <= e^(pi |Im z|) and |2 J1(z) / z| <= e^|Im z|, because both are means of e^(i z s) over s. Also
 /// |e^(-c a^2)| <= e^(c (Im a)^2). For a = asin w and for a = acos w, cosh(Im a) = (|w + 1| + |w - 1|) / 2.
 double CertifiedGain::log_bound(const ComplexBall& w) const {
   const Directivity& d = *pattern;
@@ -69,7 +72,7 @@ double CertifiedGain::log_bound(const ComplexBall& w) const {
   const double stretch = ((w + ComplexBall(1.0)).largest() + (w - ComplexBall(1.0)).largest()) / 2 * up;
   const double y = std::acosh(std::max(stretch, 1.0)) * up;
   if (d.kind == Directivity::Kind::gaussian) return d.growth(y) * up;
-  // A table: one segment's cubic of the angle.
+  // A table is the cubic of one segment as a function of the angle.
   if (!(w.real().hi() < 1)) return infinite;
   ComplexBall angle;
   if (d.from_axis)
@@ -91,19 +94,19 @@ double CertifiedGain::log_bound(const ComplexRange& w) const {
   constexpr double up = 1 + 1e-9;  // far above the rounding of the doubles below
   if (d.kind == Directivity::Kind::line) return d.growth(w.most_im() * up) * up;
   if (d.kind == Directivity::Kind::piston) {
-    // |u| - Re u of u = 1 - w^2 = (1 - w) (1 + w); Re u = 1 - x^2 + y^2.
+    // |u| - Re u for u = 1 - w^2 = (1 - w) (1 + w), with Re u = 1 - x^2 + y^2.
     const double y = w.most_im(), x = w.most_re(),
                  size = std::hypot(std::max(w.re_hi - 1, 1 - w.re_lo), y) *
                         std::hypot(std::max(w.re_hi + 1, -1 - w.re_lo), y),
                  real = 1 - x * x + w.least_im() * w.least_im();
-    // Im sqrt u = Im u / (2 Re sqrt u), too.
+    // Im sqrt u = Im u / (2 Re sqrt u) is a second bound.
     double imaginary = std::sqrt(std::max(size - real, 0.0) / 2 + 1e-14);
     if (real > 1e-9) imaginary = std::min(imaginary, x * y / std::sqrt(real));
     return 2 * d.size * imaginary * up;
   }
   if (d.kind != Directivity::Kind::gaussian) return log_bound(w.ball());
   if (!(w.re_lo > -1 && (d.from_axis || w.re_hi < 1))) return infinite;
-  // A sum of distances is convex: largest at a corner.
+  // A sum of distances is convex, so its maximum lies at a corner.
   const double y = w.most_im();
   const auto to_ends = [&](double x) { return std::hypot(x + 1, y) + std::hypot(x - 1, y); };
   const double stretch = std::max(to_ends(w.re_lo), to_ends(w.re_hi)) / 2 * up;
@@ -178,24 +181,24 @@ Ball CertifiedGain::at(const Ball& w, bool by_segment, const Ball& otherwise) co
 bool CertifiedGain::has_no_zero(const Ball& w) const {
   if (pattern->kind == Directivity::Kind::line) {
     const Ball u = Ball(pattern->size) * (w - Ball(pattern->centre));
-    // Zeros are the integers but 0.
+    // The zeros are the integers except 0.
     if (u.lo() > -1 && u.hi() < 1) return true;
     return std::floor(u.lo()) == std::floor(u.hi()) && u.lo() > std::floor(u.lo());
   }
   if (pattern->kind != Directivity::Kind::piston) return true;
-  constexpr double first_zero_of_j1 = 3.83;  // and a little before
+  constexpr double first_zero_of_j1 = 3.83;  // slightly below the zero
   return (Ball(pattern->size) * root(Ball(1) - squared(w))).hi() < first_zero_of_j1 ||
          at(w, false, Ball(0)).lo() > 0;
 }
 
-/// The angle that a pattern is a function of.
+/// Angle of which the pattern is a function.
 Ball CertifiedGain::angle_of(const Ball& w) const {
   const Ball sine = root(Ball(1) - squared(w));
   return pattern->from_axis ? atan2(sine, w) : atan2(w, sine) - centre_angle;
 }
 
-/// Beyond a border two neighbouring cubics differ by another, whose value and slope at the border are
-/// rounding only.
+/// Beyond a border, two neighbouring cubics differ by a third cubic. Its value and slope at the border are
+/// only rounding errors.
 double CertifiedGain::take_segment(const Ball& w) {
   if (pattern->kind != Directivity::Kind::table) return 0;
   const PatternTable& table = *pattern->table;

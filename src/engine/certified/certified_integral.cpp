@@ -10,14 +10,17 @@
 #include "geometry/integrals/certified_rule.hpp"
 #include "geometry/steps/stop.hpp"
 
+// Integrates certified polygons for one apex by Gauss-Legendre quadrature in ball arithmetic, slab by slab,
+// with the error bound of L. N. Trefethen (Approximation Theory and Approximation Practice, theorem 19.3).
+// See docs/reference.md, section "Error of the quadrature".
 namespace tubefoot {
 namespace {
 
-constexpr std::size_t most_halvings = 500, most_halvings_with_table = 20000;  // of a slab
+constexpr std::size_t most_halvings = 500, most_halvings_with_table = 20000;  // per slab
 constexpr int deepest = 90;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// atan(height / s) for s > 0, whichever way is not near a pole.
+/// atan(height / s) for s > 0, by the formula that is not near a pole.
 template <class N>
 N turn_at(const Ball& height, const N& s, double size_of_s) {
   if (std::abs(height.middle()) <= size_of_s || height.may_be_zero()) return atan(N(height) / s);
@@ -51,7 +54,7 @@ void CertifiedIntegrator::add(const CertifiedPolygon& polygon, std::uint32_t bea
 
 void CertifiedIntegrator::add(const CertifiedPolygon& polygon, std::uint32_t first_beam,
                               std::uint32_t end_beam, const Allowance& allowance, const Sink<Ball>& sink) {
-  if (polygon.edges.size() < 3) return;  // as thin as a line, even to these bits
+  if (polygon.edges.size() < 3) return;  // as thin as a line, even with this number of bits
   polygon_ = &polygon;
   distance2_ = squared(polygon.distance);
   slabs_.cut(polygon.ranges, polygon.foot, polygon.foot_inside, borders_);
@@ -67,12 +70,13 @@ void CertifiedIntegrator::add(const CertifiedPolygon& polygon, std::uint32_t fir
       sink({beam, slab.sample, parts_[beam - first_beam].sum});
   }
   const auto enclose_gap = [&](const PolarSlabs::Gap& gap) {
-    // The density times the area between the two circles. The arcs of a circle in a convex polygon are no
-    // longer than its perimeter: they are a part of the boundary of what both have in common.
+    // The bound is the density times the area between the two circles. The arcs of a circle in a convex
+    // polygon are part of the boundary of an intersection. Their length is therefore at most the polygon's
+    // perimeter.
     const Ball r = Ball::between(double(gap.lo) * (1 - 1e-15), double(gap.hi) * (1 + 1e-15)),
                rho = root(squared(r) - distance2_);
     const double turn = 2 * Ball::pi().hi(), by_perimeter = (polygon.perimeter / rho).hi();
-    const Ball angle(by_perimeter < turn ? by_perimeter : turn);  // also where it is not a number
+    const Ball angle(by_perimeter < turn ? by_perimeter : turn);  // also if the value is not a number
     const Ball area = (Ball(gap.hi) - Ball(gap.lo)) * angle * r;
     const Ball most = area * most_density(r, r) * largest_gain_;
     const Ball part = Ball(most.hi()) * Ball::between(0, 1);
@@ -83,8 +87,8 @@ void CertifiedIntegrator::add(const CertifiedPolygon& polygon, std::uint32_t fir
   for (const PolarSlabs::Gap& gap : corners_) enclose_gap(gap);
 }
 
-/// A law is analytic in each of its pieces. They meet at ranges that are irrational: in enclosures, which are
-/// left out here and noted in corners_.
+/// A model is analytic in each of its pieces. The pieces meet at irrational ranges. Enclosures of these
+/// ranges are omitted here and recorded in corners_.
 void CertifiedIntegrator::integrate_slab(const PolarSlabs::Slab& slab, bool clear, double relative) {
   const auto part = [&](long double lo, long double hi) {
     if (!(hi > lo)) return;
@@ -116,20 +120,20 @@ void CertifiedIntegrator::integrate_slab(const PolarSlabs::Slab& slab, bool clea
   }
 }
 
-/// The law over ranges, whatever pieces of it they meet.
+/// Cross-section over a ball of ranges, whatever pieces of the model they meet.
 Ball CertifiedIntegrator::scattered_over(const Ball& r) const {
   return cross_section_over(*model_, atan2(root(squared(r) - distance2_), polygon_->distance),
                             polygon_->distance / r);
 }
 
-/// No less than the density anywhere from `nearest` on, up to the ranges' far end.
+/// Upper bound of the density from `nearest` on, up to the far end of the ranges `over`.
 Ball CertifiedIntegrator::most_density(const Ball& nearest, const Ball& over) const {
   const auto two_way = TwoWayRange<Ball>::of(nearest);
   if (model_ == nullptr) return lambert_density(two_way, beta_);
   return density(Ball(scattered_over(over).hi()), two_way, beta_);
 }
 
-/// Chooses q and pairs the arcs; false if that is not certain.
+/// Chooses q and pairs the arcs. Returns false if the pairs are not certain.
 bool CertifiedIntegrator::prepare(std::span<const Crossing> crossings, const PolarSlabs::Slab& slab) {
   full_circle_ = crossings.empty();
   q2_ = distance2_;
@@ -156,8 +160,8 @@ N CertifiedIntegrator::angle_at(const Crossing& crossing, const N& t, const N& t
   return crossing.rising ? N(edge.angle) - turn : N(edge.angle + Ball::pi()) + turn;
 }
 
-/// Pairs each place where the polygon begins with the next one where it ends, in the middle of a slab; the
-/// pairs hold in all of it.
+/// Pairs each point where the polygon begins with the next point where it ends, on a circle in the middle of
+/// a slab. The pairs hold in the whole slab.
 bool CertifiedIntegrator::find_arcs(std::span<const Crossing> crossings, const Ball& t) {
   const Ball t2 = squared(t), two_pi = Ball(2) * Ball::pi();
   std::vector<std::pair<Ball, Crossing>> sorted;
@@ -171,7 +175,7 @@ bool CertifiedIntegrator::find_arcs(std::span<const Crossing> crossings, const B
   if (2 * rising != sorted.size()) return false;
   std::sort(sorted.begin(), sorted.end(),
             [](const auto& a, const auto& b) { return a.first.middle() < b.first.middle(); });
-  // With one arc there is nothing to mix up, else the order has to be certain.
+  // With a single arc no confusion is possible. Otherwise the order must be certain.
   if (sorted.size() > 2)
     for (std::size_t k = 0; k + 1 < sorted.size(); ++k)
       if (!(sorted[k + 1].first - sorted[k].first).surely_positive() ||
@@ -186,8 +190,8 @@ bool CertifiedIntegrator::find_arcs(std::span<const Crossing> crossings, const B
     const double least = polygon_->foot_inside ? 0 : -1.5;
     const double turns = -std::floor((length.middle() - least) / 6.283185307179586);
     const Ball arc = length + two_pi * Ball(turns);
-    // About a foot point outside an arc is at most half a circle, so a thin one cannot be mistaken for a
-    // whole turn. About one inside it can: then it must be surely neither.
+    // About a foot point outside of the polygon, an arc is at most half a circle, so a thin arc cannot be a
+    // whole turn. About a foot point inside, the arc must certainly be neither empty nor a whole turn.
     if (polygon_->foot_inside && !(arc.surely_positive() && (two_pi - arc).surely_positive())) return false;
     arcs_.push_back({begin, end, two_pi * Ball(turns)});
   }
@@ -204,7 +208,7 @@ double CertifiedIntegrator::nearest_singularity() const {
   return std::sqrt(std::max(nearest2, 0.0));
 }
 
-/// t times the density, so that its integral over t is that of the density times r over r.
+/// t times the density, because the integral over t then equals the integral of density times r over r.
 template <class N>
 N CertifiedIntegrator::radial(const N& t, const N& r) const {
   const auto two_way = TwoWayRange<N>::of(r);
@@ -226,7 +230,7 @@ N CertifiedIntegrator::arcs_length(const N& t, const N& t2) const {
 void CertifiedIntegrator::integrate(const Ball& t0, const Ball& t1, double relative) {
   const Ball whole = t1 - t0;
   work_.assign(1, {t0, t1, 0});
-  // First come, first served: what is left at the work limit is all small.
+  // Intervals are processed in order of creation, so that all intervals left at the work limit are small.
   std::size_t halved = 0;
   const std::size_t limit = tabulated_ ? most_halvings_with_table : most_halvings;
   for (std::size_t next = 0; next < work_.size(); ++next) {
@@ -255,8 +259,8 @@ void CertifiedIntegrator::halve(const Interval& interval) {
   work_.push_back(std::move(second));
 }
 
-/// From nothing to all of the circle times the integrand's largest value; or, if that says more, the area
-/// times the integrand's range.
+/// Encloses an interval from zero to the full circle times the largest value of the integrand. If the area
+/// times the range of the integrand is narrower, uses that instead.
 void CertifiedIntegrator::enclose(const Interval& interval) {
   const Ball width = interval.to - interval.from, share((interval.v_to - interval.v_from) / 2);
   const Ball t(std::max(interval.to.hi(), 0.0)), r(root(q2_ + squared(interval.from)).lo());
@@ -281,7 +285,7 @@ bool CertifiedIntegrator::try_interval(const Interval& interval, const Ball& who
     return radial(t, r) * arcs_length(t, t2);
   };
   const double width = half.hi();
-  if (!(width > 0)) return true;  // nothing, and surely so
+  if (!(width > 0)) return true;  // certainly empty
   const double typical = std::abs(value(middle).middle()) * 2 * width;
   const double share = whole.lo() > 0 ? std::min(1.0, 2 * width / whole.lo()) : 1;
   Part& part = parts_.front();
@@ -305,7 +309,7 @@ bool CertifiedIntegrator::try_interval(const Interval& interval, const Ball& who
   return false;
 }
 
-// Also used with patterns.
+// Instantiations for the code with patterns.
 template Ball CertifiedIntegrator::angle_at(const Crossing&, const Ball&, const Ball&) const;
 template ComplexBall CertifiedIntegrator::angle_at(const Crossing&, const ComplexBall&,
                                                    const ComplexBall&) const;

@@ -12,54 +12,59 @@
 #include "engine/scattering/scattering_model.hpp"
 #include "geometry/integrals/certified_polygon.hpp"
 
+// Encloses integrals of the monostatic echo density over polygons, split into range samples, in ball
+// arithmetic. Optional factors are beam patterns and micro-texture. See docs/reference.md.
 namespace tubefoot {
 
-/// Encloses the integral of what an even seabed returns to one apex (density.hpp) over a polygon's part in
-/// each range sample, times the patterns of its tube and the micro-texture of its cell if there are any.
-/// docs/reference.md says how.
+/// Encloses the return of an untextured seabed to one apex (density.hpp) over a polygon's part in each range
+/// sample. Patterns of the tube and the micro-texture of the cell are optional factors. docs/reference.md
+/// describes the method.
 ///
-/// The integrand is not negative, and so are all parts of the integral. In a slab (polar_slabs.hpp) it is
-/// analytic in t, r^2 = q^2 + t^2, and in the angle. Gauss-Legendre with N >= 2 nodes errs by at most
-/// 64/15 M rho^-2N / (1 - rho^-2) on [-1, 1], where M bounds the integrand on the ellipse with foci +-1 and
-/// semi-axes that add up to rho (L. N. Trefethen, Approximation Theory and Approximation Practice, theorem
-/// 19.3); M comes from one evaluation on the rectangle around the ellipse. Intervals are halved until the
-/// error fits; what is left at the work limit, and the gaps between slabs, are bounded by the largest value
-/// of the integrand.
+/// The integrand and all parts of the integral are non-negative. In a slab (polar_slabs.hpp) the integrand
+/// is analytic in t, with r^2 = q^2 + t^2, and in the angle. Gauss-Legendre quadrature with N >= 2 nodes on
+/// [-1, 1] has an error of at most 64/15 M rho^-2N / (1 - rho^-2). M bounds the integrand on the ellipse
+/// with foci +-1 and semi-axes that add up to rho (L. N. Trefethen, Approximation Theory and Approximation
+/// Practice, theorem 19.3). One evaluation on the rectangle around the ellipse yields M.
+///
+/// Intervals are halved until the error is within the allowance. The largest value of the integrand bounds
+/// the intervals that remain at the work limit, and the gaps between slabs.
 class CertifiedIntegrator {
  public:
-  /// What a piece needs: how far off its part of a bin may be.
+  /// Permitted error of a piece's part of a bin.
   struct Allowance {
-    double relative = 0;  ///< of what the part itself has
-    /// What is allowed besides for each slab, by beam of the receiver and sample, before the factor.
+    double relative = 0;  ///< relative to the energy of the part
+    /// Additional permitted error per slab, by receive beam and sample, before the factor.
     std::function<double(std::uint32_t beam, std::uint32_t sample)> absolute;
   };
 
-  /// `beta_per_m`: absorption, one way.
+  /// `beta_per_m`: one-way absorption.
   CertifiedIntegrator(std::span<const double> borders_m, const Ball& beta_per_m);
 
-  /// The law of the polygons from now on; null: r^-2 in its place, which is Lambert's but for a factor.
+  /// Sets the scattering model of the following polygons. With null, the integrand contains r^-2 instead,
+  /// which is Lambert's law up to a constant factor.
   void take_model(const ScatteringModel* model) { model_ = model; }
 
-  /// Without patterns: all parts are of `beam`. With a texture the polygon lies in its cell.
+  /// Integrates without patterns; all parts belong to `beam`. With a texture, the polygon must lie in its
+  /// cell.
   void add(const CertifiedPolygon& polygon, std::uint32_t beam, const Allowance& allowance,
            const Sink<Ball>& sink, const CertifiedCell* texture = nullptr);
-  /// With patterns, for all beams that receive the tube.
+  /// Integrates with patterns, for all beams that receive the tube.
   void add(const CertifiedPolygon& polygon, const BeamPatterns& patterns, std::uint32_t tube,
            const Allowance& allowance, const Sink<Ball>& sink, const CertifiedCell* texture = nullptr);
 
-  /// Intervals that were left at the work limit, so far.
+  /// Number of intervals that were left at the work limit.
   std::size_t given_up() const { return given_up_; }
 
  private:
   struct Arc {
     Crossing begin, end;
-    Ball turns;  // to add to end - begin
+    Ball turns;  // added to end - begin
   };
-  /// A direction cosine over a polygon: cosine = (away distance + rho (u cos + v sin)) / r.
+  /// Direction cosine over a polygon: cosine = (away distance + rho (u cos + v sin)) / r.
   struct Cosine : CertifiedGain {
     Ball away, u, v;  // the pattern's axis in the polygon's frame
   };
-  /// A part of a slab; `v` runs from -1 to 1 along each of its arcs.
+  /// Part of a slab. `v` runs from -1 to 1 along each of its arcs.
   struct Interval {
     Ball from, to;
     int depth = 0;
@@ -90,7 +95,7 @@ class CertifiedIntegrator {
   template <class N>
   N arcs_length(const N& t, const N& t2) const;
 
-  // With patterns or a texture.
+  // The following functions are for patterns or a texture.
   template <class N>
   std::pair<N, N> ends_of(const Arc* arc, const N& t, const N& t2) const;
   template <class N>
@@ -111,24 +116,24 @@ class CertifiedIntegrator {
   std::size_t given_up_ = 0;
 
   const ScatteringModel* model_ = nullptr;
-  const ScatteringModel::Piece* model_piece_ = nullptr;  // of the interval at hand
-  std::vector<PolarSlabs::Gap> corners_;                 // where the law's pieces meet, in slabs
+  const ScatteringModel::Piece* model_piece_ = nullptr;  // of the current interval
+  std::vector<PolarSlabs::Gap> corners_;  // ranges at which the model's pieces meet, as gaps in slabs
   const CertifiedPolygon* polygon_ = nullptr;
   PolarSlabs slabs_;
   Ball q2_;
   std::uint32_t q_edge_ = 0;
   bool full_circle_ = false;
-  std::vector<Ball> beyond2_;  // by edge: q^2 - its nearest2
+  std::vector<Ball> beyond2_;  // q^2 - nearest2 of each edge
   std::vector<Arc> arcs_;
-  std::vector<Part> parts_;  // by beam from the first
+  std::vector<Part> parts_;  // by beam, from the first
   std::vector<Interval> work_;
   bool weighed_ = false;  // by patterns, a texture or both
   const CertifiedCell* texture_ = nullptr;
-  std::vector<Cosine> transmit_;  // beams sent at once
+  std::vector<Cosine> transmit_;  // beams of one transmission
   std::vector<Cosine> receive_;
   bool tabulated_ = false;   // some pattern is a table
-  bool by_segment_ = false;  // tables are what their cosine's segment says
-  bool split_arcs_ = false;  // which way the interval that failed last should be halved
+  bool by_segment_ = false;  // tables are represented by the segments of their cosines
+  bool split_arcs_ = false;  // whether the interval that failed last should be halved along its arcs
 };
 
 }  // namespace tubefoot

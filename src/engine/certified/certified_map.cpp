@@ -7,7 +7,7 @@
 namespace tubefoot {
 namespace {
 
-constexpr double up = 1 + 1e-9;       // far above the rounding of doubles that bounds are made of
+constexpr double up = 1 + 1e-9;       // far above the rounding of doubles in bounds
 constexpr double rounding = 0x1p-48;  // of a bilinear mean in doubles, relative to its largest corner
 
 }  // namespace
@@ -61,7 +61,7 @@ double CertifiedMap::largest(std::span<const std::int64_t> cell, std::span<const
   const std::array<double, 4> corner = corners(cell);
   double largest = *std::max_element(corner.begin(), corner.end());
   for (int a = 0; a < 2; ++a) {
-    // |x| + |1 - x| is 1 from 0 to 1 and grows by no more than 2 for each unit of distance from there.
+    // |x| + |1 - x| is 1 from 0 to 1. Outside it grows by at most 2 per unit of distance.
     const Ball x = q[a].real() - Ball(double(cell[a])), y = q[a].imaginary();
     largest *= 1 + 2 * std::hypot(std::max({0.0, -x.lo(), x.hi() - 1}),
                                   std::max(std::abs(y.lo()), std::abs(y.hi())));
@@ -72,7 +72,7 @@ double CertifiedMap::largest(std::span<const std::int64_t> cell, std::span<const
 double CertifiedMap::difference(double off) const { return 2 * change(off); }
 
 double CertifiedMap::change(double off) const {
-  // A tenth more for the slopes' own change outside of a cell.
+  // Adds a tenth for the change of the slopes outside of a cell.
   return 1.1 * (along_columns_ + along_rows_) * off;
 }
 

@@ -9,9 +9,9 @@
 
 namespace tubefoot {
 
-/// A map of factors, bilinear between the centres of its pixels: its cells are columns and rows of those.
-/// What the map is on the plane is what MapReflectivity makes of it: its pixels after normalisation, and
-/// to_column() and to_row() as the doubles that they are.
+/// Encloses a map of factors, bilinear between the centres of its pixels. Its cells are columns and rows of
+/// these centres. The values are those of MapReflectivity: pixels after normalisation, and to_column() and
+/// to_row() as exact doubles.
 class CertifiedMap : public CertifiedTexture {
  public:
   explicit CertifiedMap(std::shared_ptr<const MapReflectivity> map);
@@ -24,7 +24,7 @@ class CertifiedMap : public CertifiedTexture {
   Ball range() const override { return Ball::between(least_, most_); }
 
  private:
-  /// At a cell's corners: here, one column on, one row on, both.
+  /// Values at the corners of a cell: at (0, 0), one column on, one row on, both.
   std::array<double, 4> corners(std::span<const std::int64_t> cell) const;
 
   std::shared_ptr<const MapReflectivity> map_;

@@ -9,15 +9,18 @@
 #include "engine/scattering/density.hpp"
 #include "geometry/numbers/complex_ranges.hpp"
 
+// Encloses the bistatic density sigma(g_T, g_R) r_T^-2 r_R^-2 10^(-alpha (r_T + r_R) / 10) B_T B_R with
+// mirror losses, in balls and intervals of doubles. Over complex positions it bounds the logarithm of the
+// modulus with margins for rounding. See docs/reference.md, section "Two apexes".
 namespace tubefoot {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// Of many places, not of one and its rounding.
+/// Returns whether a ball covers many positions, and not just one position with its rounding.
 bool is_wide(const Ball& x) { return arb_rel_accuracy_bits(x.get()) < 20; }
 
-/// Far above the rounding of doubles.
+/// Factors far above the rounding of doubles.
 constexpr double up = 1 + 1e-12, down = 1 - 1e-12;
 
 bool depends_on_angle(const ScatteringModel::Piece& piece) {
@@ -26,7 +29,7 @@ bool depends_on_angle(const ScatteringModel::Piece& piece) {
   });
 }
 
-/// An angle whose imaginary part of that size lets growth(y) multiply by e, at most 1.
+/// Angle of at most 1 for whose imaginary part growth(y) is at most e^3.
 template <class Growth>
 double smooth_angle(const Growth& growth) {
   double angle = 1;
@@ -66,7 +69,8 @@ CertifiedEnd::Trace CertifiedEnd::trace(const glm::dvec3& axis) const {
 
 Ball CertifiedEnd::range(const PlanePlace<Ball>& p) const {
   Ball r = root(squared(over_.height) + squared(p.x - over_.x) + squared(p.y - over_.y));
-  // Balls of squares reach below 0: where places are many, that is to be said.
+  // Balls of squares may reach below 0. For balls of many positions, this limit restores the height as the
+  // least range.
   if (is_wide(r) && r.lo() < over_.height.lo()) r = Ball::between(over_.height.lo(), r.hi());
   return r;
 }
@@ -93,7 +97,7 @@ void CertifiedEnd::take_loss(const MirrorLoss& loss) {
 Ball CertifiedEnd::cosine(const Trace& trace, const PlanePlace<Ball>& p, const Ball& range) {
   const Ball w = trace.at(p) / range;
   if (w.lo() >= -1 && w.hi() <= 1) return w;
-  const auto in = [](double x, double otherwise) {  // no cosine is beyond
+  const auto in = [](double x, double otherwise) {  // no cosine is beyond this
     return std::isnan(x) ? otherwise : std::clamp(x, -1.0, 1.0);
   };
   return Ball::between(in(w.lo(), -1), in(w.hi(), 1));
@@ -102,7 +106,7 @@ Ball CertifiedEnd::cosine(const Trace& trace, const PlanePlace<Ball>& p, const B
 Interval CertifiedEnd::cosine(const IntervalTrace& trace, const PlanePlace<Interval>& p,
                               const Interval& range) {
   const Interval w = trace.at(p) / range;
-  return {std::clamp(w.lo, -1.0, 1.0), std::clamp(w.hi, -1.0, 1.0)};  // no cosine is beyond
+  return {std::clamp(w.lo, -1.0, 1.0), std::clamp(w.hi, -1.0, 1.0)};  // no cosine is beyond this
 }
 
 Ball CertifiedEnd::passed(const PlanePlace<Ball>& p, const Ball& range) const {
@@ -186,17 +190,18 @@ bool CertifiedEnd::bound(const ScatteringModel* model, const PlanePlace<ComplexB
   }
   if (model == nullptr) return true;
   if (piece_ == nullptr) return false;
-  // |sine| = height / |range|, and its argument is half that of the square, the other way.
+  // |sine| = height / |range|. Its argument is half the argument of the squared range, with opposite sign.
   const double log_sine = std::log(over_.height.hi()) - std::log(bound.least_range) + 1e-12,
                sine_argument = r2.most_argument() / 2;
   const ComplexBall rho2 = squared(p.x - ComplexBall(over_.x)) + squared(p.y - ComplexBall(over_.y));
-  // Of the angle and of its square: where their real parts are, and how far they may be from real.
+  // For the angle and for its square: range of the real parts, and largest distance from the real axis.
   double angle_lo = 0, angle_hi = 0, angle_aside = 0, square_lo = 0, square_hi = 0, square_aside = 0;
   const auto has = [&](double ScatteringModel::Term::*what) {
     return std::ranges::any_of(piece_->terms, [&](const auto& t) { return t.level != 0 && t.*what != 0; });
   };
   if (has(&ScatteringModel::Term::slope)) {
-    // The derivative of atan(w) is 1 / (1 + w^2): no farther from its value at w's real part than that says.
+    // The derivative of atan(w) is 1 / (1 + w^2), which bounds the distance from the value at the real part
+    // of w.
     const ComplexBall w = tight_root(rho2) * ComplexBall(Ball(1) / over_.height);
     if (!w.is_finite()) return false;
     const ComplexRange at(w), stretch(ComplexBall(1.0) + squared(w));
@@ -206,8 +211,8 @@ bool CertifiedEnd::bound(const ScatteringModel* model, const PlanePlace<ComplexB
     angle_hi = std::atan(at.re_hi) * up + angle_aside;
   }
   if (has(&ScatteringModel::Term::curvature)) {
-    // atan(w)^2 is analytic in q = w^2. Its derivative is atan(w) / w, which is the mean of 1 / (1 + q u^2)
-    // over u from 0 to 1, over 1 + q.
+    // atan(w)^2 is analytic in q = w^2. Its derivative is atan(w) / w, over 1 + q. The quotient atan(w) / w
+    // is the mean of 1 / (1 + q u^2) over u from 0 to 1.
     const ComplexRange q(rho2 * ComplexBall(Ball(1) / squared(over_.height)));
     if (!(q.re_lo > -0.9 && q.re_hi < infinite && q.im_lo <= 0 && q.im_hi >= 0)) return false;
     const double least = 1 + std::min(q.re_lo, 0.0);
@@ -232,7 +237,8 @@ bool CertifiedEnd::bound(const ScatteringModel* model, const PlanePlace<ComplexB
     argument = std::max(argument, turned * up);
     ++terms;
   }
-  // The root of a sum is analytic where its terms stay on the same side of 0; that of one term anyway.
+  // The square root of a sum is analytic where all terms stay on the same side of 0. The square root of a
+  // single term is always analytic.
   if (terms > 1 && !(argument < 1.5)) return false;
   bound.cross_section = std::log(sum) + 1e-9;
   return true;
@@ -271,7 +277,7 @@ void CertifiedPathEnergy::take(const Path& path, double factor, double mu) {
           std::min(smooth_rad_, 1 / std::sqrt(1 + loss->roughness * double(loss->rough_normals.size())));
 }
 
-/// But for what ranges take of it.
+/// Scattered part of the density, without the dependence on ranges.
 Ball CertifiedPathEnergy::scattered(const PlanePlace<Ball>& p, const Ball& tx_range,
                                     const Ball& rx_range) const {
   const Ball value = factor_ * tx_.passed(p, tx_range) * rx_.passed(p, rx_range);
@@ -289,7 +295,7 @@ Ball CertifiedPathEnergy::density_at(const PlanePlace<Ball>& p, const Ball& tx_r
                                      const Ball& rx_range) const {
   const Ball sent = scattered(p, tx_range, rx_range);
   if (!is_wide(tx_range) && !is_wide(rx_range)) return sent * spread(tx_range, rx_range);
-  // The farther, the less.
+  // The value decreases with both ranges.
   const Ball most = spread(Ball(tx_range.lo()), Ball(rx_range.lo())),
              least = spread(Ball(tx_range.hi()), Ball(rx_range.hi()));
   return sent * Ball::between(std::max(least.lo(), 0.0), most.hi());
@@ -297,7 +303,7 @@ Ball CertifiedPathEnergy::density_at(const PlanePlace<Ball>& p, const Ball& tx_r
 
 Interval CertifiedPathEnergy::density_at(const PlanePlace<Interval>& p, const Interval& tx_range,
                                          const Interval& rx_range) const {
-  // All of it is positive, and falls with both ranges: as narrow as intervals can be.
+  // All factors are positive and decrease with both ranges, so these intervals are as narrow as possible.
   const auto two_way = TwoWayRange<Interval>::of(tx_range, rx_range);
   const Interval sent = factor_in_doubles_ * tx_.passed(p, tx_range) * rx_.passed(p, rx_range);
   if (tx_model_ == nullptr) return sent * lambert_density(two_way, beta_in_doubles_);
@@ -340,7 +346,7 @@ CertifiedPathGains::CertifiedPathGains(const CertifiedEnd& tx, const CertifiedEn
   const auto add = [&](const Directivity& pattern, const CertifiedEnd& end, std::vector<Gain>& gains) {
     gains.push_back({CertifiedGain(pattern), end.trace(pattern.axis), Ball(1), {}, 1});
     gains.back().trace_in_doubles = CertifiedEnd::IntervalTrace(gains.back().trace);
-    // Above 1, so are the patterns' own roundings.
+    // Values above 1 cover the patterns' own rounding.
     gains.back().most_in_doubles = gains.back().largest().hi();
     gains.back().most = Ball(gains.back().most_in_doubles);
     tables_ = tables_ || gains.back().is_table();
@@ -380,7 +386,7 @@ void CertifiedPathGains::weigh(const PlanePlace<Interval>& p, const Interval& tx
     values[b] = values[b] * sent * gain(receive_[b], rx_range);
 }
 
-/// The cosine's rectangle is (f + u x + v y) / range, term by term.
+/// The rectangle of the cosine is (f + u x + v y) / range, computed term by term.
 double CertifiedPathGains::log_bound(const Gain& gain, const PlanePlace<ComplexRange>& p,
                                      const ComplexRange& per_range) const {
   if (gain.is_uniform()) return 0;
@@ -399,7 +405,7 @@ void CertifiedPathGains::weigh(const PlanePlace<ComplexBall>& p, const Certified
   if (!any_) return;
   const PlanePlace<ComplexRange> place{ComplexRange(p.x), ComplexRange(p.y)};
   const ComplexRange per_tx(tx.per_range), per_rx(rx.per_range);
-  // The logarithm of a sum, from its largest term.
+  // The logarithm of a sum is computed from its largest term.
   double strongest = -infinite;
   std::vector<double> sent;
   for (const Gain& beam : transmit_) {
@@ -419,7 +425,7 @@ void CertifiedPathGains::take_segments(const PlanePlace<Ball>& box, const Ball& 
   const auto take = [&](Gain& g, const Ball& range) {
     return g.take_segment(CertifiedEnd::cosine(g.trace, box, range));
   };
-  double sent = 0;  // a sum is wrong by no more, relatively, than one of its terms
+  double sent = 0;  // the relative error of a sum is at most that of one of its terms
   for (Gain& beam : transmit_) sent = std::max(sent, take(beam, tx_range));
   for (std::size_t b = 0; b < receive_.size(); ++b) off[b] += sent + take(receive_[b], rx_range);
 }

@@ -9,20 +9,23 @@
 #include "engine/certified/certified_path_integral.hpp"
 #include "engine/scattering/echo_model.hpp"
 
+// Encloses the integrand of a bistatic path over a polygon's plane. It is the density of density.hpp with
+// mirror losses, beam patterns and texture. Values are enclosed in balls and intervals, and bounded over
+// complex positions for the quadrature error.
 namespace tubefoot {
 
-/// One end of a path over a polygon's plane: of what depends on its range and direction alone.
+/// One end of a path over a polygon's plane, with all factors that depend only on its range and direction.
 class CertifiedEnd {
  public:
-  /// `place_m`: of its apex, relative to the polygon's.
+  /// `place_m`: position of its apex relative to the polygon's apex.
   CertifiedEnd(const CertifiedPolygon& polygon, const std::array<Ball, 3>& place_m);
-  /// `seen`: where it sees the plane's points, which are at other ranges (BistaticFacet): directions are
-  /// those places over the ranges.
+  /// `seen`: apparent positions of the plane's points (BistaticFacet), whose distances differ from the
+  /// ranges. Directions are apparent positions divided by ranges.
   CertifiedEnd(const ApexOverPlane& over, const LyingPlane& seen);
 
   const ApexOverPlane& over() const { return over_; }
 
-  /// Cosine of the direction to a place with an axis, times the range.
+  /// Cosine between the direction to a point and an axis, times the range.
   struct Trace {
     Ball at_foot, along_u, along_v;
     template <class N>
@@ -47,30 +50,31 @@ class CertifiedEnd {
 
   Ball range(const PlanePlace<Ball>& p) const;
   Interval range(const PlanePlace<Interval>& p) const;
-  /// Its square.
+  /// Square of the range.
   ComplexBall range2(const PlanePlace<ComplexBall>& p) const;
 
-  /// What mirrors leave in a direction.
+  /// Sets the mirror losses as a function of direction.
   void take_loss(const MirrorLoss& loss);
   Ball passed(const PlanePlace<Ball>& p, const Ball& range) const;
   Interval passed(const PlanePlace<Interval>& p, const Interval& range) const;
 
-  /// A law's cross-section there; by the piece that was taken, or (real) whatever pieces there are.
+  /// Cross-section of a model at this point. It uses the piece of take_piece(), or, for real points, all
+  /// pieces.
   bool take_piece(const ScatteringModel& model, const PlanePlace<Ball>& box);
   void take_all_pieces() { piece_ = nullptr; }
   Ball cross_section(const ScatteringModel& model, const PlanePlace<Ball>& p, const Ball& range) const;
   Interval cross_section(const ScatteringModel& model, const PlanePlace<Interval>& p,
                          const Interval& range) const;
 
-  /// Upper bounds over complex places, in logarithms; infinite where something is not analytic.
+  /// Upper bounds over complex positions, in logarithms. Infinite where a factor is not analytic.
   struct Bound {
     ComplexBall per_range;        ///< 1 / range
-    double least_range = 0;       ///< of its modulus
-    double least_real_range = 0;  ///< of its real part
-    double passed = 0;            ///< of the logarithm of what mirrors leave
-    double cross_section = 0;     ///< of that of the law, of the piece that was taken
+    double least_range = 0;       ///< of the modulus of the range
+    double least_real_range = 0;  ///< of the real part of the range
+    double passed = 0;            ///< of the logarithm of the mirror losses
+    double cross_section = 0;     ///< of the logarithm of the model's cross-section, for the chosen piece
   };
-  /// False where it is not analytic.
+  /// Returns false where the factors are not analytic.
   bool bound(const ScatteringModel* model, const PlanePlace<ComplexBall>& p, Bound& bound) const;
   static ComplexBall cosine(const Trace& trace, const PlanePlace<ComplexBall>& p, const Bound& bound) {
     return trace.at(p) * bound.per_range;
@@ -81,34 +85,36 @@ class CertifiedEnd {
   Interval incidence(const PlanePlace<Interval>& p) const;
   void take_doubles();
 
-  std::array<Ball, 3> u_, v_, to_foot_;  ///< the plane's frame; from the apex to the polygon's foot point
+  /// Frame of the plane; vector from the apex to the polygon's foot point.
+  std::array<Ball, 3> u_, v_, to_foot_;
   ApexOverPlane over_;
-  Interval height_, x_, y_;  ///< the same in doubles
+  Interval height_, x_, y_;  ///< the values of `over_` in doubles
   const MirrorLoss* loss_ = nullptr;
   std::vector<Trace> rough_;
   std::vector<IntervalTrace> rough_in_doubles_;
   const ScatteringModel::Piece* piece_ = nullptr;
 };
 
-/// What the seabed returns along a path (density.hpp) that is gone transmit and receive between two apexes,
-/// weighed by texture, patterns and mirrors.
+/// Return of the seabed along a path between two apexes (density.hpp), on transmit and receive leg, with
+/// texture, patterns and mirrors as factors.
 class CertifiedPathEnergy {
  public:
-  /// `rx_m`: its apex, relative to the polygon's.
+  /// `rx_m`: position of the receive apex relative to the polygon's apex.
   CertifiedPathEnergy(const CertifiedPolygon& polygon, const std::array<Ball, 3>& rx_m,
                       const EchoModel& model, const SurfaceProperties& seabed, const Ball& beta_per_m);
-  /// Of a facet flattened: each end has a law of its own, or none has (Lambert's `mu`).
+  /// For a flattened facet. Either each end has its own model, or no end has one (Lambert's law with `mu`).
   CertifiedPathEnergy(CertifiedEnd tx, CertifiedEnd rx, const Path& path,
                       const std::array<const ScatteringModel*, 2>& models, double mu, const Ball& beta_per_m);
 
   const CertifiedEnd& tx() const { return tx_; }
   const CertifiedEnd& rx() const { return rx_; }
 
-  /// Without patterns or texture.
+  /// Density without patterns or texture.
   Ball density_at(const PlanePlace<Ball>& p, const Ball& tx_range, const Ball& rx_range) const;
   Interval density_at(const PlanePlace<Interval>& p, const Interval& tx_range,
                       const Interval& rx_range) const;
-  /// Of its logarithm, over complex places; infinite where it is not analytic. Fills those of its ends.
+  /// Upper bound of the logarithm of the density over complex positions. Infinite where the density is not
+  /// analytic. Sets the bounds of both ends.
   double log_bound(const PlanePlace<ComplexBall>& p, CertifiedEnd::Bound& tx, CertifiedEnd::Bound& rx) const;
   bool has_pieces() const;
   bool take_pieces(const PlanePlace<Ball>& box);
@@ -128,27 +134,27 @@ class CertifiedPathEnergy {
   double smooth_rad_ = 1;
 };
 
-/// Patterns of both ends, times each other.
+/// Products of the patterns of both ends.
 class CertifiedPathGains {
  public:
-  /// Without any.
+  /// Creates an object without patterns.
   CertifiedPathGains() = default;
   CertifiedPathGains(const CertifiedEnd& tx, const CertifiedEnd& rx, const TransmitPattern& transmit,
                      std::span<const Directivity> receive);
 
   std::size_t beams() const { return any_ ? receive_.size() : 1; }
-  /// Multiplies each beam's value.
+  /// Multiplies the value of each beam by its pattern.
   void weigh(const PlanePlace<Ball>& p, const Ball& tx_range, const Ball& rx_range,
              std::vector<Ball>& values) const;
   void weigh(const PlanePlace<Interval>& p, const Interval& tx_range, const Interval& rx_range,
              std::vector<Interval>& values) const;
-  /// Adds to the logarithms of each beam's bound.
+  /// Adds the logarithm of each beam's pattern bound to `bounds`.
   void weigh(const PlanePlace<ComplexBall>& p, const CertifiedEnd::Bound& tx, const CertifiedEnd::Bound& rx,
              std::vector<double>& bounds) const;
-  /// Takes tables for one segment's cubic over a box; adds to `off` by beam.
+  /// Replaces tables by the cubic of one segment over a box. Adds the error to `off` by beam.
   void take_segments(const PlanePlace<Ball>& box, const Ball& tx_range, const Ball& rx_range,
                      std::vector<double>& off);
-  /// Of all that receives.
+  /// Returns whether no receive pattern has a zero in the box.
   bool has_no_zero(const PlanePlace<Ball>& box, const Ball& rx_range) const;
   void take_tables() { by_segment_ = false; }
   bool has_tables() const { return tables_; }
@@ -167,7 +173,7 @@ class CertifiedPathGains {
   double smooth_rad_ = 1;
 };
 
-/// Energies by beam of one receiver.
+/// Energies of one receiver, by beam.
 class CertifiedPathIntegrand : public CertifiedIntegrand {
  public:
   CertifiedPathIntegrand(CertifiedPathEnergy energy, CertifiedPathGains gains, const CertifiedCell* texture)

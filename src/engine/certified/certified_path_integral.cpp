@@ -9,20 +9,22 @@
 #include "geometry/integrals/certified_rule.hpp"
 #include "geometry/steps/stop.hpp"
 
+// Integrates over cells between ellipses of equal path length by two-dimensional Gauss-Legendre quadrature,
+// first in intervals of doubles and then in balls. See docs/reference.md, section "Two apexes".
 namespace tubefoot {
 namespace {
 
-constexpr std::size_t most_halvings = 400;  // of a cell
+constexpr std::size_t most_halvings = 400;  // per cell
 constexpr int deepest = 90;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double largest_ellipse = 64, least_ellipse = 1.2;
 
 double most_of(const Ball& x) {
   const double most = std::max(std::abs(x.lo()), std::abs(x.hi()));
-  return most < infinite ? most : infinite;  // also where it is not a number
+  return most < infinite ? most : infinite;  // also if the value is not a number
 }
 
-// What is asked of numbers of either kind.
+// Common functions of balls and intervals.
 double lower(const Ball& x) { return x.lo(); }
 double upper(const Ball& x) { return x.hi(); }
 double middle_of(const Ball& x) { return x.middle(); }
@@ -55,12 +57,13 @@ const std::vector<Ball>& weights_of(const CertifiedRule& rule, const Ball&) { re
 const std::vector<Interval>& weights_of(const CertifiedRule& rule, const Interval&) {
   return rule.weight_in_doubles;
 }
-/// Of what may be allowed, what doubles' rounding may take.
+/// Share of the permitted error that the rounding of doubles may use.
 constexpr double rounding_share = 1.0 / 8;
-/// And how much wider places may be than in balls, if those do not keep to it either.
+/// If balls exceed this share too, intervals of positions may be at most this much wider than balls.
 constexpr double most_wider = 4;
 
-/// Parameter of the ellipse about an interval of that half width which reaches so far across it.
+/// Parameter of the ellipse about an interval of half-width `half` that reaches `across` into the imaginary
+/// direction.
 double ellipse_reaching(double across, double half) {
   const double s = across / half;
   return std::clamp(s + std::sqrt(s * s + 1), 1.0, largest_ellipse);
@@ -218,13 +221,13 @@ bool CertifiedPathIntegrator::try_box(const Box& box) {
 template <class N>
 CertifiedPathIntegrator::Outcome CertifiedPathIntegrator::try_box_in(const Box& box) {
   const Element<N> all = over<N>(box);
-  // Which way it is longer.
+  // Compares the two extents of the box; the longer one is halved.
   const N middle = as<N>(((box.from + box.to) / Ball(2)).centre()), near = near_at(middle),
           far = far_at(middle);
   const N width = as<N>(box.to - box.from);
   const double across = upper(far * width), along = upper((far - near) * N(box.v_to - box.v_from));
   split_v_ = along > across;
-  // A sliver.
+  // A sliver is enclosed by its range.
   const double area = upper(all.area * as<N>(whole_of(box)));
   bool small = area >= 0;
   const double share = std::sqrt((box.v_to - box.v_from) *
@@ -249,7 +252,7 @@ CertifiedPathIntegrator::Outcome CertifiedPathIntegrator::try_box_in(const Box& 
   return try_rules<N>(box, off);
 }
 
-/// Area times range, if that is narrow enough or nothing else is left.
+/// Adds area times range, if it is narrow enough, or in any case with `at_any_width`.
 template <class N>
 CertifiedPathIntegrator::Outcome CertifiedPathIntegrator::try_range(const Box& box, const Element<N>& all,
                                                                     bool at_any_width) {
@@ -260,7 +263,8 @@ CertifiedPathIntegrator::Outcome CertifiedPathIntegrator::try_range(const Box& b
   const N area = all.area * as<N>(whole);
   const double share =
       whole.hi() / std::max((cell_->to - cell_->from).hi(), std::numeric_limits<double>::min());
-  // No more than the polygon's area and largest value, whatever the curves' enclosures say.
+  // The result never exceeds the polygon's area times the largest value, whatever the enclosures of the
+  // curves are.
   const double area_hi = upper(area),
                most_area = std::min(std::isnan(area_hi) ? infinite : area_hi, largest_area_);
   for (std::size_t v = 0; v < values.size(); ++v) {
@@ -291,8 +295,9 @@ CertifiedPathIntegrator::Choice CertifiedPathIntegrator::choose(double first_rho
   const double log_size = std::log(size);
   for (double rho = first_rho; rho > least_ellipse; rho = 1 + (rho - 1) / 3) {
     evaluate(rho, bounds);
-    // The value that asks for most nodes is the one whose bound is the most above what it may be off.
-    double worst = -1000;  // of logarithms
+    // The value that requires most nodes is the one whose bound exceeds its permitted error by the largest
+    // ratio.
+    double worst = -1000;  // logarithm
     for (std::size_t v = 0; v < bounds.size(); ++v) {
       const double excess = bounds[v] + log_size - log_allowed[v];
       worst = std::isnan(excess) ? infinite : std::max(worst, excess);
@@ -307,7 +312,7 @@ CertifiedPathIntegrator::Choice CertifiedPathIntegrator::choose(double first_rho
   return best;
 }
 
-/// False if values are not to be had.
+/// Returns false if the integrand has no values of this type.
 template <class N>
 bool CertifiedPathIntegrator::sum_nodes(const Box& box, int nodes_t, int nodes_v, std::vector<N>& sum) {
   const N half = as<N>((box.to - box.from) / Ball(2)), first = as<N>(box.from), middle = first + half;
@@ -355,7 +360,7 @@ CertifiedPathIntegrator::Outcome CertifiedPathIntegrator::try_rules(const Box& b
     if (off[v] > 0 && !(off[v] < 1 && std::expm1(off[v]) * there <= allowed[v])) return Outcome::too_wide;
   }
 
-  // How far places may move into the complex: a part of their distance to the nearer apex is looked for.
+  // Distance that points may move into the complex plane. It is a part of their distance to the nearer apex.
   const double depth = middle_of(far - near), x = std::abs(middle_of(typical.area) / depth);
   const double scale = std::max(
       integrand_->scale_m({Ball(middle_of(typical.place.x)), Ball(middle_of(typical.place.y))}), 1e-12);
@@ -396,14 +401,15 @@ CertifiedPathIntegrator::Outcome CertifiedPathIntegrator::try_rules(const Box& b
   if constexpr (doubles) {
     bool narrow = true;
     for (std::size_t v = 0; v < count; ++v) narrow = narrow && own[v].width() <= rounding_share * allowed[v];
-    // What corners are known to may say no more in balls.
+    // If corners are inaccurate, balls are no narrower than doubles.
     const auto width_of = [](const Ball& ball) { return ball.hi() - ball.lo(); };
     if (!narrow && !(near.width() + far.width() <=
                      most_wider * (width_of(cell_->near.at(middle)) + width_of(cell_->far.at(middle)))))
       return Outcome::unknown;
   }
   for (std::size_t v = 0; v < count; ++v) {
-    // The rule in t errs for every v, the rule in v for every t; weights are positive and add up to 2.
+    // The rule in t has its error for every v, and the rule in v for every t. Weights are positive and add
+    // up to 2.
     double error = 0;
     for (const Choice* c : {&in_t, &in_v})
       error += size / 2 * std::exp(c->log_m[v] + log_error(c->rho, c->nodes)) * (1 + 1e-9);
@@ -411,7 +417,7 @@ CertifiedPathIntegrator::Outcome CertifiedPathIntegrator::try_rules(const Box& b
     if (!(std::abs(lower(own[v])) < infinite && std::abs(upper(own[v])) < infinite)) return Outcome::too_wide;
   }
   for (std::size_t v = 0; v < count; ++v) {
-    // Of a positive integrand, the integral is wrong by no more, relatively, than the integrand.
+    // For a positive integrand, the relative error of the integral is at most that of the integrand.
     if (off[v] > 0) {
       const double most = most_of(own[integrand_->size_of(v)]) * std::expm1(off[v]) * (1 + 1e-9);
       add_to_sum(v, own[v] + between<N>(-most, most));

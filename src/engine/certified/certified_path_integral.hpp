@@ -7,51 +7,58 @@
 
 #include "geometry/integrals/certified_path_cells.hpp"
 
+// Encloses integrals of bistatic densities over polygons, split by half path length. Each cell between two
+// ellipses of equal path length is integrated by Gauss-Legendre quadrature in two variables. The error bound
+// is that of L. N. Trefethen (Approximation Theory and Approximation Practice, theorem 19.3), for each
+// variable separately.
 namespace tubefoot {
 
-/// A place in the coordinates of a polygon, about the foot point of its apex.
+/// A point in the coordinates of a polygon, relative to the foot point of its apex.
 template <class N>
 struct PlanePlace {
   N x, y;
 };
 
-/// What is integrated over a polygon: values by place, in balls.
+/// Integrand over a polygon: one or more values per point, in balls.
 class CertifiedIntegrand {
  public:
   virtual ~CertifiedIntegrand() = default;
 
   virtual std::size_t values() const = 0;
-  /// The value that tells how large a value is, which itself may cancel.
+  /// Index of the value that determines the size of a value. A value itself may be small by cancellation.
   virtual std::size_t size_of(std::size_t value) const { return value; }
-  /// Values cannot be negative.
+  /// Returns whether all values are non-negative.
   virtual bool positive() const { return true; }
-  /// About how far one may go from a place until it is no longer smooth. A guess, which guides the work.
+  /// Estimates the distance from a point over which the integrand is smooth. It only guides the work.
   virtual double scale_m(const PlanePlace<Ball>& place) const = 0;
 
-  /// Encloses all values over a ball of places, which may be as large as a polygon.
+  /// Encloses all values over a ball of points, which may be as large as a polygon.
   virtual void at(const PlanePlace<Ball>& place, std::vector<Ball>& values) const = 0;
-  /// The same in intervals of doubles; false if there is none.
+  /// Does the same in intervals of doubles. Returns false if this is not available.
   virtual bool at(const PlanePlace<Interval>&, std::vector<Interval>&) const { return false; }
 
-  /// What it is in all of a box: from then on at() and log_bounds() are of a function that is analytic there,
-  /// and differ from the true one by a factor whose logarithm is at most off[value]. False if there is none.
+  /// Chooses a function that is analytic in the whole box. Until the next call, at() and log_bounds() refer
+  /// to this function. It differs from the true one by a factor whose logarithm is at most off[value].
+  /// Returns false if there is no such function.
   virtual bool take(const PlanePlace<Ball>& box, std::vector<double>& off) = 0;
-  /// at() is again what holds everywhere.
+  /// Lets at() enclose the true integrand everywhere again.
   virtual void take_whole() = 0;
-  /// Upper bounds of log |value| over a rectangle of complex places, of what was taken; infinite where it is
-  /// not analytic.
+  /// Upper bounds of log |value| over a rectangle of complex points, for the chosen function. Infinite where
+  /// it is not analytic.
   virtual void log_bounds(const PlanePlace<ComplexBall>& place, std::vector<double>& bounds) const = 0;
 };
 
 /// Encloses the integral of values over a polygon's part in each sample of path length
-/// (certified_path_cells). docs/reference.md says how.
+/// (certified_path_cells). docs/reference.md describes the method.
 ///
-/// In a cell the integrand is analytic in t and in v, X = near + v (far - near). Gauss-Legendre in both errs
-/// as CertifiedIntegrator's does; cells are halved until the error fits, and what is left at the work limit,
-/// and the gaps, are enclosed by area times the integrand's range.
+/// In a cell the integrand is analytic in t and in v, with X = near + v (far - near). Gauss-Legendre
+/// quadrature in each variable has the error of CertifiedIntegrator's rule. Cells are halved until the error
+/// is within the allowance. Cells that remain at the work limit, and gaps, are enclosed by the area times
+/// the range of the integrand.
 class CertifiedPathIntegrator {
  public:
-  /// How far off a sample's part may be: relative to what a part has, and besides, by value and sample.
+  /// Permitted error of a sample's part: relative to the part's value, plus an absolute error by value and
+  /// sample.
   struct Allowance {
     double relative = 0;
     std::function<double(std::size_t value, std::size_t sample)> absolute;
@@ -62,7 +69,8 @@ class CertifiedPathIntegrator {
   explicit CertifiedPathIntegrator(std::span<const double> half_path_borders_m)
       : cutter_(half_path_borders_m) {}
 
-  /// With `ambiguous`, of a part of the polygon that is not known, but for its area.
+  /// Integrates a polygon. With `ambiguous`, only the area of an unknown part of the polygon is given, and
+  /// the integral over this part is enclosed.
   void add(const CertifiedPolygon& polygon, const ApexOverPlane& out, std::span<const ApexOverPlane> homes,
            CertifiedIntegrand& integrand, const Allowance& allowance, const Taker& take,
            const std::optional<Ball>& ambiguous = {});
@@ -70,16 +78,16 @@ class CertifiedPathIntegrator {
            CertifiedIntegrand& integrand, const Allowance& allowance, const IntervalTaker& take,
            const std::optional<Ball>& ambiguous = {});
 
-  /// Cells that were left at the work limit, so far.
+  /// Number of cells that were left at the work limit.
   std::size_t given_up() const { return given_up_; }
 
  private:
   struct Box {
-    Ball from, to;  // of t
+    Ball from, to;  // interval of t
     double v_from = 0, v_to = 1;
     int depth = 0;
   };
-  /// X dX of dt dv, and the place.
+  /// X dX for dt dv, and the point.
   template <class N>
   struct Element {
     N area;
@@ -90,7 +98,7 @@ class CertifiedPathIntegrator {
   template <class N>
   Element<N> over(const Box& box) const;
 
-  /// Parameter of an ellipse and nodes of the rule that it allows; by value, bounds in it.
+  /// Parameter of an ellipse, number of nodes that it permits, and bounds in the ellipse by value.
   struct Choice {
     int nodes = 0;
     double rho = 0;
@@ -100,11 +108,11 @@ class CertifiedPathIntegrator {
   Choice choose(double first_rho, double size, const std::vector<double>& log_allowed,
                 const Evaluate& evaluate);
 
-  /// What became of a box. Doubles may not tell enough.
+  /// Result of a box. `unknown`: doubles are not accurate enough.
   enum class Outcome { done, too_wide, unknown };
 
   void integrate(const CertifiedPathCutter::Cell& cell);
-  /// In balls where doubles do not do.
+  /// Tries doubles first, then balls.
   bool try_box(const Box& box);
   template <class N>
   Outcome try_box_in(const Box& box);
@@ -124,7 +132,7 @@ class CertifiedPathIntegrator {
   void halve(const Box& box);
   Ball whole_of(const Box& box) const { return (box.to - box.from) * Ball(box.v_to - box.v_from); }
 
-  // The cell at hand, in balls and in doubles.
+  // Curves and frame of the current cell, in balls and in doubles.
   Ball near_at(const Ball& t) const { return cell_->near.at(t); }
   Ball far_at(const Ball& t) const { return cell_->far.at(t); }
   Interval near_at(const Interval& t) const { return near_.at(t); }
@@ -141,22 +149,22 @@ class CertifiedPathIntegrator {
 
   CertifiedPathCutter cutter_;
   std::size_t given_up_ = 0;
-  // Of the cell at hand.
+  // Members of the current cell.
   CertifiedIntegrand* integrand_ = nullptr;
   const RayFrame* frame_ = nullptr;
   const CertifiedPathCutter::Cell* cell_ = nullptr;
   IntervalFrame own_frame_;
   IntervalCurve near_, far_;
-  bool in_doubles_ = true;  // the integrand can tell its values in doubles
+  bool in_doubles_ = true;  // the integrand has values in doubles
   bool in_balls_ = false;   // some part of the cell is in sum_
   double relative_ = 0;
-  std::vector<double> most_;     // by value: of all the polygon
-  double largest_area_ = 0;      // no part of it has more
+  std::vector<double> most_;     // largest modulus over the whole polygon, by value
+  double largest_area_ = 0;      // upper bound of the area of any part
   std::vector<double> allowed_;  // by value, for the whole cell
   std::vector<Ball> sum_, values_;
   std::vector<Interval> sum_in_doubles_, values_in_doubles_;
   std::vector<Box> work_;
-  bool split_v_ = false;  // which way the box that failed last should be halved
+  bool split_v_ = false;  // direction in which the box that failed last should be halved
 };
 
 }  // namespace tubefoot

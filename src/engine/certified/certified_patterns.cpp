@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// CertifiedIntegrator with beam patterns or a micro-texture.
+// Implements CertifiedIntegrator with beam patterns or a micro-texture. Gauss-Legendre quadrature runs over
+// t and along the arcs, with an error bound in the complex plane for each variable. See docs/reference.md,
+// sections "Error of the quadrature" and "Micro-texture".
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -63,21 +65,22 @@ N CertifiedIntegrator::cosine_at(const Cosine& c, const N& distance_over_r, cons
   return N(c.away) * distance_over_r + rho_over_r * (N(c.u) * cosine + N(c.v) * sine);
 }
 
-/// take_segment() for all patterns over a part of an arc: by beam, for the product of both ways.
+/// Calls take_segment() for all patterns over a part of an arc. Returns the errors by beam, for the product
+/// of transmit and receive pattern.
 std::vector<double> CertifiedIntegrator::take_segments(const Arc* arc, const Ball& t, const Ball& v) {
   const Ball t2 = squared(t), r = root(q2_ + t2), rho = root(q2_ - distance2_ + t2) / r;
   const Ball down = polygon_->distance / r;
   const auto [middle, half] = ends_of(arc, t, t2);
   const Ball angle = middle + half * v;
   const auto take = [&](Cosine& cosine) { return cosine.take_segment(cosine_at(cosine, down, rho, angle)); };
-  double sent = 0;  // a sum is wrong by no more, relatively, than one of its terms
+  double sent = 0;  // the relative error of a sum is at most that of one of its terms
   for (Cosine& beam : transmit_) sent = std::max(sent, take(beam));
   std::vector<double> off;
   for (Cosine& beam : receive_) off.push_back(sent + take(beam));
   return off;
 }
 
-/// Middle and half length of an arc; without one, of the full circle.
+/// Middle and half length of an arc, or of the full circle without an arc.
 template <class N>
 std::pair<N, N> CertifiedIntegrator::ends_of(const Arc* arc, const N& t, const N& t2) const {
   if (arc == nullptr) return {N(), N(Ball::pi())};
@@ -85,7 +88,7 @@ std::pair<N, N> CertifiedIntegrator::ends_of(const Arc* arc, const N& t, const N
   return {(begin + end) * N(0.5), (end - begin) * N(0.5)};
 }
 
-/// Bounds of log |integrand| by beam over t times v, and their largest.
+/// Bounds log |integrand| by beam over t times v. Returns the largest bound.
 double CertifiedIntegrator::log_bound(const Arc* arc, const ComplexBall& t, const ComplexBall& v,
                                       std::vector<double>& by_beam) const {
   const ComplexBall t2 = squared(t), r = root(ComplexBall(q2_) + t2);
@@ -100,7 +103,7 @@ double CertifiedIntegrator::log_bound(const Arc* arc, const ComplexBall& t, cons
     return cosine.log_bound(cosine_at(cosine, down, rho, angle));
   };
   by_beam.assign(parts_.size(), infinite);
-  // The logarithm of a sum, from its largest term.
+  // The logarithm of a sum is computed from its largest term.
   std::vector<double> sent_by_beam;
   for (const Cosine& beam : transmit_) sent_by_beam.push_back(bound(beam));
   const double strongest = *std::max_element(sent_by_beam.begin(), sent_by_beam.end());
@@ -110,13 +113,13 @@ double CertifiedIntegrator::log_bound(const Arc* arc, const ComplexBall& t, cons
   double largest = -infinite;
   for (std::size_t b = 0; b < by_beam.size(); ++b) {
     const double all = sent + bound(receive_[b]);
-    by_beam[b] = all < infinite ? all : infinite;  // also where it is not a number
+    by_beam[b] = all < infinite ? all : infinite;  // also if the value is not a number
     largest = std::max(largest, by_beam[b]);
   }
   return largest;
 }
 
-/// By beam: the sum over an arc's nodes v of weight times integrand.
+/// Returns, by beam, the sum of weight times integrand over the nodes v of an arc.
 std::vector<Ball> CertifiedIntegrator::values(const Arc* arc, const Ball& t, const std::vector<Ball>& v,
                                               const std::vector<Ball>& weight) const {
   const Ball t2 = squared(t), r = root(q2_ + t2), rho = root(q2_ - distance2_ + t2) / r;
@@ -150,7 +153,7 @@ bool CertifiedIntegrator::try_patterned(const Interval& interval, const Ball& wh
   for (const Arc& arc : arcs_) arcs.push_back(&arc);
   if (full_circle_) arcs.push_back(nullptr);
 
-  // What each beam is allowed for each arc.
+  // Permitted error of each beam for each arc.
   std::vector<std::vector<double>> allowed(arcs.size()), typical_of(arcs.size());
   for (std::size_t a = 0; a < arcs.size(); ++a) {
     const std::vector<Ball> typical = values(arcs[a], middle, {Ball(v_middle)}, {Ball(2 * v_half)});
@@ -167,14 +170,15 @@ bool CertifiedIntegrator::try_patterned(const Interval& interval, const Ball& wh
   std::vector<Ball> found(parts_.size());
   const double singular = nearest_singularity();
   for (std::size_t a = 0; a < arcs.size(); ++a) {
-    // Borders of a table are curves, and boxes of a size h along them number 1 / h: each may err by as much.
+    // Borders of a table are curves. The number of boxes of size h along them is 1 / h, and each box may
+    // have this error.
     std::vector<double> off(parts_.size(), 0);
     if (tabulated_) {
       off = take_segments(arcs[a], all_t, all_v.real());
       for (std::size_t b = 0; b < parts_.size(); ++b)
         if (off[b] > 0 &&
             !(off[b] < 1 && std::expm1(off[b]) * typical_of[a][b] * std::sqrt(share) <= allowed[a][b])) {
-          // Which way the angles change more is the way to halve.
+          // Halves the direction in which the angles change more.
           const std::vector<double> by_t = take_segments(arcs[a], all_t, Ball(v_middle)),
                                     by_v = take_segments(arcs[a], middle, all_v.real());
           split_arcs_ = by_t[b] == by_v[b] ? interval.depth % 2 == 0 : by_v[b] > by_t[b];
@@ -182,7 +186,7 @@ bool CertifiedIntegrator::try_patterned(const Interval& interval, const Ball& wh
         }
     }
     by_segment_ = tabulated_;
-    // The fewest nodes over a few ellipses, for t and for v.
+    // Fewest nodes over a few ellipses, for t and for v.
     struct Choice {
       int nodes = most_certified_nodes + 1;
       double rho = 0;
@@ -210,7 +214,7 @@ bool CertifiedIntegrator::try_patterned(const Interval& interval, const Ball& wh
     });
     if (in_t.nodes > most_certified_nodes || in_v.nodes > most_certified_nodes) {
       by_segment_ = false;
-      // Near a foot point on an edge, nothing can be said of angles before t has been halved down to it.
+      // Near a foot point on an edge, angles have no finite bound until t has been halved towards it.
       const bool near_foot = interval.to.hi() > 4 * interval.from.lo();
       split_arcs_ = in_v.nodes > most_certified_nodes &&
                     (in_t.nodes <= most_certified_nodes || (interval.depth % 2 == 0 && !near_foot));
@@ -227,13 +231,14 @@ bool CertifiedIntegrator::try_patterned(const Interval& interval, const Ball& wh
       const std::vector<Ball> row = values(arcs[a], middle + half * rule_t.node[k], v, weight);
       for (std::size_t b = 0; b < parts_.size(); ++b) own[b] += row[b] * rule_t.weight[k] * half;
     }
-    // The rule in t errs for every v, the rule in v for every t; weights are positive and add up.
+    // The rule in t has its error for every v, and the rule in v for every t. Weights are positive and have
+    // a fixed sum.
     for (std::size_t b = 0; b < parts_.size(); ++b)
       for (const Choice* c : {&in_t, &in_v})
         own[b].add_error(Ball(2 * v_half) * half * exp(Ball(c->log_m[b] + log_error(c->rho, c->nodes))));
     by_segment_ = false;
     for (std::size_t b = 0; b < parts_.size(); ++b) {
-      // The integrand is positive, so the integral is wrong by no more, relatively, than the integrand.
+      // The integrand is positive, so the relative error of the integral is at most that of the integrand.
       const double most = std::max(std::abs(own[b].lo()), std::abs(own[b].hi()));
       if (off[b] > 0) own[b].add_error(Ball(most) * (exp(Ball(off[b])) - Ball(1)));
       found[b] += own[b];
@@ -245,7 +250,7 @@ bool CertifiedIntegrator::try_patterned(const Interval& interval, const Ball& wh
   return true;
 }
 
-/// By beam: area times the integrand's range.
+/// Returns, by beam, the area times the range of the integrand.
 std::vector<Ball> CertifiedIntegrator::box(const Interval& interval) const {
   const Ball width = interval.to - interval.from;
   const Ball t = Ball::between(interval.from.lo(), interval.to.hi()),
@@ -260,7 +265,8 @@ std::vector<Ball> CertifiedIntegrator::box(const Interval& interval) const {
   return found;
 }
 
-/// A box that no rule serves, such as one across a row of a table, if it is narrow enough.
+/// Encloses a box for which no quadrature rule is suitable, such as a box across a border of a table.
+/// Returns false if the enclosure is too wide.
 bool CertifiedIntegrator::try_box(const Interval& interval, double share, double relative) {
   const std::vector<Ball> found = box(interval);
   for (std::size_t b = 0; b < parts_.size(); ++b)

@@ -4,22 +4,26 @@
 #include <algorithm>
 #include <cmath>
 
+// Encloses Perlin noise with the fade u(z) = 6 z^5 - 15 z^4 + 10 z^3. Values are computed in doubles with an
+// allowance for rounding. Bounds in the complex plane follow from Taylor's series of the weights. See
+// docs/reference.md, section "Micro-texture".
 namespace tubefoot {
 namespace {
 
-/// Of in_cell() in doubles and of the sum of octaves: 3 interpolations between numbers of up to 4, each off
-/// by less than 70 units of 2^-53, make less than 3e-14.
+/// Rounding of in_cell() in doubles and of the sum of octaves. Three interpolations between numbers of up to
+/// 4, each with an error below 70 units of 2^-53, have an error below 3e-14.
 constexpr double rounding = 1e-13;
-/// |dn/dx| in a cell: with weights u(x) and 1 - u(x), u' <= 15/8, of two means of corners' products, each at
-/// most 2 with a slope of at most 1, it is at most 15/8 4 + 1 = 8.5. A little more up to 0.01 outside.
+/// Bound of |dn/dx| in a cell. The noise is the mean of two means of corner products, with weights u(x) and
+/// 1 - u(x) and u' <= 15/8. Each mean is at most 2 with a slope of at most 1, so that |dn/dx| <= 15/8 4 + 1
+/// = 8.5. The margin covers points up to 0.01 outside.
 constexpr double steepest = 10;
-constexpr double up = 1 + 1e-9;  // far above the rounding of doubles that bounds are made of
+constexpr double up = 1 + 1e-9;  // far above the rounding of doubles in bounds
 
-/// Bounds of |u| and |1 - u| together on either side, u(z) = 6 z^5 - 15 z^4 + 10 z^3, at a distance d from
-/// [0, 1]: on it |u| + |1 - u| = 1, and Taylor's coefficients are at most 15/8, 5/sqrt 3, 10, 15 and 6 there.
+/// Bound of |u| + |1 - u| at a distance d from [0, 1], with u(z) = 6 z^5 - 15 z^4 + 10 z^3. On the interval
+/// the sum is 1. The Taylor coefficients there are at most 15/8, 5/sqrt 3, 10, 15 and 6.
 double weights_within(double d) { return 1 + 2 * d * (1.875 + d * (2.8868 + d * (10 + d * (15 + d * 6)))); }
 
-/// Of a rectangle, from [0, 1].
+/// Distance of a complex rectangle from [0, 1].
 double distance_from_cell(double lo, double hi, double across) {
   return std::hypot(std::max({0.0, -lo, hi - 1}), across);
 }
@@ -117,7 +121,7 @@ double CertifiedPerlin::largest(std::span<const std::int64_t> cell, std::span<co
       dots += 1 + d;
       least = std::min(least, 1 + d);
     }
-    sum += weight_[i] * weights * (dots - least);  // gradients have two components, of 1 or -1
+    sum += weight_[i] * weights * (dots - least);  // gradients have two components of 1 or -1
   }
   return (1 + std::abs(depth_) * sum) * up;
 }

@@ -9,11 +9,11 @@
 
 namespace tubefoot {
 
-/// Octaves of Perlin noise. The finest one's cells are parts of all others'.
+/// Encloses octaves of Perlin noise. Cells of the finest octave are parts of the cells of all other octaves.
 class CertifiedPerlin : public CertifiedTexture {
  public:
-  /// No noise is larger. PerlinLattice::largest is the number itself, as found by a search; this one is
-  /// proven, box by box, by the tests.
+  /// Upper bound of the noise. PerlinLattice::largest is the maximum as found by a search. The tests prove
+  /// this bound box by box.
   static constexpr double largest_noise = 1.06;
 
   explicit CertifiedPerlin(const PerlinReflectivity& field);
@@ -27,13 +27,13 @@ class CertifiedPerlin : public CertifiedTexture {
   Ball range() const override;
 
  private:
-  /// Where a cell of the finest octave lies in the octave's own.
+  /// Position of a cell of the finest octave within a cell of another octave.
   struct Within {
     std::int64_t cell;
     double offset, scale;
   };
   static Within within(std::int64_t finest, int halvings);
-  /// The sum of octaves at places in the cell, from its corner.
+  /// Sum of octaves at points of the cell, relative to its corner.
   struct Noise {
     double value, error;
   };
@@ -41,7 +41,7 @@ class CertifiedPerlin : public CertifiedTexture {
 
   PerlinLattice lattice_;
   double wavelength_m_, depth_;
-  std::vector<double> weight_;  // by octave; they add up to 1, but for rounding
+  std::vector<double> weight_;  // by octave; they add up to 1, except for rounding
 };
 
 }  // namespace tubefoot

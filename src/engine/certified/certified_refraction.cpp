@@ -19,6 +19,9 @@
 #include "geometry/numbers/enclosure_slack.hpp"
 #include "geometry/steps/steps.hpp"
 
+// Computes reference energies of monostatic echoes in stratified water. It integrates visible pieces of
+// proven apparent facets and adds intervals for conservative, ambiguous and unproven facets. See
+// docs/reference.md, section "Through refracting water".
 namespace tubefoot {
 namespace {
 
@@ -26,7 +29,7 @@ constexpr double slack = enclosure_slack;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 using State = FacetEnclosure::State;
 
-/// What all pieces share.
+/// Common data of all pieces.
 struct Requested {
   const EchoModel& model;
   std::vector<std::shared_ptr<const CertifiedTexture>> textures;  // by material
@@ -35,7 +38,7 @@ struct Requested {
   Ball beta;
 };
 
-/// One visible piece of a proven facet, and the tube that sees it.
+/// A visible piece of a proven facet, and the tube that sees it.
 struct ProvenPiece {
   const CertifiedPolygon& polygon;
   const FacetEnclosure& facet;
@@ -60,7 +63,7 @@ void add_piece(const ProvenPiece& piece, const Requested& requested, BinInterval
         const std::size_t bin = beam * row + std::min<std::size_t>(sample / 2, row - 1);
         return std::max(requested.target[bin] / 2000 / double(cells) / size, 1e-300);
       }};
-  // `times`: of a part, all that is not in its integral.
+  // Adds a part. `times` encloses the factors that are not in its integral.
   const auto add = [&](const CertifiedPolygon& part, const CertifiedCell* cell, const BinInterval& times) {
     const auto sink = [&](const Part<Ball>& own) {
       const Ball whole = factor * own.value;
@@ -87,7 +90,7 @@ void add_piece(const ProvenPiece& piece, const Requested& requested, BinInterval
                [&](const CertifiedPolygon& part, const CertifiedCell& cell) {
                  add(part, &cell, {1, 1});
                });
-  // Places are not quite where the map has them.
+  // Points are slightly displaced from the positions that the map gives.
   double per_m = 0;
   for (const CertifiedTexture::Axis& axis : texture->axes())
     per_m =
@@ -123,7 +126,7 @@ RefractedReference certify_refracted_echo(const MappedSeabed& seabed, const RayE
   const UncertainEdges edges(apparent, seabed.parent, enclosures);
   const Unknown unknown(enclosures.unproven, rays);
   TubeSet tubes = history.tubes;
-  // Facets that begin beyond the reach may be seen before it.
+  // Facets beyond the reach may have images within it.
   const Looked looked(enclosures.facets);
   tubes.reach += 2 * looked.most_gap_m() / history.grid_unit_m;
 

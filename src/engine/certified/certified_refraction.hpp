@@ -8,20 +8,21 @@
 
 namespace tubefoot {
 
-/// Encloses the echo of one transmission through refracting water: the energy that curved rays bring from the
-/// true facets, of which the seabed's are the mapped ones. As certify_echo(), but for what the enclosures
-/// leave open:
+/// Encloses the echo of one transmission in stratified water. It is the energy that refracted rays bring
+/// from the true facets, of which `seabed` contains the images. The function corresponds to certify_echo(),
+/// with these uncertainties:
 ///
-/// - a piece's energy is that of its apparent facet, of that one's law, times the enclosed factor; within
-///   shift_m of a border between samples it belongs to either;
-/// - a micro-texture is looked up where the facet's map has the place, which may be off by place_off_m;
-/// - beside edges of what is seen, closer than images may be off, any facet may be seen that reaches there;
-/// - where two facets are closer together than their ranges may be off, either may hide the other;
-/// - what lies behind a facet without a proven ray is not known.
+/// (1) A piece has the energy of its apparent facet times the enclosed factor, with that facet's scattering
+///     model. Within shift_m of a border between samples it may belong to either sample.
+/// (2) A micro-texture is evaluated at the point that the facet's map gives, which may be displaced by
+///     place_off_m.
+/// (3) Next to edges of the visible part, within the error of images, any facet there may be visible.
+/// (4) If two facets are closer together than their range errors, either may hide the other.
+/// (5) Everything behind a facet without a proven ray is unknown.
 ///
-/// Beams are ideal or weighed by patterns of at most 1. Throws std::invalid_argument for a micro-texture that
-/// cannot be enclosed, or without facet maps. `tolerance` only says what to hold the bounds against, and how
-/// narrow the apparent pieces' own integrals need to be.
+/// Beams are ideal, or have patterns of at most 1. Throws std::invalid_argument for a micro-texture that
+/// cannot be enclosed, or without facet maps. `tolerance` is compared with the bounds, and determines the
+/// accuracy of the pieces' integrals.
 RefractedReference certify_refracted_echo(const MappedSeabed& seabed, const RayEnclosure& rays,
                                           const History& history, const VisibilityOptions& options,
                                           std::span<const std::uint32_t> beam_of_tube,

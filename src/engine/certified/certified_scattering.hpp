@@ -8,7 +8,8 @@
 #include "geometry/numbers/ball.hpp"
 #include "geometry/numbers/interval.hpp"
 
-// Scattering laws in ball arithmetic. Heavy: include only in .cpp files.
+// Encloses cross-sections of scattering models in ball arithmetic and in intervals. Include this heavy
+// header only in .cpp files.
 namespace tubefoot {
 
 inline Ball power_of(const Ball& x, double exponent) {
@@ -29,7 +30,8 @@ inline ComplexBall power_of(const ComplexBall& x, double exponent) {
   return result;
 }
 
-/// A piece's cross-section, wherever it is asked for: `sine` of the grazing angle.
+/// Cross-section of a piece's terms at any angle, even outside of the piece. `sine` is that of the grazing
+/// angle.
 template <class N>
 N cross_section_in(const ScatteringModel::Piece& piece, const N& incidence, const N& sine) {
   N sum;
@@ -43,7 +45,7 @@ N cross_section_in(const ScatteringModel::Piece& piece, const N& incidence, cons
   return sum;
 }
 
-/// In intervals of doubles.
+/// The following functions use intervals of doubles.
 inline Interval power_of(const Interval& x, double exponent) {
   if (exponent == 0) return 1;
   if (exponent == 2) return squared(x);
@@ -76,7 +78,7 @@ inline Interval cross_section_over(const ScatteringModel& model, const Interval&
   return all;
 }
 
-/// The whole law over a ball of angles.
+/// Cross-section of the whole model over a ball of angles.
 inline Ball cross_section_over(const ScatteringModel& model, const Ball& incidence, const Ball& sine) {
   Ball all;
   bool any = false;

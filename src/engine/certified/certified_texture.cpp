@@ -5,10 +5,12 @@
 #include "engine/certified/certified_perlin.hpp"
 #include "engine/scattering/layered_reflectivity.hpp"
 
+// Creates certified textures from reflectivity fields: Perlin noise, maps, and products of them. The axes of
+// a product are the axes of its layers.
 namespace tubefoot {
 namespace {
 
-/// The product of textures; its axes are theirs, one after the other.
+/// Product of textures. Its axes are those of the layers, one after the other.
 class CertifiedProduct : public CertifiedTexture {
  public:
   explicit CertifiedProduct(std::vector<std::shared_ptr<const CertifiedTexture>> layers)
@@ -45,7 +47,8 @@ class CertifiedProduct : public CertifiedTexture {
   }
 
   double difference(double off) const override {
-    // Each layer's factors may be off by its own difference, in the cell's values and outside of it.
+    // The factors of each layer may have an error of the layer's own difference, both within the cell and
+    // outside of it.
     return 2 * more_by([&](const CertifiedTexture& layer) { return layer.difference(off); });
   }
 
@@ -60,7 +63,7 @@ class CertifiedProduct : public CertifiedTexture {
   }
 
  private:
-  /// What the largest product grows by where each layer's factor does by what `more` says.
+  /// Bounds the growth of the product if the factor of each layer grows by `more(layer)`.
   template <class More>
   double more_by(const More& more) const {
     Ball with(1), without(1);
@@ -81,7 +84,7 @@ class CertifiedProduct : public CertifiedTexture {
 
   std::vector<std::shared_ptr<const CertifiedTexture>> layers_;
   std::vector<Axis> axes_;
-  std::vector<std::size_t> counts_;  // of axes, by layer
+  std::vector<std::size_t> counts_;  // number of axes of each layer
 };
 
 }  // namespace

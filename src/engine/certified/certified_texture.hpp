@@ -13,40 +13,41 @@
 
 namespace tubefoot {
 
-/// A micro-texture as certified integrals need it. Planes at the integers of a few affine coordinates q of
-/// place cut space into cells, and in each cell the factor is a polynomial.
+/// Micro-texture for certified integrals. Planes at the integers of a few affine coordinates q of position
+/// divide space into cells. In each cell the factor is a polynomial.
 class CertifiedTexture {
  public:
   virtual ~CertifiedTexture() = default;
 
-  /// q = per_m . place + origin
+  /// q = per_m . position + origin
   struct Axis {
     std::array<Ball, 3> per_m;
     Ball origin;
   };
   virtual std::vector<Axis> axes() const = 0;
 
-  /// Encloses the factor at all those q (by axis) that lie in the cell [c, c + 1] of each axis.
+  /// Encloses the factor over all q (by axis) in the cell [c, c + 1] of each axis.
   virtual Ball factor(std::span<const std::int64_t> cell, std::span<const Ball> q) const = 0;
-  /// The same in intervals of doubles.
+  /// Does the same in intervals of doubles.
   virtual Interval factor(std::span<const std::int64_t> cell, std::span<const Interval> q) const;
 
-  /// Upper bound of the modulus of the cell's polynomial, continued to complex q outside of the cell too.
+  /// Upper bound of the modulus of the cell's polynomial, which continues to complex q outside of the cell.
   virtual double largest(std::span<const std::int64_t> cell, std::span<const ComplexBall> q) const = 0;
 
-  /// At a place that is outside of a cell by no more than `off` <= 0.01 along each axis: bound of what the
-  /// factor differs there from the cell's polynomial at the cell's nearest place, plus what the polynomial
-  /// itself does.
+  /// Bound for a point that is outside of a cell by at most `off` <= 0.01 along each axis. It bounds the
+  /// difference between the factor there and the cell's polynomial at the nearest point of the cell. It also
+  /// includes the change of the polynomial itself.
   virtual double difference(double off) const = 0;
 
-  /// The factors of two places that are apart by no more than `off` along each axis differ by no more.
+  /// Bound of the difference between the factors of two points whose distance along each axis is at most
+  /// `off`.
   virtual double change(double off) const = 0;
 
-  /// Encloses all factors.
+  /// Encloses the values of the factor everywhere.
   virtual Ball range() const = 0;
 };
 
-/// A field as a certified texture; null if there is no way to enclose it.
+/// Returns a field as a certified texture, or null if it cannot be enclosed.
 std::shared_ptr<const CertifiedTexture> certified_texture(
     const std::shared_ptr<const ReflectivityField>& field);
 

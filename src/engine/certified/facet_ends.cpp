@@ -74,7 +74,8 @@ std::optional<EndPatch> EndOfFacet::over(const std::array<Interval, 3>& origin, 
 }
 
 std::array<Interval, 3> EndOfFacet::change(const EndPatch& patch) const {
-  // The direction in which rays arrive; of the horizontal part the jet's direction is that of the place.
+  // The gradient has the direction of the arriving rays. Their horizontal direction is the horizontal
+  // direction of the point.
   const Interval per_m = reference_speed() / patch.speed / root(patch.distance2.v);
   const Interval across = per_m * patch.rays.arrival_across.v;
   return {across * patch.place[0], across * patch.place[1], -(per_m * patch.rays.arrival_down_m.v)};

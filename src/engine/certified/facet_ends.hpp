@@ -9,40 +9,42 @@
 #include "engine/certified/bistatic_enclosure.hpp"
 #include "engine/certified/flat_facet.hpp"
 
-// A facet as one end of a path sees it, and as it is flattened between two.
+// Encloses a facet as one end of a path sees it through stratified water. The enclosures contain ranges,
+// grazing angles and sound speeds, with derivatives over the facet's plane. It also describes the facet's
+// plane after flattening between two ends. See docs/reference.md, section "Of two ends".
 namespace tubefoot {
 
-/// Rays from an end over a box of a facet's plane. In the unfolded water: over an odd number of mirrors
-/// upside down.
+/// Rays from an end over a box of a facet's plane, in the unfolded water. Over an odd number of mirrors the
+/// box is flipped vertically.
 struct EndPatch {
   RayJets rays;
-  Jet distance2;                      ///< of places from the apex
-  Jet sine_m;                         ///< of the grazing angle where they arrive, times the distance
-  Interval speed;                     ///< of sound there
-  Interval log_speed_a, log_speed_b;  ///< slopes of its logarithm
-  std::array<Interval, 3> place;      ///< from the apex
+  Jet distance2;                      ///< squared distance of points from the apex
+  Jet sine_m;                         ///< sine of the grazing angle on arrival, times the distance
+  Interval speed;                     ///< sound speed at the points
+  Interval log_speed_a, log_speed_b;  ///< slopes of the logarithm of the sound speed
+  std::array<Interval, 3> place;      ///< relative to the apex
 };
 
-/// A facet as one end sees it.
+/// A facet as one end of a path sees it.
 class EndOfFacet {
  public:
-  /// `lies`: its corners, in the local frame, each known to within `pad_m`; `seen`: where the end sees them,
-  /// relative to it.
+  /// `lies`: true corners in the local frame, each known to within `pad_m`. `seen`: apparent corners
+  /// relative to the end.
   EndOfFacet(const BistaticEnd& end, const FlatFacet& flat, const FacetCorners& lies, double pad_m,
              const FacetCorners& seen);
 
-  /// None where it is not proven that there is one ray.
+  /// Returns nothing if it is not proven that one ray leads to each point.
   std::optional<EndPatch> over(const Interval& a, const Interval& b) const {
     return over(padded(centre_), a, b);
   }
   bool valid() const { return valid_; }
   const EndPatch& middle() const { return middle_; }
   const EndPatch& corner(int k) const { return corner_[k]; }
-  /// At a place as lies() has them, which is taken to be just there.
+  /// Encloses the ray to a single point, in the coordinates of lies(). The point counts as exact.
   std::optional<EndPatch> at(const glm::dvec3& place) const {
     return over({place.x, place.y, place.z}, 0.0, 0.0);
   }
-  /// How ranges change with their places on a patch.
+  /// Encloses the gradient of the range with respect to position over a patch.
   std::array<Interval, 3> change(const EndPatch& patch) const;
   const FacetCorners& lies() const { return lies_; }
   const glm::dvec3& seen_normal() const { return seen_normal_; }
@@ -74,7 +76,8 @@ class EndOfFacet {
   bool alone_ = false, valid_ = false;
 };
 
-/// Where a facet's plane is laid out, by (a, b) from its middle, about one apex's foot point.
+/// Affine map from offsets (a, b) from the middle of a facet's plane to the flattened plane, relative to the
+/// foot point of one apex.
 struct Flattened {
   glm::dvec2 middle, along_a, along_b;
   double height = 0;
@@ -89,7 +92,7 @@ struct Flattened {
     along_b = (t * p.x - s * q.x) / det;
     middle = (corner[0] + corner[1] + corner[2]) / 3.0 - foot;
   }
-  /// Squared ranges.
+  /// Squared flattened ranges.
   Jet range2(const Interval& a, const Interval& b) const {
     Jet sum(Interval(height) * height);
     for (int k = 0; k < 2; ++k) {

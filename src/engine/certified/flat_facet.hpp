@@ -12,7 +12,9 @@
 #include "engine/water/ray_enclosure.hpp"
 #include "geometry/numbers/enclosure_slack.hpp"
 
-// Facets in their planes, which enclosures of their images are over.
+// Geometry of true facets in their planes, over which their images are enclosed. It contains plane
+// coordinates, the smallest enclosing circle, and the margin to which images are enclosed beyond the
+// corners.
 namespace tubefoot {
 
 using FacetCorners = std::array<glm::dvec3, 3>;
@@ -31,8 +33,8 @@ inline double farthest_of(const FacetCorners& c) {
   return std::max({glm::length(c[0]), glm::length(c[1]), glm::length(c[2])}) * (1 + enclosure_slack);
 }
 
-/// A true facet in its base facet's plane, which is what images are of. Refined corners are rounded to the
-/// grid and may lie beside that plane: by `pad_m`, which goes into every place.
+/// True facet in the plane of its base facet. Refined corners are rounded to the grid and may lie off this
+/// plane by `pad_m`, which widens every position.
 class FlatFacet {
  public:
   FlatFacet(const FacetCorners& base, const FacetCorners& corners, double pad_m) : pad_m_(pad_m) {
@@ -58,7 +60,7 @@ class FlatFacet {
     height_m = 2 * area_m2 / longest_m;
     valid = height_m > 4 * pad_m;
     margin_m = height_m / 50;
-    // The smallest circle that holds it: about its longest side, or through all corners.
+    // The smallest enclosing circle has the longest side as its diameter, or passes through all corners.
     const double p = glm::length(at[1] - at[0]), q = glm::length(at[2] - at[1]),
                  r = glm::length(at[0] - at[2]);
     const double sum2 = p * p + q * q + r * r;
@@ -73,9 +75,9 @@ class FlatFacet {
   }
 
   glm::dvec3 normal{0}, u{0}, v{0}, centre_m{0};
-  std::array<glm::dvec2, 3> at{};  // corners, from the centre
+  std::array<glm::dvec2, 3> at{};  // corners relative to the centre
   double longest_m = 0, height_m = 0, area_m2 = 0, radius_m = 0;
-  double margin_m = 0;  // images are enclosed to here beyond the corners
+  double margin_m = 0;  // images are enclosed up to this distance beyond the corners
   bool valid = false;
 
  private:
@@ -86,7 +88,7 @@ inline Interval norm_of(const std::array<Interval, 3>& x) {
   return root(squared(x[0]) + squared(x[1]) + squared(x[2]));
 }
 
-/// Bounds of second derivatives: of the image as a vector, and of its part along `normal`.
+/// Bounds of second derivatives of the image: as a vector, and of its component along `normal`.
 struct Bends {
   double all = 0, across = 0;
 };
@@ -102,14 +104,14 @@ inline Bends bends_of(const RayJets& rays, const glm::dvec3& normal) {
   return {std::sqrt(all2) * (1 + enclosure_slack), std::sqrt(across2) * (1 + enclosure_slack)};
 }
 
-/// Around a facet and its margin, in its plane.
+/// Returns the box around a facet and its margin, in its plane.
 inline std::pair<glm::dvec2, glm::dvec2> box_of(const FlatFacet& flat) {
   glm::dvec2 least = flat.at[0], most = flat.at[0];
   for (const glm::dvec2& p : flat.at) least = glm::min(least, p), most = glm::max(most, p);
   return {least - flat.margin_m, most + flat.margin_m};
 }
 
-/// Whether a box surely lies outside of the facet and its margin.
+/// Returns whether a box certainly lies outside of the facet and its margin.
 inline bool beside(const FlatFacet& flat, const glm::dvec2& from, const glm::dvec2& to) {
   for (int k = 0; k < 3; ++k) {
     const glm::dvec2 &p = flat.at[k], &q = flat.at[(k + 1) % 3];

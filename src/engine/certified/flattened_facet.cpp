@@ -15,7 +15,7 @@ constexpr double slack = enclosure_slack;
 
 CertifiedPolygon flattened(std::span<const glm::dvec3> corners_m, glm::dvec3 receiver_m,
                            const BistaticFacet& bistatic) {
-  constexpr double units = 0x1p-49;  // that corners are rounded by (FootprintSharer)
+  constexpr double units = 0x1p-49;  // rounding of corners (FootprintSharer)
   CertifiedPolygon plane;
   plane.distance = Ball(bistatic.transmit_distance_m);
   plane.u = {Ball(1), Ball(0), Ball(0)};

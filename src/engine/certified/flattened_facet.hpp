@@ -7,20 +7,23 @@
 #include "engine/certified/certified_path_energy.hpp"
 #include "engine/certified/pattern_ambiguity.hpp"
 
-// A facet flattened between two ends (BistaticFacet), in balls. Heavy: include only in .cpp files.
+// Geometry and energy of a facet flattened between two ends (BistaticFacet), in balls. Include this heavy
+// header only in .cpp files.
 namespace tubefoot {
 
-/// A piece of it by its corners as the transmitter sees them (SharedFootprints).
+/// Returns a piece of the flattened facet as a polygon, given its corners as the transmitter sees them
+/// (SharedFootprints).
 CertifiedPolygon flattened(std::span<const glm::dvec3> corners_m, glm::dvec3 receiver_m,
                            const BistaticFacet& bistatic);
-/// What it returns, by the law that was proven of it; `model`: of the path, of which a material's mu.
+/// Returns the energy integrand of the facet with its proven scattering models. `model` is that of the path
+/// and contains the mu of the material.
 CertifiedPathEnergy energy_of(const BistaticFacet& bistatic, const BistaticEnclosure& proven,
                               const EchoModel& model, std::uint16_t material, const Ball& beta_per_m);
-/// Where the receiver sees a polygon on it.
+/// Returns the apparent positions of a polygon for the receiver.
 Towards seen_rx(const CertifiedPolygon& polygon, const BistaticFacet& bistatic);
-/// From the plane's coordinates to where its places lie.
+/// Returns the map from coordinates of the plane to true positions.
 FacetMap map_of(const LyingPlane& lies);
-/// No texture changes by more on a way of that length.
+/// Bounds the change of a texture over a distance of `way_m`.
 double change_of(const CertifiedTexture& texture, double way_m);
 
 }  // namespace tubefoot

@@ -11,18 +11,20 @@
 #include "geometry/integrals/certified_rule.hpp"
 #include "geometry/steps/stop.hpp"
 
+// Integrates polygons for one apex in intervals of doubles that are rounded outwards. The error bound of the
+// quadrature uses bounds of the integrand on disks. See docs/reference.md, section "Doubles first".
 namespace tubefoot {
 namespace {
 
-constexpr std::size_t most_halvings = 60;  // of a slab; balls have more patience
+constexpr std::size_t most_halvings = 60;  // per slab; ball arithmetic has a higher limit
 constexpr double infinite = std::numeric_limits<double>::infinity();
-/// For bounds that are reported in doubles, of sums and products of what is not negative: far beyond
+/// Factors for bounds in doubles, for sums and products of non-negative numbers. They are far above
 /// rounding.
 constexpr double more = 1 + 1e-9, less = 1 - 1e-9;
 
 const Interval pi = outwards(std::numbers::pi, std::numbers::pi), two_pi = 2.0 * pi;
 
-/// No zero of s^2 = t^2 + b is nearer to a real t.
+/// Lower bound of the distance between a real t and the zeros of s^2 = t^2 + b.
 double from_zeros(double t, const Interval& b) {
   return b.lo >= 0 ? std::sqrt(t * t + b.lo) * less : t * less - std::sqrt(-b.lo) * more;
 }
@@ -43,13 +45,13 @@ bool IntervalIntegrator::enclose(const IntervalPolygon& polygon, std::uint32_t b
     const Allowed allowed{allowance.relative, allowance.absolute(beam, slab.sample)};
     sum_ = Interval();
     if (!prepare(slab) || !add_slab(slab, allowed)) return false;
-    sum_.lo = std::max(sum_.lo, 0.0);  // as all parts are
-    // A quarter more than what the rule may err by, for what is rounded.
+    sum_.lo = std::max(sum_.lo, 0.0);  // all parts are non-negative
+    // The factor allows a quarter more than the error of the rule, for rounding.
     if (!(sum_.width() / 2 <= 1.25 * (allowed.relative * sum_.lo + allowed.absolute))) return false;
     parts.push_back({slab.sample, sum_});
   }
   const auto enclose_gap = [&](const PolarSlabs::Gap& gap) {
-    // The density times the area between the two circles, as CertifiedIntegrator has it.
+    // Density times the area between the two circles, as in CertifiedIntegrator.
     const double area = double(gap.hi - gap.lo) * double(gap.hi) * most_turn(gap.lo),
                  most = area * most_density(FineInterval(gap.lo, gap.hi).in_doubles()) * more;
     for (std::uint32_t sample = gap.first_sample; sample < gap.end_sample; ++sample) {
@@ -86,8 +88,9 @@ bool IntervalIntegrator::add_slab(const PolarSlabs::Slab& slab, const Allowed& a
   return true;
 }
 
-/// Between the two values of t that are doubles and surely within, the rest from nothing to all. Enclosures
-/// of t itself would be far wider than those of the area next to q, where t is the root of next to nothing.
+/// Integrates between two values of t that are doubles and certainly within the ranges. The rest contributes
+/// an interval from zero to its upper bound. Next to q, t is the root of a number close to zero. An
+/// enclosure of t would be far wider than that of the area.
 bool IntervalIntegrator::add_ranges(long double lo, long double hi, const Allowed& allowed) {
   if (!(hi > lo)) return true;
   const FineInterval t2_from = squared(FineInterval(lo)) - q2_, t2_to = squared(FineInterval(hi)) - q2_;
@@ -101,16 +104,16 @@ bool IntervalIntegrator::add_ranges(long double lo, long double hi, const Allowe
   return !within || integrate(from, to, allowed);
 }
 
-/// No less than what all arcs at any range from this one on take together: as the arcs of a circle in a
-/// convex polygon, which are no longer than its perimeter.
+/// Upper bound of the total angle of all arcs at any range from this one on. The arcs of a circle in a
+/// convex polygon are no longer than the polygon's perimeter.
 double IntervalIntegrator::most_turn(long double range) const {
   const FineInterval rho = root(squared(FineInterval(range)) - squared(polygon_->distance));
-  const double least = std::max(rho.in_doubles().lo, 0.0),  // rounded outwards, to below nothing
+  const double least = std::max(rho.in_doubles().lo, 0.0),  // rounded outwards, possibly below 0
       by_perimeter = polygon_->perimeter.in_doubles().hi / least * more;
   return by_perimeter < two_pi.hi ? by_perimeter : two_pi.hi;
 }
 
-/// No less than the density at any range of an interval.
+/// Upper bound of the density over an interval of ranges.
 double IntervalIntegrator::most_density(const Interval& range) const {
   const auto nearest = TwoWayRange<Interval>::of(Interval(range.lo));
   if (model_ == nullptr) return lambert_density(nearest, beta_).hi;
@@ -125,7 +128,7 @@ double IntervalIntegrator::most_in(const Stretch& stretch) const {
   return area * most_density(range) * more;
 }
 
-/// Chooses q and pairs the arcs; false if that is not certain.
+/// Chooses q and pairs the arcs. Returns false if the pairs are not certain.
 bool IntervalIntegrator::prepare(const PolarSlabs::Slab& slab) {
   if (prepared_ == std::pair(slab.first, slab.count)) return true;
   prepared_ = {slab.first, slab.count};
@@ -150,7 +153,7 @@ bool IntervalIntegrator::prepare(const PolarSlabs::Slab& slab) {
   return full_circle_ || find_arcs(crossings, root(squared(middle) - q2_).in_doubles());
 }
 
-/// atan(height / s), s >= 0.
+/// atan(height / s) for s >= 0.
 Interval IntervalIntegrator::turn(std::uint32_t edge, const Interval& t, const Interval& t2) const {
   return angle_of(edge == q_edge_ ? t : root(t2 + beyond2_[edge]), polygon_->edges[edge].height);
 }
@@ -206,7 +209,7 @@ Interval IntervalIntegrator::rho_at(const Interval& t, const Interval& t2) const
   return full_circle_ ? t : root(rho_q2_ + t2);
 }
 
-/// t times the density, so that its integral over t is that of the density times r over r.
+/// t times the density, because the integral over t then equals the integral of density times r over r.
 Interval IntervalIntegrator::radial(const Interval& t, const Interval& t2) const {
   const Interval r2 = range_q2_ + t2, r = root(r2);
   const TwoWayRange<Interval> two_way{r2, r + r};
@@ -261,9 +264,10 @@ IntervalIntegrator::Place IntervalIntegrator::place_at(double t, const Interval&
   return place;
 }
 
-/// No less than the modulus of the integrand anywhere in the disk, which holds none of the zeros. A root s of
-/// t^2 + b has a modulus between its zeros' distance less the radius and as much more, and a positive real
-/// part. The angle at an edge has the slope -height t / (s rho^2), s = t on the one that q is of.
+/// Upper bound of the modulus of the integrand in the disk, which contains none of the zeros. A root s of
+/// t^2 + b has a positive real part. Its modulus lies between the distance of its zeros minus the radius and
+/// that distance plus the radius. The angle at an edge has the slope -height t / (s rho^2), with s = t for
+/// the edge of q.
 double IntervalIntegrator::most_within(const Place& place, double radius) const {
   const double top = place.t + radius, range = (place.range_zeros - radius) * less,
                rho = (place.rho_zeros - radius) * less;
@@ -278,10 +282,10 @@ double IntervalIntegrator::most_within(const Place& place, double radius) const 
   const double absorbed = std::exp(-2 * beta_.lo * nearest), range2 = range * range, range4 = range2 * range2;
   const double scattered = model_piece_ == nullptr ? 1 / range2 : most_scattered(place, radius);
   const double most = top * absorbed * scattered / range4 * arcs * more;
-  return most >= 0 ? most : infinite;  // also where it is not a number
+  return most >= 0 ? most : infinite;  // also if the value is not a number
 }
 
-/// The same of the law's piece.
+/// The same bound for the piece of the scattering model.
 double IntervalIntegrator::most_scattered(const Place& place, double radius) const {
   const double range = (place.range_zeros - radius) * less;
   // The angle of incidence has the slope distance t / (r^2 rho).
@@ -299,7 +303,7 @@ double IntervalIntegrator::most_scattered(const Place& place, double radius) con
 
 bool IntervalIntegrator::try_rule(const Stretch& stretch, const Allowed& allowed, double share) {
   const Interval half = (Interval(stretch.to) - stretch.from) * 0.5, middle = stretch.from + half;
-  // The true middle is nearer to this one than `reach` is longer than half the stretch.
+  // The distance of t from the true middle is less than the excess of `reach` over half the stretch.
   const double t = stretch.from + (stretch.to - stretch.from) / 2,
                reach = std::max(stretch.to - t, t - stretch.from) * more;
   const Interval t2 = squared(Interval(t)), arcs = arcs_length(t, t2);

@@ -10,14 +10,18 @@
 #include "engine/certified/certified_integral.hpp"
 #include "geometry/integrals/interval_polygon.hpp"
 
+// Encloses the integral of CertifiedIntegrator in intervals of doubles. With r^2 = q^2 + t^2, Gauss-Legendre
+// quadrature runs over t. Its error bound uses closed-form bounds of the integrand on a disk around the
+// ellipse. See docs/reference.md, section "Doubles first".
 namespace tubefoot {
 
-/// CertifiedIntegrator's integral in intervals of doubles, without patterns and textures: much faster, to
-/// some 1e-12 of a usual part. What doubles do not tell as closely as is allowed is left to balls.
+/// Computes the integral of CertifiedIntegrator in intervals of doubles, without patterns and textures. It
+/// is much faster, with a relative error of about 1e-12 for ordinary parts. If doubles do not meet the
+/// allowance, the caller uses balls.
 ///
-/// Slabs, rule and its error bound are the same. M comes from closed forms: in a disk about the middle of an
-/// interval no function is farther from its value there than the disk's radius times its largest slope, and
-/// all slopes are made of moduli whose zeros are known.
+/// Slabs, quadrature rule and error bound are the same. M comes from closed forms. In a disk about the
+/// middle of an interval, a function changes by at most the radius times its largest slope. All slopes
+/// consist of moduli whose zeros are known.
 class IntervalIntegrator {
  public:
   using Allowance = CertifiedIntegrator::Allowance;
@@ -26,37 +30,37 @@ class IntervalIntegrator {
     Interval value;
   };
 
-  /// `beta_per_m`: absorption, one way.
+  /// `beta_per_m`: one-way absorption.
   IntervalIntegrator(std::span<const double> borders_m, const Interval& beta_per_m)
       : borders_(borders_m), beta_(beta_per_m) {}
 
-  /// As CertifiedIntegrator's.
+  /// As in CertifiedIntegrator.
   void take_model(const ScatteringModel* model) { model_ = model; }
 
-  /// What the polygon has in each sample, in `parts`; false if some part is not enclosed as narrowly as is
-  /// allowed for `beam`: then they say nothing.
+  /// Encloses the polygon's integral in each sample, in `parts`. Returns false if the enclosure of some part
+  /// misses the allowance for `beam`; `parts` is then invalid.
   bool enclose(const IntervalPolygon& polygon, std::uint32_t beam, const Allowance& allowance,
                std::vector<SamplePart>& parts);
 
  private:
   struct Arc {
     Crossing begin, end;
-    Interval base;  // its length but for what both ends turn by
+    Interval base;  // length of the arc without the turns of its two ends
   };
-  /// From one t to another.
+  /// Interval of t.
   struct Stretch {
     double from = 0, to = 0;
   };
   struct Allowed {
     double relative = 0, absolute = 0;
   };
-  /// Of an arc's end: how fast its angle may change.
+  /// Bounds of the slope of the angle at an end of an arc.
   struct End {
     double height = 0;      // largest modulus
-    double from_zeros = 0;  // of s; of the edge that q is of: none
+    double from_zeros = 0;  // distance to the zeros of s; unused for the edge of q
     bool of_q = false;
   };
-  /// Disks about a place t: values there, and how far what is divided by is from its zeros.
+  /// Disk about a value t: values at t, and distances to the zeros of all divisors.
   struct Place {
     double t = 0, arcs = 0;
     double range_zeros = 0, rho_zeros = 0, nearest_zeros = 0;
@@ -86,23 +90,24 @@ class IntervalIntegrator {
   std::span<const double> borders_;
   Interval beta_;
   const ScatteringModel* model_ = nullptr;
-  const ScatteringModel::Piece* model_piece_ = nullptr;  // of the ranges at hand
+  const ScatteringModel::Piece* model_piece_ = nullptr;  // of the current ranges
 
   const IntervalPolygon* polygon_ = nullptr;
   PolarSlabs slabs_;
-  std::vector<PolarSlabs::Gap> corners_;  // where the law's pieces meet, in slabs
+  std::vector<PolarSlabs::Gap> corners_;  // ranges at which the model's pieces meet, as gaps in slabs
   Interval distance_;
-  Interval sum_;  // of the slab at hand
-  // Of what all circles between two events meet, and the slab of which that was found.
+  Interval sum_;  // of the current slab
+  // First crossing and number of crossings for which arcs were prepared. All circles between two events have
+  // the same crossings.
   std::optional<std::pair<std::uint32_t, std::uint32_t>> prepared_;
   bool full_circle_ = false;
   std::uint32_t q_edge_ = 0;
   FineInterval q2_;
-  Interval range_q2_, rho_q2_;     // q^2 in doubles, and from the foot point
-  std::vector<Interval> beyond2_;  // by edge: q^2 - its nearest2
+  Interval range_q2_, rho_q2_;     // q^2 in doubles, and squared distance of the edge from the foot point
+  std::vector<Interval> beyond2_;  // q^2 - nearest2 of each edge
   std::vector<Arc> arcs_;
   std::vector<std::pair<Interval, Crossing>> sorted_;
-  std::vector<End> ends_;  // of the arcs, at the place at hand
+  std::vector<End> ends_;  // of the arcs, at the current place
   std::vector<Stretch> work_;
 };
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// References of what two apexes share.
+// Computes reference energies of bistatic echoes in isovelocity water, for the common visibility of two
+// apexes. Cells lie between ellipses of equal path length, and integrals use CertifiedPathIntegrator. See
+// docs/reference.md, section "Two apexes".
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -16,10 +18,10 @@
 namespace tubefoot {
 namespace {
 
-/// Neighbours as a rule: of the same samples.
+/// Facets of a run are usually neighbours, with the same samples.
 constexpr std::size_t facets_in_run = 32;
 
-/// One try, as that of one apex (reference.cpp).
+/// One try, like that for one apex (reference.cpp).
 class PathEncloser {
  public:
   PathEncloser(const FacetMesh& mesh, const BistaticHistory& history, const ReceiveBeams& beams,
@@ -54,7 +56,7 @@ class PathEncloser {
     });
     coarse = coarse_;
     std::vector<Interval> total(target_.size());
-    for (const BinSums& sums : by_run) sums.add_to(total);  // in order, whatever the threads
+    for (const BinSums& sums : by_run) sums.add_to(total);  // in order, whatever the number of threads
     std::vector<Ball> balls;
     for (const Interval& sum : total) balls.push_back(Ball::between(sum.lo, sum.hi));
     return balls;
@@ -73,7 +75,7 @@ class PathEncloser {
     return std::span(history_.shared.corners_m).subspan(piece.first, piece.count);
   }
 
-  /// About how many pieces share a bin.
+  /// Counts the approximate number of pieces that share a bin.
   void count_parts() {
     parts_.assign(target_.size(), 0);
     for (const SharedPiece& piece : history_.shared.pieces) {
@@ -123,7 +125,8 @@ class PathEncloser {
     const Interval even = cells > 0 ? Interval(1) : interval_of(range);
     const auto add_part = [&](const CertifiedPolygon& part, const CertifiedCell* cell) {
       CertifiedPathIntegrand integrand(energy, gains, cell);
-      // A third each for what is relative and for what is shared; the rest is for gaps and roundings.
+      // The relative and the shared error each receive a third of the tolerance. The rest is for gaps and
+      // rounding.
       const CertifiedPathIntegrator::Allowance allowance{
           working_ / 3, [&](std::size_t beam, std::size_t sample) {
             const std::size_t bin = (first + beam) * row + sample;

@@ -9,12 +9,15 @@
 #include "engine/certified/certified_gain.hpp"
 #include "geometry/numbers/enclosure_slack.hpp"
 
+// Bounds the change of beam patterns for directions that differ by a small angle, and the resulting error of
+// energies. It uses the largest slopes of the square roots of patterns and the inequality of Cauchy and
+// Schwarz. See docs/reference.md, section "Of two ends".
 namespace tubefoot {
 namespace {
 
 constexpr double slack = enclosure_slack;
 
-/// The cosines between an axis and directions.
+/// Cosines between an axis and directions.
 Interval cosines_of(const glm::dvec3& axis, const Towards& towards) {
   const double range = glm::length(towards.centre_m);
   if (!(range > towards.radius_m)) return {-1, 1};
@@ -23,16 +26,17 @@ Interval cosines_of(const glm::dvec3& axis, const Towards& towards) {
   return {std::max(middle - apart, -1.0), std::min(middle + apart, 1.0)};
 }
 
-/// How much the root of a pattern may change where a direction is off by an angle, and its cosine with the
-/// pattern's axis by a part of itself besides. Steepest are sinc x = sin(pi x) / (pi x) with 1.3703, 2 J1(x)
-/// / x with 0.37 (by x^2: 1/8), and exp(-2 ln 2 (a / size)^2) with 1.0099 / size.
+/// Bound of the change of a pattern's square root. The direction has an error of `turn_rad`, and its cosine
+/// with the pattern's axis an additional relative error of `stretch`. Largest slopes: sinc x = sin(pi x) /
+/// (pi x) has 1.3703. The function 2 J1(x) / x has 0.37, or 1/8 as a function of x^2. The function exp(-2 ln
+/// 2 (a / size)^2) has 1.0099 / size.
 double root_change(const Directivity& d, double turn_rad, double stretch, const Towards& towards) {
   if (d.kind == Directivity::Kind::uniform) return 0;
   if (d.kind == Directivity::Kind::line) return 1.3705 * d.size * (turn_rad + stretch);
   if (d.kind == Directivity::Kind::piston)
     return 0.4 * d.size * 1.01 * turn_rad + d.size * d.size / 4 * 1.01 * stretch;
-  // Functions of the angle: d acos w = d asin w = dw / sqrt(1 - w^2), and no change of an angle is larger
-  // than that from 0.
+  // Functions of the angle have d acos w = d asin w = dw / sqrt(1 - w^2) in modulus. The change of an angle
+  // is largest at angle 0.
   const double flattest = std::min(cosines_of(d.axis, towards).largest() + stretch, 1.0),
                sine = std::sqrt((1 - flattest) * (1 + flattest)),
                turn =

@@ -8,10 +8,11 @@
 #include "engine/scattering/beam_pattern.hpp"
 #include "engine/scattering/path.hpp"
 
-// What beam patterns may make of places that are seen in slightly other directions than they are laid out in.
+// Bounds the effect of direction errors on beam patterns. Rays to a point start in slightly other directions
+// than those of the flattened point.
 namespace tubefoot {
 
-/// Directions to what is no farther than that from a place.
+/// Directions to all points within a radius of a centre.
 struct Towards {
   glm::dvec3 centre_m{0};
   double radius_m = 0;
@@ -19,20 +20,21 @@ struct Towards {
   static Towards places(std::span<const glm::dvec3> places_m);
 };
 
-/// No less than what a pattern leaves in these directions.
+/// Upper bound of a pattern in these directions.
 double most_of(const Directivity& pattern, const Towards& towards);
 double most_of(const TransmitPattern& transmit, const Towards& towards);
-/// Or mirrors let pass.
+/// Upper bound of the mirror losses in these directions.
 double most_of(const MirrorLoss& loss, const Towards& towards);
 
-/// What patterns in slightly other directions make of an energy, which would be `plain` without patterns.
-/// With a^2 and b^2 the patterns there and back, integrals of a times others are bounded by Cauchy's and
-/// Schwarz's inequality.
+/// Bound of the energy error due to patterns in slightly wrong directions, where `plain` is the energy
+/// without patterns. Let a^2 and b^2 be the transmit and receive patterns. The inequality of Cauchy and
+/// Schwarz bounds integrals of a times other factors.
 struct PatternAmbiguity {
   double tx_change = 0, tx_beams = 1, most_tx = 1;
   double rx_change = 0, most_rx = 1;
 
-  /// of the transmit leg; the receive leg is taken after that, of one receiver or the worst of several.
+  /// The constructor sets the transmit leg. take_rx() then adds a receive leg: of one receiver, or the worst
+  /// of several.
   PatternAmbiguity() = default;
   PatternAmbiguity(const TransmitPattern& transmit, const Towards& there, const BistaticEnclosure& proven);
   void take_rx(const Directivity& receive, const Towards& back, const BistaticEnclosure& proven);

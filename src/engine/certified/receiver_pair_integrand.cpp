@@ -7,13 +7,17 @@
 
 #include "geometry/numbers/complex_ranges.hpp"
 
+// Encloses sqrt(E_upper E_lower) times the cosine and sine of the phase between two receivers. In the
+// complex plane e^|Im z| bounds the moduli of cos z and sin z. See docs/reference.md, section "Two
+// receivers".
 namespace tubefoot {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// Corners of a polygon, but for those at edges so short that their directions are hardly known: what is left
-/// is inscribed, and each that is left out takes no more than half the product of its edges.
+/// Returns the corners of a polygon without those at very short edges, whose directions are hardly known.
+/// The result is an inscribed polygon. Each omitted corner removes an area of at most half the product of
+/// its edges, which is added to `ambiguous`.
 std::vector<CertifiedPolygon::Point> without_short_edges(const CertifiedPolygon& polygon, Ball& ambiguous) {
   std::vector<CertifiedPolygon::Point> kept;
   double widest = 0;
@@ -81,7 +85,7 @@ bool ReceiverPairIntegrand::take(const PlanePlace<Ball>& box, std::vector<double
   for (double& value : off) value = (one[0] + other[0]) / 2;
   if (with_energies_) off[3] = one[0], off[4] = other[0];
   if (!upper_.energy.take_pieces(box) || !lower_.energy.take_pieces(box)) return false;
-  // Roots of patterns have corners at their zeros.
+  // Square roots of patterns have corners at the zeros of the patterns.
   return upper_.gains.has_no_zero(box, upper_.energy.rx().range(box)) &&
          lower_.gains.has_no_zero(box, lower_.energy.rx().range(box));
 }
@@ -123,7 +127,7 @@ std::pair<CertifiedPolygon, Ball> common_part(const CertifiedPolygon& one, const
     const CertifiedPolygon::Point &a = points[i], &b = points[i + 1 == n ? 0 : i + 1];
     const Ball dx = b.x - a.x, dy = b.y - a.y, length = root(squared(dx) + squared(dy));
     if (!length.surely_positive()) {
-      ambiguous += Ball(length.hi()) * one.perimeter;  // cuts off no more than it is long
+      ambiguous += Ball(length.hi()) * one.perimeter;  // cuts off no more than its length
       continue;
     }
     std::vector<Ball> height;
@@ -132,7 +136,7 @@ std::pair<CertifiedPolygon, Ball> common_part(const CertifiedPolygon& one, const
       height.push_back((dx * (p.y - a.y) - dy * (p.x - a.x)) / length);
       level = std::max(level, 2 * (height.back().hi() - height.back().lo()));
     }
-    // What is nearer to the line than that is taken to be on it.
+    // Points nearer to the line than this count as lying on it.
     ambiguous += Ball(2 * level) * one.perimeter;
     auto sides = split(left.points, height, level);
     if (sides[0].empty()) continue;

@@ -6,34 +6,36 @@
 
 #include "engine/certified/certified_path_energy.hpp"
 
-// The mean product of what two receivers on a receiver pair receive of a facet, in balls. Heavy: include only
-// in .cpp files.
+// Integrand of the mean product of a receiver pair's two signals from a facet, in balls. Include this heavy
+// header only in .cpp files.
 namespace tubefoot {
 
-/// The way by one of them: what the seabed returns along it, and patterns.
+/// Path to one of the receivers: return of the seabed along the path, and patterns.
 struct ReceiverPairPath {
   CertifiedPathEnergy energy;
   CertifiedPathGains gains;
 };
 
-/// The phase between both: turn * along / (range to the upper + range to the lower).
+/// Phase between the two receivers: turn * along / (range to the upper + range to the lower).
 struct ReceiverPairPhase {
   CertifiedEnd::Trace along;
   Ball turn;
-  double growth = 0;  ///< about how much it changes over a radian
+  double growth = 0;  ///< approximate change of the phase per radian
 
-  /// Of a place that lies where it is seen, the receiver pair's middle there from the apex of the transmit
-  /// leg: (upper^2 - lower^2) / (upper + lower), so that nothing cancels where the baseline is short.
+  /// For points at their true positions. `middle_m`: position of the pair's middle relative to the apex of
+  /// the transmit leg. The form (upper^2 - lower^2) / (upper + lower) avoids cancellation for short
+  /// baselines.
   ReceiverPairPhase(const CertifiedEnd& out, const ReceiverBaseline& receiver_pair,
                     const glm::dvec3& middle_m);
-  /// Of two receivers over the plane of a facet that is flattened.
+  /// For two receivers over the plane of a flattened facet.
   ReceiverPairPhase(const ApexOverPlane& upper, const ApexOverPlane& lower, double wavenumber_rad_m);
 };
 
-/// The root of both energies' product: its size, and its parts with the phase between the receivers.
+/// Geometric mean of both energies: its size, and its real and imaginary part with the phase between the
+/// receivers.
 class ReceiverPairIntegrand : public CertifiedIntegrand {
  public:
-  /// `with_energies`: two values more, both energies.
+  /// `with_energies`: both energies are two additional values.
   ReceiverPairIntegrand(ReceiverPairPath upper, ReceiverPairPath lower, ReceiverPairPhase phase,
                         const CertifiedCell* texture, bool with_energies = false)
       : upper_(std::move(upper)),
@@ -58,8 +60,8 @@ class ReceiverPairIntegrand : public CertifiedIntegrand {
   bool with_energies_;
 };
 
-/// What of a polygon lies in another one of the same plane, and the area of what may, at their edges. No
-/// points: no more than that.
+/// Returns the part of a polygon that lies in another polygon of the same plane, and the area of the
+/// uncertain part along their edges. If the part has no points, only the uncertain part may be common.
 std::pair<CertifiedPolygon, Ball> common_part(const CertifiedPolygon& one, const CertifiedPolygon& other);
 
 }  // namespace tubefoot

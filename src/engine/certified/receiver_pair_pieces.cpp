@@ -10,14 +10,17 @@
 #include "engine/certified/receiver_pair_integrand.hpp"
 #include "geometry/numbers/enclosure_slack.hpp"
 
+// Encloses products of a receiver pair over intersections of visible pieces on flattened facets. The result
+// is widened by the enclosures of factors, ranges, patterns and texture. See docs/reference.md, section "Of
+// two receivers".
 namespace tubefoot {
 namespace {
 
 constexpr double slack = enclosure_slack;
-constexpr double whatever = 1e100;  // allowed of what is not asked for
+constexpr double whatever = 1e100;  // allowance for values that are not needed
 
-/// What a sample has of pieces without factors: both parts of the product, no less and no more, and upper
-/// bounds of its size and of either energy.
+/// Sums of a sample over pieces, without factors: both parts of the product as intervals, and upper bounds
+/// of its size and of either energy.
 struct Sums {
   BinInterval real, imag;
   double size = 0, energy = 0;
@@ -53,7 +56,7 @@ ReceiverPairPieces::ReceiverPairPieces(const EchoModel& model, double wavenumber
       beta_(Ball(model.absorption_db_per_m) * log(Ball(10)) / Ball(10)) {}
 
 ReceiverPairPieces::OnFacet ReceiverPairPieces::on(FacetId facet, const By& upper, const By& lower) const {
-  // Hardly more than what is known, and so wide that ellipses about a border are resolved with ease.
+  // The shift is at least a small part of a sample, so that ellipses about a border are easily resolved.
   const double shift = std::max({upper.proven.shift_m, lower.proven.shift_m, 1e-7 * step_m_}) * (1 + slack);
   OnFacet on{upper, lower, model_.material[facet], ShiftedSamples(borders_, step_m_, shift), nullptr};
   on.integrator = std::make_unique<CertifiedPathIntegrator>(on.samples.borders());
@@ -74,7 +77,8 @@ void ReceiverPairPieces::add(OnFacet& on, const Seen& upper, const Seen& lower, 
                       homes[2]{by_upper.energy.rx().over(), by_lower.energy.rx().over()};
   const ReceiverPairPhase phase(homes[0], homes[1], wavenumber_);
   const std::span both = std::span(homes).first(phase.growth > 0 ? 2 : 1);
-  // Either energy of an even seabed without patterns: the root of their product is no more than their mean.
+  // Either energy of an untextured seabed without patterns. Their mean bounds the square root of their
+  // product.
   CertifiedPathIntegrand plain[2]{{by_upper.energy, {}, nullptr}, {by_lower.energy, {}, nullptr}};
   PatternAmbiguity ambiguity;
   if (weighed) {
@@ -101,7 +105,7 @@ void ReceiverPairPieces::add(OnFacet& on, const Seen& upper, const Seen& lower, 
         }};
   };
 
-  // Of places that one receiver receives next to a border, and of those that may or may not be common to
+  // Adds points that one receiver receives next to a border, and points that may or may not be common to
   // both.
   const auto add_ambiguous = [&](std::size_t sample, std::span<const Ball> values) {
     on.samples.add(0, std::uint32_t(sample), 0, std::max(values[0].hi(), 0.0) / 2 * largest, found.ambiguous);
@@ -124,7 +128,7 @@ void ReceiverPairPieces::add(OnFacet& on, const Seen& upper, const Seen& lower, 
   const std::size_t cells = cut ? cut_by_cells(part, *texture, lies, most_cells, {}) : 0;
   const BinInterval even = cells > 0 ? BinInterval{1, 1} : range;
   const double change = cells > 0 ? change_of(*texture, on.upper.proven.place_off_m) : 0;
-  // What changes of patterns and of texture are reported by.
+  // Energies that scale the errors due to patterns and texture.
   std::map<std::size_t, double> alone[2];
   std::map<std::size_t, Sums> sums;
   if (weighed || change > 0)
@@ -149,7 +153,7 @@ void ReceiverPairPieces::add(OnFacet& on, const Seen& upper, const Seen& lower, 
       2.0, wavenumber_ * ReceiveRanges::largest_difference_m(on.upper.proven.rx, on.lower.proven.rx));
   const std::uint32_t row = std::uint32_t(borders_.size() - 1);
   for (const auto& [sample, own] : sums) {
-    if (sample % 2 == 0) continue;  // with what is next to a border
+    if (sample % 2 == 0) continue;  // counted with the points next to a border
     double off = 0;
     if (weighed || change > 0) {
       const double most = std::max(alone[0][sample], alone[1][sample]);

@@ -11,21 +11,23 @@
 #include "engine/certified/certified_texture.hpp"
 #include "engine/certified/refracted_bins.hpp"
 
-// The mean product of what two receivers receive of facets that they see elsewhere than the transmitter,
-// enclosed piece by piece. Heavy: include only in .cpp files.
+// Encloses the mean product of a receiver pair's signals in stratified water, piece by piece. The two
+// receivers and the transmitter see each facet at different apparent positions. Include this heavy header
+// only in .cpp files.
 namespace tubefoot {
 
-/// Of one fan of a receiver pair. On a facet that is laid out alike for both receivers
-/// (ReceiverPairFlattening) each has its factor and its ranges; the phase is that of those laid out but for
-/// their differences' (ReceiveRanges).
+/// Integrates products for one fan of a receiver pair. A facet has the same flattened plane for both
+/// receivers (ReceiverPairFlattening), but each receiver has its own factor and ranges. The phase is that of
+/// the flattened ranges, with the error of their difference (ReceiveRanges).
 class ReceiverPairPieces {
  public:
-  /// `model`: with the fan's patterns alone, if with any. `target`: by sample, how wide products may be.
+  /// `model` contains only the patterns of this fan, if any. `target`: permitted half-width of the products
+  /// by sample.
   ReceiverPairPieces(const EchoModel& model, double wavenumber_rad_m, std::span<const double> borders_m,
                      double step_m, std::vector<double> target, double tolerance);
 
-  /// By sample (beam 0), and of the second beam the imaginary part. `ambiguous.hi`: either part may have so
-  /// much more or less besides.
+  /// Products by sample. Beam 0 is the real part, beam 1 the imaginary part. `ambiguous.hi` may be added to
+  /// or subtracted from either part.
   struct Products {
     BinIntervals sure, ambiguous;
   };
@@ -33,7 +35,7 @@ class ReceiverPairPieces {
     const BistaticFacet& bistatic;
     const BistaticEnclosure& proven;
   };
-  /// A facet that was proven for both, for one thread.
+  /// State of a facet that is proven for both receivers, for one thread.
   struct OnFacet {
     By upper, lower;
     std::uint16_t material;
@@ -42,12 +44,12 @@ class ReceiverPairPieces {
   };
   OnFacet on(FacetId facet, const By& upper, const By& lower) const;
 
-  /// A piece of the transmitter's and a receiver's common visibility.
+  /// A piece of the common visibility of transmitter and receiver.
   struct Seen {
     std::span<const glm::dvec3> corners_m;
     glm::dvec3 receiver_m;
   };
-  /// What two pieces of the transmitter's same tube have in common.
+  /// Adds the intersection of two pieces in the same transmit tube.
   void add(OnFacet& on, const Seen& upper, const Seen& lower, Products& found) const;
 
  private:

@@ -13,6 +13,9 @@
 #include "engine/certified/reference_parts.hpp"
 #include "geometry/steps/stop.hpp"
 
+// Computes reference energies and products of a receiver pair in isovelocity water. Pieces that both
+// receivers see are intersected in ball arithmetic, and uncertain areas along edges are added as intervals.
+// See docs/reference.md, section "Two receivers".
 namespace tubefoot {
 namespace {
 
@@ -43,7 +46,7 @@ class ReceiverPairEncloser {
     }
   }
 
-  /// Without `energies` those are 0.
+  /// Without `energies`, the energies are 0.
   std::vector<Ball> enclose(bool energies, bool& coarse) {
     struct Job {
       const SharedFacet *upper, *lower;
@@ -108,7 +111,8 @@ class ReceiverPairEncloser {
                              std::span(model.patterns->receive).first(1));
     return {std::move(energy), std::move(gains)};
   }
-  /// False where a receiver looks along the plane or at its back, which only the grid's half units can do.
+  /// Returns false if a receiver sees the plane from behind. This happens only by rounding of half a grid
+  /// unit. Throws if the receiver lies in the plane.
   bool faces(std::size_t end, const CertifiedPolygon& polygon) const {
     const Ball height = apex_over(polygon, at_m_[end]).height;
     if (height.may_be_zero())
@@ -116,7 +120,7 @@ class ReceiverPairEncloser {
     return height.surely_positive();
   }
 
-  /// `add(part, cell, even, cells)` for the parts of a polygon by cells of its texture.
+  /// Calls `add(part, cell, even, cells)` for the parts of a polygon by cells of its texture.
   template <class Add>
   void by_cells(FacetId facet, const CertifiedPolygon& polygon, const Add& add) {
     const CertifiedTexture* texture = textures_[models_[0]->material[facet]].get();
@@ -131,7 +135,7 @@ class ReceiverPairEncloser {
                    add(part, &cell, Ball(1), double(cells));
                  });
   }
-  /// Parts are many: a guess, which other tries make up for.
+  /// Permitted error of a part. The number of parts is a guess, and repeated tries correct it.
   double allowed(std::size_t channel, std::size_t sample, double cells) const {
     return std::max(target_[channel * samples() + sample] / (30 * cells), least_allowed);
   }
@@ -173,7 +177,7 @@ class ReceiverPairEncloser {
              });
   }
 
-  /// What may or may not be common to both, of what the upper one sees.
+  /// Adds the uncertain part of the intersection, relative to the piece that the upper receiver sees.
   void add_ambiguous(FacetId facet, const CertifiedPolygon& polygon, const Ball& ambiguous,
                      CertifiedPathIntegrator& integrator, Bins& bins) {
     const CertifiedTexture* texture = textures_[models_[0]->material[facet]].get();

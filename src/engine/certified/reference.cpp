@@ -16,14 +16,16 @@
 #include "engine/certified/reference_parts.hpp"
 #include "geometry/steps/steps.hpp"
 
+// Computes reference energies of monostatic echoes in isovelocity water: intervals of doubles first, then
+// balls, with texture cells and beam patterns. See docs/reference.md.
 namespace tubefoot {
 namespace {
 
-/// Up to this tolerance all is done in balls. Doubles keep finer ones, too, but energies that were published
-/// at this one are to come out the same to the last bit.
+/// Up to this tolerance, all integrals use balls. Doubles also reach smaller tolerances. However, the
+/// energies published at this tolerance must be reproduced to the last bit.
 constexpr double finest_in_balls = 1e-9;
 
-/// As Bins.
+/// The same as Bins, in intervals.
 using IntervalBins = std::map<std::size_t, Interval>;
 
 std::pair<std::uint32_t, std::uint32_t> beams_of(std::uint32_t tube,
@@ -33,7 +35,7 @@ std::pair<std::uint32_t, std::uint32_t> beams_of(std::uint32_t tube,
   return {beam_of_tube[tube], beam_of_tube[tube] + 1};
 }
 
-/// About how many slabs share a bin.
+/// Approximate number of slabs that share a bin.
 std::vector<double> slabs_of_bins(const History& history, std::span<const std::uint32_t> beam_of_tube,
                                   std::span<const double> borders, const EchoModel& model, std::size_t bins) {
   const std::size_t samples = borders.size() - 1;
@@ -50,8 +52,8 @@ std::vector<double> slabs_of_bins(const History& history, std::span<const std::u
   return slabs;
 }
 
-/// One try: parts are enclosed to `working`, and the bounds held against `tolerance`. `coarse`: some texture
-/// has too many cells, so that no narrower try would help.
+/// One try. Parts are enclosed to `working`, and the bounds are compared with `tolerance`. `coarse` becomes
+/// true if some texture has too many cells, so that a narrower try would not help.
 CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const History& history,
                            const VisibilityOptions& options, std::span<const std::uint32_t> beam_of_tube,
                            const RangeSamples& samples, const EchoModel& model, const Echo& ordinary,
@@ -85,7 +87,7 @@ CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const H
     const NameContext context{mesh, tubes.apex, seen.rays};
     CertifiedIntegrator integrator(borders, beta);
     IntervalIntegrator interval_integrator(borders, {beta.lo(), beta.hi()});
-    // Whether a piece is enclosed by doubles alone.
+    // Returns whether doubles alone enclose a piece.
     const auto add_in_doubles = [&](const NamedPiece& piece) {
       if (!enclose_in_intervals(context, seen.corners, piece, history.grid_unit_m, in_doubles)) return false;
       const ScatteringModel* scattering = model.model_of(piece.facet);
@@ -117,7 +119,8 @@ CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const H
                         : Ball(model.material_mu[model.material[piece.facet]]) * squared(polygon.distance);
       if (!model.path.facet_factor.empty()) factor = factor * Ball(model.path.facet_factor[piece.facet]);
       const double size = factor.hi();
-      // A third each for what is relative and for what is shared; the rest is for gaps and roundings.
+      // The relative and the shared error each receive a third of the tolerance. The rest is for gaps and
+      // rounding.
       std::size_t cells = 1;
       const CertifiedIntegrator::Allowance allowance{
           working / 3, [&](std::uint32_t beam, std::uint32_t sample) {
@@ -125,7 +128,7 @@ CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const H
             const double sharers = std::max(slabs[bin], 1.0) * double(cells);
             return std::max(target[bin] / 3 / sharers / size, least_allowed);
           }};
-      Ball even(1);  // the factor of a texture where it is taken for one
+      Ball even(1);  // the range of a texture that is not cut into cells
       const auto sink = [&](const Part<Ball>& part) {
         by_tube[tube][part.beam * row + part.sample] += factor * even * part.value;
       };
@@ -184,7 +187,7 @@ std::vector<double> reference_targets(const Echo& echo, double tolerance) {
 }
 
 void compare_with(CertifiedEcho& certified, double tolerance) {
-  // What surely is there says how narrow a bound has to be.
+  // The certain part of the energy determines the requested bound.
   const auto row = std::size_t(certified.echo.samples);
   certified.bins_over = 0;
   certified.worst_ratio = 0;

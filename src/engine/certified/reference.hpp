@@ -13,50 +13,55 @@
 
 namespace tubefoot {
 
-/// A bin smaller than this, relative to its beam's strongest (and its square, to the ping's strongest), is
-/// held to the tolerance as if it were as large: a sliver in an empty bin must not force endless work.
+/// Floor of the required accuracy, relative to the strongest bin of the beam. Its square is the floor
+/// relative to the strongest bin of the ping. A smaller bin has the tolerance of a bin of this size, so that
+/// slivers in empty bins do not require endless work.
 constexpr double reference_floor = 1e-6;
 
-/// An echo of which every energy is known to lie within its bound.
+/// An echo in which each energy is proven to lie within its bound.
 struct CertifiedEcho {
   Echo echo;
-  std::vector<double> bound;  ///< half-width [J] of each energy's enclosure, laid out as the energies
-  /// Bins whose bound is above what was asked for, and the worst of them: bound over what it should be.
+  std::vector<double> bound;  ///< half-width [J] of each energy's enclosure, in the order of the energies
+  /// Number of bins whose bound exceeds the requested bound, and the worst of them by the ratio of bound to
+  /// requested bound.
   std::size_t bins_over = 0;
-  double worst_ratio = 0;  ///< of all finite bounds; at most 1 if these keep the tolerance
+  double worst_ratio = 0;  ///< over all finite bounds; at most 1 if they keep the tolerance
   int worst_beam = 0, worst_sample = 0;
 };
 
-/// What each energy's bound is to be.
+/// Returns the requested bound of each energy.
 std::vector<double> reference_targets(const Echo& echo, double tolerance);
-/// Counts the bins whose bound is above that, what surely is there taken for their energy.
+/// Counts the bins whose bound exceeds the requested bound. The lower end of each enclosure counts as the
+/// energy.
 void compare_with(CertifiedEcho& certified, double tolerance);
 
-/// The first material whose micro-texture no reference can enclose: certify_echo() would refuse it. Perlin
+/// Returns the first material whose micro-texture cannot be enclosed, which certify_echo() rejects. Perlin
 /// noise, maps and products of them can be enclosed.
 std::optional<std::size_t> material_without_enclosure(
     std::span<const std::shared_ptr<const ReflectivityField>> reflectivity);
 
-/// The micro-textures of a law by material, null where it is even. Throws std::invalid_argument for one that
-/// cannot be enclosed.
+/// Returns the micro-textures of a model by material, null for untextured ones. Throws std::invalid_argument
+/// for a texture that cannot be enclosed.
 std::vector<std::shared_ptr<const CertifiedTexture>> certified_textures(const EchoModel& model);
 
-/// Of a texture, in one piece: half a minute's work. A piece of more is enclosed by the texture's range.
+/// Largest number of texture cells in one piece, which take half a minute. A piece with more cells is
+/// enclosed by the range of the texture.
 constexpr std::size_t most_cells = 1 << 16;
 
-/// Encloses the echo of one ping: exact visibility, corners from exact integers, iso-range cuts and integrals
-/// in ball arithmetic, refined until each bound is at most tolerance * max(energy, reference_floor * the
-/// beam's strongest, reference_floor^2 * the ping's strongest). `ordinary` is the same ping's echo by
-/// integrate_echo() and only guides the work. `options` must name an exact arithmetic. docs/reference.md says
-/// what is certain and what is not.
+/// Encloses the echo of one ping with exact visibility, corners from exact integers, iso-range cuts, and
+/// integrals in ball arithmetic. The enclosures are refined until each bound is at most tolerance *
+/// max(energy, reference_floor * strongest of the beam, reference_floor^2 * strongest of the ping).
+/// `ordinary` is the echo of the same ping by integrate_echo() and only guides the work. `options` must name
+/// an exact arithmetic. The page docs/reference.md states what is certain.
 CertifiedEcho certify_echo(const FacetMesh& mesh, const SceneTree& tree, const History& history,
                            const VisibilityOptions& options, std::span<const std::uint32_t> beam_of_tube,
                            const RangeSamples& samples, const EchoModel& model, const Echo& ordinary,
                            double tolerance);
 
-/// The same of what two apexes share, in isovelocity water, or two images of them (law.path): corners rounded
-/// as FootprintSharer rounds them, ellipses of one path length and integrals in ball arithmetic. `mesh`: of
-/// the history's facets. `ordinary` is integrate_echo()'s of the same arguments.
+/// Does the same for the common visibility of two apexes, or of two images of them (model.path), in
+/// isovelocity water. Corners are rounded as FootprintSharer rounds them. Ellipses of equal path length and
+/// integrals are computed in ball arithmetic. `mesh` contains the facets of the history. `ordinary` is the
+/// result of integrate_echo() for the same arguments.
 CertifiedEcho certify_echo(const FacetMesh& mesh, const BistaticHistory& history, const ReceiveBeams& beams,
                            const RangeSamples& samples, const EchoModel& model, const Echo& ordinary,
                            double tolerance);

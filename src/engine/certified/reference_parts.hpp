@@ -8,15 +8,15 @@
 #include "engine/certified/reference.hpp"
 #include "geometry/numbers/interval.hpp"
 
-// What references of one apex and of two have in common. Heavy: include only in .cpp files.
+// Common parts of references for one apex and for two. Include this heavy header only in .cpp files.
 namespace tubefoot {
 
 constexpr double least_allowed = 1e-300;
 
-/// Enclosures by bin, of one task.
+/// Enclosures by bin, for one task.
 using Bins = std::map<std::size_t, Ball>;
 
-/// Enclosures by bin of many tasks, added up in their order. Only samples that something is in have rows.
+/// Enclosures by bin, summed over many tasks in their order. Only samples with contributions have rows.
 class BinSums {
  public:
   BinSums(std::size_t beams, std::size_t samples) : beams_(beams), rows_(samples) {}
@@ -40,12 +40,13 @@ class BinSums {
   std::vector<std::vector<Interval>> rows_;
 };
 
-/// Energies and bounds of enclosures, held against a tolerance.
+/// Converts enclosures to energies and bounds, and compares the bounds with a tolerance.
 CertifiedEcho enclosed_echo(const Echo& ordinary, const std::vector<Ball>& total, double tolerance);
 
-/// How a bin's tolerance is shared out among its parts is a guess, which a bin of very many small parts may
-/// prove wrong: then all of them are done again, as much narrower as that bin needs, at most twice.
-/// `enclose(working, coarse)`: parts enclosed to `working`; `coarse`: no narrower try would help.
+/// Repeats the enclosure until the tolerance is met, at most twice. The distribution of a bin's tolerance
+/// over its parts is a guess, which may fail for a bin with very many small parts. Each repetition narrows
+/// all parts by the ratio that the worst bin requires. `enclose(working, coarse)` encloses the parts to
+/// `working` and sets `coarse` if a narrower try would not help.
 CertifiedEcho refined_until_tolerance(double tolerance,
                                       const std::function<CertifiedEcho(double, bool&)>& enclose);
 

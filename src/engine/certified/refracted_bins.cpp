@@ -9,6 +9,8 @@
 
 #include "geometry/numbers/enclosure_slack.hpp"
 
+// Implements the bins, samples and selections that references in stratified water share. Launch directions
+// of unproven rays are bounded by RayEnclosure::most_turn_rad() above and below the straight line.
 namespace tubefoot {
 namespace {
 
@@ -31,7 +33,7 @@ Looked::Looked(std::span<const FacetEnclosure> facets) : facets_(facets), balls_
     balls_[f] = {centre, radius * (1 + slack) + facet.travel_path_error_m};
   }
   std::ranges::sort(gaps);
-  // The tree is asked for those that move little; the others are looked at one by one.
+  // The tree finds the facets with small travel-path errors. The others are tested one by one.
   if (!gaps.empty())
     usual_travel_path_error_m_ = 4 * gaps[gaps.size() / 2], most_travel_path_error_m_ = gaps.back();
   for (FacetId f = 0; f < facets.size(); ++f)

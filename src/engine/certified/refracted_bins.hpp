@@ -12,33 +12,35 @@
 #include "engine/certified/reference.hpp"
 #include "engine/surface/sector.hpp"
 
-// What references through refracting water share: bins that hold no less and no more, samples whose borders
-// are not quite certain, and who looks where.
+// Common parts of references in stratified water: energy intervals by bin, and samples with uncertain
+// borders. Other classes select the facets that a tube may see, and find the ranges beyond which nothing is
+// proven. See docs/reference.md, section "Through refracting water".
 namespace tubefoot {
 
-/// A certified echo through refracting water.
+/// Certified echo in stratified water.
 struct RefractedReference {
-  /// Its worst ratio is that of the bounds that are finite.
+  /// The worst ratio considers only finite bounds.
   CertifiedEcho certified;
-  std::size_t unbounded = 0;  ///< bins that facets without a proven ray could reach: their bound is infinite
-  /// How many bins there are, and how many bounds are wider than asked. Infinite bounds are among them.
+  /// Number of bins with infinite bound, which facets without a proven ray may reach.
+  std::size_t unbounded = 0;
+  /// Number of bins, and number of bounds wider than requested. The latter includes infinite bounds.
   std::size_t bins = 0, bins_over = 0;
-  double usual_excess = 0;  ///< factor by which the middle one of the finite bounds among these is too wide
+  double usual_excess = 0;  ///< median ratio of the finite bounds among these to the requested bounds
 };
 
-/// Of a bin: no less, no more.
+/// Enclosure of the energy of a bin.
 struct BinInterval {
   double lo = 0, hi = 0;
 };
 using BinIntervals = std::map<std::size_t, BinInterval>;
 
-/// Samples that are cut `shift_m` before and after each border: number 2 k + 1 is surely of sample k, and 2 k
-/// lies about the border between k - 1 and k.
+/// Samples that are cut `shift_m` before and after each border. Sample 2 k + 1 certainly belongs to sample
+/// k. Sample 2 k lies about the border between k - 1 and k.
 class ShiftedSamples {
  public:
   ShiftedSamples(std::span<const double> borders, double step_m, double shift_m)
       : borders_(borders), shift_m_(shift_m), most_shift_m_(0.45 * step_m) {
-    // An interval so wide that borders meet is one sample about each.
+    // If the shift is so wide that borders meet, each border has one sample about it.
     const double shift = std::min(shift_m_, most_shift_m_);
     for (const double b : borders) {
       about_.push_back(std::max(b - shift, 0.0));
@@ -46,10 +48,10 @@ class ShiftedSamples {
     }
   }
   std::span<const double> borders() const { return about_; }
-  /// No place is surely of any sample.
+  /// Returns whether no position certainly belongs to any sample.
   bool too_wide() const { return shift_m_ > most_shift_m_; }
 
-  /// What a part of these samples has, from `lo` to `hi`, to the beam's bins.
+  /// Adds the energy of a part in one of these samples, between `lo` and `hi`, to the bins of a beam.
   void add(std::uint32_t beam, std::uint32_t sample, double lo, double hi, BinIntervals& bins) const {
     const std::size_t row = borders_.size() - 1, first = beam * row;
     if (too_wide()) {
@@ -73,50 +75,52 @@ class ShiftedSamples {
   std::vector<double> about_;
 };
 
-/// What keeps its bounds from being as narrow as asked.
+/// Compares an echo with a tolerance and counts the bins that miss it.
 RefractedReference reference_of(CertifiedEcho echo, double tolerance);
-/// What bins hold, added up in the order of the list.
+/// Sums the bins in the order of the list and compares them with a tolerance.
 RefractedReference reference_between(std::span<const BinIntervals> parts, const Echo& ordinary,
                                      double tolerance);
 
-/// An echo whose bounds are infinite where nothing is known. `hold`: against what is asked; `targets_of`:
-/// what bounds of one that surely has these energies are to be.
+/// Does the same for an echo whose unknown bounds are infinite. `hold` compares the bounds with the
+/// requested ones. `targets_of` returns the requested bounds for an echo that certainly has these energies.
 RefractedReference reference_of(CertifiedEcho echo, const std::function<void(CertifiedEcho&)>& hold,
                                 const std::function<std::vector<double>(Echo&& least)>& targets_of);
 
-/// Which facets have images that a tube may see.
+/// Selects the facets whose images a tube may see.
 class Looked {
  public:
   explicit Looked(std::span<const FacetEnclosure> facets);
   double most_gap_m() const { return most_travel_path_error_m_; }
 
-  /// By increasing id; and in directions beside the tube, within reach.
+  /// Returns the facets by increasing id. `beside_rad` also includes directions next to the tube, within its
+  /// reach.
   std::vector<FacetId> in(const Sector& tube, const SceneTree& tree, double beside_rad = 0) const;
 
  private:
   std::span<const FacetEnclosure> facets_;
-  std::vector<std::pair<glm::dvec3, double>> balls_;  // about each image
+  std::vector<std::pair<glm::dvec3, double>> balls_;  // around each image
   std::vector<FacetId> wide_;
   double usual_travel_path_error_m_ = 0, most_travel_path_error_m_ = 0;
 };
 
-/// Where the facets without a proven ray may be seen in a tube, and how soon.
+/// Directions and ranges of the facets without a proven ray.
 class Unknown {
  public:
   Unknown(std::span<const FacetEnclosure> facets, const RayEnclosure& rays);
-  /// Range beyond which nothing is known.
+  /// Returns the range beyond which nothing is proven in a tube.
   double begins_m(const Sector& tube) const;
 
  private:
   struct Around {
     glm::dvec3 centre_m{0};
     double radius_m = 0, nearest_m = 0;
-    DirectionBox launch;  // of rays to it
+    DirectionBox launch;  // launch directions of rays to the ball
     bool anywhere = false;
   };
-  /// Launched in the ball's vertical plane, up to most_turn_rad() higher or lower.
+  /// Sets the launch directions: in the vertical planes of the ball, up to most_turn_rad() higher or lower.
   void look_at(Around& ball) const;
-  /// False only if no tube looks where a ray to the ball may be launched, or none comes as far.
+  /// Returns false only if no tube contains a launch direction of a ray to the ball, or no tube reaches that
+  /// far.
   bool may_be_seen(const Around& ball, const Sector& tube) const;
   const RayEnclosure& rays_;
   std::vector<Around> balls_;

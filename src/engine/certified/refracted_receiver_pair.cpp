@@ -11,13 +11,16 @@
 #include "engine/certified/receiver_pair_reference.hpp"
 #include "geometry/steps/stop.hpp"
 
+// Computes reference energies and products of a receiver pair in stratified water, from the parts of two
+// bistatic references and the products over common pieces. See docs/reference.md, section "Of two
+// receivers".
 namespace tubefoot {
 namespace {
 
-constexpr double slack = 1e-9;  // far above the rounding of the doubles that it is laid on
+constexpr double slack = 1e-9;  // far above the rounding of the doubles that it widens
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// Facets that both receivers share with the transmitter, by their numbers in either's list.
+/// Returns the facets that both receivers share with the transmitter, by their indices in both lists.
 std::vector<std::array<std::size_t, 2>> common_facets(const std::array<BistaticParts, 2>& parts) {
   std::vector<std::array<std::size_t, 2>> both;
   const auto &up = parts[0].shared.facets, &down = parts[1].shared.facets;
@@ -96,7 +99,7 @@ RefractedReference certify_refracted_receiver_pair(const std::array<BistaticSurf
     const std::span all(parts[e].bins);
     for (const auto& [bin, part] : added_up(all)) total[e * row + bin] = {std::max(part.lo, 0.0), part.hi};
     take_ambiguous(all[parts[e].conservative]);
-    // What the transmitter is not certain of is that of both.
+    // Ambiguities of the transmitter belong to both receivers.
     for (const BinIntervals& bins : all.subspan(parts[e].first_ambiguity[e == 0 ? 0 : 1]))
       take_ambiguous(bins);
   }

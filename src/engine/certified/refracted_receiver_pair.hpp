@@ -5,14 +5,16 @@
 
 namespace tubefoot {
 
-/// Encloses what the two receivers of a fan's receiver pair receive through refracting water: rows as
-/// certify_receiver_pair_echo() has them. Each receiver is an end of a path of its own, whose rays lead to
-/// its true place; tubes look from the grid point next to it, in directions about it. So energies are those
-/// of two paths, and the phase between them is that of the times along both arcs home.
+/// Encloses the signals of a fan's receiver pair in stratified water. The rows are those of
+/// certify_receiver_pair_echo(). Each receiver is the end of its own path, and the rays of this path lead to
+/// the receiver's true position. Its tubes start at the nearest grid point, with directions relative to the
+/// receiver. The energies are those of two paths. The phase between the receivers follows from the travel
+/// times along both receive legs.
 ///
-/// `seabeds`, `tubes`: of one fan, with the upper and the lower receiver as their homes; `receiver_pair`: its
-/// wavenumber. `law.patterns`: those of the fan alone. `ordinary`: energies of either path, to guide the
-/// work. Throws as certify_refracted_echo().
+/// `seabeds` and `tubes` belong to one fan, with the upper and the lower receiver as receive ends.
+/// `receiver_pair` provides the wavenumber. The patterns of `model` are those of the fan alone. `ordinary`
+/// contains the energies of both paths and only guides the work. Throws the errors of
+/// certify_refracted_echo().
 RefractedReference certify_refracted_receiver_pair(const std::array<BistaticSurface, 2>& seabeds,
                                                    const std::array<BistaticTubes, 2>& tubes,
                                                    const VisibilityOptions& options,

@@ -9,6 +9,9 @@
 #include "geometry/numbers/enclosure_slack.hpp"
 #include "geometry/steps/stop.hpp"
 
+// Bounds ambiguous energies along occluding edges, along walls of tubes, and between facets that are closer
+// together than their range errors. Each bound is an energy per steradian times an upper bound of a solid
+// angle.
 namespace tubefoot {
 namespace {
 
@@ -18,7 +21,7 @@ using State = FacetEnclosure::State;
 
 std::uint64_t key_of(VertexId a, VertexId b) { return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b); }
 
-/// The part of a polygon on a plane through the apex's inner side, or a little beyond.
+/// Returns the part of a polygon on the inner side of a plane through the apex, or slightly beyond.
 Polygon clipped(const Polygon& polygon, const glm::dvec3& inward) {
   Polygon kept;
   const double size = glm::length(inward);
@@ -34,7 +37,7 @@ Polygon clipped(const Polygon& polygon, const glm::dvec3& inward) {
   return kept;
 }
 
-/// Upper bound of the solid angle of a cone of directions.
+/// Upper bound of the solid angle of a polygon, as seen from the apex.
 double solid_angle_of(const Polygon& polygon) {
   double sum = 0;
   for (std::size_t k = 2; k < polygon.size(); ++k) {
@@ -46,7 +49,7 @@ double solid_angle_of(const Polygon& polygon) {
   return sum * (1 + 1e-6) + 1e-15;
 }
 
-/// Ranges of a polygon on a plane at a distance.
+/// Range interval of a polygon on a plane at a given distance.
 std::pair<double, double> ranges_of(const Polygon& polygon, double plane_m) {
   double nearest = std::numeric_limits<double>::infinity(), farthest = 0, turn = 0;
   const glm::dvec3 first = glm::normalize(polygon.front());
@@ -55,12 +58,13 @@ std::pair<double, double> ranges_of(const Polygon& polygon, double plane_m) {
     farthest = std::max(farthest, glm::length(p));
     turn = std::max(turn, glm::distance(first, glm::normalize(p)));
   }
-  // Between corners that are 2 turn apart at most, a plane's range is no less than theirs times the cosine.
+  // Between corners at most 2 `turn` apart, the range to a plane is at least the ranges of the corners times
+  // the cosine.
   return {std::max(plane_m, nearest * (1 - std::min(2 * turn * turn, 1.0))) * (1 - slack),
           farthest * (1 + slack)};
 }
 
-/// Around a facet as it may be seen.
+/// Returns the cone around the apparent position of a facet.
 Cone cone_of(std::span<const glm::dvec3> corners) {
   glm::dvec3 sum(0);
   for (const glm::dvec3& p : corners) sum += glm::normalize(p);
@@ -71,14 +75,14 @@ Cone cone_of(std::span<const glm::dvec3> corners) {
   cone.spread_rad += 1e-7;
   return cone;
 }
-/// A chord is no longer than its angle.
+/// A chord is never longer than its angle.
 bool may_meet(const Cone& a, const Cone& b, double beyond_rad) {
   const glm::dvec3 between = a.axis - b.axis;
   const double apart = a.spread_rad + b.spread_rad + beyond_rad;
   return glm::dot(between, between) <= apart * apart * (1 + slack);
 }
 
-/// How far from where its apparent facet is an image may be seen.
+/// Largest angle between an image and its apparent facet.
 double beyond_rad(const FacetEnclosure& facet) {
   return facet.travel_path_error_m / facet.nearest_m * 1.1 + slack;
 }
@@ -142,8 +146,9 @@ void UncertainEdges::each_within(const Nearby& nearby, const Cone& cone, const T
   }
 }
 
-/// Inside a base facet that is all seen from the same side: its image goes on across. Places of two facets on
-/// either side of an edge do not hide each other next to it: the images of both end in that of the edge.
+/// An edge is smooth inside a base facet that is seen entirely from one side, because its image continues
+/// across the edge. For points, two facets on opposite sides of an edge do not hide each other next to it.
+/// The images of both end at the image of the edge.
 bool UncertainEdges::is_smooth(VertexId a, VertexId b) const {
   const auto found = edges_.find(key_of(a, b));
   if (found == edges_.end() || found->second.count != 2) return false;
@@ -196,7 +201,7 @@ void UncertainEdges::strip(const glm::dvec3& from, const glm::dvec3& to, double 
               enclosures_.facets[f].seen});
     return;
   }
-  // In parts, so that what lies behind them is not spread over more samples than it has to be.
+  // The strip is divided, so that facets behind it are not spread over more samples than necessary.
   const int parts =
       int(std::ceil(std::clamp(length / (8 * half_width_rad), std::max(1.0, 8 * length), 16.0)));
   const glm::dvec3 across = glm::normalize(glm::cross(start, end));
@@ -207,7 +212,8 @@ void UncertainEdges::strip(const glm::dvec3& from, const glm::dvec3& to, double 
     const double half = glm::distance(a, b), w = half_width_rad;
     const Cone cone{middle, half + w};
     each_within(nearby, cone, [&](FacetId f) {
-      // Facets do not hide their own places; what another of the same edge hides of them is for clash().
+      // Facets do not hide their own points. clash() treats points that another facet of the same edge
+      // hides.
       if (edge != nullptr && edge->count <= 2 &&
           (f == edge->facet[0] || (edge->count == 2 && f == edge->facet[1])))
         return;
@@ -221,8 +227,9 @@ void UncertainEdges::strip(const glm::dvec3& from, const glm::dvec3& to, double 
       part = clipped(part, glm::cross(b, across) + lean * middle);
       if (part.empty()) return;
       const auto [nearest, farthest] = ranges_of(part, facet.plane_m);
-      // An arc of no more than 1.01 times its chord, and all around it. A direction is in ambiguity beside
-      // the edge, a place beside wherever it is seen from there.
+      // The solid angle is that of an arc of at most 1.01 times its chord, with its surroundings. A
+      // direction is ambiguous next to the edge. A point is ambiguous next to all its possible apparent
+      // positions there.
       const double about = of_ == AmbiguitiesOf::directions ? w : wide,
                    angle_sr = (1.01 * half + 2 * about) * 2 * about * 1.01;
       sink({nearest - facet.shift_m - facet.travel_path_error_m,
@@ -236,7 +243,7 @@ void UncertainEdges::clash(const AmbiguousPiece& piece, FacetId other, const Amb
   const FacetEnclosure &one = enclosures_.facets[piece.facet], &two = enclosures_.facets[other];
   const double off = one.shift_m + two.shift_m;
   Polygon part = piece.corners_m;
-  // The other facet, or a little beside it.
+  // Region of the other facet, slightly widened.
   const double beside = two.travel_path_error_m / two.nearest_m * 1.02 + 1e-12;
   const Cone whole = cone_of(part);
   const auto give = [&](double beyond_m) {
@@ -245,11 +252,11 @@ void UncertainEdges::clash(const AmbiguousPiece& piece, FacetId other, const Amb
     if (of_ == AmbiguitiesOf::directions)
       return sink({from, to, (one.most_per_sr + two.most_per_sr) * angle_sr});
     sink({from, to, one.most_per_sr * angle_sr, piece.facet, part});
-    // The other's places may lie beside it: all of it may.
+    // Points of the other facet may lie outside of this region, so all of its points are included.
     sink({std::min(from, two.nearest_m), std::max(to, two.farthest_m), two.most_per_sr * angle_sr, other,
           two.seen});
   };
-  if (!(whole.spread_rad < 1.4 && beside < 0.1)) return give(off);  // nothing to clip by
+  if (!(whole.spread_rad < 1.4 && beside < 0.1)) return give(off);  // the region cannot be clipped
   const double turning = glm::dot(glm::cross(two.seen[0], two.seen[1]), two.seen[2]) < 0 ? -1 : 1;
   const double lean = beside / std::cos(whole.spread_rad);
   for (std::size_t k = 0; k < 3 && !part.empty(); ++k) {
@@ -257,7 +264,8 @@ void UncertainEdges::clash(const AmbiguousPiece& piece, FacetId other, const Amb
     part = clipped(part, turning * edge / glm::length(edge) + lean * whole.axis);
   }
   if (part.size() < 3) return;
-  // Ranges to the two planes differ by (N . direction) / (s1 s2), s their grazing angles' sines.
+  // Ranges to the two planes differ by (N . direction) / (s1 s2), where s1 and s2 are the sines of their
+  // grazing angles.
   const glm::dvec3 depth = one.plane_m * two.normal - two.plane_m * one.normal;
   const double close =
       off * (1 + 1e-6) / std::cos(whole.spread_rad) + slack * (one.plane_m + two.plane_m) * 1e-3;
@@ -271,7 +279,7 @@ void UncertainEdges::add_walls(std::span<const Wall> walls, double off_rad, std:
                                const AmbiguitySink& sink) const {
   if (walls.empty()) return;
   const Nearby near = nearby_of(nearby);
-  // Rays are rounded.
+  // The additional angle covers the rounding of rays.
   for (const Wall& wall : walls) strip(wall.first, wall.second, off_rad + 1e-9, near, sink);
 }
 
@@ -283,7 +291,8 @@ void UncertainEdges::add_ambiguities(const NameContext& context, const TubeVisib
     stop_if_wanted();
     const NamedPiece& named = seen.pieces[p];
     const AmbiguousPiece& piece = pieces[p];
-    // What bounds the piece: of the planes that two neighbouring corners share, those through mesh edges.
+    // Boundary of the piece. Among the planes that two neighbouring corners share, these are the planes
+    // through mesh edges.
     for (std::uint32_t k = 0; k < named.count; ++k) {
       const CornerName &c = seen.corners[named.first + k],
                        &d = seen.corners[named.first + (k + 1) % named.count];
@@ -305,7 +314,7 @@ void UncertainEdges::add_ambiguities(const NameContext& context, const TubeVisib
         return e / glm::length(e);
       };
       for (const PlaneName& plane : planes) {
-        // Walls are exact; where facets cross is for clash().
+        // Walls are exact. clash() treats crossings of facets.
         if (plane.depth || ((plane.a | plane.b) & ray_bit) || is_smooth(plane.a, plane.b)) continue;
         const auto edge = edges_.find(key_of(plane.a, plane.b));
         strip(direction(c), direction(d), half_width(plane.a, plane.b), near, sink,

@@ -10,15 +10,17 @@
 #include "geometry/integrals/certified_polygon.hpp"
 #include "geometry/visibility/visibility.hpp"
 
-// Directions in which it is not certain which facet is seen, because images are not exactly where apparent
-// facets are; and what they could return. Upper bounds all.
+// Bounds the energy from directions in which the visible facet is uncertain, because images differ slightly
+// from apparent facets. All results are upper bounds. See docs/reference.md, sections "Through refracting
+// water" and "Of two ends".
 namespace tubefoot {
 
-/// Up to `energy_j` more or less than the visible pieces' own, from ranges between these.
+/// Energy of up to `energy_j` that may be added to or missing from the visible pieces, from ranges between
+/// these.
 struct Ambiguity {
   double nearest_m = 0, farthest_m = 0, energy_j = 0;
-  FacetId facet = 0;  ///< with places: whose they are
-  /// And on its apparent facet, those in ambiguity.
+  FacetId facet = 0;  ///< with AmbiguitiesOf::places: facet of the points
+  /// Ambiguous part of the apparent facet, also with AmbiguitiesOf::places.
   std::span<const glm::dvec3> part_m{};
 };
 using AmbiguitySink = std::function<void(const Ambiguity& ambiguity)>;
@@ -29,32 +31,33 @@ struct Cone {
   double spread_rad = 0;
 };
 
-/// A visible piece as ambiguities need it.
+/// Corners of a visible piece.
 struct AmbiguousPiece {
   FacetId facet = 0;
   std::vector<glm::dvec3> corners_m;
 };
 AmbiguousPiece seen_piece(const NamedPiece& piece, const CertifiedPolygon& polygon);
 
-/// What a direction decides, or a place: pieces of one apex are what is seen in a direction, met exactly by
-/// the walls of tubes, and at every edge between base facets another of them may be seen in it. Of pieces
-/// that are reported by places, facets' own edges are certain as long as neighbours lie on either side of
-/// them; which tube sees a place next to a wall is not.
+/// Determines whether pieces refer to directions or to points. Pieces of one apex refer to directions, which
+/// walls of tubes meet exactly. At every edge between base facets, another facet may be visible in a
+/// direction. For pieces that refer to points, facets' own edges are certain if the neighbours lie on
+/// opposite sides of them. However, it is uncertain which tube sees a point next to a wall.
 enum class AmbiguitiesOf { directions, places };
 
 class UncertainEdges {
  public:
-  /// All outlive this.
+  /// All arguments must outlive this object.
   UncertainEdges(const FacetMesh& apparent, std::span<const FacetId> parent,
                  const ApparentEnclosures& enclosures, AmbiguitiesOf of = AmbiguitiesOf::directions);
 
-  /// Of the pieces of one tube; `nearby`: all facets that may be in it.
+  /// Adds the ambiguities of the pieces of one tube. `nearby` contains all facets that may be in the tube.
   void add_ambiguities(const NameContext& context, const TubeVisibility& seen,
                        std::span<const AmbiguousPiece> pieces, std::span<const FacetId> nearby,
                        const AmbiguitySink& sink) const;
 
   using Wall = std::pair<glm::dvec3, glm::dvec3>;
-  /// Of places, on whichever facets: next to walls, each between two directions and off by that at most.
+  /// Adds ambiguities of points on any facet next to walls. Each wall lies between two directions and has an
+  /// error of at most `off_rad`.
   void add_walls(std::span<const Wall> walls, double off_rad, std::span<const FacetId> nearby,
                  const AmbiguitySink& sink) const;
 
@@ -62,17 +65,17 @@ class UncertainEdges {
   struct EdgeOf {
     FacetId facet[2];
     int count = 0;
-    double widest_rad = 0;  ///< of all its facets, how far images may be off
+    double widest_rad = 0;  ///< largest error of images over all its facets
   };
-  /// The proven facets of a tube, in the order of that coordinate of their axes in which they differ most.
+  /// Proven facets of a tube, sorted by the coordinate of their axes that varies most.
   struct Nearby {
     std::vector<FacetId> facets;
     std::vector<double> place;
     int coordinate = 0;
-    double widest_rad = 0;  ///< spread of any, and how far it may be off
+    double widest_rad = 0;  ///< largest sum of spread and error of a facet
   };
   Nearby nearby_of(std::span<const FacetId> facets) const;
-  /// Of `nearby`, those that may be seen within a cone.
+  /// Calls `take` for the facets of `nearby` that may be seen within a cone.
   template <class Take>
   void each_within(const Nearby& nearby, const Cone& cone, const Take& take) const;
   bool is_smooth(VertexId a, VertexId b) const;
@@ -87,7 +90,7 @@ class UncertainEdges {
   const ApparentEnclosures& enclosures_;
   AmbiguitiesOf of_;
   std::unordered_map<std::uint64_t, EdgeOf> edges_;
-  std::vector<Cone> cones_;  // by facet, of those that are proven
+  std::vector<Cone> cones_;  // by facet, for proven facets
 };
 
 }  // namespace tubefoot

@@ -5,8 +5,8 @@
 
 namespace tubefoot {
 
-/// Integral of x^i (1, x, x^2, x^3) from 0 to x is x^(i + 1) reciprocal[i] (1, first[i] x, second[i] x^2,
-/// third[i] x^3), i < terms.
+/// Coefficients of integrals from 0 to x, for i < terms. The integrals of x^i (1, x, x^2, x^3) are x^(i + 1)
+/// reciprocal[i] (1, first[i] x, second[i] x^2, third[i] x^3).
 template <int terms>
 struct Antiderivatives {
   std::array<double, terms> reciprocal{}, first{}, second{}, third{};

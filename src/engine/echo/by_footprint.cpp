@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sinks that ask whose an energy is.
+// Computes contributions and energies per footprint, with sinks that request attribution. The energies are
+// those of integrate(), distributed over footprints instead of bins.
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -11,15 +12,15 @@
 namespace tubefoot {
 namespace {
 
-/// Footprints that one task takes. No energy depends on it.
+/// Footprints per task. The energies do not depend on this number.
 constexpr std::size_t footprints_per_task = 128;
 
-/// All range samples as one: its ends are theirs, to the last bit.
+/// All range samples as one sample, whose ends are exactly equal to theirs.
 RangeSamples as_one(const RangeSamples& samples) {
   return {samples.first_m, samples.step_m * samples.count, 1};
 }
 
-/// Gathers a footprint's parts, which come one after the other, and keeps those that matter.
+/// Collects the consecutive parts of a footprint, and keeps those above the least share.
 class Gatherer {
  public:
   Gatherer(const Echo& echo, double least_share, std::vector<Contribution>& all)
@@ -74,7 +75,7 @@ std::vector<Contribution> contributions(const CommonVisibility& visibility, cons
   integrate(visibility.without_hits(), beams, samples, model, owned,
             [&](const Part<double>& part) { gatherer.take(part); });
   gatherer.settle();
-  // Footprints on micro-texture come after all others.
+  // Footprints with a reflectivity texture come after all others.
   std::stable_sort(all.begin(), all.end(),
                    [](const Contribution& a, const Contribution& b) { return a.footprint < b.footprint; });
   return all;
@@ -90,7 +91,7 @@ FootprintEnergies footprint_energies(const FootprintSet& footprints, const Commo
   EchoModel own_model = model;
   if (model.patterns != nullptr) {
     patterns = *model.patterns;
-    patterns.baselines.clear();  // footprints are the transmitter's
+    patterns.baselines.clear();  // footprints are those of the transmitter
     own_model.patterns = &patterns;
   }
   Quadrature owned = how;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Moments of stretches of directions, by the antiderivatives at their ends.
+// Adds the moments of spans of directions from antiderivatives at the ends of the spans. The density of a
+// span is a quadratic of the direction cosine (gain_panels.hpp).
 #include <algorithm>
 
 #include "engine/echo/antiderivatives.hpp"
@@ -59,8 +60,8 @@ void DirectionMoments::add(std::span<const CosineSpan> spans, double origin) {
   }
 }
 
-/// Spans that begin in one panel and end in one. Antiderivatives count from the panels' middles; what lies
-/// between the middles is added at once for all of them.
+/// Adds spans whose ends lie in the same two panels. Antiderivatives count from the panels' middles. The
+/// contribution between the middles is added once for all of these spans.
 void DirectionMoments::add_alike(std::span<const CosineSpan> spans, double origin) {
   const GainPanels::Panel &b = begin_.panel, &e = end_.panel;
   const Pair middle{b.middle, e.middle}, per_half{b.per_half, e.per_half},

@@ -9,6 +9,9 @@
 
 #include "engine/echo/quadratures.hpp"
 
+// Validates the arguments of integrate() and calls the quadrature for monostatic or bistatic visibility
+// (quadratures.hpp). integrate_echo() sums the parts per beam and range sample.
+
 namespace tubefoot {
 namespace {
 
@@ -78,7 +81,7 @@ void check(const CommonVisibility& visibility, const ReceiveBeams& beams, const 
     check_two_apexes(*visibility.two_apexes(), beams, samples, model, how);
 }
 
-/// Patterns by the directions that images have.
+/// Bistatic quadrature with the patterns' axes reflected for images.
 void between_two_apexes(const CommonVisibility& visibility, const ReceiveBeams& beams,
                         const RangeSamples& samples, const EchoModel& model, const Quadrature& how,
                         const Sink<double>& sink) {
@@ -118,7 +121,7 @@ void integrate(const CommonVisibility& visibility, const ReceiveBeams& beams, co
   if (!visibility.one_apex()) return between_two_apexes(visibility, beams, samples, model, how, sink);
   const std::vector<double> energy =
       integrate_one_apex(visibility, beams, samples, model, how, sink, {}).echo.energy;
-  if (how.by_owner && visibility.hits().empty()) return;  // all of it has been told
+  if (how.by_owner && visibility.hits().empty()) return;  // the sink has all parts
   const auto count = std::size_t(samples.count);
   for (std::size_t bin = 0; bin < energy.size(); ++bin)
     if (energy[bin] != 0) sink({std::uint32_t(bin / count), std::uint32_t(bin % count), energy[bin]});
@@ -134,7 +137,7 @@ LitEcho integrate_lit_echo(const CommonVisibility& visibility, const ReceiveBeam
                            std::vector<double> room) {
   how.by_owner = false;
   check(visibility, beams, samples, model, how);
-  // No sink between: pings of many bins are mostly that.
+  // Without a sink, because a sink takes most of the time of pings with many bins.
   if (visibility.one_apex())
     return integrate_one_apex(visibility, beams, samples, model, how, {}, std::move(room));
   LitEcho made{{beams.count, samples.count, std::move(room)}, {}};

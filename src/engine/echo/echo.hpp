@@ -11,25 +11,29 @@
 #include "engine/scattering/range_samples.hpp"
 #include "engine/visibility/common_visibility.hpp"
 
+// Integrates the echo of visible polygons per beam and range sample. Sample k contains the half paths from
+// first + k step on, half of transmit leg plus receive leg. density.hpp has the integrand. See docs/paths.md
+// for mirrors.
+
 namespace tubefoot {
 
-/// How a footprint's energy gets into range samples.
+/// Method that distributes the energy of a footprint over range samples.
 enum class Binning {
-  exact,     ///< cut at the samples' borders, integrated over each part
-  spread,    ///< the law at the centroid, evenly over the footprint's interval of slant range (or half path)
-  centroid,  ///< the law at the centroid, all in the sample that holds the centroid's slant range
+  exact,     ///< cut at the borders of samples and integrated over each part
+  spread,    ///< model at the centroid, uniform over the footprint's interval of slant range (or half path)
+  centroid,  ///< model at the centroid, all in the sample that contains the centroid's slant range
 };
 
-/// Name as in scene files; throws std::invalid_argument.
+/// Binning with a name of scene files. Throws std::invalid_argument.
 Binning binning_from_name(std::string_view name);
 std::string_view name_of(Binning binning);
 
-/// Which beams receive what.
+/// Assignment of tubes to beams.
 struct ReceiveBeams {
   int count = 0;
-  std::span<const std::uint32_t> of_tube;  ///< the beam that a tube of the receive leg belongs to
-  /// Fans of the tubes of two apexes: a receiver receives the transmissions of its own fan only. Both empty:
-  /// one fan.
+  std::span<const std::uint32_t> of_tube;  ///< beam of each tube of the receive leg
+  /// Fans of the tubes of both apexes. A receiver receives only transmissions of its own fan. If both are
+  /// empty, there is one fan.
   std::span<const std::uint32_t> fan_of_transmit_tube{}, fan_of_receive_tube{};
 
   bool in_one_fan(std::uint32_t transmit_tube, std::uint32_t receive_tube) const {
@@ -38,21 +42,22 @@ struct ReceiveBeams {
   }
 };
 
-/// Relative error that paths between two apexes keep if they are not told otherwise.
+/// Default relative error for bistatic paths.
 constexpr double bistatic_tolerance = 1e-10;
 
-/// How energies are integrated.
+/// Settings of the integration.
 struct Quadrature {
   Quadrature(Binning by = Binning::exact, double tolerance = bistatic_tolerance)  // NOLINT: a binning is one
       : binning(by), path_tolerance(tolerance) {}
 
-  Binning binning;        ///< of footprints
-  double path_tolerance;  ///< relative error between two apexes
-  bool by_owner = false;  ///< parts are reported with whose they are (Part::seen, tx_tube)
+  Binning binning;        ///< binning of footprints
+  double path_tolerance;  ///< relative error for bistatic paths
+  bool by_owner = false;  ///< parts are reported with their facet and tube (Part::seen, tx_tube)
 };
 
-/// Energy [J] per beam and range sample of one ping, beam-major: energy[beam * samples + sample]. With
-/// baselines (BeamPatterns) that is what the upper receiver receives, and three more such blocks follow.
+/// Received energy density in J/m² for 1 J/sr at 1 m, per beam and range sample of one ping, beam-major:
+/// energy[beam * samples + sample]. With baselines (BeamPatterns) this block is that of the upper receiver,
+/// and three more blocks follow.
 struct Echo {
   int beams = 0;
   int samples = 0;
@@ -60,65 +65,68 @@ struct Echo {
   double at(int beam, int sample) const { return energy[std::size_t(beam) * samples + sample]; }
 };
 
-/// Integrates what a path returns of all that it sees into range samples of beams, and hands it to `sink`
-/// (rows of channels follow each other: beam = channel * beams.count + beam). Sample k covers half paths,
-/// (out + home) / 2, from first + k step on. density.hpp has what an area element returns; that is weighed by
-/// texture at its place, by the transmit pattern in the direction from the apex of the transmit leg, by the
-/// receive pattern in that from the apex of the receive leg, and by what mirrors on either way take
-/// (law.path).
+/// Integrates the echo of a path over all that it sees, per range sample and beam, and passes the results to
+/// `sink`. The rows of channels follow each other: beam = channel * beams.count + beam. Sample k contains
+/// the half paths (transmit leg + receive leg) / 2 from first + k step on. The integrand is that of
+/// density.hpp times four factors. They are the texture at the place, the transmit and the receive pattern,
+/// and the losses of mirrors on both legs (model.path). A pattern is evaluated in the direction from the
+/// apex of its leg.
 ///
-/// One apex: footprints are cut at the samples' borders, arcs on the facet, and integrated, range in closed
-/// form, with patterns or texture by polar moments (pattern_integral.hpp); or they are binned as
-/// `how.binning` says, which reads what measure() filled, the law and the texture taken at the centroid. A
-/// ray's hit falls into the sample that holds its range. With patterns a beam receives the tubes that
-/// `law.patterns->beams_of_tube` says.
+/// Monostatic: footprints are cut at the samples' borders, which are arcs on the facet. Ranges are
+/// integrated in closed form, patterns and texture by polar moments (pattern_integral.hpp). With another
+/// `how.binning`, the values of measure() are used, with the model and the texture at the centroid. The hit
+/// of a ray belongs to the sample that contains its range. With patterns, `model.patterns->beams_of_tube`
+/// gives the tubes that a beam receives.
 ///
-/// Two apexes: cells between ellipses (path_cut.hpp), Lambert's law being mu sin(out) sin(home) and another
-/// sqrt(sigma(out) sigma(home)). `law.patterns` is about the tubes of the receive leg (its fans are used as
-/// theirs). The error of each energy is at most about how.path_tolerance times what it would be with
-/// patterns of 1; tabulated patterns, whose second derivative jumps, keep it only to about 1e-6, tabulated
-/// laws, whose first does, to about 1e-5. Other binnings take what a tube of the one and a tube of the other
-/// share of a facet at its centroid; a hit falls into the sample that holds half of its path. With paired
-/// facets, ranges are travel times by the reference speed, patterns are taken in the directions in which rays
-/// leave and arrive, and each facet has bistatic_factor().
+/// Bistatic: the integral is over cells between ellipses (path_cut.hpp). Lambert's law is mu sin(incident)
+/// sin(scattered), and other models are sqrt(sigma(incident) sigma(scattered)). `model.patterns` and its
+/// fans refer to the tubes of the receive leg. The error of an energy is at most about how.path_tolerance
+/// times the energy for patterns of 1. Tabulated patterns, whose second derivative jumps, have errors of
+/// about 1e-6. Tabulated models, whose first derivative jumps, have errors of about 1e-5. Other binnings
+/// evaluate the common part of two tubes on a facet at its centroid. A hit belongs to the sample that
+/// contains half of its path. For bistatic facets, ranges are travel times multiplied by the reference
+/// speed. Patterns are evaluated in the directions in which rays leave and arrive, and bistatic_factor()
+/// multiplies each facet.
 ///
-/// Throws std::invalid_argument for what does not fit.
+/// Throws std::invalid_argument for arguments that do not fit.
 void integrate(const CommonVisibility& visibility, const ReceiveBeams& beams, const RangeSamples& samples,
                const EchoModel& model, const Quadrature& how, const Sink<double>& sink);
 
-/// All of it, added up.
+/// Sum of all contributions of integrate().
 Echo integrate_echo(const CommonVisibility& visibility, const ReceiveBeams& beams,
                     const RangeSamples& samples, const EchoModel& model, Quadrature how = {});
 
-/// What one seen facet adds to one range sample of one beam.
+/// Contribution of one visible facet to one range sample of one beam.
 struct Contribution {
-  std::uint32_t footprint = 0;  ///< number in the Sight
+  std::uint32_t footprint = 0;  ///< index in the visibility
   std::uint32_t beam = 0, sample = 0;
   double energy_j = 0;
 };
 
-/// Which footprints made which samples: the terms that integrate_echo() adds up, with the same arguments,
-/// ordered by footprint, beam and sample. For each beam and sample they sum to the echo's energy but for
-/// rounding (with beam patterns: rounding of their peak).
+/// Contributions of footprints to samples: the terms of the sum in integrate_echo() with the same arguments,
+/// ordered by footprint, beam and sample. For each beam and sample their sum is the energy of the echo
+/// except for rounding (with beam patterns: rounding relative to the patterns' peak).
 ///
-/// With patterns every footprint is received by every beam of its fan. `least_share` leaves out what is less
-/// than this times the energy of its beam and sample in `echo` (which integrate_echo() made), but never a
-/// footprint's largest contribution; 0 keeps everything that is not zero. Throws as integrate_echo().
+/// With patterns, every beam of a fan receives every footprint of the fan. `least_share` omits contributions
+/// below this fraction of the energy of their beam and sample in `echo`, which is the result of
+/// integrate_echo(). The largest contribution of a footprint is always kept. 0 keeps all contributions that
+/// are not zero. Throws the exceptions of integrate_echo().
 std::vector<Contribution> contributions(const CommonVisibility& visibility, const ReceiveBeams& beams,
                                         const RangeSamples& samples, const EchoModel& model,
                                         const Quadrature& how, const Echo& echo, double least_share = 0);
 
-/// What each footprint adds to an echo, over all range samples, in the order of the footprints. Joule per
-/// J/sr sent at 1 m, as Echo.
+/// Contributions of footprints to an echo, over all range samples, in the order of the footprints. In J/m²
+/// for 1 J/sr at 1 m, as Echo.
 struct FootprintEnergies {
-  std::vector<double> all_beams;  ///< in all beams that receive it: these sum to the sum of the echo
-  /// In the beam that its tube belongs to. Without patterns no other beam receives it.
+  std::vector<double> all_beams;  ///< over all beams that receive the footprint; their sum is the sum of the
+                                  ///< echo
+  /// In the beam of the footprint's tube, the only beam that receives it without patterns.
   std::vector<double> own_beam;
 };
 
-/// The energies that integrate() puts into its bins, by footprint instead. `footprints`: the Sight's, number
-/// by number (of two apexes: path_footprints.hpp). A footprint's own beam is `beam_of_footprint_tube`'s of
-/// its tube. With baselines: what the transmitter's own place would receive.
+/// Energies of integrate() per footprint instead of per bin. `footprints`: footprints of the visibility with
+/// the same indices (bistatic: path_footprints.hpp). `beam_of_footprint_tube`: own beam of a footprint, by
+/// its tube. With baselines: energies at the transmitter's position.
 FootprintEnergies footprint_energies(const FootprintSet& footprints, const CommonVisibility& visibility,
                                      std::span<const std::uint32_t> beam_of_footprint_tube,
                                      const ReceiveBeams& beams, const RangeSamples& samples,

@@ -6,13 +6,16 @@
 #include "engine/echo/antiderivatives.hpp"
 #include "geometry/numbers/vector_clones.hpp"
 
+// Evaluates edge nodes of PatternIntegrator in vectors of four doubles: ends of arcs, levels of their
+// densities, and moments by antiderivatives (edge_lanes.hpp).
+
 namespace tubefoot {
 namespace {
 
 constexpr std::size_t lanes = 4;
 using Four = double __attribute__((vector_size(32)));
-/// Where they lie among other numbers. (Not memcpy, which may copy by halves: to read them as a whole then
-/// takes longer than all sums.)
+/// Four doubles at an unaligned address. (memcpy may copy by halves. Reading them as a whole would then take
+/// longer than all sums.)
 using FourThere = double __attribute__((vector_size(32), aligned(8), may_alias));
 
 const FourThere* fours(const double* numbers) { return reinterpret_cast<const FourThere*>(numbers); }
@@ -79,7 +82,7 @@ void moments_of(std::size_t count, const double* at, const double* own0, const d
   for (int j = 0; j < 3; ++j) sums[j] += moment[j] * reciprocal[j];
 }
 
-/// The same without the last.
+/// The same without the last level.
 TUBEFOOT_VECTOR_CLONES
 void moments_of_quadratics(std::size_t count, const double* at, const double* own0, const double* own1,
                            const double* own2, double* row) {
@@ -112,7 +115,7 @@ void received_of(const double* rows, std::size_t row_size, std::size_t count, co
   }
 }
 
-/// So that whole lanes may be worked on.
+/// Rounds up to a multiple of the vector length.
 std::size_t padded(std::size_t count) { return (count + lanes - 1) / lanes * lanes; }
 
 }  // namespace

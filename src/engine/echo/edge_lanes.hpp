@@ -10,18 +10,20 @@
 
 namespace tubefoot {
 
-/// What comes from directions next to an end of an arc, by their cosine w: sum of level[k] (w - origin)^k.
+/// Density of directions next to an end of an arc, as a function of their cosine w: sum of level[k] (w -
+/// origin)^k.
 using EndLevels = std::array<double, 4>;
 
-/// Places along the edge of a polygon, and the ends there of the circles of constant range.
+/// Places along the edge of a polygon, with the ends of circles of constant range there.
 struct EdgeNodes {
-  std::size_t count = 0;  ///< of nodes; vectors are longer
-  /// s counts from the edge's nearest point to the apex; `share`: the rule's weight; `middle_m`, `absorbed`:
-  /// a range near by, and the absorption there.
+  std::size_t count = 0;  ///< number of nodes; the vectors may be longer
+  /// s: coordinate from the edge's nearest point to the apex. `share`: weight of the rule. `middle_m`,
+  /// `absorbed`: a range nearby, and the absorption at this range.
   std::vector<double> s, share, middle_m, absorbed;
   std::vector<double> cosine;
   std::array<std::vector<double>, 4> level;
-  /// Of the gains: which panel a cosine is in, x = (w - middle) per_half, and levels x^k by x.
+  /// For the gains: panel that contains the cosine, x = (w - middle) per_half, and levels x^k as functions
+  /// of x.
   std::vector<std::uint32_t> panel;
   std::vector<double> middle, half, per_half, x;
   std::array<std::vector<double>, 4> own;
@@ -32,7 +34,7 @@ struct EdgeNodes {
   void grow();
 };
 
-/// The edge, the polygon's plane and the array, as far as the nodes have to know them.
+/// Properties of the edge, the polygon's plane and the array that the nodes require.
 struct EdgeLanes {
   static constexpr double largest_absorption = 0.01;  ///< 2 beta |r - middle_m|
 
@@ -43,18 +45,18 @@ struct EdgeLanes {
   bool cubic = true;  ///< else the last level is 0
 };
 
-/// Fills cosines and levels: density share s r^-6 absorption, over the cosine's derivative by the angle about
-/// the foot point, as a cubic.
+/// Computes cosines and levels. The levels are density * share * s r^-6 * absorption, as a cubic, divided by
+/// d cosine / d angle. The angle is that about the foot point.
 void find_ends(const EdgeLanes& edge, EdgeNodes& nodes);
 
-/// Of nodes whose panels are known.
+/// Converts the levels of nodes with known panels to x.
 void turn_to_panels(double origin, EdgeNodes& nodes);
-/// Adds to row[i], i < 12, the integrals of x^i and the levels of nodes [first, end), all of one panel, from
-/// its middle to their cosines. Without the last level unless `cubic`.
+/// Adds the integrals of x^i times the levels to row[i], i < 12, from the middle of the panel to the nodes'
+/// cosines. The nodes [first, end) belong to one panel. The last level is used only if `cubic`.
 void add_end_moments(const EdgeNodes& nodes, std::size_t first, std::size_t end, bool cubic, double* row);
 
-/// Adds to energy[f * stride + k], f < functions, k < count, the products of the 12 moments that row k begins
-/// with and the f-th of `coefficients`.
+/// Adds the products of the first 12 moments of row k and the f-th of `coefficients` to energy[f * stride +
+/// k]. The indices are f < functions and k < count.
 void add_received(const double* rows, std::size_t row_size, std::size_t count, const double* coefficients,
                   std::size_t functions, std::size_t stride, double* energy);
 

@@ -19,7 +19,7 @@ double longest_edge2(const FacetMesh& mesh, FacetId facet, double unit_m) {
   return longest * unit_m * unit_m;
 }
 
-/// Where rays come and go at those grazing angles.
+/// Relative change for the grazing angles of both legs.
 FinerRelief change_at(const ElevationField::LeftOut& left, double sine, double sine_back, double sample_m,
                       double weight) {
   const double by_slope = grazing_cotangent(sine) + grazing_cotangent(sine_back),

@@ -7,12 +7,12 @@
 
 namespace tubefoot {
 
-/// Energy-weighted means, over what a history saw, of how much finer relief would change a facet's energy,
-/// relative and to first order. Estimates; neither is a proven bound.
+/// Energy-weighted means, over the surface that a history saw, of the relative first-order change of a
+/// facet's energy by finer relief. Both are estimates, not proven bounds.
 struct FinerRelief {
-  double largest = 0;  ///< with the largest omitted slope and height everywhere at once: from above
-  double rms = 0;      ///< with their root mean squares: typical
-  double weight = 0;   ///< of the means in a sum
+  double largest = 0;  ///< for the largest omitted slope and height everywhere: an upper estimate
+  double rms = 0;      ///< for their root mean squares: a typical value
+  double weight = 0;   ///< weight of the means in a sum
 
   FinerRelief& operator+=(const FinerRelief& o);
 };

@@ -5,12 +5,15 @@
 #include <cmath>
 #include <numbers>
 
+// Fits gains in panels at Chebyshev points, converts the coefficients to powers, and multiplies them by the
+// moments of directions (gain_panels.hpp).
+
 namespace tubefoot {
 namespace {
 
 constexpr int terms = GainPanels::terms;
 constexpr int most_halvings = 3;
-constexpr double beyond = 4;  // of all cosines
+constexpr double beyond = 4;  // larger than every cosine
 
 using Pair = double __attribute__((vector_size(16)));
 
@@ -52,7 +55,7 @@ GainPanels::GainPanels(std::size_t functions, Evaluate evaluate, double width, d
 
 std::uint32_t GainPanels::find(double cosine) {
   auto k = std::size_t(std::clamp((cosine + 1) * per_width_, 0.0, double(bases_.size()) - 1));
-  // Where rounding took a border for the other side of it.
+  // Corrects a panel that rounding chose on the wrong side of a border.
   const auto border = [&](std::size_t at) { return -1 + double(at) / per_width_; };
   if (k + 1 < bases_.size() && cosine >= border(k + 1))
     ++k;
@@ -121,7 +124,7 @@ void DirectionMoments::add(std::span<const double> cosines, std::span<const doub
   for (std::size_t k = 0; k < cosines.size();) {
     if (!(cosines[k] >= lo_ && cosines[k] < hi_)) select(cosines[k]);
     static_assert(terms == 12);
-    Pair s0{}, s1{}, s2{}, s3{}, s4{}, s5{};  // one by one, to stay in registers
+    Pair s0{}, s1{}, s2{}, s3{}, s4{}, s5{};  // separate variables stay in registers
     do {
       const double x = (cosines[k] - middle_) * per_half_, x2 = x * x, weight = weights[k];
       const Pair p0{weight, weight * x}, step{x2, x2}, p1 = p0 * step, p2 = p1 * step, p3 = p2 * step,

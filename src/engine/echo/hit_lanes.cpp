@@ -6,19 +6,23 @@
 
 #include "geometry/numbers/vector_clones.hpp"
 
+// Computes the echoes of hits on uniform Lambert surfaces in vector code, with its own exponential. The
+// energy of a hit is mu sin(grazing) * absorption * solid angle / r^2.
+
 namespace tubefoot {
 namespace {
 
 constexpr std::size_t lanes = HitBlock::size;
 using Numbers = HitBlock::Lanes<double>;
 
-/// exp(x), -708 <= x <= 0: 2^n exp(f) with |f| at most half of log 2. The polynomial's largest relative error
-/// is 1.7e-17 (Chebyshev's fit of degree 11, its coefficients rounded to double); what else is lost are
-/// roundings. The library's exp, which density() takes, is one number at a time.
+/// exp(x) for -708 <= x <= 0, as 2^n exp(f) with |f| at most half of log 2. The largest relative error of
+/// the polynomial is 1.7e-17 (Chebyshev fit of degree 11, coefficients rounded to double). The other errors
+/// are roundings. The library's exp, which density() uses, computes one number at a time.
 __attribute__((always_inline)) inline double exp_of(double x) {
   constexpr double log2_e = 0x1.71547652b82fep0;
-  constexpr double ln2_high = 0x1.62e42feep-1, ln2_low = 0x1.a39ef35793c76p-33;  // n ln2_high has no rounding
-  constexpr double to_integer = 0x1.8p52;  // adding it rounds to an integer, in the lowest bits
+  // n ln2_high is exact
+  constexpr double ln2_high = 0x1.62e42feep-1, ln2_low = 0x1.a39ef35793c76p-33;
+  constexpr double to_integer = 0x1.8p52;  // adding it rounds to an integer in the lowest bits
   const double shifted = x * log2_e + to_integer, n = shifted - to_integer;
   const double f = (x - n * ln2_high) - n * ln2_low, f2 = f * f, f4 = f2 * f2;
   const double low = (1 + f) + f2 * (0x1.0000000000011p-1 + f * 0x1.555555555555ap-3);
@@ -50,13 +54,13 @@ TUBEFOOT_VECTOR_CLONES
 void energies(const HitBlock& hits, const Numbers& mu, const Numbers& absorbed, Numbers& energy) {
   double* __restrict out = energy.data();
   for (std::size_t k = 0; k < lanes; ++k) {
-    // mu sine^2 / r^4 of the area solid_angle r^2 / sine.
+    // mu sine^2 / r^4 times the area solid_angle r^2 / sine.
     const double r = hits.slant_range_m[k];
     out[k] = mu[k] * hits.sine_grazing[k] * absorbed[k] * hits.solid_angle_sr[k] / (r * r);
   }
 }
 
-/// Returns whether there are sixteen hits of one tube, all in some sample.
+/// Returns whether the block has sixteen hits of one tube, all in some sample.
 TUBEFOOT_VECTOR_CLONES
 bool samples(const HitBlock& hits, const RangeSamples& own, double per_m, double end_m,
              HitBlock::Lanes<std::int32_t>& sample) {
@@ -68,7 +72,7 @@ bool samples(const HitBlock& hits, const RangeSamples& own, double per_m, double
     const bool is_in = (r >= first) & (r < end_m) & (r > 0) & (hits.sine_grazing[k] > 0);
     const double inside = at < last ? at : last;
     const auto near = std::int32_t(inside > 0 ? inside : 0);
-    // The borders decide, not the product.
+    // The comparison with the borders decides, not the product.
     const std::int32_t exact = near + std::int32_t(r >= all.border_m(double(near + 1))) -
                                std::int32_t(r < all.border_m(double(near)));
     out[k] = is_in ? exact : LambertEchoes::no_sample;

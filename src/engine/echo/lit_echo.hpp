@@ -8,20 +8,20 @@
 
 namespace tubefoot {
 
-/// An echo, and where in it there may be anything: of a multibeam's, a few samples of each beam.
+/// Echo with the ranges of samples that may be non-zero. For a multibeam these are a few samples per beam.
 struct LitEcho {
   Echo echo;
-  /// By row of its energies: all samples outside are 0. Empty: any may be lit.
+  /// Per row of energies: all samples outside of the span are 0. Empty: any sample may be non-zero.
   std::vector<SampleSpan> lit;
 };
 
-/// What integrate_echo() makes, bit for bit. `room`: zeros, however many: the energies are made in their
-/// memory, since fresh memory costs more than what most echoes put into it.
+/// Returns the same bits as integrate_echo(). `room`: any number of zeros, whose memory is reused for the
+/// energies. New memory costs more than the computation of most echoes.
 LitEcho integrate_lit_echo(const CommonVisibility& visibility, const ReceiveBeams& beams,
                            const RangeSamples& samples, const EchoModel& model, Quadrature how,
                            std::vector<double> room);
 
-/// The memory of an echo's energies, set to 0 again.
+/// Memory of an echo's energies, set to 0 again.
 std::vector<double> cleared_room(LitEcho echo);
 
 }  // namespace tubefoot

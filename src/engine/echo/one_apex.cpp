@@ -21,12 +21,15 @@
 #include "geometry/integrals/range_cut.hpp"
 #include "geometry/steps/steps.hpp"
 
+// Integrates monostatic echoes: footprints without patterns by closed forms in range, with patterns by
+// PatternIntegrator, and hits of rays (quadratures.hpp).
+
 namespace tubefoot {
 namespace {
 
 constexpr std::uint32_t no_tube = std::numeric_limits<std::uint32_t>::max();
 
-/// Beams that receive what is in their own tubes, all of it alike.
+/// Beams that receive all of their own tubes with the gain 1.
 BeamPatterns ideal_beams(const ReceiveBeams& beams) {
   BeamPatterns patterns;
   patterns.transmit.resize(1);
@@ -36,13 +39,13 @@ BeamPatterns ideal_beams(const ReceiveBeams& beams) {
   return patterns;
 }
 
-/// Sums by bin while many hits are added to few of them: four for each bin, of every fourth lane, as an
-/// addition would have to wait for the one before where neighbours fall into the same bin. They are joined in
-/// one order at the end. Where bins are many it is one sum, the energy itself.
+/// Sums per bin for many hits in few bins. Each bin has four sums, one per lane modulo four. An addition
+/// would otherwise wait for the previous one if neighbouring hits belong to one bin. The four sums are added
+/// in a fixed order at the end. With many bins there is one sum per bin, the energy itself.
 class LaneSums {
  public:
   LaneSums(std::span<const HitBlock> hits, std::vector<double>& energy) {
-    constexpr std::size_t few = 1 << 13;  // that four times as many stay in a cache
+    constexpr std::size_t few = 1 << 13;  // four times this number of sums fit in a cache
     const std::size_t bins = energy.size();
     if (bins > few || HitBlock::size * hits.size() < 8 * bins) {
       sum_.fill(energy.data());
@@ -63,7 +66,7 @@ class LaneSums {
   std::array<double*, 4> sum_{};
 };
 
-/// Energies of all bins while they are summed up, and what they are summed up from.
+/// Energies of all bins with the inputs of the sum.
 class OneApex {
  public:
   OneApex(const CommonVisibility& visibility, const ReceiveBeams& beams, const RangeSamples& samples,
@@ -87,9 +90,9 @@ class OneApex {
   }
 
   LitEcho integrate() {
-    bool by_samples = visibility_.hits().empty();  // whether lit_ says it all
+    bool by_samples = visibility_.hits().empty();  // whether lit_ covers all energies
     if (visibility_.first() == visibility_.end()) {
-      // No footprints: nothing is prepared for them.
+      // No footprints, so no preparation.
     } else if (how_.binning != Binning::exact) {
       whole();
       by_samples = false;
@@ -117,7 +120,7 @@ class OneApex {
   }
   std::uint32_t tube_of(std::size_t number) const { return visibility_.footprint(number)->tube; }
 
-  /// Hands over what a footprint has just added, and takes it away.
+  /// Passes to the sink the energies that a footprint has just added, and resets them.
   void told(std::size_t number) {
     if (!how_.by_owner) return;
     const std::uint32_t tube = tube_of(number);
@@ -151,7 +154,8 @@ class OneApex {
     far_m_ = std::max(far_m_, farthest_range(polygon_));
   }
 
-  /// All but those of facets with micro-texture; false if there are some.
+  /// Adds all footprints except those with a reflectivity texture. Returns false if there are such
+  /// footprints.
   bool even() {
     const std::shared_ptr<const RadialIntegral> radial =
         lambert_radial_integral(samples_, model_.absorption_db_per_m);
@@ -187,7 +191,7 @@ class OneApex {
     return all;
   }
 
-  /// `only_textured`: those of facets with micro-texture.
+  /// `only_textured`: only footprints of facets with a reflectivity texture.
   void weighed(const BeamPatterns& patterns, bool only_textured) {
     PatternIntegrator integrator(finder_.borders(), beta_, patterns, model_.pattern_tolerance);
     TextureCells cells;
@@ -202,7 +206,7 @@ class OneApex {
       const double lambert_or_one = seabed.scattering != nullptr
                                         ? seabed.factor
                                         : seabed.mu * facet.plane.distance_m * facet.plane.distance_m;
-      beam_of(tube);  // refuses a tube that has no beam
+      beam_of(tube);  // throws for a tube without a beam
       begin_footprint();
       for (std::uint32_t p = 0; p < facet.piece_count; ++p) {
         assign(facet, number, p, frame);
@@ -224,7 +228,7 @@ class OneApex {
     integrator.finish(energy_);
   }
 
-  /// The micro-texture at a place relative to the apex.
+  /// Texture factor at a place relative to the apex.
   double texture_at(const SurfaceProperties& seabed, FacetId facet, glm::dvec3 place_m) const {
     return seabed.texture == nullptr ? 1 : seabed.texture->factor(model_.path.tx.true_place(facet, place_m));
   }
@@ -235,7 +239,7 @@ class OneApex {
       const Footprint& footprint = *visibility_.footprint(number);
       const double range = glm::length(footprint.centroid_m);
       if (!(range > 0 && footprint.area_m2 > 0)) continue;
-      beam_of(footprint.tube);  // refuses a tube that has no beam
+      beam_of(footprint.tube);  // throws for a tube without a beam
       const SurfaceProperties seabed = model_.seabed(footprint.facet);
       const double energy = density(seabed.cross_section(std::sin(footprint.grazing_angle_rad),
                                                          std::cos(footprint.grazing_angle_rad)),
@@ -245,13 +249,13 @@ class OneApex {
       const bool at_once = how_.binning == Binning::centroid || !(far > near);
       share(footprint.tube, energy, range, at_once ? range : near, at_once ? range : far,
             [&] { return footprint.centroid_m / range; });
-      near_m_ = std::min(near, range);  // of a footprint with a hole its centroid may be nearer
+      near_m_ = std::min(near, range);  // the centroid of a footprint with a hole may be nearer
       far_m_ = std::max(far, range);
       told(number);
     }
   }
 
-  /// A hit stands for the area solid_angle r^2 / sin(grazing).
+  /// A hit represents the area solid_angle r^2 / sin(grazing).
   void hits() {
     const std::vector<double> even_mu = mu_of_even_materials();
     const LaneSums sums(visibility_.hits(), energy_);
@@ -261,7 +265,7 @@ class OneApex {
     for (const HitBlock& block : visibility_.hits()) {
       if (even_mu.empty()) {
         for (std::size_t k = 0; k < block.count; ++k) {
-          beam_of(block.tube[k]);  // refuses a tube that has no beam
+          beam_of(block.tube[k]);  // throws for a tube without a beam
           hit(block[k]);
         }
         continue;
@@ -270,7 +274,7 @@ class OneApex {
       const LambertEchoes echoes = echoes_of(block, mu, beta_, finder_);
       if (block.tube[0] != tube) {
         tube = block.tube[0];
-        row = beam_of(tube) * std::size_t(samples_.count);  // refuses a tube that has no beam
+        row = beam_of(tube) * std::size_t(samples_.count);  // throws for a tube without a beam
       }
       if (even && echoes.whole) {
         for (std::size_t k = 0; k < HitBlock::size; ++k)
@@ -290,7 +294,7 @@ class OneApex {
     }
     sums.finish(energy_);
   }
-  /// One that is on no even Lambert seabed.
+  /// Adds a hit that lies on a surface other than uniform Lambert.
   void hit(const RayHit& hit) {
     const bool receiver_pairs = model_.patterns != nullptr && !model_.patterns->baselines.empty();
     const double r = hit.slant_range_m, sine = hit.sine_grazing;
@@ -303,8 +307,8 @@ class OneApex {
                           texture * (hit.solid_angle_sr * (r * r) / sine);
     share(hit.tube, energy, r, r, r, direction);
   }
-  /// By material: Lambert's parameter where nothing else is to be known of a hit; negative for others, and at
-  /// the end for those that are none. Empty: there are no such materials.
+  /// Lambert's parameter per material if it alone determines the echo of a hit. The value is negative for
+  /// other materials, and the last entry is for missing materials. Empty: there are no such materials.
   std::vector<double> mu_of_even_materials() const {
     if (model_.patterns != nullptr || !model_.path.facet_factor.empty() || !model_.path.tx.facet_map.empty())
       return {};
@@ -316,10 +320,10 @@ class OneApex {
     mu.push_back(-1);
     return mu;
   }
-  /// Puts energy that comes from one direction, evenly from slant ranges near to far (or all from one), into
-  /// the rows of the beams that receive the tube. The direction, a unit vector, is asked for only where there
-  /// are patterns. The receivers of a receiver pair have ranges of their own; visibility and loss are the
-  /// transmitter's.
+  /// Adds energy from one direction to the rows of the beams that receive the tube. The energy is
+  /// distributed uniformly over slant ranges from near to far, or belongs to one range. The direction, a
+  /// unit vector, is evaluated only with patterns. The receivers of a receiver pair have their own ranges.
+  /// Visibility and loss are those of the transmitter.
   template <class Direction>
   void share(std::uint32_t tube, double energy, double range_m, double near_m, double far_m,
              const Direction& direction) {
@@ -347,7 +351,7 @@ class OneApex {
       }
       const ReceiverBaseline& baseline = patterns.baselines[fan];
       const double cosine = glm::dot(d, baseline.axis);
-      // Half a path is longer than the range from the transmitter by half of the difference.
+      // Half path minus the range from the transmitter.
       const double upper = (baseline.range_from(1, range_m, cosine) - range_m) / 2,
                    lower = (baseline.range_from(-1, range_m, cosine) - range_m) / 2;
       const std::complex<double> cross = received_energy * baseline.product(range_m, cosine);
@@ -372,9 +376,9 @@ class OneApex {
   SampleFinder finder_;
   double beta_, spread_m_ = 0;
   std::vector<double> energy_;
-  std::vector<SampleSpan> lit_;  ///< by row of it: what even() has added to
+  std::vector<SampleSpan> lit_;  ///< per row: samples to which even() has added energy
   PlanarPolygon polygon_;
-  double near_m_ = 0, far_m_ = 0;  // of the footprint at hand, for its owner
+  double near_m_ = 0, far_m_ = 0;  // of the current footprint, for attribution
 };
 
 }  // namespace

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 
+// Sets up the geometry of a path on a facet (path_on_facet.hpp). The settings of quadratures follow from the
+// smoothness of model, patterns, texture and mirror losses.
+
 namespace tubefoot {
 
 PathOnFacet::PathOnFacet(const FacetPlane& plane, const PlaneFrame& frame, glm::dvec3 rx_m,
@@ -79,7 +82,7 @@ void Smoothness::take(const SurfaceProperties& seabed) {
   angle_rad = std::min(angle_rad, resolution_of([&](double y) { return model->growth(y); }));
   if (model->pieces().size() == 1 && !model->is_pointed()) return;
   cornered = true;
-  angle_rad = std::min(angle_rad, 0.1);  // rules of few nodes do not see a corner
+  angle_rad = std::min(angle_rad, 0.1);  // rules with few nodes miss a kink
 }
 
 void Smoothness::take(const Directivity& sent, const Directivity& received) {
@@ -89,8 +92,8 @@ void Smoothness::take(const Directivity& sent, const Directivity& received) {
     tables = tables || pattern->kind == Directivity::Kind::table;
 }
 
-/// No rule converges across a corner of a law or a row of a table: there, cells are halved so often and then
-/// taken as they are.
+/// No rule converges across a kink of a model or a row of a table. There, cells are halved up to a limited
+/// depth and then accepted.
 PathCutter::Work Smoothness::work(double tolerance) const {
   constexpr int most_refinements_with_tables = 12;
   constexpr int most_refinements_with_limit = 0;
@@ -98,8 +101,7 @@ PathCutter::Work Smoothness::work(double tolerance) const {
   PathCutter::Work work;
   work.resolution_rad = angle_rad;
   work.tolerance = cornered ? std::max(tolerance, tolerance_with_corners) : tolerance;
-  // No rule agrees with another across the border of the limit. Labels need that border to a part of a cell
-  // only.
+  // Two rules disagree across the border of the limit. Labels need this border only to a fraction of a cell.
   if (limited) work.tolerance = std::max(work.tolerance, tolerance_with_limit);
   work.agreements = cornered ? 2 : 1;
   work.analytic = !cornered && !tables && !textured;

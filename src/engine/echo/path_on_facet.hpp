@@ -11,43 +11,45 @@
 #include "geometry/integrals/measure.hpp"
 #include "geometry/integrals/path_cut.hpp"
 
+// Defines the geometry and the integrand of a path on the plane of one facet. It covers bistatic sonars,
+// mirrors and refracting water. The integrand for one area element is in `density.hpp`.
+
 namespace tubefoot {
 
-/// Where an apex is over a facet's plane.
+/// Position of an apex above a facet's plane.
 struct EndOverPlane {
   PathCutter::Receiver over;  ///< distance from the plane, and foot point
-  LyingPlane seen;            ///< the plane as the apex sees it, relative to itself
-  bool flattened = false;     ///< ranges are not the lengths of what is seen (BistaticFacet)
+  LyingPlane seen;            ///< plane as the apex sees it, relative to the apex
+  bool flattened = false;     ///< ranges differ from distances of apparent positions (BistaticFacet)
 
   double range(glm::dvec2 p) const { return std::hypot(over.distance, p.x - over.foot.x, p.y - over.foot.y); }
-  /// Unit; `range_m`: to p.
+  /// Unit vector to p at the range `range_m`.
   glm::dvec3 direction(glm::dvec2 p, double range_m) const {
     return flattened ? seen.towards(p) : seen.at(p) / range_m;
   }
 };
 
-/// A path on the plane of one facet, in the coordinates of a PlaneFrame whose origin is the foot point of the
-/// way out's apex: what an element there returns (density.hpp), weighed by all but patterns.
+/// Path on the plane of one facet, in coordinates of a PlaneFrame whose origin is the foot point of the
+/// transmit leg's apex. Computes the echo of an area element (density.hpp) with all factors except patterns.
 struct PathOnFacet {
   EndOverPlane tx, rx;
   SurfaceProperties seabed;
-  LyingPlane lies;     ///< for the texture
-  double lambert = 0;  ///< mu and both distances
+  LyingPlane lies;     ///< true plane, for the texture
+  double lambert = 0;  ///< mu times both distances
   double beta_per_m = 0;
-  const MirrorLoss *tx_loss = nullptr, *rx_loss = nullptr;  ///< null: none
+  const MirrorLoss *tx_loss = nullptr, *rx_loss = nullptr;  ///< null: no loss
 
   PathOnFacet() = default;
-  /// A facet that lies where it is seen. `rx_m`: the apex of the receive leg relative to that of the transmit
-  /// leg.
+  /// For a facet at its true position. `rx_m`: apex of the receive leg relative to that of the transmit leg.
   PathOnFacet(const FacetPlane& plane, const PlaneFrame& frame, glm::dvec3 rx_m, double rx_distance_m,
               FacetId facet, const EchoModel& model);
-  /// One that both ends see elsewhere.
+  /// For a facet that both ends see at different apparent positions.
   PathOnFacet(const BistaticFacet& bistatic, FacetId facet, const EchoModel& model);
-  /// A part of it, in the coordinates of that facet's plane.
+  /// Polygon of a part of the facet, in coordinates of the facet's plane.
   static void flatten(std::span<const glm::dvec3> corners_m, const BistaticFacet& bistatic,
                       PlanarPolygon& polygon);
 
-  /// Of an even seabed, without mirrors.
+  /// For a uniform surface without mirrors.
   double density_at(double tx_range_m, double rx_range_m) const {
     const auto two_way = TwoWayRange<double>::of(tx_range_m, rx_range_m);
     if (seabed.scattering == nullptr) return lambert * lambert_density(two_way, beta_per_m);
@@ -58,7 +60,7 @@ struct PathOnFacet {
   double texture_at(glm::dvec2 p) const {
     return seabed.texture == nullptr ? 1 : seabed.texture->factor(lies.at(p));
   }
-  /// What mirrors leave of what goes and comes in these directions.
+  /// Energy factor of the mirrors for these directions of both legs.
   double passed(glm::dvec3 tx_direction, glm::dvec3 rx_direction) const {
     double part = 1;
     if (tx_loss != nullptr) part *= tx_loss->at(tx_direction);
@@ -71,14 +73,14 @@ struct PathOnFacet {
   void finish(const EchoModel& model);
 };
 
-/// The path on facet `number` of a sight of two apexes; `frame`: of its plane.
+/// Path on facet `number` of a bistatic visibility. `frame`: frame of the facet's plane.
 PathOnFacet path_on(const CommonVisibility& visibility, std::size_t number, const PlaneFrame& frame,
                     const EchoModel& model);
-/// What the transmit leg sees of a facet, where it is flattened.
+/// Polygon that the transmit leg sees of a flattened facet.
 void flatten(std::span<const glm::dvec3> corners_m, const BistaticFacet& bistatic, PlanarPolygon& polygon);
 
-/// The largest angle, at most 1, over which something that grows so into the complex plane changes little:
-/// there, rules of few nodes resolve it.
+/// Largest angle, at most 1, for which `growth` of half the angle is at most 3. `growth` describes an
+/// integrand in the complex plane. Rules with few nodes resolve such an angle.
 template <class Growth>
 double resolution_of(const Growth& growth) {
   double angle = 1;
@@ -86,20 +88,21 @@ double resolution_of(const Growth& growth) {
   return angle;
 }
 
-/// An angle over which rough mirrors' losses change little: by e where the sum of the sines' squares changes
-/// by 1 / roughness. Below the least, cells are halved where the loss asks for it. 1 without them.
+/// Angle over which the losses of rough mirrors change little. They change by the factor e if the sum of the
+/// squared sines changes by 1 / roughness. The result is 1 without rough mirrors. It has a lower limit,
+/// below which cells are halved as the loss requires.
 double smooth_angle_rad(const Path& path);
 
-/// How smooth an integrand is over a facet.
+/// Smoothness of an integrand over a facet.
 struct Smoothness {
-  double angle_rad = 1;   ///< as seen from either apex, over which it is smooth
-  bool cornered = false;  ///< a law with corners
+  double angle_rad = 1;   ///< angle at either apex over which the integrand is smooth
+  bool cornered = false;  ///< model with kinks
   bool tables = false;    ///< tabulated patterns
-  bool textured = false;  ///< a texture, analytic over its cells, but not known how far beyond
+  bool textured = false;  ///< texture: analytic over its cells, with unknown extent in the complex plane
   bool limited = false;   ///< gains below a limit count as 0 (BeamPatterns::least)
 
   void take(const SurfaceProperties& seabed);
-  /// Patterns that are multiplied.
+  /// For the product of both patterns.
   void take(const Directivity& sent, const Directivity& received);
   PathCutter::Work work(double tolerance) const;
 };

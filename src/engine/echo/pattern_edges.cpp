@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Polygons by their edges. Where all that is looked at is a function of one cosine w, what an arc of range r
-// returns is the difference of an antiderivative A(w, r) at its two ends (pattern_spans.cpp), and these move
-// along edges. With s counted along an edge from its nearest point, r dr = s ds: the polygon's energy in a
-// range sample is the integral of h(r) A(w(s), r(s)) s ds over what the sample has of its edges, h being what
-// an element returns. Nothing is singular where an edge is only touched, and slabs need not be found.
+// Integrates polygons along their edges if the integrand depends on one cosine w. The integral over an arc
+// of range r is the difference of an antiderivative A(w, r) at the arc's two ends (pattern_spans.cpp). These
+// ends move along the edges of the polygon. Let s be the coordinate along an edge from its nearest point, so
+// r dr = s ds. Let h(r) be the echo of an area element. The energy in a range sample is the integral of h(r)
+// A(w(s), r(s)) s ds over the parts of the edges in this sample. The integrand has no singularity where a
+// circle touches an edge, and no slabs are needed.
 //
-// A counts from a panel's middle. An end that lies in a higher panel than another of its sample has what
-// comes from between their middles besides.
+// A counts from the middle of a panel. An end may lie in a higher panel than another end of the same sample.
+// Then the contribution between the two middles is added.
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -16,17 +17,17 @@
 namespace tubefoot {
 namespace {
 
-/// Of the tolerance: what is left out of the series.
+/// Share of the tolerance for the truncation of the series.
 constexpr double share = 0.25;
-/// Mean width of a polygon in panels, below which its two sides are so alike that the rule's errors would
-/// have to be smaller than the tolerance asks for: with one node more, and much thinner ones not at all.
+/// Mean widths of a polygon in panels. Below `thin` the contributions of both sides nearly cancel, and the
+/// rule needs one more node. Below `thinnest` this method is not used.
 constexpr double thin = 0.05, thinnest = 5e-4;
-/// An end in the last panel has to be told to all of them.
+/// Limit of panels, because an end in the last panel affects all of them.
 constexpr std::size_t most_panels = 16;
 
 }  // namespace
 
-/// The sample that holds a range: -1 before the first, their number beyond the last.
+/// Sample that contains a range: -1 before the first, the number of samples beyond the last.
 int PatternIntegrator::sample_of(double range2) const {
   const int samples = int(borders2_.size()) - 1;
   const double guess =
@@ -37,8 +38,8 @@ int PatternIntegrator::sample_of(double range2) const {
   return k;
 }
 
-/// Of the polygon at hand, of which arcs_may_be_spans() is true: false, and nothing added, where the angle is
-/// no smooth function of the cosine over all of it.
+/// Adds the current polygon, for which arcs_may_be_spans() is true. Returns false and adds nothing if the
+/// angle is not a smooth function of the cosine over the whole polygon.
 bool PatternIntegrator::add_edges() {
   if (!little_absorption_ || edges_.size() < 3 || !find_edge_path()) return false;
   if (way_.outside) return true;
@@ -78,7 +79,7 @@ bool PatternIntegrator::find_edge_path() {
   for (Edge& edge : edges_) edge.sample = sample_of(edge.nearest2 + edge.from * edge.from);
   const double origin = (lowest + highest) / 2, curved = longest2 / (2 * near2);
   way_.reach = (highest - lowest) / 2 + curved;
-  // R grows with range, and the level changes with it one way only.
+  // R increases with range, and the level is monotonic in range.
   const double steep2 = glm::dot(axis.plane, axis.plane);
   const double radius2 = steep2 * (1 - piece_.distance2 / near2), radius = std::sqrt(std::max(radius2, 0.0));
   const double off = std::max(std::abs(origin - axis.away / near), std::abs(origin - axis.away / far));
@@ -91,7 +92,7 @@ bool PatternIntegrator::find_edge_path() {
   const double third = off * per_s2 * per_s2 * (1.5 + 2.5 * off * off * per_s2) * (reach * reach * reach);
   way_.lanes.cubic = third + fourth > share * tolerance_;
   way_.singular = std::min(std::sqrt(near2 - piece_.distance2), steepness2 * near / 4);
-  // The mean width of its arcs, in cosines.
+  // Mean width of the polygon's arcs, in cosines.
   way_.width = area * std::sqrt(steepness2) / (far * std::max(far - near, 1e-300));
   way_.lanes.away = axis.away;
   way_.lanes.steep2 = steep2;
@@ -130,7 +131,7 @@ bool PatternIntegrator::find_panels() {
   return true;
 }
 
-/// Cuts an edge by range samples, and each part into nodes.
+/// Cuts an edge at range samples, and adds nodes for each part.
 void PatternIntegrator::cut_edge(const Edge& edge, const Edge& next) {
   const Axis& axis = receiver_->axes[receiver_->moments_axis];
   const Change& change = receiver_->changes.front();
@@ -164,7 +165,7 @@ void PatternIntegrator::cut_edge(const Edge& edge, const Edge& next) {
     for (int part = 0; part < parts; ++part)
       way_.nodes.add(rule, from + (2 * part + 1) * half, half, middle_m, absorbed_[k]);
   };
-  // Range falls as long as s is negative.
+  // Range decreases while s is negative.
   int k = edge.sample;
   const int last = next.sample;
   int nearest = edge.from >= 0 ? k : edge.to <= 0 ? last : std::min(k, last);

@@ -10,6 +10,9 @@
 #include "engine/scattering/density.hpp"
 #include "geometry/steps/stop.hpp"
 
+// Integrates echoes with patterns over slabs of range and over arcs in each slab, with Gauss-Legendre rules.
+// The numbers of nodes follow from ellipses of analyticity (pattern_integral.hpp).
+
 namespace tubefoot {
 namespace {
 
@@ -17,16 +20,16 @@ constexpr double pi = std::numbers::pi;
 constexpr int deepest = 60;
 
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
-/// Turned by a quarter, counter-clockwise.
+/// Vector rotated by a quarter turn counter-clockwise.
 glm::dvec2 turned(glm::dvec2 a) { return {-a.y, a.x}; }
 
-/// A computed range, with what it may be wrong by.
+/// Computed range with bounds of its rounding error.
 RangeEnclosure about(double range) { return {range * (1 - 1e-15), range * (1 + 1e-15)}; }
 
 int sign(double x) { return (x > 0) - (x < 0); }
 
-/// Bernstein's parameter of the ellipse about [-1, 1] through the point that lies (along, across) from the
-/// middle of an interval.
+/// Parameter of the Bernstein ellipse about [-1, 1], scaled to an interval of half-length `half`, through
+/// the point at (along, across) from the middle.
 double ellipse_through(double along, double across, double half) {
   const double a = std::sqrt((along - half) * (along - half) + across * across);
   const double b = std::sqrt((along + half) * (along + half) + across * across);
@@ -34,10 +37,10 @@ double ellipse_through(double along, double across, double half) {
   return sum + std::sqrt(std::max(sum * sum - 1, 0.0));
 }
 
-/// The ellipse within which an angle that reaches `half` to either side has an imaginary part of at most 1.
+/// Parameter of the ellipse within which an angle of half-width `half` has an imaginary part of at most 1.
 double ellipse_of_arc(double half) { return 1 / half + std::sqrt(1 / (half * half) + 1); }
 
-/// Sine and cosine to rounding; most arcs are short.
+/// Sine and cosine to rounding, fast for the short arcs that are most frequent.
 void sine_and_cosine(double x, double& sine, double& cosine) {
   if (std::abs(x) > 0.1) {
     sine = std::sin(x);
@@ -84,10 +87,10 @@ void PatternIntegrator::settle(std::span<double> energy) {
 
 void PatternIntegrator::finish(std::span<double> energy) {
   settle(energy);
-  for (double& e : energy) e = std::max(e, 0.0);  // next to nothing may come out below it
+  for (double& e : energy) e = std::max(e, 0.0);  // rounding may make small energies negative
   receivers_.clear();
   models_.clear();
-  way_.panels.clear();  // of receivers that are no more
+  way_.panels.clear();  // panels of deleted receivers
   receiver_of_tube_.assign(receiver_of_tube_.size(), 0);
 }
 
@@ -189,7 +192,8 @@ void PatternIntegrator::take_model(const ScatteringModel& model) {
     model_nodes_ = &*known;
     return;
   }
-  const double power = std::max(model.largest_power() - 2, 0.0);  // Lambert's is what the rest is made for
+  const double power = std::max(model.largest_power() - 2, 0.0);  // the nodes of the other factors suffice
+                                                                  // for Lambert's law
   models_.push_back({&model, NodeCount([&](double y) { return model.growth(y); }, tolerance_),
                      NodeCount([&](double y) { return power * y; }, tolerance_)});
   model_nodes_ = &models_.back();
@@ -209,7 +213,8 @@ void PatternIntegrator::take_axes(const PlanarPolygon& polygon, const FacetPlane
   for (Change& change : receiver_->changes) {
     change.along_axis = change.axis.has_value();
     if (!change.along_axis || !change.by_angle) continue;
-    // The cosine nowhere differs more from that at the first corner than the farthest corner is from there.
+    // The cosine differs from its value at the first corner by at most the distance of the farthest corner
+    // in directions.
     const Axis& axis = receiver_->axes[*change.axis];
     const auto range = [&](glm::dvec2 p) { return std::sqrt(piece_.distance2 + glm::dot(p, p)); };
     const double r = range(polygon.first);
@@ -241,14 +246,14 @@ double PatternIntegrator::s_at(const Crossing& crossing, double t2) const {
   return std::sqrt(std::max(t2 + (piece_.q2 - edges_[crossing.edge].nearest2), 0.0));
 }
 
-/// Where the circle t crosses an edge, relative to the foot point.
+/// Intersection of the circle t and an edge, relative to the foot point.
 glm::dvec2 PatternIntegrator::point_at(const Crossing& crossing, double t2) const {
   const Edge& edge = edges_[crossing.edge];
   const double s = s_at(crossing, t2);
   return (crossing.rising ? s : -s) * edge.along + edge.height * edge.aside;
 }
 
-/// From an arc's begin to its end.
+/// Angle from the begin to the end of an arc.
 double PatternIntegrator::angle_between(glm::dvec2 begin, glm::dvec2 end) const {
   const double along = glm::dot(begin, end), across = cross(begin, end);
   if (along > 0 && std::abs(across) < 0.1 * along) {
@@ -261,17 +266,17 @@ double PatternIntegrator::angle_between(glm::dvec2 begin, glm::dvec2 end) const 
     if (!(piece_.foot_inside && angle < -1e-9)) return angle;
   }
   const double angle = std::atan2(across, along);
-  // An arc about a foot point outside is at most half a circle; rounding may make a thin one negative.
+  // An arc about an outside foot point is at most half a circle. Rounding may make a thin arc negative.
   return angle < (piece_.foot_inside ? -1e-9 : -pi / 2) ? angle + 2 * pi : angle;
 }
 
-/// Pairs the crossings of a slab: each arc runs from where the polygon begins to the next place where it
-/// ends.
+/// Pairs the crossings of a slab. Each arc runs from a crossing into the polygon to the next crossing out of
+/// it.
 void PatternIntegrator::find_arcs(std::span<const Crossing> crossings, double t) {
   arcs_.clear();
   std::size_t rising = 0;
   for (const Crossing& c : crossings) rising += c.rising;
-  if (2 * rising != crossings.size()) return;  // a slab that rounding made, as narrow as that
+  if (2 * rising != crossings.size()) return;  // a very narrow slab due to rounding
   if (crossings.size() == 2) {
     const bool first = crossings[0].rising;
     arcs_.push_back({crossings[first ? 0 : 1], crossings[first ? 1 : 0]});
@@ -291,8 +296,8 @@ void PatternIntegrator::find_arcs(std::span<const Crossing> crossings, double t)
   }
 }
 
-/// Distance of the nearest singularities from the origin of t: they lie on the imaginary axis, where the
-/// circle shrinks to the foot point, or where another edge is only touched.
+/// Distance of the nearest singularities from the origin of t. They lie on the imaginary axis, at circles
+/// that shrink to the foot point or touch another edge.
 double PatternIntegrator::nearest_singularity() const {
   double nearest2 = piece_.full_circle ? piece_.distance2 : piece_.q2 - piece_.distance2;
   for (const Arc& arc : arcs_)
@@ -306,7 +311,8 @@ double PatternIntegrator::nearest_singularity() const {
 void PatternIntegrator::integrate(double t0, double t1, int depth) {
   const double half = (t1 - t0) / 2, middle = t0 + half;
   if (!(half > 0)) return;
-  // Not through the singularity but three quarters of the way, where the integrand is still of its own size.
+  // The ellipse passes at three quarters of the distance to the singularity, where the integrand is still of
+  // its usual size.
   const double rho = 1 + 0.75 * (ellipse_through(middle, nearest_singularity(), half) - 1);
   int n = 1;
   while (n <= most_gauss_nodes && rho < least_rho_[n]) ++n;
@@ -323,15 +329,15 @@ void PatternIntegrator::integrate(double t0, double t1, int depth) {
     add_circle(middle + half * rule.node[i], half * rule.weight[i]);
 }
 
-/// `stretched_by`: the farther range over the nearer one.
+/// `stretched_by`: the larger range divided by the smaller one.
 int PatternIntegrator::nodes_of_model(double t0, double t1, double stretched_by, double rho) const {
-  constexpr double curved = 1.3 / 2;  // the way is not straight
+  constexpr double curved = 1.3 / 2;  // margin for the curved path
   return std::max(model_nodes_->by_angle.nodes(curved * (incidence_at(t1) - incidence_at(t0)), rho),
                   model_nodes_->by_range.nodes(curved * std::log(stretched_by), rho));
 }
 
-/// Nodes for the change of patterns and texture as the arcs' ends, or a full circle, move. The rule for a
-/// product needs what each of its factors needs.
+/// Number of nodes for the change of patterns and texture as the ends of arcs, or a full circle, move. The
+/// rule for a product needs the maximum over its factors.
 int PatternIntegrator::nodes_along(double t0, double t1, double rho) const {
   const double middle = (t0 + t1) / 2;
   const std::array<double, 3> t2{t0 * t0, middle * middle, t1 * t1};
@@ -342,7 +348,7 @@ int PatternIntegrator::nodes_along(double t0, double t1, double rho) const {
     double most = piece_.full_circle ? t1 - t0 : 0;
     for (const Arc& arc : arcs_)
       for (const Crossing& c : {arc.begin, arc.end}) most = std::max(most, s_at(c, t2[2]) - s_at(c, t2[0]));
-    return 1.3 * most;  // the way is not straight
+    return 1.3 * most;  // margin for the curved path
   };
   int n = piece_.model != nullptr ? nodes_of_model(t0, t1, over_r[0] / over_r[2], rho) : 1;
   if (texture_.field != nullptr)
@@ -368,9 +374,9 @@ int PatternIntegrator::nodes_along(double t0, double t1, double rho) const {
   return n;
 }
 
-/// `half`: half of an arc as an angle about the foot point; `radius`: of the circle, as directions, and `rho`
-/// in metres. For an imaginary part h <= 1 of the angle the cosine has at most radius sinh(h) <= 1.18 radius
-/// h.
+/// `half`: half of an arc as an angle about the foot point. `radius`: radius of the circle as directions.
+/// `rho`: radius in m. For an imaginary part h <= 1 of the angle, the imaginary part of the cosine is at
+/// most radius sinh(h) <= 1.18 radius h.
 int PatternIntegrator::nodes_of_arc(double half, double rho, double radius) const {
   const double ellipse = ellipse_of_arc(half);
   int n = texture_.field != nullptr
@@ -391,7 +397,7 @@ void PatternIntegrator::add_circle(double t, double weight) {
   const double t2 = t * t, r2 = piece_.q2 + t2, per_r = 1 / std::sqrt(r2);
   const double rho = std::sqrt(std::max(r2 - piece_.distance2, 0.0));
   const double per_r2 = per_r * per_r;
-  const double sigma =  // Lambert's over mu and the squared distance
+  const double sigma =  // Lambert's law divided by mu and the squared distance
       piece_.model == nullptr ? per_r2
                               : ScatteringModel::in_piece(*piece_.model, std::atan2(rho, piece_.distance),
                                                           piece_.distance * per_r);
@@ -410,7 +416,7 @@ void PatternIntegrator::add_circle(double t, double weight) {
   }
 }
 
-/// Directions and places over an arc, by the angle from its middle.
+/// Sets directions and places over an arc as functions of the angle from its middle.
 void PatternIntegrator::face(glm::dvec2 ahead, double rho, double radius) {
   for (Axis& axis : receiver_->axes) {
     axis.ahead = radius * glm::dot(axis.plane, ahead);
@@ -424,7 +430,7 @@ void PatternIntegrator::face(glm::dvec2 ahead, double rho, double radius) {
 void PatternIntegrator::add_arc(double per_r, double rho, glm::dvec2 middle, double half, double weight) {
   const double radius = rho * per_r;
   for (Axis& axis : receiver_->axes) axis.level = axis.away * per_r;
-  // A whole circle, say, is several arcs.
+  // Long arcs, as a full circle, are divided into panels.
   int panels = 1;
   for (double share = std::abs(half);; share /= 2, panels *= 2) {
     const glm::dvec2 ahead =
@@ -488,12 +494,12 @@ void PatternIntegrator::add_panel(double half, double weight, const GaussRule& r
   }
 }
 
-/// Over the arc at hand. Few of many beams are near enough to their peak there.
+/// Whether a beam may receive the current arc. Only a few of many beams have the arc near their peak.
 bool PatternIntegrator::may_be_received(std::size_t beam, double half) const {
   const Receiver& receiver = *receiver_;
   if (receiver.audible.empty() || !receiver.receive[beam]) return true;
   const Axis& axis = receiver.axes[receiver.receive[beam]->axis];
-  const double turned = std::min(std::abs(half), pi / 2);  // beyond it the sine grows no more
+  const double turned = std::min(std::abs(half), pi / 2);  // the sine does not increase beyond it
   const double middle = axis.level + axis.ahead,
                off = std::abs(axis.ahead) * (1 - std::cos(half)) + std::abs(axis.aside) * std::sin(turned);
   return middle + off >= receiver.audible[beam].lo && middle - off <= receiver.audible[beam].hi;

@@ -22,58 +22,62 @@
 #include "geometry/integrals/node_count.hpp"
 #include "geometry/integrals/polar_slabs.hpp"
 
+// Integrates monostatic echoes with beam patterns over visible polygons. The integral is over slabs of slant
+// range and over the arcs of circles in each slab. docs/theory.md has the integrand.
+
 namespace tubefoot {
 
-/// Micro-texture, and where the polygon's plane lies in its frame, the local one.
+/// Reflectivity texture with the position of the polygon's plane in the local frame.
 struct PlacedTexture {
-  const ReflectivityField* field = nullptr;  ///< none: even
+  const ReflectivityField* field = nullptr;  ///< null: uniform
   LyingPlane plane{};
 };
 
-/// Integrates what an even seabed returns to one apex (density.hpp), times transmit and receive pattern, over
-/// polygons cut by range samples.
+/// Integrates the echo of a uniform surface to one apex (density.hpp), times transmit and receive pattern,
+/// over polygons cut by range samples.
 ///
-/// A pattern has no symmetry about the foot point, so this is an integral over two dimensions: over slabs of
-/// slant range (polar_slabs.hpp), and in each over the arcs of every circle. With q the range of the nearest
-/// point of one of the slab's edges, r^2 = q^2 + t^2 makes r dr = t dt, and the ends of the arcs are analytic
-/// in t even where a circle only touches an edge. Gauss-Legendre in t and in the angle; the number of nodes
-/// follows from how far the integrand's singularities are and how fast the patterns can change.
+/// A pattern has no symmetry about the foot point, so the integral has two dimensions. It is over slabs of
+/// slant range (polar_slabs.hpp), and in each slab over the arcs of every circle. Let q be the range of the
+/// nearest point of one of the slab's edges. With r^2 = q^2 + t^2, r dr = t dt. The ends of the arcs are
+/// then analytic in t, even if a circle touches an edge. Gauss-Legendre rules are used in t and in the
+/// angle. The number of nodes depends on the distance of the integrand's singularities and on the rate at
+/// which the patterns can change.
 ///
-/// Gains are not computed at nodes but read from piecewise polynomials (gain_panels.hpp). Where the beams of
-/// a receiver are functions of one and the same cosine (a line array's), nodes are summed up as moments, and
-/// the beams are looked at once for all footprints, in finish(). Beams sent at once along that array join
-/// them. Then arcs need no nodes either where the angle is a smooth function of the cosine over them: their
-/// moments are known from their ends (pattern_spans.cpp). Where it is one over all of a polygon, the law is
-/// Lambert's and absorption within a sample is small, ends are followed along edges, without slabs
-/// (pattern_edges.cpp).
+/// Gains are read from piecewise polynomials (gain_panels.hpp), not computed at nodes. If the beams of a
+/// receiver are functions of one cosine (line array), the nodes are summed as moments. Then `finish()`
+/// evaluates the beams once for all footprints. Transmit beams along the same array are included. If the
+/// angle is a smooth function of the cosine over an arc, the moments follow from the ends of the arc without
+/// nodes (pattern_spans.cpp). Under three conditions ends are followed along edges, without slabs
+/// (pattern_edges.cpp). The angle is a smooth function of the cosine over the whole polygon, the model is
+/// Lambert's law, and absorption within a sample is small.
 ///
-/// Micro-texture is one more factor at the nodes, and one more reason for nodes; polygons with texture must
-/// lie in one of its cells (texture_cells.hpp).
+/// A reflectivity texture is a further factor at the nodes and increases their number. A polygon with
+/// texture must lie in one cell of the texture (texture_cells.hpp).
 class PatternIntegrator {
  public:
-  /// `tolerance`: about the error of an energy, relative to what the footprint would return at the patterns'
-  /// peak (a table's corners, where its second derivative jumps, may exceed it). `beta_per_m`: absorption,
-  /// one way.
+  /// `tolerance`: approximate error of an energy, relative to the echo of the footprint at the patterns'
+  /// peak. Kinks of tables, where the second derivative jumps, may exceed it. `beta_per_m`: absorption, one
+  /// way.
   PatternIntegrator(std::span<const double> borders_m, double beta_per_m, const BeamPatterns& patterns,
                     double tolerance);
 
   /// Adds factor times the integral to energy[beam * samples + sample] for all beams that receive the tube,
-  /// at the latest in finish(). `model`: by the angle that the polygon's plane is seen at; it must live until
-  /// finish(). None: r^-2 instead, which is Lambert's but for a factor.
+  /// at the latest in finish(). `model`: function of the angle to the polygon's plane, which must live until
+  /// finish(). Null: r^-2, which is proportional to Lambert's law.
   void add(const PlanarPolygon& polygon, const FacetPlane& plane, const PlaneFrame& frame, std::uint32_t tube,
            double factor, std::span<double> energy, const ScatteringModel* model = nullptr,
            const PlacedTexture& texture = {});
   void finish(std::span<double> energy);
-  /// Adds what is still waiting for finish(), and goes on.
+  /// Adds the pending contributions of finish(). More polygons may follow.
   void settle(std::span<double> energy);
 
  private:
   struct Edge {
-    glm::dvec2 along{0}, aside{0};  // unit: of its direction, and that turned clockwise
+    glm::dvec2 along{0}, aside{0};  // unit vectors: along the edge, and turned clockwise
     double height = 0;              // p = s along + height aside
-    double from = 0, to = 0;        // s
-    int sample = 0;                 // where it starts
-    double nearest2 = 0;            // squared range of its line's nearest point
+    double from = 0, to = 0;        // range of s
+    int sample = 0;                 // sample of its begin
+    double nearest2 = 0;            // squared range of the nearest point of its line
   };
   struct Arc {
     Crossing begin, end;
@@ -81,76 +85,77 @@ class PatternIntegrator {
   struct Piece {
     double distance, distance2, q2, factor;
     bool full_circle, foot_inside;
-    const ScatteringModel::Piece* model;  // none: Lambert's
+    const ScatteringModel::Piece* model;  // null: Lambert's law
   };
-  /// A direction cosine over a piece, and over an arc of it: level + ahead cos + aside sin of the angle from
-  /// the arc's middle.
+  /// Direction cosine over a piece and over one of its arcs. It is level + ahead cos + aside sin of the
+  /// angle from the middle of the arc.
   struct Axis {
     glm::dvec3 direction{0};
     double away = 0;
     glm::dvec2 plane{0};
     double level = 0, ahead = 0, aside = 0;
   };
-  /// A gain along one of the receiver's axes.
+  /// Gain along one of the receiver's axes.
   struct Term {
     std::size_t axis = 0;
     std::shared_ptr<GainPanels> gain;
   };
-  /// How fast patterns change along a path: with their cosine, if they are of one axis and known to be smooth
-  /// functions of it, else with the direction.
+  /// Rate at which patterns change along a path. It refers to the cosine if the patterns have one axis and
+  /// are smooth functions of its cosine. Otherwise it refers to the direction.
   struct Change {
     NodeCount count;
     std::optional<std::size_t> axis;
-    bool by_angle = false;    // functions of the angle, which changes faster than the cosine off broadside
-    double scale = 1;         // of the cosine, over the piece
-    bool along_axis = false;  // over the piece: by its cosine
+    bool by_angle = false;    // functions of the angle, which off broadside changes faster than the cosine
+    double scale = 1;         // scale of the cosine over the piece
+    bool along_axis = false;  // function of the cosine over the piece
   };
-  /// What beams [first, end) of a fan have in common.
+  /// Common properties of beams [first, end) of a fan.
   struct Receiver {
     std::uint32_t fan = 0, first = 0, end = 0;
-    bool uniform = false;  // no receive pattern: one for all beams of the fan
+    bool uniform = false;  // no receive pattern: one value for all beams of the fan
     std::vector<Axis> axes;
-    std::vector<Term> transmit;  // to be added up; none: 1, or in the moments
+    std::vector<Term> transmit;  // factors at nodes; none: 1, or included in the moments
     std::optional<DirectionMoments> moments;
     std::size_t moments_axis = 0;
-    std::vector<std::optional<Term>> receive;  // by beam, without moments; none: 1
-    std::vector<CosineRange> audible;  // by beam: outside its gain is too little (BeamPatterns::least)
+    std::vector<std::optional<Term>> receive;  // per beam, without moments; none: 1
+    std::vector<CosineRange> audible;          // per beam: its gain is below BeamPatterns::least outside
     std::vector<Change> changes;
   };
 
-  /// A texture on the piece at hand.
+  /// Texture on the current piece.
   struct Factor {
     const ReflectivityField* field = nullptr;
     const NodeCount* count = nullptr;
     LyingPlane plane;
-    glm::dvec3 ahead{0}, aside{0};  // place = foot + ahead cos + aside sin of the angle from an arc's middle
+    glm::dvec3 ahead{0}, aside{0};  // place = foot + ahead cos + aside sin of the angle from the middle of
+                                    // an arc
   };
 
-  /// How fast a law changes: with the angle of incidence, and with the logarithm of range.
+  /// Rates at which a model changes, with the angle of incidence and with the logarithm of range.
   struct ModelNodes {
     const ScatteringModel* model;
     NodeCount by_angle, by_range;
   };
 
-  /// Where a polygon's edges are summed up along themselves (pattern_edges.cpp).
+  /// State of the integration along a polygon's edges (pattern_edges.cpp).
   struct EdgePath {
     EdgeLanes lanes;
     double nearest2 = 0;   // squared range of the polygon
-    double reach = 0;      // of its cosines, from the middle
-    double width = 0;      // mean of its arcs', in cosines
-    double singular = 0;   // no singularity of the integrand is as near to an edge
-    bool outside = false;  // of all samples
-    int spare = 0;         // more nodes
+    double reach = 0;      // largest distance of its cosines from the middle
+    double width = 0;      // mean width of its arcs in cosines
+    double singular = 0;   // lower bound of a singularity's distance from an edge
+    bool outside = false;  // outside of all samples
+    int spare = 0;         // number of additional nodes
     const DirectionMoments* of = nullptr;
-    std::vector<std::uint32_t> panels;  // numbers, in the order of cosines
+    std::vector<std::uint32_t> panels;  // numbers in the order of cosines
     std::vector<GainPanels::Panel> panel;
     std::vector<double> half;  // of panels
     struct Rows {
       std::uint32_t block = std::numeric_limits<std::uint32_t>::max();
       double* first = nullptr;
     };
-    std::vector<Rows> rows;  // by panel
-    std::size_t at = 0;      // in panels, where the last end was
+    std::vector<Rows> rows;  // per panel
+    std::size_t at = 0;      // index in `panels` at the last end
     struct Cell {
       std::uint32_t sample, first;
     };
@@ -158,7 +163,7 @@ class PatternIntegrator {
     EdgeNodes nodes;
   };
 
-  /// An only arc from t0 to t1. The cosine of an end is (level + slope sqrt(t^2 + gap)) / r.
+  /// Single arc from t0 to t1. The cosine of an end is (level + slope sqrt(t^2 + gap)) / r.
   struct Sweep {
     struct End {
       double level, slope, gap;
@@ -204,24 +209,24 @@ class PatternIntegrator {
   std::span<const double> borders_;
   double beta_, tolerance_;
   const BeamPatterns& patterns_;
-  std::array<double, most_gauss_nodes + 1> least_rho_{};  // at which n nodes are enough
+  std::array<double, most_gauss_nodes + 1> least_rho_{};  // smallest rho for which n nodes suffice
   std::vector<std::unique_ptr<Receiver>> receivers_;
-  std::vector<std::uint32_t> receiver_of_tube_;  // + 1; 0: not asked for yet
+  std::vector<std::uint32_t> receiver_of_tube_;  // index + 1; 0: not yet determined
   PolarSlabs slabs_;
   std::vector<EdgeRanges> ranges_;
   std::vector<Edge> edges_;
   std::vector<Arc> arcs_;
-  std::vector<double> sum_;       // by beam of the tube
-  std::uint32_t first_beam_ = 0;  // of the tube
+  std::vector<double> sum_;       // per beam of the tube
+  std::uint32_t first_beam_ = 0;  // first beam of the tube
   std::vector<std::pair<double, Crossing>> sorted_;
   Receiver* receiver_ = nullptr;
   std::vector<ModelNodes> models_;
-  const ModelNodes* model_nodes_ = nullptr;  // of the law at hand
+  const ModelNodes* model_nodes_ = nullptr;  // nodes of the current model
   Piece piece_{};
-  bool spans_ = false;  // the slab's only arc may be added by its ends
+  bool spans_ = false;  // the slab's single arc may be added by its ends
   Sweep sweep_;
   EdgePath way_;
-  std::vector<double> borders2_, absorbed_;  // squared borders; by sample: absorption in its middle
+  std::vector<double> borders2_, absorbed_;  // squared borders; absorption in the middle of each sample
   bool little_absorption_ = false;           // within a sample
   Factor texture_;
   std::map<const ReflectivityField*, NodeCount> counts_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How PatternIntegrator sorts the patterns of a fan: which are functions of one cosine, what is tabulated.
+// Sorts the patterns of a fan for PatternIntegrator: which patterns are functions of one cosine, and which
+// gains are approximated by panels. Each thread keeps fitted gains for later pings.
 #include <algorithm>
 #include <functional>
 #include <map>
@@ -11,7 +12,7 @@ namespace {
 
 using Kind = Directivity::Kind;
 
-constexpr std::size_t fewest_for_moments = 3;  // beams; for fewer, their own gains cost less
+constexpr std::size_t fewest_for_moments = 3;  // number of beams; with fewer beams, separate gains cost less
 
 bool is_uniform(const Directivity& pattern) { return pattern.kind == Kind::uniform; }
 
@@ -21,7 +22,7 @@ double growth_of(std::span<const Directivity> beams, double y) {
   return most;
 }
 
-/// The axis that all patterns share, if there is one.
+/// Common axis of all patterns, if they have one.
 std::optional<glm::dvec3> common_axis(std::span<const Directivity> beams) {
   std::optional<glm::dvec3> axis;
   for (const Directivity& beam : beams) {
@@ -32,7 +33,7 @@ std::optional<glm::dvec3> common_axis(std::span<const Directivity> beams) {
   return axis;
 }
 
-/// Smooth functions of their cosine; those of the angle from the axis are not.
+/// Whether all patterns are smooth functions of their cosine. Functions of the angle from the axis are not.
 bool known_by_cosine(std::span<const Directivity> beams) {
   return std::all_of(beams.begin(), beams.end(), [](const Directivity& beam) {
     return is_uniform(beam) || beam.kind == Kind::line ||
@@ -46,7 +47,7 @@ bool by_angle(std::span<const Directivity> beams) {
   });
 }
 
-/// About how wide a polynomial of GainPanels may be.
+/// Approximate width that a polynomial of GainPanels can have.
 double width_for(const std::function<double(double)>& growth, double tolerance) {
   const NodeCount count(growth, tolerance);
   double width = 0.5;
@@ -54,8 +55,8 @@ double width_for(const std::function<double(double)>& growth, double tolerance) 
   return width;
 }
 
-/// The sum of some patterns (1 without any) times each of others (1 without any), all of one cosine. They do
-/// not depend on the pose, so each thread keeps what it fitted for the pings to come.
+/// Products of the sum of some patterns and each of other patterns, all functions of one cosine. An empty
+/// set means 1. The products do not depend on the pose, so each thread keeps them for later pings.
 std::shared_ptr<GainPanels> gains_of(std::span<const Directivity> summed, std::span<const Directivity> each,
                                      double tolerance) {
   constexpr std::size_t most_kept = 64;
@@ -104,7 +105,7 @@ PatternIntegrator::Receiver& PatternIntegrator::receiver_of(std::uint32_t tube) 
   return *receivers_[known - 1];
 }
 
-/// The sum of patterns that share an axis.
+/// Sum of the patterns that have the axis of the first one.
 PatternIntegrator::Term PatternIntegrator::term(Receiver& receiver,
                                                 std::span<const Directivity> beams) const {
   const glm::dvec3 axis = beams.front().axis;
@@ -133,7 +134,7 @@ std::unique_ptr<PatternIntegrator::Receiver> PatternIntegrator::make_receiver(st
   const auto received_growth = [received](double y) { return growth_of(received, y); };
   const auto both_growth = [=](double y) { return sent_growth(y) + received_growth(y); };
 
-  // What is received, and what is sent with it.
+  // Receive patterns, with the transmit patterns of the same axis.
   const bool gather = patterns_.least.empty() && received_axis && received.size() >= fewest_for_moments;
   const bool join = gather && (all_sent || sent_axis == received_axis);
   if (gather) {
@@ -155,7 +156,7 @@ std::unique_ptr<PatternIntegrator::Receiver> PatternIntegrator::make_receiver(st
   }
   if (!join) {
     std::vector<Directivity> rest(sent.begin(), sent.end());
-    // One uniform beam alone is no factor at all.
+    // A single uniform beam needs no factor.
     while (!rest.empty() && !(sent.size() == 1 && all_sent)) {
       const glm::dvec3 axis = rest.front().axis;
       const auto own = std::stable_partition(rest.begin(), rest.end(),
@@ -165,7 +166,7 @@ std::unique_ptr<PatternIntegrator::Receiver> PatternIntegrator::make_receiver(st
     }
   }
 
-  // How fast all that changes.
+  // Rates of change of all patterns.
   const auto axis_of = [&](const std::optional<glm::dvec3>& axis, std::span<const Directivity> beams) {
     std::optional<std::size_t> place;
     if (!axis || !known_by_cosine(beams)) return place;

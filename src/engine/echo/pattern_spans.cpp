@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Arcs without nodes. Along an arc the cosine w to the array is level + R cos(angle), so that
+// Integrates over arcs without nodes. Along an arc the cosine w to the array is level + R cos(angle), so
 //
-//     d angle / d w = 1 / s(w),   s^2 = R^2 - (w - level)^2,
+//     d angle / d w = 1 / s(w),   s^2 = R^2 - (w - level)^2.
 //
-// and about an origin w0 in the arc, with z = w - w0, c = w0 - level and s = s(w0),
+// With an origin w0 in the arc, z = w - w0, c = w0 - level and s = s(w0),
 //
 //     1 / s(w) = 1/s (1 - (2 c z + z^2) / s^2)^(-1/2) = 1/s (1 + c/s^2 z + (1/(2 s^2) + 3/2 (c/s^2)^2) z^2
 //                + (3/2 c/s^4 + 5/2 c^3/s^6) z^3 + ...).
 //
-// Gains are polynomials of w over a panel (gain_panels.hpp): their integral over the arc is known from its
-// two ends. The singularities are at z = +-R - c, so that coefficient k is at most (R - |c|)^-k / s, and what
-// is left out of the series is at most a geometric one.
+// Gains are polynomials of w over a panel (gain_panels.hpp), so their integral over the arc follows from its
+// two ends. The singularities are at z = +-R - c. Coefficient k is therefore at most (R - |c|)^-k / s, and a
+// geometric series bounds the truncation error.
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -21,17 +21,17 @@
 namespace tubefoot {
 namespace {
 
-/// Of the tolerance, for each: what is left out of the series, and rounding of the ends.
+/// Share of the tolerance for the truncation of the series, and for the rounding of the ends.
 constexpr double share = 0.25;
 constexpr double rounding = 4e-16;  // of a cosine
 
-/// e^x, where |x| is small: to 1e-12.
+/// e^x for small |x|, with an error of 1e-12.
 constexpr double smallest_for_library = 0.01;
 double exp_of_little(double x) {
   return 1 + x * (1 + x * (1.0 / 2 + x * (1.0 / 6 + x * (1.0 / 24 + x * (1.0 / 120)))));
 }
 
-/// An end's cosine.
+/// Cosine of an end.
 template <class End>
 double end_at(const End& end, double t2, double per_r) {
   return (end.level + end.slope * std::sqrt(std::max(t2 + end.gap, 0.0))) * per_r;
@@ -39,7 +39,7 @@ double end_at(const End& end, double t2, double per_r) {
 
 }  // namespace
 
-/// Of the polygon at hand: everything that is looked at is a function of one cosine, and known to be.
+/// Whether all factors on the current polygon are smooth functions of one cosine.
 bool PatternIntegrator::arcs_may_be_spans() const {
   if (!receiver_->moments || !receiver_->transmit.empty() || texture_.field != nullptr) return false;
   if (piece_.foot_inside || receiver_->changes.size() != 1) return false;
@@ -73,7 +73,8 @@ int PatternIntegrator::nodes_along_spans(double t0, double t1, double rho) {
   return model + change.count.nodes(extent * change.scale, rho) - 1;
 }
 
-/// False, and nothing added, where the angle is no smooth function of the cosine over the arcs from t0 to t1.
+/// Adds the arcs from t0 to t1. Returns false and adds nothing if the angle is not a smooth function of the
+/// cosine over these arcs.
 bool PatternIntegrator::add_spans(double t0, double t1, const GaussRule& rule) {
   const Axis& axis = receiver_->axes[receiver_->moments_axis];
   const Arc& arc = arcs_.front();
@@ -81,13 +82,13 @@ bool PatternIntegrator::add_spans(double t0, double t1, const GaussRule& rule) {
   const auto& per_r = sweep_.per_r;
   if (!(std::abs(to.cosine[1] - from.cosine[1]) > rounding / (share * tolerance_))) return false;
   const double origin = (from.cosine[1] + to.cosine[1]) / 2;
-  double reach = 0;  // of cosines from the origin
+  double reach = 0;  // largest distance of cosines from the origin
   for (const Sweep::End& end : sweep_.end) {
     const std::array<double, 3>& w = end.cosine;
     const double most = std::max({std::abs(w[0] - origin), std::abs(w[1] - origin), std::abs(w[2] - origin)});
     reach = std::max(reach, most + std::abs(w[0] - 2 * w[1] + w[2]));
   }
-  // R grows with range, and the level changes with it one way only.
+  // R increases with range, and the level is monotonic in range.
   const double steep2 = glm::dot(axis.plane, axis.plane);
   const auto squared_radius = [&](double over_r) {
     return steep2 * (1 - piece_.distance2 * (over_r * over_r));
@@ -102,8 +103,8 @@ bool PatternIntegrator::add_spans(double t0, double t1, const GaussRule& rule) {
                fourth = (ratio * ratio) * (ratio * ratio) / (1 - ratio);
   if (third + fourth > share * tolerance_) return false;
 
-  // Both ends on the same side of where w is largest or smallest on the circle, and the arc is less than half
-  // of it: w goes one way.
+  // Both ends lie on the same side of the extreme values of w on the circle, and the arc is less than half a
+  // circle. Thus w is monotonic along the arc.
   const double half = (t1 - t0) / 2, middle = t0 + half;
   const auto turned_along = [&](glm::dvec2 p) { return axis.plane.y * p.x - axis.plane.x * p.y; };
   const double side = turned_along(point_at(arc.begin, middle * middle));
@@ -119,7 +120,7 @@ bool PatternIntegrator::add_spans(double t0, double t1, const GaussRule& rule) {
   for (std::size_t i = 0; i < nodes; ++i) {
     const double t = middle + half * rule.node[i], t2 = t * t, r2 = piece_.q2 + t2;
     const double r = std::sqrt(r2), over_r = 1 / r, over_r2 = over_r * over_r;
-    double sigma = over_r2;  // Lambert's over mu and the squared distance
+    double sigma = over_r2;  // Lambert's law divided by mu and the squared distance
     if (piece_.model != nullptr)
       sigma = ScatteringModel::in_piece(
           *piece_.model, std::atan2(std::sqrt(std::max(r2 - piece_.distance2, 0.0)), piece_.distance),

@@ -3,26 +3,26 @@
 
 #include "engine/echo/lit_echo.hpp"
 
-// The quadratures behind integrate() (echo.hpp), which has looked at what they are given.
+// Quadratures of integrate() (echo.hpp), which validates their arguments.
 namespace tubefoot {
 
-/// Nothing comes back from there.
+/// Whether a surface returns no energy.
 inline bool is_silent(const SurfaceProperties& seabed) {
   return seabed.scattering == nullptr && seabed.mu == 0;
 }
 
-/// Parts whose owner is asked for go to the sink instead. `room`: as integrate_lit_echo() has it.
+/// With how.by_owner, parts go to the sink instead of the echo. `room`: see integrate_lit_echo().
 LitEcho integrate_one_apex(const CommonVisibility& visibility, const ReceiveBeams& beams,
                            const RangeSamples& samples, const EchoModel& model, const Quadrature& how,
                            const Sink<double>& sink, std::vector<double> room);
 void integrate_two_apexes(const CommonVisibility& visibility, const ReceiveBeams& beams,
                           const RangeSamples& samples, const EchoModel& model, const Quadrature& how,
                           const Sink<double>& sink);
-/// Of two apexes, by a binning that is not exact.
+/// Bistatic, with a binning other than exact.
 void integrate_whole(const CommonVisibility& visibility, const ReceiveBeams& beams,
                      const RangeSamples& samples, const EchoModel& model, Binning binning,
                      const Sink<double>& sink);
-/// Of two apexes, what rays met.
+/// Bistatic, for hits of rays.
 void integrate_hits(const CommonVisibility& visibility, const ReceiveBeams& beams,
                     const RangeSamples& samples, const EchoModel& model, const Sink<double>& sink);
 

@@ -14,21 +14,25 @@
 #include "geometry/integrals/convex_clip.hpp"
 #include "geometry/steps/stop.hpp"
 
+// Integrates energies and mean products of a receiver pair over common visible polygons with PathCutter. The
+// product has the phase exp(i k (r_a - r_b)) (receiver_pair_echo.hpp).
+
 namespace tubefoot {
 namespace {
 
 /// Relative to the energy without interference.
 constexpr double tolerance = 1e-8;
-/// Facets that a task takes: part of the summation's order.
+/// Facets per task. The number determines the order of summation.
 constexpr std::size_t facets_per_task = 64;
 
-/// Where the seabed is seen elsewhere over one chain of mirrors than over another, so are its ends.
+/// Whether the transmitter is at the middle of the receiver pair. If apparent positions differ between
+/// chains of mirrors, the ends differ too.
 bool in_the_middle(const ReceiverPairHistory& history) {
   return history.middle_m == glm::dvec3(0) && history.bistatic_upper.empty() &&
          history.bistatic_lower.empty();
 }
 
-/// Sums one fan's echo; one per task.
+/// Sums the echo of one fan. One object per task.
 class ReceiverPairIntegral {
  public:
   ReceiverPairIntegral(const ReceiverPairHistory& history, const ReceiverBaseline& receiver_pair,
@@ -56,7 +60,7 @@ class ReceiverPairIntegral {
     cross_.assign(3 * samples, 0);
   }
 
-  /// Energies of one receiver.
+  /// Adds the energies of one receiver.
   void add_energy(std::size_t end, const SharedFacet& facet) {
     if (!place(end, facet, end, end + 1)) return;
     const SurfaceProperties& seabed = paths_[end].seabed;
@@ -68,7 +72,7 @@ class ReceiverPairIntegral {
     }
   }
 
-  /// What is common to both. `upper` and `lower` are the same facet.
+  /// Adds the products on the surface that both receivers see. `upper` and `lower` are the same facet.
   void add_product(const SharedFacet& upper, const SharedFacet& lower) {
     if (!place(0, upper, 0, 2)) return;
     const SharedFootprints &by_upper = history_.by_upper, &by_lower = history_.by_lower;
@@ -102,8 +106,8 @@ class ReceiverPairIntegral {
       PathOnFacet::flatten(corners, *bistatic_, polygon);
   }
 
-  /// A facet, of those that a receiver shares, for receivers [first, last). False where one of them looks
-  /// along the plane or at its back, which only the grid's half units can do.
+  /// Sets up a facet that receiver `of` shares, for receivers [first, last). Returns false if one of them
+  /// sees the facet edge-on or from behind. This happens only by the half units of the grid.
   bool place(std::size_t of, const SharedFacet& facet, std::size_t first, std::size_t last) {
     const std::vector<BistaticFacet>& bistatic = of == 0 ? history_.bistatic_upper : history_.bistatic_lower;
     bistatic_ = bistatic.empty() ? nullptr : &bistatic[std::size_t(&facet - seen_by(of).facets.data())];
@@ -140,7 +144,7 @@ class ReceiverPairIntegral {
     return true;
   }
 
-  /// What a square metre sends by way of a receiver, but for texture.
+  /// Echo of 1 m² at a receiver, without texture.
   double even(const PathOnFacet& path, glm::dvec2 p, double tx, double rx) const {
     double density = path.density_at(tx, rx);
     if (!weighed_ && !path.over_mirrors()) return density;
@@ -150,7 +154,8 @@ class ReceiverPairIntegral {
     return gain >= least_ ? density * gain : 0;
   }
 
-  /// One path: its energies. Two: the size of the products, and their real and imaginary parts.
+  /// With one path: its energies. With two paths: the size of the products, and their real and imaginary
+  /// parts.
   void integrate(std::span<const PathOnFacet> paths, std::vector<double>& out) {
     const ReflectivityField* texture = paths[0].seabed.texture;
     if (texture == nullptr) return integrate_part(polygon_, paths, out);
@@ -164,7 +169,7 @@ class ReceiverPairIntegral {
     if (paths.size() > 1) {
       work.values = 3;
       work.resolution_rad = std::min(work.resolution_rad, phase_rad_);
-      // With the transmitter in their middle neither is much nearer than the other.
+      // If the transmitter is in the middle of the receivers, neither is much nearer than the other.
       work.from_second = !in_the_middle(history_);
     }
     std::array<PathCutter::Receiver, 2> receivers;
@@ -180,7 +185,8 @@ class ReceiverPairIntegral {
           }
           values[0] *= paths[0].texture_at(p);
           if (paths.size() == 1) return;
-          // (upper^2 - lower^2) / (upper + lower): no cancellation where the baseline is short.
+          // Difference of the ranges as (upper^2 - lower^2) / (upper + lower), which avoids cancellation for
+          // a short baseline.
           const double along = along_.x * p.x + along_.y * p.y + along_.z;
           const double further = -2 * receiver_pair_.baseline_m * along / (rr + other);
           const std::complex<double> product =
@@ -195,25 +201,25 @@ class ReceiverPairIntegral {
   const ReceiverBaseline& receiver_pair_;
   const TransmitPattern& sent_;
   const Directivity& received_;
-  double least_;                            // two-way gain that is received
-  std::array<const EchoModel*, 2> models_;  // by receiver
+  double least_;                            // smallest two-way gain that counts
+  std::array<const EchoModel*, 2> models_;  // per receiver
   PathCutter cutter_;
   Smoothness patterns_;
   double phase_rad_ = 1;
   bool weighed_ = false;
-  std::array<glm::dvec3, 2> at_m_;  // the receivers, relative to the transmitter
-  // Of the facet at hand.
+  std::array<glm::dvec3, 2> at_m_;  // receivers, relative to the transmitter
+  // Values of the current facet.
   const BistaticFacet* bistatic_ = nullptr;
   FacetPlane plane_;
   PlaneFrame frame_{FacetPlane{}};
-  glm::dvec3 along_{
-      0};  // the receiver pair's axis times a place from its middle: of x, of y, and of the foot point
-  std::array<PathOnFacet, 2> paths_;  // by way of either receiver
+  glm::dvec3 along_{0};  // coefficients of x, y and foot point for the product of the axis and a place from
+                         // the pair's middle
+  std::array<PathOnFacet, 2> paths_;  // path to each receiver
   Smoothness smooth_;
   PlanarPolygon polygon_;
   TextureCells cells_;
   std::array<std::vector<double>, 2> energy_;
-  std::vector<double> cross_;  // 3 a sample
+  std::vector<double> cross_;  // 3 values per sample
 };
 
 }  // namespace
@@ -281,7 +287,7 @@ ReceiverPairHistory trace_receiver_pair(const ApparentPair& pair, const WorldGri
 
 namespace {
 
-/// `models`: by receiver.
+/// `models`: per receiver.
 ReceiverPairEcho integrated(const ReceiverPairHistory& history, const ReceiverBaseline& receiver_pair,
                             std::uint32_t fan, std::uint32_t beam, const RangeSamples& samples,
                             std::array<const EchoModel*, 2> models, bool energies) {
@@ -292,7 +298,7 @@ ReceiverPairEcho integrated(const ReceiverPairHistory& history, const ReceiverBa
   struct Job {
     const SharedFacet *upper, *lower;
   };
-  std::vector<Job> jobs;  // by facet
+  std::vector<Job> jobs;  // per facet
   const auto &up = history.by_upper.facets, &down = history.by_lower.facets;
   for (auto u = up.begin(), d = down.begin(); u != up.end() || d != down.end();) {
     const bool has_upper = u != up.end() && (d == down.end() || u->facet <= d->facet),

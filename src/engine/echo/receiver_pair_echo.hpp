@@ -7,72 +7,75 @@
 #include "geometry/search/scene_tree.hpp"
 #include "geometry/visibility/visibility.hpp"
 
-// Two receivers on a receiver pair: what each of them receives, and how much alike that is. docs/sensors.md
+// Computes the energies of both receivers of a receiver pair and the mean product of their signals. Source:
+// docs/sensors.md, "Their covariance".
 namespace tubefoot {
 
-/// What a fan's transmission met that the two receivers on its receiver pair see. A path is transmit apex ->
-/// facet -> receive apex.
+/// Visibility of the transmission of a fan from the two receivers of its receiver pair. A path leads from
+/// the transmit apex over a facet to the receive apex.
 struct ReceiverPairHistory {
-  TubeSet transmit, upper, lower;       ///< of the fan
-  SharedFootprints by_upper, by_lower;  ///< what the transmitter and either receiver see
-  glm::dvec3 middle_m{0};               ///< of the receiver pair, relative to the transmit apex
-  /// In refracting water with the transmitter elsewhere: by shared facet of either receiver, where else the
-  /// receiver pair's middle sees it. Empty: facets are where the transmitter sees them.
+  TubeSet transmit, upper, lower;       ///< tubes of the fan
+  SharedFootprints by_upper, by_lower;  ///< common visibility of the transmitter and each receiver
+  glm::dvec3 middle_m{0};               ///< middle of the receiver pair, relative to the transmit apex
+  /// For bistatic sonars in refracting water: apparent position of each shared facet from the receiver
+  /// pair's middle. Empty: facets are at the apparent positions from the transmitter.
   std::vector<BistaticFacet> bistatic_upper{}, bistatic_lower{};
   std::size_t pieces() const { return by_upper.pieces.size() + by_lower.pieces.size(); }
 };
 
-/// The tubes of one fan of a set.
+/// Tubes of one fan of a set.
 TubeSet tubes_of_fan(const TubeSet& tubes, std::span<const std::uint32_t> fan_of_tube, std::uint32_t fan);
-/// From one apex to another.
+/// Vector from one apex to another.
 glm::dvec3 way_m(GridPoint from, GridPoint to, double grid_unit_m);
-/// The same tubes half a baseline up the receiver pair (`end` 1) or down (-1), on the grid.
+/// The same tubes, moved along the baseline by half of it up (`end` 1) or down (-1), on the grid.
 TubeSet moved_along(const TubeSet& tubes, const ReceiverBaseline& receiver_pair, double end,
                     double grid_unit_m);
 
-/// Visibility from the transmitter and from both ends of the receiver pair, whose tubes look in the
-/// directions of `receive`, the tubes of its middle: the transmitter's, unless that is elsewhere.
+/// Computes the visibility from the transmitter and from both ends of the receiver pair. The tubes of the
+/// ends have the directions of `receive`, the tubes of the middle. In a monostatic sonar these are the
+/// transmitter's tubes.
 ReceiverPairHistory trace_receiver_pair(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
                                         const VisibilityOptions& options, TubeSet transmit,
                                         const TubeSet& receive, const ReceiverBaseline& receiver_pair);
 
-/// The same in refracting water with the transmitter elsewhere (as trace_bistatic()): both ends look at the
-/// seabed as it appears from the receiver pair's middle.
+/// The same for bistatic sonars in refracting water (as trace_bistatic()). Both ends see the apparent seabed
+/// of the receiver pair's middle.
 ReceiverPairHistory trace_receiver_pair(const ApparentPair& pair, const WorldGrid& grid,
                                         const VisibilityOptions& options, TubeSet transmit,
                                         const TubeSet& receive, const ReceiverBaseline& receiver_pair,
                                         const ApparentMap& transmit_water, const ApparentMap& receive_water,
                                         double reference_absorption_db_per_m);
 
-/// Covariances of a fan's two signals by sample: energies of the upper and of the lower receiver, and the
-/// real and the imaginary part of the mean product of the upper one with the conjugate of the lower one.
+/// Covariances of a fan's two signals per sample. They are the energies of both receivers and the mean
+/// product (real and imaginary part). The product is that of the upper signal and the conjugate of the lower
+/// one.
 struct ReceiverPairEcho {
   std::vector<double> upper_j, lower_j, cross_real_j, cross_imag_j;
 };
 
-/// Of scatterers that are independent of each other, two channels a and b have the covariance
-///     R_ab = integral over what a and b both see, in sample k of a and of b, of
-///            sqrt(e_a e_b) exp(i k (r_a - r_b)) dA,
-/// with e_a the energy that an area element sends by way of receiver a (density.hpp;
-/// energies are a = b). Sample k of a receiver holds the half paths (r_transmit + r_a) / 2 from first + k
-/// step on, its own. `fan`, `beam`: which patterns of law.patterns are the fan's. Ranges and phases are those
-/// from the receiver pair's true ends, which the grid may have moved by half a unit for the visibility. What
-/// both receivers see is the intersection of the two exact shapes, in doubles. In refracting water facets are
-/// the transmitter's apparent ones, or those of the receiver pair's middle where that is elsewhere; its axis
-/// is then to be as much longer as sound there is slower than that by which ranges are measured.
+/// Computes covariances for independent scatterers. Two channels a and b have the covariance
+///     R_ab = integral of sqrt(e_a e_b) exp(i k (r_a - r_b)) dA
+/// over the surface that both a and b see, in sample k of a and of b. Here e_a is the energy of an area
+/// element at receiver a (density.hpp), and the energies are R_aa. Sample k of a receiver contains its half
+/// paths (r_transmit + r_a) / 2 from first + k step on. `fan`, `beam`: indices of the fan's patterns in
+/// model.patterns. Ranges and phases refer to the true ends of the receiver pair. For the visibility the
+/// grid may have moved them by half a unit. The common visibility of both receivers is the intersection of
+/// two exact shapes, computed in doubles. In refracting water, facets are the apparent ones of the
+/// transmitter, or in a bistatic sonar those of the receiver pair's middle. The baseline must then be
+/// multiplied by the reference speed divided by the sound speed at the receivers.
 ReceiverPairEcho integrate_receiver_pair_echo(const ReceiverPairHistory& history,
                                               const ReceiverBaseline& receiver_pair, std::uint32_t fan,
                                               std::uint32_t beam, const RangeSamples& samples,
                                               const EchoModel& model);
 
-/// The same by way of mirrors: `history` is that of images, `receiver_pair` the image of the receiver pair,
-/// and the legs of the two laws have the losses of their own receiver's mirrors. A chain of mirrors turns the
-/// phases of both receivers alike, so that they cancel.
+/// The same over mirrors: `history` is that of images, and `receiver_pair` the image of the receiver pair.
+/// The legs of the two models contain the losses of their receiver's mirrors. A chain of mirrors shifts the
+/// phases of both receivers equally, so the shift cancels.
 ReceiverPairEcho integrate_receiver_pair_echo(const ReceiverPairHistory& history,
                                               const ReceiverBaseline& receiver_pair, std::uint32_t fan,
                                               std::uint32_t beam, const RangeSamples& samples,
                                               const EchoModel& by_upper, const EchoModel& by_lower);
-/// Of these the products alone (energies are 0).
+/// Products only; the energies are 0.
 ReceiverPairEcho integrate_receiver_pair_products(const ReceiverPairHistory& history,
                                                   const ReceiverBaseline& receiver_pair, std::uint32_t fan,
                                                   std::uint32_t beam, const RangeSamples& samples,

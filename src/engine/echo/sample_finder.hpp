@@ -11,7 +11,7 @@
 
 namespace tubefoot {
 
-/// Finds the sample that holds a range, or half a path.
+/// Finds the sample that contains a range or half path.
 class SampleFinder {
  public:
   explicit SampleFinder(const RangeSamples& samples)
@@ -22,19 +22,20 @@ class SampleFinder {
   const std::vector<double>& borders() const { return borders_; }
   double samples_per_m() const { return samples_per_m_; }
   bool holds(double range_m) const { return range_m >= borders_.front() && range_m < borders_.back(); }
-  /// Of a range that the samples hold. The borders decide, not the division: footprints are cut at the same
-  /// numbers.
+  /// Sample of a range within all samples. The comparison with the borders decides, not the division,
+  /// because footprints are cut at the same numbers.
   std::size_t at(double range_m) const {
     return from(std::min(std::size_t((range_m - borders_.front()) * samples_per_m_), borders_.size() - 2),
                 range_m);
   }
-  /// The same, where a sample close by is known.
+  /// The same if a nearby sample is known.
   std::size_t from(std::size_t k, double range_m) const {
     while (range_m < borders_[k]) --k;
     while (range_m >= borders_[k + 1]) ++k;
     return k;
   }
-  /// Samples that hold ranges from near to far, one to spare on both sides: [first, second).
+  /// Samples [first, second) that contain the ranges from near to far, with one additional sample on both
+  /// sides.
   std::pair<std::size_t, std::size_t> between(double near_m, double far_m) const {
     const double samples = double(borders_.size() - 1);
     const auto sample = [&](double range_m) {
@@ -43,8 +44,8 @@ class SampleFinder {
     return {std::size_t(std::max(sample(near_m) - 1, 0.0)),
             std::size_t(std::min(sample(far_m) + 2, samples))};
   }
-  /// Calls take(sample, part) with the parts of [near, far] (or of one range, where they are the same) that,
-  /// moved by either of two shifts, lie in the same sample.
+  /// Calls take(sample, part) for the parts of [near, far] that lie in the same sample after either of two
+  /// shifts. If both ends are equal, the interval is a single range.
   template <class Take>
   void share(double near_m, double far_m, double least, double most, const Take& take) const {
     if (!(far_m > near_m)) {

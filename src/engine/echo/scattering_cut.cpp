@@ -28,7 +28,7 @@ void ScatteringCutter::prepare(const ScatteringModel& model, double distance_m, 
   first_ = same ? 0 : first;
   end_ = same ? borders_.size() - 1 : end;
   std::vector<double> corners = corner_ranges_m(model, distance_m);
-  corners.insert(corners.begin(), distance_m);  // what is nearer is not asked for
+  corners.insert(corners.begin(), distance_m);  // nearer ranges do not occur on this plane
   const auto g = [&](double r) {
     return density(cross_section(model, distance_m, r), TwoWayRange<double>::of(r), beta_);
   };
@@ -46,7 +46,7 @@ SampleSpan ScatteringCutter::add(const PlanarPolygon& polygon, const ScatteringM
   const auto first = std::upper_bound(borders_.begin(), borders_.end(), near);
   const auto end = std::lower_bound(borders_.begin(), borders_.end(), far);
   const auto samples = std::ptrdiff_t(borders_.size()) - 1;
-  // One sample more to each side, for the rounding of these two ranges.
+  // One additional sample on each side, for the rounding of these two ranges.
   const auto k0 = std::clamp<std::ptrdiff_t>(first - borders_.begin() - 2, 0, samples - 1);
   const auto k1 = std::clamp<std::ptrdiff_t>(end - borders_.begin() + 1, k0 + 1, samples);
   prepare(model, polygon.distance, std::size_t(k0), std::size_t(k1));

@@ -11,19 +11,20 @@
 
 namespace tubefoot {
 
-/// Ranges at which a law changes from one of its pieces to the next on a plane at that distance, increasing.
+/// Increasing ranges at which a model changes from one of its pieces to the next, on a plane at the given
+/// distance.
 std::vector<double> corner_ranges_m(const ScatteringModel& model, double distance_m);
 
 /// Integrates g(r) = sigma(D / r) r^-4 e^(-2 beta r) over polygons cut by range samples: an echo without
-/// patterns, for any law. On a plane at distance D the sine of the grazing angle is D / r, so the law is a
-/// function of range alone there, another one for each D: a RadialIntegral is made for the samples that a
-/// polygon reaches, and for all of them once a second polygon of the same plane comes.
+/// patterns, for any scattering model. On a plane at distance D the sine of the grazing angle is D / r. The
+/// model is thus a function of range that depends on D. A RadialIntegral is made for the samples that a
+/// polygon reaches. If a second polygon of the same plane follows, it is made for all samples.
 class ScatteringCutter {
  public:
   ScatteringCutter(const RangeSamples& samples, double absorption_db_per_m);
 
-  /// Adds `factor` times the integral over polygon and sample k to row[k]. Returns the samples that it has
-  /// added to; it leaves the others alone.
+  /// Adds `factor` times the integral over polygon and sample k to row[k]. Returns the samples to which
+  /// values were added. All other samples are unchanged.
   SampleSpan add(const PlanarPolygon& polygon, const ScatteringModel& model, std::span<double> row,
                  double factor = 1);
 
@@ -34,7 +35,7 @@ class ScatteringCutter {
   double beta_;
   const ScatteringModel* model_ = nullptr;
   double distance_m_ = 0;
-  std::size_t first_ = 0, end_ = 0;  // samples that radial_ holds
+  std::size_t first_ = 0, end_ = 0;  // samples that radial_ contains
   std::unique_ptr<RadialIntegral> radial_;
   std::unique_ptr<RangeCutter> cutter_;
 };

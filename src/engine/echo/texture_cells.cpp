@@ -8,7 +8,7 @@
 namespace tubefoot {
 namespace {
 
-/// Splits a convex polygon by the line along . offset = level into what is below and what is not.
+/// Splits a convex polygon by the line across . offset = level.
 void split(const PlanarPolygon& polygon, glm::dvec2 across, double level, PlanarPolygon& below,
            PlanarPolygon& above) {
   below.offsets.clear();
@@ -43,7 +43,7 @@ void TextureCells::cut(const PlanarPolygon& polygon, const LyingPlane& plane,
 
 void TextureCells::cut(std::span<const CellPlanes> cells, const PlanarPolygon& polygon, std::size_t level) {
   if (level == cells.size()) {
-    // A polygon's first corner is its origin.
+    // The first corner of a polygon is the origin of its offsets.
     taken_.distance = polygon.distance;
     taken_.first = polygon.corner(0);
     taken_.offsets.clear();
@@ -51,7 +51,7 @@ void TextureCells::cut(std::span<const CellPlanes> cells, const PlanarPolygon& p
     (*take_)(taken_);
     return;
   }
-  // In the polygon's offsets the family is a set of lines: across . offset = k spacing - foot.
+  // In the polygon's offsets, the family of planes is a set of lines: across . offset = k spacing - foot.
   const CellPlanes& planes = cells[level];
   const glm::dvec2 across{glm::dot(planes.normal, plane_.u), glm::dot(planes.normal, plane_.v)};
   const double foot =
@@ -61,7 +61,7 @@ void TextureCells::cut(std::span<const CellPlanes> cells, const PlanarPolygon& p
     lo = std::min(lo, glm::dot(across, offset));
     hi = std::max(hi, glm::dot(across, offset));
   }
-  // Planes that only touch it, but for rounding, cut nothing off.
+  // Planes that touch the polygon, within rounding, cut nothing off.
   const double rounding = 1e-12 * (planes.spacing_m + std::abs(foot));
   const double first = std::ceil((foot + lo + rounding) / planes.spacing_m);
   if (!(first * planes.spacing_m < foot + hi - rounding)) return cut(cells, polygon, level + 1);

@@ -10,13 +10,14 @@
 
 namespace tubefoot {
 
-/// Cuts polygons along the planes on which a texture is not analytic, so that rules of Gauss converge in each
-/// part. Neighbouring parts share their corners but for rounding. Holds scratch memory: one per thread.
+/// Cuts polygons along the planes on which a texture is not analytic, so that Gauss rules converge in each
+/// part. Neighbouring parts have the same corners except for rounding. Contains scratch memory: use one
+/// object per thread.
 class TextureCells {
  public:
   /// Calls `take` for each part of a convex polygon on a facet that lies in one cell. A polygon within one
-  /// cell is taken as it is. The work is in proportion to the number of cells that the polygon meets, the
-  /// memory to its corners.
+  /// cell is passed unchanged. The time is proportional to the number of cells that the polygon meets, and
+  /// the memory to its corners.
   void cut(const PlanarPolygon& polygon, const LyingPlane& plane, std::span<const CellPlanes> cells,
            const std::function<void(const PlanarPolygon&)>& take);
 
@@ -28,7 +29,7 @@ class TextureCells {
 
   LyingPlane plane_;
   const std::function<void(const PlanarPolygon&)>* take_ = nullptr;
-  std::vector<Level> levels_;  // by family of planes
+  std::vector<Level> levels_;  // per family of planes
   PlanarPolygon taken_;
 };
 

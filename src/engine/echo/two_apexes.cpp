@@ -11,13 +11,16 @@
 #include "engine/echo/texture_cells.hpp"
 #include "geometry/steps/steps.hpp"
 
+// Integrates bistatic echoes facet by facet with PathCutter, over cells between ellipses of equal path, with
+// patterns, texture and mirror losses in the integrand (quadratures.hpp).
+
 namespace tubefoot {
 namespace {
 
-/// Facets that one task takes. No result depends on it.
+/// Facets per task. The results do not depend on this number.
 constexpr std::size_t facets_per_task = 32;
 
-/// One per thread.
+/// Quadrature of single facets. One object per thread.
 class FacetEcho {
  public:
   FacetEcho(const CommonVisibility& visibility, const ReceiveBeams& beams, std::span<const double> borders,
@@ -30,7 +33,7 @@ class FacetEcho {
         mirrors_angle_rad_(smooth_angle_rad(model.path)),
         tolerance_(tolerance) {}
 
-  /// `number`: the facet's in the common visibility.
+  /// `number`: index of the facet in the common visibility.
   void add(std::size_t number, std::vector<Part<double>>& parts) {
     const SeenFacet facet = visibility_[number];
     const BistaticFacet* bistatic = visibility_.bistatic(number);
@@ -66,7 +69,7 @@ class FacetEcho {
     if (first == end) return;
     sum_.resize(work.values * (borders_.size() - 1), 0);
     cutter_.add(polygon, path_.rx.over, integrand, work, sum_);
-    const std::size_t skipped = work.values > 1 ? 1 : 0;  // the integral without patterns
+    const std::size_t skipped = work.values > 1 ? 1 : 0;  // skips the integral without patterns
     for (std::size_t k = first; k < end; ++k)
       for (std::size_t v = 0; v < work.values; ++v) {
         part.value = std::exchange(sum_[k * work.values + v], 0);
@@ -126,7 +129,7 @@ class FacetEcho {
   Smoothness smooth_;
   PlanarPolygon polygon_;
   TextureCells cells_;
-  std::vector<double> sum_;  // all 0 between pieces
+  std::vector<double> sum_;  // all 0 between polygons
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Paths by way of single places: the centroids of what two apexes share, and rays' hits.
+// Computes bistatic echoes of single places: the centroids of the common parts of two tubes on a facet, and
+// the hits of rays (quadratures.hpp).
 #include <algorithm>
 #include <glm/geometric.hpp>
 #include <limits>
@@ -18,7 +19,7 @@ class PlacedEcho {
              const EchoModel& model, const Sink<double>& sink)
       : visibility_(visibility), beams_(beams), model_(model), sink_(sink), finder_(samples) {}
 
-  /// Each footprint that a tube of the one and a tube of the other share, at its centroid.
+  /// Adds the common part of two tubes on each facet at its centroid.
   void whole(Binning binning) {
     for (std::size_t number = visibility_.first(); number < visibility_.end(); ++number) {
       stop_if_wanted();
@@ -42,7 +43,7 @@ class PlacedEcho {
     }
   }
 
-  /// A hit stands for the area solid_angle r^2 / sin(grazing).
+  /// A hit represents the area solid_angle r^2 / sin(grazing).
   void hits() {
     for (const SharedHit& hit : visibility_.shared_hits()) {
       if (hit.seen != number_) begin(hit.seen);
@@ -57,8 +58,8 @@ class PlacedEcho {
   }
 
  private:
-  /// Of the pieces of a footprint; the centroid is summed up from the first one's first corner, so that a
-  /// small one far away keeps its digits.
+  /// Area, centroid and range interval of the polygons of a footprint. The centroid is summed relative to
+  /// the first corner of the first polygon, which preserves the digits of small distant footprints.
   struct Measured {
     double area = 0, near = std::numeric_limits<double>::infinity(), far = 0;
     glm::dvec2 first{0}, weighed_offset{0};
@@ -94,7 +95,7 @@ class PlacedEcho {
       flatten(part.corners_m, *bistatic_, polygon_);
   }
 
-  /// What an area at a place returns, evenly from half paths near to far.
+  /// Adds the echo of an area at a place, uniformly over the half paths near to far.
   void add(glm::dvec2 at, double area_m2, std::uint32_t tx_tube, std::uint32_t rx_tube, double near_m,
            double far_m) {
     if (!beams_.in_one_fan(tx_tube, rx_tube)) return;
@@ -128,13 +129,13 @@ class PlacedEcho {
   const EchoModel& model_;
   const Sink<double>& sink_;
   SampleFinder finder_;
-  // Of the facet at hand.
+  // Values of the current facet.
   std::size_t number_ = std::numeric_limits<std::size_t>::max();
   SeenFacet facet_;
   const BistaticFacet* bistatic_ = nullptr;
   PlaneFrame frame_{FacetPlane{}};
   PathOnFacet path_;
-  double flattened_ = 1;  // area on the plane of the path over that which the transmit leg sees
+  double flattened_ = 1;  // area on the plane of the path divided by the area that the transmit leg sees
   PlanarPolygon polygon_;
 };
 

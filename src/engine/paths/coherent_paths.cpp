@@ -11,12 +11,15 @@
 
 #include "geometry/steps/stop.hpp"
 
+// Reflects the ends of the channels in the mirrors of the images, and adds the signals of all scattered
+// paths and arrivals with their phases. Source: docs/signals.md, "Over mirrors".
+
 namespace tubefoot {
 namespace {
 
 glm::dvec3 units(const Vec64& v) { return {double(v.x), double(v.y), double(v.z)}; }
 
-/// Where images are in the local frame, and what they make of channels.
+/// Positions of images in the local frame, and images of channels.
 class ImageFrame {
  public:
   ImageFrame(const PathImages& images, const EchoModel& model)
@@ -35,7 +38,7 @@ class ImageFrame {
   SignalChannel image_of(SignalChannel channel, const Image& sent, const Image& received) const {
     channel.transmit_m = image_of(channel.transmit_m, sent);
     channel.receive_m = image_of(channel.receive_m, received);
-    // As as_images_have() has it.
+    // Same reflection as in as_images_have().
     channel.transmit.axis = glm::transpose(sent.leg.to_true) * channel.transmit.axis;
     channel.receive.axis = glm::transpose(received.leg.to_true) * channel.receive.axis;
     return channel;
@@ -67,7 +70,7 @@ glm::dvec3 image_of_place(glm::dvec3 place_m, std::span<const MirrorPlane> chain
     const glm::dvec3 normal = units(plane.normal);
     const double length = glm::length(normal);
     const glm::dvec3 unit = normal / length;
-    // Of the grid point exactly, then of what the place is from there.
+    // Exact distance of the grid point, plus the distance of the place from there.
     const double distance_m =
         static_cast<double>(plane.side(apex)) / length * grid_unit_m + glm::dot(unit, place_m - apex_m);
     place_m -= 2 * distance_m * unit;

@@ -11,68 +11,73 @@
 #include "engine/paths/path_images.hpp"
 #include "engine/signal/coherent_signals.hpp"
 
-// Signals over mirrors, with their phases. docs/signals.md, "Over mirrors"
+// Computes signals of paths over mirrors, with their phases. An unscattered path contributes `amplitude`
+// e^{ik path} g(t - path / c) to a channel. Source: docs/signals.md, "Over mirrors".
 namespace tubefoot {
 
-/// A place's image over the mirrors of an image of an apex: by their exact planes, in doubles.
-/// Law I5 (unfolding): as far from a place behind the last mirror as the way over the chain is long.
-/// `apex`, `apex_m`: any place on the grid, and where it is in the local frame.
+/// Image of a place in a chain of mirrors, computed in doubles from the exact planes.
+/// Law I5 (unfolding): its distance from a place behind the last mirror is the length of the path over the
+/// chain. `apex`, `apex_m`: any place on the grid, and its position in the local frame.
 glm::dvec3 image_of_place(glm::dvec3 place_m, std::span<const MirrorPlane> chain, GridPoint apex,
                           glm::dvec3 apex_m, double grid_unit_m);
 
-/// What is scattered once between two images, as channels receive it: of straight ways between images of
-/// their ends, by a law with the mirrors' losses, times `phase`.
+/// Single scattering between two images, as channels receive it. Paths are straight lines between the images
+/// of the channels' ends. The model contains the losses of the mirrors, and the signal is multiplied by
+/// `phase`.
 struct CoherentPath {
-  std::size_t order = 0;  ///< interactions: reflections and the scattering
+  std::size_t order = 0;  ///< number of interactions: reflections and the scattering
   const Image *sent = nullptr, *received = nullptr;
   VisiblePolygons patches;
-  std::vector<SignalChannel> channels;  ///< as they were given, but images
+  std::vector<SignalChannel> channels;  ///< given channels with their ends replaced by images
   EchoModel model;
-  std::complex<double> phase = 1;  ///< of modulus 1: of all reflections
+  std::complex<double> phase = 1;  ///< product of the reflections' phases, of modulus 1
 };
 
-/// Calls `take` for all pairs of images, straight ways from apex to apex aside (those are
-/// visible_polygons()'). At one place the two ways round, out over the one chain and home over the other or
-/// the other way about, are two signals: both are reported.
+/// Calls `take` for each pair of images that has a mirror. (visible_polygons() covers the paths without
+/// mirrors.) In a monostatic sonar each pair of different images has two signals, one per direction of
+/// sound. Both are reported.
 ///
-/// `model`: of the ways between the apexes; its patterns are not read, channels have theirs. Channels see
-/// what the apexes of `images`, which they are near to, and their images see. Law Y6 (images): the channels'
-/// signals are those of sources and receivers at the images' places without mirrors. Law Y7 (reciprocity):
-/// all ends exchanged, the sum over all paths is the same. Throws std::invalid_argument in refracting water
-/// and for no channel; as PathImages::pairs().
+/// `model`: model of the paths between the apexes. Channels have their own patterns, so those of the model
+/// are not used. The apexes of `images` must be near the ends of the channels, which see the surface that
+/// these apexes and their images see.
+/// Law Y6 (images): the signals equal those of sources and receivers at the positions of the images, without
+/// mirrors.
+/// Law Y7 (reciprocity): the sum over all paths is the same if the ends of all channels are exchanged.
+/// Throws std::invalid_argument in refracting water and without a channel, and the exceptions of
+/// PathImages::pairs().
 void for_coherent_paths(const PathImages& images, const EchoModel& model,
                         std::span<const SignalChannel> channels,
                         const std::function<void(const CoherentPath&)>& take);
 
-/// What comes to a channel over mirrors alone: `amplitude` e^{ik way} g(t - way / c).
+/// Unscattered arrival at a channel: `amplitude` e^{ik path} g(t - path / c).
 struct ArrivingWave {
   double way_m = 0;
-  std::complex<double> amplitude;  ///< with the phases of its reflections
+  std::complex<double> amplitude;  ///< includes the phases of the reflections
 };
-/// The same over one chain, to all channels.
+/// Unscattered arrivals over one chain of mirrors at all channels.
 struct CoherentArrival {
-  std::size_t order = 0;  ///< reflections
+  std::size_t order = 0;  ///< number of reflections
   const Image* sent = nullptr;
-  std::vector<ArrivingWave> waves;  ///< by channel
+  std::vector<ArrivingWave> waves;  ///< per channel
 };
 
-/// Calls `take` for what path_echo() counts as arrivals: whether it comes is decided at the apexes, ways and
-/// patterns are each channel's own. Throws as for_coherent_paths(), and for ends of a channel in one place
-/// between which sound goes straight.
+/// Calls `take` for each arrival of path_echo(). The apexes decide whether sound arrives. Path lengths and
+/// patterns are those of each channel. Throws the exceptions of for_coherent_paths(), and
+/// std::invalid_argument for a direct path between ends of a channel at one place.
 void for_coherent_arrivals(const PathImages& images, const EchoModel& model,
                            std::span<const SignalChannel> channels,
                            const std::function<void(const CoherentArrival&)>& take);
 
-/// Adds them to signals of the same channels. Throws as element_signals(), and where channels are not as
-/// many.
+/// Adds an arrival to signals of the same channels. Throws the exceptions of element_signals(), and
+/// std::invalid_argument if the numbers of channels differ.
 void add_arrival(const CoherentArrival& arrival, const CoherentReceiver& receiver, ChannelSignals& signals);
 
-/// Adds signals of the same channels and samples, times a factor. Throws std::invalid_argument where they are
-/// not.
+/// Adds signals times a factor. Throws std::invalid_argument if the numbers of channels or samples differ.
 void superpose(const ChannelSignals& part, std::complex<double> factor, ChannelSignals& sum);
 
-/// All of it by a field that belongs to the surface: element_signals() of every path, and arrivals; what
-/// comes straight is not in it. Paths meet the same field, so they interfere. Throws as these.
+/// Signals of all paths over mirrors for a scene-fixed scatterer field: element_signals() of every scattered
+/// path, and the arrivals. The result excludes the signals of paths without mirrors. All paths meet the same
+/// field, so they interfere. Throws the exceptions of both functions.
 ChannelSignals mirrored_signals(const PathImages& images, const CoherentReceiver& receiver,
                                 const EchoModel& model, const SurfaceField& field, double tolerance = 1e-3);
 

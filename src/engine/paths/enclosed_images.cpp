@@ -12,18 +12,22 @@
 #include "geometry/steps/stop.hpp"
 #include "geometry/tubes/window_tubes.hpp"
 
+// Encloses rays, windows and visibility of images in refracting water. A window deviates from the true one
+// by no more than the apparent facets at its border. Source: docs/reference.md, "Over level mirrors".
+
 namespace tubefoot {
 namespace {
 
 constexpr double slack = enclosure_slack;
 constexpr double infinite = std::numeric_limits<double>::infinity();
-constexpr double most_off_rad = 0.2;  // from here on all is in ambiguity (UncertainEdges)
+constexpr double most_off_rad = 0.2;  // from here on every direction is ambiguous (UncertainEdges)
 using State = FacetEnclosure::State;
 
-/// Directions in which an image of a facet may be seen.
+/// Directions in which an image may see a facet.
 struct Spread {
   glm::dvec3 axis{0};
-  double spread_rad = 0, beyond_rad = 0;  ///< of its apparent facet, and how far beside that
+  double spread_rad = 0, beyond_rad = 0;  ///< half-angle of the apparent facet's cone, and bound of its
+                                          ///< error
 };
 Spread spread_of(const FacetEnclosure& facet) {
   Spread spread;
@@ -44,7 +48,7 @@ double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
 bool on(const PlaneName& plane, const CornerName& corner) {
   return corner.point != no_point ? plane.contains(corner.point) : plane == corner.p || plane == corner.q;
 }
-/// The planes that two neighbouring corners of a piece share.
+/// Planes that two neighbouring corners of a visible polygon have in common.
 std::vector<PlaneName> between(const CornerName& c, const CornerName& d) {
   std::vector<PlaneName> planes;
   if (c.point != no_point && d.point != no_point)
@@ -56,7 +60,7 @@ std::vector<PlaneName> between(const CornerName& c, const CornerName& d) {
 }
 bool is_wall(const PlaneName& plane) { return !plane.depth && ((plane.a | plane.b) & ray_bit) != 0; }
 
-/// How far from a direction an arc is at least.
+/// Distance between a direction and an arc.
 double distance_rad(const glm::dvec3& direction, const glm::dvec3& from, const glm::dvec3& to) {
   const glm::dvec3 across = glm::cross(from, to);
   const double ends = std::min(angle_between(direction, from), angle_between(direction, to)),
@@ -69,7 +73,7 @@ double distance_rad(const glm::dvec3& direction, const glm::dvec3& from, const g
 
 }  // namespace
 
-/// What is proven of what the images of a way see.
+/// Enclosure of the surface that the images over one chain of mirrors see.
 struct EnclosedImages::Seabed {
   Seabed(const BistaticSurface& seen, const EchoModel& model) : end(seen.tx) {
     const BistaticEnd nothing{end.surface_mesh, end.tree, {}, end.water, end.rays};
@@ -77,7 +81,7 @@ struct EnclosedImages::Seabed {
         enclose({seen.mesh, seen.parent, seen.base, seen.grid, end, nothing}, {}, {}, model).ends.front());
     for (const FacetEnclosure& facet : all.facets) spread.push_back(spread_of(facet));
   }
-  /// How far an image may be beside its apparent facet that is seen within a cone.
+  /// Bound of the angular error of apparent facets that an image sees within a cone.
   double beyond_rad(const glm::dvec3& axis, double spread_rad) const {
     double most = 0;
     for (FacetId f = 0; f < spread.size(); ++f) {
@@ -87,7 +91,7 @@ struct EnclosedImages::Seabed {
     }
     return most;
   }
-  /// Whether a place is seen, relative to the apex; none: that is not certain.
+  /// Whether a place, relative to the apex, is visible; none: not certain.
   std::optional<bool> sees(const glm::dvec3& to_m) const {
     const double range = glm::length(to_m);
     const glm::dvec3 direction = to_m / range;
@@ -159,7 +163,7 @@ void EnclosedImages::look_at_windows(const Image& image, const Seabed& seabed,
         if (!(glm::length(sum) > 0)) continue;
         off_rad =
             std::max(off_rad, seabed.beyond_rad(glm::normalize(sum), angle_between(from, to) / 2 + slack));
-        // Where facets cross: no farther than their ranges may be off.
+        // At an intersection of two facets, the errors of their ranges bound the displacement of the border.
         for (const PlaneName& plane : planes)
           if (plane.depth) {
             const FacetEnclosure &one = seabed.all.facets[plane.a], &two = seabed.all.facets[plane.b];
@@ -193,7 +197,7 @@ double EnclosedImages::off_rad(const Image& image) const {
 
 bool EnclosedImages::is_near_border(const Image& image, std::span<const std::uint32_t> fans,
                                     std::uint32_t fan, glm::dvec3 direction) const {
-  const double near = off_rad(image) + 1e-7;  // rays are rounded
+  const double near = off_rad(image) + 1e-7;  // plus the rounding of rays
   const TubeSet& windows = image.windows;
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> walls;
   for (std::uint32_t w = 0; w < windows.tubes.size(); ++w) {

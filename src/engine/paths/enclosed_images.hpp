@@ -12,15 +12,15 @@
 #include "engine/paths/refracted_images.hpp"
 #include "engine/scattering/echo_model.hpp"
 
-// What is proven of images in refracting water. docs/paths.md, "Certified paths"
+// Encloses images in refracting water for the reference. Source: docs/reference.md, "Over level mirrors".
 namespace tubefoot {
 
-/// Windows of images are made of what apparent facets leave of mirrors, and so may be off by as much as
-/// those.
+/// Bounds of images. Apparent facets form the borders of windows, so a window has the same angular error as
+/// these facets.
 class EnclosedImages {
  public:
-  /// `lists`: images, each end's by increasing number of mirrors; they and all else outlive this. `model`:
-  /// that of the mirrors' seabed; `reflection`: by material, as Mirrors has it.
+  /// `lists`: images of each end, in the order of their number of mirrors. `model`: model of the seabed of
+  /// `images`. `reflection`: per material, as in Mirrors. All arguments must outlive this object.
   EnclosedImages(RefractedImages& images, const EchoModel& model, std::span<const double> reflection,
                  std::initializer_list<std::span<const Image>> lists);
   ~EnclosedImages();
@@ -28,27 +28,28 @@ class EnclosedImages {
   BistaticSurface seabed_between(const Image& sent, const Image& received) const {
     return images_.seabed_between(sent, received);
   }
-  /// No wall of its windows is farther from where it should be; 0 of an end's own tubes.
+  /// Bound of the angular error of the walls of its windows; 0 for the tubes of an end.
   double off_rad(const Image& image) const;
-  /// Whether a direction is so near to where the windows of a fan end that it may be in one of them or not.
-  /// `fans`: by window, empty: one fan.
+  /// Whether a direction is so near to the outer border of the windows of a fan that it may lie inside or
+  /// outside. `fans`: fan per window; empty: one fan.
   bool is_near_border(const Image& image, std::span<const std::uint32_t> fans, std::uint32_t fan,
                       glm::dvec3 direction) const;
 
-  /// Of ways over more mirrors than that, nothing is known of what comes along rays longer than that.
+  /// On paths over more than `mirrors` mirrors, nothing is known of the energy along rays longer than
+  /// `from_m`.
   struct Unknown {
     std::size_t mirrors = 0;
     double from_m = 0;
   };
   const std::vector<Unknown>& unknown() const { return unknown_; }
 
-  /// The ray from an image to a place.
+  /// Ray from an image to a place.
   struct Ray {
-    std::optional<MirroredRay> ray{};  ///< in doubles; none: there may be others, or none
+    std::optional<MirroredRay> ray{};  ///< in doubles; none: the number of rays is not proven to be one
     std::optional<EnclosedRay> enclosed{};
-    double soonest_m = 0;      ///< no ray is shorter
-    bool may_be_seen = false;  ///< whether any window looks where it may be
-    /// Whether it passes all facets; none: that is not certain.
+    double soonest_m = 0;      ///< lower bound of the length of a ray
+    bool may_be_seen = false;  ///< whether a window contains a possible direction
+    /// Whether no facet hides the ray; none: not certain.
     std::optional<bool> passes{};
   };
   Ray ray_to(const Image& image, GridPoint place);
@@ -61,8 +62,9 @@ class EnclosedImages {
 
   RefractedImages& images_;
   const EchoModel& model_;
-  std::map<std::size_t, std::unique_ptr<const Seabed>> seabeds_;  ///< by way
-  std::map<std::size_t, double> beyond_;                          ///< by way: of windows that its images make
+  std::map<std::size_t, std::unique_ptr<const Seabed>> seabeds_;  ///< per chain of mirrors
+  std::map<std::size_t, double> beyond_;                          ///< per chain of mirrors: error of the
+                                                                  ///< windows that its images make
   std::vector<Unknown> unknown_;
 };
 

@@ -12,7 +12,7 @@
 namespace tubefoot {
 namespace {
 
-/// Facets of the whole mesh, each once.
+/// Facets of the whole mesh that an image sees, each once.
 std::vector<FacetId> facets_seen(const Image& image) {
   std::vector<FacetId> facets;
   for (const TubeVisibility& seen : image.seen)
@@ -23,7 +23,7 @@ std::vector<FacetId> facets_seen(const Image& image) {
   return facets;
 }
 
-/// Which image sees which facet, sorted.
+/// Pairs (facet, image that sees this facet), sorted.
 std::vector<std::pair<FacetId, std::size_t>> who_sees(std::span<const Image> images) {
   std::vector<std::pair<FacetId, std::size_t>> who;
   for (std::size_t i = 0; i < images.size(); ++i)

@@ -11,21 +11,23 @@
 
 namespace tubefoot {
 
-/// An image of the transmitter and one of the receiver, by their numbers.
+/// Indices of an image of the transmitter and of an image of the receiver.
 struct ImagePair {
   std::size_t sent = 0, received = 0;
 };
 
-/// The pairs between which something may be scattered over mirrors: they see a facet in common, have fewer
-/// than `order` mirrors together, but one at least, and let pass more than `least`. `one_place`: both are the
-/// same images, and each two are a pair once. Throws std::length_error if there are more than `most`.
+/// Pairs of images that contribute single scatterings over mirrors. The two images see a common facet and
+/// pass more than `least`. Together they have at least one mirror and fewer than `order`. `one_place`: both
+/// lists are the same images, and each pair occurs once. Throws std::length_error for more than `most`
+/// pairs.
 std::vector<ImagePair> pairs_of_images(std::span<const Image> sent, std::span<const Image> received,
                                        bool one_place, int order, double least, std::size_t most);
 
-/// The law and the beams between two images, made of those between their apexes, which outlive it.
+/// Echo model and beams between two images, derived from those between their apexes. The latter must outlive
+/// this object.
 struct PairModel {
-  /// `true_apex`: of the transmitter. `seabed`: the facets that are shared, where they are not those of
-  /// `model`; null: they are.
+  /// `true_apex`: position of the transmitter. `seabed`: mesh of the shared facets if `model` refers to
+  /// another mesh, else null.
   PairModel(const Image& sent, const Image& received, GridPoint true_apex, double grid_unit_m,
             const EchoModel& model, const ReceiveBeams& beams, const FacetMesh* seabed);
   PairModel(const PairModel&) = delete;
@@ -33,7 +35,7 @@ struct PairModel {
 
   EchoModel model;
   BeamPatterns patterns;
-  std::vector<std::uint32_t> beam, from, to;  ///< by window
+  std::vector<std::uint32_t> beam, from, to;  ///< per window
   ReceiveBeams beams;
 };
 

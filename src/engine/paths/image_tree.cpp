@@ -19,6 +19,10 @@
 #include "geometry/tubes/window_tubes.hpp"
 #include "geometry/visibility/contradictions.hpp"
 
+// Builds the tree of images generation by generation. The windows of a child are the visible pieces of a
+// mirror, reflected. For the sea surface they are the part of the unobstructed region above the horizon.
+// Source: docs/paths.md, "Images".
+
 namespace tubefoot {
 
 struct Image::World {
@@ -29,7 +33,8 @@ struct Image::World {
 
 namespace {
 
-/// A convex cone that an image sees of a mirror: its corners' directions from the image.
+/// Convex cone in which an image sees a part of a mirror, given by the directions of its corners from the
+/// image.
 struct Cone {
   std::vector<glm::dvec3> corners;
   std::uint32_t own_tube = 0;
@@ -39,14 +44,14 @@ glm::dvec3 unit_direction(const NameContext& context, const CornerName& corner) 
   return glm::normalize(direction_of(context, corner));
 }
 
-/// The part of a convex cone with z >= 0.
+/// Part of a convex cone with z >= 0.
 std::vector<glm::dvec3> upward(const std::vector<glm::dvec3>& corners) {
   std::vector<glm::dvec3> kept;
   for (std::size_t k = 0; k < corners.size(); ++k) {
     const glm::dvec3 &a = corners[k], &b = corners[(k + 1) % corners.size()];
     if (a.z >= 0) kept.push_back(a);
     if ((a.z < 0) == (b.z < 0)) continue;
-    // From above to below, whichever neighbour asks.
+    // Always from above to below, so that both neighbours of an edge compute the same point.
     const glm::dvec3 &above = a.z < 0 ? b : a, &below = a.z < 0 ? a : b;
     if (above.z == 0) continue;
     glm::dvec3 level = above.z * below - below.z * above;
@@ -56,14 +61,15 @@ std::vector<glm::dvec3> upward(const std::vector<glm::dvec3>& corners) {
   return kept;
 }
 
-/// What mirrors of one plane are resolved by: energy factor and phase.
+/// Energy factor and phase (real, imaginary). Coplanar mirrors with different values make separate images.
 using Reflection = std::array<double, 3>;
 
-/// Rounded images miss the edge where two mirrors meet by no more than this many grid units.
+/// Because of rounding, images miss the common edge of two mirrors by at most this many grid units.
 constexpr double edge_units = 4;
 
-/// How much of the line from an image lies before its last mirror, or so near to it that a mirror which
-/// adjoins it must not hide what passes their common edge.
+/// Fraction of the line from an image to a place that the visibility test ignores. The fraction ends in
+/// front of the last mirror by `edge_units`, so that an adjoining mirror does not hide a path over the
+/// common edge.
 double part_to_mirror(const Image& image, GridPoint to) {
   if (!image.last) return 0;
   const double behind = -static_cast<double>(image.last->side(image.windows.apex)),
@@ -104,7 +110,8 @@ struct ImageFinder::State {
         most_images_(most_images) {
     options_.open_water = options.open_water || mirrors.surface.has_value();
     if (!mirrors.surface) return;
-    // As in_front_of() has it: what touches the surface from below stays as it is, what lies in it does not.
+    // Same condition as in in_front_of(): a facet that touches the surface from below stays whole, and a
+    // facet in the surface is removed.
     const auto height = [&](VertexId v) { return mesh.vertices[v].z; };
     all_below_ = std::all_of(mesh.facets.begin(), mesh.facets.end(), [&](const auto& facet) {
       const auto [least, most] = std::minmax({height(facet[0]), height(facet[1]), height(facet[2])});
@@ -134,9 +141,9 @@ struct ImageFinder::State {
     return images;
   }
 
-  /// Which images are kept, and how many of them there are so far.
+  /// Selects the images that are kept, and counts the images so far.
   struct Wanted {
-    std::span<const GridPoint> received_at;  ///< empty: all
+    std::span<const GridPoint> received_at;  ///< empty: all images are kept
     std::atomic<std::size_t>& found;
   };
 
@@ -202,7 +209,8 @@ struct ImageFinder::State {
                  std::vector<Image>& children) const {
     if (cones.empty()) return;
     const GridPoint apex = plane.image(image.windows.apex);
-    // As far behind the mirror as the image is in front of it; a rounded one may have come to lie in it.
+    // The child lies as far behind the mirror as the image in front of it. After rounding it may lie in the
+    // mirror.
     if (plane.side(apex) >= 0) return;
     Image child;
     child.mirrors = image.mirrors + 1;
@@ -256,8 +264,8 @@ struct ImageFinder::State {
     return false;
   }
 
-  /// No less than what passes anywhere in a cone: the sine to a plane is smallest in a corner, unless the
-  /// plane cuts the cone.
+  /// Upper bound of the energy factor in a cone. The sine of the angle to a plane is smallest in a corner,
+  /// unless the plane cuts the cone.
   static double most(const MirrorLoss& loss, const std::vector<glm::dvec3>& corners) {
     double exponent = 0;
     for (const glm::dvec3& normal : loss.rough_normals) {
@@ -274,7 +282,7 @@ struct ImageFinder::State {
     return loss.factor * std::exp(-loss.roughness * exponent);
   }
 
-  /// What is in front of the last mirror, within the windows.
+  /// Sets the part of the scene that lies in front of the last mirror and within the windows.
   void place(Image& child, const MirrorPlane& plane, bool is_surface) const {
     if (is_surface && all_below_) {
       child.mesh = &mesh_;

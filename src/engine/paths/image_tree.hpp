@@ -15,81 +15,90 @@
 #include "geometry/tubes/mirror.hpp"
 #include "geometry/visibility/visibility.hpp"
 
-// An apex seen in mirrors, in mirrors of mirrors, and so on. docs/paths.md
+// Finds the images of an apex in plane mirrors by the image-source method: images, images of images, and so
+// on. The method is exact beam tracing. The part of a mirror that an image sees is the window of the next
+// image. Source: docs/paths.md, "Images".
 namespace tubefoot {
 
-/// The horizontal mirror over a scene.
+/// Horizontal mirror over a scene.
 struct SeaSurface {
   std::int32_t height = 0;  ///< grid units
   double reflection = 1;    ///< energy factor of each reflection, without roughness
-  double roughness = 0;     ///< (2 k sigma)^2, k the wave number, sigma the standard deviation of its height
-  /// What each reflection makes of a signal besides, of modulus 1: air behind it releases the pressure.
+  double roughness = 0;     ///< (2 k sigma)^2 with the wave number k and the standard deviation sigma of the
+                            ///< surface height
+  /// Factor of modulus 1 by which each reflection multiplies a signal. The default is that of a
+  /// pressure-release surface (air behind it).
   std::complex<double> phase = -1;
 };
 
-/// What reflects.
+/// Reflecting surfaces of a scene.
 struct Mirrors {
   std::optional<SeaSurface> surface;
-  std::span<const double> reflection{};  ///< by material of the mesh: energy factor; 0: no mirror
-  /// By material: as SeaSurface::phase, at all angles; empty: 1, as of what is rigid.
+  std::span<const double> reflection{};  ///< energy factor per material of the mesh; 0: no mirror
+  /// Phase factor per material, as SeaSurface::phase, at all angles. Empty means 1, the factor of a rigid
+  /// surface.
   std::span<const std::complex<double>> phase{};
 };
 
-/// An apex, or its image in a chain of mirrors. Straight lines from it through its windows are paths from the
-/// true apex over the mirrors, as long as they; beyond the windows it sees the world as it is.
+/// Apex, or its image in a chain of mirrors. A straight line from the image through its windows has the
+/// length of the path from the true apex over the mirrors. Beyond the windows the image sees the scene in
+/// front of its last mirror.
 struct Image {
   std::uint32_t mirrors = 0;  ///< length of the chain; 0: the apex itself
   std::optional<MirrorPlane> last;
-  std::vector<MirrorPlane> chain;       ///< its mirrors, the one next to the apex first
-  TubeSet windows;                      ///< of the image; the apex's own tubes if there is no mirror
-  std::vector<std::uint32_t> own_tube;  ///< by window: the true apex's tube that it belongs to
-  Leg leg;                              ///< from it, but for its place
-  double largest = 1;                   ///< of the loss over all windows, at least
-  std::complex<double> phase = 1;       ///< in isovelocity water: product of its mirrors' phases
-  /// Of what its parent sees of the last mirror and windows were made of: steradians, and summed lengths of
-  /// the borders, radians.
+  std::vector<MirrorPlane> chain;       ///< mirrors of the chain, beginning with the one next to the apex
+  TubeSet windows;                      ///< windows of the image; without a mirror: the tubes of the apex
+  std::vector<std::uint32_t> own_tube;  ///< tube of the true apex that each window belongs to
+  Leg leg;                              ///< leg from the image, except for the position of the image
+  double largest = 1;                   ///< upper bound of the loss factor over all windows
+  std::complex<double> phase = 1;       ///< isovelocity water: product of the mirrors' phase factors
+  /// Part of the last mirror that the parent sees, from which the windows were made. The two values are its
+  /// solid angle in sr and the summed lengths of the borders in rad.
   double mirror_sr = 0, border_rad = 0;
 
-  std::size_t mirror_path = 0;  ///< in refracting water: its chain of mirrors (refracted_images.hpp)
+  std::size_t mirror_path = 0;  ///< index of its chain of mirrors in refracting water (refracted_images.hpp)
 
-  /// What it sees: `origin` empty if that is the whole mesh.
+  /// Surface that the image sees. `origin` is empty if this is the whole mesh.
   const FacetMesh* mesh = nullptr;
   const SceneTree* tree = nullptr;
   std::span<const FacetId> origin{};
-  std::vector<TubeVisibility> seen;  ///< by window; empty for images that nothing is scattered from
+  std::vector<TubeVisibility> seen;  ///< per window; empty for images from which nothing is scattered
 
   ApexLook look() const { return {windows, seen, mesh, origin}; }
 
-  /// Owner of mesh, tree and origin where they are its own.
+  /// Owns mesh, tree and origin if they belong to this image only.
   struct World;
   std::shared_ptr<const World> world;
 };
 
-/// Of three unit vectors (van Oosterom & Strackee 1983); with the sign of how they turn.
+/// Solid angle of three unit vectors, positive if they turn counter-clockwise as seen from outside the unit
+/// sphere (van Oosterom & Strackee 1983).
 double solid_angle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c);
-/// Adds a convex cone of unit vectors to what windows are made of.
+/// Adds a convex cone of unit vectors to the seen part of the last mirror (`mirror_sr`, `border_rad`).
 void add_to_mirror(Image& image, std::span<const glm::dvec3> corners);
 
-/// Directions that near to a window's border are taken as in it: windows are rounded to half of this.
+/// A direction within this angle of the border of a window counts as inside. Corners of windows are rounded
+/// by up to half of this angle.
 constexpr double window_border_rad = 4e-9;
 
-/// Whether what an image sends comes to a place unhindered: that lies in front of its last mirror, and no
-/// facet in between. Windows are not asked. In isovelocity water.
+/// Whether sound from an image reaches a place: the place lies in front of the last mirror, and no facet
+/// hides it. The windows are not tested. For isovelocity water.
 bool reaches(const Image& image, GridPoint place);
 
-/// Finds the images of apexes over one mesh. Thread-safe; results do not depend on the threads.
+/// Finds the images of apexes over one mesh. Thread-safe. Results do not depend on the number of threads.
 class ImageFinder {
  public:
-  /// Windows through which no more than `least_loss` passes are left out. Images tell what they see of open
-  /// water where there is a surface, or `options` say so. What is referred to must outlive it.
+  /// Omits windows that pass no more than `least_loss`. Images report their unobstructed region if there is
+  /// a sea surface or if `options` request it. All referenced arguments must outlive this object.
   ImageFinder(const FacetMesh& mesh, const SceneTree& tree, const VisibilityOptions& options,
               const Mirrors& mirrors, double least_loss, std::size_t most_images);
   ~ImageFinder();
 
-  /// The apex of `tubes` (first) and its images in up to `most_mirrors` mirrors, those of fewer first. All
-  /// have looked; but with `received_at`, images in `most_mirrors` mirrors have not, and are only those that
-  /// have a window towards one of these places. tubes.reach should be twice the longest half path: a path may
-  /// lie all on one side. Throws std::length_error if there are more images than `most_images`.
+  /// Returns the apex of `tubes` first, then its images in up to `most_mirrors` mirrors, in the order of the
+  /// number of mirrors. Computes the visible polygons of all images. With `received_at`, images in
+  /// `most_mirrors` mirrors have no visible polygons. The result then contains only those of them with a
+  /// window towards one of these places. The value of tubes.reach should be twice the longest half path,
+  /// because a path may lie on one leg only. Throws std::length_error for more than `most_images` images.
   std::vector<Image> images_of(TubeSet tubes, int most_mirrors,
                                std::span<const GridPoint> received_at = {}) const;
 

@@ -11,21 +11,27 @@
 #include "engine/scattering/density.hpp"
 #include "geometry/steps/stop.hpp"
 
+// Integrates the last scattering of a path over polygons that a point and a receiver both see. The polygons
+// are halved until they are small, then cut along straight lines of equal path. Source: docs/paths.md,
+// "Several scatterings".
+
 namespace tubefoot {
 namespace {
 
-/// Longest part, over its distance from the nearer end.
+/// Largest ratio of the length of a part to its distance from the nearer end.
 constexpr double largest_angle = 0.125;
-/// How far the lines of equal path may be from straight, in samples.
+/// Largest error of straight lines of equal path, in samples.
 constexpr double most_curved = 0.1;
-/// Near the point parts need not be smaller than this, over `longest_m`: it stands for a patch of that size.
+/// Smallest part near the point, relative to `longest_m`. Smaller parts are useless, because the point
+/// represents a patch of about that size.
 constexpr double smallest_part = 1.0 / 16;
-/// How far the phase between two receivers may turn over a part: its mean then is a thousandth too large.
+/// Largest change over a part of the phase between two receivers. The mean is then too large by a
+/// thousandth.
 constexpr double most_turned_rad = 0.15;
 
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
-/// Parts of a convex polygon where a linear function is negative and where it is not.
+/// Splits a convex polygon into the parts in which a linear function is negative and non-negative.
 template <class Value>
 void split(const std::vector<glm::dvec2>& polygon, const Value& value, std::vector<glm::dvec2>* negative,
            std::vector<glm::dvec2>* positive) {
@@ -146,8 +152,8 @@ void PatchEcho::halve(std::size_t level) {
   const glm::dvec2 size = high - low, centre = (low + high) * 0.5;
   const double diameter = glm::length(size);
   const double rt = lit_.range(centre), rr = rx_[0].range(centre), half = (rt + rr) / 2;
-  // A half path changes by no more than the way (as it is seen), and that of the other end of a receiver pair
-  // is no further off.
+  // Half paths over the part differ from that at its centre by at most `steepest` * diameter / 2. The other
+  // end of a receiver pair adds at most half the length of the pair.
   const double steepest = (lit_.steepest() + rx_[0].steepest()) / 2,
                off = steepest * diameter / 2 + glm::length(received_->arm_m) / 2;
   if (half + off < samples_.first_m || half - off >= samples_.first_m + samples_.step_m * samples_.count)
@@ -164,7 +170,7 @@ void PatchEcho::halve(std::size_t level) {
       levels_[level], [&](glm::dvec2 p) { return p[axis] - centre[axis]; }, &levels_[level + 1],
       &levels_[level + 2]);
   halve(level + 2);
-  halve(level + 1);  // may overwrite the other, which is done
+  halve(level + 1);  // may overwrite level + 2, which is finished
 }
 
 void PatchEcho::cut_into_samples(const Polygon& polygon, glm::dvec2 centre) {
@@ -221,7 +227,7 @@ void PatchEcho::cut_into_samples(const Polygon& polygon, glm::dvec2 centre) {
   take_part(below_, last);
 }
 
-/// What of a sample of the upper receiver's lies in the same one of the lower's.
+/// Takes the part of an upper receiver's sample that lies in the same sample of the lower receiver.
 void PatchEcho::cut_for_both(const Polygon& polygon, double sample, double middle, glm::dvec2 gradient,
                              glm::dvec2 centre) {
   const auto place = [&](glm::dvec2 p) { return middle + glm::dot(gradient, p - centre) - sample; };
@@ -277,7 +283,8 @@ double PatchEcho::gain_of(std::size_t beam, glm::dvec3 true_back) const {
 void PatchEcho::take_product(double sample, glm::dvec2 p, double upper, double lower) {
   LyingPlane seen = rx_[0].seen();
   seen.foot_m += received_->receives.ends().front().apex_m;
-  // (upper^2 - lower^2) / (upper + lower) of the ranges: no cancellation where the receiver pair is short.
+  // Difference of the ranges as (upper^2 - lower^2) / (upper + lower), which avoids cancellation for a short
+  // receiver pair.
   const double further =
       -2 * glm::dot(seen.at(p) - received_->middle_m, received_->arm_m) / (rx_[0].range(p) + rx_[1].range(p));
   double size = std::sqrt(upper * lower);

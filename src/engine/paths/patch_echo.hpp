@@ -15,23 +15,26 @@
 #include "engine/echo/echo.hpp"
 #include "engine/paths/receiver_views.hpp"
 
-// What a point that scatters sends to a receiver by one more scattering. docs/paths.md
+// Computes the echo of a point that scatters to a receiver by one more scattering, the last of a path. Each
+// polygon that the point and the receiver both see is cut into small parts, which are evaluated at their
+// centroids. Source: docs/paths.md, "Several scatterings".
 namespace tubefoot {
 
-/// Who receives the last scattering: an image of a receiver, or those of both receivers of a receiver pair in
-/// the same mirrors.
+/// Receiver of the last scattering: an image of a receiver, or the images of both receivers of a receiver
+/// pair over the same mirrors.
 struct ImageReceiver {
-  ReceiverViews receives;  ///< of a receiver pair for the mean product: what both receive
-  /// Of a receiver pair: the row of bins that energies go to; a product's real and imaginary part go to this
-  /// and the next. None: those of the beams that receive them.
+  ReceiverViews receives;  ///< for the mean product of a receiver pair: common visibility of both
+  /// Row of bins of a receiver pair's energies. The real part of a product goes to this row and the
+  /// imaginary part to the next. Without a value, energies go to the rows of the beams that receive them.
   std::optional<std::uint32_t> row{};
-  glm::dvec3 middle_m{0}, arm_m{0};  ///< of the receiver pair's image: from its lower to its upper end
+  glm::dvec3 middle_m{0}, arm_m{0};  ///< image of the receiver pair: its middle, and the vector from its
+                                     ///< lower to its upper end
   double wavenumber_rad_m = 0;
 
   bool is_product() const { return receives.ends().size() > 1; }
 };
 
-/// Bins of which few are not empty.
+/// Array of bins of which most are empty.
 class SparseEnergy {
  public:
   void add(std::size_t bin, double energy) {
@@ -39,7 +42,7 @@ class SparseEnergy {
     if (values_[bin] == 0 && energy != 0) touched_.push_back(bin);
     values_[bin] += energy;
   }
-  /// Bins that are not empty, in order, as `take(bin, energy)`; empties them.
+  /// Calls `take(bin, energy)` for the non-empty bins in ascending order, and empties them.
   template <class Take>
   void drain(const Take& take) {
     std::sort(touched_.begin(), touched_.end());
@@ -53,30 +56,35 @@ class SparseEnergy {
   std::vector<std::size_t> touched_;
 };
 
-/// Integrates over what both a point and an image of the receiver see. Polygons are intersected in doubles
-/// (what either sees is exact), cut until they are small against their distances from both ends, then into
-/// samples along straight lines of equal path, and each part is taken at its centroid: the error goes with
-/// the square of the size. One per thread.
+/// Integrates over the surface that both a point and an image of the receiver see. The visible polygons of
+/// each are exact, and their intersections are computed in doubles. Polygons are cut until they are small
+/// relative to their distances from both ends. The parts are then cut into samples along straight lines of
+/// equal path. Each part is evaluated at its centroid, so the error is proportional to the square of its
+/// size. Use one object per thread.
 class PatchEcho {
  public:
-  /// No part is longer than `longest_m`. Beams, fans and patterns are those of the true receiver's tubes.
-  /// `least_received`: PathSettings::least_received.
+  /// Parts are at most `longest_m` long. Beams, fans and patterns refer to the tubes of the true receiver.
+  /// `least_received`: see PathSettings::least_received.
   PatchEcho(const EchoModel& model, const ReceiveBeams& beams, double longest_m,
             std::span<const double> least_received);
 
   struct Point {
-    glm::dvec3 at_m{0};      ///< the point, or its image
-    const MirrorLoss& loss;  ///< of its mirrors
-    glm::dvec3 axis{0};      ///< normal of the facet that it lies on, as the image sees it
+    glm::dvec3 at_m{0};      ///< the point or its image
+    const MirrorLoss& loss;  ///< loss of the mirrors between the point and its image
+    glm::dvec3 axis{0};      ///< normal of the point's facet, in the frame of the image
     const ScatteringModel* scattering = nullptr;
     std::uint32_t fan = 0;
   };
-  /// Adds, for a point that scatters 1 J/sr along its normal, the energy of beam b and sample k to bin
-  /// b * samples.count + k of `out`. Sample k holds half paths, from the point to the receiver,
-  /// first + k step on; the first may be negative. Returns how many polygons met. `seen`: what the point
-  /// sees. `local_m`: the local frame's coordinates of the frame's origin. A product has what both receivers
-  /// receive in sample k; with `borders_m` above 0, where samples are that far apart but do not begin where
-  /// these do, it is in that of the mean of both half paths, as much of it as both have in one on average.
+  /// Adds the energies for a point that scatters 1 J/sr along its normal. The energy of beam b and sample k
+  /// is added to bin b * samples.count + k of the last argument. Sample k contains the half paths from the
+  /// point to the receiver from first + k step on, where `first` may be negative. Returns the number of
+  /// pairs of intersecting polygons. `seabed`: surface that the point sees. `local_m`: local coordinates of
+  /// the origin of the frame. The product of a receiver pair covers the surface from which both receivers
+  /// get energy in sample k.
+  ///
+  /// `borders_m` > 0: the borders of the final samples are unknown, and `borders_m` is their distance. The
+  /// product then goes to the sample of the mean of both half paths. Its weight is the average fraction of a
+  /// final sample that contains both signals.
   std::size_t add(const VisibleSurface& seabed, const Point& point, const ImageReceiver& received,
                   glm::dvec3 local_m, const RangeSamples& samples, double borders_m, SparseEnergy& energy);
 
@@ -90,7 +98,7 @@ class PatchEcho {
                     glm::dvec2 centre);
   void take(const Polygon& polygon, double sample);
   double phase_rad_per_m(glm::dvec2 centre) const;
-  /// Of a receive pattern, in a direction from the true apex.
+  /// Gain of a receive pattern in a direction from the true apex.
   double gain_of(std::size_t beam, glm::dvec3 true_back) const;
   void take_product(double sample, glm::dvec2 p, double upper, double lower);
 
@@ -98,11 +106,11 @@ class PatchEcho {
   const ReceiveBeams& beams_;
   double longest_m_, beta_;
   std::span<const double> least_received_;
-  // Of the facet and the piece at hand.
+  // Values for the current facet and polygon.
   const Point* point_ = nullptr;
   const ImageReceiver* received_ = nullptr;
-  OverFacet lit_;                // the point
-  std::array<OverFacet, 2> rx_;  // the upper or only receiver, and of a product the lower one
+  OverFacet lit_;                // from the point
+  std::array<OverFacet, 2> rx_;  // from the upper or only receiver, and for a product from the lower one
   glm::dvec3 local_m_{0};
   double borders_m_ = 0;
   RangeSamples samples_;
@@ -113,7 +121,7 @@ class PatchEcho {
   double mu_ = 0;
   std::vector<Polygon> levels_;
   Polygon below_, rest_, before_, both_;
-  /// A corner, and where it lies among the samples.
+  /// Corner with its position on the axis of samples.
   struct Placed {
     glm::dvec2 at;
     double sample;

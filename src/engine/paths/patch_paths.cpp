@@ -20,31 +20,35 @@
 #include "engine/scattering/density.hpp"
 #include "geometry/steps/steps.hpp"
 
+// Computes multiple scattering generation by generation. A patch scatters from its centroid to the receivers
+// and to the patches of the next generation, with its own exact visibility. Source: docs/paths.md, "Several
+// scatterings".
+
 namespace tubefoot {
 namespace {
 
-/// Of a generation's signals together.
+/// Limit of the delays of one generation.
 constexpr double most_delays = 2e8;
-/// Sources that look at the same time; results are taken in their order.
+/// Number of sources that are computed concurrently. Their results are added in the order of the sources.
 constexpr std::size_t batch = 64;
 
-/// Energy that has come a way of that length, J/sr along the normal when scattered.
+/// Energy after a path of length `way_m`. `strength` is scattered along the normal, in J/sr.
 struct Delayed {
   double way_m = 0, strength = 0;
 };
 
-/// A patch that scatters.
+/// Patch as a source of the next scattering.
 struct Source {
-  int interactions = 0;  ///< of the paths up to here, with its own
+  int interactions = 0;  ///< number of interactions on the path, including the one at this patch
   std::uint32_t fan = 0;
   FacetId facet = 0;
   GridPoint at;
   glm::dvec3 normal{0};
-  double strength = 0;  ///< of all delays
+  double strength = 0;  ///< sum over all delays
   std::vector<Delayed> signal;
 };
 
-/// From a source to a patch of the next generation.
+/// Contribution of a source to a patch of the next generation.
 struct Link {
   int interactions = 0;
   RadiosityPatch patch;
@@ -57,7 +61,7 @@ struct Bin {
   double energy;
 };
 
-/// What a source sends.
+/// Result of one source.
 struct Sent {
   std::vector<Bin> bins;
   std::vector<Link> links;
@@ -65,9 +69,9 @@ struct Sent {
   SurfaceCounts seen;
 };
 
-/// Patches of a generation while it is lit: one for each facet, side of it, cube, fan and number of
-/// interactions. Delays are counted in range samples of whole path and split between the two next to them,
-/// which keeps their mean.
+/// Patches of the next generation while the current one insonifies them. There is one patch per facet, side
+/// of the facet, cube, fan and number of interactions. Delays are stored in steps of one range sample of the
+/// total path length. Each delay is split between the two nearest steps so that the mean is preserved.
 class Generation {
  public:
   Generation(const PathScene& scene) : scene_(scene) {
@@ -117,7 +121,7 @@ class Generation {
  private:
   struct Lit {
     GridPoint seen_from;
-    glm::dvec3 normal{0}, centre{0};  // the centre times strength
+    glm::dvec3 normal{0}, centre{0};  // centre: sum weighted by strength
     double strength = 0;
     std::size_t first = 0;
     std::vector<double> signal;
@@ -231,7 +235,7 @@ class PatchPaths {
 
   glm::dvec3 from_apex(GridPoint p) const { return scene_.from_apex(p); }
 
-  /// What a patch scatters along its normal of 1 J that comes in (mu / 1 J if that is Lambert's).
+  /// Energy in J/sr that a patch scatters along its normal per J that arrives (mu with Lambert's law).
   double scattered_by(GridPoint from, const RadiosityPatch& patch) const {
     const double range = glm::length(patch.from_apex_m), sine = patch.sine;
     if (!(sine > 0)) return 0;
@@ -243,7 +247,8 @@ class PatchPaths {
     return gain;
   }
 
-  /// The first generation: what an image of the transmitter sees. Its delays are exact.
+  /// Adds the sources of the first generation, the patches that an image of the transmitter sees. Their
+  /// delays are exact.
   void light(const Image& image, std::vector<Source>& sources) const {
     const int interactions = int(image.mirrors) + 1;
     if (interactions >= scene_.settings.order) return;
@@ -262,7 +267,8 @@ class PatchPaths {
       source.fan = fan_of_window.empty() ? 0 : fan_of_window[patch.tube];
       source.facet = patch.facet;
       source.normal = patch.normal;
-      // By its whole solid angle: no patch receives more than is sent there.
+      // The received energy is that of the exact solid angle, so a patch receives no more than the
+      // transmitter sends there.
       source.strength = scattered_by(apex, patch) * patch.solid_angle_sr * image.leg.loss.at(direction);
       if (scene_.model.patterns != nullptr)
         source.strength *= scene_.model.patterns->transmit[source.fan].gain(image.leg.to_true * direction);
@@ -273,7 +279,7 @@ class PatchPaths {
     }
   }
 
-  /// Drops the weakest, that together scatter no more than `allowed`.
+  /// Removes the weakest sources that together scatter no more than `allowed`.
   static void keep_strongest(std::vector<Source>& sources, double allowed) {
     std::vector<std::size_t> by_strength(sources.size());
     std::iota(by_strength.begin(), by_strength.end(), std::size_t{0});
@@ -297,7 +303,8 @@ class PatchPaths {
     TubeSet tubes = front_tubes(source.at, source.normal, scene_.reach);
     std::optional<RefractedImages> refracted;
     if (water_) {
-      if (!(water_->grid.to_metres(source.at).z < water_->surface_height_m)) return;  // out of the water
+      // above the water surface
+      if (!(water_->grid.to_metres(source.at).z < water_->surface_height_m)) return;
       refracted.emplace(*scene_.refracted, *water_, std::move(tubes), most_mirrors + 1,
                         SurfaceApex{source.normal, scene_.settings.patch_m});
     }
@@ -327,8 +334,9 @@ class PatchPaths {
         const glm::dvec3 direction = patch.from_apex_m / range;
         const double sine = glm::dot(direction, point.axis);
         if (!(sine > 0)) continue;
-        // By the whole projected solid angle: of pi times what Lambert's law sends along the normal no more
-        // arrives anywhere, however near.
+        // The received energy is that of the exact projected solid angle. With Lambert's law the total is pi
+        // times the strength along the normal. The receiving patches therefore get no more than the source
+        // scatters, however near they are.
         const double gain = scattered_by(image.windows.apex, patch) * image.leg.loss.at(direction) *
                             scattering_lobe(scattering, sine) / sine * patch.projected_sr;
         if (gain > 0) sent.links.push_back({interactions, patch, image.windows.apex, range, gain});
@@ -351,7 +359,8 @@ class PatchPaths {
       });
       return;
     }
-    // The last two legs' response in half samples, then once for each delay, which are whole ones of path.
+    // Computes the response of the last two legs once, in half samples, and adds it once per delay. Delays
+    // are whole samples of the total path, which are half samples of the half path.
     last_legs.step_m = samples.step_m / 2;
     const double soonest = source.signal.front().way_m / 2;
     last_legs.first_m = std::max(samples.first_m - source.signal.back().way_m / 2, 0.0);
@@ -368,7 +377,7 @@ class PatchPaths {
       stop_if_wanted();
       for (const Delayed& delayed : source.signal) {
         const double place = (from + delayed.way_m / 2) / step, sample = std::floor(place);
-        const double over = std::max(place - sample - 0.5, 0.0) * 2;  // the part in the next sample
+        const double over = std::max(place - sample - 0.5, 0.0) * 2;  // fraction in the next sample
         const auto add = [&](double k, double part) {
           if (part > 0 && k >= 0 && k < samples.count)
             worker.delayed.add(beam * std::size_t(samples.count) + std::size_t(k),
@@ -384,10 +393,10 @@ class PatchPaths {
   const PathScene& scene_;
   std::span<const ImageReceiver> received_;
   PathEcho& echo_;
-  EchoModel before_;  // of all scatterings but the last
+  EchoModel before_;  // model of all scatterings except the last
   double least_, beta_;
   WaterColumn column_;
-  std::optional<PathWater> water_;  // as patches look through it, if it refracts
+  std::optional<PathWater> water_;  // water as seen from patches, if refracting
   tbb::enumerable_thread_specific<Worker> workers_;
 };
 

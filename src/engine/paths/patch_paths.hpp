@@ -6,10 +6,11 @@
 #include "engine/paths/patch_echo.hpp"
 #include "engine/paths/path_echo.hpp"
 
-// Paths that are scattered more than once. docs/paths.md
+// Adds paths with several scatterings to an echo, generation by generation. Source: docs/paths.md, "Several
+// scatterings".
 namespace tubefoot {
 
-/// What the paths of a transmission go through; as for path_echo(). All must outlive the call.
+/// Arguments of path_echo() for paths with several scatterings. All references must outlive the call.
 struct PathScene {
   const FacetMesh& mesh;
   double unit_m;
@@ -18,30 +19,33 @@ struct PathScene {
   const RangeSamples& samples;
   const EchoModel& model;
   const PathSettings& settings;
-  GridPoint apex;  ///< true one of the transmitter
+  GridPoint apex;  ///< true apex of the transmitter
   double reach;    ///< TubeSet::reach
-  /// In refracting water: who made the images, of a mesh that it may have cut; facets are its base()'s.
+  /// Finder of the images in refracting water, or null. The finder may have cut the mesh. Facets are those
+  /// of its base().
   const RefractedImages* refracted = nullptr;
 
-  glm::dvec3 from_apex(GridPoint p) const;  ///< metres
+  glm::dvec3 from_apex(GridPoint p) const;  ///< in m
   ReceiverViews received_by(const Image& image) const;
-  /// How far patches stand off their facets, in grid units: where those are cut up and seen elsewhere, their
-  /// corners are rounded by up to 1.8, and none must come to lie before the patch.
+  /// Smallest distance of a patch from its facet, in grid units. In refracting water, corners of cut and
+  /// mapped facets are rounded by up to 1.8 units. No corner may come to lie in front of the patch.
   double least_lift() const { return refracted != nullptr ? 4 : 0; }
-  /// What an image sees that `by` has made, or which is one of the scene's.
+  /// Surface that an image sees. The image belongs to `by`, or to the scene if `by` is null.
   VisibleSurface seen_by(const Image& image, const RefractedImages* by = nullptr) const;
 };
 
-/// Adds to `echo` the paths with 2 to settings.scatterings scatterings, generation by generation: what the
-/// images `sent` light becomes patches; what these light is received by the images `received`, and, gathered
-/// by facet and place, becomes the next patches. In refracting water each patch sees the seabed through the
-/// water from its own depth. Of each generation the weakest patches, which together scatter less than the
-/// cut-off allows of what the first one does, are left out.
+/// Adds to `echo` the paths with 2 to settings.scatterings scatterings, generation by generation. The
+/// surface that the images `sent` insonify becomes the first patches. The images `received` receive the
+/// surface that these patches insonify. The same surface, gathered by facet and place, becomes the next
+/// patches. In refracting water each patch has its own apparent seabed for rays from its own depth. In each
+/// generation, the weakest patches are omitted that together scatter less than the cut-off relative to the
+/// first generation.
 void add_scattered_paths(const PathScene& scene, std::span<const Image> sent, std::span<const Image> received,
                          PathEcho& echo);
 
-/// The same for receivers that may have rows of their own, of which `echo` then has as many as beams:
-/// energies at either end of a receiver pair, and products of both, through whatever water there is.
+/// The same for receivers with their own rows, of which `echo` then has as many as beams. The rows contain
+/// the energies at both ends of a receiver pair and the products of both signals. For isovelocity and for
+/// refracting water.
 void add_scattered_paths(const PathScene& scene, std::span<const Image> sent,
                          std::span<const ImageReceiver> received, PathEcho& echo);
 

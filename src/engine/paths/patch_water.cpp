@@ -13,8 +13,8 @@ WaterColumn continued_below(const WaterColumn& water, double depth_m, double fur
       std::ranges::find_if(points, [&](const ProfilePoint& p) { return p.depth_m > depth_m - same_depth_m; });
   const auto layer = static_cast<std::size_t>(end - points.begin());
   const double gradient = water.profile.gradient_per_s(layer), speed = water.profile.at(depth_m);
-  if (gradient == 0) return water;  // nothing is bent there
-  // Speeds stay above half of that at the seabed.
+  if (gradient == 0) return water;  // straight rays in this layer
+  // The sound speed stays above half of its value at the seabed.
   const double by_m = gradient < 0 ? std::min(further_m, speed / (-2 * gradient)) : further_m;
   WaterColumn column;
   std::vector<ProfilePoint> above(points.begin(), end);

@@ -6,30 +6,32 @@
 
 #include "engine/paths/visible_surface.hpp"
 
-// Water that refracts, for places on a seabed that see each other through it. docs/paths.md
+// Extends stratified water below the seabed for rays between places on the seabed, and counts their apparent
+// maps. Source: docs/paths.md, "Patches in refracting water".
 namespace tubefoot {
 
-/// The same water for places on a seabed: below the seabed's lowest place, where no sound is, speeds go on as
-/// above it for `further_m`, so that a ray leads from a place to all that are level with it, and it can be
-/// told that it is sent into the seabed.
+/// Water column for rays from places on the seabed. Below `depth_m`, the depth of the lowest place, the
+/// gradient continues over `further_m`. No sound propagates there. A ray thus leads from a place to each
+/// place at the same depth, and a ray that starts into the seabed can be recognised.
 WaterColumn continued_below(const WaterColumn& water, double depth_m, double further_m);
 
-/// What came of several apparent maps, counted (ApparentSurface).
+/// Sums of counts over several apparent maps (ApparentSurface).
 struct SurfaceCounts {
   std::size_t facets = 0, in_shadow = 0, of_several = 0, folded = 0;
   double largest_travel_path_error_m = 0;
-  std::vector<UnclearPlace> unclear{};  ///< the first without a ray, and the first with several
+  std::vector<UnclearPlace> unclear{};  ///< first place without a ray, and first place with several rays
 
   void add(const SurfaceCounts& more);
 };
 
-/// Of what an apex on the seabed has mapped, but for folded facets. A place without a ray counts if it
-/// lies more than `before_m` before the plane that `front` is the normal of; 0: everywhere.
+/// Counts of the apparent map of an apex on the seabed, except for folded facets. A facet without a ray
+/// counts if a corner lies more than `before_m` in front of the plane through the apex with the normal
+/// `front`. With `front` = 0 each such facet counts.
 SurfaceCounts counts_from(const ApparentSurface& surface_mesh, const ApparentMap& water, glm::dvec3 front,
                           double before_m);
 
-/// How many facets are seen from the other side than rays come to; not of those that are seen edge-on, which
-/// the gap alone may turn over.
+/// Number of facets that the apex sees from the side on which the rays do not arrive. Facets seen edge-on do
+/// not count, because the travel-path error alone may turn them over.
 std::size_t folded_facets(const VisibleSurface& seabed);
 
 }  // namespace tubefoot

@@ -17,6 +17,9 @@
 #include "geometry/steps/stop.hpp"
 #include "geometry/tubes/mirror.hpp"
 
+// Cuts visible polygons into triangles and joins the triangles in one cube of a facet to a patch. Solid
+// angles are exact (van Oosterom & Strackee 1983), and so are projected solid angles (Lambert 1760).
+
 namespace tubefoot {
 namespace {
 
@@ -24,7 +27,7 @@ constexpr double most_patches = 1e8;
 
 using Triangle = std::array<glm::dvec3, 3>;
 
-/// Edge from corner k that is longest.
+/// Index k of the longest edge, which leads from corner k to the next one.
 std::size_t longest_edge(const Triangle& t, double& length) {
   std::size_t longest = 0;
   length = -1;
@@ -36,16 +39,17 @@ std::size_t longest_edge(const Triangle& t, double& length) {
   return longest;
 }
 
-/// From the origin (Van Oosterom & Strackee 1983), which is that far from its plane.
+/// Solid angle of a triangle from the origin, at the given distance from its plane (van Oosterom & Strackee
+/// 1983).
 double solid_angle(const Triangle& t, double area, double plane_distance) {
   const double a = glm::length(t[0]), b = glm::length(t[1]), c = glm::length(t[2]);
   return 2 * std::atan2(2 * area * plane_distance, a * b * c + glm::dot(t[0], t[1]) * c +
                                                        glm::dot(t[1], t[2]) * a + glm::dot(t[2], t[0]) * b);
 }
 
-/// Integral of the cosine to an axis over the solid angle of a triangle: of its edges, as seen from the
-/// origin, half the angle times the cosine between the axis and the normal of the plane through origin and
-/// edge (Lambert 1760).
+/// Integral of the cosine to an axis over the solid angle of a triangle. Each edge contributes half the
+/// angle that it subtends at the origin, times a cosine. This is the cosine between the axis and the normal
+/// of the plane through origin and edge (Lambert 1760).
 double projected_solid_angle(const Triangle& t, glm::dvec3 axis) {
   double sum = 0;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -61,7 +65,7 @@ double projected_solid_angle(const Triangle& t, glm::dvec3 axis) {
 GridPoint in_front(const FacetMesh& mesh, FacetId facet, GridPoint apex, glm::dvec3 place, glm::dvec3 normal,
                    double least) {
   MirrorPlane plane = MirrorPlane::of_facet(mesh, facet, apex);
-  if (glm::dot(plane.unit_normal(), normal) < 0) {  // bent rays come to a side that the apex is not on
+  if (glm::dot(plane.unit_normal(), normal) < 0) {  // rays may arrive at the side opposite to the apex
     plane.normal = {-plane.normal.x, -plane.normal.y, -plane.normal.z};
     plane.offset = -plane.offset;
   }
@@ -93,12 +97,12 @@ std::vector<RadiosityPatch> patches_of(const FacetMesh& mesh, GridPoint apex, co
                     longest_m, about, most_patches));
   std::vector<RadiosityPatch> patches;
   std::vector<Triangle> left;
-  // Each tube that sees a facet has an entry for it.
+  // A facet has one entry per tube that sees it.
   std::vector<const SharedFacet*> by_facet;
   for (const SharedFacet& facet : seen.facets) by_facet.push_back(&facet);
   std::stable_sort(by_facet.begin(), by_facet.end(),
                    [](const SharedFacet* a, const SharedFacet* b) { return a->facet < b->facet; });
-  std::map<std::array<std::int64_t, 5>, RadiosityPatch> gathered;  // by side, label and cube
+  std::map<std::array<std::int64_t, 5>, RadiosityPatch> gathered;  // key: side, label and cube
   for (auto first = by_facet.begin(), end = first; first != by_facet.end(); first = end) {
     const FacetId id = (*first)->facet;
     std::vector<std::pair<const SharedFacet*, const SharedPiece*>> pieces;
@@ -151,14 +155,14 @@ std::vector<RadiosityPatch> patches_of(const FacetMesh& mesh, GridPoint apex, co
         patch.tube = piece.transmit_tube;
         if (patch.area_m2 == 0) patch.absorbed = 0;
         patch.normal = normal;
-        patch.from_apex_m += area_m2 * middle;  // sums, so far
+        patch.from_apex_m += area_m2 * middle;  // sums until all triangles are added
         patch.lies_m += area_m2 * lies;
         if (refracted != nullptr) {
           const RefractedFacet::Ray ray = refracted->ray_to(lies);
           patch.sine += area_m2 * refracted->sine(middle, ray);
           patch.absorbed += area_m2 * ray.absorbed;
         } else {
-          patch.sine = part.transmit_distance_m;  // over the range, below
+          patch.sine = part.transmit_distance_m;  // divided by the range below
         }
         patch.area_m2 += area_m2;
         patch.solid_angle_sr += solid_angle(t, seen_m2, part.transmit_distance_m);

@@ -27,7 +27,7 @@ double windows_sr(const TubeSet& windows) {
 }  // namespace
 
 ImageAudit audit_image(const Image& image, bool of_receiver, std::uint64_t label) {
-  // Half a unit each way of rays of 2^29 units; and rounding of the sums.
+  // Half a unit in both directions for rays of 2^29 units, and the rounding of the sums.
   constexpr double ray_rad = 0x1p-29, relative = 1e-12;
   return {of_receiver,
           image.mirrors,
@@ -55,7 +55,7 @@ PathAudit audit_paths(const PathImages& images, std::uint64_t label) {
   for (const ImagePair& of : images.pairs()) {
     const Image &sent = images.sent()[of.sent], &received = images.received()[of.received];
     ++result.pairs;
-    if (&sent == &received) continue;  // what it sees, it shares
+    if (&sent == &received) continue;  // an image shares everything that it sees with itself
     std::vector<SharedAudit> shared =
         audit_shared(images.sharer(sent, received), label_of_part(label, pair + result.pairs));
     std::move(shared.begin(), shared.end(), std::back_inserter(result.shared));

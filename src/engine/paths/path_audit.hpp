@@ -9,9 +9,10 @@
 
 namespace tubefoot {
 
-/// What holds of an image. Law C1 (closure) in rationals for each of its windows, in the world beyond them.
-/// Law I4 (windows): they fill what is seen of the mirror from before it, to within what corners of windows
-/// are rounded by.
+/// Audit of an image.
+/// Law C1 (closure) is tested in rational numbers for each window, in the scene beyond the window.
+/// Law I4 (windows) says that the windows fill the visible part of the mirror, within the rounding of their
+/// corners.
 struct ImageAudit {
   bool of_receiver = false;
   std::uint32_t mirrors = 0;
@@ -21,19 +22,20 @@ struct ImageAudit {
   bool fills() const;
 };
 
-/// `image`: told with open water.
+/// `image` must have its unobstructed region.
 ImageAudit audit_image(const Image& image, bool of_receiver, std::uint64_t label);
 
-/// What holds of the paths that are scattered once over mirrors: of all images that take part, and, by pair
-/// of them and facet that both look at, Law S5 (parts) of what they share.
+/// Audit of the paths with one scattering over mirrors. It covers all images of these paths.
+/// Law S5 (parts) is tested for the common visibility of each pair of images and each facet that both see.
 struct PathAudit {
   std::vector<ImageAudit> images;
   std::size_t pairs = 0;
   std::vector<SharedAudit> shared;
 };
 
-/// `images`: made with open water; `label` tells transmissions apart in the hash. In isovelocity water the
-/// apexes' own tubes are left out: they are the transmission's.
+/// `images` must have their unobstructed regions. `label` distinguishes transmissions in the hash. In
+/// isovelocity water the audit of the transmission itself covers the tubes of the apexes, so they are
+/// omitted here.
 PathAudit audit_paths(const PathImages& images, std::uint64_t label);
 
 }  // namespace tubefoot

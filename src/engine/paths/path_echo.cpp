@@ -24,6 +24,9 @@
 #include "geometry/steps/steps.hpp"
 #include "geometry/tubes/window_tubes.hpp"
 
+// Computes single scatterings between pairs of images (by footprints or by rays) and the arrivals of
+// unscattered paths. With a reference, each energy has a bound. Source: docs/paths.md, "Echoes".
+
 namespace tubefoot {
 namespace {
 
@@ -31,7 +34,7 @@ glm::dvec3 difference_m(GridPoint a, GridPoint b, double unit_m) {
   return glm::dvec3(double(a.x) - b.x, double(a.y) - b.y, double(a.z) - b.z) * unit_m;
 }
 
-/// Both apexes' images, and what passes between them.
+/// Images of both apexes, and the echoes between them.
 class PathTracer {
  public:
   PathTracer(const FacetMesh& mesh, double unit_m, const KnownImages& images, const TubeSet& receive,
@@ -83,7 +86,7 @@ class PathTracer {
   }
 
  private:
-  /// What one task found: bins of an order that are not empty.
+  /// Result of one task: non-empty bins of an order.
   struct Part {
     struct Bin {
       std::size_t order, bin;
@@ -94,8 +97,8 @@ class PathTracer {
     double misfit_m = 0;
   };
 
-  /// All pairs of images between which something is scattered. What two images share is found once, also
-  /// where both ends swap their parts.
+  /// Adds the single scatterings of all pairs of images. A monostatic sonar shares the common visibility of
+  /// a pair between both directions.
   void scatter() {
     if (settings_.order < 2) return;
     const std::vector<ImagePair> pairs = pairs_of_images(transmit_, receive_, one_place_, settings_.order,
@@ -126,13 +129,13 @@ class PathTracer {
     for (const Part& part : parts) take(part);
   }
 
-  /// An image that takes part in sampled paths, made ready for rays.
+  /// Image prepared for the ray engine.
   struct RayImage {
     RayImage(const Image& image, const FacetMesh& mesh, const SampledPaths& sampled) : finder(image.windows) {
       if (image.mesh != &mesh) own.emplace(*image.mesh, sampled.grid);
       end.emplace(SampledEnd{own ? *own : *sampled.scene, image.windows, finder, image.origin});
     }
-    /// In refracting water, where images see facets of `count` in places of their own.
+    /// For refracting water, where an image sees its apparent positions of `count` facets.
     void place(std::size_t count) {
       apparent.received.assign(count, ApparentFacets::none);
       for (FacetId facet = 0; facet < end->origin.size(); ++facet)
@@ -158,7 +161,7 @@ class PathTracer {
     return ready;
   }
 
-  /// The same pairs by rays. Each image of the transmitter sends its own.
+  /// Adds the same pairs by rays. Each image of the transmitter sends its own rays.
   void sample(std::span<const ImagePair> pairs) {
     std::vector<std::vector<std::size_t>> received_by(transmit_.size());
     std::vector<char> sends(transmit_.size()), receives(receive_.size());
@@ -183,7 +186,7 @@ class PathTracer {
       history.tubes = transmit_[0].windows;
       history.grid_unit_m = unit_m_;
       RaySettings rays = settings_.sampled->rays;
-      rays.seed = label_of_part(rays.seed, i + 1);  // samples of their own
+      rays.seed = label_of_part(rays.seed, i + 1);  // independent samples per image
       const RaysOnwards onwards{sent.windows.apex, glm::transpose(sent.leg.to_true), senders[i]->finder};
       trace_rays(
           senders[i]->end->scene, history, rays, settings_.sampled->beam_of_tube,
@@ -205,7 +208,8 @@ class PathTracer {
     for (const Part& part : parts) take(part);
   }
 
-  /// Each end sees the seabed elsewhere: what they share is reported where the one sees it that sends.
+  /// The ends have different apparent seabeds. The common visibility is given on the apparent seabed of the
+  /// transmitter's image.
   void add_refracted(Part& part, std::size_t order, const Image& sent, const Image& received) const {
     BistaticHistory history{sent.windows, received.windows, unit_m_,
                             FootprintSharer(sent.look(), received.look(), unit_m_).all()};
@@ -226,7 +230,7 @@ class PathTracer {
     }
   }
 
-  /// Without bounds all are 0.
+  /// Without a reference all bounds are 0.
   static void add(Part& part, std::size_t order, const CertifiedEcho& found, std::size_t pieces) {
     const std::vector<double>& energy = found.echo.energy;
     for (std::size_t bin = 0; bin < energy.size(); ++bin) {
@@ -246,7 +250,7 @@ class PathTracer {
     double& energy = echo_.by_order[bin.order].energy[bin.bin];
     energy += bin.energy;
     if (echo_.bound_by_order.empty()) return;
-    constexpr double rounding = 0x1p-52;  // of both sums
+    constexpr double rounding = 0x1p-52;  // rounding of both sums
     double& bound = echo_.bound_by_order[bin.order][bin.bin];
     bound = (bound + bin.bound) * (1 + rounding) + energy * rounding;
   }
@@ -271,9 +275,9 @@ class PathTracer {
     return found;
   }
 
-  /// What comes from an image to the true receiver: straight, or in refracting water by rays. Two chains have
-  /// the same image only where their windows adjoin (two mirrors at a right angle), so a place is received
-  /// once.
+  /// Adds the arrivals from an image at the true receiver, along a straight line or along rays in refracting
+  /// water. Two chains have the same image only if their windows adjoin (two mirrors at a right angle). Each
+  /// source therefore counts once.
   void arrive(const Image& image) {
     const GridPoint from = image.windows.apex;
     if (refracted_) {
@@ -297,14 +301,15 @@ class PathTracer {
            {from, 0, 0}, [&] { return reaches(image, to); });
   }
 
-  /// A way from an image to the receiver.
+  /// Path from an image to the receiver.
   struct ArrivingRay {
-    GridPoint along, back;           ///< where it goes to from the image, and comes from
-    glm::dvec3 sent{0}, arrives{0};  ///< unit vectors, as the image has it and as the receiver
+    GridPoint along, back;           ///< vectors from the image along the path, and from the receiver back
+    glm::dvec3 sent{0}, arrives{0};  ///< unit vectors at the image, in the frame of the image, and at the
+                                     ///< receiver
     double half_path_m;
-    double kept, tube_area_m2;  ///< what absorption leaves, and the area at the receiver per steradian sent
+    double kept, tube_area_m2;  ///< energy factor of absorption; area at the receiver per steradian
   };
-  /// An image, as far as arrivals are resolved: its apex, and the ray in unfolded water.
+  /// Identifies an arrival: apex of the image, and the ray in unfolded water.
   using Source = std::tuple<GridPoint, double, double>;
 
   template <class InView>
@@ -360,7 +365,8 @@ class PathTracer {
     return fans.empty() ? 0 : fans[tube];
   }
 
-  /// In refracting water, with bounds: along the one ray that there is, if that is proven.
+  /// Adds an arrival with bounds in refracting water, along the only ray, if the uniqueness of this ray is
+  /// proven.
   void arrive_enclosed(const Image& image) {
     const EnclosedImages::Ray found = enclosed_->ray_to(image, true_receive_.apex);
     if (!found.may_be_seen || found.passes == false) return;
@@ -373,7 +379,7 @@ class PathTracer {
     const WorldGrid& grid = refracted_->grid();
     const GridPoint from = image.windows.apex, along = ray.seen_at - from,
                     back = grid.snap(grid.to_metres(from) - 2 * ray.half_path_m * ray.arrives) - from;
-    // Both are rounded to the grid.
+    // Both directions are rounded to the grid.
     const double rounded_rad = 1e-8 + 2 * unit_m_ / ray.half_path_m;
     std::set<std::uint32_t> fans;
     for (std::uint32_t window = 0; window < image.own_tube.size(); ++window)
@@ -384,7 +390,7 @@ class PathTracer {
       if (arrived_.contains(source)) continue;
       bool sure = found.passes == true &&
                   !enclosed_->is_near_border(image, beams_.fan_of_transmit_tube, fan, ray.sent);
-      // Tubes that may receive it; those that are received alike are one.
+      // Tubes that may receive the ray. Tubes with the same beams are one entry.
       std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> tubes;
       bool in_one = false;
       for (std::uint32_t tube = 0; tube < true_receive_.tubes.size(); ++tube) {
@@ -428,7 +434,7 @@ class PathTracer {
               std::numeric_limits<double>::infinity()});
   }
 
-  /// Of mirrors that facets without a proven ray may hide, or be, nothing is known.
+  /// Nothing is known of mirrors that facets without a proven ray may hide, or that consist of such facets.
   void add_unknown() {
     for (const EnclosedImages::Unknown& unknown : enclosed_->unknown())
       for (std::size_t order = unknown.mirrors + 1; order < echo_.by_order.size(); ++order)
@@ -474,10 +480,10 @@ class PathTracer {
   GridPoint true_apex_;
   const TubeSet& true_receive_;
   bool one_place_;
-  RefractedImages* refracted_;  // in refracting water: who made the images
-  EchoModel seabed_model_;      // with a reference: of the seabed that these see
+  RefractedImages* refracted_;  // finder of the images, in refracting water
+  EchoModel seabed_model_;      // with a reference: model with the materials of the finder's seabed
   std::optional<EnclosedImages> enclosed_;
-  std::set<std::pair<Source, std::uint32_t>> arrived_;  // and fans
+  std::set<std::pair<Source, std::uint32_t>> arrived_;  // sources with their fans
   PathEcho echo_;
 };
 

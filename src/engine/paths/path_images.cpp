@@ -9,6 +9,10 @@
 #include "geometry/tubes/part_corner_weights.hpp"
 #include "geometry/tubes/window_tubes.hpp"
 
+// Computes the images of a transmission with up to order - 1 mirrors and the footprints that pairs of them
+// share. In refracting water RefractedImages finds the images, otherwise ImageFinder. Source: docs/paths.md,
+// "Images".
+
 namespace tubefoot {
 
 PathImages::PathImages(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
@@ -55,7 +59,7 @@ PathImages::Parts PathImages::parts_seen_by(const Image& image) const {
     return parts;
   }
   parts.of = parts.name;
-  // As the image's world was made.
+  // The scene of the image was clipped in the same way.
   std::vector<FacetId> cut = parts.of;
   cut.erase(std::unique(cut.begin(), cut.end()), cut.end());
   std::vector<std::array<PartCorner, 3>> corners;

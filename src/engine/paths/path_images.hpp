@@ -10,55 +10,57 @@
 #include "engine/paths/path_echo.hpp"
 #include "engine/visibility/bistatic_history.hpp"
 
-// What paths over mirrors see, for who tells it or proves it. docs/paths.md
+// Computes the images of a transmission and their common visibility, for footprints, coverage and audits.
+// Source: docs/paths.md, "Images".
 namespace tubefoot {
 
-/// The images between which a transmission is scattered once, of its transmitter and of its receiver, and
-/// what pairs of them see together.
+/// Images of the transmitter and of the receiver that take part in single scatterings of a transmission, and
+/// the common visibility of pairs of them.
 class PathImages {
  public:
-  /// As path_echo() has them: between apexes and images in up to `settings.order` - 1 mirrors. What is
-  /// referred to must outlive it. Throws as path_echo().
+  /// Uses the images of path_echo(): the apexes and their images in up to `settings.order` - 1 mirrors. All
+  /// referenced arguments must outlive this object. Throws the exceptions of path_echo().
   PathImages(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
              const VisibilityOptions& options, TubeSet transmit, TubeSet receive,
              const PathSettings& settings, double absorption_db_per_m, const PathWater* water = nullptr);
   ~PathImages();
 
   std::span<const Image> sent() const { return sent_; }
-  /// The very same for a sonar in one place.
+  /// The same images as sent() for a monostatic sonar.
   std::span<const Image> received() const { return one_place_ ? sent_ : received_; }
   bool one_place() const { return one_place_; }
   double grid_unit_m() const { return unit_m_; }
-  /// The least part of the energy that paths leave (PathSettings::least()).
+  /// Smallest energy factor of a path (PathSettings::least()).
   double least() const { return settings_.least(); }
-  /// Of one place each two images are a pair once: sound goes both ways.
+  /// In a monostatic sonar each pair of images occurs once, because sound travels in both directions.
   std::vector<ImagePair> pairs() const;
 
-  /// The facets that shared ones are of: the mesh, or in refracting water what it was cut into.
+  /// Mesh that contains the shared facets. In refracting water this is the cut mesh.
   const FacetMesh& seabed() const;
   bool is_cut() const { return refracted_ != nullptr; }
-  /// By facet of that: the one of the mesh that it is, or is a part of.
+  /// Facet of the original mesh that contains a facet of seabed().
   FacetId uncut(FacetId facet) const { return refracted_ ? refracted_->uncut(facet) : facet; }
-  /// Of what `model` and `beams` are between the apexes; they and this outlive it.
+  /// Model and beams between two images, derived from those between the apexes. `model`, `beams` and this
+  /// object must outlive the result.
   PairModel model(const Image& sent, const Image& received, const EchoModel& model,
                   const ReceiveBeams& beams) const {
     return PairModel(sent, received, this->sent().front().windows.apex, unit_m_, model, beams,
                      refracted_ ? &seabed() : nullptr);
   }
-  /// Facets that an image sees as parts of those of the mesh: of which, where they lie on it, and what all
-  /// images that see the same (in isovelocity water, a part of the same) call it. Empty where it sees the
-  /// mesh itself. In refracting water of a PathWater whose limits want weights.
+  /// Original facet, name and position of each facet that an image sees. Images that see the same part (in
+  /// isovelocity water a part of the same facet) use the same name. Empty if the image sees the mesh itself.
+  /// In refracting water the limits of the PathWater must request weights.
   struct Parts {
     std::vector<FacetId> of, name;
     std::vector<PartWeights> weights;
   };
   Parts parts_seen_by(const Image& image) const;
   FootprintSharer sharer(const Image& sent, const Image& received) const;
-  /// Images in up to `settings.order` mirrors from which what is sent comes to the receiver without
-  /// scattering, and with `settings.direct` the transmitter that a separate receiver receives; of two at one
-  /// place the first. None without `settings.arrivals`. In isovelocity water.
+  /// Images in up to `settings.order` mirrors from which unscattered sound reaches the receiver. With
+  /// `settings.direct` they include the transmitter of a bistatic sonar. If several images lie at one place,
+  /// only the first is returned. Empty without `settings.arrivals`. For isovelocity water.
   std::vector<Image> arriving() const;
-  /// What both see, over the transmit leg to the one and home from the other.
+  /// Common visibility of two images, with the transmit leg to `sent` and the receive leg to `received`.
   BistaticHistory history(const Image& sent, const Image& received) const;
 
  private:

@@ -19,15 +19,19 @@
 #include "engine/paths/patch_paths.hpp"
 #include "geometry/steps/steps.hpp"
 
+// Computes energies and mean products of a receiver pair per order. A product combines the two receivers'
+// images over the same mirrors, with the phase of the path difference. Source: docs/paths.md,
+// "Interferometric receivers".
+
 namespace tubefoot {
 namespace {
 
 using Complex = std::complex<double>;
 
-/// Where a chain of mirrors puts a grid point, from `to`. Images of apexes are rounded to the grid at every
-/// mirror; phases ask for more.
+/// Position of the image of a grid point in a chain of mirrors, from `to`. Images of apexes are rounded to
+/// the grid at every mirror, which is too coarse for phases.
 glm::dvec3 image_m(GridPoint place, std::span<const MirrorPlane> chain, GridPoint to, double unit_m) {
-  glm::dvec3 beside{0};  // from the grid point to the true one, grid units
+  glm::dvec3 beside{0};  // from the rounded image to the exact one, grid units
   for (const MirrorPlane& plane : chain) {
     const GridPoint next = plane.image(place);
     const glm::dvec3 normal = plane.unit_normal(),
@@ -39,8 +43,8 @@ glm::dvec3 image_m(GridPoint place, std::span<const MirrorPlane> chain, GridPoin
   return way_m(to, place, unit_m) + beside * unit_m;
 }
 
-/// As the seabed that appears from its middle makes it: phases turn by the speed of sound there, ranges are
-/// reported by another.
+/// Receiver pair with the baseline scaled for the apparent seabed from its middle. Phases depend on the
+/// sound speed at the receivers, ranges on the reference speed.
 ReceiverBaseline apparent_receiver_pair(const ReceiverPairEnds& ends, const PathWater& water) {
   ReceiverBaseline receiver_pair = ends.receiver_pair;
   const double depth_m = water.surface_height_m - water.grid.to_metres(ends.receive.apex).z;
@@ -48,7 +52,7 @@ ReceiverBaseline apparent_receiver_pair(const ReceiverPairEnds& ends, const Path
   return receiver_pair;
 }
 
-/// Images of the transmitter and of both receivers, and what passes between them.
+/// Images of the transmitter and of both receivers, and the echoes between them.
 class ReceiverPairTracer {
  public:
   ReceiverPairTracer(const FacetMesh& mesh, const SceneTree& tree, double unit_m,
@@ -128,21 +132,21 @@ class ReceiverPairTracer {
     return glm::transpose(receiver.leg.to_true) * receiver_pair_.axis;
   }
 
-  /// What tells chains of mirrors apart, in isovelocity water or in water that refracts.
+  /// Identifies a chain of mirrors, in isovelocity or in refracting water.
   using Chain = std::pair<std::vector<MirrorPlane>, std::size_t>;
   static Chain chain_of(const Image& image) { return {image.chain, image.mirror_path}; }
 
-  /// The lower receiver's images in the same mirrors as one of the upper one's.
+  /// Images of the lower receiver over the same mirrors as an image of the upper one.
   std::span<const std::size_t> lower_of(const Image& upper) const {
     const auto found = by_chain_.find(chain_of(upper));
     return found == by_chain_.end() ? std::span<const std::size_t>() : found->second;
   }
 
-  /// With bounds; without a reference these are 0.
+  /// Adds a product with its bounds, which are 0 without a reference.
   void add(std::size_t order, std::size_t sample, const Bounded& real, const Bounded& imag) {
     add(order, sample, {real.value, imag.value});
     if (echo_.bound_by_order.empty()) return;
-    constexpr double rounding = 0x1p-52;  // of both sums
+    constexpr double rounding = 0x1p-52;  // rounding of both sums
     const auto widen = [&](double& bound, double more, double sum) {
       bound = (bound + more) * (1 + rounding) + std::abs(sum) * rounding;
     };
@@ -151,7 +155,7 @@ class ReceiverPairTracer {
     widen(bounds.cross_imag_j[sample], imag.bound, echo_.by_order[order].cross_imag_j[sample]);
   }
 
-  /// What is scattered once.
+  /// Adds the products of single scatterings.
   void multiply_scattered() {
     struct Triple {
       const Image *sent, *upper, *lower;
@@ -187,7 +191,7 @@ class ReceiverPairTracer {
         add(all[k].sent->mirrors + all[k].upper->mirrors + 1, bin.sample, bin.real, bin.imag);
   }
 
-  /// Rows as certify_receiver_pair_echo(); without a reference no bounds.
+  /// Rows as in certify_receiver_pair_echo(). Without a reference the result has no bounds.
   CertifiedEcho product_of(const Image& sent, const Image& upper, const Image& lower) const {
     ReceiverPairHistory history;
     history.transmit.apex = sent.windows.apex;
@@ -217,7 +221,8 @@ class ReceiverPairTracer {
                                           by_lower, ordinary, *settings_.reference_tolerance);
   }
 
-  /// What both ends see of the seabed, in refracting water from the receiver pair's middle.
+  /// Common visibility of both ends, which in refracting water see the apparent seabed of the receiver
+  /// pair's middle.
   void share(const Image& sent, const Image& received, SharedFootprints& shared,
              std::vector<BistaticFacet>& bistatic) const {
     if (!refracted_) {
@@ -229,8 +234,8 @@ class ReceiverPairTracer {
                                refracted_->end_of(received), refracted_->grid(), model_.absorption_db_per_m);
   }
 
-  /// What comes to both receivers straight from the same image of the transmitter; where water refracts, by
-  /// the same one of its rays: those that arrive most alike.
+  /// Adds the products of unscattered arrivals at both receivers from the same image of the transmitter. In
+  /// refracting water the rays with the most similar arrivals are combined.
   void multiply_arrivals(const std::array<std::vector<ArrivedEnergy>, 2>& arrived) {
     const auto apart = [](const ArrivedEnergy& a, const ArrivedEnergy& b) {
       if (!(a.from == b.from) || a.chain != b.chain || a.order != b.order)
@@ -265,8 +270,8 @@ class ReceiverPairTracer {
       }
   }
 
-  /// What is scattered more than once: rows of the upper and of the lower receiver's energies, and of both
-  /// parts of the product.
+  /// Adds multiple scattering. The four rows are the energies of the upper and of the lower receiver, and
+  /// the real and the imaginary part of the product.
   void add_scattered() {
     const ReceiveBeams beams{1, only_beam_};
     const PathScene scene{mesh_,  unit_m_,   finder_, beams,          samples_,
@@ -307,14 +312,14 @@ class ReceiverPairTracer {
   const RangeSamples& samples_;
   const EchoModel& model_;
   const PathSettings& settings_;
-  GridPoint apex_, middle_;      // true ones, of the transmitter and of the receiver pair
+  GridPoint apex_, middle_;      // true apexes of transmitter and receiver pair
   std::array<TubeSet, 2> ends_;  // upper, lower
   std::vector<std::uint32_t> only_beam_;
   ImageFinder finder_;
   std::optional<RefractedImages> refracted_;  // in refracting water
   std::vector<Image> sent_;
   std::array<std::vector<Image>, 2> received_;
-  std::map<Chain, std::vector<std::size_t>> by_chain_;  // of the lower receiver's images
+  std::map<Chain, std::vector<std::size_t>> by_chain_;  // images of the lower receiver
   ReceiverPairPathEcho echo_;
 };
 

@@ -9,6 +9,10 @@
 
 #include "geometry/steps/stop.hpp"
 
+// Projects visible polygons to the planes of their facets, and intersects those of the two ends of a
+// receiver pair. The source of the geometry in refracting water is docs/paths.md, "Patches in refracting
+// water".
+
 namespace tubefoot {
 namespace {
 
@@ -47,7 +51,7 @@ ReceiverViews::ReceiverViews(const Image& received, glm::dvec3 apex_m, VisibleSu
         refracted == nullptr
             ? FacetPlane{one->plane_normal, one->transmit_distance_m}
             : FacetPlane{refracted->normal, -glm::dot(refracted->normal, refracted->lies.lies_m)};
-    // Bent rays may come to both sides of a facet.
+    // Refracted rays may arrive at both sides of a facet.
     std::size_t at = facets_.size();
     while (at > 0 && facets_[at - 1].facet == one->facet &&
            !(refracted == nullptr || glm::dot(facets_[at - 1].plane.normal, plane.normal) > 0))

@@ -16,47 +16,49 @@
 #include "engine/scattering/facet_map.hpp"
 #include "geometry/integrals/measure.hpp"
 
-// What receives the last scattering, and how a facet is met from anywhere, through whatever water.
-// docs/paths.md
+// Stores the surface that receivers of the last scattering see, per facet, and computes ranges, slopes and
+// grazing angles on a facet from any point. Works in isovelocity and in refracting water. Source:
+// docs/paths.md, "Several scatterings".
 namespace tubefoot {
 
-/// What an image of a receiver sees, or those of both ends of a receiver pair in the same mirrors, by facet,
-/// in coordinates of the plane that the facet lies in: made once for all points that light it.
+/// Surface that an image of a receiver sees, or that both ends of a receiver pair over the same mirrors see.
+/// Polygons are stored per facet in coordinates of the facet's plane. They are computed once for all points
+/// that insonify the facet.
 class ReceiverViews {
  public:
-  /// `apex_m`: where the image is, in the frame of the points that will be asked about; `seabed`: what it
-  /// sees.
+  /// `apex_m`: position of the image in the frame of these points. `seabed`: surface that the image sees.
   ReceiverViews(const Image& received, glm::dvec3 apex_m, VisibleSurface seabed);
-  /// What two images both see, told as the upper one tells it.
+  /// Common visibility of two images, in the coordinates of the upper one.
   ReceiverViews(const ReceiverViews& upper, const ReceiverViews& lower);
 
   struct End {
     const Image* image;
     glm::dvec3 apex_m;
-    std::shared_ptr<const std::vector<RefractedFacet>> refracted;  ///< empty where rays are straight
+    std::shared_ptr<const std::vector<RefractedFacet>> refracted;  ///< empty if rays are straight
   };
-  /// Part of a facet: what lies in all of its polygons.
+  /// Part of a facet: intersection of its polygons.
   struct Piece {
-    std::uint32_t tube = 0;                     ///< of the (upper) image
-    std::array<std::size_t, 2> seen_as{};       ///< by end: bent facet, where rays are bent
-    std::vector<std::vector<glm::dvec2>> seen;  ///< by end
-    glm::dvec2 low{0}, high{0};                 ///< holds it
+    std::uint32_t tube = 0;                     ///< tube of the (upper) image
+    std::array<std::size_t, 2> seen_as{};       ///< index of the refracted facet per end, if rays are
+                                                ///< refracted
+    std::vector<std::vector<glm::dvec2>> seen;  ///< polygon per end
+    glm::dvec2 low{0}, high{0};                 ///< bounding box
   };
   struct Facet {
     FacetId facet = 0;
-    FacetPlane plane;  ///< from the (upper) image; in refracting water that may be behind it
+    FacetPlane plane;  ///< from the (upper) image, which may lie behind it in refracting water
     PlaneFrame frame{FacetPlane{}};
-    std::array<double, 2> height_m{};  ///< of each end over it
+    std::array<double, 2> height_m{};  ///< height of each end above the plane
     std::vector<Piece> pieces;
   };
-  /// Null if the side of a facet that a normal points to is not seen.
+  /// Returns the facet with its side that `normal` points to, or null if this side is not visible.
   const Facet* find(FacetId facet, glm::dvec3 normal) const;
-  /// The upper one first.
+  /// The upper end first.
   const std::vector<End>& ends() const { return ends_; }
   const Image& image() const { return *ends_.front().image; }
-  /// Image::largest, of the end that has less.
+  /// Smaller value of Image::largest of the ends.
   double largest() const;
-  /// Null where rays are straight.
+  /// Null if rays are straight.
   const RefractedFacet* refracted_of(const Piece& piece, std::size_t end) const {
     const std::vector<RefractedFacet>& refracted = *ends_[end].refracted;
     return refracted.empty() ? nullptr : &refracted[piece.seen_as[end]];
@@ -64,40 +66,42 @@ class ReceiverViews {
 
  private:
   std::vector<End> ends_;
-  std::vector<Facet> facets_;  // by id
+  std::vector<Facet> facets_;  // sorted by id
 };
 
-/// A point, or an image of a receiver, over a facet; places on that in coordinates of its frame.
+/// Geometry of a point, or of an image of a receiver, above a facet. Places have coordinates in the facet's
+/// frame.
 class OverFacet {
  public:
   OverFacet() = default;
-  /// `from_received_m`: where it is, from the (upper) image that `facet` is reported by; `refracted`: how it
-  /// sees the facet, null where rays are straight.
+  /// `from_received_m`: position of the point relative to the (upper) image of `facet`. `refracted`: facet
+  /// as refracted for the point, or null if rays are straight.
   OverFacet(const ReceiverViews::Facet& facet, glm::dvec3 from_received_m, double height_m,
             const RefractedFacet* refracted);
 
-  /// Where a place is seen, or seems to be, from here.
+  /// Plane of the apparent positions, from the point.
   const LyingPlane& seen() const { return seen_; }
   double range(glm::dvec2 p) const {
     if (refracted_ != nullptr) return glm::length(seen_.at(p));
     const glm::dvec2 away = p - foot_;
     return std::sqrt(height_ * height_ + glm::dot(away, away));
   }
-  /// Of the range, which is known.
+  /// Gradient of the range at a place. `range`: range of this place.
   glm::dvec2 slope(glm::dvec2 p, double range) const {
     if (refracted_ == nullptr) return (p - foot_) / range;
     const glm::dvec3 at = seen_.at(p);
     return glm::dvec2(glm::dot(at, seen_.u), glm::dot(at, seen_.v)) / range;
   }
-  /// No less than the range changes over a metre.
+  /// Upper bound of the gradient's length.
   double steepest() const { return steepest_; }
 
-  /// A place as it is met from here.
+  /// Properties of the ray to a place.
   struct Met {
     double range = 0, sine = 0;
-    glm::dvec3 direction{0};  ///< in which it is seen, unit vector
-    glm::dvec3 lies_m{0};     ///< from here
-    double tx = 1, rx = 1;    ///< spreading and absorption over those of the straight way
+    glm::dvec3 direction{0};  ///< apparent direction of the place, unit vector
+    glm::dvec3 lies_m{0};     ///< position from the point
+    double tx = 1, rx = 1;    ///< transmit and receive factors of spreading and absorption, relative to a
+                              ///< straight path
   };
   Met meet(glm::dvec2 p) const {
     if (refracted_ != nullptr) return meet_refracted(p);
@@ -114,15 +118,15 @@ class OverFacet {
  private:
   Met meet_refracted(glm::dvec2 p) const;
 
-  double height_ = 0;   // over the plane
-  glm::dvec2 foot_{0};  // its foot point
+  double height_ = 0;   // above the plane
+  glm::dvec2 foot_{0};  // foot point of the perpendicular on the plane
   const RefractedFacet* refracted_ = nullptr;
-  LyingPlane seen_;  // where the plane's points are seen, from here
-  LyingPlane lies_;  // where they lie; in isovelocity water from the foot point on
+  LyingPlane seen_;  // apparent positions of the plane, from the point
+  LyingPlane lies_;  // true positions; in isovelocity water from the foot point
   double steepest_ = 1;
 };
 
-/// Twice the area of a polygon; below 0 if it turns the other way.
+/// Twice the signed area of a polygon.
 double turning(const std::vector<glm::dvec2>& polygon);
 
 }  // namespace tubefoot

@@ -23,6 +23,10 @@
 #include "geometry/tubes/window_tubes.hpp"
 #include "geometry/visibility/contradictions.hpp"
 
+// Unfolds chains of horizontal mirrors in stratified water, and maps one apparent seabed per chain. An image
+// sees this seabed through its windows, the parts of the next mirror that the previous image sees. Source:
+// docs/paths.md, "In refracting water".
+
 namespace tubefoot {
 namespace {
 
@@ -36,8 +40,8 @@ std::array<std::int32_t, 3> heights_of(const FacetMesh& mesh, FacetId facet) {
   return {mesh.vertices[a].z, mesh.vertices[b].z, mesh.vertices[c].z};
 }
 
-/// The mesh with facets cut in two that lie on both sides of a height. `origin`: by facet, and kept so;
-/// empty: each is its own.
+/// Returns the mesh with each facet that extends to both sides of a height cut at this height. Updates
+/// `origin`, the original facet per facet. An empty `origin` means that each facet is its own.
 FacetMesh cut_at(const FacetMesh& mesh, std::int32_t height, std::vector<FacetId>& origin,
                  std::vector<PartWeights>& weights) {
   std::vector<FacetId> crossing;
@@ -78,7 +82,7 @@ FacetMesh cut_at(const FacetMesh& mesh, std::int32_t height, std::vector<FacetId
 
 glm::dvec3 upside_down(glm::dvec3 v) { return {v.x, v.y, -v.z}; }
 
-/// No less than what passes anywhere in a cone.
+/// Upper bound of the energy factor in a cone.
 double most_of(const MirrorLoss& loss, const std::vector<glm::dvec3>& corners) {
   double least = 1;
   bool above = false, below = false;
@@ -93,7 +97,7 @@ double most_of(const MirrorLoss& loss, const std::vector<glm::dvec3>& corners) {
 
 }  // namespace
 
-/// From an end over a chain of mirrors.
+/// Path from an end over a chain of mirrors.
 struct RefractedImages::MirrorPath {
   MirrorPath(std::size_t of, Heights chain, const PathWater& water, const TubeSet& tubes,
              const SurfaceApex& surface_apex)
@@ -123,8 +127,9 @@ struct RefractedImages::MirrorPath {
   ApparentMap apparent_map;
   RayEnclosure rays;
   ViewBounds view_bounds;
-  std::unique_ptr<SceneTree> tree;                ///< of what it sees
-  std::unique_ptr<CommonApparentSurfaces> alone;  ///< that, of a way whose images do not look
+  std::unique_ptr<SceneTree> tree;                ///< search tree over the surface that its images see
+  std::unique_ptr<CommonApparentSurfaces> alone;  ///< surface of a chain whose images have no computed
+                                                  ///< visibility
 };
 
 RefractedImages::~RefractedImages() = default;
@@ -213,7 +218,8 @@ void RefractedImages::find_levels(const FacetMesh& mesh) {
   }
 }
 
-/// Whether sound that has come over a chain can next meet a mirror at a height, on its way up (or down).
+/// Whether sound that has passed a chain of mirrors can next meet a mirror at height `next` on its way up
+/// (or down).
 bool RefractedImages::is_next(const Heights& heights, bool up_first, std::int32_t apex, std::int32_t next,
                               bool up) const {
   if (!up && mirrors_.surface && next == mirrors_.surface->height) return false;
@@ -297,8 +303,10 @@ std::vector<Image> RefractedImages::children_of(const Image& image, std::span<co
   stop_if_wanted();
   const MirrorPath& mirror_path = mirror_paths_[image.mirror_path];
   const GridPoint apex = image.windows.apex;
-  const std::int32_t level = ends_[mirror_path.end].apex.z;  // what the world is turned about
-  // By height, whether it is met from below, and reflection; the surface's are of no facet.
+  const std::int32_t level = ends_[mirror_path.end].apex.z;  // height about which unfolding reflects the
+                                                             // scene
+  // Key: height, whether the mirror is met from below, reflection factor, and whether it is the sea surface
+  // (which has no facet).
   std::map<std::tuple<std::int32_t, bool, double, bool>, std::vector<Cone>> mirrors;
   for (std::uint32_t tube = 0; tube < image.seen.size(); ++tube) {
     const TubeVisibility& seen = image.seen[tube];
@@ -317,7 +325,7 @@ std::vector<Image> RefractedImages::children_of(const Image& image, std::span<co
       const double reflection =
           mirrors_.reflection.empty() ? 0 : mirrors_.reflection[image.mesh->material[piece.facet]];
       if (!(reflection > 0)) continue;
-      // The side that is seen: facets turn as they do where they lie.
+      // Side of the facet that the image sees. The apparent facet has the orientation of the true facet.
       glm::dvec3 lies[3], from_apex[3];
       for (std::size_t k = 0; k < 3; ++k) {
         lies[k] = water_.grid.to_metres(seabed().vertices[seabed().facets[image.origin[piece.facet]][k]]);
@@ -340,7 +348,7 @@ std::vector<Image> RefractedImages::children_of(const Image& image, std::span<co
     chain.push_back(height);
     auto known = mirror_path_of_.find({mirror_path.end, chain});
     if (known == mirror_path_of_.end()) {
-      if (received_at.empty()) continue;  // nothing passes, or nothing in time
+      if (received_at.empty()) continue;  // the chain passes too little, or is longer than the reach
       add_mirror_path(mirror_path.end, chain);
       known = mirror_path_of_.find({mirror_path.end, chain});
     }
@@ -456,7 +464,8 @@ VisibleSurface RefractedImages::seen_by(const Image& image) const {
       seen[k] = water_.grid.to_metres(mesh.vertices[v]);
       lies[k] = surface_mesh.truth[v];
       const auto [known, is_new] = rays.try_emplace(v);
-      if (is_new) known->second = mirror_path.apparent_map.apparent(lies[k])->ray;  // or it would not be seen
+      // a visible vertex has an apparent position
+      if (is_new) known->second = mirror_path.apparent_map.apparent(lies[k])->ray;
       ray[k] = known->second;
     }
     seabed.refracted.push_back(
@@ -489,7 +498,7 @@ std::vector<ApparentSurface> RefractedImages::take_surfaces() {
 
 bool RefractedImages::is_hidden(const Image& image, const GridPoint& from, const GridPoint& to) {
   if (image.mesh != nullptr) return !in_view(*image.mesh, *image.tree, from, to);
-  // Of the last mirror nothing is scattered: what lies behind it has not been mapped.
+  // Nothing is scattered after the last mirror, so its seabed is mapped only here.
   MirrorPath& mirror_path = mirror_paths_[image.mirror_path];
   const ApparentSurface surface_mesh =
       map_apparent(*mesh_, mirror_path.view_bounds.facets(*mesh_, *tree_, water_.grid), water_.grid,
@@ -519,7 +528,7 @@ std::vector<MirroredRay> RefractedImages::all_rays_to(const Image& image, GridPo
   const double range = std::hypot(mirror_path.x, mirror_path.y);
   const glm::dvec2 across = range > 0 ? glm::dvec2(mirror_path) / range : glm::dvec2(0);
   for (const Eigenray& ray : water.finder().all(water.depth_m(at_m), range)) {
-    if (!(ray.tube_area_m2_per_sr > 0)) continue;  // on a caustic, where rays say nothing
+    if (!(ray.tube_area_m2_per_sr > 0)) continue;  // on a caustic, where ray theory is not valid
     const double distance = water.reference_speed_m_s() * ray.time_s;
     MirroredRay found;
     found.sent = {ray.launch_cosine * across, -water.unfolding().sign * ray.launch_sine};

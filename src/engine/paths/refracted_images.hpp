@@ -13,98 +13,98 @@
 #include "engine/paths/patch_water.hpp"
 #include "engine/surface/bistatic_facet.hpp"
 
-// Apexes and their images in level mirrors, in refracting water. docs/paths.md, "In refracting water"
+// Finds the images of apexes in horizontal mirrors in stratified water by unfolding. Beyond each mirror the
+// water has the mirrored sound-speed profile, and the ray continues through the mirror. Each chain of
+// mirrors has one apparent seabed. Source: docs/paths.md, "In refracting water".
 namespace tubefoot {
 
 struct BistaticSurface;  // engine/certified/bistatic_enclosure.hpp
 class RayEnclosure;      // engine/water/ray_enclosure.hpp
 
-/// Water that refracts, and how finely the seabed is seen through it.
+/// Stratified water, and the accuracy of the apparent seabed in it.
 struct PathWater {
   const WaterColumn& column;
   double surface_height_m = 0;  ///< depth = this - z
   EigenrayOptions rays;
-  double reference_speed_m_s = 1500;  ///< by which a travel time becomes a range
+  double reference_speed_m_s = 1500;  ///< converts a travel time to a range, in m/s
   ApparentMapSettings apparent_map;
   RefinementLimits limits;
   const WorldGrid& grid;
-  /// Images in the most mirrors are kept whether anything seems to come from them or not.
+  /// Keeps all images in the largest number of mirrors, even if no ray from them reaches a receiver.
   bool keep_last = false;
 };
 
-/// A ray from an image, over its mirrors, to a receiver.
+/// Ray from an image over its mirrors to a receiver.
 struct MirroredRay {
-  GridPoint seen_at;             ///< where the image sees the receiver
-  glm::dvec3 sent{0};            ///< direction as the image has it, unit vector
+  GridPoint seen_at;             ///< apparent position of the receiver from the image
+  glm::dvec3 sent{0};            ///< launch direction in the frame of the image, unit vector
   glm::dvec3 arrives{0};         ///< direction of travel at the receiver, unit vector
-  double half_path_m = 0;        ///< half of what sound covers in its time at the reference speed
-  double kept = 1;               ///< what absorption leaves of the energy
-  double tube_area_m2 = 0;       ///< at the receiver, perpendicular to the ray, per steradian at the apex
-  double unfolded_height_m = 0;  ///< of the receiver: tells chains of mirrors apart
+  double half_path_m = 0;        ///< half of the travel time times the reference speed, in m
+  double kept = 1;               ///< energy factor of the absorption
+  double tube_area_m2 = 0;       ///< area of the ray tube at the receiver, perpendicular to the ray, per
+                                 ///< steradian at the apex
+  double unfolded_height_m = 0;  ///< of the receiver, in m; identifies the chain of mirrors
 };
 
-/// The images of one apex or of two, over one seabed that is cut alike for all of them.
-///
-/// An image has the place of its true apex, and sees the seabed where rays over its chain of mirrors say
-/// (Apparent map with Unfolding): through the windows that the mirror is seen in, as anywhere. Mirrors are
-/// the sea surface and level facets; of rays that turn, those are followed that do it before the first mirror
-/// or after the last.
+/// Images of one apex or of two, over one seabed that is cut along the same lines for all of them. An image
+/// has the position of its true apex. It sees the apparent seabed of the rays over its chain of mirrors
+/// (`ApparentMap` with `Unfolding`), through its windows. Mirrors are the sea surface and horizontal facets.
+/// Rays that turn are followed only if they turn before the first mirror or after the last.
 class RefractedImages {
  public:
-  /// `ends`: tubes of the transmitter, and of a receiver that is apart. `order`: most mirrors of a chain of
-  /// the transmitter; one less of what scatters. What is referred to must outlive it. Throws as
-  /// map_apparent_together(); std::length_error for more than `most_images` chains; std::invalid_argument for
-  /// mirrors that are not level.
+  /// `ends`: tubes of the transmitter, and of the receiver in a bistatic sonar. `order`: largest number of
+  /// mirrors in a chain of the transmitter; chains of scattered paths have one mirror less. All referenced
+  /// arguments must outlive this object. Throws the exceptions of map_apparent_together(), std::length_error
+  /// for more than `most_images` chains, and std::invalid_argument for mirrors that are not horizontal.
   RefractedImages(const FacetMesh& mesh, const SceneTree& tree, const VisibilityOptions& options,
                   const Mirrors& mirrors, double least_loss, std::size_t most_images,
                   double absorption_db_per_m, const PathWater& water, std::vector<TubeSet> ends, int order);
-  /// Of an apex on the seabed of others, with one mirror less than `order` at most. `water`:
-  /// continued_below().
+  /// Images of one apex on the seabed, over the seabed of other images. Chains have at most `order` - 1
+  /// mirrors. `water`: see continued_below().
   RefractedImages(const RefractedImages& others, const PathWater& water, TubeSet tubes, int order,
                   const SurfaceApex& surface_apex);
   ~RefractedImages();
 
-  /// As ImageFinder::images_of() has them. `beside`: the tubes of a place near the end, which looks at what
-  /// is seen from there (the end of a receiver pair).
+  /// As ImageFinder::images_of(). `beside`: tubes of a place near the end (one end of a receiver pair),
+  /// which sees the apparent seabed of the end.
   std::vector<Image> images_of(std::size_t end, std::span<const GridPoint> received_at = {},
                                const TubeSet* beside = nullptr);
-  /// How far an image is from that of its end.
+  /// Vector from the apex of its end to the apex of an image, in m.
   glm::dvec3 beside_m(const Image& image) const;
 
-  /// The seabed that shared facets are of.
+  /// Mesh that contains the shared facets.
   const FacetMesh& seabed() const { return alike_.seabed.mesh; }
-  /// The seabed before it is cut for what is seen; seen_by() names its facets.
+  /// Mesh before the cuts of the apparent map. seen_by() returns facets of this mesh.
   const FacetMesh& base() const { return *mesh_; }
   const PathWater& water() const { return water_; }
-  /// What an image that has looked sees.
+  /// Surface that an image with computed visibility sees.
   VisibleSurface seen_by(const Image& image) const;
-  /// Of all that was mapped for an apex on the seabed, which sees that.
+  /// Counts of all apparent maps from an apex on the seabed. `seen`: surfaces that its images see.
   SurfaceCounts counts(std::span<const VisibleSurface> seen) const;
-  /// By facet of that: the one of the mesh that it is a part of.
+  /// Facet of the original mesh that contains a facet of seabed().
   FacetId uncut(FacetId facet) const {
     facet = alike_.seabed.parent[facet];
     return cut_origin_.empty() ? facet : cut_origin_[facet];
   }
   const WorldGrid& grid() const { return water_.grid; }
-  /// By facet that an image sees: where that lies on the one of the mesh that it is a part of. Of limits with
-  /// weights.
+  /// For each facet that an image sees: its position on the facet of the original mesh that contains it.
+  /// Requires refinement limits with weights.
   std::vector<PartWeights> weights(const Image& image) const;
   ApparentEnd end_of(const Image& image) const;
-  /// The seabed between two images, for references; they may be the same. Those that have not looked, too,
-  /// straighten it for that.
+  /// Seabed between two images, which may be the same, for reference computations. Computes the apparent
+  /// seabed of an image that has no computed visibility.
   BistaticSurface seabed_between(const Image& sent, const Image& received);
   const VisibilityOptions& options() const { return options_; }
   const ApparentMap& water_of(const Image& image) const;
   const RayEnclosure& rays_of(const Image& image) const;
-  /// The way of those that have one mirror less; none of an end itself.
+  /// Index of the chain without the last mirror; none for an end itself.
   std::optional<std::size_t> way_before(const Image& image) const;
-  /// What came of apparent map, but for the apexes' own; by chain of mirrors. Directions are those of
-  /// launch.
+  /// Moves out the apparent surfaces of all chains with a mirror. Directions are launch directions.
   std::vector<ApparentSurface> take_surfaces();
 
-  /// All rays from an image over its mirrors to a place, those through its windows not hidden by facets.
+  /// All rays from an image over its mirrors to a place that leave through a window and that no facet hides.
   std::vector<MirroredRay> rays_to(const Image& image, GridPoint place);
-  /// And whether anything lets them pass or not.
+  /// The same without the tests of windows and facets.
   std::vector<MirroredRay> all_rays_to(const Image& image, GridPoint place) const;
 
  private:
@@ -130,10 +130,12 @@ class RefractedImages {
   std::vector<TubeSet> ends_;
   int order_;
   SurfaceApex surface_apex_;
-  std::map<std::int32_t, double> levels_;  ///< heights of level mirrors, and the most that one reflects
-  FacetMesh cut_;                          ///< no facet lies on both sides of a mirror's height
-  std::vector<FacetId> cut_origin_;        ///< by its facet: the one of the mesh
-  std::vector<PartWeights> cut_weights_;   ///< and where it lies on that
+  std::map<std::int32_t, double> levels_;  ///< heights of horizontal mirrors with their largest reflection
+                                           ///< factor
+  FacetMesh cut_;                          ///< mesh in which no facet extends to both sides of a mirror's
+                                           ///< height
+  std::vector<FacetId> cut_origin_;        ///< facet of the original mesh per facet of `cut_`
+  std::vector<PartWeights> cut_weights_;   ///< position on that facet
   std::unique_ptr<SceneTree> cut_tree_;
   const FacetMesh* mesh_;
   const SceneTree* tree_;

@@ -39,7 +39,7 @@ RefractedFacet refracted_facet(glm::dvec3 apex_m, const glm::dvec3 (&seen_m)[3],
   facet.area_ratio = glm::length(across) / glm::length(seen);
   if (glm::dot(facet.normal, arrival[0] + arrival[1] + arrival[2]) > 0) facet.normal = -facet.normal;
   for (std::size_t k = 0; k < 3; ++k) {
-    // As long as the image is far, but for the grid.
+    // Equals the distance of the apparent position, except for rounding to the grid.
     const double range_m = water.reference_speed_m_s() * rays[k].time_s;
     RefractedFacet::Ray& ray = facet.corners[k];
     ray.bend = glm::dot(facet.normal, water.launch_direction(lies_m[k], rays[k]) - arrival[k]);

@@ -11,20 +11,24 @@
 #include "engine/rays/ray_shares.hpp"
 #include "geometry/steps/stop.hpp"
 
+// Computes the distribution of adaptive rays from the pilots. The number of rays per cell is proportional to
+// solid angle times deviation^(3/4) mean^(1/4) of the neighbours' echoes, with a lower limit. The points of
+// each cell follow a scrambled Sobol' sequence in Gray code order.
+
 namespace tubefoot {
 namespace {
 
 using namespace splitmix;
 
-// Bands of so many rows are walked across, so that sixteen rays in a row are neighbours.
+// The cells are traversed in bands of this many rows, so that sixteen successive rays are neighbours.
 constexpr std::int64_t band_rows = 4;
 constexpr int digits = 32;
-// Rays for each pilot, as long as there are not more than so many pilots: what they met has to be kept.
-// Of 1.5 to 4 rays, 1.5 to 2 had the least errors on flat and rough seabeds, edges and a ball.
+// Rays per pilot, and the largest number of pilots, whose results must be stored. In tests with 1.5 to 4 rays
+// per pilot, 1.5 to 2 gave the smallest errors on flat and rough seabeds, edges and a sphere.
 constexpr std::int64_t rays_a_pilot = 2, most_pilots = std::int64_t{1} << 20;
 
-/// Values at the four neighbours of a cell, as a plane through them sees the cell: the middle, and the
-/// variance over it.
+/// Mean at the middle of a cell and variance over the cell, for a plane through the values of its four
+/// neighbours.
 struct Spread {
   double mean = 0, variance = 0;
 };
@@ -38,12 +42,12 @@ Spread spread_of(const std::array<double, 4>& value, const std::array<bool, 4>& 
       ++count;
     }
   spread.mean /= count;
-  // Two opposite ones tell a slope, whose variance over a cell is its square over 12.
+  // Two opposite values give a slope; its variance over a cell is its square over 12.
   const auto slope2 = [&](std::size_t a, std::size_t b) {
     return is_there[a] && is_there[b] ? (value[b] - value[a]) * (value[b] - value[a]) / 4 / 12 : 0;
   };
   spread.variance = slope2(0, 1) + slope2(2, 3);
-  // What is left is rough: opposite ones' middles would agree.
+  // The remaining difference is roughness, because the mean values of opposite pairs would agree on a plane.
   if (count == 4) {
     const double rest = (value[0] + value[1] - value[2] - value[3]) / 4;
     spread.variance += rest * rest;
@@ -54,8 +58,8 @@ Spread spread_of(const std::array<double, 4>& value, const std::array<bool, 4>& 
   return spread;
 }
 
-/// Of what is evenly spread over an interval of ranges: its share in the samples, and the sum of the squares
-/// of the samples' own shares.
+/// Shares of a uniform distribution over an interval of ranges: its share in all samples, and the sum of the
+/// squares of the shares of single samples.
 struct InSamples {
   double share = 1, squares = 1;
 };
@@ -108,7 +112,7 @@ AdaptiveRays::AdaptiveRays(const TubeSet& tubes, const RaySettings& settings,
         Grid& grid = grids_[list[k]];
         const PatchSides sides(patches_[list[k]]);
         const double aspect = sides.height / sides.width, count = double(wanted[k]);
-        // The shorter side first: what its rounding leaves over is least.
+        // The shorter side is rounded first, because the remainder is smallest then.
         const auto across =
             std::int64_t(std::clamp(std::round(std::sqrt(count * std::min(aspect, 1 / aspect))), 1.0, count));
         grid.rows = aspect > 1 ? wanted[k] / across : across;
@@ -157,21 +161,21 @@ double AdaptiveRays::worth(const Grid& grid, std::size_t tube, std::int64_t row,
   if (hits == 0) return 0;
   const double hit = double(hits) / looked;
   const Spread ranges = spread_of(range, is_there), strengths = spread_of(strength, is_there);
-  // An even spread of that variance.
+  // A uniform distribution with that variance.
   const double half = std::sqrt(3 * ranges.variance);
   const InSamples in = in_samples(guide_, ranges.mean - half, ranges.mean + half);
-  // Of what a ray tells each sample: the mean square, less the squares of the means.
+  // Variance of a ray's contribution to all samples: the mean square minus the squares of the means.
   const double mean2 = strengths.mean * strengths.mean;
   const double variance = hit * in.share * (mean2 + strengths.variance) - hit * hit * mean2 * in.squares;
   const RayPatch& patch = patches_[tube];
   const double u = (double(column) + 0.5) / double(grid.columns), v = (double(row) + 0.5) / double(grid.rows);
   const double length = glm::length(patch.at(u, v));
   const double solid_angle = patch.triple(u, v) / (length * length * length) / double(grid.cells());
-  // Neyman's allocation goes by the deviation where errors fall as the root of a number. A net's fall faster,
-  // about as its 3/4th power where a jump crosses it, and then it is a smaller power of the deviation. Strong
-  // echoes count for more, but not as much as they would for the sum of all variances: weak samples are to be
-  // right too.
-  // So deviation^(3/4) mean^(1/4), both by roots.
+  // Neyman's allocation is proportional to the deviation if errors decrease as 1/sqrt(n). The errors of a net
+  // decrease faster, about as n^(-3/4) at a discontinuity, so the optimum is a smaller power of the
+  // deviation. Strong echoes get more rays, but fewer than the minimum of the total variance requires,
+  // because weak samples must be accurate too. The resulting weight is deviation^(3/4) mean^(1/4), computed
+  // with square roots.
   const double deviation = std::sqrt(std::max(variance, 0.0) / mean2);
   return solid_angle * std::sqrt(std::sqrt(deviation * deviation * deviation * strengths.mean));
 }
@@ -202,14 +206,14 @@ void AdaptiveRays::deal(std::span<const PilotEcho> met) {
 
 void AdaptiveRays::deal(const Group& group, int colour, std::int64_t others, std::span<const double> worth,
                         std::vector<std::int64_t>& more) const {
-  constexpr double least_worth = 0.3;  // of the mean, so that no cell is starved
+  constexpr double least_worth = 0.3;  // of the mean, so that every cell gets some rays
   if (others == 0) return;
   std::vector<std::size_t> cells;
   for (const std::uint32_t t : group.tubes)
     for (std::int64_t row = 0; row < grids_[t].rows; ++row)
       for (std::int64_t column = (row + colour) % 2; column < grids_[t].columns; column += 2)
         cells.push_back(std::size_t(grids_[t].number(row, column)));
-  std::vector<double> own;  // what each deserves
+  std::vector<double> own;  // weight of each cell
   double mean = 0;
   std::size_t known = 0;
   for (const std::size_t cell : cells) {
@@ -220,7 +224,7 @@ void AdaptiveRays::deal(const Group& group, int colour, std::int64_t others, std
   }
   mean = mean > 0 ? mean / double(known) : 1;
   for (double& one : own) one = one < 0 ? mean : std::max(one, least_worth * mean);
-  // A cell that deserves w gets max(1, scale w) rays, one of them its pilot.
+  // A cell of weight w gets max(1, scale w) rays, including its pilot.
   double scale = 0;
   std::size_t sharing = cells.size();
   for (std::size_t before = 0; before != sharing;) {
@@ -239,7 +243,7 @@ void AdaptiveRays::deal(const Group& group, int colour, std::int64_t others, std
   std::int64_t given = 0;
   for (std::size_t k = 0; k < cells.size(); ++k) {
     running += std::max(scale * own[k] - 1, 0.0);
-    // Rounding the running total keeps the sum.
+    // Rounding the running total preserves the sum.
     const auto until = std::int64_t(std::llround(double(others) * (running / sum)));
     more[cells[k]] = until - given;
     given = until;
@@ -260,8 +264,8 @@ AdaptiveRays::Source::Source(const AdaptiveRays& rays, bool pilots, std::int64_t
   if (!pilots) go_to(next_ - rays_.dealt_[cell_] + 1);
 }
 
-/// Places the pilot, and what leads from it to the cell's other points, in Gray's order: the next one differs
-/// by what belongs to one bit of its number.
+/// Places the pilot and computes the steps to the other points of the cell in Gray code order. Successive
+/// points differ by the step of one bit of their number.
 void AdaptiveRays::Source::start_cell() {
   const std::uint64_t label = golden * std::uint64_t(cell_ - rays_.grids_[tube_].first + 1);
   const std::uint64_t pilot = mixed(key_ + label);
@@ -284,7 +288,7 @@ void AdaptiveRays::Source::start_cell() {
   }
 }
 
-/// Makes `point` the next one.
+/// Makes `point` the next point.
 void AdaptiveRays::Source::go_to(std::int64_t point) {
   const auto before = std::uint64_t(point - 1);
   for (auto gray = std::uint32_t(before ^ before >> 1); gray != 0; gray &= gray - 1)
@@ -337,7 +341,7 @@ bool AdaptiveRays::Source::next(RayPacket& packet) {
   }
   packet.count = lane;
   if (lane == 0) return false;
-  // Mostly all of one tube; others stand beside them.
+  // Usually all rays belong to one tube; rays of further tubes are computed separately and merged.
   aim(rays_.patches_[packet.tube[0]], u, v, weight, packet);
   for (int k = 1; k < lane; ++k) {
     if (packet.tube[k] == packet.tube[k - 1]) continue;

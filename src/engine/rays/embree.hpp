@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-// Embree 3 or 4, whichever cmake/dependencies.cmake found: it looks for 4 first, as here. What differs in
-// their interfaces is in this file only.
+// Includes Embree 3 or 4, whichever cmake/dependencies.cmake finds; both look for version 4 first. All
+// differences between their interfaces are handled in this file.
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
 #else
@@ -11,7 +11,7 @@
 
 namespace tubefoot {
 
-/// The first hit of a ray.
+/// Finds the first hit of a ray.
 inline void first_hit(RTCScene scene, RTCRayHit& ray) {
 #if RTC_VERSION_MAJOR >= 4
   rtcIntersect1(scene, &ray);
@@ -22,7 +22,7 @@ inline void first_hit(RTCScene scene, RTCRayHit& ray) {
 #endif
 }
 
-/// The first hits of the valid ones of sixteen rays that go about the same way.
+/// Finds the first hits of the valid rays among sixteen rays of similar direction.
 inline void first_hits(const int* valid, RTCScene scene, RTCRayHit16& rays) {
 #if RTC_VERSION_MAJOR >= 4
   RTCIntersectArguments how;

@@ -9,6 +9,9 @@
 #include <map>
 #include <stdexcept>
 
+// Places rays at equal angles along the centre line of a beam. Each ray gets the solid angle of the beam
+// between its borders, as the sum over the tubes side by side.
+
 namespace tubefoot {
 namespace {
 
@@ -18,7 +21,8 @@ double angle_between(glm::dvec3 a, glm::dvec3 b) {
   return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
 }
 
-/// The tubes of a beam as grid[row][column], rows along v and columns along u, by the edges they share.
+/// Returns the tubes of a beam as grid[row][column], rows along v and columns along u, from the edges that
+/// they share.
 std::vector<std::vector<std::uint32_t>> grid_of(const TubeSet& tubes, std::span<const std::uint32_t> beam) {
   std::map<Edge, std::uint32_t> at_low_u, at_low_v;
   for (const std::uint32_t t : beam) {
@@ -85,7 +89,7 @@ RayColumn::RayColumn(const TubeSet& tubes, std::span<const RayPatch> patches,
     Piece piece;
     const std::size_t middle = row.size() / 2;
     piece.middle = row[middle];
-    // An even number of tubes side by side: the column is the wall between the middle two.
+    // For an even number of tubes side by side, the column is the wall between the middle two.
     const double u = row.size() % 2 == 1 ? 0.5 : 0;
     const RayPatch& patch = patches[piece.middle];
     const glm::dvec3 begin = along_u_ ? patch.at(0, u) : patch.at(u, 0);

@@ -11,7 +11,7 @@
 
 namespace tubefoot {
 
-/// The middle line of a beam along its longer side, and the beam's solid angle across it. A beam is one tube
+/// The centre line of a beam along its longer side, and the beam's solid angle across it. A beam is one tube
 /// or a grid of tubes (slices, rows) that share their corner rays.
 class RayColumn {
  public:
@@ -20,31 +20,32 @@ class RayColumn {
     double solid_angle_sr;
     std::uint32_t tube;
   };
-  /// Where a walk along the column stands.
+  /// A position on the column.
   struct Cursor {
     std::size_t piece = 0;
     double v = 0;  // the last border, in the piece
   };
 
-  /// `beam` are the tubes of one beam, `patches` those of all tubes. Throws std::invalid_argument where they
-  /// form no grid.
+  /// `beam` has the tubes of one beam, `patches` those of all tubes. Throws std::invalid_argument if the
+  /// tubes form no grid.
   RayColumn(const TubeSet& tubes, std::span<const RayPatch> patches, std::span<const std::uint32_t> beam);
 
-  /// Places a cursor at the lower border of ray `index` of `rays`.
+  /// Returns a cursor at the lower border of ray `index` of `rays`.
   Cursor start(std::int64_t index, std::int64_t rays) const;
-  /// Ray `index` of `rays` at equal angles, the cursor being at its lower border; moves on to the upper one.
-  /// The solid angle is that of the beam between the two borders, lines of constant (u or v) in each tube.
+  /// Returns ray `index` of `rays` at equal angles and moves the cursor from the ray's lower to its upper
+  /// border. The solid angle is that of the beam between the two borders, which are lines of constant u or v
+  /// in each tube.
   Ray next(Cursor& cursor, std::span<const RayPatch> patches, std::int64_t index, std::int64_t rays) const;
 
   double solid_angle() const { return solid_angle_; }
 
  private:
-  struct Piece {                       // the tubes side by side at one place of the column
+  struct Piece {                       // the tubes side by side at one position of the column
     std::vector<std::uint32_t> tubes;  // from one side to the other
-    std::uint32_t middle;              // the tube that the column runs in
+    std::uint32_t middle;              // the tube that contains the column
     glm::dvec3 begin, onward;          // orthonormal: the column is cos(a) begin + sin(a) onward
-    double begin_length, end_length;   // of the patch's points at both ends
-    double sine, cosine;               // of the angle between them
+    double begin_length, end_length;   // lengths of the patch's points at both ends
+    double sine, cosine;               // of the angle between the ends
     double angle_before;
   };
   double v_at(const Piece& piece, double angle) const;

@@ -13,15 +13,18 @@
 #include "engine/rays/ray_tracing.hpp"
 #include "geometry/steps/steps.hpp"
 
+// Traces rays in parallel tasks and returns their hits in a fixed order. Rays are processed in portions that
+// fit the cache. Adaptive rays are traced in two passes, first the pilots and then the others.
+
 namespace tubefoot {
 namespace {
 
-/// Hits of chunks of rays, one behind the other in one array of blocks. A chunk that begins when those before
-/// it are all done writes where its hits belong; others write where nothing is yet, and are moved as soon as
-/// those before them are done, while a cache still has them.
+/// Hits of chunks of rays, consecutive in one array of blocks. A chunk that starts when all earlier ones are
+/// finished writes at its final position. Other chunks write to free memory. Their hits are moved as soon as
+/// the earlier chunks are finished, while the hits are still in the cache.
 class HitsInOrder {
  public:
-  /// `stride`: the most blocks of a chunk.
+  /// `stride` is the maximum number of blocks of a chunk.
   HitsInOrder(HitBlock* blocks, std::size_t stride, std::int64_t chunks)
       : blocks_(blocks), last_(blocks), stride_(stride), parts_(std::size_t(chunks)) {}
 
@@ -45,20 +48,20 @@ class HitsInOrder {
   };
   HitBlock *blocks_, *last_;
   std::size_t stride_;
-  std::int64_t next_ = 0;  // the first chunk that is not done
+  std::int64_t next_ = 0;  // the first unfinished chunk
   std::vector<Part> parts_;
   std::mutex mutex_;
 };
 
-/// Rays that are in memory at a time: about as many as a processor's own cache holds the hits of, or four
-/// tasks.
+/// Returns the number of rays in memory at a time: about as many as have their hits in a processor's own
+/// cache, or four tasks.
 std::int64_t portion_of(std::int64_t task) { return std::max(std::int64_t{1} << 16, 4 * task); }
 
 constexpr std::int64_t adaptive_task = 1 << 11, adaptive_portion = std::int64_t{1} << 16;
 
 std::int64_t portions(std::int64_t rays, std::int64_t portion) { return (rays + portion - 1) / portion; }
 
-/// Where the rays of a transmission, or of an image of it, come from and end.
+/// Origin and end of the rays of a transmission or of an image of it.
 struct RayRoute {
   const RayScene::State& scene;
   GridPoint apex;
@@ -77,8 +80,8 @@ struct RayRoute {
   }
 };
 
-/// The hits of rays [first, end), as `source(first, end)` makes them, in their order. `chunk`: rays of a
-/// task.
+/// Traces rays [first, end), which `source(first, end)` generates, and writes the hits in their order.
+/// `chunk` is the number of rays per task.
 template <class Source>
 void trace_all(const RayRoute& route, std::int64_t first, std::int64_t end, std::int64_t chunk, RayHits& hits,
                const Source& source) {
@@ -95,7 +98,7 @@ void trace_all(const RayRoute& route, std::int64_t first, std::int64_t end, std:
   hits.resize(in_order.blocks());
 }
 
-/// Pilots of adaptive rays, and what they met, in tasks.
+/// Traces the pilots of adaptive rays and stores their hits per task.
 class Pilots {
  public:
   Pilots(const RayRoute& route, const AdaptiveRays& rays, const RayGuide* guide)
@@ -117,7 +120,7 @@ class Pilots {
   }
   const std::vector<PilotEcho>& met() const { return met_; }
 
-  /// Hands the hits over in portions, each pilot now one of its cell's rays.
+  /// Passes the hits on in portions. The weight of each pilot becomes that of one ray of its cell.
   template <class Take>
   void hand_over(const AdaptiveRays& rays, RayHits& hits, const Take& take) {
     constexpr std::size_t tasks_a_portion = adaptive_portion / task_rays;
@@ -141,7 +144,7 @@ class Pilots {
   struct Task {
     std::int64_t first = 0;
     RayHits hits;
-    std::vector<std::uint32_t> number;  // of each hit, its ray
+    std::vector<std::uint32_t> number;  // number of the ray of each hit
   };
   static PilotEcho echo_of(const RayHit& hit, const FacetMesh& mesh, const RayGuide* guide) {
     const double r = hit.slant_range_m;

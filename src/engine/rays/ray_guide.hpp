@@ -6,15 +6,16 @@
 
 namespace tubefoot {
 
-/// What rays are sent for, so far as adaptive ones go by it. How many rays go where depends on it, never what
-/// they stand for: with another guide energies are as right, on average, and scatter more.
+/// Data by which adaptive rays are distributed. The guide affects the number of rays in each direction but
+/// not their weights. With another guide the energies are equally correct on average but have a larger
+/// variance.
 struct RayGuide {
-  /// Samples of half paths, [first, first + count step); count 0: it does not matter how far anything is.
+  /// Samples of half path lengths, [first, first + count step). With count 0 the distance has no influence.
   double first_m = 0, step_m = 0;
   int count = 0;
   double absorption_per_m = 0;              ///< of energy, one way
-  std::vector<double> material_strength{};  ///< by material, in any unit; empty: all alike
-  glm::dvec3 receiver_m{0};                 ///< from the apex
+  std::vector<double> material_strength{};  ///< per material, in any unit; empty: equal for all
+  glm::dvec3 receiver_m{0};                 ///< relative to the apex
 };
 
 }  // namespace tubefoot

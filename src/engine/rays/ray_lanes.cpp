@@ -6,6 +6,9 @@
 
 #include "geometry/numbers/vector_clones.hpp"
 
+// Vector code for sixteen rays. It aims rays at points of a patch, intersects them with facet planes in
+// double and marks results that rounding may affect.
+
 namespace tubefoot {
 namespace {
 
@@ -14,14 +17,14 @@ using namespace splitmix;
 constexpr int lanes = RayPacket::size;
 using Numbers = RayPacket::Numbers;
 
-/// lower_uniform in operations that processors have for several numbers at once.
+/// Computes lower_uniform() with operations that processors have for several numbers at once.
 inline double uniform_of(std::uint64_t bits32) {
   return (std::bit_cast<double>(bits32 | 0x4330000000000000u) - 0x1p52 + 0.5) * 0x1p-32;
 }
 
 __attribute__((always_inline)) inline void aim_at(const RayPatch& patch, const Numbers& u, const Numbers& v,
                                                   const Numbers& weight, RayPacket& packet) {
-  // None of which overlaps another, as the compiler has to be told.
+  // The pointers do not overlap; the compiler needs this information.
   const RayPatch own = patch;
   const double* __restrict at_u = u.data(), * __restrict at_v = v.data(), * __restrict given = weight.data();
   double *__restrict x = packet.x.data(), *__restrict y = packet.y.data(), *__restrict z = packet.z.data(),
@@ -93,7 +96,8 @@ void round_directions(const RayPacket& packet, float* __restrict x, float* __res
 
 namespace {
 
-/// Four lanes; in place of loops where the lanes' numbers lie one plane after the other.
+/// Four lanes in explicit vectors, instead of loops, because the lanes' numbers lie plane after plane in
+/// memory.
 using Four = double __attribute__((vector_size(32)));
 using FourBits = std::int64_t __attribute__((vector_size(32)));
 
@@ -116,9 +120,9 @@ TUBEFOOT_VECTOR_CLONES
 void meet_planes(const RayPlane* planes, const std::array<FacetId, RayPacket::size>& facet,
                  const glm::dvec3& place, double place_length, const RayPacket& rays,
                  const float* embree_range_m, MetPlanes& met) {
-  // A hundred times what rounding can do to the offset; beyond, the exact sign is not in ambiguity.
+  // A hundred times the rounding error of the offset. Beyond this bound the exact sign is certain.
   constexpr double uncertain_offset = 1e-13;
-  // Below, a ray may meet the plane away from the facet, where Embree's float saw a hit.
+  // For smaller sines a ray may meet the plane outside of the facet although Embree's float found a hit.
   constexpr double grazing_sine = 0.01, uncertain_range = 1e-6;
   FourBits any{};
   for (int k = 0; k < lanes; k += 4) {
@@ -132,7 +136,7 @@ void meet_planes(const RayPlane* planes, const std::array<FacetId, RayPacket::si
                y = __builtin_shufflevector(ab_yd, cd_yd, 0, 1, 4, 5),
                z = __builtin_shufflevector(ab_xz, cd_xz, 2, 3, 6, 7),
                distance = __builtin_shufflevector(ab_yd, cd_yd, 2, 3, 6, 7);
-    // Added as glm::dot does, so that a ray alone has the same digits.
+    // The order of additions is that of glm::dot, so that a single ray gives the same digits.
     const Four across = x * place.x + y * place.y + z * place.z;
     const Four offset = distance - across;
     const Four descent = x * four_at(&rays.x[k]) + y * four_at(&rays.y[k]) + z * four_at(&rays.z[k]);

@@ -5,13 +5,16 @@
 #include <bit>
 #include <utility>
 
+// Constructs the scrambled Sobol' points of a net. Gaussian elimination over the binary digits reorders the
+// points, so that their numbers follow the cells of a grid.
+
 namespace tubefoot {
 namespace {
 
 constexpr int digits = 32;
 
-/// A word's digits times a random lower triangular matrix with ones on the diagonal, digit 0 the first behind
-/// the point.
+/// Multiplies the digits of a word by a random lower triangular matrix with ones on the diagonal. Digit 0 is
+/// the first one after the binary point.
 class Scrambling {
  public:
   Scrambling(std::uint64_t key, int used_digits) {
@@ -43,7 +46,7 @@ RayNet::RayNet(std::uint64_t key, std::uint32_t first, int column_bits, int row_
   const Scrambling across(splitmix::mixed(key + 1), known), along(splitmix::mixed(key + 2), known);
   x_ = across.shift();
   y_ = along.shift();
-  std::array<std::uint32_t, most_bits> cell{};  // by bit of a point's number: its cell, row before column
+  std::array<std::uint32_t, most_bits> cell{};  // per bit of a point's number: its cell, row before column
   const auto cell_of = [&](std::uint32_t x, std::uint32_t y) {
     return std::uint32_t((std::uint64_t(x) >> (digits - column_bits)) |
                          (std::uint64_t(y) >> (digits - row_bits) << column_bits));
@@ -60,7 +63,8 @@ RayNet::RayNet(std::uint64_t key, std::uint32_t first, int column_bits, int row_
       y_ ^= y;
     }
   }
-  // Which combination of the number's bits moves a point by one bit of its cell: always one, as it is a net.
+  // Finds the combination of the number's bits that moves a point by one bit of its cell. There is always
+  // exactly one, because the points are a net.
   for (int bit = 0; bit < bits_; ++bit) {
     int with = bit;
     while ((cell[with] >> bit & 1) == 0) ++with;
@@ -78,7 +82,7 @@ RayNet::RayNet(std::uint64_t key, std::uint32_t first, int column_bits, int row_
     x_ ^= x_of_bit_[std::countr_zero(at)];
     y_ ^= y_of_bit_[std::countr_zero(at)];
   }
-  // Blocks of four by four cells, or as near to that as there are rows and columns.
+  // Blocks of four by four cells, or as near to that as the numbers of rows and columns permit.
   const int rows = std::min(row_bits, std::max(2, 4 - column_bits)),
             columns = std::min(column_bits, 4 - rows);
   const auto x_of_cell = x_of_bit_, y_of_cell = y_of_bit_;

@@ -17,7 +17,8 @@ double arc_tangent(double y, double x) {
   return std::atan2(y, x);
 }
 
-/// Solid angle of three unit directions; the triple product from differences, for the sake of narrow cells.
+/// Returns the solid angle of three unit directions. The triple product is computed from differences, which
+/// is accurate for narrow cells.
 double triangle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c) {
   return 2 *
          arc_tangent(triple_product(a, b - a, c - a), 1 + glm::dot(a, b) + glm::dot(b, c) + glm::dot(c, a));
@@ -34,7 +35,7 @@ RayPatch::RayPatch(const TubeSet& tubes, const Tube& tube) {
   pu_ = corner_[1] - corner_[0];
   pv_ = corner_[3] - corner_[0];
   puv_ = (corner_[2] - corner_[3]) - pu_;
-  // det(x, dx/du, dx/dv) = det(p - uv puv, pu + v puv, pv + u puv), written out.
+  // det(x, dx/du, dx/dv) = det(p - uv puv, pu + v puv, pv + u puv), expanded.
   t_ = triple_product(p_, pu_, pv_);
   tu_ = triple_product(p_, pu_, puv_);
   tv_ = triple_product(p_, puv_, pv_);
@@ -48,7 +49,7 @@ double RayPatch::solid_angle(double u0, double u1, double v0, double v1) const {
 }
 
 double RayPatch::density_bound() const {
-  // The numerator is bilinear, and |x| >= x . m for any unit m, which is linear along both rulings.
+  // The numerator is bilinear. |x| >= x . m for any unit m, and x . m is linear along both rulings.
   const glm::dvec3 middle = glm::normalize(at(0.5, 0.5));
   double largest = 0, shortest = 1;
   for (const double u : {0.0, 1.0})

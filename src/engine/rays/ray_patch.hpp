@@ -8,9 +8,9 @@
 
 namespace tubefoot {
 
-/// A tube as the cone over the bilinear patch of its four unit corner rays: corner 0 at (u, v) = (0, 0),
-/// 1 at (1, 0), 2 at (1, 1), 3 at (0, 1). The patch is ruled both ways, so lines of constant u or v are
-/// planes through the apex, cells of a (u, v) grid are tubes themselves, and their solid angles are closed
+/// A tube as the cone over the bilinear patch of its four unit corner rays. Corner 0 is at (u, v) = (0, 0), 1
+/// at (1, 0), 2 at (1, 1) and 3 at (0, 1). The patch is doubly ruled, so lines of constant u or v are planes
+/// through the apex. The cells of a (u, v) grid are tubes themselves, and their solid angles are closed
 /// forms.
 class RayPatch {
  public:
@@ -18,13 +18,13 @@ class RayPatch {
 
   const std::array<glm::dvec3, 4>& corners() const { return corner_; }
   glm::dvec3 at(double u, double v) const { return p_ + u * pu_ + v * pv_ + (u * v) * puv_; }
-  /// x . (dx/du x dx/dv), which is bilinear in u and v; over |x|^3 it is solid angle per du dv.
+  /// x . (dx/du x dx/dv), which is bilinear in u and v. Divided by |x|^3 it is the solid angle per du dv.
   double triple(double u, double v) const { return t_ + u * tu_ + v * tv_ + (u * v) * tuv_; }
-  /// Solid angle of the cell [u0, u1] x [v0, v1], exact but for roundings [sr].
+  /// Returns the solid angle of the cell [u0, u1] x [v0, v1], exact except for rounding [sr].
   double solid_angle(double u0, double u1, double v0, double v1) const;
-  /// Largest solid angle per du dv, or a little more.
+  /// Returns an upper bound of the solid angle per du dv.
   double density_bound() const;
-  /// Whether the patch turns its face to the apex everywhere: if not, directions have no (u, v) of their own.
+  /// Returns whether the patch faces the apex everywhere. Otherwise directions have no unique (u, v).
   bool is_convex() const;
 
  private:

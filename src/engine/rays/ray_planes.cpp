@@ -10,7 +10,8 @@
 namespace tubefoot {
 namespace {
 
-/// Whether the apex lies exactly in the plane of a facet, corners relative to the apex in grid units.
+/// Returns whether the apex lies exactly in the plane of a facet, for corners relative to the apex in grid
+/// units.
 bool plane_holds_apex(const std::array<std::array<std::int64_t, 3>, 3>& p) {
   const auto minor = [&](int i, int j) { return Int128(p[1][i]) * p[2][j] - Int128(p[1][j]) * p[2][i]; };
   return p[0][0] * minor(1, 2) + p[0][1] * minor(2, 0) + p[0][2] * minor(0, 1) == 0;
@@ -53,7 +54,7 @@ bool RayPlanes::meet(GridPoint apex, glm::dvec3 direction, double embree_range_m
     }
     return p;
   };
-  // The bounds are those of meet_planes.
+  // The bounds are those of meet_planes().
   if (std::abs(offset) <= 1e-13 * (std::abs(plane.distance_m) + glm::length(place)) &&
       plane_holds_apex(corners()))
     return false;

@@ -11,17 +11,18 @@
 
 namespace tubefoot {
 
-/// Where rays meet the planes of their facets, in double: Embree's float only says which facet.
+/// Intersects rays with the planes of their facets in double. Embree's float only selects the facet.
 class RayPlanes {
  public:
   RayPlanes() = default;
-  /// `mesh` must outlive this.
+  /// `mesh` must outlive the object.
   RayPlanes(const FacetMesh& mesh, double unit_m);
 
-  /// Sets range and grazing angle of `hit`, which has its facet already; false if its plane holds the apex.
+  /// Sets range and grazing angle of `hit`, which must have its facet. Returns false if the facet's plane
+  /// contains the apex.
   bool meet(GridPoint apex, glm::dvec3 direction, double embree_range_m, RayHit& hit) const;
-  /// The same of a packet, but for rays that are in ambiguity: those have to be asked for alone. Of lanes
-  /// that met nothing, `facet` must be the number of some facet all the same.
+  /// The same for a packet. Uncertain rays are marked and must be computed one by one. For lanes without a
+  /// hit, `facet` must be the number of an arbitrary existing facet.
   void meet(GridPoint apex, const RayPacket& rays, const std::array<FacetId, RayPacket::size>& facet,
             const float* embree_range_m, MetPlanes& met) const;
 

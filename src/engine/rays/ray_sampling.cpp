@@ -16,17 +16,20 @@
 #include "engine/rays/ray_shares.hpp"
 #include "geometry/numbers/int128.hpp"
 
+// Generates the directions and weights of rays for all samplings except the adaptive one. Random bits come
+// from a counter-based generator (SplitMix64), so each ray depends only on the seed and its number.
+
 namespace tubefoot {
 namespace {
 
 using namespace splitmix;
 
-/// First ray of a row when `rays` are dealt to `rows`.
+/// Returns the first ray of a row if `rays` are distributed among `rows`.
 std::int64_t row_begin(std::int64_t row, std::int64_t rays, std::int64_t rows) {
   return std::int64_t(Int128(row) * rays / rows);
 }
 
-/// The numbers of `rays` independent rays that fall into each part.
+/// Returns the numbers of independent rays, of `rays` in total, that fall into each part.
 std::vector<std::int64_t> drawn(const std::vector<double>& parts, std::int64_t rays, std::uint64_t seed) {
   boost::random::mt19937_64 random(mixed(seed + golden));
   double left = 0;
@@ -170,7 +173,7 @@ void RaySource::start_run() {
     start_band(std::int64_t((Int128(run_next_ + 1) * share.rows - 1) / share.rays));
 }
 
-/// As many rays of a tube as there are are reported in powers of two, the largest first: each a net.
+/// The number of rays of a tube is divided into powers of two, the largest first. Each of them is a net.
 void RaySource::start_net() {
   const RayPlan::Share& share = plan_.shares_[run_];
   constexpr std::int64_t sequence = std::int64_t{1} << RayNet::most_bits;
@@ -227,7 +230,7 @@ void RaySource::start_band(std::int64_t row) {
     row_[k] = {begin, count, 1 / double(count), -1, 1};
     full_columns_ = std::min(full_columns_, count);
   }
-  // Rows differ by one ray at most: the longer ones' last rays follow at the end.
+  // Rows differ by one ray at most. The last rays of the longer rows follow at the end.
   const std::int64_t walked = run_next_ - row_[0].begin, full = full_columns_ * band_height_;
   column_ = std::min(walked / band_height_, full_columns_);
   row_in_band_ = walked < full ? int(walked % band_height_) : 0;
@@ -255,13 +258,13 @@ double RaySource::row_factor(const Row& row) const {
          (sum / double(share.rays));
 }
 
-/// Sixteen jittered cells inside a band, at once; false where the band has no more.
+/// Generates sixteen jittered cells inside a band at once. Returns false if the band has no more blocks.
 bool RaySource::next_block(RayPacket& packet) {
   constexpr int columns = RayPacket::size / band_rows;
   if (plan_.settings_.sampling != RaySampling::stratified || band_height_ != band_rows ||
       column_ + columns >= full_columns_)
     return false;
-  if (block_row_ != row_in_band_) {  // which row each lane lies in
+  if (block_row_ != row_in_band_) {  // the row of each lane
     block_row_ = row_in_band_;
     block_.share = 1 / double(plan_.shares_[run_].rays);
     for (int k = 0; k < RayPacket::size; ++k) {
@@ -320,7 +323,7 @@ void RaySource::draw_run() {
   const auto draw = [&](std::int64_t ray) {
     std::uint64_t state = mixed(key_ + golden * std::uint64_t(ray + 1));
     std::array<double, 2> place{0.5, 0.5};
-    constexpr int patience = 1000;  // never needed: a quarter or more of the draws are kept
+    constexpr int patience = 1000;  // never reached: a quarter or more of the draws are accepted
     for (int attempt = 0; attempt < patience; ++attempt) {
       const std::uint64_t bits = mixed(state += golden);
       place = {upper_uniform(bits), lower_uniform(bits)};
@@ -331,7 +334,8 @@ void RaySource::draw_run() {
     }
     return place;
   };
-  // Sorted by place (a counting sort into bins of about a packet), so that packets are coherent.
+  // The rays are sorted by position (a counting sort into bins of about a packet), so that packets are
+  // coherent.
   const auto count = std::size_t(run_end_ - run_next_);
   const double bins = double(count) / RayPacket::size + 1;
   const double aspect = double(share.rows) / double(share.rays) * double(share.rows);
@@ -367,7 +371,7 @@ void RaySource::place(RayPacket& packet, int lane, int count, const RayPacket::N
                       const RayPacket::Numbers& v, const RayPacket::Numbers& weight) const {
   if (count == RayPacket::size) {
     aim(plan_.patches_[run_], u, v, weight, packet);
-  } else {  // lanes of other runs stand beside them
+  } else {  // other lanes may belong to other runs
     RayPacket some;
     aim(plan_.patches_[run_], u, v, weight, some);
     take_lanes(some, 0, packet, lane, count);

@@ -13,55 +13,60 @@
 #include "engine/rays/ray_patch.hpp"
 #include "geometry/tubes/tube.hpp"
 
+// Plans and computes the rays of a ping for all samplings except the adaptive one (adaptive_rays.hpp). Rays
+// are computed in packets of sixteen, in any portions, and depend only on the seed and their number.
+
 namespace tubefoot {
 
-/// Where the rays of a ping go, and what each one stands for. An integral over directions is estimated by the
-/// sum of weight times integrand over the rays, hits and misses.
+/// Defines the directions of the rays of a ping and the weight of each ray. The sum of weight times integrand
+/// over all rays estimates an integral over directions.
 ///
-/// - stratified: a tube's patch is cut into as many cells as it has rays; each cell gets one direction,
-///   uniform in the patch's (u, v), and weighs cell area times density of solid angle there. Unbiased; the
-///   weights sum to the tube's solid angle in expectation.
+/// - stratified: a tube's patch is divided into as many cells as the tube has rays. Each cell gets one
+///   direction, uniform in the patch's (u, v). The weight is cell area times density of solid angle there.
+///   Unbiased; the weights sum to the tube's solid angle in expectation.
 /// - regular: the middles of the same cells. The weights sum to the tube's solid angle exactly.
 /// - random: independent and uniform in solid angle over the sector (rays per ping) or the beam (rays per
-///   beam), all of one weight. Unbiased; the weights sum to the sector's or beam's solid angle exactly, to
-///   the tube's in expectation.
-/// - sobol: a tube's rays are points of a scrambled Sobol' sequence in (u, v) (ray_net.hpp), each weighing
-/// its
-///   share of the patch times density of solid angle there. Unbiased; where their number is a power of two,
-///   each of all grids of as many cells has one in each cell, however long and narrow the cells are.
-/// - adaptive: a first ray in each cell of a grid, the others where those tell that neighbours differ
-///   (adaptive_rays.hpp). Unbiased.
-/// - column: one column of rays at the middle of each beam, at equal angles along its longer side, each with
-///   its share of the beam's solid angle; they sum to it exactly. What existing simulators do.
+///   beam), all of equal weight. Unbiased; the weights sum to the solid angle of the sector or beam exactly,
+///   and to that of the tube in expectation.
+/// - sobol: a tube's rays are points of a scrambled Sobol' sequence in (u, v) (ray_net.hpp). The weight is
+///   the ray's share of the patch times density of solid angle there. Unbiased. For 2^m rays, every grid of
+///   2^m cells has one ray in each cell, however long and narrow the cells are.
+/// - adaptive: a first ray in each cell of a grid, and the other rays where the first ones show that
+///   neighbours differ (adaptive_rays.hpp). Unbiased.
+/// - column: one column of rays at the middle of each beam, at equal angles along its longer side. The weight
+///   is the ray's share of the beam's solid angle; the weights sum to it exactly. Existing simulators use
+///   this sampling.
 enum class RaySampling { stratified, regular, random, column, sobol, adaptive };
 
 inline constexpr std::array all_samplings{RaySampling::stratified, RaySampling::sobol,  RaySampling::adaptive,
                                           RaySampling::regular,    RaySampling::random, RaySampling::column};
 
-/// The sampling of that name; throws std::invalid_argument.
+/// Returns the sampling of that name. Throws std::invalid_argument.
 RaySampling ray_sampling_from_name(std::string_view name);
 std::string_view name_of(RaySampling sampling);
 
 struct RaySettings {
   enum class Per { ping, beam };
   RaySampling sampling = RaySampling::stratified;
-  /// Shared out by solid angle, among all tubes or among the tubes of each beam. Except in `random`, every
-  /// tube (`column`: every beam) gets one at least.
+  /// Number of rays, distributed by solid angle among all tubes or among the tubes of each beam. Except in
+  /// `random`, every tube (`column`: every beam) gets at least one ray.
   std::int64_t rays = 0;
   Per per = Per::ping;
   std::uint64_t seed = 1;
 };
 
-/// All rays of one ping, numbered from 0 in the order of their tubes, none of them computed yet.
+/// All rays of one ping, numbered from 0 in the order of their tubes. RaySource computes them.
 class RayPlan {
  public:
-  /// `beam_of_tube` may be empty where no beam is needed: counts per ping, and not in columns. Throws
-  /// std::invalid_argument for a negative number of rays, a tube that is no convex pyramid, beams that do not
-  /// fit the tubes, `column` where a beam's tubes form no grid, and `adaptive`. Keeps no reference.
+  /// `beam_of_tube` may be empty if no beams are needed: for counts per ping, except in columns. Throws
+  /// std::invalid_argument for a negative number of rays, a tube that is no convex pyramid, or beams that do
+  /// not match the tubes. Also throws it for `column` if a beam's tubes form no grid, and for `adaptive`.
+  /// Does not keep references.
   RayPlan(const TubeSet& tubes, const RaySettings& settings, std::span<const std::uint32_t> beam_of_tube);
 
   std::int64_t rays() const { return rays_; }
-  /// Good lengths for a RaySource: random rays are coherent only when many are drawn, and sorted, together.
+  /// Returns a suitable number of rays for a RaySource. Random rays are coherent only if many are drawn and
+  /// sorted together.
   std::int64_t rays_at_a_time() const {
     return settings_.sampling == RaySampling::random ? 1 << 16 : 1 << 11;
   }
@@ -82,21 +87,21 @@ class RayPlan {
 };
 
 /// Computes the rays [first, end) of a plan. A ray's direction and weight depend on (tubes, settings, ray)
-/// alone; only the order of random rays, which come sorted by place, depends on [first, end).
+/// alone. Only the order of random rays, which are sorted by position, depends on [first, end).
 class RaySource {
  public:
   RaySource(const RayPlan& plan, std::int64_t first, std::int64_t end);
-  /// The next rays, up to 16, neighbours where possible. False when there are no more.
+  /// Returns the next rays, up to 16, neighbours if possible. Returns false if there are no more.
   bool next(RayPacket& packet);
 
  private:
-  // A tube's rays lie in rows of cells. Bands of four rows are walked across, so that sixteen rays in a row
-  // are a block of four by four.
+  // A tube's rays lie in rows of cells. They are traversed in bands of four rows, so that sixteen successive
+  // rays are a block of four by four.
   static constexpr int band_rows = 4;
-  // Weights of `regular` are corrected to the exact solid angle of so many cells of a row together.
+  // Weights of `regular` are corrected to the exact solid angle of this many cells of a row together.
   static constexpr std::int64_t segment_length = 64;
   struct Row {
-    std::int64_t begin = 0, count = 0;  // rays of the tube before it, and in it
+    std::int64_t begin = 0, count = 0;  // rays of the tube before the row, and in it
     double u_step = 0;
     std::int64_t segment = -1;
     double factor = 1;  // of the weights in the segment
@@ -117,14 +122,14 @@ class RaySource {
 
   const RayPlan& plan_;
   std::int64_t next_, end_;
-  std::size_t run_ = 0;  // the tube or column of the rays at hand
+  std::size_t run_ = 0;  // the tube or column of the current rays
   std::int64_t run_next_ = 0, run_end_ = 0;
   std::uint64_t key_ = 0;
   std::array<Row, band_rows> row_;
   std::int64_t full_columns_ = 0, column_ = 0;
   int band_height_ = 0, row_in_band_ = 0;
-  RayCells block_;      // what does not change from block to block of a band,
-  int block_row_ = -1;  // where these begin in this row
+  RayCells block_;      // values that are constant for the blocks of a band,
+  int block_row_ = -1;  // if the blocks begin in this row
   RayNet net_;
   std::int64_t net_first_ = 0;  // the net's first ray in the tube
   std::vector<std::array<double, 2>> drawn_, sorted_;

@@ -13,6 +13,9 @@
 #include "engine/rays/ray_tracing.hpp"
 #include "geometry/steps/steps.hpp"
 
+// Builds Embree's hierarchy for a mesh and traces packets of rays in it. Hits that rounding may affect are
+// computed again, one by one, in double and with exact integers.
+
 namespace tubefoot {
 namespace {
 
@@ -23,7 +26,7 @@ void report(void*, RTCError, const char* text) {
   if (text != nullptr) message = text;
 }
 
-/// Throws what Embree has kept about this thread's calls since the last look.
+/// Throws if Embree has recorded an error in this thread since the last call.
 void check(RTCDevice device, const char* what) {
   const RTCError code = rtcGetDeviceError(device);
   if (code != RTC_ERROR_NONE)
@@ -31,9 +34,9 @@ void check(RTCDevice device, const char* what) {
                                          message.empty() ? "no message" : message, int(code)));
 }
 
-/// The one device of all scenes, for as long as the process lives. A device takes one of the 1024 keys for
-/// values of threads that a process has (PTHREAD_KEYS_MAX), so that devices by scene would limit the number
-/// of scenes that live at the same time.
+/// The one device of all scenes, for the lifetime of the process. A device takes one of the 1024
+/// thread-specific keys of a process (PTHREAD_KEYS_MAX). One device per scene would limit the number of
+/// simultaneous scenes.
 RTCDevice shared_device() {
   static const RTCDevice shared = [] {
     RTCDevice made = rtcNewDevice(nullptr);
@@ -44,8 +47,8 @@ RTCDevice shared_device() {
   return shared;
 }
 
-/// What may stop a build, asked by any of Embree's threads. Threads share these among all builds, so that a
-/// thread's own flag may be another build's.
+/// Requests to stop a build, which any of Embree's threads checks. All builds share these threads, so a
+/// thread's own flag may be that of another build.
 struct StopOfBuild {
   const std::atomic<bool>* of_caller = stop_requested_of_thread;
 
@@ -61,11 +64,11 @@ struct StopOfBuild {
 void RayScene::State::build() {
   const RTCDevice device = shared_device();
   message.clear();
-  rtcGetDeviceError(device);  // of a build of this thread that was stopped
+  rtcGetDeviceError(device);  // clears an error of a stopped build of this thread
   scene = rtcNewScene(device);
   rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
   if (!mesh.facets.empty()) add_facets(device);
-  // Embree asks now and then whether to go on.
+  // Embree calls the monitor from time to time.
   StopOfBuild stop;
   rtcSetSceneProgressMonitorFunction(scene, &StopOfBuild::go_on, &stop);
   rtcCommitScene(scene);
@@ -97,7 +100,8 @@ void RayScene::State::add_facets(RTCDevice device) {
 
 namespace {
 
-/// Turns a packet; lanes that leave no window are not valid, the others have its number as their tube.
+/// Turns the directions of a packet. Lanes outside of all apertures become invalid; the other lanes get the
+/// number of their aperture as tube.
 void send_onwards(const RaysOnwards& onwards, RayPacket& packet, int* valid) {
   for (int k = 0; k < packet.count; ++k) {
     const glm::dvec3 d = onwards.turn * glm::dvec3(packet.x[k], packet.y[k], packet.z[k]);
@@ -178,7 +182,7 @@ void RayScene::State::append_hits(GridPoint apex, double reach_m, const RayPacke
   }
 }
 
-/// The first facet beyond one whose plane contains the apex.
+/// Finds the first facet beyond one whose plane contains the apex.
 bool RayScene::State::meet_beyond(GridPoint apex, glm::dvec3 direction, double from_m, double reach_m,
                                   RayHit& hit) const {
   RTCRayHit ray{};
@@ -218,7 +222,7 @@ bool RayScene::reaches(GridPoint apex, glm::dvec3 direction, double range_m,
   ray.ray.dir_z = float(direction.z);
   ray.ray.mask = ~0u;
   for (;;) {
-    ray.ray.tfar = float(1.001 * range_m + uncertain);  // where the facet is met, even at a grazing angle
+    ray.ray.tfar = float(1.001 * range_m + uncertain);  // beyond the facet, even at a grazing angle
     ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     ray.hit.primID = RTC_INVALID_GEOMETRY_ID;
     first_hit(s.scene, ray);

@@ -57,7 +57,7 @@ std::vector<std::vector<std::uint32_t>> ray_groups(std::size_t tubes, const RayS
 std::vector<std::int64_t> dealt(const std::vector<double>& parts, std::int64_t rays) {
   double total = 0, before = 0;
   for (const double part : parts) total += part;
-  // Rounding the running total, not each share, keeps the sum at `rays`.
+  // The code rounds the running total and not each share, so that the sum remains `rays`.
   const auto share = [&](double sum) { return std::int64_t(std::llround(double(rays) * (sum / total))); };
   std::vector<std::int64_t> counts;
   for (const double part : parts) {

@@ -9,7 +9,7 @@
 #include "engine/rays/ray_sampling.hpp"
 #include "geometry/tubes/tube.hpp"
 
-// What samplings share: who gets how many rays.
+// Common functions of the samplings: the distribution of rays among tubes and beams.
 namespace tubefoot {
 
 /// Twice the mean lengths of a patch's sides.
@@ -18,18 +18,18 @@ struct PatchSides {
   explicit PatchSides(const RayPatch& patch);
 };
 
-/// The patches of all tubes. Throws std::invalid_argument as RayPlan.
+/// Returns the patches of all tubes. Throws std::invalid_argument as RayPlan does.
 std::vector<RayPatch> ray_patches(const TubeSet& tubes, const RaySettings& settings,
                                   std::span<const std::uint32_t> beam_of_tube);
 
-/// Tubes by beam, in the order of the beams.
+/// Returns the tubes of each beam, in the order of the beams.
 std::vector<std::vector<std::uint32_t>> tubes_of_beams(std::span<const std::uint32_t> beam_of_tube);
 
-/// The tubes that a number of rays is asked for: each beam's, or all of them.
+/// Returns the groups of tubes among which a number of rays is distributed: those of each beam, or all tubes.
 std::vector<std::vector<std::uint32_t>> ray_groups(std::size_t tubes, const RaySettings& settings,
                                                    std::span<const std::uint32_t> beam_of_tube);
 
-/// Deals `rays` in proportion, at least one each.
+/// Distributes `rays` in proportion to `parts`, at least one ray per part.
 std::vector<std::int64_t> dealt(const std::vector<double>& parts, std::int64_t rays);
 
 /// Copies directions and weights of some lanes.

@@ -8,21 +8,21 @@
 #include "engine/rays/ray_engine.hpp"
 #include "engine/rays/ray_planes.hpp"
 
-// What is behind a RayScene, for the files that trace rays in it.
+// Implementation of RayScene, for the files that trace rays in it.
 namespace tubefoot {
 
-/// Writes hits into blocks, in order. A packet all of whose rays met something fills a block of its own,
-/// whether the one before is full or not.
+/// Writes hits into blocks, in order. A packet in which all rays have a hit fills a block of its own, whether
+/// the previous block is full or not.
 class HitWriter {
  public:
-  /// `numbers`: room for which of the source's rays each hit is of; null: it is not asked for.
+  /// `numbers` receives the number of the source's ray for each hit; null: not needed.
   explicit HitWriter(HitBlock* first, std::uint32_t* numbers = nullptr) : end_(first), numbers_(numbers) {}
 
-  /// So many blocks can the hits of rays need: full ones, with one of a single hit between each two, and one
-  /// more.
+  /// Returns the largest number of blocks for the hits of rays: full blocks, a block with a single hit
+  /// between each two, and one more.
   static constexpr std::size_t most_blocks(std::size_t rays) { return 2 * (rays / (HitBlock::size + 1) + 1); }
 
-  /// Of rays `number` and on.
+  /// For the rays from `number` on.
   HitBlock& whole_block(std::uint32_t number) {
     open_ = false;
     if (numbers_ != nullptr)
@@ -37,13 +37,13 @@ class HitWriter {
     }
     end_[-1].append(hit);
   }
-  /// Behind the last block, none of them empty.
+  /// Returns the end of the blocks, none of which is empty.
   HitBlock* end() const { return end_; }
 
  private:
   HitBlock* end_;
   std::uint32_t* numbers_;
-  bool open_ = false;  // whether the last block may take more
+  bool open_ = false;  // whether the last block may receive more hits
 };
 
 struct RayScene::State {
@@ -59,11 +59,12 @@ struct RayScene::State {
   State(const State&) = delete;
   State& operator=(const State&) = delete;
 
-  /// Throws std::runtime_error if Embree failed.
+  /// Throws std::runtime_error if Embree fails.
   void build();
   void add_facets(RTCDevice device);
 
-  /// Traces the rays that `next` gives and writes down their hits. It returns false when there are no more.
+  /// Traces the rays that `next` provides and writes their hits. `next` returns false if there are no more
+  /// rays.
   void trace(GridPoint apex, double reach_m, const std::function<bool(RayPacket&)>& next, HitWriter& hits,
              const RaysOnwards* onwards) const;
   void append_hits(GridPoint apex, double reach_m, const RayPacket& packet, const RTCRayHit16& rays,

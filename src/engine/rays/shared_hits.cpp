@@ -12,16 +12,19 @@
 #include "geometry/mesh/facet_cone.hpp"
 #include "geometry/steps/stop.hpp"
 
+// Tests for each hit of a transmit ray whether the receiver sees the same point. The tests are the side of
+// the facet, the receiver's tubes and a second ray from the receiver.
+
 namespace tubefoot {
 namespace {
 
-/// Hits that one task takes. No result depends on it.
+/// Number of hits per task. It does not affect the result.
 constexpr std::size_t hits_per_task = 1 << 12;
 constexpr std::uint32_t no_tube = std::numeric_limits<std::uint32_t>::max();
 
 glm::dvec3 metres(GridPoint p, double unit_m) { return unit_m * glm::dvec3(p.x, p.y, p.z); }
 
-/// From where a facet is seen by one apex to where another sees it.
+/// Maps points of a facet from its position for one apex to its position for the other.
 struct Carried {
   std::array<glm::dvec3, 3> from, to;  // corners, relative to the apexes
   glm::dvec3 at(glm::dvec3 place) const {
@@ -33,12 +36,12 @@ struct Carried {
   }
 };
 
-/// A facet that hits lie on, as both ends have it.
+/// A facet with hits, as both ends have it.
 struct LitFacet {
   SharedFacet shared;
-  FacetId received = 0;  // where the receiver looks, in ApparentFacets
+  FacetId received = 0;  // the facet of the receiver's scene, in ApparentFacets
   Carried carried;
-  std::uint32_t number = no_tube;  // among those with hits that both see
+  std::uint32_t number = no_tube;  // number among the facets with hits that both see
 };
 
 class Sharing {
@@ -78,7 +81,8 @@ class Sharing {
   }
 
  private:
-  /// Facets that hits lie on, each once, and by hit its facet; nowhere: a side that the receiver is not on.
+  /// Finds the facets with hits, each once, and the facet of each hit. The facet is `no_tube` if the receiver
+  /// is on the other side.
   void light() {
     std::unordered_map<FacetId, std::uint32_t> known;
     FacetId last = no_point;

@@ -9,33 +9,34 @@
 #include "engine/visibility/bistatic_history.hpp"
 #include "geometry/tubes/tube_finder.hpp"
 
-// What two apexes share, sampled. docs/bistatic.md
+// Common visibility of two apexes, computed from sampled rays. See docs/bistatic.md.
 namespace tubefoot {
 
-/// One end of sampled paths: what an apex, or an image of it, looks at, and in which tubes. What is referred
-/// to must outlive it.
+/// One end of sampled paths: the scene that an apex or an image of it sees, and its tubes. All referenced
+/// objects must outlive it.
 struct SampledEnd {
   const RayScene& scene;
   const TubeSet& tubes;
-  const TubeFinder& finder;  ///< of the tubes
-  /// By facet of the scene: the facet of the mesh that both ends have in common; empty: itself.
+  const TubeFinder& finder;  ///< for these tubes
+  /// Per facet of the scene: the corresponding facet of the mesh that both ends have in common; empty: the
+  /// same facet.
   std::span<const FacetId> origin{};
 
   FacetId origin_of(FacetId facet) const { return origin.empty() ? facet : origin[facet]; }
 };
 
-/// Facets that each end sees in a place of its own (refracting water): by facet of the common mesh, the
-/// receiver's. Both have the same vertices in the same order.
+/// Facets that each end sees at its own apparent position (stratified water). Per facet of the common mesh:
+/// the receiver's facet. Both have the same vertices in the same order.
 struct ApparentFacets {
   static constexpr FacetId none = no_point;
   std::vector<FacetId> received;
 };
 
-/// Of the hits of rays from `sent` (history.hits, whose tubes are numbers of sent.tubes), those that
-/// `received` sees too: the same side of their facet, in one of its tubes (or one in each of several fans),
-/// with nothing before them. `common` is the mesh of the origins; with `apparent`, places are carried over to
-/// the receiver's facet, and planes are those that the transmitter sees. The result is the same for any
-/// number of threads.
+/// Selects the hits of rays from `sent` that `received` sees too. The tubes of history.hits are numbers of
+/// sent.tubes. The receiver must see the same side of the facet with no facet in between. The point must lie
+/// in one of its tubes, or in one of each of several fans. `common` is the mesh of the origins. With
+/// `apparent`, points are mapped to the receiver's facet, and planes are those that the transmitter sees. The
+/// result is the same for any number of threads.
 BistaticHistory shared_hits(const History& history, const SampledEnd& sent, const SampledEnd& received,
                             const FacetMesh& common, const ApparentFacets* apparent = nullptr);
 

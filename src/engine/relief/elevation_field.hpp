@@ -5,29 +5,29 @@
 
 namespace tubefoot {
 
-/// Macro-texture: relief below the facet, a function of position in the local frame and of nothing else. The
-/// same place has the same height, to the last bit, in every ping, on every machine and for any number of
-/// threads.
+/// Macro-texture: relief of the seabed as a function of the position in the local frame alone. The same place
+/// has the same height, to the last bit, in every ping, on every machine and for any number of threads.
 class ElevationField {
  public:
   virtual ~ElevationField() = default;
 
-  /// Height above the facet at a place of the undisplaced seabed, metres.
+  /// Returns the height above the facet at a place of the undisplaced seabed, in metres.
   virtual double height_m(glm::dvec3 place_m) const = 0;
 
-  /// No height is larger in magnitude, metres.
+  /// Returns an upper bound of the magnitude of all heights, in metres.
   virtual double largest_m() const = 0;
 
-  /// The smallest detail, metres: a mesh of shorter edges shows nothing more.
+  /// Returns the size of the smallest detail, in metres. A mesh with shorter edges shows no further detail.
   virtual double finest_m() const = 0;
 
-  /// What a mesh with edges of a given length leaves out of the field: its difference from its linear
-  /// interpolation over triangles in plan view. Slopes are metres of height per horizontal metre.
+  /// The part of the field that a mesh with edges of a given length does not represent. It is the difference
+  /// from the linear interpolation over triangles in plan view. Slopes are metres of height per horizontal
+  /// metre.
   struct LeftOut {
-    /// Estimates: of edges just as long.
+    /// Estimates, for edges of exactly this length.
     double rms_height_m = 0, rms_slope = 0;
-    /// Bounds: of every triangle whose edges are no longer; for slopes, whose angles also are 120 degrees at
-    /// most (no bound holds for all slivers).
+    /// Upper bounds, for all triangles with edges of at most this length. The bound of slopes also requires
+    /// angles of at most 120 degrees, because no bound holds for all slivers.
     double largest_height_m = 0, largest_slope = 0;
   };
   virtual LeftOut left_out(double edge_m) const = 0;

@@ -18,7 +18,7 @@ constexpr unsigned kFlags = FFTW_ESTIMATE | FFTW_UNALIGNED;
 fftwl_complex* fftw(Complex* z) { return reinterpret_cast<fftwl_complex*>(z); }
 long double* reals(Complex* z) { return reinterpret_cast<long double*>(z); }
 
-// FFTW's planner is not for two threads at once.
+// Only one thread at a time may use FFTW's planner.
 std::mutex& planner() {
   static std::mutex mutex;
   return mutex;

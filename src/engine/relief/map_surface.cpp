@@ -9,11 +9,14 @@
 
 #include "engine/relief/fourier.hpp"
 
+// Interpolates a height map by a bicubic B-spline. The coefficients c satisfy (c[k - 1] + 4 c[k] + c[k + 1])
+// / 6 = s[k] along rows and columns. The radial spectrum of the heights comes from a Fourier transform.
+
 namespace tubefoot {
 namespace {
 
-// B-spline coefficients of the values along a line, (c[k - 1] + 4 c[k] + c[k + 1]) / 6 = s[k], with none
-// beyond its ends: elimination and substitution.
+// Computes the B-spline coefficients c of the values s along a line, with zeros beyond its ends: (c[k - 1] +
+// 4 c[k] + c[k + 1]) / 6 = s[k]. The method is elimination and back substitution.
 class LineSolver {
  public:
   explicit LineSolver(std::size_t longest) : pivot_(longest) {
@@ -30,8 +33,8 @@ class LineSolver {
   std::vector<double> pivot_;
 };
 
-// Heights to coefficients in place. What lies n nodes away counts (2 - sqrt(3))^n, so the copies beside a
-// period need not be many.
+// Converts heights to coefficients in place. A value n nodes away has the weight (2 - sqrt(3))^n, so few
+// copies of a period at its ends suffice.
 void interpolate(HeightMap& map) {
   constexpr std::size_t margin = 40;
   const LineSolver solve(std::max(map.columns, map.rows) + 2 * margin);
@@ -39,7 +42,7 @@ void interpolate(HeightMap& map) {
   const auto along = [&](std::size_t first, std::size_t step, std::size_t count) {
     const std::size_t beside = map.periodic ? margin : 0;
     line.resize(count + 2 * beside);
-    const std::size_t shift = count * margin - beside;  // a multiple of the period, less the margin
+    const std::size_t shift = count * margin - beside;  // a multiple of the period, minus the margin
     for (std::size_t k = 0; k < line.size(); ++k)
       line[k] = map.height_m[first + (map.periodic ? (k + shift) % count : k) * step];
     solve(line);
@@ -58,7 +61,7 @@ RadialSpectrum spectrum_of(const HeightMap& map) {
   const std::size_t half = map.columns / 2 + 1;
   for (std::size_t j = 0; j < map.rows; ++j)
     for (std::size_t i = 0; i < half; ++i) {
-      if (i == 0 && j == 0) continue;  // the mean is no relief
+      if (i == 0 && j == 0) continue;  // the mean is not part of the relief
       const double x = static_cast<double>(i) / width_m,
                    y = static_cast<double>(std::min(j, map.rows - j)) / length_m;
       const auto bin = static_cast<std::size_t>(std::sqrt(x * x + y * y) * longest_m + 0.5);

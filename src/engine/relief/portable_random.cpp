@@ -14,7 +14,7 @@ std::uint64_t mix(std::uint64_t h) {
   return h ^ (h >> 31);
 }
 
-// In (-1, 1), an odd multiple of 2^-53.
+// Returns a number in (-1, 1), an odd multiple of 2^-53.
 double symmetric(std::uint64_t h) { return (static_cast<double>(h >> 12) + 0.5) * 0x1p-51 - 1; }
 
 }  // namespace
@@ -26,7 +26,7 @@ double portable_log(double x) {
     m *= 2;
     --exponent;
   }
-  // 2 artanh t; t^2 is below 0.0295, so the first term left out is below 2^-56 of the sum.
+  // 2 artanh t; t^2 is below 0.0295, so the first omitted term is below 2^-56 of the sum.
   const double t = (m - 1) / (m + 1), square = t * t;
   double sum = 0;
   for (int n = 21; n >= 3; n -= 2) sum = (sum + 1.0 / n) * square;

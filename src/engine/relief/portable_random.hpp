@@ -4,18 +4,18 @@
 #include <array>
 #include <cstdint>
 
-// Numbers that a seabed is made of. They come from +, -, *, / and sqrt alone, which IEEE 754 rounds in one
-// way: the mathematical library's logarithms differ in the last bit from machine to machine.
+// Random numbers for the synthesis of seabeds. They result from +, -, *, / and sqrt alone, whose rounding
+// IEEE 754 defines. The logarithms of mathematical libraries differ in the last bit between machines.
 namespace tubefoot {
 
-/// Natural logarithm of a positive, normal number, to about an ulp.
+/// Returns the natural logarithm of a positive, normal number, to about one ulp.
 double portable_log(double x);
-/// Exponential, to about an ulp; x within +-700.
+/// Returns the exponential, to about one ulp, for x within +-700.
 double portable_exp(double x);
 
-/// A pair of independent normal deviates (mean 0, variance 1) that depend on the arguments alone, so that no
-/// order of evaluation matters: SplitMix64's finaliser over the arguments, then Marsaglia's polar method.
-/// `stream` tells apart what the numbers are for.
+/// Returns a pair of independent normal deviates (mean 0, variance 1). They depend on the arguments alone, so
+/// the order of evaluation has no effect. The method is SplitMix64's finaliser over the arguments, followed
+/// by Marsaglia's polar method. `stream` distinguishes the purposes of the numbers.
 std::array<double, 2> normal_pair(std::uint64_t seed, std::uint64_t stream, std::int64_t i, std::int64_t j);
 
 }  // namespace tubefoot

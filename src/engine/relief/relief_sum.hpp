@@ -8,11 +8,11 @@
 
 namespace tubefoot {
 
-/// Fields on top of each other. What they leave out adds up: root mean squares as those of independent
-/// fields, largest values as bounds.
+/// Sum of several fields. The parts that a mesh does not represent are added too: root mean squares as those
+/// of independent fields, largest values as bounds.
 class ReliefSum final : public ElevationField {
  public:
-  /// At least one field.
+  /// Requires at least one field.
   explicit ReliefSum(std::vector<std::shared_ptr<const ElevationField>> fields);
 
   double height_m(glm::dvec3 place_m) const override;

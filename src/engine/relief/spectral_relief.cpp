@@ -16,13 +16,17 @@
 #include "engine/relief/portable_random.hpp"
 #include "geometry/steps/stop.hpp"
 
+// Synthesises periodic surfaces: Gaussian amplitudes per wavenumber, an inverse Fourier transform in long
+// double and B-spline coefficients in single precision. Columns are transformed in parallel; the result does
+// not depend on the number of threads.
+
 namespace tubefoot {
 namespace {
 
 using Complex = std::complex<long double>;
 
-// B-spline coefficients over node heights, along one axis: a spline's node is (1, 4, 1)/6 of its
-// coefficients.
+// Returns the ratio of B-spline coefficients to node heights in the Fourier domain, along one axis. The
+// height of a node is (1, 4, 1)/6 of the spline's coefficients.
 std::vector<double> sharpening(std::size_t nodes) {
   std::vector<double> factors(nodes / 2 + 1);
   for (std::size_t k = 0; k < factors.size(); ++k) {
@@ -33,9 +37,9 @@ std::vector<double> sharpening(std::size_t nodes) {
   return factors;
 }
 
-// A surface from the amplitudes of its wavenumbers: height = sum over all (kx, ky) of A exp(i K x), where
-// A(kx, ky) is asked for half the plane, kx > 0 or kx = 0 with ky > 0, below the Nyquist circle; the other
-// half is its conjugate.
+// Computes a surface from the amplitudes of its wavenumbers: height = sum over all (kx, ky) of A exp(i K x).
+// `amplitude` is called for half the plane, kx > 0 or kx = 0 with ky > 0, below the Nyquist circle. The other
+// half is the conjugate.
 template <class Amplitude>
 std::shared_ptr<const SplineSurface> synthesise(const ReliefTile& tile, std::optional<double> rms_height_m,
                                                 const Amplitude& amplitude) {
@@ -45,7 +49,7 @@ std::shared_ptr<const SplineSurface> synthesise(const ReliefTile& tile, std::opt
   const InverseTransforms transforms(nodes);
   std::vector<Complex> plane((half + 1) * nodes);  // row by row
 
-  // Columns in blocks, so that a row of the plane is written in whole cache lines.
+  // Columns are processed in blocks, so that a row of the plane is written in whole cache lines.
   constexpr std::size_t block = 4;
   const std::size_t blocks = half / block + 1;
   std::vector<std::vector<double>> powers(half +
@@ -96,7 +100,7 @@ std::shared_ptr<const SplineSurface> synthesise(const ReliefTile& tile, std::opt
     transforms.row(z);
     const auto* const heights = reinterpret_cast<const long double*>(z);
     float* const row = grid.row(static_cast<std::ptrdiff_t>(y));
-    // Single precision: what another version of the transform rounds otherwise in its last bits is not seen.
+    // Single precision hides differences in the last bits between versions of the transform.
     for (std::size_t x = 0; x < nodes; ++x) row[x] = static_cast<float>(heights[x] * scale);
   });
   plane = {};
@@ -125,14 +129,14 @@ constexpr std::uint64_t kFractalStream = 1, kRippleStream = 2;
 }  // namespace
 
 std::size_t ReliefTile::nodes() const {
-  const double wanted = std::ceil(tile_m / resolution_m * (1 - 1e-12));  // 10 m of 0.1 m are 100
+  const double wanted = std::ceil(tile_m / resolution_m * (1 - 1e-12));  // 10 m at 0.1 m are 100
   for (std::size_t scale = 4;; scale *= 2)
     for (std::size_t n = 4; n < 8; ++n)
       if (static_cast<double>(n * scale) >= wanted) return n * scale;
 }
 
 std::array<std::int64_t, 2> RippleRelief::carrier() const {
-  // In single precision sines are the same on every machine, and so is which lattice point is nearest.
+  // In single precision, sines are the same on every machine. The nearest lattice point is then the same too.
   const double waves = tile_m / wavelength_m, direction = direction_deg * std::numbers::pi / 180;
   const auto east = static_cast<float>(std::sin(direction)), north = static_cast<float>(std::cos(direction));
   return {std::llround(waves * static_cast<double>(east)), std::llround(waves * static_cast<double>(north))};
@@ -142,7 +146,8 @@ std::shared_ptr<const SplineSurface> make_surface(const FractalRelief& relief) {
   check(relief);
   double unit = 1;
   if (!relief.rms_height_m) {
-    // Variance of a wavenumber: W dK^2, W at one wave per tile first; half of it in each of A's two parts.
+    // The variance of a wavenumber is W dK^2, here W at one wave per tile. Each of the two parts of A has
+    // half of it.
     const double step_rad_m = 2 * std::numbers::pi / relief.tile_m;
     const double exponent = 2 * relief.hurst + 2;
     const double strength_m4 = relief.spectral_strength_cm4 * 1e-8;
@@ -163,7 +168,8 @@ std::shared_ptr<const SplineSurface> make_surface(const RippleRelief& relief) {
         relief.wavelength_m, relief.wavelength_m / 4, 4 * relief.wavelength_m));
   }
   const auto [kx, ky] = relief.carrier();
-  // Of the complex surface; wavenumber 0, where a fractional Brownian surface has no limit, as if it were 1.
+  // Amplitude of the complex surface. A fractional Brownian surface has no limit at wavenumber 0, so the code
+  // uses the value for 1 there.
   const auto complex_surface = [&](std::int64_t x, std::int64_t y) {
     const auto [re, im] = normal_pair(relief.seed, kRippleStream, x, y);
     return fractal_amplitude(relief.hurst, std::max<std::int64_t>(1, x * x + y * y)) * std::complex(re, im);

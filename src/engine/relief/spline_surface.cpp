@@ -12,10 +12,14 @@
 
 #include "geometry/steps/stop.hpp"
 
+// Evaluates bicubic B-splines of heights and bounds the error of their linear interpolation. The bounds
+// follow from differences of coefficients; the estimates follow from the radial spectrum.
+
 namespace tubefoot {
 namespace {
 
-// Single precision of what the mathematical library gives is the same on every machine, but for a rare tie.
+// The result of a mathematical function, rounded to single precision, is the same on every machine, except
+// for rare ties.
 double portable(double value) { return static_cast<double>(static_cast<float>(value)); }
 
 std::array<double, 4> cubic_weights(double f) {
@@ -32,7 +36,7 @@ struct Extremes {
   }
 };
 
-// Extremes of square blocks of coefficients, on a periodic grid; the last ones of a row or column may be
+// Extremes of square blocks of coefficients on a periodic grid. The last blocks of a row or column may be
 // narrower.
 struct Blocks {
   std::size_t columns = 0, rows = 0;
@@ -49,7 +53,7 @@ struct Blocks {
     return half;
   }
 
-  // Largest difference within any `wide` x `high` blocks.
+  // Returns the largest difference within any `wide` x `high` blocks.
   double oscillation(std::size_t wide, std::size_t high) const {
     Blocks of_rows(columns, rows);
     for (std::size_t j = 0; j < rows; ++j)
@@ -68,16 +72,16 @@ struct Blocks {
   }
 };
 
-// Blocks of `size` coefficients that a window of 4 blocks' length may look at: 4 size + 4 coefficients, and
-// one block more where a narrower one lies at the period's end.
+// Returns the number of blocks of `size` coefficients that a window of the length of 4 blocks may need. It
+// covers 4 size + 4 coefficients, and one block more if there is a narrower block at the period's end.
 std::size_t blocks_in_window(std::size_t size, std::size_t period) {
   return 5 + (size + 2) / size + (period % size != 0 ? 1 : 0);
 }
 
-// Of linear interpolation between nodes `edge` apart, of a wave of wavenumber K with random phase: the share
-// of its variance that is left out. `half` is K edge / 2.
+// Returns the share of the variance of a wave of wavenumber K with random phase that linear interpolation
+// between nodes `edge` apart does not represent. `half` is K edge / 2.
 double height_share(double half) {
-  // The difference of the two branches at their border is below 1e-6 of the share.
+  // The two branches differ at their border by less than 1e-6 of the share.
   if (half < 0.05) return half * half * half * half * (2.0 / 15 - half * half * 22 / 945);
   const double sinc = std::sin(half) / half;
   return 1 + (2 + std::cos(2 * half)) / 3 - 2 * sinc * sinc;
@@ -130,7 +134,8 @@ double SplineSurface::height_m(glm::dvec3 place_m) const {
   } else if (!(u >= 0 && u < columns && v >= 0 && v < rows)) {
     return 0;
   }
-  const auto i = static_cast<std::ptrdiff_t>(u), j = static_cast<std::ptrdiff_t>(v);  // floor: not negative
+  const auto i = static_cast<std::ptrdiff_t>(u),
+             j = static_cast<std::ptrdiff_t>(v);  // floor, because u and v are not negative
   const std::array<double, 4> wx = cubic_weights(u - static_cast<double>(i)),
                               wy = cubic_weights(v - static_cast<double>(j));
   const float* c = grid_.row(j - 1) + i - 1;
@@ -142,8 +147,8 @@ double SplineSurface::height_m(glm::dvec3 place_m) const {
 
 double SplineSurface::finest_m() const { return std::min(lattice_.spacing_x_m, lattice_.spacing_y_m); }
 
-// Differences of neighbouring coefficients bound the derivatives: a derivative of a B-spline is one with
-// those for coefficients.
+// Differences of neighbouring coefficients bound the derivatives, because the derivative of a B-spline is a
+// B-spline with these differences as coefficients.
 void SplineSurface::bound_derivatives() {
   struct Largest {
     double height = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
@@ -178,7 +183,8 @@ void SplineSurface::bound_derivatives() {
   largest_m_ = most.height * rounding;
   const double east = most.x / dx, north = most.y / dy;
   largest_slope_ = std::sqrt(east * east + north * north) * rounding;
-  // The largest eigenvalue of the matrix of largest second derivatives bounds that of every place's matrix.
+  // The largest eigenvalue of the matrix of the largest second derivatives bounds the eigenvalues of the
+  // matrix at every place.
   const double xx = most.xx / (dx * dx), yy = most.yy / (dy * dy), xy = most.xy / (dx * dy);
   largest_curvature_per_m_ = ((xx + yy) / 2 + std::sqrt((xx - yy) * (xx - yy) / 4 + xy * xy)) * rounding;
 }
@@ -219,7 +225,8 @@ void SplineSurface::tabulate_rms(const RadialSpectrum& spectrum) {
 ElevationField::LeftOut SplineSurface::left_out(double edge_m) const {
   LeftOut left;
   const auto above = std::ranges::upper_bound(rms_, edge_m, {}, &Rms::edge_m);
-  if (above == rms_.begin()) {  // the relief is smooth there: of second order in height, of first in slope
+  if (above ==
+      rms_.begin()) {  // the relief is smooth at this scale: second order in height, first order in slope
     const double part = edge_m / rms_.front().edge_m;
     left.rms_height_m = part * part * rms_.front().height_m;
     left.rms_slope = part * rms_.front().slope;
@@ -233,9 +240,9 @@ ElevationField::LeftOut SplineSurface::left_out(double edge_m) const {
     left.rms_slope = a.slope + part * (b.slope - a.slope);
   }
 
-  // A triangle with edges of e fits in a circle of radius e / sqrt(3) (Jung). For a place x = sum of l_i v_i,
-  // sum of l_i |x - v_i|^2 <= e^2 / 3: Taylor's theorem about x gives M e^2 / 6, Lipschitz L e / sqrt(3), and
-  // the triangle lies in a square window of side e.
+  // A triangle with edges of at most e fits in a circle of radius e / sqrt(3) (Jung). For a place x = sum of
+  // l_i v_i, sum of l_i |x - v_i|^2 <= e^2 / 3. Taylor's theorem about x gives M e^2 / 6, and the Lipschitz
+  // condition gives L e / sqrt(3). The triangle also lies in a square window of side e.
   constexpr double inverse_root_3 = 0.57735026918962577;
   left.largest_height_m =
       std::min(largest_curvature_per_m_ * edge_m * edge_m / 6, largest_slope_ * edge_m * inverse_root_3);

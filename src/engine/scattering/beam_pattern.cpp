@@ -9,6 +9,10 @@
 #include <numbers>
 #include <stdexcept>
 
+// Evaluates beam patterns: sinc^2 for line arrays, (2 J1(x) / x)^2 for pistons, Gaussian patterns, and tables
+// with monotone cubic interpolation. Also bounds their growth in the complex plane, for error bounds of
+// quadratures.
+
 namespace tubefoot {
 namespace {
 
@@ -18,7 +22,7 @@ double squared(double x) { return x * x; }
 
 double sinc2(double x) {
   const double y = pi * x;
-  // Below, the square differs from 1 by less than a rounding.
+  // For smaller values the square differs from 1 by less than a rounding error.
   return std::abs(y) < 1e-8 ? 1.0 : squared(std::sin(y) / y);
 }
 
@@ -28,14 +32,14 @@ double piston(double x) {
   return squared(2 * boost::math::cyl_bessel_j(1, x) / x);
 }
 
-/// log(sinh(x) / x), x >= 0, rounded up by less than 1e-3 of it.
+/// Returns log(sinh(x) / x) for x >= 0, rounded up by less than 1e-3 of it.
 double log_sinhc(double x) {
   if (x < 0.1) return x * x / 6;
   return x < 20 ? std::log(std::sinh(x) / x) : x - std::log(2 * x);
 }
 
-/// Slopes of Fritsch & Carlson's monotone cubic, by their weighted harmonic mean (Fritsch & Butland 1984); 0
-/// at both ends, where the level is held.
+/// Returns the slopes of Fritsch & Carlson's monotone cubic, by their weighted harmonic mean (Fritsch &
+/// Butland 1984). They are 0 at both ends, beyond which the level is constant.
 std::vector<double> slopes_of(const std::vector<double>& x, const std::vector<double>& y) {
   std::vector<double> slope(x.size(), 0);
   for (std::size_t k = 1; k + 1 < x.size(); ++k) {
@@ -65,7 +69,7 @@ PatternTable::PatternTable(std::vector<double> angle_rad, const std::vector<doub
     const double c2 = (3 * d - 2 * slope[k] - slope[k + 1]) / h;
     const double c3 = (slope[k] + slope[k + 1] - 2 * d) / (h * h);
     segments_.push_back({angle_[k], {level_db[k], slope[k], c2, c3}});
-    // A monotone cubic is nowhere steeper than three times its chord.
+    // A monotone cubic is never steeper than three times its chord.
     steepest_ = std::max(steepest_, 3 * std::abs(d));
   }
   segments_.push_back({angle_.back(), {level_db.back(), 0, 0, 0}});
@@ -106,7 +110,7 @@ double TransmitPattern::gain(glm::dvec3 direction) const {
 }
 
 double ReceiverBaseline::path_difference(double range_m, double cosine) const {
-  // (upper^2 - lower^2) / (upper + lower): no cancellation where the baseline is short.
+  // (upper^2 - lower^2) / (upper + lower) has no cancellation for a short baseline.
   const double level = range_m * range_m + baseline_m * baseline_m / 4, tilt = range_m * baseline_m * cosine;
   return -2 * tilt / (std::sqrt(std::max(level - tilt, 0.0)) + std::sqrt(std::max(level + tilt, 0.0)));
 }

@@ -7,7 +7,8 @@
 namespace tubefoot {
 namespace {
 
-// All in double (long double differs between machines); a quantile below the smallest double is 0.
+// All computations are in double, because long double differs between machines. A quantile below the smallest
+// double is 0.
 using Quietly = boost::math::policies::policy<
     boost::math::policies::promote_double<false>,
     boost::math::policies::underflow_error<boost::math::policies::ignore_error>>;

@@ -8,11 +8,11 @@
 
 namespace tubefoot {
 
-/// The product of several textures, so never negative. Averaged over the seeds of its noise, all different,
-/// it is at any place the product of its maps there: a mean of 1 with one map or none.
+/// The product of several textures, which is never negative. Its average over different seeds of its noise is
+/// the product of its maps at each place. The mean is 1 with one map or none.
 class LayeredReflectivity : public ReflectivityField {
  public:
-  /// Throws std::invalid_argument for no layer.
+  /// Throws std::invalid_argument if there is no layer.
   explicit LayeredReflectivity(std::vector<std::shared_ptr<const ReflectivityField>> layers);
 
   double factor(glm::dvec3 place_m) const override;

@@ -36,7 +36,7 @@ MapReflectivity::MapReflectivity(Grid grid, const Placing& placing)
     largest_ = std::max(largest_, double(value));
   }
 
-  // Over the cells with a pixel at one corner or more.
+  // Maxima over the cells with a pixel at one corner or more.
   double along_columns = 0, along_rows = 0, twist = 0;
   for (double j = -1; j < double(grid_.rows); ++j)
     for (double i = -1; i < double(grid_.columns); ++i) {

@@ -14,19 +14,19 @@
 
 namespace tubefoot {
 
-/// What a chain of mirrors leaves of the energy that is sent along it, by the direction (unit vector) in
-/// which its image apex sends.
+/// Share of the emitted energy that remains after a chain of mirrors, as a function of the direction (unit
+/// vector) at the image apex.
 struct MirrorLoss {
   /// Product of the factors that do not depend on direction.
   double factor = 1;
-  /// One for each reflection at a rough surface: the surface's normal as the image apex sees it.
+  /// One normal per reflection at a rough surface, as seen from the image apex.
   std::vector<glm::dvec3> rough_normals;
-  /// Coherent reflection at a rough surface, Rayleigh parameter 2 k sigma sin(grazing): intensity times
-  /// exp(-(2 k sigma sin(grazing))^2) (Eckart 1953; Jensen et al., Computational Ocean Acoustics). Here
-  /// (2 k sigma)^2.
+  /// (2 k sigma)^2 of a rough surface, with coherent reflection. For the Rayleigh parameter 2 k sigma
+  /// sin(grazing) the intensity has the factor exp(-(2 k sigma sin(grazing))^2) (Eckart 1953; Jensen et al.,
+  /// Computational Ocean Acoustics).
   double roughness = 0;
-  /// (c / c_apex)^2 - 1 at that surface: in refracting water grazing angles are others there than at the
-  /// apex, cos / c the same (Snell's law; normals are vertical).
+  /// (c / c_apex)^2 - 1 at that surface. In stratified water the grazing angle there differs from that at the
+  /// apex, and cos / c is the same (Snell's law; normals are vertical).
   double bend = 0;
 
   bool none() const { return factor == 1 && rough_normals.empty(); }
@@ -41,22 +41,22 @@ struct MirrorLoss {
   }
 };
 
-/// One way of sound between a sonar and the seabed: a straight line from an apex, or from its image in
-/// mirrors, to where a facet is seen from there. Places are reported by the transmit leg: of a receive leg,
-/// apex_m and facet_map are not read (Sight::rx_m).
+/// One leg between a sonar and the seabed. The leg is a straight line from an apex, or from its image in
+/// mirrors, to the apparent position of a facet. The transmit leg defines positions; apex_m and facet_map of
+/// a receive leg are not read (CommonVisibility::rx_m).
 struct Leg {
-  glm::dvec3 apex_m{0};   ///< of the apex or the image, local frame
-  MirrorLoss loss{};      ///< of its mirrors
-  glm::dmat3 to_true{1};  ///< a direction of the image as the true apex has it
-  /// By facet: where it lies that is seen elsewhere (apparent facets in refracting water); empty: where it is
-  /// seen.
+  glm::dvec3 apex_m{0};   ///< position of the apex or of the image, local frame
+  MirrorLoss loss{};      ///< loss at its mirrors
+  glm::dmat3 to_true{1};  ///< converts a direction at the image to that at the true apex
+  /// Per facet: the map to its true position (apparent facets in stratified water). Empty if apparent and
+  /// true positions are equal.
   std::span<const FacetMap> facet_map{};
 
-  /// Where a facet lies that is seen.
+  /// Returns the map from the apparent to the true position of a facet.
   FacetMap map_of(FacetId facet) const {
     return facet_map.empty() ? FacetMap{glm::dvec3(0), apex_m} : facet_map[facet];
   }
-  /// Where a place on a facet lies that is seen `from_apex_m`; local frame.
+  /// Returns the true position of a point of a facet whose apparent position is `from_apex_m`; local frame.
   glm::dvec3 true_place(FacetId facet, glm::dvec3 from_apex_m) const {
     return facet_map.empty() ? apex_m + from_apex_m : facet_map[facet].at(from_apex_m);
   }
@@ -65,12 +65,12 @@ struct Leg {
   }
 };
 
-/// From the sonar to the seabed and back: two legs, or one that is gone both ways.
+/// A path from the sonar to the seabed and back: two legs, or one leg in both directions.
 struct Path {
   Leg tx{};
-  std::optional<Leg> rx{};  ///< none: with the mirrors of the transmit leg
-  /// By facet: what it returns over what the straight law makes of it (apparent facets in refracting water,
-  /// engine/water/apparent map.hpp); empty: 1.
+  std::optional<Leg> rx{};  ///< none: the receive leg has the mirrors of the transmit leg
+  /// Per facet: ratio of the returned energy to that of the straight path (apparent facets in stratified
+  /// water, engine/water/apparent_map.hpp); empty: 1.
   std::span<const double> facet_factor{};
 
   const Leg& back() const { return rx ? *rx : tx; }

@@ -8,6 +8,10 @@
 #include <numbers>
 #include <optional>
 
+// Finds the two-way peak of transmit and receive patterns by a search on the sphere. The search visits the
+// peak cones of both patterns and their intersections, and then climbs uphill. Also inverts patterns to
+// ranges of cosines.
+
 namespace tubefoot {
 namespace {
 
@@ -17,16 +21,17 @@ constexpr double pi = std::numbers::pi;
 double zero_angle(const Directivity& p) {
   return p.from_axis ? 0 : std::asin(std::clamp(p.centre, -1.0, 1.0));
 }
-/// The cosine of an angle as the pattern counts it; beyond the last direction, that.
+/// Returns the cosine of an angle in the pattern's own sense. Angles beyond the last direction are clamped to
+/// it.
 double cosine_of(const Directivity& p, double angle_rad) {
   if (p.from_axis) return std::cos(std::clamp(angle_rad, 0.0, pi));
   return std::sin(std::clamp(angle_rad + zero_angle(p), -pi / 2, pi / 2));
 }
 
-/// The cosine at which a pattern is largest.
+/// Returns the cosine at which a pattern is largest.
 double peak_cosine(const Directivity& p) {
   if (p.kind != Kind::table) return p.from_axis ? 1 : p.centre;
-  // A table goes one way between its angles. Both ends of the angles that there are count, too.
+  // A table is monotone between its angles. Both ends of the range of possible angles are candidates too.
   double best = cosine_of(p, -pi);
   const auto consider = [&](double cosine) {
     if (p.gain_at(cosine) > p.gain_at(best)) best = cosine;
@@ -36,14 +41,14 @@ double peak_cosine(const Directivity& p) {
   return best;
 }
 
-/// Two directions at right angles to each other and to a unit vector.
+/// Returns two directions orthogonal to each other and to a unit vector.
 std::pair<glm::dvec3, glm::dvec3> across(glm::dvec3 d) {
   const glm::dvec3 other = std::abs(d.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
   const glm::dvec3 u = glm::normalize(glm::cross(d, other));
   return {u, glm::cross(d, u)};
 }
 
-/// The largest of some function of direction that was met, and where.
+/// Records the largest value of a function of direction, and its direction.
 template <class Gain>
 class Summit {
  public:
@@ -55,7 +60,7 @@ class Summit {
     best_ = found;
     at_ = direction;
   }
-  /// Around a cone about an axis.
+  /// Visits directions around a cone about an axis.
   void visit_cone(glm::dvec3 axis, double cosine, int steps) {
     const auto [u, v] = across(axis);
     const double sine = std::sqrt(std::max(1 - cosine * cosine, 0.0));
@@ -64,7 +69,7 @@ class Summit {
       visit(cosine * axis + sine * (std::cos(turn) * u + std::sin(turn) * v));
     }
   }
-  /// Where two cones meet; where they do not, half way between.
+  /// Visits the intersections of two cones. If there is none, visits the direction half way between them.
   void visit_crossing(glm::dvec3 a, double cosine_a, glm::dvec3 b, double cosine_b) {
     const double g = glm::dot(a, b), rest = 1 - g * g;
     if (!(rest > 1e-12)) return;
@@ -76,7 +81,7 @@ class Summit {
     visit(in_plane + out);
     visit(in_plane - out);
   }
-  /// From the best place uphill.
+  /// Climbs uphill from the best direction and returns the largest value.
   double climbed() {
     constexpr double first_rad = 0.05, last_rad = 1e-5;
     int left = 1000;
@@ -85,7 +90,7 @@ class Summit {
       const auto [u, v] = across(at_);
       for (const glm::dvec3 two_way : {u, -u, v, -v, u + v, u - v, v - u, -u - v})
         visit(glm::normalize(at_ + step * two_way));
-      if (best_ > before * (1 + 1e-6)) step *= 2;  // on, as far as before
+      if (best_ > before * (1 + 1e-6)) step *= 2;  // continues with the same step
     }
     return best_;
   }
@@ -163,7 +168,7 @@ CosineRange cosines_of_gain(const Directivity& p, double least) {
     case Kind::table: {
       const std::vector<double>& angles = p.table->borders();
       const double level_db = 10 * std::log10(least);
-      constexpr double beyond = 10;  // more than any angle
+      constexpr double beyond = 10;  // larger than any angle
       double from = beyond, to = -beyond;
       for (std::size_t k = 0; k < angles.size(); ++k) {
         if (p.table->level_db(angles[k]) < level_db - 1e-9) continue;
@@ -173,7 +178,7 @@ CosineRange cosines_of_gain(const Directivity& p, double least) {
       return from > to ? CosineRange{1, -1} : between(from, to);
     }
     case Kind::uniform:
-    case Kind::piston:  // in front and behind
+    case Kind::piston:  // equal in front and behind
       break;
   }
   return {};

@@ -28,7 +28,7 @@ PerlinLattice::PerlinLattice(std::uint64_t seed) : permutation_(reference_permut
   if (seed == 0) return;
   std::uint64_t state = seed;
   for (std::size_t i = permutation_.size() - 1; i > 0; --i) {
-    // SplitMix64; what its remainder prefers is of the order of 2^-56.
+    // SplitMix64; the bias of the remainder is of the order of 2^-56.
     std::uint64_t x = state += 0x9e3779b97f4a7c15u;
     x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
     x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;

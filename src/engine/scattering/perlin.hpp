@@ -6,12 +6,12 @@
 
 namespace tubefoot {
 
-/// The lattice of improved Perlin noise (K. Perlin, Improving Noise, SIGGRAPH 2002): in each unit cell a
-/// polynomial of degree 6 in each coordinate, zero with a gradient along a cube's edge at every corner, and
-/// twice continuously differentiable from cell to cell. It repeats after 256 cells.
+/// The lattice of improved Perlin noise (K. Perlin, Improving Noise, SIGGRAPH 2002). In each unit cell the
+/// noise is a polynomial of degree 6 in each coordinate. At every corner it is zero, with a gradient along a
+/// cube's edge. It is twice continuously differentiable across cells and repeats after 256 cells.
 class PerlinLattice {
  public:
-  /// Seed 0 is the reference permutation; any other shuffles it.
+  /// Seed 0 gives the reference permutation; any other seed shuffles it.
   explicit PerlinLattice(std::uint64_t seed = 0);
 
   /// Bound of the noise's magnitude: 1.03635381 at a cell's (0.48149, 0.5, 0.64474).
@@ -19,8 +19,8 @@ class PerlinLattice {
 
   double operator()(double x, double y, double z) const;
 
-  /// The polynomial of the cell whose lowest corner is (i, j, k) at x, y, z in 0 .. 1 from there. `N`: a
-  /// double, or whatever else is added and multiplied (balls, complex balls).
+  /// Evaluates the polynomial of the cell whose lowest corner is (i, j, k), at x, y, z in 0 .. 1 relative to
+  /// the corner. `N` is double or another type with addition and multiplication (balls, complex balls).
   template <class N>
   N in_cell(std::int64_t i, std::int64_t j, std::int64_t k, const N& x, const N& y, const N& z) const {
     const N u = fade(x), v = fade(y), w = fade(z);
@@ -43,7 +43,7 @@ class PerlinLattice {
   static N fade(const N& t) {
     return t * t * t * (t * (t * N(6) - N(15)) + N(10));
   }
-  /// The product of a corner's gradient with the way from it.
+  /// Returns the product of a corner's gradient with the vector from the corner.
   template <class N>
   N corner(std::int64_t i, std::int64_t j, std::int64_t k, const N& x, const N& y, const N& z) const {
     const unsigned hash = at(at(at(i) + j) + k) & 15;

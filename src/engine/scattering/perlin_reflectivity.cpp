@@ -10,8 +10,8 @@
 namespace tubefoot {
 namespace {
 
-/// Largest coefficients of a cell's polynomial along a line, from the first power on, as met in 400 000 cells
-/// and lines (corners, edges and diagonals among them), and a tenth more.
+/// Largest coefficients of a cell's polynomial along a line, from the first power on. They are the maxima
+/// over 400 000 cells and lines (corners, edges and diagonals among them), plus a tenth.
 constexpr std::array steepest{3.2,   6.4,   21.0,  51.0,  50.0,  60.0, 181.0, 240.0,
                               155.0, 187.0, 250.0, 195.0, 100.0, 30.0, 5.8,   0.5};
 

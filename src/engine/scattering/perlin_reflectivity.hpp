@@ -11,21 +11,24 @@ namespace tubefoot {
 
 /// Octaves of improved Perlin noise:
 ///     factor = 1 + depth sum_i persistence^i noise(2^i place / wavelength) / sum_i persistence^i.
-/// Over 256 of the longest wavelengths along the frame's x, y or z the mean is 1 (perlin.hpp: the gradients
-/// there are all of the table's, once each); one octave's standard deviation is 0.2704 depth.
+/// The mean over 256 of the longest wavelengths along the frame's x, y or z is 1. The reason is that each
+/// gradient of the table occurs once there (perlin.hpp). The standard deviation of one octave is 0.2704
+/// depth.
 class PerlinReflectivity : public ReflectivityField {
  public:
   struct Settings {
     double wavelength_m = 0.5;
     int octaves = 1;
-    double persistence = 0.5;  ///< an octave's amplitude over that of the octave twice as long
-    double depth = 0.25;       ///< 0 to 1 / PerlinLattice::largest: no factor is negative
+    double persistence =
+        0.5;              ///< ratio of an octave's amplitude to that of the octave with twice the wavelength
+    double depth = 0.25;  ///< 0 to 1 / PerlinLattice::largest, so that no factor is negative
     std::uint64_t seed = 1;
   };
   static constexpr int most_octaves = 16;
 
-  /// Throws std::invalid_argument for a wavelength that is not above 0 and finite, no octave or more than
-  /// most_octaves, a persistence outside of [0, 1], a depth that would make factors negative.
+  /// Throws std::invalid_argument for a wavelength that is not above 0 and finite, or a number of octaves
+  /// outside of 1 to most_octaves. Also throws it for a persistence outside of [0, 1] or a depth that would
+  /// make factors negative.
   explicit PerlinReflectivity(const Settings& settings);
 
   const Settings& settings() const { return settings_; }

@@ -19,15 +19,17 @@ RadialIntegral made(const RangeSamples& samples, double absorption_db_per_m) {
                         [beta](double r) { return lambert_density(TwoWayRange<double>::of(r), beta); });
 }
 
-/// What was asked for last, that first.
+/// Cache of results, the most recently used first.
 class Kept {
  public:
   std::shared_ptr<const RadialIntegral> get(const RangeSamples& samples, double absorption_db_per_m) {
-    // By bits: what is equal but not the same, as two zeros are, need not give the same.
+    // Keys are compared by bits, because values that compare equal, such as the two zeros, may give different
+    // results.
     const auto bits = [](double x) { return std::bit_cast<std::uint64_t>(x); };
     const Key key{bits(samples.first_m), bits(samples.step_m), samples.count, bits(absorption_db_per_m)};
     if (auto found = find(key)) return found;
-    // No lock meanwhile: two threads that ask at once make the same twice.
+    // No lock is held during the computation. Two threads with the same request at the same time compute it
+    // twice.
     auto fresh = std::make_shared<const RadialIntegral>(made(samples, absorption_db_per_m));
     put(key, fresh);
     return fresh;

@@ -11,11 +11,11 @@ struct RangeSamples {
   double step_m = 0;
   int count = 0;
 
-  /// Where sample k begins; the only way to say it, so that everybody has the same digits.
+  /// Returns the start of sample k. All code uses this function, so that the digits agree.
   double border_m(double k) const { return first_m + k * step_m; }
 };
 
-/// Borders of the range samples, one more than samples.
+/// Returns the borders of the range samples, one more than samples.
 std::vector<double> sample_borders_m(const RangeSamples& samples);
 
 }  // namespace tubefoot

@@ -7,12 +7,14 @@
 
 namespace tubefoot {
 
-/// Plane-wave pressure reflection coefficient of a flat fluid seabed with loss (Rayleigh; APL-UW TR 9407,
-/// section IV): with a = speed_ratio / (1 + i loss) and P = sqrt(a^-2 - cos^2), (density_ratio sin / P - 1) /
-/// (density_ratio sin / P + 1). 1 at grazing angle 0 would be -1. Its modulus is at most 1.
+/// Returns the plane-wave pressure reflection coefficient of a flat fluid seabed with loss (Rayleigh; APL-UW
+/// TR 9407, section IV):
+///     (density_ratio sin / P - 1) / (density_ratio sin / P + 1),
+/// with a = speed_ratio / (1 + i loss) and P = sqrt(a^-2 - cos^2). The coefficient is -1 at grazing angle 0.
+/// Its modulus is at most 1.
 std::complex<double> reflection_coefficient(const FluidSediment& seabed, double grazing_rad);
 
-/// Share of the energy that is reflected, the coefficient's squared modulus.
+/// Returns the share of the energy that is reflected: the squared modulus of the coefficient.
 double reflected_energy(const FluidSediment& seabed, double grazing_rad);
 
 }  // namespace tubefoot

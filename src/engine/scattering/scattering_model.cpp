@@ -8,6 +8,9 @@
 #include <cmath>
 #include <stdexcept>
 
+// Evaluates scattering models as sums of analytic terms, converts tables to such terms, and integrates the
+// albedo by Gauss quadrature with seven nodes per panel.
+
 namespace tubefoot {
 namespace {
 
@@ -98,7 +101,7 @@ ScatteringModel ScatteringModel::of_angle(double from_rad, double stretch, doubl
     const double from = std::max((piece.from - from_rad) / stretch, 0.0), own = from_rad + stretch * from;
     Piece other{from, last ? pi / 2 : to, {}};
     for (const Term& t : piece.terms) {
-      // The exponent at `from`, and how it goes on.
+      // The exponent at `from`, and its continuation.
       const double curvature = t.curvature * stretch * stretch;
       other.terms.push_back(
           {t.level * power_of(sines, t.power) *
@@ -167,13 +170,13 @@ double ScatteringModel::steepest_exponent() const {
       own = std::max(own, std::abs(t.slope) * (piece.to - piece.from) + t.curvature * piece.to * piece.to);
       steady = steady || (t.slope == 0 && t.curvature == 0);
     }
-    // Beside a term without an exponent, what has fallen by e^-100 is nothing.
+    // If a piece has a term without an exponent, terms that have decreased by e^-100 are negligible.
     most = std::max(most, steady ? std::min(own, 100.0) : own);
   }
   return most;
 }
 
-/// Int sqrt(sigma(s)) dOmega_s over the half space, on panels of a quarter of a degree or less.
+/// Returns Int sqrt(sigma(s)) dOmega_s over the half space, on panels of a quarter of a degree or less.
 double ScatteringModel::half_albedo() const {
   double sum = 0;
   for (const Piece& piece : pieces_) {

@@ -6,17 +6,20 @@
 #include <span>
 #include <vector>
 
-// docs/scattering.md
+// Scattering models: backscattering cross-section as a function of the grazing angle, by Lambert's law, by
+// the generic seafloor model of Lamarche et al. (2011) or by a table. Source and formulas:
+// docs/scattering.md.
 namespace tubefoot {
 
 /// Backscattering cross-section per unit area and steradian as a function of the grazing angle alone.
 ///
-/// Every law here is, between angles of incidence phi (from the normal), a sum of terms
-///     level e^(slope (phi - from) - curvature phi^2) cos(phi)^power,
-/// analytic in phi: what an integrator needs to know to be exact, or certain, about it.
+/// The angle of incidence phi is measured from the normal. Every model is piecewise a sum of terms
+///     level e^(slope (phi - from) - curvature phi^2) cos(phi)^power.
+/// The terms are analytic in phi, so an integrator can bound its error.
 ///
-/// Transmitter and separate receiver: sigma(i, s) = sqrt(sigma(i) sigma(s)), which is reciprocal because it
-/// is symmetric, is the law itself where both are in the same place, and is Lambert's for Lambert's.
+/// For a transmitter and a separate receiver sigma(i, s) = sqrt(sigma(i) sigma(s)). This is symmetric and
+/// therefore reciprocal. It equals the model itself for transmitter and receiver at one position, and
+/// Lambert's law for Lambert's law.
 class ScatteringModel {
  public:
   struct Term {
@@ -29,7 +32,7 @@ class ScatteringModel {
     std::vector<Term> terms{};
   };
 
-  /// Lambert's law, mu sin^2(grazing).
+  /// Returns Lambert's law, mu sin^2(grazing).
   static ScatteringModel lambert(double mu);
 
   /// Generic seafloor backscatter (Lamarche, Lurton, Verdier & Augustin 2011):
@@ -43,43 +46,46 @@ class ScatteringModel {
   /// below 0, or no level at all.
   static ScatteringModel gsab(const Gsab& parameters);
 
-  /// Backscatter strength 10 log10 sigma at grazing angles, linear in dB against the angle between them;
-  /// below the first angle it falls as sin^2 (as Lambert's), above the last one it is held. Throws
-  /// std::invalid_argument unless angles are in (0, 90], increasing, as many as levels and at least one, and
-  /// levels are finite, from -300 to 100 dB.
+  /// Returns a model of backscattering strengths 10 log10 sigma at grazing angles, linear in dB against the
+  /// angle between them. Below the first angle it decreases as sin^2 (as Lambert's law); above the last one
+  /// it is constant. Throws std::invalid_argument unless the angles are in (0, 90] and increasing, with one
+  /// level per angle and at least one. Levels must be finite, from -300 to 100 dB.
   static ScatteringModel table(std::span<const double> grazing_deg, std::span<const double> strength_db);
 
-  /// Monostatic cross-section; `sine` and `cosine` of the grazing angle, sine > 0, cosine >= 0.
+  /// Returns the monostatic cross-section, from sine and cosine of the grazing angle; sine > 0, cosine >= 0.
   double cross_section(double sine, double cosine) const;
   double cross_section(double grazing_rad) const;
 
-  /// This law as a function of another angle of incidence psi, from 0 to pi / 2, where its own is
-  /// from_rad + stretch psi and its sine of the grazing angle is `sines` times the other one's: the same
-  /// terms again. stretch > 0; where its own angle would be below 0, its first terms go on.
+  /// Returns this model as a function of another angle of incidence psi, from 0 to pi / 2. Its own angle is
+  /// from_rad + stretch psi, and its own sine of the grazing angle is `sines` times the other one. The result
+  /// has the same kind of terms. stretch > 0. If its own angle is below 0, its first terms are continued.
   ScatteringModel of_angle(double from_rad, double stretch, double sines) const;
 
-  /// In order of growing incidence; the last one ends at pi / 2.
+  /// Pieces by increasing angle of incidence; the last one ends at pi / 2.
   const std::vector<Piece>& pieces() const { return pieces_; }
-  /// The one that holds an angle of incidence.
+  /// Returns the number of the piece that contains an angle of incidence.
   std::size_t piece_at(double incidence_rad) const;
-  /// Cross-section by one piece's terms, wherever they are asked for.
+  /// Returns the cross-section from the terms of one piece, also for angles outside of it.
   static double in_piece(const Piece& piece, double incidence_rad, double sine);
-  /// Whether its slope is not 0 at normal incidence, so that it is no smooth function of position there.
+  /// Returns whether the slope is not 0 at normal incidence. The cross-section is then not a smooth function
+  /// of position there.
   bool is_pointed() const;
 
-  /// How fast it may grow in the complex plane: |sigma| <= exp(growth(y)) times its largest value over a
-  /// stretch of angles, y into the imaginary; powers of the sine are left out, as functions of range.
+  /// Returns a bound on the growth in the complex plane, for imaginary parts up to y. |sigma| is at most
+  /// exp(growth(y)) times its largest value over a range of angles. Powers of the sine are excluded, because
+  /// they are functions of range.
   double growth(double imaginary_rad) const;
-  /// Of the sine.
+  /// Returns the largest power of the sine.
   double largest_power() const;
 
-  /// The largest exponent that matters: how many times their own rounding its values may carry.
+  /// Returns the largest relevant exponent, which is the amplification of rounding errors in the values.
   double steepest_exponent() const;
 
-  /// What is scattered over what is received, Int sigma(i, s) dOmega_s / sin(i), at a grazing angle i.
+  /// Returns the ratio of scattered to received energy, Int sigma(i, s) dOmega_s / sin(i), at a grazing angle
+  /// i.
   double albedo(double grazing_rad) const;
-  /// The largest of all angles from least_checked_deg to 90 degrees, by tenths of a degree and the pieces'
-  /// ends.
+  /// Largest albedo for angles from least_checked_deg to 90 degrees, evaluated in steps of a tenth of a
+  /// degree and at the ends of the pieces.
   struct Albedo {
     double grazing_rad = 0, value = 0;
   };

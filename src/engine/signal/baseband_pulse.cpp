@@ -11,6 +11,10 @@
 
 #include "engine/relief/fourier.hpp"
 
+// Computes effective bandwidths of pulses from their spectra and from the jumps of their derivatives, and
+// fills the table of delayed pulses. Source: docs/signals.md, "Arbitrary pulses" and "What elements
+// receive".
+
 namespace tubefoot {
 
 BasebandPulse gaussian_pulse(double sigma_s, double left_out) {
@@ -27,8 +31,8 @@ BasebandPulse gaussian_pulse(double sigma_s, double left_out) {
 void set_flanks(BasebandPulse& pulse, double taper, double sweep_hz) {
   const double length_s = pulse.end_s - pulse.begin_s, flank_s = taper * length_s / 2,
                height = std::abs(pulse.at((pulse.begin_s + pulse.end_s) / 2)), pi = std::numbers::pi;
-  // A flank is height (1 - cos(pi x / flank)) / 2 from its foot up and as much less than the height from its
-  // top down.
+  // Near its foot a flank is height (1 - cos(pi x / flank)) / 2, and near its top the height minus this
+  // value.
   const double step = flank_s > 0 ? 0 : height,
                bend = flank_s > 0 ? height / 2 * std::pow(pi / flank_s, 2) : 0;
   pulse.breaks = {{pulse.begin_s, step, bend}};
@@ -38,15 +42,15 @@ void set_flanks(BasebandPulse& pulse, double taper, double sweep_hz) {
   }
   pulse.breaks.push_back({pulse.end_s, step, bend});
   pulse.flank_s = flank_s;
-  // Derivatives of e^{i a t^2}, a = pi sweep / length, of order n are about sqrt(2 n a / e)^n at most: of the
-  // orders that polynomials have, as of a turn of 3 sqrt(a) a second.
+  // Derivatives of e^{i a t^2} of order n, with a = pi sweep / length, are at most about sqrt(2 n a / e)^n.
+  // For the orders of the polynomials this corresponds to an angular frequency of 3 sqrt(a).
   pulse.part_bandwidth_hz = std::abs(sweep_hz) + 3 * std::sqrt(std::abs(sweep_hz) / length_s / pi);
 }
 
 namespace {
 
-/// The energy that breaks leave beyond a frequency, both signs: their amplitudes are step / (2 pi f) and
-/// bend / (2 pi f)^3, and those of several breaks add up as energies over frequencies.
+/// Energy beyond a frequency, for both signs, that comes from breaks. Their amplitudes are step / (2 pi f)
+/// and bend / (2 pi f)^3. The energies of several breaks are added.
 struct Tail {
   double of_steps = 0, of_bends = 0;
 
@@ -57,7 +61,7 @@ struct Tail {
       of_bends += 2 * std::pow(at.bend_per_s2 / (turn * turn * turn), 2) / 5;
     }
   }
-  /// From where on less than an energy is left.
+  /// Frequency beyond which less than the given energy remains.
   double frequency_of(double energy) const {
     return std::max(2 * of_steps / energy, std::pow(2 * of_bends / energy, 0.2));
   }
@@ -67,7 +71,7 @@ struct Tail {
 
 double weighed_bandwidth_hz(const BasebandPulse& pulse, int order) {
   constexpr int frequencies = 128;
-  // Four times as often as the band asks for: what is beyond comes back nowhere near it.
+  // Four times the sampling rate of the band, so that aliases lie far from the band.
   const double half = pulse.bandwidth_hz / 2, interval = 1 / (4 * pulse.bandwidth_hz);
   const int count = int(std::ceil((pulse.end_s - pulse.begin_s) / interval)) + 1;
   std::vector<std::complex<double>> values;
@@ -89,9 +93,9 @@ double weighed_bandwidth_hz(const BasebandPulse& pulse, int order) {
 }
 
 double resolved_bandwidth_hz(const BasebandPulse& pulse, int order, double tolerance) {
-  constexpr double farthest = 8;   // in halves of the bandwidth, if breaks do not tell of more
-  constexpr double margin = 1.25;  // what lies beyond comes back outside of what is looked at
-  constexpr double beyond = 0.1;   // of what may be left in all, that of what is not looked at
+  constexpr double farthest = 8;   // in halves of the bandwidth, without breaks
+  constexpr double margin = 1.25;  // keeps aliases outside of the evaluated band
+  constexpr double beyond = 0.1;   // share of the permitted error for frequencies beyond the evaluated band
   constexpr std::size_t least_samples = 1024, most_samples = std::size_t(1) << 20;
   const double most = 4 / (tolerance * tolerance), length_s = pulse.end_s - pulse.begin_s;
   double tail_hz = 0;
@@ -101,12 +105,13 @@ double resolved_bandwidth_hz(const BasebandPulse& pulse, int order, double toler
     for (int n = 0; n < parts; ++n)
       energy += std::norm(pulse.at(pulse.begin_s + (n + 0.5) / parts * length_s)) * length_s / parts;
     if (energy > 0) tail_hz = Tail(pulse).frequency_of(beyond * energy / most);
-    // Around the frequencies that the parts have.
+    // The tails surround the band of the parts.
     tail_hz += pulse.part_bandwidth_hz.value_or(pulse.bandwidth_hz) / 2;
   }
   const double reach_hz = std::max(farthest * pulse.bandwidth_hz / 2, tail_hz),
                rate_hz = 2 * margin * reach_hz;
-  // Tails as long as those of a pulse without flanks: all that is not left is resolved.
+  // Pulse with steps, whose tails are too long for a transform: the band resolves all except the permitted
+  // rest.
   if (tail_hz == reach_hz && length_s * rate_hz > double(most_samples))
     return 2 * tail_hz * std::pow(most, -0.5 / order);
   const auto held = std::size_t(std::ceil(length_s * rate_hz)) + 1;
@@ -115,7 +120,7 @@ double resolved_bandwidth_hz(const BasebandPulse& pulse, int order, double toler
   for (std::size_t k = 0; k < held; ++k) spectrum[k] = pulse.at(pulse.begin_s + double(k) / rate_hz);
   InverseTransforms(count).column(spectrum.data());
   const auto energy = [&](std::size_t n) { return std::norm(std::complex<double>(spectrum[n])); };
-  std::vector<double> energies{energy(0)};  // of f and -f
+  std::vector<double> energies{energy(0)};  // sums of f and -f
   for (std::size_t n = 1; n < count / 2 && double(n) / double(count) * rate_hz <= reach_hz; ++n)
     energies.push_back(energy(n) + energy(count - n));
   const double all = std::reduce(energies.begin(), energies.end());
@@ -158,14 +163,14 @@ PulseTable::PulseTable(const BasebandPulse& pulse, const SignalTimes& times, dou
       length_(std::size_t(std::ceil(end_)) + 1) {
   const auto rows = std::size_t(fractions) + 4;
   rows_.resize(rows * length_);
-  // By fractions of a sample from the begin on.
+  // Rows contain values at fractions of a sample, from the begin on.
   const auto last = std::ptrdiff_t(std::floor(end_ * fractions));
   const auto inside = [&](std::ptrdiff_t m) {
     return pulse.at(std::min(pulse.begin_s + double(m) / (fractions * times.rate_hz), pulse.end_s));
   };
   const auto at = [&](std::ptrdiff_t m) -> std::complex<double> {
     if (m >= 0 && m <= last) return inside(m);
-    // Next to the ends cubics go on.
+    // Next to the ends, cubics extrapolate.
     const std::ptrdiff_t from = m < 0 ? 0 : last, step = m < 0 ? 1 : -1, over = m < 0 ? -m : m - last;
     if (last < 3 || over > 2) return 0;
     const auto v0 = inside(from), v1 = inside(from + step), v2 = inside(from + 2 * step),
@@ -180,7 +185,8 @@ PulseTable::PulseTable(const BasebandPulse& pulse, const SignalTimes& times, dou
       rows_[row * length_ + p] = at(fine(row, p));
       peak_ = std::max(peak_, std::abs(rows_[row * length_ + p]));
     }
-  // A line is off by an eighth of the second difference; it is not taken across a break.
+  // Linear interpolation deviates by an eighth of the second difference. Differences across a break do not
+  // count.
   double bend = 0;
   for (std::size_t row = 1; row + 1 < rows; ++row)
     for (std::size_t p = 0; p < length_; ++p) {

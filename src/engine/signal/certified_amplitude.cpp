@@ -16,7 +16,7 @@ Ball hull(const Ball& a, const Ball& b) {
   return Ball::between(std::min(a.lo(), b.lo()), std::max(a.hi(), b.hi()));
 }
 
-/// The part of the way along an edge at which it is nearest to the origin.
+/// Fraction of an edge at which the edge is nearest to the origin.
 Ball nearest_part(const Point& a, const Point& step) {
   const Ball t = -(a.x * step.x + a.y * step.y) / (squared(step.x) + squared(step.y));
   if (!t.is_finite()) return Ball::between(0, 1);
@@ -30,13 +30,14 @@ Ball nearest_part(const Point& a, const Point& step) {
 
 Ball certified_mean_sine(std::span<const Point> points, const Ball& height, const ApexOverPlane& rx) {
   const Ball share = height / (height + rx.height), c_x = rx.x * share, c_y = rx.y * share;
-  const auto sine_at = [&](const Point& about) {  // from the place of shortest path
+  const auto sine_at = [&](const Point& about) {  // relative to the place of shortest path
     const auto sine = [&](const Ball& h, const Ball& x, const Ball& y) {
       return h / root(squared(h) + squared(about.x + x) + squared(about.y + y));
     };
     return (sine(height, c_x, c_y) + sine(rx.height, c_x - rx.x, c_y - rx.y)) / Ball(2.0);
   };
-  // The polygon's nearest place is that place itself, or on one of the edges: all that may be it count.
+  // The nearest point of the polygon is the place of shortest path itself or lies on an edge. All points
+  // that may be nearest are candidates.
   struct Candidate {
     Point at;
     Ball distance2;
@@ -53,7 +54,7 @@ Ball certified_mean_sine(std::span<const Point> points, const Ball& height, cons
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Point &p = points[i], &q = points[i + 1 == points.size() ? 0 : i + 1];
     const Point from{p.x - c_x, p.y - c_y}, step{q.x - p.x, q.y - p.y};
-    Ball left = from.x * step.y - from.y * step.x;  // positive where the place lies inwards
+    Ball left = from.x * step.y - from.y * step.x;  // positive on the inner side of the edge
     if (clockwise) left = -left;
     surely_inside = surely_inside && left.surely_positive();
     surely_outside = surely_outside || left.surely_negative();

@@ -7,8 +7,8 @@
 namespace tubefoot {
 namespace {
 
-/// The root with a real part that is not negative, of a number whose imaginary part is not: where that is 0
-/// and the real part negative, the one above the cut.
+/// Square root with non-negative real part of a number with non-negative imaginary part. On the branch cut
+/// (imaginary part 0, negative real part) the result is the limit from above.
 ComplexBall upper_root(const ComplexBall& z) {
   const Ball real = z.real();
   if (z.imaginary().surely_positive() || real.surely_positive()) return root(z);
@@ -17,19 +17,20 @@ ComplexBall upper_root(const ComplexBall& z) {
     if (real.surely_negative()) return {Ball(0.0), root(-real)};
     return {Ball::between(0, root(Ball(most)).hi()), Ball::between(0, root(Ball(-least)).hi())};
   }
-  // Somewhere about 0: no larger than the root of the modulus.
+  // The number may be close to 0. The root's modulus is at most the root of the largest modulus.
   const double size = root(Ball(z.largest())).hi();
   return {Ball::between(0, size), Ball::between(0, size)};
 }
 
 ComplexBall fluid_factor(const FluidSediment& seabed, const Ball& sine) {
   const Ball cosine2 = Ball(1.0) - squared(sine), loss(seabed.loss);
-  // Squared slowness relative to the water's: (1 + i loss)^2 / speed_ratio^2.
+  // Squared slowness relative to the water: (1 + i loss)^2 / speed_ratio^2.
   const Ball over = squared(Ball(seabed.speed_ratio));
   const ComplexBall square((Ball(1.0) - squared(loss)) / over, Ball(2.0) * loss / over);
   const ComplexBall p = upper_root(square - ComplexBall(cosine2)), across(Ball(seabed.density_ratio) * sine);
   const ComplexBall factor = (across - p) / (across + p);
-  if (!factor.is_finite() || factor.largest() > 1.5)  // a sine that may be anything, or along a like fluid
+  if (!factor.is_finite() || factor.largest() > 1.5)  // unbounded sine, or grazing incidence on a fluid like
+                                                      // water
     return {Ball::between(-1, 1), Ball::between(-1, 1)};
   return factor;
 }

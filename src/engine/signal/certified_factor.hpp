@@ -4,10 +4,10 @@
 #include "engine/signal/smooth_surface.hpp"
 #include "geometry/numbers/ball.hpp"
 
-// Heavy: include only in .cpp files.
+// Encloses the reflection factor of a smooth surface. Heavy: include only in .cpp files.
 namespace tubefoot {
 
-/// SmoothSurface::factor() in balls; of modulus at most 1 for a fluid, whatever `sine` may be.
+/// SmoothSurface::factor() in ball arithmetic. For a fluid the modulus is at most 1 for any `sine`.
 ComplexBall certified_factor(const SmoothSurface& surface, const Ball& sine, const Ball& wave_number);
 
 }  // namespace tubefoot

@@ -11,13 +11,16 @@
 #include "geometry/mesh/facet_cone.hpp"
 #include "geometry/steps/in_order.hpp"
 
+// Encloses the signals of smooth_signals() in ball arithmetic: closed-form pulses are integrated along the
+// edges of the visible polygons. Source: docs/smooth-surfaces.md, "Certified signals".
+
 namespace tubefoot {
 namespace {
 
-/// What a task takes: part of the summation's order.
+/// Polygons per task. The number determines the order of summation.
 constexpr std::size_t patches_per_task = 16;
 
-/// No bound.
+/// Marks a missing bound.
 const std::complex<double> open(std::numeric_limits<double>::infinity(),
                                 std::numeric_limits<double>::infinity());
 const ComplexBall imaginary_unit(Ball(0.0), Ball(1.0));
@@ -28,7 +31,7 @@ ComplexBall turned(const Ball& phase) {
   return {cosine, sine};
 }
 
-/// A pulse as waves by the length of their paths: those that are received at a time.
+/// Pulse as waves in the path length, at a given time of reception.
 class PulseWaves {
  public:
   PulseWaves(const TaperedChirp& pulse, double baseband_hz, double sound_speed, double absorption_db_per_m)
@@ -41,7 +44,8 @@ class PulseWaves {
     const Ball rate = (Ball(pulse.stop_hz) - Ball(pulse.start_hz)) / duration_;
     height_ = Ball(1.0) / root(duration_ * (Ball(1.0) - Ball(0.625) * taper_));
     flank_ = taper_ * duration_ / Ball(2.0);
-    // A path that is longer by x left x / c sooner: the phase of the pulse there, in powers of x.
+    // A path that is longer by x was transmitted x / c earlier. Coefficients of the pulse's phase there, in
+    // powers of x.
     linear_ = ComplexBall(-fade_, turn_ * Ball(pulse.start_hz) / speed_);
     square_ = ComplexBall(Ball(0.0), -(Ball::pi() * rate / squared(speed_)));
     swing_ = pulse.taper > 0 ? Ball::pi() / flank_ / speed_ : Ball(0.0);
@@ -63,7 +67,7 @@ class PulseWaves {
     const ComplexBall up = linear_ + imaginary_unit * ComplexBall(swing_),
                       down = linear_ - imaginary_unit * ComplexBall(swing_);
     if (with_flanks_) {
-      // (1 - cos(pi from end / flank)) / 2.
+      // Flank: (1 - cos(pi from end / flank)) / 2.
       const ComplexBall turn = turned(swing_ * speed_ * duration_),
                         back = turned(-(swing_ * speed_ * duration_));
       wave.stretches.push_back(
@@ -90,7 +94,7 @@ class PulseWaves {
   bool with_flanks_ = false, with_middle_ = true;
 };
 
-/// The samples that may receive paths.
+/// Range of samples that may receive paths of these lengths.
 std::pair<std::size_t, std::size_t> samples_of(double shortest_m, double longest_m, const TaperedChirp& pulse,
                                                const SignalTimes& times, double sound_speed) {
   const double first = (shortest_m / sound_speed - times.first_s) * times.rate_hz,
@@ -105,12 +109,12 @@ std::array<Ball, 3> between(glm::dvec3 from, glm::dvec3 to) {
   return {Ball(to.x) - Ball(from.x), Ball(to.y) - Ball(from.y), Ball(to.z) - Ball(from.z)};
 }
 
-/// A polygon as a channel's ends see it.
+/// Polygon as the ends of a channel see it.
 struct ReceivedPolygon {
   CertifiedPathEdges edges;
-  bool surely = true;  ///< both are on the side that is seen
+  bool surely = true;  ///< both ends certainly lie on the visible side
 };
-/// None where one of them is surely on the other side.
+/// None if one of the ends certainly lies on the other side.
 std::optional<ReceivedPolygon> received_polygon(const CertifiedSmoothSignals::Seen& seen,
                                                 const VisiblePolygons& patches, const VisiblePolygon& patch,
                                                 const SignalChannel& channel) {
@@ -127,7 +131,7 @@ std::optional<ReceivedPolygon> received_polygon(const CertifiedSmoothSignals::Se
                          tx.height.surely_positive() && back.height.surely_positive()};
 }
 
-/// Bounds of a patch's paths, in doubles but for their rounding.
+/// Bounds of the path lengths over a polygon, in doubles with a margin for rounding.
 std::pair<double, double> paths_of(const VisiblePolygons& patches, const VisiblePolygon& patch,
                                    const SignalChannel& channel) {
   const auto corners = patches.corners(patch);
@@ -137,7 +141,8 @@ std::pair<double, double> paths_of(const VisiblePolygons& patches, const Visible
     longest = std::max(longest, glm::distance(corner, tx) + glm::distance(corner, rx));
     reach = std::max(reach, glm::distance(corner, corners[0]));
   }
-  // A path changes by at most twice the way along the plane, and none is shorter than by the plane's mirror.
+  // The length of a path changes by at most twice the distance along the plane. No path is shorter than the
+  // specular path.
   const double heights = 2 * patch.distance_m + glm::dot(patch.normal, tx + rx);
   const glm::dvec3 apart = rx - tx;
   const double across2 = std::max(glm::dot(apart, apart) - std::pow(glm::dot(apart, patch.normal), 2), 0.0);
@@ -170,7 +175,7 @@ CertifiedSignals CertifiedSmoothSignals::of(const VisiblePolygons& patches,
   for (const VisiblePolygon& patch : patches.patches) edges += patch.corner_count;
   struct Part {
     std::vector<ComplexBall> sum;
-    std::vector<std::uint8_t> open;  ///< by sample: something in it has no bound, and is not in the sum
+    std::vector<std::uint8_t> open;  ///< per sample: some contribution has no bound and is not in the sum
   };
   const auto add_patch = [&](const VisiblePolygon& patch, std::size_t c, Part& part) {
     stop_if_wanted();
@@ -187,7 +192,8 @@ CertifiedSignals CertifiedSmoothSignals::of(const VisiblePolygons& patches,
     const ComplexBall reflection(Ball(surface->reflection.real()), Ball(surface->reflection.imag()));
     for (std::size_t k = first; k < end; ++k) {
       const PathWave wave = waves.at(times_.time_s(k));
-      // Of the pulse itself: nobody receives what is fainter, and no rule reaches as far as one likes.
+      // Relative to the pulse. Fainter contributions are negligible, and the quadrature does not reach
+      // arbitrarily small errors.
       const double faintest = std::max(1e-22 * wave.largest, 1e-300);
       const ComplexBall echo =
           reflection * received->edges.integral(

@@ -13,6 +13,9 @@
 #include "engine/visibility/far_view.hpp"
 #include "geometry/integrals/certified_waves.hpp"
 
+// Encloses backscattering lengths in ball arithmetic. Transforms of the view's triangles are summed, and the
+// displacement of the vertices by the grid is bounded. Source: docs/smooth-surfaces.md, "Target strength".
+
 namespace tubefoot {
 namespace {
 
@@ -27,8 +30,8 @@ BallVector between(glm::dvec3 from, glm::dvec3 to) {
   return {Ball(to.x) - Ball(from.x), Ball(to.y) - Ball(from.y), Ball(to.z) - Ball(from.z)};
 }
 
-/// Right, up and towards the viewer, as far_view() has them but for roundings: those of its axes displace
-/// vertices, like the grid.
+/// Axes right, up and towards the viewer, equal to those of far_view() except for rounding. The rounding of
+/// far_view()'s axes counts as a displacement of vertices, as that of the grid.
 EnclosedAxes axes_of(double azimuth_deg, double elevation_deg, glm::dvec3 upwards) {
   const Ball degree = Ball::pi() / Ball(180.0);
   Ball sine_a, cosine_a, sine_e, cosine_e;
@@ -41,7 +44,8 @@ EnclosedAxes axes_of(double azimuth_deg, double elevation_deg, glm::dvec3 upward
   return {right, cross(towards, right), towards};
 }
 
-/// A corner of the view from the middle of the body, across and towards the viewer, metres.
+/// Corner of the view relative to the middle of the body, across the line of sight and towards the viewer,
+/// in m.
 struct Corner {
   Ball x, y, z;
 };
@@ -56,7 +60,8 @@ Corner corner_of(glm::dvec3 from_apex, double radius_m) {
   return {scale * x, scale * y, scale * (height + z)};
 }
 
-/// A triangle of the view: its area across the line of sight, and its corners' places towards the viewer.
+/// Triangle of the view: its area across the line of sight, and the coordinates of its corners towards the
+/// viewer.
 struct SeenTriangle {
   FacetId facet;
   Ball area;
@@ -91,7 +96,8 @@ struct CertifiedStrength::State {
   std::span<const std::array<std::uint32_t, 3>> triangles;
   PlacedEdges edges;
 
-  /// Of the angle between the facet and the line of sight; from 0 to 1 where it has no plane.
+  /// Sine of the angle between the facet and the line of sight; the interval from 0 to 1 for a degenerate
+  /// facet.
   Ball sine(std::size_t facet, const BallVector& towards) const {
     const std::array<std::uint32_t, 3>& t = triangles[facet];
     const BallVector normal =
@@ -165,7 +171,8 @@ CertifiedStrength::Seen CertifiedStrength::towards(double azimuth_deg, double el
 double target_strength_bound_db(const CertifiedLength& length) {
   const double size = std::hypot(length.length_m.real(), length.length_m.imag());
   if (!(length.bound_m < size)) return std::numeric_limits<double>::infinity();
-  // The lower side is the wider one; both strengths and what is printed of them are rounded.
+  // The lower side of the interval is the wider one. The margin covers rounding of both strengths and of the
+  // printed values.
   return -20 / std::log(10.0) * std::log1p(-length.bound_m / size) * (1 + 1e-12) + 1e-12;
 }
 

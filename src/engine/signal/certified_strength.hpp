@@ -11,35 +11,35 @@
 
 #include "engine/signal/smooth_surface.hpp"
 
-// Backscattering lengths that are proven. docs/smooth-surfaces.md
+// Computes backscattering lengths with proven bounds. Source: docs/smooth-surfaces.md.
 namespace tubefoot {
 
-/// A number and how far the true one may be from it.
+/// Backscattering length with a bound of its error.
 struct CertifiedLength {
   std::complex<double> length_m;
-  double bound_m = 0;  ///< of the modulus of the difference
-  double grid_m = 0;   ///< what of it is because the view's vertices lie on a grid
+  double bound_m = 0;  ///< bound of the modulus of the difference
+  double grid_m = 0;   ///< part of the bound that comes from the grid of the view's vertices
 };
 
-/// What backscattering_lengths() computes, in balls, with everything between the mesh's numbers and the
-/// result in the bound: the line of sight from its angles, the vertices that the view puts on a grid, the
-/// corners' rounding, divided differences, reflection and roughness, sums. The mesh's coordinates, angles,
-/// frequencies and the surface's numbers are taken as the doubles that they are.
+/// Backscattering lengths as backscattering_lengths(), in ball arithmetic. The bound includes all errors
+/// between the mesh and the result. Their sources are the direction from its angles, the grid of the view's
+/// vertices, rounded corners, divided differences, reflection, roughness and sums. Coordinates, angles,
+/// frequencies and the values of the surface count as exact doubles.
 class CertifiedStrength {
  public:
   struct Seen {
-    std::vector<CertifiedLength> lengths;  ///< by frequency
+    std::vector<CertifiedLength> lengths;  ///< per frequency
     double silhouette_m2 = 0;
   };
 
-  /// The mesh must outlive this.
+  /// The mesh must outlive this object.
   CertifiedStrength(std::span<const glm::dvec3> points_m,
                     std::span<const std::array<std::uint32_t, 3>> triangles);
   ~CertifiedStrength();
 
-  /// From where sonar_direction() has the sonar. Throws std::invalid_argument as far_view() does, and for a
-  /// sound speed that is not positive. Any number of threads may call it.
-  /// Law Q10 (certain): the length of exact arithmetic lies within the bound.
+  /// Lengths as seen from the direction of sonar_direction(). Throws std::invalid_argument for a sound speed
+  /// that is not positive, and the exceptions of far_view(). Thread-safe.
+  /// Law Q10 (certain): the exact length lies within the bound.
   Seen towards(double azimuth_deg, double elevation_deg, const SmoothSurface& surface, double sound_speed,
                std::span<const double> frequencies_hz) const;
 
@@ -48,7 +48,8 @@ class CertifiedStrength {
   std::unique_ptr<State> state_;
 };
 
-/// Half-width [dB] of the target strengths of all lengths within the bound: infinite where 0 is one of them.
+/// Half-width in dB of the target strengths of all lengths within the bound. Infinite if 0 is one of these
+/// lengths.
 double target_strength_bound_db(const CertifiedLength& length);
 
 }  // namespace tubefoot

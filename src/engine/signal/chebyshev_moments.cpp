@@ -9,12 +9,15 @@
 #include <numbers>
 #include <stdexcept>
 
+// Accumulates moments of scatterers in Chebyshev polynomials over the rectangles of a chunk, and converts
+// the moments to amplitudes at the nodes. Source: docs/signals.md, "What elements receive".
+
 namespace tubefoot {
 
 ChebyshevNodes::ChebyshevNodes(double tolerance) {
   if (!(tolerance >= 1e-12 && tolerance <= 0.1))
     throw std::invalid_argument(fmt::format("a tolerance must be from 1e-12 to 0.1, not {}", tolerance));
-  // At n nodes the remainder is at most change^n / (2^(n-1) n!).
+  // With n nodes the remainder is at most change^n / (2^(n-1) n!).
   double factorial = 1;
   for (int n = 1; n <= most; ++n) {
     factorial *= n;
@@ -44,7 +47,7 @@ bool ChebyshevMoments::begin(const SmoothPieces::Chunk& chunk, glm::dvec3 tx_m, 
   const glm::dvec3 half_u = chunk.count_u * chunk.size_m.x / 2 * chunk.u,
                    half_v = chunk.count_v * chunk.size_m.y / 2 * chunk.v,
                    middle = chunk.corner_m + half_u + half_v;
-  double apart = 0;  // of the ends from their middle, both ways
+  double apart = 0;  // largest distance of ends from their middle, summed over both legs
   for (const auto* ends : {&extent.transmit_m, &extent.receive_m}) {
     double most = 0;
     for (const glm::dvec3& end : *ends) most = std::max(most, glm::distance(end, (*ends)[0]));

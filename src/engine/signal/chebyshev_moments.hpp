@@ -9,13 +9,13 @@
 
 namespace tubefoot {
 
-/// How many nodes interpolate e^{i change x} on -1 .. 1 how well.
+/// Number of Chebyshev nodes that interpolate e^{i change x} on -1 .. 1 within a tolerance.
 class ChebyshevNodes {
  public:
   static constexpr int most = 12;
-  /// `tolerance`: the largest error.
+  /// `tolerance`: largest error.
   explicit ChebyshevNodes(double tolerance);
-  /// With `most` of them.
+  /// Largest change that `most` nodes resolve.
   double most_change() const { return change_[most]; }
   int nodes_for(double change_rad) const;
 
@@ -23,26 +23,27 @@ class ChebyshevNodes {
   std::array<double, most + 1> change_{};
 };
 
-/// Scatterers of a chunk as equivalent ones at the nodes of its rectangles. A function that is interpolated
-/// well by polynomials, sum_m l_m(x) f(x_m), has
-///     sum_j z_j f(x_j) = sum_m f(x_m) sum_j z_j l_m(x_j),
-/// and the inner sums know nothing of f. They are gathered as moments of Chebyshev polynomials.
+/// Replaces the scatterers of a chunk by equivalent ones at the nodes of its rectangles. For a function f
+/// that polynomials interpolate well, sum_m l_m(x) f(x_m),
+///     sum_j z_j f(x_j) = sum_m f(x_m) sum_j z_j l_m(x_j).
+/// The inner sums do not depend on f. They are accumulated as moments of Chebyshev polynomials.
 class ChebyshevMoments {
  public:
   explicit ChebyshevMoments(const ChebyshevNodes& nodes) : nodes_(nodes) {}
 
-  /// False where no way by the chunk, to any of the extent's ends, is between those lengths.
+  /// Selects a chunk. Returns false if no path over the chunk to any ends of the extent has a length between
+  /// the given ones.
   bool begin(const SmoothPieces::Chunk& chunk, glm::dvec3 tx_m, glm::dvec3 rx_m, const SignalExtent& extent,
              double shortest_m, double longest_m);
-  /// How many nodes the chunk at hand has.
+  /// Number of nodes of the selected chunk.
   double nodes() const {
     return double(chunk_->count_u) * double(chunk_->count_v) * double(u_.count * v_.count);
   }
-  /// Makes room for the moments of the chunk at hand.
+  /// Sets the moments of the selected chunk to 0.
   void clear();
-  /// A place on the chunk's plane, after clear().
+  /// Adds a scatterer on the plane of the chunk. Call clear() first.
   void add(glm::dvec3 place_m, std::complex<double> amplitude);
-  /// Calls take(place, amplitude) for the nodes of rectangles that have scatterers.
+  /// Calls take(place, amplitude) for the nodes of all rectangles that contain scatterers.
   template <class Take>
   void tell(const Take& take) {
     for (int j = 0; j < chunk_->count_v; ++j)
@@ -54,7 +55,7 @@ class ChebyshevMoments {
   }
 
  private:
-  /// Chebyshev's nodes of the first kind, and what turns moments into amplitudes there.
+  /// Chebyshev nodes of the first kind, and the weights that convert moments to amplitudes at the nodes.
   struct Axis {
     int count = 0;
     std::array<double, ChebyshevNodes::most> node{};
@@ -71,7 +72,7 @@ class ChebyshevMoments {
   const SmoothPieces::Chunk* chunk_ = nullptr;
   Axis u_, v_;
   std::vector<std::complex<double>> moment_;  // [rectangle][v][u]
-  std::vector<char> any_;                     // by rectangle
+  std::vector<char> any_;                     // per rectangle: has scatterers
   std::array<std::complex<double>, ChebyshevNodes::most * ChebyshevNodes::most> told_{};
 };
 

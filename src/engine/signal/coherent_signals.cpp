@@ -15,18 +15,21 @@
 #include "engine/signal/surface_scatterers.hpp"
 #include "geometry/steps/in_order.hpp"
 
+// Computes signals of a scene-fixed field by moments of its scatterers, independent draws by Gauss nodes,
+// and covariances by sums over the same nodes. Source: docs/signals.md.
+
 namespace tubefoot {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-/// What a task takes: part of the summation's order.
+/// Work per task. The numbers determine the order of summation.
 constexpr std::size_t scatterers_per_task = 4096, patches_per_task = 64;
 
 double wavenumber(const CoherentReceiver& receiver) {
   return 2 * pi * receiver.carrier_hz / receiver.sound_speed_m_s;
 }
 
-/// The middle of places: of the box that holds them.
+/// Middle of the bounding box of all ends of one kind.
 glm::dvec3 middle_of(const CoherentReceiver& receiver, glm::dvec3 SignalChannel::*end) {
   glm::dvec3 low = receiver.channels[0].*end, high = low;
   for (const SignalChannel& channel : receiver.channels) {
@@ -36,14 +39,16 @@ glm::dvec3 middle_of(const CoherentReceiver& receiver, glm::dvec3 SignalChannel:
   return (low + high) / 2.0;
 }
 
-/// `products`: of two channels; else of single ones, less the phase of a way to the middle of all ends.
+/// `products`: for products of two channels. Otherwise for single channels, relative to the phase of a path
+/// to the middle of all ends.
 SignalExtent extent_of(const CoherentReceiver& receiver, const Path& path, bool products, double tolerance) {
   SignalExtent extent;
   extent.products = products;
   extent.wavenumber_rad_m = wavenumber(receiver);
-  // n nodes leave 2 |K / 2|^n / n! of a frequency, n at most ChebyshevNodes::most; rules of Gauss, whose
-  // order is twice their nodes, E|K|^2n over differences of two. By Minkowski's inequality means of lower
-  // orders are below that of the highest, and those of differences below twice the frequency's.
+  // Interpolation with n nodes leaves the error 2 |K / 2|^n / n! of a frequency, with n at most
+  // ChebyshevNodes::most. Gauss rules of n nodes leave an error proportional to E|K|^2n, where K is the
+  // difference of two frequencies. By Minkowski's inequality, means of lower orders are below that of the
+  // highest order. Means of differences are below twice those of the frequencies.
   extent.band_rad_m = 2 * pi / receiver.sound_speed_m_s *
                       (products ? weighed_bandwidth_hz(receiver.pulse, 2 * most_rule_nodes)
                                 : resolved_bandwidth_hz(receiver.pulse, ChebyshevNodes::most, tolerance) / 2);
@@ -67,13 +72,13 @@ SignalExtent extent_of(const CoherentReceiver& receiver, const Path& path, bool 
   return extent;
 }
 
-/// All channels on the patch at hand.
+/// All channels on the current polygon.
 class ChannelsOnPolygon {
  public:
   ChannelsOnPolygon(const VisiblePolygons& seen, const CoherentReceiver& receiver, const EchoModel& model)
       : seen_(seen), receiver_(receiver), model_(model), wavenumber_(wavenumber(receiver)) {}
 
-  /// False where nothing comes back from.
+  /// Selects a polygon. Returns false if no channel receives an echo from it.
   bool look_at(const VisiblePolygon& patch) {
     on_.clear();
     bool any = false;
@@ -86,7 +91,7 @@ class ChannelsOnPolygon {
   }
   const SurfaceProperties& seabed() const { return seabed_; }
 
-  /// Calls take(channel, amplitude with its phase, delay) for each that faces the patch.
+  /// Calls take(channel, amplitude with phase, delay) for each channel that faces the polygon.
   template <class Take>
   void hear(glm::dvec3 place_m, std::complex<double> strength, double less_m, const Take& take) const {
     for (std::size_t c = 0; c < on_.size(); ++c) {
@@ -118,7 +123,7 @@ ChannelSignals zero_signals(const CoherentReceiver& receiver) {
   return signals;
 }
 
-/// Cuts work into tasks and adds up what they make, in order.
+/// Divides work into tasks and adds their results in a fixed order.
 template <class Make>
 void in_tasks(std::size_t count, std::size_t per_task, Values& all, const Make& make) {
   in_order(
@@ -131,7 +136,7 @@ void in_tasks(std::size_t count, std::size_t per_task, Values& all, const Make& 
       [&](std::size_t, const Values& part) { add_up(all, part); });
 }
 
-/// The field's scatterers on one patch after the other, as channels are reported of them.
+/// Passes the field's scatterers on one polygon after the other to the channels, directly or as moments.
 class ScatterersOnPolygon {
  public:
   ScatterersOnPolygon(const VisiblePolygons& patches, const CoherentReceiver& receiver,
@@ -144,7 +149,8 @@ class ScatterersOnPolygon {
                 receiver.sound_speed_m_s),
         moments_(nodes) {}
 
-  /// Calls receive(place, strength, less): channels' phases are those of their ways less the last [m].
+  /// Calls hear(place, strength, less). The channels' phases are those of their path lengths minus `less`,
+  /// in m.
   template <class Hear>
   void tell(const VisiblePolygon& patch, const SurfaceProperties& seabed, const SignalExtent& extent,
             const SmoothPieces& pieces, const Hear& hear) {
@@ -157,7 +163,7 @@ class ScatterersOnPolygon {
       if (!moments_.begin(chunk, tx, rx, extent, first_m_, last_m_)) continue;
       corners_.clear();
       for (const glm::dvec2 p : chunk.polygon) corners_.push_back(patches_.origin_m + chunk.at(p));
-      // Few scatterers cost less each by itself than as nodes.
+      // A few scatterers cost less individually than as nodes.
       const bool few = area_of(chunk.polygon) / scatterer_m2 < moments_.nodes();
       if (!few) moments_.clear();
       field_.for_scatterers(corners_, patch.normal, [&](glm::dvec3 place, std::complex<double> z) {
@@ -199,7 +205,7 @@ ChannelSignals moving_signals(const VisiblePolygons& patches, const MovingEnds& 
                stop_if_wanted();
                const VisiblePolygon& patch = patches.patches[number];
                if (!channels.look_at(patch)) continue;
-               // Pieces about the ends where they are while the patch is received.
+               // Pieces for the positions of the ends during the echo of the polygon.
                const SmoothPieces pieces(channels.extent(), nodes.most_change());
                scatterers.tell(patch, channels.seabed(), channels.extent(), pieces,
                                [&](glm::dvec3 at, std::complex<double> strength, double less_m) {

@@ -12,10 +12,14 @@
 #include "engine/echo/texture_cells.hpp"
 #include "geometry/steps/stop.hpp"
 
+// Integrates products of two channels over the parts of polygons that lie in given range samples of both.
+// The parts are cut along the range ellipses of both channels. Source: docs/signals.md, "Range bins as
+// gates".
+
 namespace tubefoot {
 namespace {
 
-/// Patches that a task takes: part of the summation's order.
+/// Polygons per task. The number determines the order of summation.
 constexpr std::size_t patches_per_task = 32;
 
 bool same(const Directivity& a, const Directivity& b) {
@@ -27,7 +31,7 @@ bool same(const SignalChannel& a, const SignalChannel& b) {
          same(a.receive, b.receive);
 }
 
-/// Sums up the patches of a task.
+/// Sums over the polygons of a task.
 class GatedIntegral {
  public:
   GatedIntegral(const VisiblePolygons& seen, const SignalChannel& a, const SignalChannel& b,
@@ -64,7 +68,7 @@ class GatedIntegral {
                [&](const PlanarPolygon& part) { add(part, a, b); });
   }
 
-  /// Adds to covariances.
+  /// Adds the sums to covariances.
   void tell(std::vector<std::complex<double>>& all) const {
     const std::size_t width = sums_.size();
     for (std::size_t band = 0; band < width; ++band)
@@ -100,7 +104,7 @@ class GatedIntegral {
                          a_.receive.gain(a.path().rx.direction(p, back));
           },
           work, sums_[std::size_t(reach_)]);
-    // Both of b's ends over the plane, in a's coordinates.
+    // Both ends of channel b above the plane, in the coordinates of channel a.
     const auto over = [&](glm::dvec3 place_m) {
       const glm::dvec3 from_a = place_m - a.transmit_m();
       return PathCutter::Receiver{a.plane().distance_m + glm::dot(a.plane().normal, from_a),
@@ -154,7 +158,7 @@ class GatedIntegral {
   std::vector<glm::dvec3> corners_;
   PlanarPolygon polygon_;
   TextureCells cells_;
-  std::vector<std::vector<double>> sums_;  // by band; `values()` a sample
+  std::vector<std::vector<double>> sums_;  // by band; `values()` per sample
 };
 
 }  // namespace
@@ -184,7 +188,7 @@ SampleCovariances gated_covariances(const VisiblePolygons& patches, const Signal
     throw std::invalid_argument(fmt::format("a tolerance must be above 0, not {}", tolerance));
   SampleCovariances all;
   all.samples = samples.count;
-  // No half way differs by more between the channels than half of what their ends are apart.
+  // Half paths of the two channels differ by at most half of the distances between their ends.
   const double apart = glm::distance(a.transmit_m, b.transmit_m) + glm::distance(a.receive_m, b.receive_m);
   all.reach =
       same(a, b) ? 0 : int(std::min(std::ceil(apart / 2 / samples.step_m), double(samples.count - 1)));

@@ -17,7 +17,7 @@ std::vector<std::complex<double>> LowRankFactor::times(const std::vector<std::co
 }
 
 LowRankFactor low_rank_factor(CovarianceMatrix matrix, double tolerance) {
-  constexpr double rounding = 1e-10;  // of the largest variance
+  constexpr double rounding = 1e-10;  // relative to the largest variance
   const std::size_t n = matrix.size;
   if (n == 0 || matrix.value.size() != n * n)
     throw std::invalid_argument(fmt::format(

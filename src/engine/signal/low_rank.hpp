@@ -7,7 +7,7 @@
 
 namespace tubefoot {
 
-/// A Hermitian matrix, row-major.
+/// Hermitian matrix, row-major.
 struct CovarianceMatrix {
   std::size_t size = 0;
   std::vector<std::complex<double>> value;
@@ -16,21 +16,20 @@ struct CovarianceMatrix {
   std::complex<double> at(std::size_t row, std::size_t column) const { return value[row * size + column]; }
 };
 
-/// L of R = L L^H + rest, L with as few columns as leave a rest of small trace.
+/// Factor L of R = L L^H + rest, with the fewest columns for which the trace of the rest is small.
 struct LowRankFactor {
   std::size_t size = 0, rank = 0;
   std::vector<std::complex<double>> column;  ///< [rank][size]
-  double rest = 0;                           ///< trace of what is left out, over the trace
+  double rest = 0;                           ///< trace of the rest, relative to the trace
 
-  /// L z.
+  /// Product L z.
   std::vector<std::complex<double>> times(const std::vector<std::complex<double>>& z) const;
 };
 
-/// Cholesky's factor with the largest pivot first, which stops where the rest's trace is below `tolerance`
-/// times the trace (Harbrecht, Peters & Schneider, Appl. Numer. Math. 62, 2012). The rest is positive
-/// semi-definite, so that no entry of it is larger than its trace.
-/// Throws std::invalid_argument for a matrix that has a negative pivot larger than rounding: it is none of
-/// covariances.
+/// Cholesky factor with the largest pivot first. The factorisation stops when the trace of the rest is below
+/// `tolerance` times the trace (Harbrecht, Peters & Schneider, Appl. Numer. Math. 62, 2012). The rest is
+/// positive semi-definite, so no entry of the rest exceeds its trace. Throws std::invalid_argument for a
+/// negative pivot beyond rounding, because such a matrix is not a covariance matrix.
 LowRankFactor low_rank_factor(CovarianceMatrix matrix, double tolerance = 1e-12);
 
 }  // namespace tubefoot

@@ -9,16 +9,20 @@
 
 #include "engine/echo/quadratures.hpp"
 
+// Evaluates channels with moving ends on visible polygons. Each echo has the exact travel times of its own
+// points in time (MovingPulse). The extent for cutting polygons takes the ends' positions while the echo
+// arrives. Source: docs/signals.md.
+
 namespace tubefoot {
 namespace {
 
-/// Of a wavelength, what tables may be off their ways.
+/// Error of tabulated motions, in wavelengths.
 constexpr double way_tolerance = 1e-10;
-/// Of its speed: beside this a way has no end in practice.
+/// Largest speed relative to the sound speed. Close to 1, times of reception cannot be computed.
 constexpr double as_fast_as_sound = 0.99;
-/// Nearer than this ranges are not resolved for how finely ways are followed.
+/// Smallest range for the choice of time steps.
 constexpr double nearest_of_all_m = 1e-3;
-/// Of amplitudes, per relative change of a range (smooth_pieces.cpp).
+/// Rate of amplitudes per relative change of range, in rad (smooth_pieces.cpp).
 constexpr double amplitude_rad = 8;
 
 std::size_t known(std::vector<TabulatedMotion>& motions, TabulatedMotion motion) {
@@ -28,7 +32,7 @@ std::size_t known(std::vector<TabulatedMotion>& motions, TabulatedMotion motion)
   return motions.size() - 1;
 }
 
-/// The middle of the box that holds them first, then all.
+/// Lists the middle of the bounding box first, then all places.
 void list_ends(const std::vector<glm::dvec3>& places, glm::dvec3 origin_m, std::vector<glm::dvec3>& ends) {
   glm::dvec3 low = places[0], high = low;
   for (const glm::dvec3& place : places) {
@@ -97,8 +101,8 @@ bool MovingChannels::look_at(const VisiblePolygon& patch) {
   double radius = 0;
   for (const glm::dvec3& corner : corners) radius = std::max(radius, glm::distance(corner, centre));
 
-  // Where the ends are when the middle of the pulse comes by the centre, and how long before and after that
-  // the patch is received.
+  // Positions of the ends when the middle of the pulse is at the centre. The echo of the polygon arrives
+  // within half_s before or after the echo of the centre.
   std::vector<glm::dvec3> senders;
   std::vector<glm::dvec3>& receivers = near_m_;
   receivers.clear();

@@ -5,21 +5,24 @@
 #include <cmath>
 #include <numbers>
 
+// Solves the travel-time equation of moving ends by Newton's method, and interpolates path lengths over
+// parts of a pulse by parabolas. The envelope is a table of cubics. Source: docs/signals.md.
+
 namespace tubefoot {
 namespace {
 
-/// Cubics through four values leave 0.0234 (pi / 48)^4 = 4e-7 of the highest frequency that a rate holds, and
-/// less of others.
+/// Interpolation by cubics leaves the error 0.0234 (pi / 48)^4 = 4e-7 at the highest frequency of the
+/// sampling rate. The error at other frequencies is smaller.
 constexpr double cubics_per_sample = 48;
-/// Of the pulse's height, next to where its flanks begin and end.
+/// Relative to the height of the pulse, next to the ends of its flanks.
 constexpr double break_error = 1e-6, most_cubics = 1e6;
 constexpr double off_wavelengths = 1e-9;
 constexpr std::size_t most_parts = 1 << 14;
-/// Turns are multiplied up for so many samples; then their rounding is shed.
+/// Number of samples over which phase factors are multiplied up before their rounding errors are reset.
 constexpr std::size_t turns_together = 64;
 constexpr int most_steps = 100;
 
-/// e^{ix}, quickly where x is small.
+/// e^{ix}, by a series for small x.
 std::complex<double> turn(double x) {
   if (std::abs(x) > 1.0 / 16) return std::polar(1.0, x);
   const double y = x * x;
@@ -31,7 +34,7 @@ std::complex<double> product(std::complex<double> a, std::complex<double> b) {
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
 
-/// A parabola through three values, by times.
+/// Parabola through three values at given times.
 struct Parabola {
   double at_0, time_0, time_1, slope, bend;
   Parabola(const double (&time)[3], const double (&per)[3], double v0, double v1, double v2)
@@ -52,10 +55,10 @@ MovingPulse::MovingPulse(const BasebandPulse& pulse, const SignalTimes& times, d
       sound_speed_m_s_(sound_speed_m_s),
       per_c_(1 / sound_speed_m_s),
       wavenumber_rad_m_(2 * std::numbers::pi * carrier_hz / sound_speed_m_s) {
-  // Cubics end where the pulse does, so that a pulse may jump there.
+  // The last cubic ends with the pulse, so that the pulse may jump there.
   const double length_s = end_s_ - begin_s_;
   double cubics = length_s * times.rate_hz * cubics_per_sample;
-  // A cubic on which a break lies is off by what it makes of the cubic's length.
+  // The error of a cubic that contains a break is that of the break over the cubic's length.
   const double peak = std::abs(pulse.at(pulse.begin_s + length_s / 2));
   for (const PulseBreak& at : pulse.breaks)
     if (peak > 0)
@@ -70,7 +73,7 @@ MovingPulse::MovingPulse(const BasebandPulse& pulse, const SignalTimes& times, d
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t first = std::clamp<std::size_t>(k, 1, count - 2) - 1;
     const std::complex<double>* v = &value[first];
-    // Newton's form from the first value, moved to where the cubic begins.
+    // Newton's form from the first value, shifted to the begin of the cubic.
     const auto d1 = v[1] - v[0], d2 = (v[2] - 2.0 * v[1] + v[0]) / 2.0,
                d3 = (v[3] - 3.0 * v[2] + 3.0 * v[1] - v[0]) / 6.0;
     const double o = double(k) - double(first);
@@ -82,7 +85,7 @@ MovingPulse::MovingPulse(const BasebandPulse& pulse, const SignalTimes& times, d
 MovingPulse::Steps MovingPulse::steps_for(const MotionBounds& transmit, const MotionBounds& receive,
                                           double nearest_m) const {
   const double c = sound_speed_m_s_, wavelength = 2 * std::numbers::pi / wavenumber_rad_m_;
-  // Of a range its second and third derivatives by time.
+  // Bounds of the second and third time derivative of a range.
   const auto second = [&](const MotionBounds& motion) {
     return motion.speed_m_s * motion.speed_m_s / nearest_m + motion.acceleration_m_s2;
   };
@@ -97,7 +100,8 @@ MovingPulse::Steps MovingPulse::steps_for(const MotionBounds& transmit, const Mo
                           3 * tx * stretch * (tx * stretch * stretch + rx) / (c * (1 - beta))) /
                          (1 - beta);
   Steps steps;
-  // A parabola through both ends and the middle leaves |u (u^2 - h^2)| / 6 <= 0.0642 h^3 of it.
+  // A parabola through both ends and the middle leaves the error |u (u^2 - h^2)| / 6 <= 0.0642 h^3 times the
+  // third derivative.
   if (of_path > 0) {
     const double longest = std::cbrt(off_wavelengths * wavelength / (0.0642 * of_path));
     const double parts = std::ceil(half_s() * stretch / longest);
@@ -152,7 +156,7 @@ void MovingPulse::add(const Passing& passing, const TabulatedMotion& receive, st
     const Parabola path(time, per, a.path_m, b.path_m, c.path_m);
     if (passing.smooth[part] && receive.is_smooth(a.time_s, c.time_s)) {
       const Parabola amplitude(time, per, a.amplitude, b.amplitude, c.amplitude);
-      // By samples n after the anchor the path is first + n (step + n bend).
+      // The path n samples after the anchor is first + n (step + n bend).
       const double bend_m = path.bend * step_s * step_s;
       const std::complex<double> bend = turn(2 * k * bend_m);
       for (std::size_t anchor = from; anchor < to; anchor += turns_together) {

@@ -11,45 +11,49 @@
 #include "engine/signal/baseband_pulse.hpp"
 #include "engine/signal/platform_motion.hpp"
 
+// Computes the echo of a place at rest with moving ends from the exact travel times, without a Doppler
+// formula. The travel time fulfils c (t - s) = |x - T(s)| + |x - R(t)| for transmission at s and reception
+// at t.
+
 namespace tubefoot {
 
-/// A pulse as ends that move receive it of a place x at rest. What is received at t was sent at s,
-///     c (t - s) = L(t) = |x - T(s)| + |x - R(t)|,
-/// and makes the signal A g(s) e^{ikL(t)}: the pulse is stretched and its carrier shifted as the ways say, by
-/// no formula of Doppler's. Over short parts of a pulse L(t) is a parabola through three exact ways, to 1e-9
-/// of a wavelength at most; where a way bends meanwhile, each sample's own way is found.
+/// Pulse as moving ends receive it from a place x at rest. The pulse received at t was transmitted at s with
+///     c (t - s) = L(t) = |x - T(s)| + |x - R(t)|.
+/// The signal is A g(s) e^{ikL(t)}, so the motion itself stretches the pulse and shifts its carrier. Over
+/// short parts of a pulse, L(t) is a parabola through three exact path lengths, with an error of at most
+/// 1e-9 wavelengths. If a motion is not smooth within a part, the path length of each sample is computed.
 class MovingPulse {
  public:
   MovingPulse(const BasebandPulse& pulse, const SignalTimes& times, double carrier_hz,
               double sound_speed_m_s);
 
-  /// How finely ways are followed.
+  /// Resolution in time.
   struct Steps {
-    std::size_t parts = 1;  ///< of the pulse
-    double newton_s = 0;    ///< a step of Newton's method after which nothing is left to find
+    std::size_t parts = 1;  ///< number of parts of the pulse
+    double newton_s = 0;    ///< step of Newton's method after which the remaining error is negligible
   };
-  /// For ends that move no faster than these, at places no nearer than `nearest_m`.
+  /// For ends that are no faster than these bounds, at places no nearer than `nearest_m`.
   Steps steps_for(const MotionBounds& transmit, const MotionBounds& receive, double nearest_m) const;
 
-  /// A transmitter's pulse as it passes a place.
+  /// Pulse of a transmitter at a place.
   struct Passing {
     const TabulatedMotion* transmit = nullptr;
-    std::vector<double> sent_s;      ///< two for a part, and the end
-    std::vector<glm::dvec3> from_m;  ///< where the transmitter is then
-    std::vector<char> smooth;        ///< by part
+    std::vector<double> sent_s;      ///< two times per part, and the end
+    std::vector<glm::dvec3> from_m;  ///< position of the transmitter at these times
+    std::vector<char> smooth;        ///< per part
     glm::dvec3 place_m{0};
     std::vector<double> tx_m, there_s;
   };
   Passing send(const TabulatedMotion& transmit, std::size_t parts) const;
   void pass(glm::dvec3 place_m, Passing& passing) const;
 
-  /// What comes back of a passing pulse.
+  /// Echo of a point of the pulse.
   struct Echo {
     double time_s = 0, path_m = 0, amplitude = 0;
   };
-  /// Adds strength A g e^{ik(L - less)} to out[sample]. `near_m`: where the receiver is about then.
-  /// `amplitude(from_m, to_m, tx_m, rx_m)`: A, the ends being there; `even`: one for all of the pulse will
-  /// do. `echoes` is room to work in.
+  /// Adds strength * A g e^{ik(L - less)} to out[sample]. `near_m`: approximate position of the receiver at
+  /// that time. `amplitude(from_m, to_m, tx_m, rx_m)`: A for these positions of the ends. `even`: one
+  /// amplitude suffices for the whole pulse. `echoes`: buffer.
   template <class Amplitude>
   void add(const Passing& passing, const TabulatedMotion& receive, glm::dvec3 near_m, double newton_s,
            std::complex<double> strength, double less_m, bool even, const Amplitude& amplitude,
@@ -77,10 +81,10 @@ class MovingPulse {
   double half_s() const { return (end_s_ - begin_s_) / 2; }
 
  private:
-  /// A time that is known as well as clocks tell.
+  /// Accuracy of times that floating-point arithmetic permits.
   static constexpr double exact_s = 1e-14;
   struct Reception {
-    double time_s, rx_m, slope;  ///< slope: of times of hearing by times at the place
+    double time_s, rx_m, slope;  ///< slope: derivative of the time of reception by the time at the place
     glm::dvec3 to_m;
   };
   Reception received_at(const Passing& passing, std::size_t n, const TabulatedMotion& receive, double time_s,
@@ -93,7 +97,7 @@ class MovingPulse {
                    slope = 1 / (1 - rate * per_c_), off = (time_s - passing.there_s[n] - rx * per_c_) * slope,
                    before_s = time_s;
       time_s -= off;
-      // A step that comes over a bend is none of Newton's.
+      // A step across a break of the motion is not a valid Newton step.
       const bool done =
           std::abs(off) <= newton_s &&
           (step > hopeful_steps || receive.is_smooth(std::min(before_s, time_s), std::max(before_s, time_s)));
@@ -101,7 +105,7 @@ class MovingPulse {
         return {time_s, rx - rate * off, slope, end.place_m - off * end.velocity_m_s};
     }
   }
-  /// Who can tell the amplitude, ends being where they are; none: it is even.
+  /// Reference to the amplitude function; none: one amplitude for the whole pulse.
   struct AmplitudeOf {
     const void* of = nullptr;
     double (*at)(const void* of, glm::dvec3 from_m, glm::dvec3 to_m, double tx_m, double rx_m) = nullptr;
@@ -109,7 +113,7 @@ class MovingPulse {
   void add(const Passing& passing, const TabulatedMotion& receive, std::span<const Echo> echoes,
            std::complex<double> strength, double less_m, const AmplitudeOf& amplitude,
            std::complex<double>* out) const;
-  /// By the time when it was sent, from the pulse's begin on, in cubics.
+  /// Envelope as a function of the transmission time from the begin of the pulse, in cubics.
   std::complex<double> envelope(double place) const {
     const double x_all = std::min(std::max(place, 0.0), last_);
     const auto k = std::min(std::ptrdiff_t(x_all), std::ptrdiff_t(cubics_.size()) - 1);

@@ -9,16 +9,16 @@
 
 namespace tubefoot {
 
-/// By point: the first that lies in its place. Formats without shared vertices repeat them.
+/// Per point: the first point at the same position. Formats without shared vertices repeat points.
 std::vector<std::uint32_t> first_of_same_place(std::span<const glm::dvec3> points);
 
-/// Edges of a mesh by place: points that lie in one place are one.
+/// Edges of a mesh, with points at the same position identified.
 struct PlacedEdges {
   struct Edge {
     std::uint32_t from = 0, to = 0;
     std::array<std::uint32_t, 2> facets{};
-    bool is_shared = false;  ///< of just two facets; else of `facets[0]` and any number of others
-    bool same_way = false;   ///< both facets go along it the same way
+    bool is_shared = false;  ///< exactly two facets; else `facets[0]` and any number of others
+    bool same_way = false;   ///< both facets traverse the edge in the same direction
   };
   std::vector<Edge> edges;
 

@@ -10,14 +10,18 @@
 #include <numbers>
 #include <stdexcept>
 
+// Fits piecewise polynomials to a motion: Chebyshev interpolation of degree at most 7, with pieces halved
+// until the error is within the tolerance.
+
 namespace tubefoot {
 namespace {
 
-// Where polynomials are held against the way; often at first, so that no bend lies between.
+// Numbers of points at which polynomials are compared with the motion. The first levels use more points, so
+// that no kink lies between them.
 constexpr int checks = 9, first_checks = 33, first_depths = 3;
-/// Pieces this short hold a bend; whoever crosses it follows the way time by time.
+/// Pieces of this length may contain a kink. Times of reception across such a piece are computed per sample.
 constexpr double bend_s = 1e-5;
-/// A way that is not smooth over this jumps.
+/// A motion that is not smooth over this time has a jump.
 constexpr double jump_s = 1e-12;
 
 }  // namespace
@@ -85,7 +89,7 @@ void TabulatedMotion::fit(const Source& source, double begin_s, double end_s, in
     check[std::size_t(n)] = source.at(piece.middle_s + half_s * share_of(n));
     farthest = std::max(farthest, glm::length(check[std::size_t(n)] + source.origin_m));
   }
-  // Chebyshev's series of the nodes, as powers, of as low a degree as will do.
+  // Chebyshev series from the nodes, converted to powers of the lowest sufficient degree.
   std::array<glm::dvec3, nodes> series{};
   for (int k = 0; k < nodes; ++k)
     for (int a = 0; a < nodes; ++a)
@@ -135,7 +139,7 @@ void TabulatedMotion::take(const Piece& piece) {
     acceleration += size;
     jerk += (k - 2) * size / half;
   }
-  // Between neighbouring places speeds change by what the acceleration allows.
+  // Between neighbouring points the speed changes by at most what the acceleration permits.
   double speed = 0;
   for (int n = 0; n < checks; ++n)
     speed = std::max(speed, glm::length(piece.at(2.0 * n / (checks - 1) - 1).velocity_m_s));

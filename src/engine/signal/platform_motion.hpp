@@ -11,10 +11,11 @@
 
 namespace tubefoot {
 
-/// Where an end of a channel is some time after the ping's start [m, local frame]. None: it is at rest.
+/// Position of a channel's end as a function of time after the start of the ping, in m in the local frame.
+/// Null: the end is at rest.
 using PlatformMotion = std::function<glm::dvec3(double after_start_s)>;
 
-/// What an end's motion stays below.
+/// Upper bounds of the motion of an end.
 struct MotionBounds {
   double speed_m_s = 0, acceleration_m_s2 = 0, jerk_m_s3 = 0;
 
@@ -22,14 +23,14 @@ struct MotionBounds {
   bool operator==(const MotionBounds& other) const = default;
 };
 
-/// A way as polynomials, piece by piece, which are cheap to follow and whose derivatives are at hand. Where a
-/// way bends (a track from pose to pose), pieces become as short as the tolerance asks for.
+/// Motion as piecewise polynomials, which are fast to evaluate and to differentiate. At a kink of the motion
+/// (a track from pose to pose) the pieces are as short as the tolerance requires.
 class TabulatedMotion {
  public:
-  /// At rest, for all times.
+  /// At rest at all times.
   explicit TabulatedMotion(glm::dvec3 place_m);
-  /// `motion` from begin to end, less `origin_m`; beyond it goes straight on. `what` names it in messages.
-  /// Throws std::invalid_argument for places that are not finite, and for speeds that reach `limit_m_s`.
+  /// `motion` from begin to end relative to `origin_m`, and linear beyond. `what`: name in messages. Throws
+  /// std::invalid_argument for positions that are not finite, and for speeds of `limit_m_s` or more.
   TabulatedMotion(const PlatformMotion& motion, double begin_s, double end_s, glm::dvec3 origin_m,
                   double tolerance_m, double limit_m_s, const std::string& what);
 
@@ -40,7 +41,7 @@ class TabulatedMotion {
     const Piece& piece = piece_.size() == 1 ? piece_.front() : piece_at(time_s);
     return piece.at((time_s - piece.middle_s) * piece.per_s);
   }
-  /// One polynomial holds between both times.
+  /// Whether one polynomial covers both times.
   bool is_smooth(double from_s, double to_s) const {
     return from_s >= begin_s_ && to_s <= end_s_ &&
            (piece_.size() == 1 || &piece_at(from_s) == &piece_at(to_s));
@@ -55,7 +56,8 @@ class TabulatedMotion {
   struct Piece {
     double begin_s = 0, middle_s = 0, per_s = 1;
     int degree = 0;
-    std::array<glm::dvec3, TabulatedMotion::degree + 1> power{};  ///< of (time - middle) * per_s
+    std::array<glm::dvec3, TabulatedMotion::degree + 1> power{};  ///< coefficients of the powers of (time -
+                                                                  ///< middle) * per_s
     /// `share`: from -1 to 1.
     Moment at(double share) const {
       const double within = std::clamp(share, -1.0, 1.0);

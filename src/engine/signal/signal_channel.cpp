@@ -9,7 +9,7 @@ namespace tubefoot {
 
 double amplitude_pattern(const Directivity& pattern, glm::dvec3 direction) {
   const double cosine = glm::dot(direction, pattern.axis), size = std::sqrt(pattern.gain_at(cosine));
-  // All in double (long double differs between machines).
+  // All in double, because long double differs between machines.
   using Double = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
   switch (pattern.kind) {
     case Directivity::Kind::line: {

@@ -11,40 +11,41 @@
 #include "engine/signal/platform_motion.hpp"
 #include "engine/signal/visible_polygons.hpp"
 
-// Signals are analytic with the time factor e^{-i omega t}; a way of length L has the phase e^{+ikL}.
+// Signals are analytic with the time factor e^{-i omega t}. A path of length L has the phase factor
+// e^{+ikL}.
 namespace tubefoot {
 
-/// One transmission as one receiver receives it: an element, a beam, a ping, or one of each. Over mirrors,
-/// with a law that has their losses: the ends' images.
+/// One transmission as one receiver receives it: an element, a beam, a ping, or a combination. Over mirrors
+/// the ends are images, and the model contains the losses of the mirrors.
 struct SignalChannel {
   glm::dvec3 transmit_m{0}, receive_m{0};  ///< local frame
   Directivity transmit{}, receive{};       ///< power patterns; amplitudes have the signs of side lobes
-  /// Of ends that move while sound is in progress, in place of the places; patterns keep their axes. Asked
-  /// for from the pulse's begin to its end (transmit) and from the first sample to one after the last
-  /// (receive).
+  /// Positions of moving ends, which replace the fixed positions. The axes of the patterns do not move. The
+  /// transmit motion is evaluated from the begin to the end of the pulse. The receive motion is evaluated
+  /// from the first sample to one sample after the last.
   PlatformMotion transmit_motion{}, receive_motion{};
 
   bool has_path() const { return transmit_motion != nullptr || receive_motion != nullptr; }
 };
 
-/// The amplitude pattern whose square is the power pattern: real, 1 on the axis, alternating in sign from
-/// lobe to lobe for a line array and a piston.
+/// Amplitude pattern, whose square is the power pattern. It is real and 1 on the axis. Its sign alternates
+/// from lobe to lobe for a line array and a piston.
 double amplitude_pattern(const Directivity& pattern, glm::dvec3 direction);
 
-/// A channel on the plane of one patch.
+/// Channel on the plane of one visible polygon.
 class ChannelOnPolygon {
  public:
   ChannelOnPolygon(const SignalChannel& channel, const VisiblePolygons& seen, const VisiblePolygon& patch,
                    const EchoModel& model);
 
-  /// Both ends are on the side that is seen; else the channel receives nothing of the patch.
+  /// Whether both ends lie on the visible side. Otherwise the channel receives nothing from the polygon.
   bool faces() const { return transmit_.distance_m > 0 && receive_distance_m_ > 0; }
 
   struct Reception {
-    double path_m = 0;     ///< transmit and receive
-    double amplitude = 0;  ///< its square is the energy of a square metre of even seabed, J for 1 J/sr at 1 m
+    double path_m = 0;     ///< transmit leg plus receive leg
+    double amplitude = 0;  ///< square: energy of 1 m² of uniform seabed, for 1 J/sr at 1 m
   };
-  /// `place_m`: on the patch's plane, relative to the patches' origin.
+  /// `place_m`: on the plane of the polygon, relative to the polygons' origin.
   Reception at(glm::dvec3 place_m) const {
     const glm::dvec3 there = place_m - transmit_m_, back = place_m - receive_m_;
     const double tx = glm::length(there), rx = glm::length(back);
@@ -55,7 +56,7 @@ class ChannelOnPolygon {
     if (path_.over_mirrors()) amplitude *= std::sqrt(path_.passed(there / tx, back / rx));
     return {tx + rx, amplitude};
   }
-  /// The amplitude with the ends elsewhere, in these ranges of the place. 0 behind the plane.
+  /// Amplitude for other positions of the ends, with their distances from the place. 0 behind the plane.
   double amplitude_from(glm::dvec3 place_m, glm::dvec3 transmit_m, glm::dvec3 receive_m, double tx_m,
                         double rx_m) const;
 
@@ -63,7 +64,7 @@ class ChannelOnPolygon {
   /// As the transmitter sees it.
   const FacetPlane& plane() const { return transmit_; }
   const PlaneFrame& frame() const { return frame_; }
-  /// Relative to the patches' origin.
+  /// Relative to the polygons' origin.
   glm::dvec3 transmit_m() const { return transmit_m_; }
   glm::dvec3 receive_m() const { return receive_m_; }
   const SignalChannel& channel() const { return *channel_; }
@@ -79,7 +80,7 @@ class ChannelOnPolygon {
   bool weighed_;
 };
 
-/// The texture of a patch at a place relative to the patches' origin; 1: even.
+/// Texture factor at a place relative to the polygons' origin; 1: uniform.
 inline double texture_at(const SurfaceProperties& seabed, const VisiblePolygons& seen, glm::dvec3 place_m) {
   return seabed.texture == nullptr ? 1 : seabed.texture->factor(seen.origin_m + place_m);
 }

@@ -10,6 +10,9 @@
 
 #include "geometry/integrals/polygon_transform.hpp"
 
+// Computes the Kirchhoff integral of a smooth polygon for plane waves, with a bound of the error, and by its
+// edges. Source: docs/smooth-surfaces.md, "Amplitudes of smooth surfaces".
+
 namespace tubefoot {
 namespace {
 
@@ -17,7 +20,7 @@ constexpr double four_pi = 4 * std::numbers::pi;
 
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
-/// Integral of the squared distance from a place, given from the first corner as corners are.
+/// Integral of the squared distance from `place`, which is relative to the first corner.
 double second_moment(std::span<const glm::dvec2> offsets, glm::dvec2 place) {
   double sum = 0;
   const std::size_t n = offsets.size();
@@ -40,7 +43,7 @@ FarAmplitude far_amplitude(const PlanarPolygon& polygon, const PathCutter::Recei
   const glm::dvec2 middle = centroid_offset(polygon), place = polygon.first + middle;
   const double r = range(h, place), s = range(g, place - rx.foot);
   const std::complex<double> ik(0, k);
-  // The density of the integral: heights are the same all over the plane.
+  // Density of the integral. Both heights are constant over the plane.
   const std::complex<double> density = -(h * (ik - 1 / r) / (r * r * s) + g * (ik - 1 / s) / (s * s * r));
   const glm::dvec2 gradient = k * (place / r + (place - rx.foot) / s);
   const double part = std::abs(area(polygon));
@@ -49,13 +52,14 @@ FarAmplitude far_amplitude(const PlanarPolygon& polygon, const PathCutter::Recei
                     polygon_transform(polygon.offsets, gradient);
   result.most = part * std::abs(density) / four_pi;
 
-  // No second derivative of a range is more than its inverse; no point is nearer than these.
+  // The second derivative of a range is at most its inverse. No point of the polygon is nearer than these
+  // ranges.
   double reach = 0;
   for (const glm::dvec2& offset : polygon.offsets) reach = std::max(reach, glm::length(offset - middle));
   const double least_r = std::max(h, r - reach), least_s = std::max(g, s - reach);
   const double moment = second_moment(polygon.offsets, middle);
   const double bend = k / 2 * (1 / least_r + 1 / least_s) * moment;
-  // How fast a range may change with place.
+  // Bounds of the slopes of both ranges.
   const double turn_r = std::min(1.0, (glm::length(place) + reach) / least_r),
                turn_s = std::min(1.0, (glm::length(place - rx.foot) + reach) / least_s);
   const auto slope = [k](double height, double near, double turn, double other, double other_turn) {
@@ -97,7 +101,7 @@ void SmoothAmplitude::add(const PlanarPolygon& polygon, const PathCutter::Receiv
                           const SmoothSurface& surface, std::span<std::complex<double>> out) {
   if (!(polygon.distance > 0) || !(rx.distance > 0) || polygon.offsets.size() < 3) return;
   const double sine = mean_sine(polygon, rx);
-  // Plane waves get worse with each wave number.
+  // The error of plane waves increases with the wave number.
   std::size_t first = 0;
   for (; tolerance_ > 0 && first < wave_numbers_.size(); ++first) {
     const double k = wave_numbers_[first];

@@ -12,43 +12,44 @@
 #include "geometry/integrals/edge_form.hpp"
 #include "geometry/integrals/path_cut.hpp"
 
-// Coherent echoes of smooth polygons in the Kirchhoff approximation: pressure of a wave e^{ikr}/r that is
-// sent, over a surface that reflects all of it (R = 1). docs/smooth-surfaces.md
+// Computes coherent echoes of smooth polygons in the Kirchhoff approximation. The result is the pressure of
+// a transmitted wave e^{ikr}/r after reflection with the coefficient R = 1. Source: docs/smooth-surfaces.md.
 namespace tubefoot {
 
-/// A polygon's echo as if waves were plane on it, and how far that is from the Kirchhoff integral, proven.
+/// Echo of a polygon for plane waves, with a proven bound of the difference to the Kirchhoff integral.
 struct FarAmplitude {
-  std::complex<double> pressure;  ///< 1/m, of R = 1
-  double error = 0;               ///< at most, 1/m; roundings (1e-15 of `most`) aside
-  double most = 0;                ///< of the modulus, whatever the phases: area times density
+  std::complex<double> pressure;  ///< in 1/m, for R = 1
+  double error = 0;               ///< bound in 1/m, except for rounding (1e-15 of `most`)
+  double most = 0;                ///< bound of the modulus for any phases: area times density
 };
 
-/// `polygon`: convex, seen by the apex of the transmit leg; `k` in rad/m.
+/// `polygon`: convex, visible from the apex of the transmit leg. `k`: in rad/m.
 FarAmplitude far_amplitude(const PlanarPolygon& polygon, const PathCutter::Receiver& rx, double k);
 
-/// Amplitudes of smooth polygons at several wave numbers: by plane waves where these are proven to be good
-/// enough, by the edges, which need no such condition, elsewhere. Holds scratch memory: one per thread.
-/// Law Q6 (near and far): what is farther goes over into what plane waves make.
-/// Law Q7 (edges between): polygons of one plane have no edge where they meet.
+/// Amplitudes of smooth polygons at several wave numbers. The plane-wave form is used if its error bound
+/// meets the tolerance, and otherwise the edge form, which has no such condition. Contains scratch memory:
+/// use one object per thread.
+/// Law Q6 (near and far): with increasing distance the amplitude converges to the plane-wave form.
+/// Law Q7 (edges between): polygons of one plane have no edge echo at a common edge.
 class SmoothAmplitude {
  public:
-  /// Polygons that were taken either way, by wave number.
+  /// Numbers of polygons computed in each form, summed over the wave numbers.
   struct Count {
     std::size_t far = 0, near = 0;
   };
 
-  /// `wave_numbers_per_m`: 2 pi f / c, positive, increasing. `tolerance`: of the error of plane waves,
-  /// relative to the largest amplitude a polygon of that area and place can have; 0: by edges only.
+  /// `wave_numbers_per_m`: 2 pi f / c, positive and increasing. `tolerance`: error of plane waves, relative
+  /// to the largest amplitude of a polygon with the same area and place; 0: edge form only.
   SmoothAmplitude(std::span<const double> wave_numbers_per_m, double tolerance);
 
-  /// Adds a convex polygon's pressure at each wave number to `out` (1/m). Reflection and roughness count as
-  /// at the polygon's place of shortest path.
+  /// Adds the pressure of a convex polygon at each wave number to `out`, in 1/m. Reflection and roughness
+  /// are those at the polygon's place of shortest path.
   void add(const PlanarPolygon& polygon, const PathCutter::Receiver& rx, const SmoothSurface& surface,
            std::span<std::complex<double>> out);
 
-  /// Adds all that both ends of a path see. `surface_of`: of a facet; null: it is rough, without an
-  /// amplitude. Facets lie where they are seen (isovelocity water); losses of mirrors and absorption are the
-  /// caller's.
+  /// Adds the pressures of all polygons of a common visibility. `surface_of`: surface of a facet; null:
+  /// rough, no coherent amplitude. For isovelocity water only. The caller applies mirror losses and
+  /// absorption.
   void add(const CommonVisibility& visibility, const std::function<const SmoothSurface*(FacetId)>& surface_of,
            std::span<std::complex<double>> out);
 
@@ -61,22 +62,22 @@ class SmoothAmplitude {
   Count count_;
 };
 
-/// The polygon's point nearest to the plane's place of shortest path, about the foot point of the transmit
-/// leg.
+/// Point of the polygon that is nearest to the plane's place of shortest path, relative to the foot point of
+/// the transmit leg.
 glm::dvec2 place_of_shortest_path(const PlanarPolygon& polygon, const PathCutter::Receiver& rx);
-/// The sine that SmoothSurface::factor takes, there.
+/// Sine for SmoothSurface::factor at this point.
 double mean_sine(const PlanarPolygon& polygon, const PathCutter::Receiver& rx);
 
-/// A transmitted pulse: pressure over time at 1 m, complex (analytic, or at baseband with its carrier).
+/// Transmitted pulse: pressure over time at 1 m, complex (analytic, or at baseband including its carrier).
 struct TransmittedPulse {
   std::function<std::complex<double>(double time_s)> pressure;
-  /// |pressure(t + i y)| grows no faster than e^{growth |y|}: for a carrier omega in an envelope of width
-  /// sigma, omega + 8 / sigma does.
+  /// Bound: |pressure(t + i y)| grows no faster than e^{growth |y|}. For a carrier omega in an envelope of
+  /// width sigma, omega + 8 / sigma is sufficient.
   double growth_per_s = 0;
 };
 
-/// Adds a polygon's echo of a pulse at the times given, R = 1: exact in the Kirchhoff approximation, by
-/// edges. `sound_speed` in m/s.
+/// Adds the echo of a pulse from a polygon at the given times, for R = 1. The edge form is exact in the
+/// Kirchhoff approximation. `sound_speed`: in m/s.
 void add_pulse_echo(const PlanarPolygon& polygon, const PathCutter::Receiver& rx,
                     const TransmittedPulse& pulse, double sound_speed, std::span<const double> times_s,
                     std::span<std::complex<double>> out);

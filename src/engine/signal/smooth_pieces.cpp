@@ -9,20 +9,23 @@
 
 #include "geometry/integrals/measure.hpp"
 
+// Cuts polygons into chunks and rectangles by bounds of the rates of phase, of the pulse's band, and of beam
+// patterns. Source: docs/signals.md, "Arbitrary pulses".
+
 namespace tubefoot {
 namespace {
 
-/// Radius of a chunk over its range.
+/// Radius of a chunk relative to its range.
 constexpr double chunk_rad = 0.1;
 constexpr int most_halvings = 60;
-/// Of amplitudes r^-4 with sines of grazing angles, per relative change of range.
+/// Rate of amplitudes r^-4 with sines of grazing angles, in rad per relative change of range.
 constexpr double amplitude_rad = 8;
 
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
 }  // namespace
 
-/// A patch's plane; ends relative to the patches' origin.
+/// Plane of a polygon; ends are relative to the polygons' origin.
 struct SmoothPieces::OnPlane {
   glm::dvec3 foot, u, v, normal;
   std::vector<glm::dvec3> transmit, receive;
@@ -37,7 +40,7 @@ double amplitude_wavenumber(const Directivity& pattern) {
       return std::numbers::pi * pattern.size;
     case Directivity::Kind::piston:
       return pattern.size;
-    case Directivity::Kind::gaussian:  // its spectrum is there 1e-9 of its peak
+    case Directivity::Kind::gaussian:  // its spectrum falls to 1e-9 of the peak there
       return 11 / pattern.size;
     case Directivity::Kind::table:
       return 4 * std::numbers::ln10 / 20 * pattern.table->steepest();
@@ -46,8 +49,9 @@ double amplitude_wavenumber(const Directivity& pattern) {
 }
 
 double amplitude_wavenumber(const MirrorLoss& loss) {
-  // e^{-(2 k sigma)^2 s / 2}, s the sum of n squared sines: a Gaussian, nowhere narrower than if all n were
-  // one. Its spectrum is one, too: weighed as a pulse's band, mean of order 16.
+  // The factor is e^{-(2 k sigma)^2 s / 2}, where s is the sum of n squared sines. It is a Gaussian, no
+  // narrower than if all n mirrors were one. Its spectrum is also a Gaussian. Its bandwidth is weighted like
+  // that of a pulse, by the mean of order 16.
   constexpr double weighed = 2.48;  // 2027025^(1/16)
   return weighed * std::sqrt(loss.roughness * double(loss.rough_normals.size()));
 }
@@ -67,7 +71,7 @@ std::vector<glm::dvec2> cut_at(std::span<const glm::dvec2> polygon, int axis, do
   double before = from[axis] - level;
   for (const glm::dvec2 to : polygon) {
     const double after = to[axis] - level;
-    if (before * after < 0) {  // from the same end whichever side is kept: both sides have the same corner
+    if (before * after < 0) {  // independent of the kept side, so both sides get the same corner
       const glm::dvec2 &a = before < 0 ? from : to, &b = before < 0 ? to : from;
       const double below = std::min(before, after), above = std::max(before, after);
       left.push_back(a + below / (below - above) * (b - a));
@@ -122,8 +126,9 @@ void SmoothPieces::halve(const OnPlane& on, std::vector<glm::dvec2> polygon, std
 
 double SmoothPieces::moving_rate(double range_m) const {
   if (extent_.moved_m == 0 && extent_.speed_share == 0) return 0;
-  // Directions to the ends turn by moved / (range - moved) at most, and the ways' growth, a sum of two, is by
-  // the transmitter's speed more than that of ways to places at rest (docs/signals.md).
+  // Directions to moving ends turn by at most moved / (range - moved). A moving transmitter increases the
+  // gradient of the path length, a sum of two unit vectors, by at most the fraction speed_share
+  // (docs/signals.md).
   const double turned =
       range_m > extent_.moved_m ? std::min(2.0, extent_.moved_m / (range_m - extent_.moved_m)) : 2.0;
   return extent_.wavenumber_rad_m * (2 * turned + 2 * extent_.speed_share) * (extent_.products ? 2 : 1);
@@ -163,8 +168,8 @@ SmoothPieces::Chunk SmoothPieces::chunk_of(const OnPlane& on, std::vector<glm::d
     phase += extent_.products ? most - least : off;
     motion += largest;
   }
-  // A direction turns by at most way / range; of two directions' difference the change is at most
-  // 3 way apart / range^2, the third derivative of a range being at most 3 / range^2.
+  // A direction turns by at most distance / range. The third derivative of a range is at most 3 / range^2.
+  // The difference of two directions therefore changes by at most 3 distance * separation / range^2.
   const double range = std::max(nearest - radius, nearest / 2);
   const double even = extent_.wavenumber_rad_m * 2 * 3 * apart / (range * range) * radius +
                       extent_.band_rad_m * 2 * radius / range + (extent_.pattern_rad + amplitude_rad) / range;

@@ -11,56 +11,61 @@
 #include "engine/scattering/path.hpp"
 #include "engine/signal/visible_polygons.hpp"
 
-// Patches cut so small that signals, but for a phase that all of them have, are smooth over each piece.
+// Cuts visible polygons into pieces over which the signals of all channels, except for a common phase
+// factor, are smooth. A rectangle limits the phase change of k (L_a - L_b) along each axis. Source:
+// docs/signals.md, "Arbitrary pulses".
 namespace tubefoot {
 
-/// How fast what channels make of the seabed may change over it.
+/// Bounds of the rates at which the channels' responses change over the seabed.
 struct SignalExtent {
   std::vector<glm::dvec3> transmit_m, receive_m;  ///< all ends, local frame
-  /// Of products of any two channels; else of single ones less the phase of the first ends.
+  /// True: for products of two channels. False: for single channels, relative to the phase of the first
+  /// ends.
   bool products = true;
-  double wavenumber_rad_m = 0;  ///< of the carrier
-  double band_rad_m = 0;        ///< by which ways count: 2 pi / sound speed times a bandwidth
-  double pattern_rad = 0;       ///< sum over the factors, of both ways, of amplitude_wavenumber()
-  /// Of ends that move: how far they get from the places above, and the transmitters' speed over what sound's
-  /// is above it.
+  double wavenumber_rad_m = 0;  ///< wavenumber of the carrier
+  double band_rad_m = 0;        ///< rate of path lengths: 2 pi / sound speed times a bandwidth
+  double pattern_rad = 0;       ///< sum of amplitude_wavenumber() over the factors of both legs
+  /// Moving ends: largest distance from the positions above, and the transmitters' speed divided by the
+  /// sound speed minus this speed.
   double moved_m = 0, speed_share = 0;
 };
 
-/// The wavenumber over directions of a pattern's amplitude: it holds, or all but holds, nothing finer.
+/// Highest angular wavenumber of a pattern's amplitude, up to negligible parts.
 double amplitude_wavenumber(const Directivity& pattern);
-/// The same of what mirrors leave of an amplitude.
+/// The same for the amplitude factor of mirrors.
 double amplitude_wavenumber(const MirrorLoss& loss);
 
-/// What cuts a patch: chunks small beside their range, and of each a lattice of rectangles along and across
-/// the direction in which ways grow, as many as keep changes below a limit.
+/// Cuts a polygon into chunks that are small relative to their range. Each chunk has a lattice of rectangles
+/// along and across the direction in which path lengths increase. The number of rectangles keeps the changes
+/// of phase below a limit.
 ///
-/// Law Y1 (bound): from the middle of a rectangle to any of its points, a phase k (L_a - L_b) changes by at
-/// most change_u + change_v, and so does the phase of every frequency of the band.
+/// Law Y1 (bound): let p be a point of a rectangle. From the middle of the rectangle to p, a phase k (L_a -
+/// L_b) changes by at most change_u + change_v. The same holds for the phase of every frequency of the band.
 class SmoothPieces {
  public:
   struct Chunk {
-    std::vector<glm::dvec2> polygon;     ///< metres, in the frame's coordinates
-    glm::dvec3 corner_m{0}, u{0}, v{0};  ///< of the lattice's first rectangle, and its axes, unit
-    glm::dvec2 size_m{0};                ///< of a rectangle
-    glm::dvec2 first{0};                 ///< that corner, in (u, v)
+    std::vector<glm::dvec2> polygon;     ///< in m, in the frame's coordinates
+    glm::dvec3 corner_m{0}, u{0}, v{0};  ///< corner of the lattice's first rectangle; unit vectors of its
+                                         ///< axes
+    glm::dvec2 size_m{0};                ///< size of a rectangle
+    glm::dvec2 first{0};                 ///< the same corner in (u, v)
     int count_u = 1, count_v = 1;
     double change_u = 0, change_v = 0;
 
-    /// Of a corner.
+    /// Position of a point in (u, v).
     glm::dvec3 at(glm::dvec2 p) const { return corner_m + (p.x - first.x) * u + (p.y - first.y) * v; }
     glm::dvec3 middle_m(int i, int j) const {
       return corner_m + (i + 0.5) * size_m.x * u + (j + 0.5) * size_m.y * v;
     }
   };
 
-  /// `most_change`: radians along either axis.
+  /// `most_change`: largest change in rad along either axis.
   SmoothPieces(const SignalExtent& extent, double most_change);
 
-  /// The chunks of a patch, polygons by (u, v) of their own axes.
+  /// Appends the chunks of a polygon, each in (u, v) of its own axes.
   void cut(const VisiblePolygons& seen, const VisiblePolygon& patch, std::vector<Chunk>& chunks) const;
-  /// What of a chunk lies in each of its rectangles. Calls take(i, j, polygon, whole): corners as in
-  /// Chunk::polygon; `whole`: it is the rectangle.
+  /// Intersects a chunk with each of its rectangles. Calls take(i, j, polygon, whole) with corners as in
+  /// Chunk::polygon. `whole`: the polygon is the full rectangle.
   template <class Take>
   static void for_rectangles(const Chunk& chunk, const Take& take);
 
@@ -68,14 +73,14 @@ class SmoothPieces {
   struct OnPlane;
   void halve(const OnPlane& on, std::vector<glm::dvec2> polygon, std::vector<Chunk>& chunks, int depth) const;
   Chunk chunk_of(const OnPlane& on, std::vector<glm::dvec2> polygon) const;
-  /// What moving ends add to rates of phase, in any direction.
+  /// Contribution of moving ends to rates of phase, in any direction.
   double moving_rate(double range_m) const;
 
   SignalExtent extent_;
   double most_change_;
 };
 
-/// The part of a convex polygon where sign * (p[axis] - level) >= 0.
+/// Part of a convex polygon with sign * (p[axis] - level) >= 0.
 std::vector<glm::dvec2> cut_at(std::span<const glm::dvec2> polygon, int axis, double level, double sign);
 double area_of(std::span<const glm::dvec2> polygon);
 

@@ -15,22 +15,27 @@
 #include "geometry/integrals/edge_panels.hpp"
 #include "geometry/steps/in_order.hpp"
 
+// Computes signals of smooth facets: the pulse is integrated along the edges of visible polygons in the
+// Kirchhoff approximation. Source: docs/smooth-surfaces.md, "A pulse along the edges".
+
 namespace tubefoot {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-/// What a task takes: part of the summation's order.
+/// Polygons per task. The number determines the order of summation.
 constexpr std::size_t patches_per_task = 256;
 constexpr int most_nodes = 24, most_halvings = 40;
-/// Radians of a pattern's wavenumber over a piece.
+/// Largest change of a pattern's phase over a piece, in rad.
 constexpr double most_pattern_rad = 0.15;
-/// Radians of half the band over half the paths of a piece whose surface depends on the angle.
+/// Largest product of half the band and half the range of paths in a piece, in rad, if the surface depends
+/// on the angle.
 constexpr double most_uneven_rad = 8;
 
-/// What is left for each of the errors that add up: of delays, of quadratures, of breaks, of the far field.
+/// Share of the tolerance for each of four errors that add up: delays, quadratures, breaks and the far
+/// field.
 constexpr double each_error = 0.2;
 
-/// A pulse as paths receive it.
+/// Pulse as a function of path length.
 struct ReceivedPulse {
   const BasebandPulse& pulse;
   PulseTable table;
@@ -45,13 +50,13 @@ struct ReceivedPulse {
         band_rad_m(pi * receiver.pulse.bandwidth_hz / receiver.sound_speed_m_s),
         sound_speed_m_s(receiver.sound_speed_m_s) {}
 
-  /// By how much the envelope turns, at most, over half of a stretch of paths without a break.
+  /// Bound of the envelope's change of phase over half of a stretch of paths without a break.
   double turn_rad(double half_m) const {
     const double flank_m = pulse.flank_s * sound_speed_m_s;
     return part_rad_m * half_m + (flank_m > 0 ? pi / 2 * std::min(1.0, 2 * half_m / flank_m) : 0);
   }
-  /// Whether polynomials of so many nodes, and the table's, may go on over a break within stretches of such a
-  /// half.
+  /// Whether polynomials with this number of nodes, and the table's interpolation, may extend over a break
+  /// within stretches of this half length.
   bool may_cross(const PulseBreak& at, int nodes, double half_m, double error) const {
     const double half_s = half_m / sound_speed_m_s, of_table = table.reach_s() / 4,
                  square = 1.5 / (double(nodes) * nodes) * half_s * half_s + of_table * of_table;
@@ -59,8 +64,8 @@ struct ReceivedPulse {
   }
 };
 
-/// Chebyshev's nodes that interpolate e^{i turn x}, |x| <= 1, to an error: the remainder is at most
-/// turn^n / (2^(n-1) n!).
+/// Number of Chebyshev nodes that interpolate e^{i turn x}, |x| <= 1, within an error. The remainder is at
+/// most turn^n / (2^(n-1) n!).
 int nodes_for(double turn_rad, double error) {
   double left = 2;
   for (int n = 1; n < most_nodes; ++n) {
@@ -70,13 +75,13 @@ int nodes_for(double turn_rad, double error) {
   return most_nodes;
 }
 
-/// What a rough surface makes of a path: a mean over Gaussian lengths, by the trapezoidal rule.
+/// Effect of a rough surface on a path: a mean over Gaussian path differences, by the trapezoidal rule.
 struct PathShift {
   double longer_m = 0;
   std::complex<double> weight = 1;
 };
 
-/// Both halves of a polygon, cut across a direction.
+/// Appends both halves of a polygon, cut across a direction.
 void halve(const PlanarPolygon& polygon, glm::dvec2 along, std::vector<PlanarPolygon>& halves) {
   std::vector<glm::dvec2> turned;
   double low = 0, high = 0;
@@ -99,7 +104,7 @@ void halve(const PlanarPolygon& polygon, glm::dvec2 along, std::vector<PlanarPol
   }
 }
 
-/// The polygons of one channel, one after the other.
+/// Polygons of one channel, one after the other.
 class ChannelOfSmooth {
  public:
   ChannelOfSmooth(const SignalChannel& channel, const CoherentReceiver& receiver,
@@ -158,14 +163,14 @@ class ChannelOfSmooth {
     const double sine = (piece.distance / tx_m + rx_.distance / back_m) / 2,
                  rough_m = 2 * sine * surface.roughness_m,
                  lowest = std::max(received_pulse_.carrier_rad_m - received_pulse_.band_rad_m, 0.0);
-    if (std::pow(lowest * rough_m, 2) > 80) return;  // 4e-18 is left of it
+    if (std::pow(lowest * rough_m, 2) > 80) return;  // a factor of 4e-18 remains
     const bool uneven = (surface.fluid || surface.roughness_m > 0) &&
                         received_pulse_.band_rad_m * half_spread > most_uneven_rad;
     if (halvings < most_halvings && (uneven || pattern_changes(piece, tx_m, back_m))) {
       halve(piece, across(piece, uneven), pieces_);
       return;
     }
-    // Edges of a polygon that is small beside the wavelength all but cancel.
+    // The edges of a polygon that is small relative to the wavelength nearly cancel.
     const double k = received_pulse_.carrier_rad_m, size = std::sqrt(std::abs(area(piece)));
     error_ = std::max(each_error * tolerance_ * std::min(1.0, k * size / 4), 1e-13);
     SmoothSurface mirror = surface;
@@ -183,14 +188,14 @@ class ChannelOfSmooth {
         return;
       }
     }
-    // Wide enough that pulses are not added more often than their band asks for.
+    // Panels are wide enough that pulses are not added more often than their band requires.
     const double most_spread = 2 * pi / received_pulse_.band_rad_m;
     edges_.assign(piece, rx_, k + absorption_per_m_ / 2, most_spread);
     add_image(out);
     for (const EdgePanels::Panel& panel : edges_.panels()) add(panel, out);
   }
 
-  /// Whether one delay is enough for all of a piece.
+  /// Whether one delay suffices for a whole piece.
   bool is_small(double half_spread_m) const {
     const double error = each_error * tolerance_;
     return received_pulse_.turn_rad(half_spread_m) <= error &&
@@ -203,7 +208,7 @@ class ChannelOfSmooth {
     const double k = received_pulse_.carrier_rad_m, turn = (k + received_pulse_.band_rad_m) * rough_m;
     shifts_.assign(1, {});
     if (!(turn * turn / 2 > 0.1 * error_)) return;
-    // The rule's sums of e^{i turn x} have the transform's images at every 2 pi / step.
+    // The rule's sums of e^{i turn x} contain images of the transform at multiples of 2 pi / step.
     const double reach = std::sqrt(2 * std::log(4 / error_)), step = 2 * pi / (turn + reach);
     const int most = int(std::ceil(reach / step));
     shifts_.clear();
@@ -213,19 +218,19 @@ class ChannelOfSmooth {
     }
   }
 
-  /// A path's phase at the carrier, and what absorption leaves.
+  /// Phase of a path at the carrier, and its absorption.
   std::complex<double> wave(double path_m) const {
     return std::polar(std::exp(-absorption_per_m_ * path_m / 2), received_pulse_.carrier_rad_m * path_m);
   }
   double sample_of(double time_s) const {
     return (time_s - receiver_.times.first_s) * receiver_.times.rate_hz;
   }
-  /// The first sample not before a time.
+  /// First sample at or after a time.
   std::size_t sample_from(double time_s) const {
     return std::size_t(std::clamp(std::ceil(sample_of(time_s)), 0.0, double(receiver_.times.count)));
   }
 
-  /// As the pulse is, of the plane's place of shortest path.
+  /// Adds the specular contribution, a copy of the pulse at the plane's place of shortest path.
   void add_image(std::complex<double>* out) {
     if (edges_.image() == 0) return;
     const std::complex<double> amplitude = factor_ * edges_.image() * wave(edges_.shortest_m());
@@ -238,7 +243,8 @@ class ChannelOfSmooth {
     }
   }
 
-  /// A panel's pulses: of a polynomial over its delays where no break falls on them, by parts elsewhere.
+  /// Adds the pulses of a panel: by a polynomial over its delays for samples without a break, and by parts
+  /// for the others.
   void add(const EdgePanels::Panel& panel, std::complex<double>* out) {
     const double c = receiver_.sound_speed_m_s, least = panel.least_path_m(), most = panel.most_path_m(),
                  half = (most - least) / 2, turn = received_pulse_.turn_rad(half);
@@ -251,7 +257,7 @@ class ChannelOfSmooth {
       return time_s + (least + shift.longer_m) / c - received_pulse_.table.reach_s();
     };
     for (const PathShift& shift : shifts_) {
-      // Samples on which a break falls, in order as breaks are.
+      // Samples with a break, in the order of the breaks.
       std::size_t next = 0;
       const double longer_s = 2 * half / c + 2 * received_pulse_.table.reach_s();
       const auto add_until = [&](std::size_t end) {
@@ -272,7 +278,7 @@ class ChannelOfSmooth {
     }
   }
 
-  /// Coefficients of the pulse at Chebyshev's delays, that together are the panel's nodes.
+  /// Coefficients of the pulse at Chebyshev delays, which together represent the panel's nodes.
   void interpolate(int count, double middle_m, double half_m) {
     const auto n = std::size_t(count);
     moments_.assign(n, 0);
@@ -296,7 +302,7 @@ class ChannelOfSmooth {
     }
   }
 
-  /// One sample of a panel that is cut where breaks fall on it.
+  /// One sample of a panel, which is cut at its breaks.
   std::complex<double> by_parts(const EdgePanels::Panel& panel, std::size_t sample, double longer_m) {
     const double c = receiver_.sound_speed_m_s, least = panel.least_path_m(), most = panel.most_path_m(),
                  time_s = receiver_.times.time_s(sample) - longer_m / c;
@@ -328,8 +334,8 @@ class ChannelOfSmooth {
     return reach * (sent_ / tx_m + received_ / back_m) > most_pattern_rad;
   }
 
-  /// The direction that a piece is cut across: that in which paths differ most, which grow along their slope
-  /// and bend across it, or the one in which the piece is longest.
+  /// Direction across which a piece is cut. It is the direction in which paths differ most, along their
+  /// slope or their curvature across the slope, or the longest direction of the piece.
   glm::dvec2 across(const PlanarPolygon& piece, bool for_paths) const {
     const glm::dvec2 offset = centroid_offset(piece), middle = piece.first + offset;
     glm::dvec2 longest(0);
@@ -355,7 +361,7 @@ class ChannelOfSmooth {
     return (steep + bend * length) * length >= bend * width * width ? along : aside;
   }
 
-  /// What patterns and mirrors towards the centroid leave of the amplitude.
+  /// Amplitude factor of patterns and mirrors towards the centroid.
   double received_part(const PlanarPolygon& piece) const {
     if (channel_.transmit.kind == Directivity::Kind::uniform &&
         channel_.receive.kind == Directivity::Kind::uniform && !path_.over_mirrors())
@@ -373,8 +379,8 @@ class ChannelOfSmooth {
   const Path& path_;
   double absorption_per_m_, tolerance_;
   double sent_, received_;           // wave numbers of patterns
-  double first_m_ = 0, last_m_ = 0;  // paths that are received
-  // Of the patch at hand; the transmitter is the origin.
+  double first_m_ = 0, last_m_ = 0;  // range of received paths
+  // Values of the current polygon; the transmitter is the origin.
   FacetPlane plane_;
   const PlaneFrame* frame_ = nullptr;
   PathCutter::Receiver rx_;
@@ -382,13 +388,13 @@ class ChannelOfSmooth {
   std::vector<glm::dvec3> corners_;
   std::vector<PlanarPolygon> pieces_;
   std::vector<int> halvings_;
-  // Of the piece at hand.
+  // Values of the current piece.
   std::complex<double> factor_;
   double error_ = 0;
   EdgePanels edges_;
   std::vector<PathShift> shifts_;
   std::vector<EdgePanels::Node> path_nodes_;
-  std::vector<std::pair<double, double>> cuts_;  // places and their paths
+  std::vector<std::pair<double, double>> cuts_;  // places and their path lengths
   std::vector<double> delay_m_;
   std::vector<std::complex<double>> moments_, coefficients_;
 };

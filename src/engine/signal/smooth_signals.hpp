@@ -8,18 +8,19 @@
 
 namespace tubefoot {
 
-/// What channels receive of smooth facets, in the Kirchhoff approximation: the pressure of
-/// smooth_amplitude.hpp at each of the pulse's frequencies, at baseband about the carrier, in the joules and
-/// phases of element_signals(), so that both add up. Patterns and absorption are factors of a piece, taken at
-/// its centroid and middle path; patches are cut where patterns change much over them. Patches whose facet
-/// has no surface (null) are silent.
+/// Signals that channels receive from smooth facets, in the Kirchhoff approximation. The function evaluates
+/// the pressure of smooth_amplitude.hpp at the frequencies of the pulse, at baseband about the carrier.
+/// Units and phases are those of element_signals(), so both signals can be added. Patterns and absorption
+/// are factors of a piece at its centroid and mean path. Polygons are cut if patterns change much over them.
+/// Polygons whose facet has no surface (null) return nothing.
 ///
-/// Over the pulse's band a piece's amplitude, less the phase of its middle path, is a polynomial of few
-/// nodes; pieces whose paths differ by more than those resolve are cut, which changes nothing (law Q7).
-/// `tolerance`: of a piece's amplitude at each frequency of the band, relative to the largest that a piece of
-/// its area and place can have; from 1e-9 to 0.1. A band must not reach down to frequency 0.
-/// Law Q8 (pulses): the signal is add_pulse_echo()'s. Throws as the functions of coherent_signals.hpp do. The
-/// same bits for any number of threads.
+/// Over the band of the pulse, the amplitude of a piece relative to the phase of its mean path is a
+/// polynomial with few nodes. Pieces with larger path differences are cut, which does not change the result
+/// (law Q7). `tolerance` (1e-9 to 0.1): error of a piece's amplitude at each frequency of the band. It is
+/// relative to the largest amplitude of a piece with the same area and place. The band must not include the
+/// frequency 0.
+/// Law Q8 (pulses): the signal equals that of add_pulse_echo(). Throws the exceptions of
+/// coherent_signals.hpp. The result has the same bits for any number of threads.
 ChannelSignals smooth_signals(const VisiblePolygons& patches, const CoherentReceiver& receiver,
                               const EchoModel& model,
                               const std::function<const SmoothSurface*(FacetId)>& surface_of,

@@ -8,20 +8,20 @@
 
 namespace tubefoot {
 
-/// What a smooth surface leaves of a wave that it reflects, in phase with it. Time goes with e^{-i omega t}.
+/// Coherent reflection of a smooth surface. The time factor is e^{-i omega t}.
 struct SmoothSurface {
-  /// Pressure reflection coefficient: +1 rigid, -1 pressure release. Not read where there is a `fluid`.
+  /// Pressure reflection coefficient: +1 rigid, -1 pressure release. `fluid` replaces it.
   std::complex<double> reflection = 1;
-  /// A half-space of a fluid (reflection_coefficient()).
+  /// Half-space of a fluid (reflection_coefficient()).
   std::optional<FluidSediment> fluid{};
-  /// Standard deviation s of its height [m]: a Gaussian surface's mean field is e^{-q_n^2 s^2 / 2} of a plane
-  /// one's, q_n being the wave vector's change along the normal (Eckart 1953). What else is scattered has no
-  /// phase that is kept, and is not here.
+  /// Standard deviation s of the surface height in m. The mean field of a Gaussian surface is e^{-q_n^2 s^2
+  /// / 2} times that of a plane (Eckart 1953). Here q_n is the change of the wave vector along the normal.
+  /// The incoherent part is not modelled.
   double roughness_m = 0;
 
-  /// The factor of both. `sine`: the mean of the sines of both ways' grazing angles, which is q_n / 2k; where
-  /// the wave is reflected as by a mirror it is the sine of either, elsewhere it keeps reciprocity. `k` in
-  /// rad/m.
+  /// Factor of reflection and roughness. `sine`: mean of the sines of the grazing angles of both legs, which
+  /// is q_n / 2k. For specular reflection it equals the sine of either leg. Elsewhere the mean preserves
+  /// reciprocity. `k`: in rad/m.
   std::complex<double> factor(double sine, double k) const;
 };
 

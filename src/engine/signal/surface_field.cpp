@@ -21,7 +21,8 @@ double SurfaceField::texture_of(glm::dvec3 cell) const {
 
 namespace {
 
-/// No plane has a cosine below 1 / sqrt 3 with the axis that it faces most, but for the weights of ties.
+/// Least cosine between a plane's normal and the axis that the plane faces most. It is slightly below 1 /
+/// sqrt 3 because of the weights of lattice_axis().
 constexpr double least_cosine = 0.5689;
 
 void check_seen(double bandwidth_hz, double wavelength_m, double sound_speed_m_s, double look_angles_rad,
@@ -47,9 +48,10 @@ double surface_spacing_m(double bandwidth_hz, double wavelength_m, double sound_
 double speckle_spacing_m(double bandwidth_hz, double wavelength_m, double sound_speed_m_s,
                          double look_angles_rad, double grazing_cosine) {
   check_seen(bandwidth_hz, wavelength_m, sound_speed_m_s, look_angles_rad, grazing_cosine);
-  // A focus whose spectrum is even over a by b wavenumbers has the weights sinc^2 (a x) sinc^2 (b y). Their
-  // sum over places that are even over cells of spacing d varies by pi^2 d^4 (2/3) (1/15) (a^3 b + a b^3) / 3
-  // of its squared mean, less terms of higher orders (docs/signals.md).
+  // A focus with a uniform spectrum over a by b wavenumbers has the weights sinc^2 (a x) sinc^2 (b y).
+  // Consider their sum over places that are uniformly distributed over cells of spacing d. Its variance is
+  // pi^2 d^4 (2/3) (1/15) (a^3 b + a b^3) / 3 of its squared mean, minus terms of higher orders
+  // (docs/signals.md).
   constexpr double variance = 0.007, per_spacing4 = 9.8696 * 2 / 3 / 15 / 3;
   const double along = 2 * bandwidth_hz * grazing_cosine / sound_speed_m_s,
                across = 2 * look_angles_rad / wavelength_m;

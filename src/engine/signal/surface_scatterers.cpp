@@ -22,7 +22,7 @@ int nodes_for(double change_rad, double tolerance) {
 }  // namespace
 
 double gauss_error(int nodes, double change_rad) {
-  // f^(2n) 2^(2n+1) (n!)^4 / ((2n + 1) ((2n)!)^3), over the length 2.
+  // f^(2n) 2^(2n+1) (n!)^4 / ((2n + 1) ((2n)!)^3), relative to the length 2.
   double error = 1.0 / (2 * nodes + 1);
   for (int k = 1; k <= nodes; ++k) error *= 4.0 * k * k * k * k;
   for (int k = 1; k <= 2 * nodes; ++k) error *= change_rad / (double(k) * k * k);
@@ -59,7 +59,7 @@ std::vector<SurfaceScatterer> seabed_scatterers(const VisiblePolygons& seen, con
                              area * by_u.weight[a] * by_v.weight[b], number});
           return;
         }
-        // Quadrilaterals from the first corner on, the last one maybe a triangle, by bilinear maps.
+        // Bilinear maps of quadrilaterals from the first corner on. The last one may be a triangle.
         for (std::size_t k = 1; k + 1 < polygon.size(); k += 2) {
           const glm::dvec2 c0 = polygon[0], c1 = polygon[k], c2 = polygon[k + 1],
                            c3 = k + 2 < polygon.size() ? polygon[k + 2] : c2;

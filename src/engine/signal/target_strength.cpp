@@ -14,9 +14,9 @@ std::vector<std::complex<double>> backscattering_lengths(
     const FarView& view, std::span<const glm::dvec3> points_m,
     std::span<const std::array<std::uint32_t, 3>> triangles, glm::dvec3 towards, const SmoothSurface& surface,
     std::span<const double> wave_numbers_per_m) {
-  // (i.n) dS is an element across the line of sight, and the phase -2k times how far it lies towards the
-  // viewer: f = -(ik / 2 pi) R times the integral over the silhouette. Nothing of it needs a facet's plane,
-  // which is no good for those that are seen from the edge.
+  // (i.n) dS is an element of the silhouette, and the phase is -2k times its coordinate towards the viewer.
+  // Thus f = -(ik / 2 pi) R times the integral over the silhouette. The formula does not use the plane of a
+  // facet, which is ill-conditioned for facets seen edge-on.
   const bool same = !surface.fluid && surface.roughness_m == 0;
   std::vector<std::complex<double>> lengths(wave_numbers_per_m.size(), 0);
   for (const FarView::Part& part : view.parts) {

@@ -8,19 +8,22 @@
 #include <limits>
 #include <numbers>
 
+// Bounds the effect of rounding a mesh's vertices to the grid of a view, from displacements of vertices,
+// slopes of facets and lengths of borders. Source: docs/smooth-surfaces.md, "Bounds".
+
 namespace tubefoot {
 namespace {
 
-// Of sums of some roundings in doubles: of quantities that are not negative, and of coordinates that are no
-// larger than a radius.
+// Margins for several roundings in doubles: a factor for sums of non-negative quantities, and a relative
+// error of coordinates no larger than a radius.
 constexpr double upwards = 1 + 1e-9, coordinate_slack = 1e-14;
 
-/// Twice a facet in space, as a vector: its z is twice the projection.
+/// Twice the vector area of a facet; its z is twice the signed area of the projection.
 glm::dvec3 twice_facet(const std::vector<glm::dvec3>& at, const std::array<std::uint32_t, 3>& t) {
   return glm::cross(at[t[1]] - at[t[0]], at[t[2]] - at[t[0]]);
 }
 
-/// How much further away it gets over a length across the line of sight, at most.
+/// Bound of the change of the distance per length across the line of sight.
 double slope_of(glm::dvec3 twice, double slack) {
   const double over = std::abs(twice.z) - slack;
   return over > 0 ? (std::hypot(twice.x, twice.y) + slack) / over : std::numeric_limits<double>::infinity();
@@ -31,7 +34,7 @@ double slope_of(glm::dvec3 twice, double slack) {
 ViewDisplacement::ViewDisplacement(const FarViewGrid& grid, std::span<const glm::dvec3> points_m,
                                    std::span<const std::array<std::uint32_t, 3>> triangles,
                                    const PlacedEdges& edges, const EnclosedAxes& axes) {
-  // Places from the middle of the body: where they are, and where the grid has them.
+  // Positions relative to the middle of the body: true, and on the grid.
   std::vector<glm::dvec3> there(points_m.size()), snapped(points_m.size());
   const Ball unit(std::ldexp(1.0, -FarViewGrid::exponent)), height(FarViewGrid::apex_height);
   const std::array<Ball, 3> middle{grid.middle_m.x, grid.middle_m.y, grid.middle_m.z};
@@ -56,7 +59,7 @@ ViewDisplacement::ViewDisplacement(const FarViewGrid& grid, std::span<const glm:
 
   const double radius = grid.radius_m, slack = coordinate_slack * radius * radius,
                disc = std::numbers::pi * across_ * across_;
-  std::vector<int> side(triangles.size());  // which is seen; 0: not surely the same of both meshes
+  std::vector<int> side(triangles.size());  // visible side; 0: not certainly the same for both meshes
   for (std::size_t facet = 0; facet < triangles.size(); ++facet) {
     const std::array<std::uint32_t, 3>& t = triangles[facet];
     const glm::dvec3 before = twice_facet(there, t), after = twice_facet(snapped, t);
@@ -77,7 +80,8 @@ ViewDisplacement::ViewDisplacement(const FarViewGrid& grid, std::span<const glm:
         glm::length(glm::dvec2(there[edge.to]) - glm::dvec2(there[edge.from])) + coordinate_slack * radius;
     const double within = 6 * across_ * length + 9 * disc;
     const int one = side[edge.facets[0]], other = side[edge.facets[1]];
-    // Facets lie on either side of an edge if they turn the same way and go along it in opposite directions.
+    // Facets lie on either side of an edge if they have the same orientation and traverse the edge in
+    // opposite directions.
     const bool inner = edge.is_shared && one != 0 && other != 0 && (one == other) != edge.same_way;
     if (inner)
       inner_.push_back({edge.facets, within});
@@ -88,7 +92,7 @@ ViewDisplacement::ViewDisplacement(const FarViewGrid& grid, std::span<const glm:
 
 double ViewDisplacement::bound_m2(double k, double area_m2, double largest,
                                   std::span<const ComplexBall> factors) const {
-  // The phase turns by 2k for each metre, and two numbers of modulus 1 differ by no more than 2.
+  // The phase changes by 2k per metre. Two numbers of modulus 1 differ by at most 2.
   double changed = 2 * k * towards_ * area_m2 + 2 * border_m2_;
   for (const Slanted& facet : slanted_)
     changed += std::min(2.0, 2 * k * across_ * facet.slope) * facet.area_m2;

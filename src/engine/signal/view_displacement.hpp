@@ -11,35 +11,35 @@
 #include "engine/visibility/far_view.hpp"
 #include "geometry/numbers/ball.hpp"
 
-// How far what a view tells may be from what the mesh itself would: its vertices were put on a grid. Heavy:
-// include only in .cpp files.
+// Bounds the error of a view that comes from the rounding of the mesh's vertices to a grid. Source:
+// docs/smooth-surfaces.md. Heavy: include only in .cpp files.
 namespace tubefoot {
 
-/// Axes of a view, enclosed: right, up and towards the viewer.
+/// Enclosed axes of a view: right, up and towards the viewer.
 using EnclosedAxes = std::array<std::array<Ball, 3>, 3>;
 
-/// Bounds the change of the integral over the silhouette of factor times e^{-2ikz}, z being how far the seen
-/// place lies towards the viewer, when vertices move from where they are to where the grid has them.
-/// docs/smooth-surfaces.md has the proof.
+/// Bounds the change of the integral over the silhouette of factor times e^{-2ikz} when the vertices move
+/// from their true positions to the grid. The coordinate z of a visible place increases towards the viewer.
+/// docs/smooth-surfaces.md contains the proof.
 class ViewDisplacement {
  public:
   ViewDisplacement(const FarViewGrid& grid, std::span<const glm::dvec3> points_m,
                    std::span<const std::array<std::uint32_t, 3>> triangles, const PlacedEdges& edges,
                    const EnclosedAxes& axes);
 
-  /// How far a vertex moved at most: across the line of sight, and along it.
+  /// Largest displacement of a vertex across and along the line of sight.
   double across_m() const { return across_; }
   double towards_m() const { return towards_; }
 
-  /// m^2. `area_m2`: of the silhouette that the view has. `largest`: of the modulus of any factor. `factors`
-  /// by facet, where they are not all alike; which of two facets is seen that lie within the displacement of
-  /// each other is then taken as the view has it.
+  /// Bound in m^2. `area_m2`: area of the view's silhouette. `largest`: bound of the modulus of all factors.
+  /// `factors`: per facet if they differ. In that case, if two facets lie within the displacement of each
+  /// other, the view decides which of the two is visible.
   double bound_m2(double wave_number_per_m, double area_m2, double largest,
                   std::span<const ComplexBall> factors) const;
 
  private:
   struct Slanted {
-    double slope, area_m2;  ///< area: of all places within reach of its projection
+    double slope, area_m2;  ///< area of all places within the displacement of its projection
   };
   struct Inner {
     std::array<std::uint32_t, 2> facets;
@@ -47,9 +47,10 @@ class ViewDisplacement {
   };
 
   double across_ = 0, towards_ = 0;
-  double border_m2_ = 0;  ///< within reach of borders and vertices
+  double border_m2_ = 0;  ///< area within the displacement of borders and vertices
   std::vector<Slanted> slanted_;
-  std::vector<Inner> inner_;  ///< within reach of an edge on both sides of which its facets are seen
+  std::vector<Inner> inner_;  ///< area within the displacement of an edge with its facets visible on both
+                              ///< sides
 };
 
 }  // namespace tubefoot

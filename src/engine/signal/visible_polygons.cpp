@@ -10,10 +10,14 @@
 #include "geometry/integrals/measure.hpp"
 #include "geometry/steps/stop.hpp"
 
+// Collects the visible polygons of footprints, and intersects the polygons of two visibilities on each facet
+// in doubles. Polygons are in the local frame relative to an origin.
+
 namespace tubefoot {
 namespace {
 
-/// Boxes of two polygons that do not meet: most of those of one facet.
+/// Whether the bounding boxes of two polygons are disjoint, which is the most frequent case for polygons of
+/// one facet.
 bool apart(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b, glm::dvec3 b_further) {
   for (int axis = 0; axis < 3; ++axis) {
     const auto ends = [axis](std::span<const glm::dvec3> corners) {

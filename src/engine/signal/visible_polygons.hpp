@@ -12,16 +12,16 @@
 
 namespace tubefoot {
 
-/// A convex visible polygon of the seabed, where it lies.
+/// Convex visible polygon of the seabed, at its true position.
 struct VisiblePolygon {
   FacetId facet = 0;
-  glm::dvec3 normal{0, 0, 1};  ///< unit, towards the side that is seen
+  glm::dvec3 normal{0, 0, 1};  ///< unit vector towards the visible side
   double distance_m = 0;       ///< of the origin from the plane, positive on that side
   std::uint32_t first_corner = 0, corner_count = 0;
   std::uint32_t tx_tube = 0, rx_tube = 0;
 };
 
-/// What one or several signals come from: polygons with disjoint interiors.
+/// Visible polygons that return signals, with disjoint interiors.
 struct VisiblePolygons {
   glm::dvec3 origin_m{0};  ///< local frame; corners are relative to it
   std::vector<VisiblePolygon> patches;
@@ -33,25 +33,25 @@ struct VisiblePolygons {
   double area_m2() const;
 };
 
-/// All that a common visibility has; its origin is the apex of the law's way out. Ways over mirrors come from
-/// for_coherent_paths() (engine/paths/coherent_paths.hpp), whose channels are images, too. Throws
-/// std::invalid_argument for a seabed that is seen elsewhere than it lies (refracting water), for ways over
-/// mirrors, and for what rays met: none of them has polygons whose points have straight ways to any channel.
+/// Polygons of a common visibility. The origin is the apex of the model's transmit leg. For paths over
+/// mirrors use for_coherent_paths() (engine/paths/coherent_paths.hpp), whose channels are images. Throws
+/// std::invalid_argument in refracting water, for paths over mirrors, and for hits of rays. These have no
+/// polygons with straight paths to any channel.
 VisiblePolygons visible_polygons(const CommonVisibility& visibility, const EchoModel& model);
 
-/// Patches of smooth facets and those of rough ones, which return signals of their own.
+/// Polygons of smooth facets and of rough facets, whose signals are computed separately.
 struct SplitPolygons {
   VisiblePolygons smooth, rough;
 };
-/// Each patch goes to one of both, in the order in which they are.
+/// Distributes the polygons to both sets in their given order.
 SplitPolygons split_polygons(const VisiblePolygons& patches, const std::function<bool(FacetId)>& is_smooth);
 
-/// The same of what an apex or its image sees together with another's, both in isovelocity water: what
-/// channels make of it has to be told by their images over the same mirrors. `tx_m`: of the transmit leg.
+/// Polygons that two apexes or images both see in isovelocity water. The channels must be images over the
+/// same mirrors. `tx_m`: apex of the transmit leg.
 VisiblePolygons patches_between(const BistaticHistory& images, glm::dvec3 tx_m);
 
-/// What two sights share: the intersections of their polygons on each facet, in doubles. Origin and tubes are
-/// those of the first one. Facets have the same numbers in both.
+/// Intersections of the polygons of two visibilities on each facet, in doubles. Origin and tubes are those
+/// of the first. Facet numbers must be the same in both.
 VisiblePolygons common_patches(const VisiblePolygons& first, const VisiblePolygons& second);
 
 }  // namespace tubefoot

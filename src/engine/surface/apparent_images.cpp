@@ -7,6 +7,9 @@
 #include <numeric>
 #include <optional>
 
+// Computes the apparent images of seabed points, matches the rays of neighbouring points, and decides which
+// edges need a cut. An edge is cut until its travel-path error and the error of its facet factor are within
+// the settings. See docs/refraction.md.
 namespace tubefoot {
 
 bool are_alike(const std::vector<SeenPoint>& a, const std::vector<SeenPoint>& b) {
@@ -21,7 +24,7 @@ std::vector<std::size_t> same_rays(const std::vector<SeenPoint>& more, const std
     return same;
   }
   if (m >= n) return {};
-  // Least sum of differences of the last rays from (i, j) on.
+  // sum[i][j] is the least sum of launch-angle differences for the rays from (i, j) to the end.
   constexpr double none = std::numeric_limits<double>::infinity();
   std::vector<std::vector<double>> sum(n + 1, std::vector<double>(m + 1, none));
   const auto with = [&](std::size_t i, std::size_t j) {
@@ -56,14 +59,14 @@ ApparentImage Images::make(const glm::dvec3& point_m) const {
     for (const ApparentPoint& each : several) image.several.push_back(seen_point(point_m, each));
     return image;
   }
-  if (!std::isfinite(image.returned.spreading)) return {};  // on a caustic, where rays say nothing
+  if (!std::isfinite(image.returned.spreading)) return {};  // on a caustic, where ray theory has no result
   return image;
 }
 
 SeenPoint Images::seen_point(const glm::dvec3& point_m, const ApparentPoint& found) const {
   const CornerReturn returned = corner_return(apparent_map_, point_m, found, absorption_);
-  // Rays that are nearly level, where they turn, do not make it as small or large as they could: little
-  // comes back from there.
+  // For nearly horizontal rays near their turning points, this limit keeps the level from its extremes. The
+  // return from there is small.
   constexpr double least = 0.1;
   const double sines =
       std::max(std::abs(found.ray.arrival_sine), least) / std::max(std::abs(found.ray.launch_sine), least);
@@ -71,7 +74,7 @@ SeenPoint Images::seen_point(const glm::dvec3& point_m, const ApparentPoint& fou
                  db_per_relative * std::log(returned.spreading * sines)};
   if (!settings_.later_arrivals) return seen;
   seen.launch_rad = std::atan2(found.ray.launch_sine, found.ray.launch_cosine);
-  // By its own area, of which the caustic's is a multiple.
+  // Scales with the ray's own area; the caustic's area is a multiple of it.
   Eigenray unit = found.ray;
   unit.tube_area_m2_per_sr = 1;
   const double width = 1 / corner_return(apparent_map_, point_m, {found.at_m, unit}, absorption_).spreading;
@@ -87,12 +90,12 @@ SeenPoint Images::seen_point(const glm::dvec3& point_m, const ApparentPoint& fou
   return seen;
 }
 
-// Rays that come or go between the ends do so at a border that is found along the edge; here it is made to
-// lie between short edges.
+// The border at which rays appear or vanish between the ends is located along the edge later. This rule
+// makes the border lie between short edges.
 bool Images::cuts_by_any_ray(double length, const ApparentImage& from, const ApparentImage& to,
                              const ApparentImage& middle) const {
-  // Images of facets next to a caustic are wrong in direction, by no more than they are wide, long after they
-  // are right in range.
+  // Images of facets next to a caustic have errors of direction, at most as large as their width, when their
+  // ranges are already accurate.
   constexpr double sideways = 16, beside_caustics = 5;
   const auto rays_to = [](const ApparentImage& image) {
     return image.several.empty() && image.seen() ? std::vector<SeenPoint>{image} : image.several;

@@ -8,52 +8,58 @@
 
 #include "engine/surface/refracted_surface.hpp"
 
-// Places of the seabed as one apex sees them through refracting water, by each of the rays that lead there:
-// what straighten() makes its facets of.
+// Computes the apparent positions of seabed points for one apex in stratified water, one for each ray that
+// leads to a point. It also decides which edges map_apparent() cuts, from the travel-path error and from the
+// change of the facet factor in decibels. See docs/refraction.md.
 namespace tubefoot {
 
-/// A point's image by one ray, and what that returns.
+/// Image of a point by one ray, and the return of the point along this ray.
 struct SeenPoint {
   glm::dvec3 at_m{0};
   CornerReturn returned;
   double range_m = 0;
-  /// What a level facet's factor is here, in decibels.
+  /// Facet factor of a horizontal facet at this point, in decibels.
   double level_db = 0;
-  /// Of several rays, in whose order they are. Positive down.
+  /// Launch angle, positive down. It defines the order of several rays.
   double launch_rad = 0;
-  /// 1 / CornerReturn::spreading, below 0 behind a caustic and 0 on it: smooth in the launch direction.
+  /// 1 / CornerReturn::spreading. It is negative behind a caustic and 0 on it, so that it is a smooth
+  /// function of the launch direction.
   double width = 0;
-  /// What Eigenray::caustic_area_m2_per_sr is of that.
+  /// Width that corresponds to Eigenray::caustic_area_m2_per_sr.
   double caustic_width = 0;
-  /// What absorption leaves one way over what the reference absorption does, and the sound speed at the apex
-  /// over that at the point.
+  /// `kept`: one-way factor of absorption, divided by that of the reference absorption. `speeds`: sound
+  /// speed at the apex divided by that at the point.
   double kept = 1, speeds = 1;
 
-  /// RayOfPart::Corner::gain.
+  /// Value of RayOfPart::Corner::gain.
   double gain() const { return speeds / (std::hypot(width, caustic_width) * kept); }
-  /// The ray's tube is about as wide as that of a straight one: far from caustics.
+  /// Returns whether the ray tube is about as wide as the tube of a straight ray, as it is far from
+  /// caustics.
   bool is_wide() const { return returned.spreading > 0.25 && returned.spreading < 4; }
   bool crossed() const { return width < 0; }
 };
 
-/// By the first ray to arrive; without eigenray: not seen.
+/// Image of a point by the first ray to arrive. Without an eigenray the point is not seen.
 struct ApparentImage : SeenPoint {
   int eigenrays = 0;
-  /// By each of several rays, by their launch angles: if ApparentMapSettings asks for them.
+  /// Images by each of several rays in the order of their launch angles, if ApparentMapSettings requests
+  /// them.
   std::vector<SeenPoint> several{};
   bool seen() const { return eigenrays > 0; }
-  /// One ray, far from caustics.
+  /// Returns whether there is one ray, far from caustics.
   bool regular() const { return eigenrays == 1 && is_wide(); }
 };
 
-/// Rays to two places that are the same ones but for where they go: for each of the fewer, the number of that
-/// of the more, in their order; empty where they cannot be. Of those, the ones that are launched most alike.
-/// Places on the two sides of a caustic differ by neighbours one of which is crossed.
+/// Matches the rays to two points. Returns, for each ray of `fewer`, the index of the corresponding ray of
+/// `more`, in order. The result is empty if no match is possible. Among the possible matches, it has the
+/// smallest sum of differences of launch angles. Two points on opposite sides of a caustic differ by a pair
+/// of neighbouring rays, one of which is crossed.
 std::vector<std::size_t> same_rays(const std::vector<SeenPoint>& more, const std::vector<SeenPoint>& fewer);
-/// As many, and each crossed or not in its turn.
+/// Returns whether both points have the same number of rays, with the same sequence of crossed and uncrossed
+/// rays.
 bool are_alike(const std::vector<SeenPoint>& a, const std::vector<SeenPoint>& b);
 
-/// Makes images, and says which edges between them are to be cut.
+/// Computes images, and decides which edges between them are cut.
 class Images {
  public:
   Images(const ApparentMap& apparent_map, double reference_absorption_db_per_m,
@@ -61,8 +67,9 @@ class Images {
 
   ApparentImage make(const glm::dvec3& point_m) const;
 
-  /// The gap of an edge, metres. Straight lines are seen curved about as much as rays are, at most g / c per
-  /// metre, where rays spread about as in isovelocity water: of a short edge there, twice that is as good.
+  /// Travel-path error of an edge, in metres. Without `middle` it is a bound. If rays spread about as in
+  /// isovelocity water, the images of straight lines have about the curvature of rays. It is at most g / c
+  /// per metre. The bound for short edges uses twice this curvature.
   double travel_path_error_m(const glm::dvec3& a, const glm::dvec3& b, const ApparentImage& from,
                              const ApparentImage& to, const ApparentImage* middle = nullptr) const {
     if (middle != nullptr) return edge_travel_path_error_m(from.at_m, to.at_m, middle->at_m);
@@ -71,20 +78,22 @@ class Images {
                                           : std::numeric_limits<double>::infinity();
   }
 
-  /// Short beside its range: the ends say how things change along it.
+  /// Returns whether an edge is short compared with its range. The two ends then determine the changes along
+  /// the edge.
   static bool is_short(double length, const ApparentImage& from, const ApparentImage& to) {
     return 4 * length < std::min(from.range_m, to.range_m);
   }
 
-  /// Whether the bound of travel_path_error_m() will do, and the images of the ends are enough.
+  /// Returns whether the bound of travel_path_error_m() is sufficient, so that the images of the ends are
+  /// enough.
   bool surely_whole(const glm::dvec3& a, const glm::dvec3& b, const ApparentImage& from,
                     const ApparentImage& to) const {
     const double length = glm::distance(a, b);
     return is_short(length, from, to) && is_fine(length, travel_path_error_m(a, b, from, to), from, to, to);
   }
 
-  /// Whether an edge is long for how near it is to an apex on the seabed: facets that hold the apex, or
-  /// nearly, lie then where rays are straight.
+  /// Returns whether an edge is too long for its distance to an apex on the seabed. After cutting, facets
+  /// that contain the apex or nearly contain it lie where rays are straight.
   bool is_long_nearby(const glm::dvec3& a, const glm::dvec3& b) const {
     const double within_m = apparent_map_.straight_within_m();
     if (!(within_m > 0)) return false;
@@ -100,18 +109,20 @@ class Images {
     const ApparentImage& middle = image_of((a + b) / 2.0);
     if (!from.several.empty() || !to.several.empty() || !middle.several.empty())
       return cuts_by_any_ray(length, from, to, middle);
-    // Shadows and caustics are cut evenly, in and beside them: a border narrowed down between long edges
-    // would not end.
+    // Edges in shadows, on caustics and next to them are cut to one uniform length. Otherwise the refinement
+    // along a border between long edges would not end.
     if (!from.regular() || !to.regular() || !middle.regular()) return length > settings_.shadow_edge_m;
     return !is_fine(length, travel_path_error_m(a, b, from, to, &middle), from, to, middle);
   }
 
-  /// Whether what lies about an edge is asked for: the ball of EdgeRule about it, and of that, where only one
-  /// facet may be cut by it, what lies in that facet's box.
+  /// Returns whether the surroundings of an edge are of interest. The surroundings are the ball of EdgeRule
+  /// about the edge. If only one facet may be cut by the edge (`inside`), they are the part of the ball in
+  /// the box of this facet.
   bool concerns(const glm::dvec3& a, const glm::dvec3& b, const FacetMesh& base, FacetId facet,
                 const WorldGrid& grid, bool inside) const;
 
-  /// So small beside its range that its corners say all that its factor needs. `seen_m`: from the apex.
+  /// Returns whether a facet is so small compared with its range that its corners determine its factor.
+  /// `seen_m` is relative to the apex.
   bool is_small(const glm::dvec3 (&corners_m)[3], const glm::dvec3 (&seen_m)[3]) const;
   double reference_absorption_db_per_m() const { return absorption_; }
   const ApparentMap& apparent_map() const { return apparent_map_; }
@@ -119,15 +130,15 @@ class Images {
   bool may_see(const glm::dvec3 (&corners_m)[3]) const {
     return view_bounds_ == nullptr || view_bounds_->may_see(corners_m);
   }
-  /// False only if no tube meets what is seen within a distance of a place.
+  /// Returns false only if no tube meets the image of any point within a distance of a place.
   bool may_show(const glm::dvec3& seen_at_m, double distance_m) const {
     return view_bounds_ == nullptr || view_bounds_->may_show(seen_at_m - apparent_map_.apex_m(), distance_m);
   }
 
  private:
   SeenPoint seen_point(const glm::dvec3& point_m, const ApparentPoint& found) const;
-  /// A gap that grows as the square of the way along the edge changes lengths by 4 gap / length at its ends;
-  /// one factor for a facet is off by half the change between them.
+  /// A gap that grows with the square of the distance along the edge changes lengths by 4 gap / length at
+  /// the ends. A constant factor of a facet has an error of half the change between its corners.
   bool is_fine(double length, double gap, const SeenPoint& from, const SeenPoint& to,
                const SeenPoint& middle) const {
     const auto [least, most] = std::minmax({from.level_db, to.level_db, middle.level_db});
@@ -137,7 +148,7 @@ class Images {
   bool cuts_by_any_ray(double length, const ApparentImage& from, const ApparentImage& to,
                        const ApparentImage& middle) const;
 
-  /// Decibels of a small relative change.
+  /// Decibels per small relative change.
   static constexpr double db_per_relative = 4.3429448190325183;
 
   const ApparentMap& apparent_map_;
@@ -147,7 +158,7 @@ class Images {
   double bend_per_m_ = 0;
 };
 
-/// True facets, fine enough, and their vertices' images.
+/// True facets after refinement, and the images of their vertices.
 struct FineFacets {
   RefinedMesh mesh;
   std::vector<glm::dvec3> at_m;
@@ -156,7 +167,7 @@ struct FineFacets {
 
 inline glm::dvec3 normal_of(const glm::dvec3 (&c)[3]) { return glm::cross(c[1] - c[0], c[2] - c[0]); }
 
-/// Of a facet of that law, but for a factor; null: Lambert's.
+/// Cross-section of a scattering model up to a constant factor; null: Lambert's law.
 double sigma_of(const ScatteringModel* model, double sine);
 
 }  // namespace tubefoot

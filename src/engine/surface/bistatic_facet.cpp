@@ -10,12 +10,15 @@
 #include "engine/surface/grazing_sine.hpp"
 #include "geometry/steps/stop.hpp"
 
+// Flattens facets between two apexes in stratified water. The metric of the flat triangle is the mean of the
+// metrics (squared edge lengths and their product) that the apexes see. The heights and foot points of the
+// apexes follow from the apparent ranges of the corners. See docs/bistatic.md.
 namespace tubefoot {
 namespace {
 
 constexpr double least_sine = 1e-3;
 
-/// Squared lengths of two edges from a corner, and their product.
+/// Squared lengths of two edges from a corner, and their scalar product.
 struct Metric {
   double first = 0, second = 0, product = 0;
 };
@@ -25,14 +28,14 @@ Metric metric_of(const glm::dvec3 (&c)[3]) {
   return {glm::dot(first, first), glm::dot(second, second), glm::dot(first, second)};
 }
 
-/// A triangle in its plane: the first corner is the origin, the first edge runs along x.
+/// Triangle in its plane. The first corner is the origin, and the first edge lies along x.
 struct Flat {
   double along, across_x, across_y;
   explicit Flat(const Metric& m)
       : along(std::sqrt(m.first)),
         across_x(m.product / along),
         across_y(std::sqrt(std::max(m.second - across_x * across_x, 0.0))) {}
-  /// Foot point of a place, by its products with the edges.
+  /// Foot point of a position, given by its scalar products with the two edges.
   glm::dvec2 foot(double with_first, double with_second) const {
     const double x = with_first / along;
     return {x, across_y > 0 ? (with_second - x * across_x) / across_y : 0};
@@ -44,13 +47,15 @@ struct Place {
   double height;
 };
 
-/// Where an apex is that sees `seen` (relative to it) if distances are laid out by another metric.
+/// Position of an apex that sees the corners `seen` (relative to the apex), over a triangle with another
+/// metric.
 Place flatten(const glm::dvec3 (&seen)[3], const Metric& metric) {
   const Metric own = metric_of(seen);
   const double first = -glm::dot(seen[0], seen[1] - seen[0]), second = -glm::dot(seen[0], seen[2] - seen[0]);
   const glm::dvec2 foot =
       Flat(metric).foot(first + (metric.first - own.first) / 2, second + (metric.second - own.second) / 2);
-  // Heights as they are seen, changed by what the foot moves: nothing is lost where it does not.
+  // The height is the apparent height, corrected by the displacement of the foot point. If the foot point
+  // does not move, this form loses no digits.
   const glm::dvec2 seen_foot = Flat(own).foot(first, second);
   const glm::dvec3 normal = glm::cross(seen[1] - seen[0], seen[2] - seen[0]);
   const double height = glm::dot(normal, seen[0]) / glm::length(normal),
@@ -59,7 +64,7 @@ Place flatten(const glm::dvec3 (&seen)[3], const Metric& metric) {
   return {foot, std::sqrt(std::max(height2, least * least))};
 }
 
-/// The affine map of a plane that takes three of its points to three places.
+/// Affine map of a plane that takes three of its points to three positions.
 LyingPlane plane_through(const glm::dvec2 (&at)[3], const glm::dvec3 (&places)[3]) {
   const FacetMap map = facet_map({{at[0], 0}, {at[1], 0}, {at[2], 0}}, places);
   LyingPlane plane;
@@ -69,7 +74,7 @@ LyingPlane plane_through(const glm::dvec2 (&at)[3], const glm::dvec3 (&places)[3
   return plane;
 }
 
-/// The ray to a true vertex, each found once.
+/// Rays to true vertices. Each ray is computed once.
 class Rays {
  public:
   explicit Rays(const ApparentMap& water) : water_(water) {}
@@ -85,8 +90,9 @@ class Rays {
   std::unordered_map<VertexId, Eigenray> known_;
 };
 
-/// What a corner returns apart from scattering and area, over what the straight law makes of it: the
-/// transmitter's energy over the area of its ray tube there, and the receiver's over that back from there.
+/// Return of a corner without scattering and area, relative to the straight-ray return. It contains the
+/// ray-tube area from the transmitter to the corner, the ray-tube area from the corner back to the receiver,
+/// and the absorption.
 double spreading(const ApparentMap& receive, const Eigenray& sent, const Eigenray& received,
                  const glm::dvec3& at_m, double there_m, double back_m, double absorption_db_per_m) {
   const double beyond_db =
@@ -160,7 +166,7 @@ std::vector<BistaticFacet> bistatic_facets(const SharedFootprints& shared, const
       }
     };
     take();
-    // In the order in which pieces turn.
+    // Corners are in the rotational order of the pieces.
     if (glm::dot(glm::cross(from_t[1] - from_t[0], from_t[2] - from_t[0]), of.plane_normal) > 0) {
       std::swap(vertex[1], vertex[2]);
       take();
@@ -209,7 +215,7 @@ std::vector<BistaticFacet> ReceiverPairFlattening::of(const SharedFootprints& sh
       }
     };
     take();
-    // In the order in which pieces turn.
+    // Corners are in the rotational order of the pieces.
     if (glm::dot(glm::cross(from_t[1] - from_t[0], from_t[2] - from_t[0]), of.plane_normal) > 0) {
       std::swap(vertex[1], vertex[2]);
       take();
@@ -247,8 +253,9 @@ std::vector<BistaticFacet> ReceiverPairFlattening::of(const SharedFootprints& sh
   return all;
 }
 
-// Where the middle is sqrt(D^2 + |p - F|^2) from the plane's point p, which it sees at s(p), linear in p, the
-// end is as far from it as the root of D^2 + |p - F|^2 - 2 by . s(p) + by^2: a distance and a foot again.
+// The distance of the middle from the plane's point p is sqrt(D^2 + |p - F|^2). Its apparent position s(p)
+// is linear in p. The distance of the end is the root of D^2 + |p - F|^2 - 2 by . s(p) + by^2. This is again
+// a distance and a foot point.
 bool BistaticFacet::move_receiver(glm::dvec3 by_m) {
   const LyingPlane& seen = receive_seen;
   const glm::dvec2 from = receive_foot_m,

@@ -10,18 +10,20 @@
 #include "engine/surface/refracted_surface.hpp"
 #include "geometry/footprints/shared_footprints.hpp"
 
-// Transmitter and separate receiver in refracting water: facets that each sees elsewhere. docs/bistatic.md
+// Flattens facets for a transmitter and a separate receiver in stratified water. The two apexes see each
+// facet at different apparent positions. A flattened facet is a triangle in a plane, with two apex positions
+// whose distances to the corners equal the apparent ranges. See docs/bistatic.md.
 namespace tubefoot {
 
-/// The true facets that either apex may see, cut alike for both, and where each apex sees them. Vertices of
-/// both apparent meshes have the numbers of `mesh`.
+/// True facets that either apex may see, with the same cuts for both, and their apparent positions for each
+/// apex. The vertices of both apparent meshes have the same numbers as those of `mesh`.
 struct ApparentPair {
   FacetMesh mesh;
   ApparentSurface transmit, receive;
-  std::vector<FacetId> transmit_origin, receive_origin;  ///< by apparent facet: that of `mesh`
+  std::vector<FacetId> transmit_origin, receive_origin;  ///< facet of `mesh` for each apparent facet
 };
 
-/// straighten() for two apexes: edges are cut where either of the two needs it.
+/// Does the same as map_apparent() for two apexes. An edge is cut if either apex requires the cut.
 ApparentPair map_apparent_pair(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
                                const ApparentMap& transmit, const ApparentMap& receive,
                                double reference_absorption_db_per_m, const ApparentMapSettings& settings,
@@ -29,69 +31,75 @@ ApparentPair map_apparent_pair(const FacetMesh& base, std::span<const FacetId> f
                                const ViewBounds* transmit_view_bounds = nullptr,
                                const ViewBounds* receive_view_bounds = nullptr);
 
-/// A triangle as two apexes see it, flattened. Its edges have the root mean squares of the lengths that
-/// they are seen with, and each apex is put where the corners are as far from it as they are seen: in even
-/// water where it is. Sums of distances to the two are then right at the corners, and between them to second
-/// order of the edges. Where a corner would be farther from another than the difference of their distances
-/// allows, the apex is a thousandth of the distance above the plane. Coordinates: those of PathCutter.
+/// Triangle that two apexes see, flattened into a plane. The length of each edge is the root mean square of
+/// its two apparent lengths. Each apex lies where its distances to the corners equal the apparent ranges,
+/// which in isovelocity water is its true position. The sum of the two distances is therefore exact at the
+/// corners, and accurate to second order of the edges between them. If lengths and distances are
+/// inconsistent, the apex lies a thousandth of its distance above the plane. Coordinates are those of
+/// PathCutter.
 struct BistaticFacet {
   double transmit_distance_m = 0, receive_distance_m = 0;  ///< from the plane
   glm::dvec2 receive_foot_m{0};
-  FacetMap to_plane;  ///< from places where the transmitter sees them, relative to it, to (x, y, 0)
-  /// Where the plane's points are seen, relative to each apex, and where they lie, local frame.
+  FacetMap to_plane;  ///< from apparent positions relative to the transmitter to (x, y, 0)
+  /// Affine maps of the plane to apparent positions relative to each apex, and to true positions in the
+  /// local frame.
   LyingPlane transmit_seen, receive_seen, lies;
   struct Corner {
-    double transmit_lies = 0, transmit_seen = 0, receive_lies = 0, receive_seen = 0;  ///< sines of grazing
-    /// What a corner returns apart from its scattering, over 1 / (r_T^2 r_R^2) and reference absorption.
+    /// Sines of grazing angles.
+    double transmit_lies = 0, transmit_seen = 0, receive_lies = 0, receive_seen = 0;
+    /// Return of a corner without its scattering, relative to 1 / (r_T^2 r_R^2) and reference absorption.
     double gain = 1;
   };
   std::array<Corner, 3> corners;
-  double misfit_m = 0;  ///< of half paths at the corners
+  double misfit_m = 0;  ///< largest error of half path lengths at the corners
 
-  /// To the end of a receiver pair whose middle the receive leg leads to: the apparent seabed stays where it
-  /// is. False: the plane is not in front of it.
+  /// Moves the receiver from the middle of a receiver pair, to which the receive leg leads, to one of its
+  /// ends. The apparent seabed does not move. Returns false if the plane is not in front of the receiver.
   bool move_receiver(glm::dvec3 by_m);
 };
 
-/// A triangle flattened between two apexes, and how far its corners then are from them. Of the corners'
-/// returns only the seen sines and, as gain, the ratio of the areas.
+/// Triangle flattened between two apexes, and the distances of its corners from them. The corners contain
+/// only the apparent sines and, as gain, the ratio of true to flattened area.
 struct FlattenedFacet {
   BistaticFacet facet;
   std::array<double, 3> there_m{}, back_m{};
-  glm::dvec3 normal{0};  ///< where it lies
+  glm::dvec3 normal{0};  ///< of the true facet
 };
-/// Corners as they are seen, relative to the apexes, and where they lie.
+/// Flattens a triangle, given its apparent corners relative to each apex and its true corners.
 FlattenedFacet flatten_between(const glm::dvec3 (&from_transmitter)[3], const glm::dvec3 (&from_receiver)[3],
                                const glm::dvec3 (&lies)[3]);
 
-/// One end of a path, and where it sees the seabed: vertices of the surface have the numbers of the seabed's.
+/// One end of a path, and the apparent seabed that it sees. The vertices of the surface have the same
+/// numbers as those of the seabed.
 struct ApparentEnd {
   const ApparentSurface& surface_mesh;
   const ApparentMap& water;
 };
 
-/// Facets that two ends share, in their order. `shared` is about `seabed`, whose facets both see.
+/// Flattens the facets that two ends share, in the order of `shared`. Facet numbers of `shared` refer to
+/// `seabed`.
 std::vector<BistaticFacet> bistatic_facets(const SharedFootprints& shared, const FacetMesh& seabed,
                                            const ApparentEnd& transmit, const ApparentEnd& receive,
                                            const WorldGrid& grid, double absorption_db_per_m);
-/// The same of a pair. `shared` is about pair.mesh.
+/// Does the same for an apparent pair. Facet numbers of `shared` refer to pair.mesh.
 std::vector<BistaticFacet> bistatic_facets(const SharedFootprints& shared, const ApparentPair& pair,
                                            const WorldGrid& grid, const ApparentMap& transmit,
                                            const ApparentMap& receive, double reference_absorption_db_per_m);
 
-/// Lays out facets for a receiver pair: on one plane for both of its receivers, with edges as these see them,
-/// so that their ranges, and what these differ by, are as right as they can be; the transmitter is put where
-/// its distances to the corners are right. Corners of the result (Corner) are left as they are made.
+/// Flattens facets for a receiver pair. Both receivers have the same plane, whose edges have the mean
+/// squared lengths that the receivers see. Their ranges and range differences are then as accurate as
+/// possible. The transmitter lies where its distances to the corners equal the apparent ranges. The corners
+/// (Corner) of the result keep their default values.
 class ReceiverPairFlattening {
  public:
-  /// `receivers`: upper and lower. All outlive it.
+  /// `receivers`: upper and lower receiver. All arguments must outlive this object.
   ReceiverPairFlattening(const FacetMesh& seabed, const ApparentEnd& transmit,
                          const std::array<const ApparentMap*, 2>& receivers, const WorldGrid& grid);
-  /// Facets that one of them shares with the transmitter, in their order.
+  /// Flattens the facets that one receiver shares with the transmitter, in the order of `shared`.
   std::vector<BistaticFacet> of(const SharedFootprints& shared, std::size_t receiver);
 
  private:
-  using Image = std::optional<glm::dvec3>;  // from the receiver's apex, to the last digit
+  using Image = std::optional<glm::dvec3>;  // from the receiver's apex, not rounded to the grid
   const Image& image(std::size_t receiver, VertexId vertex);
 
   const FacetMesh& seabed_;
@@ -101,8 +109,9 @@ class ReceiverPairFlattening {
   std::array<std::unordered_map<VertexId, Image>, 2> images_;
 };
 
-/// What a facet returns over what the straight law makes of it flattened: the mean over its corners of
-/// gain sqrt(sigma(lies) sigma(lies)) / sqrt(sigma(seen) sigma(seen)); null: Lambert's law.
+/// Returns the ratio between the return of a facet and the straight-ray return of its flattened facet. It is
+/// the mean over the corners of gain sqrt(sigma(lies) sigma(lies)) / sqrt(sigma(seen) sigma(seen)). A null
+/// model is Lambert's law.
 double bistatic_factor(const BistaticFacet& facet, const ScatteringModel* model);
 
 }  // namespace tubefoot

@@ -8,13 +8,17 @@
 #include "engine/surface/grazing_sine.hpp"
 #include "geometry/numbers/int128.hpp"
 
+// Cuts facets with several eigenrays along caustics and limits of the followed rays, and adds one apparent
+// facet per family of rays and part. Next to a caustic the facet factor contains the mean of 1 / sqrt(w^2 +
+// w_c^2) over the launch directions. Here w is the ray-tube width and w_c the Airy width. See
+// docs/refraction.md.
 namespace tubefoot {
 namespace {
 
-/// Borders are found as closely as this, metres.
+/// Accuracy to which borders are located, in metres.
 constexpr double border_m = 1e-8;
 
-/// Three grid points that are not on a line.
+/// Returns whether three grid points do not lie on one line.
 bool is_triangle(const GridPoint& a, const GridPoint& b, const GridPoint& c) {
   const std::array<Int128, 3> u{Int128(b.x) - a.x, Int128(b.y) - a.y, Int128(b.z) - a.z},
       v{Int128(c.x) - a.x, Int128(c.y) - a.y, Int128(c.z) - a.z};
@@ -25,9 +29,9 @@ bool is_triangle(const GridPoint& a, const GridPoint& b, const GridPoint& c) {
   return false;
 }
 
-/// facet_factor() next to a caustic, per launch direction: there the area of the ray tube on the transmit leg
-/// has no singularity, because the seabed is lit by what is sent, and 1 / spreading is as a plane. `seen_m`:
-/// from the apex.
+/// Computes facet_factor() next to a caustic per launch direction. The area of the ray tube on the transmit
+/// leg then has no singularity, because the transmitted energy insonifies the seabed. The quantity 1 /
+/// spreading is linear. `seen_m` is relative to the apex.
 double factor_beside_caustic(const glm::dvec3 (&lies_m)[3], const glm::dvec3 (&seen_m)[3],
                              const std::array<const SeenPoint*, 3>& rays, double absorption_db_per_m,
                              const ScatteringModel* model) {
@@ -58,7 +62,7 @@ double mean_inverse_width(const std::array<double, 3>& width, double least) {
   const auto between = [&](double a, double b) {  // mean slope
     return b - a > 1e-7 * (b + least) ? (value(b) - value(a)) / (b - a) : slope((a + b) / 2);
   };
-  // Differences of nearly equal ones say less than the value in the middle.
+  // For nearly equal widths, divided differences are less accurate than the value at the mean.
   if (w[2] - w[0] < 1e-3 * (w[2] + least)) return 1 / std::hypot((w[0] + w[1] + w[2]) / 3, least);
   return 2 * (between(w[1], w[2]) - between(w[0], w[1])) / (w[2] - w[0]);
 }
@@ -117,7 +121,7 @@ std::optional<EigenrayBranches::Border> EigenrayBranches::find_border(VertexId r
     (is_inside ? inside : outside) = std::move(rays);
   }
   const std::vector<std::size_t> stay = same_rays(inside, outside);
-  // More than one border on this edge, or a ray that goes where another comes.
+  // The edge has more than one border, or one ray vanishes where another appears.
   if (stay.size() != outside.size() || !are_alike(outside, to.rays) || outside.size() >= inside.size())
     return std::nullopt;
   border.part = lo;
@@ -126,7 +130,7 @@ std::optional<EigenrayBranches::Border> EigenrayBranches::find_border(VertexId r
   more.rays = std::move(inside);
   const auto stays = [&](std::size_t k) { return std::ranges::find(stay, k) != stay.end(); };
   for (std::size_t k = 0; k < more.rays.size(); ++k) {
-    // Two that meet on a caustic are one there: both are as far from it.
+    // Two images that meet on a caustic become one there, because both have the same distance from it.
     const bool meet = k + 1 < more.rays.size() && !stays(k) && !stays(k + 1) &&
                       more.rays[k].crossed() != more.rays[k + 1].crossed();
     if (meet) more.rays[k].at_m = more.rays[k + 1].at_m = (more.rays[k].at_m + more.rays[k + 1].at_m) / 2.0;
@@ -151,7 +155,8 @@ void EigenrayBranches::add(FacetId facet) {
     borders += border[k] != nullptr;
   }
   const auto at_corner = [&](std::size_t k) { return Corner{&place_of(corner[k]), weights[k]}; };
-  // The border opposite to a corner, as it is seen from an end of its edge; counted from the same end always.
+  // Returns the border on the edge opposite to a corner, as seen from one end of this edge. The weights are
+  // always counted from the end with more rays.
   const auto at_border = [&](std::size_t opposite, const Place& side) {
     const Border& on = *border[opposite];
     const std::size_t one = (opposite + 1) % 3, two = (opposite + 2) % 3,
@@ -174,7 +179,7 @@ void EigenrayBranches::add(FacetId facet) {
       add_part(facet, {at_corner(k), at_corner(next), towards(k, next)});
       add_part(facet, {at_corner(k), towards(k, last), at_corner(last)});
     } else if (borders == 2 && border[k] == nullptr) {
-      // Between corner k and the two others.
+      // Both borders lie on the edges of corner k.
       add_part(facet, {at_corner(k), towards(last, k), towards(next, k)});
       add_part(facet, {towards(last, next), at_corner(next), at_corner(last)});
       add_part(facet, {towards(last, next), at_corner(last), towards(next, last)});
@@ -253,7 +258,7 @@ void EigenrayBranches::add_seen(FacetId facet, const std::array<Corner, 3>& corn
   if (!is_triangle(mesh.vertices[vertex[0]], mesh.vertices[vertex[1]], mesh.vertices[vertex[2]])) return;
   const glm::dvec3 middle = (seen[0] + seen[1] + seen[2]) / 3.0;
   if (!images_.may_show(middle + apex, longest)) return;
-  // Rays to the corners are the same ones: one to the centre lies between them.
+  // The rays to the three corners correspond to each other, so the ray to the centre must lie between them.
   if (centre != nullptr && glm::distance(centre->at_m - apex, middle) > longest) {
     ++surface_mesh_.facets_in_shadow;
     surface_mesh_.left_out_m.push_back({lies[0], lies[1], lies[2]});

@@ -12,39 +12,44 @@
 
 namespace tubefoot {
 
-/// Where several rays lead to the seabed, each family of them sees it elsewhere: rays that are launched alike
-/// and have crossed their neighbours alike. A facet is cut along the caustics that cross it (and along the
-/// ends of what rays are followed), which are found on its edges; each part is then seen over a family whole
-/// or not at all. Sheets of two families that meet on a caustic share their vertices there, so that all
-/// sheets are one surface over the launch directions, with neither gaps nor overlaps but for chords: the
-/// solid angle that the sonar sends into is that which arrives. In one mesh they hide one another as facets
-/// do: the first along a launch direction is where its ray first meets the seabed.
+/// Builds the apparent facets of seabed parts to which several rays lead, one branch of facets for each
+/// family of rays. The rays of a family have similar launch angles and have crossed their neighbours equally
+/// often.
+///
+/// The facets are cut along caustics and along the limits of the followed rays, which are located on the
+/// edges. A branch then contains each part completely or not at all. Two branches that meet on a caustic
+/// share their vertices there. All branches form one surface over the launch directions, without gaps or
+/// overlaps except those of chords. The transmitted solid angle therefore equals the arriving one.
+///
+/// All branches are in one mesh and hide each other as facets do. The first facet along a launch direction
+/// contains the point at which the ray first meets the seabed.
 class EigenrayBranches {
  public:
-  /// Adds to `surface_mesh`; all outlive it. `models` as in straighten().
+  /// Adds facets to `surface_mesh`. All arguments must outlive this object. `models` as in map_apparent().
   EigenrayBranches(const FineFacets& fine, const Images& images, const WorldGrid& grid,
                    std::span<const std::shared_ptr<const ScatteringModel>> models,
                    ApparentSurface& surface_mesh);
-  /// All that is seen of a facet.
+  /// Adds all images of a facet.
   void add(FacetId facet);
-  /// Where the vertices lie that were added to the mesh.
+  /// True positions of the vertices that were added to the mesh.
   std::span<const glm::dvec3> truth() const { return truth_; }
 
  private:
-  /// A place by all rays that lead there, and the vertices of their images.
+  /// A point with all rays that lead to it, and the vertices of its images.
   struct Place {
     glm::dvec3 at_m{0};
     std::vector<SeenPoint> rays;
     std::vector<VertexId> vertices;
   };
-  /// Where rays come or go on an edge: seen from the end that has more, and from that with fewer.
+  /// Point of an edge at which rays appear or vanish, as seen from the end with more rays and from the end
+  /// with fewer.
   struct Border {
     VertexId richer = 0;
-    double part = 0;  ///< of the edge, from that end
+    double part = 0;  ///< fraction of the edge from the end with more rays
     Place more, fewer;
     const Place& towards(VertexId end) const { return end == richer ? more : fewer; }
   };
-  /// A corner of a part of a facet.
+  /// Corner of a part of a facet.
   struct Corner {
     const Place* place;
     std::array<std::int64_t, 2> weights;
@@ -68,9 +73,10 @@ class EigenrayBranches {
   std::vector<glm::dvec3> truth_;
 };
 
-/// The mean of 1 / sqrt(w^2 + least^2) over a triangle, w between its corners' (of one sign) as a plane: the
-/// second divided difference of w asinh(w / least) - sqrt(w^2 + least^2), twice (Hermite and Genocchi).
-/// `least`: no less than a millionth of the widest is used.
+/// Returns the mean of 1 / sqrt(w^2 + least^2) over a triangle. The width w is linear between the corners,
+/// which have widths of one sign. The mean is twice the second divided difference of w asinh(w / least) -
+/// sqrt(w^2 + least^2), by the formula of Hermite and Genocchi. `least` is raised to a millionth of the
+/// largest width if it is smaller.
 double mean_inverse_width(const std::array<double, 3>& width, double least);
 
 }  // namespace tubefoot

@@ -7,8 +7,8 @@
 
 namespace tubefoot {
 
-/// Of the grazing angle between a plane, by its normal of any length, and a direction of any length; 0 where
-/// one of them has none.
+/// Returns the sine of the grazing angle between a plane, given by its normal, and a direction. Both vectors
+/// may have any length. The result is 0 if one of them has length 0.
 inline double grazing_sine(const glm::dvec3& normal, const glm::dvec3& along) {
   const double length = glm::length(normal) * glm::length(along);
   return length > 0 ? std::abs(glm::dot(normal, along)) / length : 0;

@@ -22,6 +22,9 @@
 #include "geometry/mesh/weld_table.hpp"
 #include "geometry/steps/stop.hpp"
 
+// Refines the seabed until its apparent facets meet the settings, maps the vertices to apparent positions,
+// and computes the facet factors. Facets with several eigenrays go to EigenrayBranches. See
+// docs/refraction.md.
 namespace tubefoot {
 namespace {
 
@@ -34,20 +37,20 @@ struct PlaceHash {
   }
 };
 
-/// Asks Images for a refinement, each image made once.
+/// Decides cuts by the images of edges. Each image is computed once.
 class GapRule final : public EdgeRule {
  public:
   GapRule(const Images& images, const FacetMesh& base, const WorldGrid& grid)
       : images_(images), base_(base), grid_(grid) {}
   bool cuts(const BasePoint& a, const BasePoint& b) const override {
-    // Where images jump, as the first ray to arrive does, cutting need not end beside a long edge that is
-    // fine: there it ends here.
+    // Images of the first ray to arrive may jump. Refinement of such a region next to a long accurate edge
+    // might not end without this limit.
     constexpr double most_parts = 1 << (deepest_refinement - 2);
     for (const BasePoint* p : {&a, &b})
       for (const double weight : p->weight)
         if (std::floor(weight * most_parts) != weight * most_parts) return false;
     if (images_.is_long_nearby(a.at_m, b.at_m)) return true;
-    bool inside = true;  // not on an edge of the base, where two facets have to agree
+    bool inside = true;  // not on an edge of the base mesh, where two facets must have the same cuts
     for (std::size_t k = 0; k < 3; ++k) inside = inside && (a.weight[k] != 0 || b.weight[k] != 0);
     if (!images_.concerns(a.at_m, b.at_m, base_, a.facet, grid_, inside)) return false;
     return images_.cuts(a.at_m, b.at_m,
@@ -66,7 +69,7 @@ class GapRule final : public EdgeRule {
   mutable tbb::concurrent_unordered_map<glm::dvec3, ApparentImage, PlaceHash> known_;
 };
 
-/// The facets as they are, and whether an edge of one may have to be cut.
+/// Returns the facets without cuts. `to_cut` receives the facets with an edge that may need a cut.
 FineFacets unrefined(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
                      const Images& images, bool weights, std::vector<FacetId>& to_cut) {
   FineFacets fine;
@@ -111,7 +114,7 @@ FineFacets refined(const FacetMesh& base, std::span<const FacetId> facets, const
   const GapRule rule(images, base, grid);
   RefinedMesh cut = refine(
       base, to_cut, grid, rule, [](const BasePoint& p) { return p.at_m; }, limits);
-  // Both parts in the order of the base facets; the vertices that they share are welded.
+  // Merges both parts in the order of the base facets. Shared vertices are welded.
   FineFacets all;
   FacetMesh& mesh = all.mesh.mesh;
   WeldTable weld(mesh.vertices);
@@ -147,7 +150,7 @@ UnclearPlace unclear_place(FacetId facet, const glm::dvec3& at_m, const Apparent
   return {facet, at_m, image.eigenrays, towards / std::max(glm::length(towards), 1e-300)};
 }
 
-/// One of a kind for each base facet.
+/// Keeps one point of each kind per base facet.
 void thin_out(std::vector<UnclearPlace>& unclear) {
   std::ranges::stable_sort(unclear, {},
                            [](const UnclearPlace& p) { return std::pair(p.facet, p.eigenrays > 0); });
@@ -163,7 +166,8 @@ void check(const ApparentMapSettings& settings) {
     throw std::invalid_argument("the lengths and the tolerance of the apparent map must be above 0");
 }
 
-/// What an apex sees of facets that are fine enough. `origin`: by apparent facet, which it is of.
+/// Computes the apparent surface of refined facets for one apex. `origin` receives the refined facet of each
+/// apparent facet.
 ApparentSurface seen_of(FineFacets fine, const Images& images, const WorldGrid& grid,
                         const ApparentMap& apparent_map, const ApparentMapSettings& settings,
                         std::span<const std::shared_ptr<const ScatteringModel>> models,
@@ -172,7 +176,7 @@ ApparentSurface seen_of(FineFacets fine, const Images& images, const WorldGrid& 
   surface_mesh.reference_speed_m_s = apparent_map.reference_speed_m_s();
   FacetMesh& mesh = surface_mesh.refined.mesh;
   mesh.vertices.reserve(fine.at_m.size());
-  for (std::size_t v = 0; v < fine.at_m.size(); ++v)  // facets of points without image are left out
+  for (std::size_t v = 0; v < fine.at_m.size(); ++v)  // facets with points without image are omitted below
     mesh.vertices.push_back(grid.snap(fine.image[v].seen() ? fine.image[v].at_m : fine.at_m[v]));
   const FacetMesh& from = fine.mesh.mesh;
   mesh.facets.reserve(from.facets.size());
@@ -191,7 +195,7 @@ ApparentSurface seen_of(FineFacets fine, const Images& images, const WorldGrid& 
         unclear = unclear_place(fine.mesh.parent[f], at_m, image, apparent_map.apex_m());
     };
     for (int i = 0; i < 3; ++i) corners[i] = fine.at_m[from.facets[f][i]];
-    if (!images.may_see(corners)) continue;  // a part of a large facet
+    if (!images.may_see(corners)) continue;  // a part of a large facet that is outside of the view
     if (std::ranges::any_of(from.facets[f], [&](VertexId v) { return !fine.image[v].several.empty(); })) {
       for (const VertexId v : from.facets[f]) note(fine.at_m[v], fine.image[v]);
       surface_mesh.unclear.push_back(*unclear);
@@ -247,7 +251,7 @@ ApparentSurface seen_of(FineFacets fine, const Images& images, const WorldGrid& 
   return surface_mesh;
 }
 
-/// Cuts what any of several rules cuts.
+/// Cuts an edge if any of several rules cuts it.
 struct AnyRule final : EdgeRule {
   bool cuts(const BasePoint& a, const BasePoint& b) const override {
     return std::ranges::any_of(rules, [&](const GapRule& rule) { return rule.cuts(a, b); });

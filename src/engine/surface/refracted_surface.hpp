@@ -13,95 +13,102 @@
 #include "engine/water/apparent_map.hpp"
 #include "geometry/mesh/edge_refinement.hpp"
 
-// What one apex sees through refracting water, as a mesh of apparent facets that straight tubes see.
-// docs/refraction.md
+// Maps the seabed to a mesh of apparent facets, which straight tubes from one apex see as refracted tubes
+// see the true seabed. Edges are cut until the travel-path error and the error of the energy density are
+// within the settings. See docs/refraction.md.
 namespace tubefoot {
 
 struct ApparentMapSettings {
-  /// Edges are cut until the image of their middle is as close as this to the middle of their ends' images.
+  /// Edges are cut until the image of their middle lies within this distance of the middle of their ends'
+  /// images.
   double travel_path_error_m = 1e-3;
-  /// And until what that and the change of spreading between their ends do to the density of energy is at
-  /// most this, one way and the other.
+  /// Edges are also cut until the error in energy density is at most this, in either direction. The error
+  /// comes from the travel-path error and from the change of spreading between the ends.
   double tolerance_db = std::numeric_limits<double>::infinity();
-  /// None shorter than this is cut: next to a caustic the gap does not shrink.
+  /// No edge that is shorter than this is cut. Next to a caustic the travel-path error does not decrease.
   double shortest_edge_m = 0.05;
-  /// Edges in a shadow, or at its border, are cut down to this: facets at the border are left out whole.
+  /// Edges in a shadow or at its border are cut to this length. Facets at the border are omitted completely.
   double shadow_edge_m = 4;
-  /// Every ray that leads to a place shows it: one sheet of apparent facets for each family of rays
-  /// (eigenray_branches.hpp). Else the first to arrive alone. map_apparent_together() wants false.
+  /// If true, every ray to a point gives an image, with one branch of apparent facets for each family of
+  /// rays (eigenray_branches.hpp). If false, only the first ray to arrive gives one. map_apparent_together()
+  /// requires false.
   bool later_arrivals = false;
 };
 
-/// A place that has not exactly one eigenray.
+/// A point that does not have exactly one eigenray.
 struct UnclearPlace {
-  FacetId facet = 0;  ///< of the base
+  FacetId facet = 0;  ///< facet of the base mesh
   glm::dvec3 at_m{0};
-  int eigenrays = 0;        ///< 0: shadow
-  glm::dvec3 direction{0};  ///< launch direction of the first to arrive; straight to the place in a shadow
+  int eigenrays = 0;  ///< 0: shadow
+  /// Launch direction of the first ray to arrive; in a shadow, the straight direction to the point.
+  glm::dvec3 direction{0};
 };
 
-/// One of several rays to a part of the seabed, and what it does at the part's corners.
+/// One of several rays to a part of the seabed, and its values at the corners of the part.
 struct RayOfPart {
-  FacetId seen = 0;        ///< the apparent facet that it makes of the part
-  FacetId part = 0;        ///< its number; rays of a part follow one another
-  std::uint32_t rank = 0;  ///< of the ray among these, by launch angle
-  bool crossed = false;    ///< Eigenray::crossed
+  FacetId seen = 0;        ///< apparent facet of the part for this ray
+  FacetId part = 0;        ///< number of the part; rays of a part are consecutive
+  std::uint32_t rank = 0;  ///< rank of the ray among the rays of the part, by launch angle
+  bool crossed = false;    ///< value of Eigenray::crossed
   struct Corner {
     double sine = 0;  ///< of the grazing angle
-    /// R^2 over the area of the ray tube (that to the part and that back from it, as a geometric mean), what
-    /// absorption leaves one way over what the reference absorption does, and R, the apparent range.
+    /// `gain`: R^2 over the geometric mean of the ray-tube areas in both directions, times the one-way
+    /// absorption relative to the reference absorption. `range_m`: apparent range R.
     double gain = 0, range_m = 0;
   };
   std::array<Corner, 3> corners;
 };
 
 struct ApparentSurface {
-  /// Apparent facets that have an eigenray to every corner and their centre, and the base facet of each.
+  /// Apparent facets whose corners and centre have an eigenray, and the base facet of each.
   RefinedMesh refined;
-  std::vector<glm::dvec3> truth;           ///< by vertex: where it lies
+  std::vector<glm::dvec3> truth;           ///< true position of each vertex
   std::vector<double> facet_factor;        ///< for EchoModel::facet_factor
-  double reference_speed_m_s = 0;          ///< by which a travel time becomes a range
-  double largest_travel_path_error_m = 0;  ///< of all edges that are left; of short ones a bound
-  std::size_t facets_in_shadow = 0;        ///< left out: they lie, wholly or in part, where no ray leads
-  /// Facets of the seabed with several eigenrays to a corner: the first to arrive stands for them, or each
-  /// shows the facet.
+  double reference_speed_m_s = 0;          ///< sound speed that converts travel times into ranges
+  double largest_travel_path_error_m = 0;  ///< over all remaining edges; for short edges a bound
+  std::size_t facets_in_shadow = 0;        ///< omitted facets, which lie wholly or partly where no ray leads
+  /// Seabed facets with several eigenrays to a corner. Either the first ray to arrive gives their image, or
+  /// each ray does.
   std::size_t facets_of_several = 0;
-  /// Apparent facets that are turned over: rays cross before they reach them.
+  /// Apparent facets with reversed orientation. Rays cross before they reach these facets.
   std::size_t facets_folded = 0;
-  std::vector<RayOfPart> several;  ///< of the parts that several rays show, by part and by apparent facet
+  std::vector<RayOfPart> several;  ///< rays of the parts with several rays, by part and by apparent facet
   std::vector<std::uint16_t> part_material;  ///< by part
-  /// Those that were left out: where their corners lie.
+  /// True corners of the omitted facets.
   std::vector<std::array<glm::dvec3, 3>> left_out_m;
-  /// For each base facet: a place of it in a shadow, and one where rays cross, if it has such.
+  /// For each base facet, one point in a shadow and one with several rays, if the facet has such points.
   std::vector<UnclearPlace> unclear;
 
-  /// Where a point of an apparent facet lies: as it lies between the facet's corners.
+  /// Returns the true position of a point of an apparent facet. It has the same barycentric coordinates in
+  /// the true facet.
   glm::dvec3 true_place(FacetId facet, glm::dvec3 seen_m, const WorldGrid& grid) const;
-  /// By facet, for EchoModel::facet_map; the apex in the local frame.
+  /// Returns one map per facet, for EchoModel::facet_map. The apex is in the local frame.
   std::vector<FacetMap> facet_maps(glm::dvec3 apex_m, const WorldGrid& grid) const;
-  /// True area of a facet over its apparent one.
+  /// Returns the ratio of the true area of a facet to its apparent area.
   double area_ratio(FacetId facet, const WorldGrid& grid) const;
 };
 
-/// Straightens `facets` of `base` for one apex. `reference_absorption_db_per_m` is what the echo model will
-/// apply to apparent ranges; `models`: by material, empty or null for Lambert's; `view_bounds`: where parts
-/// are cut and kept, null: everywhere. Apparent points have to fit `grid`. The result does not depend on the
-/// number of threads. Throws as refine(); std::invalid_argument unless the settings are above 0.
+/// Maps `facets` of `base` to apparent positions for one apex. `reference_absorption_db_per_m` is the
+/// absorption that the echo model applies to apparent ranges. `models` contains one scattering model per
+/// material; empty or null is Lambert's law. `view_bounds` determines which parts are cut and kept; null:
+/// all. Apparent points must lie within `grid`. The result does not depend on the number of threads. Throws
+/// the errors of refine(), and std::invalid_argument unless the settings are above 0.
 ApparentSurface map_apparent(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
                              const ApparentMap& apparent_map, double reference_absorption_db_per_m,
                              const ApparentMapSettings& settings, const RefinementLimits& limits = {},
                              std::span<const std::shared_ptr<const ScatteringModel>> models = {},
                              const ViewBounds* view_bounds = nullptr);
 
-/// What several ways see of a seabed whose facets are cut alike for all of them, where any needs it. The
-/// vertices of all apparent meshes have the numbers of `mesh`.
+/// Apparent surfaces of one seabed for several paths. All paths have the same cuts, and an edge is cut if
+/// any path requires it. The vertices of all apparent meshes have the same numbers as those of the seabed
+/// mesh.
 struct CommonApparentSurfaces {
-  RefinedMesh seabed;                        ///< where it lies; parents are facets of the base
-  std::vector<ApparentSurface> seen;         ///< by way
-  std::vector<std::vector<FacetId>> origin;  ///< by way and apparent facet: that of `seabed`
+  RefinedMesh seabed;                        ///< true positions; parents are facets of the base
+  std::vector<ApparentSurface> seen;         ///< by path
+  std::vector<std::vector<FacetId>> origin;  ///< facet of `seabed` for each path and apparent facet
 };
 
-/// straighten() for several ways, each with its view bounds (none: null).
+/// Does the same as map_apparent() for several paths, each with its view bounds (null: no bounds).
 CommonApparentSurfaces map_apparent_together(const FacetMesh& base, std::span<const FacetId> facets,
                                              const WorldGrid& grid, std::span<const ApparentMap* const> ways,
                                              double reference_absorption_db_per_m,

@@ -8,16 +8,19 @@
 
 #include "engine/relief/elevation_field.hpp"
 
-// What relief finer than a mesh would change, as docs/textures.md derives it ("Refinement").
+// Estimates the error that a mesh causes by omitting finer relief. The formulas are derived in
+// docs/textures.md, section "Refinement".
 namespace tubefoot {
 
-/// What meshes of all edge lengths leave out of a scene's relief.
+/// Relief that meshes of all edge lengths omit from a scene.
 class OmittedRelief {
  public:
-  /// Fields by material, null where facets are flat. `finest_m`: the shortest edge that is asked about.
+  /// `relief` contains one field per material, null for flat facets. `finest_m` is the shortest edge for
+  /// which values are required.
   OmittedRelief(std::span<const std::shared_ptr<const ElevationField>> relief, double finest_m);
 
-  /// Of no less than an edge of a squared length, over all materials; it does not fall with the length.
+  /// Returns the omitted relief, over all materials, for an edge of this squared length or the next larger
+  /// step. It never decreases with the edge length.
   const ElevationField::LeftOut& at(double edge2_m2) const { return largest_[step(edge2_m2)]; }
   const ElevationField::LeftOut& at(double edge2_m2, std::uint16_t material) const {
     return by_material_[material][step(edge2_m2)];
@@ -25,7 +28,7 @@ class OmittedRelief {
   double largest_height_m() const { return largest_height_m_; }
 
  private:
-  /// Four steps an octave, 2^25 times the finest edge.
+  /// Four steps per octave, up to 2^25 times the finest edge.
   static constexpr std::size_t steps = 101;
   std::size_t step(double edge2_m2) const;
 
@@ -35,18 +38,19 @@ class OmittedRelief {
   std::vector<std::array<ElevationField::LeftOut, steps>> by_material_;
 };
 
-/// A beam's range sample on the surface.
+/// Cell of one beam and one range sample on the surface.
 struct Resolution {
   double range_m = 1;       ///< slant range
   double sine_grazing = 1;  ///< of the grazing angle
-  double sample_m = 0.01;   ///< length of a sample of slant range
-  double beam_rad = 0.01;   ///< width of a beam, one way
+  double sample_m = 0.01;   ///< length of a sample in slant range
+  double beam_rad = 0.01;   ///< one-way width of a beam
 };
 
-/// Cotangent of a grazing angle; of less than about a degree, where next to nothing is scattered, that of it.
+/// Returns the cotangent of a grazing angle. Below a grazing angle of about one degree, where almost nothing
+/// is scattered, it is constant.
 double grazing_cotangent(double sine);
 
-/// RMS change of a range sample's energy, relative, by the relief that a mesh leaves out: an estimate.
+/// Estimates the relative RMS change of a range sample's energy by the relief that a mesh omits.
 double omitted_change(const ElevationField::LeftOut& left_out, double edge2_m2, const Resolution& cell);
 
 }  // namespace tubefoot

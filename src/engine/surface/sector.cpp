@@ -6,22 +6,24 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
 
+// Encloses groups of up to eight neighbouring tubes in convex pyramids and tests points, facets and boxes of
+// directions against them. All tests are conservative and include a slack for rounding.
 namespace tubefoot {
 namespace {
 
-/// Radians; far more than the rounding of unit vectors.
+/// In radians, far larger than the rounding of unit vectors.
 constexpr double slack = 1e-9;
 
 glm::dvec3 unit_ray(GridPoint p) { return glm::normalize(glm::dvec3(p.x, p.y, p.z)); }
 
-/// Exactly 0 for equal vectors, where acos is not.
+/// Exactly 0 for equal vectors, unlike acos.
 double angle(glm::dvec3 a, glm::dvec3 b) { return 2 * std::asin(std::min(1.0, glm::distance(a, b) / 2)); }
 
 }  // namespace
 
 Sector::Sector(const TubeSet& tubes, double grid_unit_m)
     : apex_(tubes.apex), unit_m_(grid_unit_m), reach_(tubes.reach), narrowest_rad_(glm::half_pi<double>()) {
-  // Neighbours lie side by side, so that a few of them are as good as convex.
+  // Neighbouring tubes adjoin each other, so that a few of them form an almost convex region.
   constexpr std::size_t most_together = 8;
   constexpr double widest_rad = 0.7;
   std::size_t first = 0;
@@ -57,8 +59,8 @@ void Sector::add(const TubeSet& tubes, std::size_t first, std::size_t end) {
   Pyramid pyramid{glm::normalize(sum), 0, {}, 1, -1};
   for (const glm::dvec3& ray : rays)
     pyramid.spread_rad = std::max(pyramid.spread_rad, angle(pyramid.axis, ray));
-  // The sides of the rays' convex hull: planes through two of them that have none outside. Leaving one out
-  // is safe, so that the first few of very many do.
+  // The sides are those of the convex hull of the rays: planes through two rays with no ray outside.
+  // Omitting a side is safe, so only the first sides are kept if there are very many.
   constexpr std::size_t most_sides = 24;
   for (std::size_t i = 0; i < rays.size(); ++i)
     for (std::size_t j = i + 1; j < rays.size() && pyramid.inward.size() < most_sides; ++j) {
@@ -77,10 +79,10 @@ void Sector::add(const TubeSet& tubes, std::size_t first, std::size_t end) {
                                      [&](const glm::dvec3& n) { return glm::distance(n, normal) < 1e-7; });
       if (!known) pyramid.inward.push_back(normal);
     }
-  // Steep sides first: most places are beside them.
+  // Steep sides come first, because most positions lie outside of them.
   std::ranges::sort(pyramid.inward, {}, [](const glm::dvec3& n) { return std::abs(n.z); });
-  // Between rays below the horizon directions are lower still, between those above it they may be higher, by
-  // as much as the middle of an arc is over its ends.
+  // Along the arc between two rays below the horizon, directions may be lower than both rays. Between rays
+  // above the horizon they may be higher. The difference is the rise of the middle of an arc over its ends.
   const double shortest = std::cos(std::min(pyramid.spread_rad, glm::half_pi<double>()));
   for (const glm::dvec3& u : rays) {
     const double far = shortest > 1e-6 ? u.z / shortest : std::copysign(1.0, u.z);
@@ -109,7 +111,7 @@ std::vector<FacetId> Sector::facets(const SceneTree& tree, double margin_m) cons
   for (const Pyramid& p : pyramids_) {
     std::vector<SceneTree::HalfSpace> sides;
     for (const glm::dvec3& n : p.inward) sides.push_back({n.x, n.y, n.z});
-    // The slack of the sides, on top, at the largest distance.
+    // Adds the slack of the sides at the largest distance.
     const double margin = margin_m / unit_m_ + 4 * slack * reach_ + 1;
     tree.query(apex_, sides, reach_ + margin, margin, all);
   }
@@ -118,7 +120,8 @@ std::vector<FacetId> Sector::facets(const SceneTree& tree, double margin_m) cons
   return all;
 }
 
-// With the best azimuth, what is left is a sinusoid of the elevation, largest at an end or where it is level.
+// For the best azimuth, n . u is a sinusoid of the elevation. Its maximum lies at an end or where its slope
+// is zero.
 double DirectionBox::farthest_along(const glm::dvec3& n) const {
   const auto left_of = [](glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x >= 0; };
   const glm::dvec2 level{n.x, n.y};

@@ -12,6 +12,9 @@
 #include "geometry/search/vertical_line.hpp"
 #include "geometry/steps/stop.hpp"
 
+// Refines and displaces the seabed with its macro-texture. The rules cut textured edges that are longer than
+// a cell, and, for transmissions, only where omitted_change() exceeds the tolerance. See docs/textures.md,
+// section "Refinement".
 namespace tubefoot {
 namespace {
 
@@ -21,7 +24,7 @@ std::uint64_t edge_key(VertexId a, VertexId b) {
 
 double length2(glm::dvec3 v) { return v.x * v.x + v.y * v.y + v.z * v.z; }
 
-/// The corner whose opposite base edge both points lie on; 3: none.
+/// Returns the corner opposite to the base edge that contains both points; 3: no such edge.
 std::size_t common_edge(const BasePoint& a, const BasePoint& b) {
   for (std::size_t k = 0; k < 3; ++k)
     if (a.weight[k] == 0 && b.weight[k] == 0) return k;
@@ -35,7 +38,7 @@ void insert(std::vector<std::uint16_t>& sorted, std::uint16_t material) {
 
 }  // namespace
 
-/// Edges of textured facets that are longer than a cell.
+/// Cuts edges of textured facets that are longer than a cell.
 class SurfaceMesh::Cells : public EdgeRule {
  public:
   explicit Cells(const SurfaceMesh& of) : surface_mesh(of) {}
@@ -110,7 +113,7 @@ SurfaceMesh::SurfaceMesh(const FacetMesh& base, const WorldGrid& grid,
 }
 
 void SurfaceMesh::find_borders() {
-  // Only vertices of more than one material, and their edges, are worth a note.
+  // Only vertices with more than one material, and their edges, have entries.
   std::vector<std::uint16_t> first(base_.vertices.size());
   std::vector<bool> met(base_.vertices.size());
   for (FacetId f = 0; f < base_.facets.size(); ++f)
@@ -142,7 +145,7 @@ void SurfaceMesh::find_normals() {
     const double length = glm::length(n);
     if (!(length > 0)) continue;
     for (const VertexId v : base_.facets[f]) {
-      // The same for both sides of a facet, as the grazing angle is.
+      // The angle is the same for both sides of a facet, like the grazing angle.
       const double chord = std::min(glm::distance(n / length, normals_[v].normal),
                                     glm::distance(-n / length, normals_[v].normal));
       normals_[v].spread_rad = std::max(normals_[v].spread_rad, 2 * std::asin(std::min(1.0, chord / 2)));
@@ -183,7 +186,8 @@ std::span<const std::uint16_t> SurfaceMesh::materials_along(const BasePoint& a, 
 }
 
 bool SurfaceMesh::textured_along(const BasePoint& a, const BasePoint& b) const {
-  // A flat facet is cut where an edge ends on relief, so that what its border does to it ends there too.
+  // A flat facet is cut where an edge ends on relief, so that the influence of the relief's border ends
+  // there too.
   if (textured_at(a) || textured_at(b)) return true;
   return textured(base_.material[a.facet]) &&
          std::ranges::any_of(materials_along(a, b), [&](std::uint16_t m) { return textured(m); });
@@ -219,7 +223,7 @@ glm::dvec3 SurfaceMesh::place(const BasePoint& point) const {
     if (relief_[m]) sum += relief_[m]->height_m(point.at_m);
   const double height = sum / static_cast<double>(materials.size());
   if (settings_.displacement == Displacement::vertical) return point.at_m + glm::dvec3{0, 0, height};
-  // Of three terms one that is zero changes nothing, so that the order of an edge's ends does not either.
+  // If one of the three terms is zero, omitting it makes the sum independent of the order of an edge's ends.
   glm::dvec3 normal{0};
   for (std::size_t k = 0; k < 3; ++k)
     if (point.weight[k] != 0) normal += point.weight[k] * normals_[base_.facets[point.facet][k]].normal;
@@ -240,7 +244,7 @@ RefinedMesh SurfaceMesh::everywhere(const RefinementLimits& limits) const {
 }
 
 RefinedMesh SurfaceMesh::everywhere(std::span<const FacetId> facets, const RefinementLimits& limits) const {
-  // Known before it is tried, which would take as long as all that may be made.
+  // The count is checked first, because the refinement up to the limit would take long.
   std::size_t count = 0;
   for (const FacetId f : facets) {
     stop_if_wanted();

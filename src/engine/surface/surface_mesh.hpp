@@ -13,52 +13,53 @@
 #include "geometry/mesh/edge_refinement.hpp"
 #include "geometry/search/scene_tree.hpp"
 
-// The seabed with its macro-texture: facets refined and displaced, all of them or where a transmission looks.
-// docs/textures.md, "Refinement"
+// Refines the seabed with its macro-texture and displaces the refined facets, everywhere or only where a
+// transmission may see them. Facets are refined until the omitted relief changes the energy of a range
+// sample by less than a tolerance. See docs/textures.md, section "Refinement".
 namespace tubefoot {
 
 enum class Displacement { vertical, normal };
 
 struct SurfaceSettings {
-  double cell_m = 0.01;  ///< no edge of a refined facet is cut that is no longer than this
+  double cell_m = 0.01;  ///< edges of refined facets that are no longer than this are not cut
   Displacement displacement = Displacement::vertical;
-  /// RMS change of a range sample's energy, relative, that coarser facets may make; 0: cells everywhere.
+  /// Permitted relative RMS change of a range sample's energy by coarser facets; 0: cells everywhere.
   double tolerance = 0.01;
-  /// By material, or empty: facets that are mirrors are in cells wherever they are seen, so that their images
-  /// do not depend on who looks.
+  /// By material, or empty. Facets of mirrors consist of cells wherever they are seen, so that their images
+  /// do not depend on the apex.
   std::vector<bool> mirrors{};
 };
 
-/// What a transmission asks of the surface.
+/// Requirements of a transmission on the surface.
 struct Look {
   const TubeSet* tubes = nullptr;
-  double first_m = 0;                       ///< slant range where its samples begin
-  double sample_m = 0.01;                   ///< length of one
-  const ViewBounds* view_bounds = nullptr;  ///< where it looks through refracting water; null: straight
-  double beam_rad = 0;                      ///< width of its beams; 0: of the narrowest tube
+  double first_m = 0;                       ///< slant range of the first sample
+  double sample_m = 0.01;                   ///< length of a sample
+  const ViewBounds* view_bounds = nullptr;  ///< view bounds in stratified water; null: straight rays
+  double beam_rad = 0;                      ///< width of the beams; 0: width of the narrowest tube
 };
 
 class SurfaceMesh {
  public:
-  /// `base` outlives the surface. Relief by material, null where facets are flat. The grid has to hold the
-  /// base displaced by the largest relief.
+  /// `base` must outlive the surface. `relief` contains one field per material, null for flat facets. The
+  /// grid must contain the base mesh displaced by the largest relief.
   SurfaceMesh(const FacetMesh& base, const WorldGrid& grid,
               std::span<const std::shared_ptr<const ElevationField>> relief, const SurfaceSettings& settings);
 
-  /// All facets; those with relief in cells. Throws RefinementTooLarge.
+  /// Returns all facets; facets with relief consist of cells. Throws RefinementTooLarge.
   RefinedMesh everywhere(const RefinementLimits& limits) const;
-  /// The same of some of them: the same parts.
+  /// Does the same for some facets, with the same parts.
   RefinedMesh everywhere(std::span<const FacetId> facets, const RefinementLimits& limits) const;
-  /// All facets that these transmissions may see, as fine as they need; coarse beside them. Throws
-  /// RefinementTooLarge.
+  /// Returns all facets that these transmissions may see, as fine as required, and coarse outside of the
+  /// view. Throws RefinementTooLarge.
   RefinedMesh seen_by(std::span<const Look> looks, const RefinementLimits& limits) const;
-  /// The mirrors within a distance of a place and nothing else: the same parts as in seen_by(). Throws
+  /// Returns only the mirrors within a distance of a position, with the same parts as in seen_by(). Throws
   /// RefinementTooLarge.
   RefinedMesh mirrors_within(glm::dvec3 place_m, double distance_m, const RefinementLimits& limits) const;
-  /// The facets above and below a place, in cells there.
+  /// Returns the facets above and below a position, which consist of cells there.
   RefinedMesh in_line_with(glm::dvec3 place_m) const;
 
-  /// Facets that cells of all textured facets would be, counted without being made.
+  /// Returns the number of facets of everywhere() for all textured facets, without creating them.
   std::size_t uniform_count() const;
 
   const OmittedRelief& omitted() const { return omitted_; }
@@ -75,7 +76,8 @@ class SurfaceMesh {
     return material < settings_.mirrors.size() && settings_.mirrors[material];
   }
   bool mirrors_along(const BasePoint& a, const BasePoint& b) const;
-  /// The base edge that both points lie on is between other materials too: these, or the facet's own.
+  /// Returns the materials that meet at the base edge that contains both points. Without such an edge, or
+  /// with one material, it is the material of the facet.
   std::span<const std::uint16_t> materials_along(const BasePoint& a, const BasePoint& b) const;
   glm::dvec3 place(const BasePoint& point) const;
   std::span<const std::uint16_t> materials_at(const BasePoint& point) const;
@@ -93,10 +95,11 @@ class SurfaceMesh {
   SurfaceSettings settings_;
   OmittedRelief omitted_;
   SceneTree tree_;
-  /// Materials that meet at base edges (both vertices) and vertices of more than one; sorted.
+  /// Materials that meet at base edges (key of both vertices) and at vertices with more than one material,
+  /// sorted.
   std::unordered_map<std::uint64_t, std::vector<std::uint16_t>> edge_materials_;
   std::unordered_map<VertexId, std::vector<std::uint16_t>> vertex_materials_;
-  /// By base vertex: mean normal, and the largest angle to a facet that meets there.
+  /// For each base vertex, the mean normal and the largest angle to the normal of an adjacent facet.
   struct VertexNormal {
     glm::dvec3 normal{0};
     double spread_rad = 0;

@@ -8,12 +8,15 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+// Tests conservatively whether balls, boxes and triangles may be visible in stratified water. Snell's law
+// bounds launch angles: their cosine is the cosine of the straight line times a ratio of sound speeds. The
+// flattest ray of the tubes bounds the range.
 namespace tubefoot {
 namespace {
 
 double other_leg(double cosine) { return std::sqrt(std::max(0.0, (1 - cosine) * (1 + cosine))); }
 
-/// Cosine of the elevation of a point `height` above the apex and `across` from its vertical.
+/// Cosine of the elevation of a point at `height` above the apex and at `across` from its vertical.
 double cosine_of(double height, double across) {
   const double range2 = height * height + across * across;
   return range2 > 0 ? across / std::sqrt(range2) : 1;
@@ -21,7 +24,7 @@ double cosine_of(double height, double across) {
 
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
-/// The point of a triangle that is nearest to the origin.
+/// Returns the point of a triangle that is nearest to the origin.
 glm::dvec2 nearest_of(const std::array<glm::dvec2, 3>& corners) {
   glm::dvec2 nearest{0};
   double least2 = std::numeric_limits<double>::infinity();
@@ -68,7 +71,7 @@ void ViewBounds::trace_flattest(Side& side, bool down, double launch_sine) {
   const SoundSpeedProfile& profile = apparent_map_.water().profile;
   const std::vector<ProfilePoint>& points = profile.points();
   const double apex_depth_m = apparent_map_.finder().source_depth_m(), at_apex = profile.at(apex_depth_m);
-  launch_sine = std::max(0.0, launch_sine - 1e-9);  // far more than rounding
+  launch_sine = std::max(0.0, launch_sine - 1e-9);  // far larger than rounding
   side.flattest = {at_apex, launch_sine, other_leg(launch_sine)};
   const double sign = down ? 1 : -1;
   const std::size_t apex_layer = profile.layer_at(apex_depth_m);
@@ -83,7 +86,7 @@ void ViewBounds::trace_flattest(Side& side, bool down, double launch_sine) {
   }
 }
 
-// Where the flattest ray does not come to, steeper ones do: no bound.
+// Steeper rays reach depths that the flattest ray does not reach. There the result is infinite.
 double ViewBounds::Side::farthest_m(double way_m) const {
   const auto next = std::upper_bound(borders.begin(), borders.end(), way_m,
                                      [](double way, const Border& border) { return way < border.way_m; });
@@ -97,11 +100,11 @@ double ViewBounds::Side::farthest_m(double way_m) const {
 
 bool ViewBounds::may_see(DirectionBox& box, double lowest_m, double highest_m, double nearest_m,
                          double farthest_m) const {
-  // The tubes' reach.
+  // Reach of the tubes.
   const double height_m = std::max({lowest_m, -highest_m, 0.0});
   const double reach_m = sector_.reach_m() / stretch_ + 1e-6;
   if (height_m * height_m + nearest_m * nearest_m > reach_m * reach_m) return false;
-  // Rays that rise or fall all the way: the flattest and the steepest of each side.
+  // Monotone rays: the flattest and the steepest of each side.
   if (highest_m >= 0) {
     box.high_cosine = above_.fastest * cosine_of(highest_m, nearest_m);
     box.high_sine = other_leg(box.high_cosine);
@@ -144,8 +147,9 @@ bool ViewBounds::may_see(const glm::dvec3& centre_m, double radius_m) const {
                  across + radius_m);
 }
 
-// All of a convex hull lies ahead of the line across its nearest point. Every range that is handed on is that
-// of the hull itself, so that what is true for a hull is true for every one that holds it.
+// A convex hull lies completely beyond the line through its nearest point, perpendicular to the direction of
+// this point. All ranges passed on are those of the hull itself. If the result is true for a hull, it is
+// therefore true for every hull that contains it.
 bool ViewBounds::may_see(std::span<const glm::dvec2> ways_m, glm::dvec2 nearest_m, double lowest_m,
                          double highest_m) const {
   const double nearest = glm::length(nearest_m);

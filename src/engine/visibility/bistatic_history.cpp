@@ -25,7 +25,7 @@ std::vector<TubeVisibility> look(const FacetMesh& mesh, const SceneTree& tree, c
     auto& [scratch, sees] = threads.local();
     const TubeVisibility& seen = sees;  // a lambda may refer to it by this name
     see_run(mesh, tree, tubes, runs[run], options, scratch, sees, [&](std::uint32_t tube) {
-      all[tube] = seen;  // copies are no larger than what they hold
+      all[tube] = seen;  // a copy is no larger than its contents
       if (options.arithmetic == Arithmetic::plain_double)
         leave_out_contradictions(mesh, tubes.apex, all[tube]);
       steps.done();

@@ -10,16 +10,19 @@
 #include "engine/visibility/tube_engine.hpp"
 #include "geometry/search/scene_tree.hpp"
 
+// Computes the visible parts of a mesh along parallel lines. A projective map replaces the parallel lines by
+// rays from an apex. The tube engine computes the exact visible polygons, whose corners are mapped back.
+
 namespace tubefoot {
 namespace {
 
-// In radii of the bounding sphere. Mapped points lie within 4/3 of the middle, 16/3 of the apex: with a unit
-// of 2^-27 that fits 30 bits.
+// In radii of the bounding sphere. Mapped points lie within 4/3 of the middle and 16/3 of the apex, which
+// fits 30 bits with a unit of 2^-27.
 constexpr double apex_height = FarViewGrid::apex_height;
 
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
-/// Right, up and towards the viewer.
+/// Directions right, up and towards the viewer.
 struct ViewFrame {
   glm::dvec3 upwards, u, v, w;
   explicit ViewFrame(glm::dvec3 towards) : w(towards) {
@@ -30,7 +33,8 @@ struct ViewFrame {
   }
 };
 
-/// The window that holds [lo, hi] of the plane through the middle, in tubes of about as many facets.
+/// Returns a sector that contains [lo, hi] of the plane through the middle, divided into tubes with about
+/// equal numbers of facets.
 TubeSet window(const WorldGrid& grid, glm::dvec2 lo, glm::dvec2 hi, std::size_t facets) {
   constexpr double facets_a_tube = 128;
   const auto across = static_cast<std::uint32_t>(
@@ -95,7 +99,7 @@ FarView far_view(std::span<const glm::dvec3> points_m,
   MeshReport report;
   const FacetMesh mesh = builder.finish(report);
   const SceneTree tree(mesh, SceneTree::HeightFieldSearch::ignored);
-  constexpr double margin = 1e-6;  // far beyond the grid's unit
+  constexpr double margin = 1e-6;  // much larger than the grid's unit
   const History history =
       TubeEngine(mesh, tree, grid.unit_m(), {})
           .trace(window(grid, least - margin, most + margin, triangles.size()), nullptr, false);
@@ -111,9 +115,9 @@ FarView far_view(std::span<const glm::dvec3> points_m,
     for (std::uint32_t k = 0; k < footprint.piece_count; ++k) {
       const Piece& piece = set.pieces[footprint.first_piece + k];
       view.parts.push_back({footprint.facet, static_cast<std::uint32_t>(view.across_m.size()), piece.count});
-      // Pieces turn as the rays of tubes do, the other way round.
+      // Pieces turn as the rays of tubes do, which is the opposite sense here.
       for (std::uint32_t corner = piece.count; corner-- > 0;) {
-        const glm::dvec3 c = set.corners_m[piece.first + corner];  // from the apex
+        const glm::dvec3 c = set.corners_m[piece.first + corner];  // relative to the apex
         const double scale = -apex_height / c.z;
         view.across_m.push_back(glm::dvec2(origin) + radius * scale * glm::dvec2(c));
         view.towards_m.push_back(origin.z + radius * scale * (apex_height + c.z));

@@ -7,14 +7,14 @@
 
 namespace tubefoot {
 
-/// What one transmission met, seen from one apex: the value that every sensor reads. It knows facets, tubes
-/// and geometry, no sound and no sensor. A path is apex -> facet -> apex, so a footprint (or a hit) is a
-/// path.
+/// Footprints and hits of one transmission from one apex: the input of every sensor. A history describes
+/// facets, tubes and geometry, but no sound and no sensor. A path is apex -> facet -> apex, so a footprint
+/// (or a hit) is a path.
 struct History {
   TubeSet tubes;
   double grid_unit_m = 1;   ///< metres per grid unit of `tubes`
-  FootprintSet footprints;  ///< filled by the tube engine
-  RayHits hits;             ///< filled by the ray engine
+  FootprintSet footprints;  ///< written by the tube engine
+  RayHits hits;             ///< written by the ray engine
 };
 
 }  // namespace tubefoot

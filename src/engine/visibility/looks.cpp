@@ -23,7 +23,7 @@ History history_of(const FacetMesh& mesh, TubeSet tubes, std::span<const TubeVis
 }
 
 SharedFootprints shared_by_all(const FootprintSharer& sharer) {
-  constexpr std::size_t facets_per_task = 32;  // no result depends on it
+  constexpr std::size_t facets_per_task = 32;  // does not affect the result
   std::vector<SharedFootprints> parts((sharer.facets() + facets_per_task - 1) / facets_per_task);
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t task) {
     const std::size_t end = std::min((task + 1) * facets_per_task, sharer.facets());

@@ -7,15 +7,15 @@
 #include "geometry/footprints/shared_footprints.hpp"
 #include "geometry/visibility/visibility.hpp"
 
-// What is reported of tubes that have looked (look(), bistatic_history.hpp). No result depends on the
-// threads.
+// Conversion of the visible pieces of tubes (look(), bistatic_history.hpp) to histories. The results do not
+// depend on the threads.
 namespace tubefoot {
 
-/// What an apex sees by itself, with measures: as TubeEngine::trace().
+/// Returns the footprints of one apex, with measures, as TubeEngine::trace() does.
 History history_of(const FacetMesh& mesh, TubeSet tubes, std::span<const TubeVisibility> seen,
                    double grid_unit_m);
 
-/// What two apexes see together: FootprintSharer::all(), by all threads.
+/// Returns the common visibility of two apexes: FootprintSharer::all(), computed by all threads.
 SharedFootprints shared_by_all(const FootprintSharer& sharer);
 
 }  // namespace tubefoot

@@ -9,6 +9,9 @@
 
 #include "geometry/steps/stop.hpp"
 
+// Computes mixed-eigenray returns by intersecting the images of a part in two eigenray branches. Branches of
+// opposite orientation are compared in a mirrored copy of the mesh.
+
 namespace tubefoot {
 namespace {
 
@@ -26,16 +29,16 @@ FacetMesh mirrored(FacetMesh mesh) {
   return mesh;
 }
 
-/// Rays of one rank, all crossed or none.
+/// Rays of one rank that have all crossed their neighbours (Eigenray::crossed), or of which none has.
 using Family = std::pair<std::uint32_t, bool>;
 
-/// What the tubes see of the sheets, as they are or in a mirror.
+/// The visible pieces of the branches, in the mesh or in its mirror image.
 struct View {
   TubeSet tubes;
   FacetMesh mesh;
   std::vector<TubeVisibility> seen;
 
-  /// Of that the facets that are wanted.
+  /// Returns the visible pieces of the wanted facets.
   std::vector<TubeVisibility> part(const std::vector<char>& wanted) const {
     std::vector<TubeVisibility> some;
     for (const TubeVisibility& all : seen) {
@@ -49,8 +52,9 @@ struct View {
   }
 };
 
-/// The mean over a part of what two rays gain together. Next to a caustic tubes widen as the root of the
-/// distance from it: 1 / gain^2 of each is a plane over the seabed, and elsewhere is so to second order.
+/// Returns the mean over a part of the product of the two rays' gains. Near a caustic, tubes widen as the
+/// square root of the distance from it. Therefore 1 / gain^2 of each ray is a linear function over the seabed
+/// there. Elsewhere this holds to second order.
 double mean_gain(const RayOfPart& sent, const RayOfPart& received) {
   constexpr int n = 8;
   const auto inverse_square = [](const RayOfPart& ray, double u, double v) {
@@ -63,7 +67,7 @@ double mean_gain(const RayOfPart& sent, const RayOfPart& received) {
   const auto add = [&](double u, double v) {
     sum += 1 / std::sqrt(inverse_square(sent, u, v) * inverse_square(received, u, v));
   };
-  // Middles of even triangles, those that point one way and those that point the other.
+  // Centroids of uniform triangles of both orientations.
   for (int i = 0; i < n; ++i)
     for (int j = 0; i + j < n; ++j) {
       add((i + 1 / 3.) / n, (j + 1 / 3.) / n);
@@ -72,10 +76,10 @@ double mean_gain(const RayOfPart& sent, const RayOfPart& received) {
   return sum / (n * n);
 }
 
-/// One family's images of the parts.
+/// The images of the parts in one family of rays.
 struct Sheet {
-  std::vector<char> is_own;            ///< by apparent facet
-  std::vector<const RayOfPart*> rays;  ///< by part; null: it has no such ray
+  std::vector<char> is_own;            ///< per apparent facet
+  std::vector<const RayOfPart*> rays;  ///< per part; null: no such ray
 };
 
 }  // namespace
@@ -124,7 +128,7 @@ void trace_mixed_eigenrays(const ApparentSurface& surface_mesh, const SceneTree&
         }
       };
       place();
-      // In the order in which pieces turn.
+      // The order in which pieces turn.
       if (glm::dot(glm::cross(from_t[1] - from_t[0], from_t[2] - from_t[0]), shared.plane_normal) > 0) {
         std::swap(corner[1], corner[2]);
         place();

@@ -7,14 +7,16 @@
 
 namespace tubefoot {
 
-/// What goes out along one ray and comes home along another, of the several that lead to a part of the seabed
-/// (EigenrayBranches): two images of the part, as a transmitter and a separate receiver have them, but that
-/// both are seen from one apex, on the mesh in which all sheets hide one another. `take` is called with each
-/// pair of ranks of rays that share something, in both senses. Shared facets are numbered by part
-/// (ApparentSurface::part_material). Adds up nothing where every part is seen by one ray.
+/// Computes mixed-eigenray returns. Several eigenrays lead to a part of the seabed (EigenrayBranches), and a
+/// path leaves along one and returns along another. The two images of the part are treated as those of a
+/// transmitter and a separate receiver. Both images are seen from one apex, in a mesh in which all eigenray
+/// branches hide one another. `take` is called for each pair of ranks of rays with common parts, in both
+/// orders. Shared facets are numbered by part (ApparentSurface::part_material). The function has no effect if
+/// every part is seen along one ray only.
 ///
-/// Of two sheets one of which is turned over, the home one is looked at in a mirror: so both turn alike, and
-/// what both see of one side of the seabed can be intersected, exactly as ever.
+/// If one of two branches is reversed, the receive branch is mirrored. Both branches then have the same
+/// orientation. The parts of one side of the seabed that both see can therefore be intersected exactly, with
+/// the usual method.
 void trace_mixed_eigenrays(const ApparentSurface& surface_mesh, const SceneTree& tree, const WorldGrid& grid,
                            const VisibilityOptions& options, const TubeSet& tubes,
                            const std::function<void(const BistaticHistory&)>& take);

@@ -10,10 +10,15 @@
 #include "geometry/integrals/measure.hpp"
 #include "geometry/steps/stop.hpp"
 
+// Splits the shared facets of a bistatic history into footprints per pair of tubes and computes the range of
+// half path lengths of each. The half path length is a convex function on a plane, so its minimum lies at the
+// specular point or on the border.
+
 namespace tubefoot {
 namespace {
 
-/// Half paths to the points of a plane, in its frame about the foot of the apex of the transmit leg.
+/// Half path lengths to the points of a plane, in the plane's frame about the foot of the transmit leg's
+/// apex.
 struct HalfPaths {
   double tx_m, rx_m;
   glm::dvec2 rx_foot;
@@ -21,12 +26,12 @@ struct HalfPaths {
   double at(glm::dvec2 p) const {
     return (std::hypot(p.x, p.y, tx_m) + std::hypot(p.x - rx_foot.x, p.y - rx_foot.y, rx_m)) / 2;
   }
-  /// Over the whole plane it is least where the line to the mirrored apex meets it.
+  /// The minimum over the whole plane is the intersection with the line to the mirrored apex.
   glm::dvec2 lowest() const {
     const double both = tx_m + rx_m;
     return both > 0 ? rx_foot * (tx_m / both) : glm::dvec2(0);
   }
-  /// Along an edge it is convex.
+  /// The function is convex along an edge.
   double lowest_between(glm::dvec2 a, glm::dvec2 b) const {
     double lo = 0, hi = 1;
     for (int k = 0; k < 80; ++k) {

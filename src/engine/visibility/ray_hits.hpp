@@ -13,20 +13,24 @@
 
 #include "geometry/mesh/facet_mesh.hpp"
 
+// Hits of rays, stored in blocks of sixteen for vector instructions. A hit represents the solid angle from
+// which its ray was drawn.
+
 namespace tubefoot {
 
-/// A sampling engine's element: one ray's hit, standing for the solid angle it was drawn from.
+/// The element of a sampling engine: the hit of one ray, which represents the solid angle from which the ray
+/// was drawn.
 struct RayHit {
   FacetId facet = 0;
   std::uint32_t tube = 0;
   double slant_range_m = 0;
-  double sine_grazing = 0;    ///< of the grazing angle between ray and facet
-  double solid_angle_sr = 0;  ///< weight: the hit stands for an area solid_angle * range^2 / sine_grazing
-  glm::vec3 direction{0};     ///< of the ray, unit, in the local frame; read by beam patterns
+  double sine_grazing = 0;    ///< sine of the grazing angle between ray and facet
+  double solid_angle_sr = 0;  ///< weight: the hit represents an area solid_angle * range^2 / sine_grazing
+  glm::vec3 direction{0};     ///< unit direction of the ray in the local frame; beam patterns read it
 };
 
-/// Up to sixteen hits side by side, number by number, so that they are written and read as vectors. Lanes
-/// from `count` on are anything.
+/// Up to sixteen hits, with one array per member, so that they are written and read as vectors. Lanes from
+/// `count` on are undefined.
 struct HitBlock {
   static constexpr std::size_t size = 16;
   template <class T>
@@ -63,7 +67,7 @@ class RayHits {
  public:
   class Iterator {
    public:
-    using iterator_category = std::input_iterator_tag;  // hits are made when they are looked at
+    using iterator_category = std::input_iterator_tag;  // hits are constructed on access
     using value_type = RayHit;
     using difference_type = std::ptrdiff_t;
     using pointer = const RayHit*;
@@ -104,7 +108,7 @@ class RayHits {
   bool empty() const { return blocks_.empty(); }
   Iterator begin() const { return Iterator(blocks_.data()); }
   Iterator end() const { return Iterator(blocks_.data() + blocks_.size()); }
-  /// None of them empty.
+  /// The blocks, none of which is empty.
   std::span<const HitBlock> blocks() const { return blocks_; }
   std::span<HitBlock> blocks() { return blocks_; }
 
@@ -113,9 +117,10 @@ class RayHits {
     blocks_.back().append(hit);
   }
   void append(std::span<const HitBlock> more) { blocks_.insert(blocks_.end(), more.begin(), more.end()); }
-  /// So many blocks, whose contents are anything, to be written; resize() takes away what was not.
+  /// Returns memory for this number of blocks, with undefined contents. The caller writes them, and resize()
+  /// removes the unused ones.
   HitBlock* room_for(std::size_t blocks) {
-    blocks_.clear();  // not to be moved
+    blocks_.clear();  // avoids a copy of the old blocks
     blocks_.resize(blocks);
     return blocks_.data();
   }

@@ -13,7 +13,7 @@
 
 namespace tubefoot {
 
-/// Per thread. No task is started while one is in use, so nested parallel loops cannot enter it twice.
+/// Buffers per thread. No task starts while one is in use, so nested parallel loops cannot enter it twice.
 struct TubeEngine::Scratch {
   struct Buffers {
     VisibilityScratch visibility;

@@ -10,21 +10,22 @@
 
 namespace tubefoot {
 
-/// The exact engine: tubes in, footprints out. Thread-safe; a ping's tubes are dealt to the threads that are
-/// free, and the result does not depend on them.
+/// The exact engine, which computes the footprints of tubes. Thread-safe. The tubes of a ping are distributed
+/// among the free threads, and the result does not depend on them.
 class TubeEngine {
  public:
   TubeEngine(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
              const VisibilityOptions& options);
   ~TubeEngine();
 
-  /// Footprints of one ping. `candidates`, if given, receives the number of facets looked at. Areas,
-  /// centroids and the other measures are left out if they are not wanted: exact binning does without. With
-  /// `wanted`, by tube, the others have no footprints; all keep their numbers.
+  /// Computes the footprints of one ping. `candidates`, if not null, is increased by the number of candidate
+  /// facets. `measured` selects whether areas, centroids and the other measures are computed; exact binning
+  /// does not need them. With `wanted`, per tube, the other tubes have no footprints; all tubes keep their
+  /// numbers.
   History trace(TubeSet tubes, std::size_t* candidates = nullptr, bool measured = true,
                 const std::vector<bool>& wanted = {}) const;
 
-  /// The closure law for every tube of a ping; `label` tells pings apart in the hash.
+  /// Checks the closure law for every tube of a ping. `label` distinguishes pings in the hash.
   std::vector<TubeAudit> audit(const TubeSet& tubes, std::uint64_t label) const;
 
  private:

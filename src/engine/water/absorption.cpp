@@ -6,14 +6,15 @@
 namespace tubefoot {
 namespace {
 
-/// A relaxation: rises with the square of the frequency and levels off at its relaxation frequency.
+/// Relaxation term, which rises with the square of the frequency and levels off above the relaxation
+/// frequency.
 double relaxation(double relaxation_khz, double frequency_khz) {
   const double f2 = frequency_khz * frequency_khz;
   return relaxation_khz * f2 / (relaxation_khz * relaxation_khz + f2);
 }
 
 double pure_water_coefficient(double t) {
-  // The paper's two branches miss each other by 1e-7 (0.03 %) at 20 degrees.
+  // At 20 degrees the two branches of the paper differ by 1e-7 (0.03 %).
   if (t <= 20) return 4.937e-4 + t * (-2.59e-5 + t * (9.11e-7 - t * 1.50e-8));
   return 3.964e-4 + t * (-1.146e-5 + t * (1.45e-7 - t * 6.5e-10));
 }
@@ -29,7 +30,7 @@ double francois_garrison_absorption_db_per_km(double frequency_khz, double tempe
 double francois_garrison_absorption_db_per_km(double frequency_khz, double temperature_c, double salinity_psu,
                                               double depth_m, double ph, double sound_speed_m_s) {
   const double t = temperature_c, s = salinity_psu, d = depth_m, c = sound_speed_m_s;
-  const double kelvin = t + 273;  // the paper's own figure: its constants were fitted with 273, not 273.15
+  const double kelvin = t + 273;  // value of the paper, which fitted its constants with 273, not 273.15
 
   const double boric_khz = 2.8 * std::sqrt(s / 35) * std::pow(10, 4 - 1245 / kelvin);
   const double boric = 8.86 / c * std::pow(10, 0.78 * ph - 5) * relaxation(boric_khz, frequency_khz);

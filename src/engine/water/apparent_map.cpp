@@ -6,6 +6,8 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+// Computes apparent positions from eigenrays: direction = launch direction, distance = reference speed times
+// travel time. It also computes the quantities of facet corners for facet_factor(). See docs/refraction.md.
 namespace tubefoot {
 
 ApparentMap::ApparentMap(const WaterColumn& water, glm::dvec3 apex_m, double surface_height_m,
@@ -48,7 +50,7 @@ std::optional<ApparentPoint> ApparentMap::apparent(glm::dvec3 point_m,
     count = rays.size();
     if (each != nullptr && count > 1) *each = seen_by(rays, point_m);
     if (surface_apex_.front != glm::dvec3(0) && count > 1) {
-      // Sent into the seabed there is nothing that could be resolved.
+      // A ray that starts into the seabed cannot lead to a visible point.
       std::erase_if(rays, [&](const Eigenray& ray) {
         const double across = range > 0 ? ray.launch_cosine / range : 0;
         return !(glm::dot(surface_apex_.front,
@@ -68,7 +70,7 @@ std::optional<ApparentPoint> ApparentMap::apparent(glm::dvec3 point_m,
 ApparentPoint ApparentMap::seen_by(const Eigenray& ray, glm::dvec3 point_m, std::size_t rays) const {
   const glm::dvec3 path = point_m - apex_m_;
   const double range = std::hypot(path.x, path.y), distance = reference_speed_m_s_ * ray.time_s;
-  // A vertical ray has no azimuth and needs none.
+  // A vertical ray has no azimuth and does not need one.
   const double across = range > 0 ? distance * ray.launch_cosine / range : 0;
   return {
       apex_m_ + glm::dvec3(across * path.x, across * path.y, -unfolding_.sign * distance * ray.launch_sine),

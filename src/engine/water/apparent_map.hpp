@@ -11,58 +11,64 @@
 #include "engine/water/eigenray.hpp"
 #include "engine/water/unfolding.hpp"
 
+// Maps points of stratified water to apparent positions. An apparent position lies in the launch direction
+// of the point's ray, at the distance reference speed times travel time. The factor of a facet is its echo
+// along refracted rays, divided by the echo of its apparent facet along straight rays. See
+// docs/refraction.md and docs/physics.md.
 namespace tubefoot {
 
-/// Where a point seems to be, and the ray that leads to it.
+/// Apparent position of a point, and the ray that leads to the point.
 struct ApparentPoint {
   glm::dvec3 at_m{0};
   Eigenray ray;
-  int eigenrays = 1;  ///< rays that lead there, of the branches that are looked for
+  int eigenrays = 1;  ///< number of rays of the permitted branches that lead to the point
 };
 
-/// An apex that lies on the seabed, which is lit there and scatters on.
+/// Properties of an apex that lies on the insonified seabed and scatters sound onwards.
 struct SurfaceApex {
-  /// Unit normal of its facet. Of several rays to a place the first that is sent to this side is taken, if
-  /// one is; 0: the first.
+  /// Unit normal of the apex's facet, or 0. If several rays lead to a point, apparent() takes the first ray
+  /// that leaves the apex on this side. Without such a ray, or with 0, it takes the first of all rays.
   glm::dvec3 front{0};
-  /// Nearer than this rays are straight (over no mirror): where the seabed is seen from within itself, facets
-  /// that are bent a little would lie before the apex, or behind it.
+  /// Rays are straight within this distance (without mirrors). For an apex on the seabed, slightly refracted
+  /// facets nearby would otherwise lie in front of the apex or behind it.
   double straight_within_m = 0;
 };
 
-/// Makes curved rays from one apex straight: a point goes to the direction in which its ray is launched, at
-/// the distance that sound would cover in the ray's time at a reference speed. What the apex sees of the
-/// apparent points along straight rays, and when, is what it sees of the true ones along the curved.
+/// Maps points to their apparent positions for one apex. The apparent position lies in the launch direction
+/// of the point's ray. Its distance is the travel time of the ray times the reference speed. Straight rays
+/// from the apex see the apparent points as the refracted rays see the true points, at the same times.
 ///
-/// Local frame: z up, depth = surface height - z. Of several rays the first to arrive is taken, and their
-/// number told.
+/// In the local frame z points up, and depth = surface height - z. If several rays lead to a point, the map
+/// takes the first to arrive and reports their number.
 ///
-/// Over level mirrors (Unfolding): rays are those through unfolded water. What is seen over an odd number of
-/// mirrors is seen mirrored; so it is put upside down about the apex, as an image of the apex sees it, and
-/// facets turn as they do.
+/// Over level mirrors (Unfolding), rays pass the unfolded water. An odd number of mirrors reverses the
+/// orientation of facets. The map then flips apparent positions vertically about the apex, as an image of
+/// the apex sees them, so that facets keep their orientation.
 class ApparentMap {
  public:
-  /// Refers to `water`. `reference_speed_m_s`: else the apex's own. Throws std::invalid_argument for an apex
-  /// above the surface. `unfolding`: with its unfolded water and options.
+  /// Keeps a reference to `water`. Without `reference_speed_m_s`, the sound speed at the apex is the
+  /// reference. An `unfolding` requires its unfolded water and its options. Throws std::invalid_argument for
+  /// an apex above the surface.
   ApparentMap(const WaterColumn& water, glm::dvec3 apex_m, double surface_height_m,
               const EigenrayOptions& options = {}, std::optional<double> reference_speed_m_s = {},
               const Unfolding& unfolding = {}, const SurfaceApex& surface_apex = {});
 
-  /// None where no ray leads to (a shadow zone). `each`: becomes all_apparent() where several rays lead
-  /// there.
+  /// Returns nothing if no ray leads to the point (a shadow zone). If several rays lead there, `each`
+  /// receives all_apparent().
   std::optional<ApparentPoint> apparent(glm::dvec3 point_m, std::vector<ApparentPoint>* each = nullptr) const;
-  /// By every ray that leads there, from the one launched highest to the lowest. No two are launched alike:
-  /// along a way on the seabed they keep their order, and come or go only in neighbouring pairs, one of which
-  /// has crossed its neighbours (Eigenray::crossed), or at the end of what rays are followed.
+  /// Returns an apparent point for every ray, ordered from the highest to the lowest launch direction. No
+  /// two rays have the same launch direction. Along a curve on the seabed the rays keep their order. Rays
+  /// appear and vanish in neighbouring pairs, of which one ray has crossed its neighbours
+  /// (Eigenray::crossed). At the limits of the followed rays, they appear and vanish singly.
   std::vector<ApparentPoint> all_apparent(glm::dvec3 point_m) const;
 
-  /// The sound speed that times become ranges by.
+  /// Sound speed that converts travel times into ranges.
   double reference_speed_m_s() const { return reference_speed_m_s_; }
   glm::dvec3 apex_m() const { return apex_m_; }
-  /// Of the end of a way, in the water (over mirrors: the unfolded).
+  /// Depth of the end point of a path in the water. Over mirrors it is the depth in the unfolded water.
   double depth_m(glm::dvec3 point_m) const { return surface_height_m_ - unfolding_.height_m(point_m.z); }
   const Unfolding& unfolding() const { return unfolding_; }
-  /// A place at the end of a way as it lies in the unfolded water, local frame.
+  /// Position of the end point of a path in the unfolded water, local frame.
   glm::dvec3 unfolded(glm::dvec3 point_m) const {
     return {point_m.x, point_m.y, unfolding_.height_m(point_m.z)};
   }
@@ -70,14 +76,17 @@ class ApparentMap {
   const EigenrayFinder& finder() const { return finder_; }
   double straight_within_m() const { return surface_apex_.straight_within_m; }
 
-  /// Direction in which a ray to a point is launched, as the image has it that the point is seen from.
+  /// Direction in which the ray to a point is launched, in the frame of the image from which the point is
+  /// seen.
   glm::dvec3 launch_direction(glm::dvec3 point_m, const Eigenray& ray) const;
 
-  /// Direction of travel on arrival at a point, unit vector; `ray` as apparent() found it.
+  /// Direction of travel on arrival at a point, as a unit vector. `ray` is a result of apparent() for this
+  /// point.
   glm::dvec3 arrival_direction(glm::dvec3 point_m, const Eigenray& ray) const;
 
-  /// 1 / (spreading loss) that one square metre facing the ray at the true point returns to the apex, per
-  /// steradian at the apex: area per steradian from the point back, by reciprocity A c_apex^2 / c_point^2.
+  /// Area per steradian of the ray tube from the point back to the apex. It is the inverse of the spreading
+  /// loss from one square metre that faces the ray at the true point. By reciprocity it equals A c_apex^2 /
+  /// c_point^2.
   double return_area_m2_per_sr(glm::dvec3 point_m, const Eigenray& ray) const;
 
  private:
@@ -92,33 +101,40 @@ class ApparentMap {
   SurfaceApex surface_apex_;
 };
 
-/// The second-order gap of an edge: how far the image of its middle lies from the middle of its ends' images.
-/// `a`, `b`, `middle` are apparent points.
+/// Travel-path error of an edge, of second order in its length. It is the distance between the image of the
+/// edge's middle and the middle between the images of its ends. `a`, `b` and `middle` are apparent points.
 double edge_travel_path_error_m(glm::dvec3 a, glm::dvec3 b, glm::dvec3 middle);
 
-/// What the echo of a facet's corner, or of its centre, needs of its ray.
+/// Quantities of a ray that determine the echo of a facet's corner or centre.
 struct CornerReturn {
   glm::dvec3 arrival{0};  ///< direction of travel, unit vector
-  /// exp(-2 path absorption) / (A_out A_back), 1/m4: what comes back by way of a square metre that faces the
-  /// ray; not finite on a caustic.
+  /// exp(-2 path absorption) / (A_out A_back), in 1/m^4. It is the returned density for a square metre that
+  /// faces the ray. Not finite on a caustic.
   double density_per_m4 = 0;
-  /// (R^2 / A_back) exp(-2 (path absorption - reference absorption R)), with R the apparent range and A_back
-  /// the area per steradian from the point back to the apex; not finite on a caustic.
+  /// (R^2 / A_back) exp(-2 (path absorption - reference absorption R)). R is the apparent range, and A_back
+  /// the area per steradian from the point back to the apex. Not finite on a caustic.
   double spreading = 1;
 };
 CornerReturn corner_return(const ApparentMap& apparent_map, glm::dvec3 point_m, const ApparentPoint& image,
                            double reference_absorption_db_per_m);
 
-/// Energy flux: the sonar sends energy into a tube of launch directions, the facet intercepts it whatever the
-/// tube's shape, scatters about its true normal at the true grazing angle, and the receiver receives through
-/// the tube from the point back: sigma(grazing) times the density of CornerReturn a square metre. The
-/// straight law makes sigma(seen) exp(-2 reference absorption r) / r^4 of its apparent image.
+/// Returns the factor between the echo of a facet along refracted rays and the echo of its apparent image
+/// along straight rays.
 ///
-/// The factor between the two, for a whole facet: the ratio of their integrals, each by a rule over corners
-/// (a twelfth each) and centre (three quarters), which is exact for polynomials of second degree, so that
-/// large facets are not biased. `returns[3]`: at the centre of the true corners; null `centre`: small facets,
-/// by their corners alone. `seen_m`: the image's corners, relative to the apex. `sigma(sine)`: cross-section
-/// a square metre, but for a factor. 0 where the image is edge-on.
+/// The factor follows from the energy flux. The sonar sends energy into a tube of launch directions. The
+/// facet intercepts this energy whatever the shape of the tube, and scatters it about its true normal at the
+/// true grazing angle. The receiver receives through the tube from the point back. The return per square
+/// metre is therefore sigma(grazing) times the density of CornerReturn. Straight propagation returns
+/// sigma(seen) exp(-2 reference absorption r) / r^4 from the apparent image.
+///
+/// For a whole facet, the factor is the ratio of the integrals of both returns. The quadrature rule weighs
+/// each corner with a twelfth and the centre with three quarters. It is exact for polynomials of second
+/// degree, so that large facets have no bias.
+///
+/// `returns[3]` belong to the corners and `centre` to the centre of the true corners. For a null `centre`
+/// (small facets), the corners alone are used. `seen_m` contains the corners of the image relative to the
+/// apex. `sigma(sine)` is the cross-section per square metre up to a constant factor. The result is 0 if the
+/// image is seen edge-on.
 template <class Sigma>
 double facet_factor(const glm::dvec3 (&corners_m)[3], const glm::dvec3 (&seen_m)[3],
                     const CornerReturn (&returns)[3], const CornerReturn* centre,

@@ -11,12 +11,16 @@
 #include <stdexcept>
 #include <tuple>
 
+// Finds eigenrays in layers of constant sound-speed gradient, as eigenray.hpp describes. Range, time, length
+// and tube area are sums of closed forms per layer (ray_arc.hpp). The Airy width at caustics follows Jensen,
+// Kuperman, Porter & Schmidt, Computational Ocean Acoustics (2011), section 3, and DLMF 9.9.
 namespace tubefoot {
 namespace {
 
 constexpr std::size_t kNoLayer = std::numeric_limits<std::size_t>::max();
 
-/// A root of a continuous function that changes its sign between a and b, to the last digits.
+/// Returns a root of a continuous function that changes its sign between a and b, accurate to the last
+/// digits.
 template <class Function>
 double root_between(const Function& f, double a, double b, double fa, double fb) {
   if (fa == 0) return a;
@@ -29,20 +33,20 @@ double root_between(const Function& f, double a, double b, double fa, double fb)
 
 }  // namespace
 
-/// What lies between source and point, above the upper and below the lower of the two.
+/// Layers between source and point, above the upper of the two, and below the lower one.
 struct EigenrayFinder::Section {
   std::vector<Piece> between, above, below;
   std::size_t common_layer = kNoLayer;  // of source and point
 };
 
-/// An order of turning points: how often each part is passed.
+/// An order of turning points: how often a ray passes each part of the section.
 struct EigenrayFinder::Order {
   bool launched_up = false;
   int turns = 0;
   int between = 0, above = 0, below = 0;
 };
 
-/// Whole layers from the source on, and part of the one where the point lies.
+/// Whole layers from the source on, and part of the layer that contains the point.
 struct EigenrayFinder::RayPath {
   std::span<const Piece> whole;
   Piece part;
@@ -78,7 +82,7 @@ EigenrayFinder::EigenrayFinder(const WaterColumn& water, double source_depth_m,
     fastest = std::max(fastest, p.sound_speed_m_s);
   }
   steepest_turning_ = std::sqrt((fastest - slowest) * (fastest + slowest)) / slowest;
-  // Outermost layers are even: nothing turns in them.
+  // The outermost layers are isovelocity, so no ray turns in them.
   const double shallowest = std::max(options_.surface_m, points.front().depth_m);
   const double deepest = std::min(options_.deepest_turn_m, points.back().depth_m);
   const std::vector<Piece> above = pieces_up(source_m_, shallowest), below = pieces(source_m_, deepest);
@@ -86,8 +90,8 @@ EigenrayFinder::EigenrayFinder(const WaterColumn& water, double source_depth_m,
   launched_down_ = coming_back(below, above);
 }
 
-// Rays that turn where the speed lies between a and b cross every layer less steeply than the one that turns
-// at b, and get at least to where the speed is a.
+// A ray that turns at a sound speed between a and b crosses every layer less steeply than the ray that turns
+// at b. It reaches at least the depth at which the sound speed is a.
 EigenrayFinder::ComingBack EigenrayFinder::coming_back(const std::vector<Piece>& away,
                                                        const std::vector<Piece>& on) const {
   constexpr int speeds = 32, depths = 32;
@@ -122,10 +126,10 @@ EigenrayFinder::ComingBack EigenrayFinder::coming_back(const std::vector<Piece>&
       break;
     }
     note(0, range_m);
-    double from_m = 0;  // of the piece
+    double from_m = 0;  // start of the piece
     int next = 1;
     for (const Piece& piece : on) {
-      if (!(piece.c2 < steep.sound_speed_m_s)) break;  // none of these gets through
+      if (!(piece.c2 < steep.sound_speed_m_s)) break;  // no ray of this class passes the piece
       for (; next < int(result.least_m.size()) && next * result.step_m <= from_m + piece.dz_m; ++next) {
         const double dz_m = next * result.step_m - from_m;
         note(next,
@@ -134,14 +138,14 @@ EigenrayFinder::ComingBack EigenrayFinder::coming_back(const std::vector<Piece>&
       range_m += range_over(piece.dz_m, piece.c1, piece.c2);
       from_m += piece.dz_m;
     }
-    // In a layer that only some get through, as little as at its beginning.
+    // Only some rays pass the next layer. For these, the bound at its beginning remains valid.
     for (; next < int(result.least_m.size()); ++next) note(next, range_m);
   }
   return result;
 }
 
 bool EigenrayFinder::may_turn_towards(double depth_m, double range_m) const {
-  // A ray that turns is nowhere steeper than one that is horizontal at the fastest place of all.
+  // A turning ray is nowhere steeper than a ray that is horizontal at the fastest depth of the profile.
   if (options_.most_turns < 1 || !(range_m > 0) ||
       steeper_than_turning(std::abs(depth_m - source_m_), range_m))
     return false;
@@ -220,8 +224,9 @@ Eigenray EigenrayFinder::eigenray(const SnellRay& ray, const RaySums& sums, doub
   return e;
 }
 
-// One gradient: the ray's angle at the chord's middle is the chord's, and it has turned by
-// 2 delta, tan delta = g x / (c_s + c_r), on the way (from Snell's law at both ends).
+// In a layer with one gradient, the ray's angle at the middle of the chord equals the chord's angle. Along
+// the path the ray turns by 2 delta, with tan delta = g x / (c_s + c_r). Both follow from Snell's law at the
+// two ends.
 std::optional<Eigenray> EigenrayFinder::within_layer(std::size_t layer, double depth_m,
                                                      double range_m) const {
   const SoundSpeedProfile& profile = water_.profile;
@@ -238,7 +243,7 @@ std::optional<Eigenray> EigenrayFinder::within_layer(std::size_t layer, double d
   e.arrival_cosine = cosine * straight + sine * tilt;
   e.turns = e.launch_sine * e.arrival_sine < 0 ? 1 : 0;
   if (e.turns == 1) {
-    // Depth of the turning point, from Snell: c / cos is the speed there.
+    // Depth of the turning point. By Snell's law the sound speed there is c / cos.
     const double turn_m =
         source_m_ + cs * e.launch_sine * e.launch_sine / (e.launch_cosine * (1 + e.launch_cosine) * g);
     const bool inside = turn_m >= std::max(profile.top_m(layer), options_.surface_m) &&
@@ -277,8 +282,9 @@ RaySums EigenrayFinder::along(const SnellRay& ray, const Pieces& path, bool time
   return sums;
 }
 
-// Newton's method in q = cosine / sine at the fastest place: range is concave in q, layer by layer, so steps
-// from the left never pass the root, and each doubles the digits.
+// Newton's method in q = cosine / sine at the fastest depth. In every layer the range is a concave function
+// of q. Steps from the left therefore never pass the root, and each step doubles the number of correct
+// digits.
 std::optional<Eigenray> EigenrayFinder::through_layers(double depth_m, double range_m) const {
   const RayPath path = path_to(depth_m);
   const double fastest = path.fastest, first = path[0].c1;
@@ -286,8 +292,8 @@ std::optional<Eigenray> EigenrayFinder::through_layers(double depth_m, double ra
     const double w = 1 / std::sqrt(1 + q * q);
     return SnellRay{fastest, w, q * w};
   };
-  // Any start will do: one step from the right of the root leads to its left. Here the ray whose angle where
-  // the speed is the mean one is that of the straight line.
+  // Any start is valid, because one step from the right of the root leads to its left. The start is the ray
+  // whose angle equals that of the straight line where the sound speed has its mean value.
   const double flat = fastest / path.mean_speed * range_m / std::hypot(range_m, depth_m - source_m_);
   double q = flat < 1 ? flat / std::sqrt((1 - flat) * (1 + flat)) : 0;
   bool range_checked = false;
@@ -305,16 +311,18 @@ std::optional<Eigenray> EigenrayFinder::through_layers(double depth_m, double ra
     const double miss = range_m - ray.p() * reach;
     const double slope = dx_dp * ray.sine * ray.sine * ray.sine / fastest;
     const double next = std::max(q + miss / slope, 0.0);
-    const bool close = std::abs(next - q) <= 1e-9 * q;  // the step's square is below rounding
+    const bool close = std::abs(next - q) <= 1e-9 * q;  // the square of the step is below rounding
     q = next;
     if (close) break;
-    if (step > 6 && !range_checked) {  // slow: near the end of the branch, where the ray turns horizontal
+    // Slow convergence near the end of the branch, where the ray becomes horizontal.
+    if (step > 6 && !range_checked) {
       range_checked = true;
       const SnellRay grazing{fastest, 0, 1};
       double longest = 0;
       for (std::size_t i = 0; i < path.size(); ++i) {
         const double sines = grazing.sine_at(path[i].c1) + grazing.sine_at(path[i].c2);
-        longest += path[i].dz_m * (path[i].c1 + path[i].c2) / sines / fastest;  // infinite in an even layer
+        // Infinite in an isovelocity layer.
+        longest += path[i].dz_m * (path[i].c1 + path[i].c2) / sines / fastest;
       }
       if (!(range_m < longest)) return std::nullopt;
     }
@@ -329,7 +337,7 @@ std::optional<Eigenray> EigenrayFinder::direct(double depth_m, double range_m) c
   return layer != kNoLayer ? within_layer(layer, depth_m, range_m) : through_layers(depth_m, range_m);
 }
 
-// The way to a turning point and back, `times` times.
+// Adds the path to a turning point and back, `times` times.
 void EigenrayFinder::add_turn(const SnellRay& ray, const std::vector<Piece>& path, double times,
                               bool times_too, RaySums& sums) const {
   const double p = ray.p();
@@ -362,8 +370,9 @@ void EigenrayFinder::add_turn(const SnellRay& ray, const std::vector<Piece>& pat
   }
 }
 
-// Rays that turn where the speed lies between a and b: the layers up to there are covered more steeply than
-// by the ray that turns at a and less than by the one that turns at b, and the turning arc is longest for b.
+// Bounds the range of rays that turn at a sound speed between a and b. They cross the layers before more
+// steeply than the ray that turns at a, and less steeply than the ray that turns at b. The turning arc is
+// longest for b.
 std::pair<double, double> EigenrayFinder::range_bounds(const Section& section, const Order& order, double a,
                                                        double b) {
   const SnellRay flat{a, 0, 1}, steep{b, 0, 1};
@@ -390,10 +399,11 @@ std::pair<double, double> EigenrayFinder::range_bounds(const Section& section, c
   return {shortest, longest};
 }
 
-// About a caustic the offset of rays beside one is w' u^2 / 2 by launch angle u, and they arrive turned by f
-// u, f from Snell's law for a place that does not move. Their phases make 2 sqrt(pi) Ai of the offset over
-// (w' / (2 k^2 f^2))^(1/3), which is largest, squared, 3.6057 where two rays add up to 2 / sqrt(offset)
-// (Jensen, Kuperman, Porter & Schmidt, Computational Ocean Acoustics (2011), section 3; DLMF 9.9).
+// Near a caustic, a ray at launch angle u from a given ray is offset from it by w' u^2 / 2. It arrives at an
+// angle that differs by f u, where f follows from Snell's law at a fixed point. The field is 2 sqrt(pi) Ai,
+// as a function of the offset over (w' / (2 k^2 f^2))^(1/3). The largest square of this field corresponds to
+// 3.6057, where two rays add up to 2 / sqrt(offset). Sources: Jensen, Kuperman, Porter & Schmidt,
+// Computational Ocean Acoustics (2011), section 3; DLMF 9.9.
 double EigenrayFinder::caustic_width_m_per_rad(double change_m_per_rad2, const Eigenray& ray,
                                                double depth_m) const {
   const double c = water_.profile.at(depth_m), wavenumber = 2 * std::numbers::pi * options_.frequency_hz / c;
@@ -405,7 +415,8 @@ double EigenrayFinder::caustic_width_m_per_rad(double change_m_per_rad2, const E
   return std::isfinite(width) ? width : 0;
 }
 
-// Rays that turn where the speed lies between a and b, by the sine of their angle where it is a.
+// Finds rays that turn at a sound speed between a and b. The variable is the sine of their grazing angle at
+// the depth where the sound speed is a.
 void EigenrayFinder::search(const Section& section, const Order& order, double a, double b, double depth_m,
                             double range_m, std::vector<Eigenray>& found) const {
   const auto ray_at = [a](double sine) { return SnellRay{a, sine, std::sqrt((1 - sine) * (1 + sine))}; };
@@ -417,13 +428,13 @@ void EigenrayFinder::search(const Section& section, const Order& order, double a
     return sums;
   };
   const auto miss = [&](double sine) { return ray_at(sine).p() * sums_at(sine, false).reach - range_m; };
-  const auto slope_of = [a](const RaySums& sums, double sine) {  // of the range by the sine
+  const auto slope_of = [a](const RaySums& sums, double sine) {  // derivative of the range by the sine
     return -sums.dx_dp * sine / (a * std::sqrt((1 - sine) * (1 + sine)));
   };
   const auto slope = [&](double sine) { return slope_of(sums_at(sine, false), sine); };
   const double top = std::sqrt((b - a) * (b + a)) / b, first = top * 1e-9, last = top * (1 - 1e-15);
-  // How far the ray's neighbours are beside it where it arrives, by launch angle: an area per steradian is
-  // this times reach over the source's speed.
+  // Offset of neighbouring rays on arrival, per launch angle. The area per steradian is this offset times
+  // the reach divided by the sound speed at the source.
   const auto beside = [&](double sine, const RaySums& sums) {
     const SnellRay ray = ray_at(sine);
     return ray.sine_at(source_speed_) * ray.sine_at(water_.profile.at(depth_m)) * sums.dx_dp / source_speed_;
@@ -478,7 +489,7 @@ std::vector<Eigenray> EigenrayFinder::all(double depth_m, double range_m) const 
   Section section;
   section.common_layer = common_layer(top_m, bottom_m);
   section.between = pieces(top_m, bottom_m);
-  // Outermost layers are even: nothing turns in them.
+  // The outermost layers are isovelocity, so no ray turns in them.
   const double shallowest = std::max(options_.surface_m, profile.points().front().depth_m);
   const double deepest = std::min(options_.deepest_turn_m, profile.points().back().depth_m);
   section.above = pieces_up(top_m, shallowest);
@@ -486,7 +497,8 @@ std::vector<Eigenray> EigenrayFinder::all(double depth_m, double range_m) const 
   double fastest = std::max(source_speed_, profile.at(depth_m));
   for (const Piece& piece : section.between) fastest = std::max({fastest, piece.c1, piece.c2});
 
-  const auto speeds = [fastest](const std::vector<Piece>& path) {  // where the layer of turning changes
+  // Sound speeds at which the turning point passes into another layer.
+  const auto speeds = [fastest](const std::vector<Piece>& path) {
     std::vector<double> result = {fastest};
     for (const Piece& piece : path) {
       if (piece.c2 > result.back()) result.push_back(piece.c2);
@@ -501,7 +513,7 @@ std::vector<Eigenray> EigenrayFinder::all(double depth_m, double range_m) const 
     order.launched_up = launched_up;
     bool up = launched_up, at_top = source_is_upper;
     while (order.turns <= options_.most_turns) {
-      if (up != at_top) {  // towards the other one's depth
+      if (up != at_top) {  // towards the depth of the other end
         ++order.between;
         at_top = up;
       } else {
@@ -524,7 +536,7 @@ std::vector<Eigenray> EigenrayFinder::all(double depth_m, double range_m) const 
       std::sort(borders.begin(), borders.end());
       for (std::size_t i = 1; i < borders.size() && borders[i] <= least; ++i) {
         if (!(borders[i - 1] < borders[i])) continue;
-        // A single turning point within the common layer is the closed form's.
+        // The closed form covers a single turning point within the common layer.
         const std::vector<Piece>& path = order.above > 0 ? section.above : section.below;
         const bool closed_form =
             order.turns == 1 && path.front().layer == section.common_layer && borders[i] <= path.front().c2;

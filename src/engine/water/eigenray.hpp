@@ -10,59 +10,65 @@
 #include "engine/water/ray_arc.hpp"
 #include "engine/water/water_column.hpp"
 
+// Finds all eigenrays between a source depth and a point of a stratified water column without reflections.
+// Within layers of constant sound-speed gradient, rays are arcs of circles (ray_arc.hpp). The search uses
+// closed forms, Newton's method and bracketed root finding over the Snell parameter.
 namespace tubefoot {
 
-/// A ray from a source to a point. Grazing angles are positive downwards, in the direction of travel.
+/// Ray from a source to a point. Grazing angles are in the direction of travel and positive downwards.
 struct Eigenray {
   double launch_sine = 0, launch_cosine = 1;
   double arrival_sine = 0, arrival_cosine = 1;
   double time_s = 0;
   double length_m = 0;
   double absorption_db = 0;  ///< one way, along the path
-  /// Area perpendicular to the ray per steradian at launch [m^2/sr]; 0 on a caustic. Reciprocity: this times
-  /// the square of the sound speed at the source is the same from the point back to the source.
+  /// Area perpendicular to the ray per steradian at launch, in m^2/sr; 0 on a caustic. By reciprocity, this
+  /// area times the squared sound speed at the start of the ray is the same for the ray back from the point.
   double tube_area_m2_per_sr = 0;
   int turns = 0;  ///< turning points between source and point
-  /// Neighbouring rays have crossed it an odd number of times: it has touched as many caustics on its way.
+  /// Whether the ray has crossed its neighbours an odd number of times. The number of crossings is the
+  /// number of caustics that it has touched.
   bool crossed = false;
-  /// What diffraction leaves of the ray tube on the caustic nearby, which rays would make 0 there: of two
-  /// rays that meet on a caustic, with tubes of this area, the sum of intensities is the largest of Airy's
-  /// function. Grows as the cube root of the wavelength. 0 where there is no caustic.
+  /// Area per steradian that diffraction leaves on a nearby caustic, where ray theory gives 0. If two rays
+  /// that meet on a caustic have tubes of this area, their intensities add up to the largest intensity of
+  /// the Airy function. It grows as the cube root of the wavelength, and is 0 where there is no caustic.
   double caustic_area_m2_per_sr = 0;
 };
 
 struct EigenrayOptions {
-  double surface_m = 0;                                             ///< no ray turns above
-  double deepest_turn_m = std::numeric_limits<double>::infinity();  ///< none turns below
+  double surface_m = 0;                                             ///< no ray turns above this depth
+  double deepest_turn_m = std::numeric_limits<double>::infinity();  ///< no ray turns below this depth
   int most_turns = 1;
   double frequency_hz = 1e5;  ///< for Eigenray::caustic_area_m2_per_sr
 };
 
-/// All rays without reflection from one source depth to points of a layered water column.
+/// Finds all rays without reflection from one source depth to points of a stratified water column.
 ///
-/// Within one layer the two-point problem has a closed form. Else, for each order of turning points, the
-/// horizontal range is a function of one variable, the sine of the grazing angle at the fastest place that
-/// the ray passes: it is monotone without turning point (Newton's method from the left, on a concave
-/// function); with turning points it is cut where the ray turns in another layer and where its derivative, in
-/// closed form, changes sign. A pair of eigenrays closer together than the steps of that search, 1/16 of a
-/// layer's sines, can be missed next to a caustic.
+/// Within one layer the two-point problem has a closed form. Otherwise each order of turning points gives
+/// the horizontal range as a function of one variable. This variable is the sine of the grazing angle at the
+/// fastest depth that the ray passes. Without turning points the function is monotone and concave, and
+/// Newton's method starts from the left. With turning points the search splits the function where the ray
+/// turns in another layer and where its derivative, in closed form, changes sign. Next to a caustic the
+/// search can miss a pair of eigenrays that are closer together than its steps of 1/16 of a layer's sines.
 class EigenrayFinder {
  public:
-  /// Refers to `water`. Throws std::invalid_argument for a source that is not below the surface.
+  /// Keeps a reference to `water`. Throws std::invalid_argument for a source above the surface.
   EigenrayFinder(const WaterColumn& water, double source_depth_m, const EigenrayOptions& options = {});
 
-  /// The ray that rises or falls all the way, or the arc that stays within one layer; none in its shadow.
+  /// Returns the ray that rises or falls monotonically, or the arc that stays within one layer. Returns
+  /// nothing if the point is in the shadow of such rays.
   std::optional<Eigenray> direct(double depth_m, double range_m) const;
-  /// All of up to `most_turns` turning points, earliest first. Range >= 0.
+  /// Returns all rays with at most `most_turns` turning points, earliest first. The range must not be
+  /// negative.
   std::vector<Eigenray> all(double depth_m, double range_m) const;
 
-  /// Whether a point so much higher or lower is seen more steeply than any ray that turns anywhere in the
-  /// water: then it has one ray.
+  /// Returns whether the direction to a point is steeper than any ray that turns anywhere in the water.
+  /// `height_m` is the depth difference of the point, in either direction. Such a point has exactly one ray.
   bool steeper_than_turning(double height_m, double range_m) const {
     return range_m * steepest_turning_ < height_m;
   }
 
-  /// False only if no ray that turns leads to a point, but for an arc within one layer.
+  /// Returns false only if no turning ray leads to the point, except an arc within one layer.
   bool may_turn_towards(double depth_m, double range_m) const;
 
   const WaterColumn& water() const { return water_; }
@@ -70,19 +76,19 @@ class EigenrayFinder {
   double source_speed_m_s() const { return source_speed_; }
 
  private:
-  struct Piece {  // of a layer, in the direction away from where it is counted from
+  struct Piece {  // part of a layer, in the direction away from the starting depth
     double dz_m, c1, c2, gradient_per_s;
     std::size_t layer;
   };
   struct Section;
   struct Order;
 
-  /// Of rays that are launched away from a depth, turn and come back: no range at a depth that lies `way_m`
-  /// on from the source is below this.
+  /// Lower bounds of the range of rays that leave a depth, turn and come back. At a depth `way_m` beyond the
+  /// source, no such ray has a smaller range than least_at(way_m).
   struct ComingBack {
     double step_m = 1;
     std::vector<double> least_m;
-    double fastest = 0;  ///< where such rays could turn
+    double fastest = 0;  ///< largest sound speed at which such rays can turn
     double least_at(double way_m) const {
       return least_m[std::min(least_m.size() - 1, static_cast<std::size_t>(way_m / step_m))];
     }
@@ -113,10 +119,11 @@ class EigenrayFinder {
   EigenrayOptions options_;
   double source_m_, source_speed_;
   std::vector<Piece> up_, down_;                   // from the source to the ends of the profile
-  std::vector<double> fastest_up_, fastest_down_;  // on the way to the end of each of these
-  std::vector<double> crossed_up_, crossed_down_;  // integral of speed over depth, likewise
+  std::vector<double> fastest_up_, fastest_down_;  // largest sound speed up to the end of each piece
+  // Integral of sound speed over depth up to the end of each piece.
+  std::vector<double> crossed_up_, crossed_down_;
   ComingBack launched_up_, launched_down_;
-  double steepest_turning_ = 0;  // tangent of the steepest grazing angle of rays that turn
+  double steepest_turning_ = 0;  // tangent of the steepest grazing angle of a turning ray
 };
 
 }  // namespace tubefoot

@@ -4,16 +4,17 @@
 #include <algorithm>
 #include <cmath>
 
-// A ray within one layer c = c0 + g z is an arc of a circle. These forms divide by no gradient and lose no
-// digits to differences of nearly equal numbers, so g = 0 (a straight ray) is no special case. Sines are of
-// grazing angles, without sign, at the arc's two ends; p = cos(grazing) / c is the same all along a ray
-// (Snell). Jensen, Kuperman, Porter & Schmidt, Computational Ocean Acoustics (2011), section 3.
+// Closed forms of a ray within one layer c = c0 + g z, where the ray is an arc of a circle. The forms do not
+// divide by the gradient and do not subtract nearly equal numbers. So a straight ray (g = 0) is no special
+// case. Sines are those of the grazing angles at the two ends of the arc, without sign. The Snell parameter
+// p = cos(grazing) / c is constant along a ray. Source: Jensen, Kuperman, Porter & Schmidt, Computational
+// Ocean Acoustics (2011), section 3.
 namespace tubefoot {
 
-/// What a ray gathers along a leg.
+/// Sums of range, time, length and absorption along a leg of a ray.
 struct RaySums {
-  double reach = 0;  ///< horizontal range / p [m^2/s]: finite for a vertical ray too
-  double dx_dp = 0;  ///< of the horizontal range between the two depths, by p [m^2/s]
+  double reach = 0;  ///< horizontal range / p [m^2/s], finite for vertical rays too
+  double dx_dp = 0;  ///< derivative of the horizontal range between two depths by p [m^2/s]
   double time_s = 0;
   double length_m = 0;
   double absorption_db = 0;  ///< one way
@@ -40,13 +41,13 @@ inline double asin_ratio(double v) {
   return 1 + v2 * (1. / 6 + v2 * (3. / 40 + v2 * (15. / 336 + v2 * 105. / 3456)));
 }
 
-/// A ray by its direction at one sound speed; the rest follows by Snell's law.
+/// A ray, given by its direction at one sound speed. Snell's law determines its direction elsewhere.
 struct SnellRay {
   double sound_speed_m_s = 1500;
-  double sine = 1, cosine = 0;  ///< of the grazing angle there, sine >= 0
+  double sine = 1, cosine = 0;  ///< of the grazing angle at that sound speed; sine >= 0
 
   double p() const { return cosine / sound_speed_m_s; }
-  /// Square of the sine where the speed is `c`: negative where the ray does not get to.
+  /// Square of the sine at sound speed `c`. It is negative if the ray does not reach this sound speed.
   double sine2_at(double c) const {
     const double k = cosine / sound_speed_m_s;
     return sine * sine + k * k * (sound_speed_m_s - c) * (sound_speed_m_s + c);
@@ -54,28 +55,28 @@ struct SnellRay {
   double sine_at(double c) const { return std::sqrt(std::max(0.0, sine2_at(c))); }
 };
 
-/// Range / p over a depth interval `dz_m` (> 0) with no turning point: chord of a circle.
+/// Range / p over a depth interval `dz_m` > 0 without a turning point, from the chord of the circle.
 inline double arc_reach(double dz_m, double c1, double c2, double s1, double s2) {
   return dz_m * (c1 + c2) / (s1 + s2);
 }
 
-/// d(range)/dp = reach / (s1 s2); through a turning point the sign is reversed.
+/// d(range)/dp = reach / (s1 s2). Through a turning point the sign is reversed.
 inline double arc_dx_dp(double reach, double s1, double s2) { return reach / (s1 * s2); }
 
-/// Time over a depth interval without turning point: (1/g) ln[(c2/c1) (1+s1)/(1+s2)].
+/// Travel time over a depth interval without a turning point: (1/g) ln[(c2/c1) (1+s1)/(1+s2)].
 inline double arc_time_s(double dz_m, double c1, double c2, double s1, double s2, double p) {
   const double speeds = log1p_ratio((c2 - c1) / c1) / c1;
   const double slope = p * p * (c1 + c2) / ((s1 + s2) * (1 + s2));  // (s1 - s2) / (1 + s2) / (c2 - c1)
   return dz_m * (speeds + slope * log1p_ratio((c2 - c1) * slope));
 }
 
-/// Length of the arc over a chord: the radius is 1 / (p |g|).
+/// Length of the arc over a chord. The radius of the circle is 1 / (p |g|).
 inline double arc_length_m(double dz_m, double reach, double p, double gradient_per_s) {
   const double chord = std::hypot(dz_m, p * reach);
   return chord * asin_ratio(chord * p * gradient_per_s / 2);
 }
 
-/// The arc from sine s1 up to the turning point and on to sine s2, in gradient magnitude |g| > 0.
+/// Arc from sine s1 to the turning point and on to sine s2, for a gradient of magnitude |g| > 0.
 inline RaySums turning_arc(double s1, double s2, double p, double gradient_per_s) {
   const double g = std::abs(gradient_per_s);
   RaySums sums;

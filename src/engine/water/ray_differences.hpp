@@ -7,27 +7,31 @@
 
 #include "geometry/numbers/interval.hpp"
 
+// Encloses derivatives of rays through several layers by the Snell parameter and by depth. The forms use
+// differences of squared sound speeds, so that all terms of isovelocity water cancel before they are
+// enclosed.
 namespace tubefoot {
 
-/// Derivatives of what a ray through layers makes of a place, by its Snell parameter k and by the depth h
-/// that it passes, as differences of squared sound speeds: what is alike in isovelocity water cancels before
-/// it is enclosed, and in water that hardly refracts next to nothing is left.
+/// Encloses derivatives of a ray's apparent position, slowness, arrival angle and tube area through several
+/// layers. The variables are the Snell parameter k and the depth h that the ray passes. The forms use
+/// differences of squared sound speeds. Terms that are equal in isovelocity water cancel before they are
+/// enclosed. In weakly refracting water the remainders are therefore small.
 ///
-/// With sums over layers R = sum c / s dz (range over the ray parameter p), T = sum dz / (c s) (time), D =
-/// sum c / s^3 dz (dx / dp), s = sqrt(1 - k c^2) the sine of the grazing angle, d^2 = k R^2 + h^2 the
-/// straight distance, and c, s without an index at the end of the ray: c_i s_j - c_j s_i = (c_i^2 - c_j^2) /
-/// (c_i s_j + c_j s_i), and so on.
+/// The sums over layers are R = sum c / s dz (range over the ray parameter p), T = sum dz / (c s) (time) and
+/// D = sum c / s^3 dz (dx / dp). Here s = sqrt(1 - k c^2) is the sine of the grazing angle, and d^2 = k R^2
+/// + h^2 is the squared straight distance. Symbols c and s without an index belong to the end of the ray.
+/// Differences use identities such as c_i s_j - c_j s_i = (c_i^2 - c_j^2) / (c_i s_j + c_j s_i).
 class RayDifferences {
  public:
-  /// Water that is passed, and how fast sound is in it.
+  /// Depth interval that the ray passes, and an enclosure of the sound speed in it.
   struct Part {
     Interval dz_m, c;
   };
   struct Ray {
     Interval k, R, R_k, T, D, D_k;
-    Interval c, s, gradient;  ///< at its end, along the way of travel
-    Interval cs, s0;          ///< at its beginning
-    Interval h_m, distance2;  ///< depth that it passes, and d^2
+    Interval c, s, gradient;  ///< at the end of the ray, in the direction of travel
+    Interval cs, s0;          ///< at the beginning of the ray
+    Interval h_m, distance2;  ///< depth that the ray passes, and d^2
   };
 
   RayDifferences(std::span<const Part> parts, const Ray& ray) : ray_(ray) {
@@ -38,7 +42,7 @@ class RayDifferences {
     for (const Part& part : parts) sines = hull(sines, sine(part.c));
     const double c_apart = over.width(), c2_apart = (squared(over).hi - squared(over).lo);
     c4_apart_ = Interval(0, c2_apart * c2_apart * (1 + 1e-12));
-    // No pair of parts has more of k (c - c')^2 + (s - s')^2 + (c - c')^2 / (c c').
+    // For every pair of parts, k (c - c')^2 + (s - s')^2 + (c - c')^2 / (c c') lies in this interval.
     const Interval apart2 = Interval(0, c_apart * c_apart * (1 + 1e-12));
     pairs_ = k * apart2 + squared(k) * c4_apart_ / squared(2.0 * sines) + apart2 / squared(over);
     pairs_ = Interval(0, pairs_.hi);
@@ -66,7 +70,8 @@ class RayDifferences {
     P_ = k * R * c + s * h;
   }
 
-  /// Of T / R, times cs: how far across the image of a place is, for each metre.
+  /// Partial derivatives of cs T / R, which is the horizontal displacement of the image per metre of the
+  /// point.
   Partials across() const {
     const auto& [k, R, R_k, T, D, D_k, c, s, g, cs, s0, h, d2] = ray_;
     const Interval R2 = squared(R), R3 = R2 * R, R_z = c / s, V = e1_ / (c * s),
@@ -80,7 +85,7 @@ class RayDifferences {
     by.yy = cs * (V_z_ / R2 - 2.0 * (V * R_z / R3));
     return by;
   }
-  /// Of T s0: how far below.
+  /// Partial derivatives of T s0, which gives the depth of the image.
   Partials below() const {
     const auto& [k, R, R_k, T, D, D_k, c, s, g, cs, s0, h, d2] = ray_;
     const Interval further = squared(c) - squared(cs);
@@ -93,7 +98,7 @@ class RayDifferences {
     by.yy = s0 * g * (k / (s * s * s) - 1.0 / (squared(c) * s));
     return by;
   }
-  /// Of T / d; its value too, from that at some `k0` and depth.
+  /// Partial derivatives of T / d. The value is also enclosed from its value `there` at another k and depth.
   Partials slowness(const Interval& there, const Interval& k_from_there, const Interval& h_from_there) const {
     const auto& [k, R, R_k, T, D, D_k, c, s, g, cs, s0, h, d2] = ray_;
     const Interval F = k * R * e1_ + h * F2_, per = c * s * T * d2, log_k = D * E_ / (2.0 * T * d2),
@@ -101,7 +106,7 @@ class RayDifferences {
                    E_z = -(S1_ * pairs_) / s, later = slower_ - 0.5 * S1_ * pairs_,
                    F_z = later / s - g * T * (P_ + c * k * r_);
     Interval n = T / root(d2);
-    // Once to know the slopes, and once more with what they say of the value.
+    // The first pass determines the slopes. The second pass uses the slopes to narrow the value.
     const Interval near = there + n * log_k * k_from_there + n * log_z * h_from_there;
     if (near.is_finite() && near.lo <= n.hi && near.hi >= n.lo)
       n = {std::max(n.lo, near.lo), std::min(n.hi, near.hi)};
@@ -121,19 +126,19 @@ class RayDifferences {
   struct Slopes {
     Interval k, z;
   };
-  /// Of the logarithm of d c / R.
+  /// Slopes of the logarithm of d c / R.
   Slopes log_arrival_across() const {
     const auto& [k, R, R_k, T, D, D_k, c, s, g, cs, s0, h, d2] = ray_;
     return {(R * W_ - R_k * E_) / (d2 * R), g / c + h * Z_ / (s * d2 * R)};
   }
-  /// Of d s.
+  /// Slopes of d s.
   Slopes arrival_down() const {
     const auto& [k, R, R_k, T, D, D_k, c, s, g, cs, s0, h, d2] = ray_;
     const Interval d = root(d2);
     return {(R * e3_ - squared(c) * E_) / (2.0 * d * s),
             root(1.0 - k * squared(Z_) / d2) - d * k * c * g / s};
   }
-  /// Of the logarithm of R s0 s D / (c d)^2.
+  /// Slopes of the logarithm of R s0 s D / (c d)^2.
   Slopes log_area() const {
     const auto& [k, R, R_k, T, D, D_k, c, s, g, cs, s0, h, d2] = ray_;
     const Interval s2 = squared(s), apart = h * Z_ / (s * d2 * R);
@@ -145,7 +150,8 @@ class RayDifferences {
  private:
   Ray ray_;
   Interval c4_apart_, pairs_;
-  // With e = c_i^2 - c^2: sums of e / (c_i s_i), e / (c_i s_i^3), c_i e / s_i^3 and / s_i^5, and others.
+  // With e = c_i^2 - c^2, these are sums of e / (c_i s_i), e / (c_i s_i^3), c_i e / s_i^3, c_i e / s_i^5 and
+  // others.
   Interval S1_, B_, B5_, e1_, e3_, ce3_, ce5_, y_k_, y_kk_, V_z_, F2_, Z_, r_, slower_;
   Interval E_, W_, P_;  // d^2 - R T, its derivative by k, and k R c + s h
 };

@@ -8,12 +8,16 @@
 #include "engine/water/ray_differences.hpp"
 #include "geometry/numbers/enclosure_slack.hpp"
 
+// Encloses the ray from an apex to a patch of a plane, with first and second derivatives, in intervals that
+// are rounded outwards. Within one layer the forms are closed. Through several layers the Snell parameter k
+// follows from the implicit function k R(k, z)^2 = x^2 + y^2, with a verified bracket. See
+// docs/reference.md, section "Through refracting water".
 namespace tubefoot {
 namespace {
 
 constexpr double slack = enclosure_slack;
 
-/// Water of one gradient on the way between two depths, in the direction of travel.
+/// Water of one gradient between two depths, in the direction of travel.
 struct Leg {
   double dz_m;
   Interval c1, c2, gradient;
@@ -45,17 +49,17 @@ std::vector<Leg> legs_between(const SoundSpeedProfile& profile, double from_m, d
   return legs;
 }
 
-/// sqrt(1 - k c^2): sine of the grazing angle. Not finite where a ray may not get to.
+/// Sine of the grazing angle, sqrt(1 - k c^2). Not finite if a ray may not reach the sound speed.
 Interval sine_at(const Interval& k, const Interval& c) {
   const Interval s2 = 1.0 - k * squared(c);
   return s2.surely_positive() ? root(s2) : outwards(1, 0);
 }
 
-Interval log1p_over(const Interval& v) {  // log(1 + v) / v falls as v grows
+Interval log1p_over(const Interval& v) {  // log(1 + v) / v, which decreases with v
   return v.lo > -1 ? outwards(log1p_ratio(v.hi), log1p_ratio(v.lo), 64) : outwards(1, 0);
 }
 
-/// asinh(sqrt v) / sqrt v = integral over u from 0 to 1 of 1 / sqrt(1 + v u^2), which falls as v grows.
+/// asinh(sqrt v) / sqrt v = integral over u from 0 to 1 of 1 / sqrt(1 + v u^2), which decreases with v.
 double asinh_ratio(double v) {
   if (v < 1e-4) return 1 - v * (1. / 6 - v * (3. / 40 - v * (5. / 112 - v * (35. / 1152))));
   return std::asinh(std::sqrt(v)) / std::sqrt(v);
@@ -80,7 +84,7 @@ Jet asin_root_ratio(const Jet& w) {
                  outwards(0.15, 0.15 * over / (1 - most), library_units));
 }
 
-/// Of two enclosures of the same.
+/// Intersection of two enclosures of the same quantity.
 Interval common(const Interval& a, const Interval& b) {
   return b.is_finite() && b.lo <= a.hi && b.hi >= a.lo ? Interval(std::max(a.lo, b.lo), std::min(a.hi, b.hi))
                                                        : a;
@@ -92,8 +96,9 @@ Interval power(const Interval& x, int n) {
   return result;
 }
 
-/// Integral of c^p / s^q over a depth in which c is linear: what the range of its values says, and the rule
-/// of the middle with its second derivative by c. The latter is narrower by far where s hardly changes.
+/// Integral of c^p / s^q over a depth interval in which c is linear. The result is the intersection of two
+/// enclosures. The first uses the range of the integrand. The second is the midpoint rule with a second
+/// derivative by c, which is much narrower where s hardly changes.
 Interval integral(int p, int q, const Interval& dz, const Interval& k, const Interval& c1,
                   const Interval& c2) {
   const Interval c = hull(c1, c2), s = sine_at(k, c), middle = 0.5 * (c1 + c2);
@@ -110,24 +115,25 @@ Interval integral(int p, int q, const Interval& dz, const Interval& k, const Int
 
 }  // namespace
 
-/// Integrals over depth from the source, and their derivatives by k where they are asked for.
+/// Integrals over depth from the source, and the required derivatives by k.
 struct RayEnclosure::Sums {
   Interval reach, reach_k, reach_kk;  // of c / s
   Interval dx_dp, dx_dp_k;            // of c / s^3
-  Interval time;                      // of 1 / (c s); its derivatives are those of the above
+  Interval time;                      // of 1 / (c s); its derivatives follow from those above
   Interval absorption, absorption_k;
-  // Near the point that they lead to.
+  // Values near the end point of the rays.
   Interval c, gradient, absorption_per_m;
   bool some = false;
 
-  /// What has no closed form here.
+  /// Adds the derivatives that have no closed form here.
   void take_derivatives(const Interval& dz, const Interval& k, const Interval& c1, const Interval& c2,
                         const Interval& absorption_db_per_m) {
     reach_kk += 0.75 * integral(5, 5, dz, k, c1, c2);
     dx_dp_k += 1.5 * integral(3, 5, dz, k, c1, c2);
     absorption_k += 0.5 * integral(2, 3, dz, k, c1, c2) * absorption_db_per_m;
   }
-  /// All of it, by the range of its values: of water in which the sound speed is anywhere in `over_c`.
+  /// Adds all integrals over water whose sound speed lies anywhere in `over_c`, from the range of the
+  /// integrands.
   void take(const Interval& dz, const Interval& k, const Interval& over_c,
             const Interval& absorption_db_per_m) {
     const Interval s = sine_at(k, over_c), s3 = power(s, 3), s5 = power(s, 5);
@@ -157,15 +163,15 @@ RayEnclosure::RayEnclosure(const ApparentMap& apparent_map, const EigenrayOption
   most_turn_rad_ = 2 * std::acos(slowest.sound_speed_m_s / fastest.sound_speed_m_s) * (1 + slack) + slack;
 }
 
-/// Rays that turn at a speed from `a` to `b` pass all water slower than `a` more steeply than the one that
-/// turns at `b`, twice beyond both ends.
+/// Rays that turn at a sound speed from `a` to `b` pass water slower than `a` more steeply than the ray that
+/// turns at `b`. Beyond both ends they pass this water twice.
 bool RayEnclosure::turning_rays_are_longer(const Interval& depth_m, double farthest_m, bool below,
                                            std::optional<double> beyond_m) const {
   const SoundSpeedProfile& profile = apparent_map_.water().profile;
   const double end = below ? std::min(options_.deepest_turn_m, profile.points().back().depth_m)
                            : std::max(options_.surface_m, profile.points().front().depth_m);
   const double near = std::clamp(source_m_, depth_m.lo, depth_m.hi);
-  // From here on every ray that turns beyond has passed both ends.
+  // Every ray that turns beyond this depth has passed both ends.
   const double from = below ? std::max(source_m_, depth_m.hi) : std::min(source_m_, depth_m.lo);
   double earliest = below ? std::max(source_m_, depth_m.lo) : std::min(source_m_, depth_m.hi);
   if (beyond_m) earliest = below ? std::max(earliest, *beyond_m) : std::min(earliest, *beyond_m);
@@ -217,7 +223,7 @@ bool RayEnclosure::no_ray_comes_back(std::size_t layer, const Interval& depth_m,
          turning_rays_are_longer(depth_m, farthest_m, false, profile.top_m(layer));
 }
 
-/// No other layer turns rays.
+/// Returns whether no other layer turns rays.
 bool RayEnclosure::only_arc(std::size_t layer) const {
   const SoundSpeedProfile& profile = apparent_map_.water().profile;
   if (options_.most_turns > 1) return false;
@@ -246,14 +252,14 @@ std::optional<RayJets> RayEnclosure::within_layer(std::size_t layer, const Jet& 
         no_ray_comes_back(layer, depth.v, farthest)))
     return std::nullopt;
   if (!straight_on) {
-    // Depth of the turning point of those rays that have one: the speed there is that at the source over the
-    // cosine of the launch angle. These have launch and arrival of two signs, so `along` is no larger than
-    // `refracted`, whatever other rays the patch has.
+    // Depth of the turning point of the rays that have one. By Snell's law, the sound speed there is that at
+    // the source divided by the cosine of the launch angle. For such rays the launch and arrival sines have
+    // opposite signs. So `along` is at most as large as `refracted`, whatever other rays the patch contains.
     const double flattest = std::min(2 * refracted.v.largest(), launch.largest()) * (1 + slack);
     const Interval cosine = 2.0 * cs * root(m.v) / (root(d2.v) * half.v);
     const Interval sine2 = squared(Interval(-flattest, flattest)) / (d2.v * squared(half.v));
     Interval turn = source_m_ + cs * sine2 / (cosine * (1.0 + cosine) * g);
-    (gradient > 0 ? turn.lo : turn.hi) = source_m_;  // it lies on the side where sound is faster
+    (gradient > 0 ? turn.lo : turn.hi) = source_m_;  // the turning point lies on the side of faster sound
     if (!(turn.lo >= std::max(profile.top_m(layer), options_.surface_m) &&
           turn.hi <= std::min(profile.bottom_m(layer), options_.deepest_turn_m)))
       return std::nullopt;
@@ -293,11 +299,12 @@ RayEnclosure::Sums RayEnclosure::sums_to(double depth_m, const Interval& k) cons
   return sums;
 }
 
-/// What lies between the nearer and the farther end of a patch, from nothing to all of it.
+/// Adds the water between the nearer and the farther end of a patch, with any thickness from zero to the
+/// whole.
 bool RayEnclosure::extend(Sums& sums, const Interval& k, double from_m, double to_m) const {
   const WaterColumn& water = apparent_map_.water();
   const bool down = to_m >= source_m_ && from_m >= source_m_;
-  // Borders of layers belong to both.
+  // A border between layers belongs to both layers.
   const double more = 1e-9 * (1 + std::abs(to_m));
   const double near = from_m == source_m_ ? from_m : (down ? from_m - more : from_m + more);
   for (const Leg& leg : legs_between(water.profile, near, down ? to_m + more : to_m - more)) {
@@ -319,7 +326,7 @@ std::optional<RayJets> RayEnclosure::through_layers(const Jet& x, const Jet& y, 
   const double near = down ? depth.v.lo : depth.v.hi, far = down ? depth.v.hi : depth.v.lo;
   const Jet m = squared(x) + squared(y);
   if (!alone && !no_ray_turns(depth.v, root(m.v).hi)) return std::nullopt;
-  // The bracket of k: it grows with the range and falls with the depth between.
+  // Bracket of k. The parameter k grows with the range and decreases with the depth difference.
   const auto guess = [&](double depth_m, double range_m) -> std::optional<double> {
     const std::optional<Eigenray> ray = finder_.direct(depth_m, range_m);
     if (!ray) return std::nullopt;
@@ -386,8 +393,8 @@ std::optional<RayJets> RayEnclosure::through_layers(const Jet& x, const Jet& y, 
                                    below = ref * compose(kj, path, differences.below());
   rays.image = {across * x, across * y, down ? -below : below};
   rays.time_s = time;
-  // At one place, in the middle of what k is and at the nearer end; from there on slopes say more than ranges
-  // of values.
+  // Values at one point, for the middle of the bracket of k and the nearer end. From this point on, slopes
+  // give narrower enclosures than the ranges of values.
   const Interval k0(k.middle()), h0 = root(squared(Interval(near) - source_m_)), k_off = k - k0,
                                  h_off = path.v - h0;
   const Sums there = sums_to(near, k0);
@@ -428,7 +435,7 @@ std::optional<RayJets> RayEnclosure::over(const std::array<Interval, 3>& origin_
   }
   const Jet depth = Jet(source_m_) - at[2];
   const SoundSpeedProfile& profile = apparent_map_.water().profile;
-  // A layer whose borders the patch may touch, but no more.
+  // Finds a layer that contains both ends. The patch may touch the borders of the layer.
   const std::size_t layer = profile.layer_at(std::min(source_m_, depth.v.middle()));
   for (const std::size_t common : {layer, layer + 1})
     if (common < profile.layers() && profile.top_m(common) <= std::min(source_m_, depth.v.lo) &&

@@ -8,10 +8,12 @@
 
 #include "engine/water/ray_arc.hpp"
 
+// Traces one ray through layers of constant sound-speed gradient as exact arcs of circles (ray_arc.hpp). The
+// tube area per steradian is A = (range / p) s_launch s_here |dx/dp| / c_launch^2.
 namespace tubefoot {
 namespace {
 
-/// a / b where both may be 0 together (a horizontal launch or arrival).
+/// a / b, or 1 if a and b are equal: both may be 0 for a horizontal launch or arrival.
 double ratio(double a, double b) { return a == b ? 1 : a / b; }
 
 class Tracer {
@@ -42,16 +44,16 @@ class Tracer {
   }
 
  private:
-  /// The layer that a ray at a depth enters.
+  /// The layer that a ray at this depth enters.
   std::size_t layer_ahead(double depth_m, bool down) const {
     const std::size_t layer = profile_.layer_at(depth_m);
     return !down && layer > 0 && depth_m == profile_.top_m(layer) ? layer - 1 : layer;
   }
 
-  /// Where a horizontal ray goes: to the slower side.
+  /// Whether a horizontal ray bends downwards. It bends towards slower sound.
   bool bends_down(double depth_m) const { return profile_.gradient_per_s(layer_ahead(depth_m, true)) < 0; }
 
-  /// From the present node to the next border, turning on the way where the ray does.
+  /// Follows the ray from the present node to the next border, including a turning point.
   void step() {
     const std::size_t layer = layer_ahead(state_.depth_m, down_);
     const double g = profile_.gradient_per_s(layer);
@@ -61,7 +63,7 @@ class Tracer {
     const double c1 = profile_.speed_in(layer, state_.depth_m);
     const bool towards_faster = down_ ? g > 0 : g < 0;
     if (std::isinf(ahead_m) || (s1 == 0 && (g == 0 || towards_faster))) {
-      finish(layer, 0, c1);  // straight on for good
+      finish(layer, 0, c1);  // the ray continues straight without end
       return;
     }
     const double c2 = profile_.speed_in(layer, ahead_m);
@@ -133,8 +135,8 @@ class Tracer {
     to.time_s += sums.time_s;
     to.length_m += sums.length_m;
     to.absorption_db += water_.absorption_in(layer) * sums.length_m;
-    // A = (range / p) s_launch s_here |dx/dp| / c_launch^2. dx/dp is singular where a ray is horizontal and
-    // the product is not, so the sines are multiplied in before the sum.
+    // A = (range / p) s_launch s_here |dx/dp| / c_launch^2. The derivative dx/dp is singular where a ray is
+    // horizontal, but the product is finite. The sines are therefore multiplied in before the sum.
     const double c = ray_.sound_speed_m_s, from = ratio(launch_sine_, s1);
     const double piece = (turns ? -1 : 1) * sums.reach * from;
     const double spread = launch_dx_dp_ * s2 + piece;
@@ -147,7 +149,7 @@ class Tracer {
   RayTraceOptions options_;
   SnellRay ray_;
   double p_ = 0, launch_sine_ = 0;
-  double launch_dx_dp_ = 0;  // launch sine times dx/dp so far
+  double launch_dx_dp_ = 0;  // launch sine times the sum of dx/dp
   bool down_ = true;
   RayState state_;
   std::vector<RayNode> nodes_;

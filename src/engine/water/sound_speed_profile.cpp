@@ -6,6 +6,8 @@
 #include <limits>
 #include <stdexcept>
 
+// Implements piecewise linear sound-speed profiles and samples smooth profiles. Two analytic profiles are
+// those of Munk, JASA 55 (1974) 220, and Pedersen & Gordon, JASA 41 (1967) 419.
 namespace tubefoot {
 namespace {
 
@@ -61,7 +63,7 @@ double SoundSpeedProfile::speed_in(std::size_t layer, double depth_m) const {
   if (layer == 0) return points_.front().sound_speed_m_s;
   if (layer == points_.size()) return points_.back().sound_speed_m_s;
   const ProfilePoint &above = points_[layer - 1], &below = points_[layer];
-  // From the nearer end, so that both ends give the points' own speeds.
+  // Interpolates from the nearer end, so that both ends have exactly the speeds of the points.
   return depth_m - above.depth_m < below.depth_m - depth_m
              ? above.sound_speed_m_s + gradient_[layer] * (depth_m - above.depth_m)
              : below.sound_speed_m_s - gradient_[layer] * (below.depth_m - depth_m);
@@ -91,8 +93,7 @@ std::vector<ProfilePoint> sample_profile_within(const std::function<double(doubl
                                                 double bottom_m, double error_m_s) {
   check_extent(top_m, bottom_m, error_m_s);
   std::vector<ProfilePoint> points = {point_at(speed, top_m)};
-  std::vector<ProfilePoint> ahead = {
-      point_at(speed, bottom_m)};  // interval ends still to reach, deepest first
+  std::vector<ProfilePoint> ahead = {point_at(speed, bottom_m)};  // interval ends that remain, deepest first
   while (!ahead.empty()) {
     const ProfilePoint from = points.back(), to = ahead.back();
     const double middle_m = (from.depth_m + to.depth_m) / 2;
@@ -102,7 +103,8 @@ std::vector<ProfilePoint> sample_profile_within(const std::function<double(doubl
       close =
           close && std::abs(speed(from.depth_m + f * (to.depth_m - from.depth_m)) - straight) <= error_m_s;
     }
-    // The first halvings are always made: a profile symmetric about an interval's middle looks straight.
+    // The first halvings are always made, because a profile that is symmetric about the middle of an
+    // interval looks straight.
     if ((close && to.depth_m - from.depth_m <= (bottom_m - top_m) / 4) || !(from.depth_m < middle_m)) {
       points.push_back(to);
       ahead.pop_back();

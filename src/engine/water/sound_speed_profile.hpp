@@ -7,19 +7,20 @@
 
 namespace tubefoot {
 
-/// One point of a profile; depth is positive down from the sea surface.
+/// One point of a profile. The depth is positive down from the sea surface.
 struct ProfilePoint {
   double depth_m = 0;
   double sound_speed_m_s = 0;
 };
 
-/// Sound speed against depth: linear between points, so that rays are arcs of circles, and constant above the
-/// first and below the last. The points cut the water into layers of one gradient each: layer 0 lies above
-/// the first point, layer i between points i - 1 and i, the last one below all.
+/// Sound speed as a function of depth. It is linear between points, so that rays are arcs of circles, and
+/// constant above the first and below the last point. The points divide the water into layers of one
+/// gradient each. Layer 0 lies above the first point, layer i between points i - 1 and i, and the last layer
+/// below all points.
 class SoundSpeedProfile {
  public:
   explicit SoundSpeedProfile(double sound_speed_m_s);
-  /// Depths must increase, speeds be above 0, all finite. Throws std::invalid_argument.
+  /// Throws std::invalid_argument unless depths increase, speeds are above 0 and all values are finite.
   explicit SoundSpeedProfile(std::vector<ProfilePoint> points);
 
   const std::vector<ProfilePoint>& points() const { return points_; }
@@ -27,16 +28,17 @@ class SoundSpeedProfile {
   double at(double depth_m) const { return speed_in(layer_at(depth_m), depth_m); }
 
   std::size_t layers() const { return points_.size() + 1; }
-  /// The layer that holds a depth; a point belongs to the layer below it.
+  /// Returns the layer that contains a depth. A point belongs to the layer below it.
   std::size_t layer_at(double depth_m) const;
   /// Minus and plus infinity for the outermost layers.
   double top_m(std::size_t layer) const;
   double bottom_m(std::size_t layer) const;
-  /// dc/dz, positive where sound is faster further down.
+  /// dc/dz, positive if sound is faster at greater depth.
   double gradient_per_s(std::size_t layer) const { return gradient_[layer]; }
-  /// The steepest gradient over the slowest speed: no ray is curved more than that.
+  /// Returns the steepest gradient divided by the slowest speed, which bounds the curvature of rays.
   double largest_bend_per_m() const;
-  /// Sound speed at a depth within a layer; equals the points' speeds at its ends.
+  /// Returns the sound speed at a depth within a layer. At the ends of the layer it equals the speeds of the
+  /// points.
   double speed_in(std::size_t layer, double depth_m) const;
 
  private:
@@ -45,24 +47,25 @@ class SoundSpeedProfile {
   bool constant_ = true;
 };
 
-/// Points of a smooth profile from `top_m` to `bottom_m`, evenly spaced by at most `step_m`.
-/// Throws std::invalid_argument unless top < bottom, step > 0 and fewer than a million points result.
+/// Samples a smooth profile from `top_m` to `bottom_m` at uniform steps of at most `step_m`. Throws
+/// std::invalid_argument unless top < bottom, step > 0 and the result has fewer than a million points.
 std::vector<ProfilePoint> sample_profile(const std::function<double(double)>& speed, double top_m,
                                          double bottom_m, double step_m);
 
-/// Points such that linear interpolation is within `error_m_s` at the quarters of each interval: intervals
-/// are halved where it is not. Throws as sample_profile; error > 0.
+/// Samples a profile so that linear interpolation has an error of at most `error_m_s` at the quarters of
+/// each interval. Intervals with a larger error are halved. Throws as sample_profile; the error must be
+/// above 0.
 std::vector<ProfilePoint> sample_profile_within(const std::function<double(double)>& speed, double top_m,
                                                 double bottom_m, double error_m_s);
 
-/// Munk, JASA 55 (1974) 220: the deep sound channel, c = c1 (1 + epsilon (eta + exp(-eta) - 1)) with
-/// eta = 2 (z - axis) / scale.
+/// Sound speed of Munk's deep sound channel, JASA 55 (1974) 220: c = c1 (1 + epsilon (eta + exp(-eta) - 1))
+/// with eta = 2 (z - axis) / scale.
 double munk_sound_speed_m_s(double depth_m, double axis_speed_m_s = 1500, double axis_m = 1300,
                             double scale_m = 1300, double epsilon = 0.00737);
 
-/// The profile whose square of refractive index is linear in depth, c = c0 / sqrt(1 + 2 g z / c0): rays are
-/// parabolas (Pedersen & Gordon, JASA 41 (1967) 419). c falls with depth for g > 0. Infinite where
-/// 1 + 2 g z / c0 <= 0.
+/// Profile whose squared refractive index is linear in depth: c = c0 / sqrt(1 + 2 g z / c0). Its rays are
+/// parabolas (Pedersen & Gordon, JASA 41 (1967) 419). For g > 0, c decreases with depth. The result is
+/// infinite if 1 + 2 g z / c0 <= 0.
 double n2_linear_sound_speed_m_s(double depth_m, double surface_speed_m_s, double g_per_s);
 
 }  // namespace tubefoot

@@ -9,6 +9,8 @@
 
 #include "engine/water/ray_arc.hpp"
 
+// Follows a ray for a given time through layers of constant gradient g. In each layer artanh(sine of the
+// grazing angle) is linear in time with slope -g, which gives closed forms of depth and range.
 namespace tubefoot {
 namespace {
 
@@ -36,8 +38,8 @@ class TimedTrace {
     return !down && layer > 0 && place_.depth_m == profile_.top_m(layer) ? layer - 1 : layer;
   }
 
-  /// To the end of the layer, back to where the ray entered it, or, at the end of the time, to within it;
-  /// false then. Takes from `time_s` what it uses.
+  /// Follows the ray to the end of the layer, or around a turning point back to the depth at which it
+  /// entered. Returns false if the time ends within the layer. Subtracts the used time from `time_s`.
   bool pass_layer(double& time_s) {
     const std::size_t layer = layer_ahead(down_);
     const double gradient = profile_.gradient_per_s(layer);
@@ -71,8 +73,8 @@ class TimedTrace {
     return true;
   }
 
-  /// Whether a nearly level ray goes to and fro about the axis of a sound channel by no more than 0.1 um: it
-  /// would cross the axis without end, and is level as far as that matters.
+  /// Returns whether a nearly horizontal ray oscillates about the axis of a sound channel by at most 0.1 um.
+  /// Such a ray would cross the axis without end, so it is treated as horizontal.
   bool is_trapped(double speed) const {
     constexpr double least_swing_m = 1e-7;
     const std::size_t layer = profile_.layer_at(place_.depth_m);
@@ -81,13 +83,14 @@ class TimedTrace {
     return above < 0 && below > 0 && speed * sine_ * sine_ / 2 < least_swing_m * std::min(-above, below);
   }
 
-  /// With a = gradient time: sine and cosine after it follow from artanh(sine) - a, depth from Snell's law.
-  /// No form divides by the gradient, or by the cosine.
+  /// With a = gradient * time, the sine and cosine after this time follow from artanh(sine) - a, and the
+  /// depth from Snell's law. No form divides by the gradient or by the cosine.
   bool end_within(double gradient, double speed, double time_s) {
     const double a = gradient * time_s, sine = down_ ? sine_ : -sine_, cosine = p_ * speed;
     const double sinh_a = std::sinh(a), half = std::sinh(a / 2);
     const double sinh_ratio = a == 0 ? 1 : sinh_a / a, cosh_ratio = a == 0 ? 0 : 2 * half * half / a;
-    const double slowed = 1 - sine * sinh_a + 2 * half * half;  // the speed here over that at the end
+    // Sound speed here divided by the speed at the end.
+    const double slowed = 1 - sine * sinh_a + 2 * half * half;
     if (sine < 0 && sine * std::cosh(a) > sinh_a) rise_to(place_.depth_m + (1 / p_ - speed) / gradient);
     place_.range_m += cosine * speed * time_s * sinh_ratio / slowed;
     place_.depth_m += speed * time_s * (sine * sinh_ratio - cosh_ratio) / slowed;

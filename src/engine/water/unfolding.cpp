@@ -10,10 +10,11 @@ namespace tubefoot {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-/// Points of a profile nearer to a mirror than this are taken as on it.
+/// A profile point nearer to a mirror than this counts as on the mirror.
 constexpr double same_depth_m = 1e-6;
 
-/// Between two mirrors, before the first or after the last: depth d of the water is at offset + sign d.
+/// Part of the path between two mirrors, before the first or after the last. Depth d of the water is at
+/// offset + sign d.
 struct Stretch {
   double offset_m, sign;
   double top_m, bottom_m;  ///< depths of the water
@@ -53,7 +54,7 @@ UnfoldedWater unfold(const WaterColumn& water, const EigenrayOptions& rays, doub
         points.push_back({stretch.at(p.depth_m), p.sound_speed_m_s});
   std::ranges::sort(points, {}, &ProfilePoint::depth_m);
 
-  // Which stretch holds a place: as many mirrors as are passed on the way there.
+  // Depth of the water at an unfolded position. The stretch is the number of mirrors before this position.
   const auto depth_at = [&](double at_m) {
     std::size_t k = 0;
     while (k < mirror_at.size() && (up_first ? at_m < mirror_at[k] : at_m > mirror_at[k])) ++k;
@@ -70,8 +71,8 @@ UnfoldedWater unfold(const WaterColumn& water, const EigenrayOptions& rays, doub
           water.absorption_in(water.profile.layer_at(depth_at(at_m))));
     }
 
-  // The far ends of the first and of the last stretch.
-  const bool down_at_last = !up;  // rays go up where the next mirror would be above
+  // The far ends of the first and the last stretch.
+  const bool down_at_last = !up;  // rays go up if the next mirror would be above
   const double from = up_first ? rays.deepest_turn_m : rays.surface_m,
                to = stretches.back().at(down_at_last ? rays.deepest_turn_m : rays.surface_m);
   unfolded.rays.surface_m = std::min(from, to);

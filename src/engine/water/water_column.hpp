@@ -7,10 +7,10 @@
 
 namespace tubefoot {
 
-/// The water that rays pass: sound speed against depth, and absorption by layer.
+/// Water that rays pass: sound speed as a function of depth, and absorption by layer.
 struct WaterColumn {
   SoundSpeedProfile profile{1500};
-  /// One way, one value a layer of the profile; empty: none.
+  /// Absorption one way, one value per layer of the profile; empty: no absorption.
   std::vector<double> absorption_db_per_m{};
 
   double absorption_in(std::size_t layer) const {

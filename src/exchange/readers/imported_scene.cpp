@@ -25,7 +25,7 @@ std::string toml_quoted(const std::string& text) {
   return out + '"';
 }
 
-/// Twelve decimals of a degree: what people write comes back as they wrote it, and no more is lost than a
+/// Rounds to twelve decimals of a degree. Numbers that people wrote are restored, and the error is below a
 /// picometre in 50 m.
 double told_deg(double degrees) { return std::round(degrees * 1e12) / 1e12 + 0.0; }
 
@@ -86,7 +86,7 @@ void write_imported_scene(const ImportedScene& scene, const std::filesystem::pat
   try {
     read_scene_file(folder / "scene.toml");
   } catch (const InputError& error) {
-    // The folder goes; its name would say nothing.
+    // The temporary folder is deleted; its name would mean nothing to the user.
     std::string why = error.what();
     if (const std::size_t name = why.find("scene.toml"); name != std::string::npos) why = why.substr(name);
     throw InputError({scene.world.string(), 0, 0}, "what can be read of the world makes no scene: " + why);

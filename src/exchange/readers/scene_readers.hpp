@@ -13,30 +13,30 @@
 
 namespace tubefoot {
 
-/// A mesh that the world names, read, as it goes into a scene's folder.
+/// A mesh of the world, as it is written to the folder of a scene.
 struct ImportedMesh {
-  std::filesystem::path file;  ///< "hull.obj"
+  std::filesystem::path file;  ///< for example "hull.obj"
   ComponentMesh mesh;
 };
 
 struct ImportedObject {
   std::string name, material;
-  std::string shape;  ///< of a scene file: mesh, sphere, cylinder, cone or box
-  /// What goes with the shape: key, and value as TOML.
+  std::string shape;  ///< shape of a scene file: mesh, sphere, cylinder, cone or box
+  /// Further keys of the shape, and their values as TOML.
   std::vector<std::pair<std::string, std::string>> keys;
-  std::optional<std::size_t> mesh;  ///< of `shape` mesh
+  std::optional<std::size_t> mesh;  ///< index of the mesh, for shape mesh
   std::array<double, 3> scale{1, 1, 1};
-  Placement placed;  ///< in our axes, of the object's own ones, whatever they are
+  Placement placed;  ///< placement of the axes of the object, in the axes of tubefoot
 };
 
 struct ImportedSensor {
   std::string name;
-  /// `kind` and the others of a scene file: key, and value as TOML.
+  /// `kind` and other keys of a scene file, and their values as TOML.
   std::vector<std::pair<std::string, std::string>> keys;
-  Placement own;  ///< in our axes
+  Placement own;  ///< in the axes of tubefoot
 };
 
-/// What of another engine's world is a scene.
+/// The parts of the world of another engine that form a scene.
 struct ImportedScene {
   std::filesystem::path world;
   std::string title;
@@ -45,20 +45,20 @@ struct ImportedScene {
   std::vector<ImportedMesh> meshes;
   std::vector<ImportedObject> objects;
   std::vector<ImportedSensor> sensors;
-  std::vector<std::filesystem::path> inputs;  ///< that were read
-  std::vector<std::string> noticed;           ///< what was left out or assumed, a line each
+  std::vector<std::filesystem::path> inputs;  ///< files that were read
+  std::vector<std::string> noticed;           ///< omissions and assumptions, one line each
 };
 
-/// Reads an SDF world (.sdf, .world: its root says) or a Stonefish scenario. `model_path`: folders of
-/// model:// and package://, which files may come from besides the world's own. Throws InputError with line
-/// and column for what is no such world, and for one without any geometry.
+/// Reads an SDF world (.sdf, .world; the root element decides) or a Stonefish scenario. `model_path`:
+/// folders of model:// and package://, from which files may come in addition to the folder of the world.
+/// Throws InputError with line and column for other files and for a world without geometry.
 ImportedScene read_world(const std::filesystem::path& world,
                          const std::vector<std::filesystem::path>& model_path);
 
-/// Writes scene.toml and its meshes into a folder that is there. Throws InputError for what makes no scene,
-/// std::runtime_error where the disk refuses.
+/// Writes scene.toml and its meshes into an existing folder. Throws InputError for an invalid scene, and
+/// std::runtime_error on a write error.
 void write_imported_scene(const ImportedScene& scene, const std::filesystem::path& folder);
-/// That scene.toml.
+/// Returns the contents of scene.toml.
 std::string scene_text(const ImportedScene& scene);
 
 }  // namespace tubefoot

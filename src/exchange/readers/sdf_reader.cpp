@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Reads SDF worlds and models: links, visuals, frames with relative_to, and the sonar sensors of Gazebo and
+// DAVE. It converts poses to the axes of tubefoot.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,12 +17,13 @@
 namespace tubefoot {
 namespace {
 
-/// The elements in which a pose's relative_to looks for names, and where they all are.
+/// A world or a model: the elements among which relative_to of a pose looks up names, and the resolved
+/// frames.
 struct Scope {
   pugi::xml_node node;  ///< a world or a model
-  Placement placed;     ///< in the world
+  Placement placed;     ///< placement in the world
   std::map<std::string, pugi::xml_node, std::less<>> frames{};
-  std::map<std::string, std::optional<Placement>, std::less<>> known{};  ///< of frames that were asked for
+  std::map<std::string, std::optional<Placement>, std::less<>> known{};  ///< frames that were looked up
 
   Scope(pugi::xml_node of, const Placement& at) : node(of), placed(at) {
     for (const pugi::xml_node child : node.children())
@@ -37,7 +40,7 @@ class SdfReader {
     pugi::xml_node world = xml_.root().child("world");
     for (pugi::xml_node other = world.next_sibling("world"); other; other = other.next_sibling("world"))
       parts_.notice(other, "a second <world>: left out");
-    if (!world) world = xml_.root();  // models only
+    if (!world) world = xml_.root();  // the file contains models only
     parts_.read_own_scene(world);
     Scope scope(world, {});
     children(scope, {});
@@ -49,7 +52,7 @@ class SdfReader {
   }
   static std::string name_of(pugi::xml_node node) { return shown_line(node.attribute("name").value()); }
 
-  /// Of a world, a model: what it is made of. `prefix`: "tug::" of what is in the model tug.
+  /// Reads the children of a world or a model. `prefix`: "tug::" for the children of the model tug.
   void children(Scope& scope, const std::string& prefix) {
     for (const pugi::xml_node node : scope.node.children()) {
       if (node.type() != pugi::node_element) continue;
@@ -77,7 +80,7 @@ class SdfReader {
     }
   }
 
-  /// A <pose>'s own numbers.
+  /// Returns the placement that the numbers of a <pose> describe.
   Placement pose_in(pugi::xml_node pose) const {
     if (!pose) return {};
     const std::string_view format = pose.attribute("rotation_format").as_string("euler_rpy");
@@ -96,12 +99,13 @@ class SdfReader {
     return {{v[0], v[1], v[2]}, turn_of({v[3], v[4], v[5]})};
   }
 
-  /// Where a child of a scope is in the world; none, and told, where that cannot be said.
+  /// Returns the placement of a child of a scope in the world. Reports an unresolved frame and returns
+  /// nothing.
   std::optional<Placement> place_of(Scope& scope, pugi::xml_node node, int depth) {
     constexpr int deepest = 32;
     const pugi::xml_node pose = node.child("pose");
     std::string frame = pose.attribute("relative_to").value();
-    if (frame.empty()) frame = pose.attribute("frame").value();  // before SDF 1.7
+    if (frame.empty()) frame = pose.attribute("frame").value();  // in versions before SDF 1.7
     if (frame.empty() && std::string_view(node.name()) == "frame")
       frame = node.attribute("attached_to").value();
     if (frame.empty() || frame == "__model__") return scope.placed * pose_in(pose);
@@ -216,7 +220,7 @@ class SdfReader {
     if (!(glm::length(up) > 1e-6)) xml_.fail(normal, "<normal> has no direction");
     const glm::dvec3 z = glm::normalize(up);
     if (z == glm::dvec3(0, 0, 1)) return placed;
-    // The least turn that brings z there.
+    // The smallest rotation that brings z there, up to a rotation about z.
     const glm::dvec3 aside = std::abs(z.x) < 0.9 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
     const glm::dvec3 y = glm::normalize(glm::cross(z, aside)), x = glm::cross(y, z);
     return {placed.position_m, placed.turn * glm::dmat3(x, y, z)};
@@ -246,7 +250,7 @@ class SdfReader {
                                     shown_line(type)));
   }
 
-  /// c / (2 B) is what a bandwidth resolves.
+  /// Returns the number of samples. A bandwidth B resolves c / (2 B).
   std::string samples_of(pugi::xml_node node, pugi::xml_node spec, double length_m) {
     const double bandwidth = xml_.child_number(spec, "bandwidth", 0),
                  speed = xml_.child_number(spec, "soundSpeed", 1500);
@@ -264,7 +268,7 @@ class SdfReader {
       sensor.keys.emplace_back("frequency_khz", fmt::format("{}", hertz / 1000));
   }
 
-  /// Beams between two angles about z, and rays between two about y.
+  /// Reads a fan: beams between two angles about z, and rays between two angles about y.
   void fan(pugi::xml_node node, pugi::xml_node block, pugi::xml_node ray, const Placement& placed) {
     const pugi::xml_node spec = block.child("spec") ? block.child("spec") : block;
     const pugi::xml_node across = ray.child("scan").child("horizontal"),
@@ -291,12 +295,12 @@ class SdfReader {
                    {"range_max_m", fmt::format("{}", far)},
                    {"samples", samples_of(node, spec, far - near)}};
     add_frequency(spec, sensor);
-    // To the fan's middle: about z to port, then about y, downwards.
+    // Rotates to the centre of the fan: about z to port, then about y downwards.
     const glm::dmat3 middle = turn_of({0, -radians((below + above) / 2), radians((low + high) / 2)});
     parts_.add_sensor(node, std::move(sensor), {placed.position_m, placed.turn * middle});
   }
 
-  /// DAVE's older plugin: a depth camera's columns are beams, equidistant.
+  /// Reads the older plugin of DAVE: the columns of a depth camera are equidistant beams.
   void raster(pugi::xml_node node, pugi::xml_node plugin, pugi::xml_node camera, const Placement& placed) {
     const double near = xml_.child_number(camera.child("clip"), "near", 0),
                  far = xml_.child_number(camera.child("clip"), "far", 0);

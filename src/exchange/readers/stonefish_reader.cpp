@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Reads Stonefish scenarios: bodies with their meshes and primitives, robots, materials, and the sonars fls,
+// msis and sss.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -85,7 +87,7 @@ class StonefishReader {
       object.keys = {{"radius_m", fmt::format("{}", needed(size, node, "radius"))},
                      {"height_m", fmt::format("{}", needed(size, node, "height"))}};
     } else if (type == "plane") {
-      constexpr double side_m = 1000;  // of what it draws
+      constexpr double side_m = 1000;  // side of the plane that Stonefish draws
       object.shape = "mesh";
       object.mesh = parts_.mesh("plane", plane_mesh(side_m, side_m));
       parts_.notice(node, fmt::format("plane '{}': endless there, {} m wide here", object.name, side_m));
@@ -113,7 +115,8 @@ class StonefishReader {
     }
   }
 
-  /// An FLS draws views of at most 20 degrees side by side, in each of which beams are equidistant.
+  /// Stonefish draws a forward-looking sonar as adjacent views of at most 20 degrees. The beams of each
+  /// view are equidistant.
   void fan(pugi::xml_node node, ImportedSensor& sonar, double beams, double width_deg) {
     constexpr double widest_view_deg = 20, most_beams = 4096;
     const double views = std::ceil(width_deg / widest_view_deg), of_view = beams / views;
@@ -143,7 +146,7 @@ class StonefishReader {
   }
 
   void sensor(pugi::xml_node node, const Placement& frame, pugi::xml_node origin) {
-    // In the world's axes, not in its frame: add_own_sonar() of the writer.
+    // The placement is relative to the axes of the world: add_own_sonar() of the writer writes it so.
     if (parts_.add_own_sonar(node, {}, parts_.axes().sonar)) return;
     const Placement placed = frame * transform(origin);
     const std::string_view type = node.attribute("type").value();
@@ -169,7 +172,7 @@ class StonefishReader {
       add("beam_horizontal_deg", number(spec("horizontal_beam_width")));
       add("beam_vertical_deg", number(spec("vertical_beam_width")));
       add("samples", number(spec("bins")));
-      // It turns to starboard, which is about y, downwards.
+      // The sonar rotates to starboard, which is about y, downwards.
       at.turn = placed.turn * turn_of({0, radians((low + high) / 2), 0});
     } else if (type == "sss") {
       const double tilt = spec("vertical_tilt"), height = spec("vertical_beam_width");

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Collects the parts of an imported world: meshes of files, materials, objects and sonars with unique
+// names. It reports omissions and assumptions.
 #include "exchange/readers/world_parts.hpp"
 
 #include <fmt/format.h>
@@ -21,7 +23,7 @@ namespace fs = std::filesystem;
 
 constexpr double assumed_db = -27;
 
-/// Whether a primitive's lengths are all above 0.
+/// Returns whether all lengths of a primitive are above 0.
 bool has_size(const ImportedObject& object) {
   return std::ranges::none_of(object.keys, [](const auto& key) {
     const char* at = key.second.data() + (key.second.starts_with('[') ? 1 : 0);
@@ -149,7 +151,7 @@ void WorldParts::read_own_scene(pugi::xml_node parent) {
 std::string WorldParts::material(const std::string& name) {
   const std::string known = name.empty() ? "unknown" : shown_line(name);
   if (materials_.insert(known).second) {
-    constexpr std::size_t most = 60'000;  // of a scene
+    constexpr std::size_t most = 60'000;  // limit of a scene
     if (scene_.materials.size() >= most) xml_.fail(xml_.root(), "has more materials than a scene can");
     scene_.materials.push_back({known, assumed_db});
     assumed_.insert(known);
@@ -224,7 +226,7 @@ void WorldParts::keep(pugi::xml_node node, ImportedSensor sensor) {
   constexpr std::size_t most = 1000;
   if (scene_.sensors.size() >= most)
     return notice(node, fmt::format("left out: a sonar beyond the {}th", most));
-  // It becomes the name of files.
+  // The name becomes part of file names.
   const std::string plain = plain_stem(sensor.name, "unnamed");
   if (plain != sensor.name) notice(node, fmt::format("sonar '{}' is called '{}' here", sensor.name, plain));
   sensor.name = unique_in(sensor_names_, plain);

@@ -15,8 +15,8 @@
 
 namespace tubefoot {
 
-/// What the readers of worlds gather, and what they share: files that worlds name, elements of our own,
-/// materials, names.
+/// Collects the parts of a world for the readers of all formats: named files, elements of the tubefoot
+/// namespace, materials and names.
 class WorldParts {
  public:
   WorldParts(const XmlInput& xml, const std::filesystem::path& world, ExchangeFormat format,
@@ -25,30 +25,33 @@ class WorldParts {
   const XmlInput& xml() const { return xml_; }
   const EngineAxes& axes() const { return axes_; }
 
-  /// "WORLD:12:3: what", told and gone on from.
+  /// Adds the remark "WORLD:12:3: what". Reading continues.
   void notice(pugi::xml_node node, const std::string& what);
-  /// Elements that are passed over, counted by what they are called.
+  /// Counts an ignored element by its name.
   void pass_over(pugi::xml_node node) { ++passed_over_[name_in(node)]; }
 
-  /// A mesh file, by path or URI; none, and told, where it is not to be had.
+  /// Reads a mesh file, by path or URI. Reports a missing file and returns nothing.
   std::optional<std::size_t> mesh(pugi::xml_node node, const std::string& uri);
-  /// One made here.
+  /// Adds a mesh that the reader made.
   std::size_t mesh(const std::string& stem, ComponentMesh mesh);
 
-  /// <tubefoot:scene>: title, water, materials.
+  /// Reads <tubefoot:scene>: title, water, materials.
   void read_own_scene(pugi::xml_node parent);
-  /// The material of that name; of a name that was not met yet, with a level that is assumed and told.
+  /// Returns the material of that name. A new material gets an assumed level, which is reported.
   std::string material(const std::string& name);
 
-  /// `placed`: of the object's own axes in the world, both theirs. Negative scales go into the mesh.
+  /// Adds an object. `placed`: axes of the object in the world, both in the convention of the engine.
+  /// Negative scales are applied to the mesh.
   void add_object(pugi::xml_node node, ImportedObject object, const Placement& placed);
-  /// <tubefoot:sonar> in `sensor`, whose pose is in `frame` (theirs, a body's); false where there is none.
+  /// Reads <tubefoot:sonar> in `sensor`, whose pose is in `frame` (axes of a body of the engine). Returns
+  /// false if there is none.
   bool add_own_sonar(pugi::xml_node sensor, const Placement& frame, const Axes& of_frame);
-  /// `placed`: theirs, of the sonar's own frame. Told and left out where no scene can have it.
+  /// Adds a sensor. `placed`: frame of the sonar, in the axes of the engine. Reports and omits a sensor
+  /// that no scene can contain.
   void add_sensor(pugi::xml_node node, ImportedSensor sensor, const Placement& placed,
                   bool looks_down = false);
 
-  /// Throws InputError where there is no geometry.
+  /// Throws InputError if there is no geometry.
   ImportedScene finish();
 
  private:
@@ -70,10 +73,10 @@ class WorldParts {
   std::size_t not_told_ = 0;
 };
 
-/// Two triangles in the plane z = 0, about its middle.
+/// Returns two triangles in the plane z = 0, centred on the origin.
 ComponentMesh plane_mesh(double width, double length);
 
-/// Each format's walk through its elements.
+/// Readers of the elements of each format.
 void read_sdf(WorldParts& parts);
 void read_stonefish(WorldParts& parts);
 

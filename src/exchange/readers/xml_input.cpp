@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Reads XML files of unknown origin with limits on size and nesting and without a document type. It maps
+// elements to line and column and parses numbers.
 #include "exchange/readers/xml_input.hpp"
 
 #include <fmt/format.h>
@@ -30,7 +32,7 @@ XmlInput::XmlInput(const std::filesystem::path& file) : file_(file) {
   for (const pugi::xml_node node : document_.children())
     if (node.type() == pugi::node_doctype)
       fail(node, "has a document type, which worlds have not: remove <!DOCTYPE ...>");
-  // Step by step: the stack does not grow with what a stranger nests.
+  // An iterative walk, so that the stack does not grow with the nesting.
   int depth = 0;
   for (pugi::xml_node node = root(); node;) {
     if (depth > most_nesting)
@@ -57,7 +59,7 @@ SourcePlace XmlInput::place_at(std::ptrdiff_t offset) const {
 }
 
 SourcePlace XmlInput::place_of(pugi::xml_node node) const {
-  // pugixml counts from an element's name.
+  // pugixml counts from the name of an element.
   const std::ptrdiff_t offset = node.offset_debug();
   return place_at(offset > 0 && node.type() == pugi::node_element ? offset - 1 : offset);
 }

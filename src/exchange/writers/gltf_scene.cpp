@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Writes a scene as glTF 2.0: a JSON file and a binary buffer with float coordinates about the centre of each
+// piece. Each sonar is a node, with a camera if its fan is narrow enough.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -130,7 +132,7 @@ class Gltf {
               {"translation", list(placed.position_m)},
               {"rotation", quaternion_xyzw(placed.turn)},
               {"extras", {{"tubefoot_sonar", figures}}}};
-    // A camera's picture is flat: it cannot be as wide as some fans.
+    // The image of a camera is planar, so that it cannot be as wide as some fans.
     constexpr double widest_deg = 170;
     if (sonar.shape == ExchangedSonar::Shape::fan && sonar.horizontal_deg < widest_deg &&
         sonar.vertical_deg < widest_deg) {

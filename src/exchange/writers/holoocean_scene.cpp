@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Writes a scenario of HoloOcean: an agent with a sonar sensor for each sonar. It also writes the meshes of
+// the scene for import into the engine.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -50,7 +52,8 @@ Json sensor_of(const ExchangedSonar& sonar) {
   Json sensor{{"sensor_type", type}, {"sensor_name", sonar.name}};
   Placement ours = sides ? sonar.own : sonar.placement;
   if (sonar.shape == Shape::turning) {
-    // Its fans are even about their axis; an even number of steps is half a step off it.
+    // The fan of HoloOcean is symmetric about its axis. For an even number of steps, its centre is half a
+    // step off the axis of the sonar.
     const double middle = radians((sonar.azimuth_deg.front() + sonar.azimuth_deg.back()) / 2);
     ours.turn = ours.turn * glm::dmat3(std::cos(middle), -std::sin(middle), 0, std::sin(middle),
                                        std::cos(middle), 0, 0, 0, 1);

@@ -10,7 +10,7 @@
 namespace tubefoot {
 namespace {
 
-/// OBJ ends a name at white space.
+/// Returns material names for OBJ, in which white space ends a name.
 std::vector<std::string> material_names(const ExchangedScene& scene) {
   std::set<std::string> taken;
   std::vector<std::string> names;

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Writes a scene in the format of an engine, with a README.txt that lists properties of the scene that the
+// format cannot represent.
 #include "exchange/writers/scene_writers.hpp"
 
 #include <fmt/format.h>

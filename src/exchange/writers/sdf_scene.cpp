@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Writes a scene as an SDF world: static models of the meshes, and one model per sonar with the multibeam
+// sensor of DAVE for Gazebo. Properties that SDF lacks are in elements of the tubefoot namespace.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -38,11 +40,11 @@ void add_piece(pugi::xml_node world, const ExchangedScene& scene, const Exchange
   set(add(visual, "tubefoot:material"), "name", material.name);
 }
 
-/// A fan of beams about the sensor's x, as the multibeam sonar of DAVE for Gazebo reads it. Its angles grow
-/// to port, as rotations about z do.
+/// A fan of beams about the x axis of the sensor, as the multibeam sonar of DAVE for Gazebo reads it. Its
+/// angles increase to port, as rotations about z do.
 struct Fan {
   std::string name;
-  Placement placed;  ///< in the link, SDF's axes
+  Placement placed;  ///< in the link, in the axes of SDF
   std::size_t beams = 1;
   double lowest_rad = 0, highest_rad = 0, half_height_rad = 0;
 };
@@ -63,7 +65,8 @@ void add_fan(pugi::xml_node link, const ExchangedSonar& sonar, const Fan& fan, b
   add(across, "beams", static_cast<double>(fan.beams));
   add(across, "min_angle", fan.lowest_rad);
   add(across, "max_angle", fan.highest_rad);
-  // As fine as the beams are wide; ours are solid, and have no number of rays.
+  // As many rays as the width of the beams requires. The beams of tubefoot are solid and have no number of
+  // rays.
   const double step_rad = (fan.highest_rad - fan.lowest_rad) / static_cast<double>(fan.beams);
   constexpr double most_rays = 1000, least_rays = 10;
   const pugi::xml_node up = add(scan, "vertical");
@@ -75,7 +78,7 @@ void add_fan(pugi::xml_node link, const ExchangedSonar& sonar, const Fan& fan, b
   add(range, "max", sonar.range_max_m);
   const pugi::xml_node spec = add(block, "spec");
   add(spec, "sonarFreq", 1000 * sonar.frequency_khz);
-  // A bandwidth resolves c / (2 B): one of our samples.
+  // A bandwidth B resolves c / (2 B), which is one sample of tubefoot.
   const double sample_m = (sonar.range_max_m - sonar.range_min_m) / sonar.samples;
   add(spec, "bandwidth", sonar.sound_speed_m_s / (2 * sample_m));
   add(spec, "soundSpeed", sonar.sound_speed_m_s);
@@ -104,7 +107,7 @@ void add_sonar(pugi::xml_node world, const ExchangedSonar& sonar, std::size_t nu
     fan.lowest_rad = -fan.highest_rad;
     fan.half_height_rad = radians(sonar.vertical_deg) / 2;
     for (const bool port : {true, false}) {
-      // In the axes of bodies, x forward: yaw to the side, then pitch down.
+      // In the axes of bodies, with x forward: yaw to the side, then pitch down.
       const glm::dmat3 turn = turn_of({0, radians(sonar.depression_deg), radians(port ? 90 : -90)});
       fan.name = sonar.name + (port ? "_port" : "_starboard");
       fan.placed = {own.position_m, own.turn * turn};
@@ -115,7 +118,8 @@ void add_sonar(pugi::xml_node world, const ExchangedSonar& sonar, std::size_t nu
   fan.highest_rad = radians(sonar.horizontal_deg) / 2;
   fan.lowest_rad = -fan.highest_rad;
   if (sonar.shape == ExchangedSonar::Shape::turning) {
-    // Its steps, each with half a step to either side: an even number of them is not even about ahead.
+    // The range of steps plus half a step on either side. An even number of steps is not symmetric about
+    // the forward direction.
     fan.lowest_rad = -radians(sonar.azimuth_deg.back() + sonar.step_deg / 2);
     fan.highest_rad = -radians(sonar.azimuth_deg.front() - sonar.step_deg / 2);
   } else if (!sonar.even) {

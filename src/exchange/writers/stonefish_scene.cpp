@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Writes a scene as a Stonefish scenario: static bodies with meshes and materials, and the sonars fls, msis
+// and sss. The restitution of a material sets its scattering factor.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,7 +27,8 @@ void add_mesh(pugi::xml_node parent, const char* what, const std::string& mesh) 
   set_place(add(node, "origin"), {});
 }
 
-/// It scatters with a factor of the body's restitution; the strongest material has 1.
+/// Returns the restitution, which Stonefish uses as the scattering factor of a body. The strongest material
+/// has 1.
 double restitution_of(const ExchangedScene& scene, const ExchangedMaterial& material) {
   double strongest_db = material.lambert_db;
   for (const ExchangedMaterial& other : scene.materials)
@@ -86,7 +89,7 @@ void add_sonar(pugi::xml_node root, const ExchangedSonar& sonar) {
     set(set(specs, "step", sonar.step_deg), "bins", sonar.samples);
     set(set(specs, "horizontal_beam_width", sonar.horizontal_deg), "vertical_beam_width", sonar.vertical_deg);
   } else {
-    constexpr double lines = 400;  // of its waterfall
+    constexpr double lines = 400;  // of the waterfall
     set(set(specs, "bins", 2.0 * sonar.samples), "lines", lines);
     set(set(specs, "horizontal_beam_width", sonar.along_track_deg), "vertical_beam_width",
         sonar.vertical_deg);

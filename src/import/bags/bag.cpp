@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Reads recordings of ROS 2: folders with metadata.yaml, .db3 and .mcap files, single serialized messages
+// (.cdr) and messages as text (.yaml). It chooses the topic, orders messages by time and converts them to
+// frames.
 #include "import/bags/bag.hpp"
 
 #include <fmt/format.h>
@@ -38,13 +41,13 @@ bool ends_in(const fs::path& path, std::string_view ending) {
   return path.filename().string().ends_with(ending);
 }
 
-/// Frames as they come, with the memory that they take.
+/// Frames in the order of their arrival, with a check of the memory that they need.
 class Gathered {
  public:
   explicit Gathered(const fs::path& path) : place_{path.string(), 0, 0} {}
 
-  /// `place`: among all messages, where they come in another order. Throws MessageError for a message without
-  /// a picture.
+  /// `place`: number of the message in the order of recording, if messages arrive in another order. Throws
+  /// MessageError for a message without a picture.
   void add(const ros::Message& message, std::optional<double> recorded_s,
            std::optional<std::size_t> place = {}) {
     ForeignFrame frame = frame_of(message, notices_);
@@ -79,7 +82,7 @@ class Gathered {
   SourcePlace place_;
   Notices notices_;
   ForeignData data_;
-  std::vector<std::size_t> places_;  ///< by frame: its place among all
+  std::vector<std::size_t> places_;  ///< position of each frame among all frames
   double bytes_ = 0, looked_ = 0;
 };
 
@@ -113,10 +116,10 @@ std::unique_ptr<MessageStore> open_store(const fs::path& file, UnpackedBytes& in
       "is no recording of ROS 2: expected SQLite (.db3) or MCAP (.mcap), or one of them packed by zstd");
 }
 
-/// A topic of all files of a recording.
+/// A topic over all files of a recording.
 struct WholeTopic {
   BagTopic topic;
-  std::vector<std::pair<std::size_t, std::size_t>> parts;  ///< store, number in it
+  std::vector<std::pair<std::size_t, std::size_t>> parts;  ///< store and number of the topic in it
 };
 
 std::vector<WholeTopic> all_topics(const std::vector<std::unique_ptr<MessageStore>>& stores) {
@@ -158,7 +161,7 @@ const WholeTopic& chosen(const std::vector<WholeTopic>& topics, const std::optio
   if (!name && !std::ranges::all_of(fitting, has_no_picture)) std::erase_if(fitting, has_no_picture);
   const bool one_name = std::ranges::all_of(
       fitting, [&](const WholeTopic* each) { return each->topic.name == fitting.front()->topic.name; });
-  if (fitting.size() > 1 && one_name) {  // of two types, one of which may be read
+  if (fitting.size() > 1 && one_name) {  // the topic has two types, of which one may be readable
     std::erase_if(fitting, [](const WholeTopic* each) { return !ros::is_known_type(each->topic.type); });
     if (fitting.size() > 1)
       throw InputError({path.string(), 0, 0},
@@ -215,14 +218,14 @@ ForeignData read_recording(const fs::path& path, const std::vector<fs::path>& fi
   struct Message {
     MessagePlace place;
     std::size_t store;
-    std::size_t number = 0;  ///< in the order of their times
+    std::size_t number = 0;  ///< number in the order of times
   };
   std::vector<Message> messages;
   for (const auto& [store, number] : whole.parts)
     for (const MessagePlace& place : stores[store]->messages(number)) messages.push_back({place, store});
   std::ranges::stable_sort(messages, {}, [](const Message& message) { return message.place.time_ns; });
   for (std::size_t k = 0; k < messages.size(); ++k) messages[k].number = k;
-  // They are read as they lie in the files, so that what is packed together is unpacked once.
+  // The messages are read in the order of the files, so that each compressed chunk is decompressed once.
   std::ranges::stable_sort(messages, {}, [](const Message& message) {
     return std::tuple(message.store, message.place.outer, message.place.inner);
   });
@@ -248,7 +251,7 @@ ForeignData read_recording(const fs::path& path, const std::vector<fs::path>& fi
   return gathered.done();
 }
 
-/// Of a type that was named, or the only one as which the bytes make sense.
+/// Reads a single message of the given type, or of the only type that matches its bytes.
 ForeignData read_saved_message(const fs::path& path, const std::optional<std::string>& type) {
   const SourcePlace place{path.string(), 0, 0};
   const std::string text = read_whole(path, place, limits::message_bytes, "one serialized message");

@@ -43,7 +43,8 @@ BagMetadata read(const YAML::Node& document, const SourcePlace& file, const fs::
   std::set<fs::path> named;
   for (const YAML::Node& name : names) {
     stop_if_wanted();
-    // Recordings of before 2020 have the folder's name before it. Files lie in the folder, whatever it says.
+    // Recordings from before 2020 put the name of the folder first. Only the file name counts, since the
+    // files lie in this folder.
     const fs::path base = name.IsScalar() ? fs::path(name.Scalar()).filename() : fs::path();
     if (base.empty() || base == "." || base == "..")
       fail(name, "relative_file_paths: expected the name of a file");

@@ -8,13 +8,13 @@
 
 namespace tubefoot {
 
-/// What is heeded of the metadata.yaml of a recording that is a folder.
+/// The used entries of the metadata.yaml of a recording folder.
 struct BagMetadata {
-  std::vector<std::filesystem::path> files;  ///< in the folder, in their order
-  std::optional<std::uint64_t> messages;     ///< of all topics
+  std::vector<std::filesystem::path> files;  ///< files in the folder, in their order
+  std::optional<std::uint64_t> messages;     ///< number of messages of all topics
 };
 
-/// Throws InputError with the line; links that lead out of the folder are refused.
+/// Throws InputError with the line, also for links that lead out of the folder.
 BagMetadata read_bag_metadata(const std::filesystem::path& folder);
 
 }  // namespace tubefoot

@@ -11,16 +11,16 @@
 
 namespace tubefoot {
 
-/// Bytes that are read here and there: of a file, or of memory into which one was unpacked.
+/// Random access to the bytes of a file, or of memory into which a file was decompressed.
 class ByteSource {
  public:
   explicit ByteSource(const std::filesystem::path& file);
-  /// `file` is where they come from.
+  /// `file` is the origin of the bytes.
   ByteSource(const std::filesystem::path& file, std::vector<std::uint8_t> bytes);
 
   const SourcePlace& place() const { return place_; }
   std::uint64_t size() const { return file_ ? file_->size() : memory_.size(); }
-  /// Fills `bytes` from `at` on. Throws InputError where the file has fewer, or cannot be read.
+  /// Fills `bytes`, starting at offset `at`. Throws InputError if the file is too short or cannot be read.
   void read(std::uint64_t at, std::span<std::uint8_t> bytes);
   std::vector<std::uint8_t> read(std::uint64_t at, std::uint64_t count);
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Reads messages in plain CDR (XCDR1) of either byte order. The four bytes of the encapsulation header of
+// OMG DDSI-RTPS, section 10, select the byte order. Numbers are aligned to multiples of their size.
 #include "import/bags/cdr.hpp"
 
 #include <fmt/format.h>
@@ -13,7 +15,7 @@
 namespace tubefoot {
 namespace {
 
-/// OMG DDSI-RTPS, 10: two bytes say how the rest is serialized, two are options.
+/// OMG DDSI-RTPS, section 10: two bytes identify the serialization, two are options.
 constexpr std::size_t encapsulation = 4;
 
 class CdrReader {
@@ -48,7 +50,7 @@ class CdrReader {
     }
   }
 
-  /// Numbers lie at multiples of their size, counted from behind the encapsulation.
+  /// Skips padding. Numbers lie at multiples of their size, counted from the end of the encapsulation.
   void align(std::size_t size) {
     const std::size_t gap = (size - at_ % size) % size;
     take(gap);
@@ -74,7 +76,7 @@ class CdrReader {
   void read_text(std::string& value) {
     const auto length = number<std::uint32_t>();
     const auto bytes = take(length);
-    if (length == 0) return value.clear();  // not by the standard, but some write it
+    if (length == 0) return value.clear();  // not permitted by the standard, but some writers do it
     if (bytes.back() != 0) fail("is a text without an end");
     value.assign(reinterpret_cast<const char*>(bytes.data()), length - 1);
   }
@@ -95,7 +97,7 @@ class CdrReader {
           value = std::bit_cast<T>(raw);
         }
     } else {
-      static_assert(std::is_same_v<T, ros::Vector3>);  // what follows knows its size
+      static_assert(std::is_same_v<T, ros::Vector3>);  // the code below requires its size
       if (std::uint64_t{count} * sizeof(T) > left())
         fail(fmt::format("has {} entries in {} bytes: the message is cut off", count, left()));
       list.resize(count);
@@ -125,7 +127,7 @@ ros::Message read_cdr(std::string_view type, std::span<const std::uint8_t> bytes
   CdrReader reader(bytes.subspan(encapsulation), bytes[1] == 1 ? std::endian::little : std::endian::big);
   ros::Message message = ros::message_of(type);
   std::visit([&reader](auto& filled) { fields(reader, filled); }, message);
-  // Transports fill up to whole words.
+  // Transports pad messages to whole words.
   constexpr std::size_t most_padding = 7;
   if (reader.left() > most_padding)
     throw MessageError(

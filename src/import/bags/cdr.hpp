@@ -9,9 +9,9 @@
 
 namespace tubefoot {
 
-/// A message of a known type from its serialized form: plain CDR (XCDR1) of either byte order, as the four
-/// bytes before it say. Throws MessageError for what is cut off, claims more than there is, is serialized
-/// otherwise, or goes on behind the last field.
+/// Reads a message of a known type from plain CDR (XCDR1) of either byte order, which the four bytes before
+/// the message select. Throws MessageError for messages that are truncated, claim more elements than they
+/// contain, use another serialization, or continue after the last field.
 ros::Message read_cdr(std::string_view type, std::span<const std::uint8_t> bytes);
 
 }  // namespace tubefoot

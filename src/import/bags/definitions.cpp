@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Compares the message definition that a recording contains with the fields that tubefoot reads. Both are
+// expanded to lists of primitive fields.
 #include "import/bags/definitions.hpp"
 
 #include <fmt/format.h>
@@ -15,10 +17,10 @@
 namespace tubefoot {
 namespace {
 
-/// Fields down to numbers and texts: "uint32 header.stamp.nanosec", "float32[] ranges".
+/// List of primitive fields, for example "uint32 header.stamp.nanosec", "float32[] ranges".
 using Flat = std::vector<std::string>;
 
-/// Of the types here.
+/// Expands the message types of tubefoot.
 class Own {
  public:
   template <class T>
@@ -66,7 +68,8 @@ struct Field {
   std::string type, name;
 };
 
-/// "float32[<=8] x 1.0 # so" is a float32[] x; constants, comments and blank lines are none.
+/// Parses a field: "float32[<=8] x 1.0 # so" is a float32[] x. Constants, comments and blank lines are not
+/// fields.
 std::optional<Field> field_of(std::string line) {
   line = line.substr(0, line.find('#'));
   std::istringstream words(line);
@@ -84,13 +87,13 @@ std::optional<Field> field_of(std::string line) {
   return field;
 }
 
-/// "std_msgs/Header" and "std_msgs/msg/Header" are one.
+/// Shortens type names: "std_msgs/Header" and "std_msgs/msg/Header" are the same type.
 std::string short_name(std::string name) {
   if (const std::size_t at = name.find("/msg/"); at != std::string::npos) name.erase(at, 4);
   return name;
 }
 
-/// Of a recording's text.
+/// Expands a definition of a recording.
 class Theirs {
  public:
   Theirs(std::string_view type, std::string_view definition) : root_(short_name(std::string(type))) {
@@ -106,7 +109,7 @@ class Theirs {
     }
   }
 
-  /// Nothing where a type's text is missing.
+  /// Returns nothing if the definition of a type is missing.
   std::optional<Flat> flat() {
     Flat flat;
     return add(root_, "", 0, flat) ? std::optional(std::move(flat)) : std::nullopt;

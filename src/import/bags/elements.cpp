@@ -9,7 +9,7 @@
 namespace tubefoot {
 namespace {
 
-/// Calls `use` with a number of the type.
+/// Calls `use` with a value of the C++ type.
 template <class Use>
 auto with(ElementType type, const Use& use) {
   switch (type) {

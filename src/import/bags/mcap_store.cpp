@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Reads MCAP files (mcap.dev/spec): schemas, channels, chunks and messages of the data section. It checks
+// the checksums of chunks and of the data section. It checks the total decompressed size first.
 #include "import/bags/mcap_store.hpp"
 
 #include <fmt/format.h>
@@ -29,12 +31,13 @@ enum Opcode : std::uint8_t {
   chunk = 0x06,
   data_end = 0x0f,
 };
-constexpr std::uint64_t record_head = 9;    // opcode, length
-constexpr std::uint64_t message_head = 22;  // channel, sequence, two times
+constexpr std::uint64_t record_head = 9;    // opcode and length
+constexpr std::uint64_t message_head = 22;  // channel, sequence and two times
 constexpr std::uint64_t footer_bytes = 20;
 constexpr std::uint64_t in_no_chunk = std::numeric_limits<std::uint64_t>::max();
 
-/// Fields of a record, which are little-endian and packed. Throws where it ends before one of them.
+/// Reads the fields of a record, which are little-endian and packed. Throws if the record ends before a
+/// field.
 class Fields {
  public:
   Fields(std::span<const std::uint8_t> bytes, const SourcePlace& place, std::string what)
@@ -92,7 +95,7 @@ class McapStore : public MessageStore {
   struct Channel {
     std::uint16_t schema = 0;
     std::string topic, encoding;
-    std::size_t number = 0;  ///< of the topic
+    std::size_t number = 0;  ///< number of the topic
   };
 
   [[noreturn]] void fail(const std::string& what) const { throw InputError(source_.place(), what); }
@@ -151,8 +154,8 @@ class McapStore : public MessageStore {
                       [](std::uint8_t a, char b) { return a == static_cast<std::uint8_t>(b); });
   }
 
-  /// Adds what all chunks say that they unpack to, before one is unpacked. Where a record is not whole or a
-  /// chunk is too large by itself, walk() says so.
+  /// Adds the decompressed sizes that all chunks declare, before any is decompressed. Incomplete records
+  /// and chunks that are too large are left to walk(), which reports them.
   void count_chunks(std::uint64_t end, UnpackedBytes& unpacked) {
     constexpr std::uint64_t times = 16,
                             head_of_chunk = times + 8 + 4 + 4;  // size, checksum, length of a name
@@ -168,7 +171,7 @@ class McapStore : public MessageStore {
         const std::string what = named("chunk", at);
         Fields of_chunk{std::span(body).subspan(times), source_.place(), what};
         const auto size = of_chunk.number<std::uint64_t>();
-        of_chunk.number<std::uint32_t>();  // checksum
+        of_chunk.number<std::uint32_t>();  // skips the checksum
         const bool packed = of_chunk.number<std::uint32_t>() > 0;
         if (packed && size <= limits::message_bytes) unpacked.add(size, source_.place(), what);
       }
@@ -223,7 +226,7 @@ class McapStore : public MessageStore {
       read.name = fields.text();
       read.encoding = fields.text();
       read.data = fields.text();
-      if (id == 0) return;  // to be ignored
+      if (id == 0) return;  // the specification requires readers to ignore schema 0
       const auto [known, is_new] = schemas_.emplace(id, read);
       if (known->second != read) fail(fmt::format("two schemas have the number {}: the file is damaged", id));
       if (is_new) count_kept(content.size());
@@ -256,7 +259,7 @@ class McapStore : public MessageStore {
     channels_.emplace(id, std::move(read));
   }
 
-  /// Of what is kept of the file while it is read.
+  /// Adds to the memory that the schemas and channels of the file occupy, and checks its limit.
   void count_kept(std::uint64_t bytes) {
     kept_ += bytes;
     if (kept_ > limits::message_bytes) fail("has more than a gigabyte of schemas and channels");
@@ -285,8 +288,8 @@ class McapStore : public MessageStore {
         {static_cast<std::int64_t>(std::min(logged, last)), outer, inner, bytes});
   }
 
-  /// Records of the chunk whose record begins at `at`, unpacked; kept until another is asked for. The first
-  /// time its checksum is compared.
+  /// Returns the decompressed records of the chunk whose record begins at `at`. They are valid until
+  /// another chunk is requested. The first call for a chunk checks its checksum.
   std::span<const std::uint8_t> chunk_at(std::uint64_t at, bool first_time) {
     if (chunk_at_ == at) return chunk_;
     chunk_at_.reset();
@@ -299,7 +302,7 @@ class McapStore : public MessageStore {
                    "cut the recording with ros2 bag convert");
     const auto content = source_.read(at + record_head, length);
     Fields fields(content, source_.place(), what);
-    fields.number<std::uint64_t>();  // first and last times
+    fields.number<std::uint64_t>();  // skips the first and last times
     fields.number<std::uint64_t>();
     const auto size = fields.number<std::uint64_t>();
     const auto crc = fields.number<std::uint32_t>();
@@ -316,7 +319,7 @@ class McapStore : public MessageStore {
     return chunk_;
   }
 
-  /// A checksum of all that is before the end of the data, where one is given.
+  /// Checks the checksum of the data section, if there is one.
   void check_data(std::uint64_t end, std::uint64_t body, std::uint64_t length) {
     const auto content = source_.read(body, std::min<std::uint64_t>(length, sizeof(std::uint32_t)));
     const auto crc = Fields(content, source_.place(), "end of the data section").number<std::uint32_t>();

@@ -12,9 +12,9 @@ namespace tubefoot {
 
 inline constexpr std::string_view mcap_magic{"\x89MCAP0\r\n", 8};
 
-/// An MCAP file (mcap.dev/spec). All records of the data section are walked; the summary, an index for who
-/// is in a hurry, is not believed. What chunks unpack to is added to `unpacked`. Messages that are read in
-/// the order of their places unpack each chunk once. Throws InputError at the file.
+/// Opens an MCAP file (mcap.dev/spec). It reads all records of the data section and ignores the summary
+/// section, which is a redundant index. It adds the decompressed sizes of chunks to `unpacked`. Reading
+/// messages in the order of their places decompresses each chunk once. Throws InputError at the file.
 std::unique_ptr<MessageStore> open_mcap_store(ByteSource source, UnpackedBytes& unpacked);
 
 }  // namespace tubefoot

@@ -5,8 +5,8 @@
 
 namespace tubefoot {
 
-/// A message does not hold what its type says. Whoever knows which message of which file it is makes an
-/// InputError of it.
+/// The contents of a message do not match its type. Callers that know the file and the number of the
+/// message convert it to an InputError.
 struct MessageError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };

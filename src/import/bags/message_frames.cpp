@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Converts messages of sonars and simulators to frames: ProjectedSonarImage, RawSonarImage, Image and
+// ImagingSonar. It checks sizes and derives ranges and azimuths from the fields of a message.
 #include "import/bags/message_frames.hpp"
 
 #include <fmt/format.h>
@@ -39,7 +41,7 @@ void require_finite(const std::vector<T>& list, std::string_view name) {
       throw MessageError(fmt::format("{}: entry {} is {}, no number", name, k, list[k]));
 }
 
-/// Numbers of SonarImageData, its beams and its samples a beam.
+/// Numbers of beams and of samples per beam in SonarImageData.
 struct Samples {
   std::size_t beams = 0, each = 0;
 };
@@ -66,8 +68,8 @@ Samples read_samples(const ros::SonarImageData& image, std::uint64_t said_each, 
   return samples;
 }
 
-/// The message's own words: Z is forward, X up, so Y is to starboard; beams lie on the Y-Z plane. Directions
-/// that lie on the X-Y plane are of another convention.
+/// Reads beam directions. According to the message definition Z is forward and X up, so that Y is to
+/// starboard, and beams lie on the Y-Z plane. Directions on the X-Y plane follow another convention.
 void read_directions(const std::vector<ros::Vector3>& directions, bool forward_is_x, ForeignFrame& frame,
                      Notices& notices) {
   double steepest = 0;
@@ -171,7 +173,7 @@ struct Encoding {
   ElementType type;
   std::size_t channels;
 };
-/// sensor_msgs/image_encodings.hpp, those that a sonar may have.
+/// Encodings of sensor_msgs/image_encodings.hpp that a sonar may use.
 constexpr std::array encodings{
     Encoding{"mono8", ElementType::u8, 1},   Encoding{"8UC1", ElementType::u8, 1},
     Encoding{"mono16", ElementType::u16, 1}, Encoding{"16UC1", ElementType::u16, 1},

@@ -10,10 +10,10 @@
 
 namespace tubefoot {
 
-/// What was noticed, once each, with how many messages it is of.
+/// Collects remarks about messages, each with the number of messages that it concerns.
 class Notices {
  public:
-  /// `text` may differ between messages; the first one's stays.
+  /// Counts a remark. `text` may differ between messages; the first text is kept.
   void add(const std::string& kind, const std::string& text);
   std::vector<std::string> told(std::size_t messages) const;
 
@@ -25,8 +25,8 @@ class Notices {
   std::vector<Notice> notices_;
 };
 
-/// The picture that a message holds. Its time is the message's own; none where that is 0. Throws
-/// MessageError where its fields do not agree, or there is no picture in it.
+/// Returns the picture of a message. Its time is that of the message, or none if that is 0. Throws
+/// MessageError if fields contradict each other or the message contains no picture.
 ForeignFrame frame_of(const ros::Message& message, Notices& notices);
 
 }  // namespace tubefoot

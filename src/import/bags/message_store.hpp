@@ -8,17 +8,17 @@
 
 namespace tubefoot {
 
-/// What a file of a recording has under one name and of one type.
+/// A topic in one file: the messages of one name and one type.
 struct BagTopic {
   std::string name, type;
-  std::string format;      ///< of its messages: "cdr"
-  std::string definition;  ///< of the type, as the file has it (ros2msg); else empty
+  std::string format;      ///< serialization format, for example "cdr"
+  std::string definition;  ///< definition of the type as in the file (ros2msg), or empty
   std::uint64_t messages = 0;
 };
 
-/// A message of a file; where it is, the file knows.
+/// Position of a message, in terms that depend on the file format.
 struct MessagePlace {
-  std::int64_t time_ns = 0;  ///< when it was recorded
+  std::int64_t time_ns = 0;  ///< time of recording
   std::uint64_t outer = 0, inner = 0, bytes = 0;
 };
 
@@ -27,10 +27,11 @@ class MessageStore {
  public:
   virtual ~MessageStore() = default;
   virtual const std::vector<BagTopic>& topics() const = 0;
-  /// Of a topic of topics(), in no order but, where times are equal, that of the file.
-  virtual std::vector<MessagePlace> messages(std::size_t topic) = 0;
-  /// Its bytes, until the next is asked for: cheapest in the order of outer and inner. Throws InputError at
+  /// Returns the messages of a topic of topics(), in any order. Messages of equal time keep the order of
   /// the file.
+  virtual std::vector<MessagePlace> messages(std::size_t topic) = 0;
+  /// Returns the bytes of a message, valid until the next call. Reading in the order of outer and inner is
+  /// fastest. Throws InputError at the file.
   virtual std::span<const std::uint8_t> read(const MessagePlace& message) = 0;
 };
 

@@ -9,8 +9,8 @@
 #include <variant>
 #include <vector>
 
-// The messages of ROS 2 that sonars and simulators of them send, and the order of their fields: the only
-// place that knows it. CDR, YAML and the check of definitions go through the same lists.
+// The ROS 2 messages of sonars and sonar simulators, and the order of their fields. Only this file defines
+// them; CDR, YAML and the check of definitions use the same lists.
 namespace tubefoot::ros {
 
 struct Time {
@@ -60,7 +60,7 @@ struct Image {
   std::uint32_t step = 0;
   std::vector<std::uint8_t> data;
 };
-/// HoloOcean's: two lists, which are no picture.
+/// Message of HoloOcean. It consists of two lists and contains no picture.
 struct ImagingSonar {
   static constexpr std::string_view name = "holoocean_interfaces/msg/ImagingSonar";
   std::int64_t timestamp = 0;
@@ -70,8 +70,8 @@ struct ImagingSonar {
 
 using Message = std::variant<ProjectedSonarImage, RawSonarImage, Image, ImagingSonar>;
 
-// The fields in their order. `read` is called with the name of a field and the field; for one that has
-// fields itself it calls fields() again.
+// Visits the fields in their order. The function calls `read` with the name and the value of each field.
+// For a field with fields of its own, `read` calls fields() again.
 
 template <class Read>
 void fields(Read& read, Time& time) {
@@ -147,11 +147,11 @@ inline constexpr bool is_list = false;
 template <class T>
 inline constexpr bool is_list<std::vector<T>> = true;
 
-/// The types whose messages are read, as a recording names them.
+/// Supported message types, with their names in recordings.
 inline constexpr std::array<std::string_view, 4> known_types{ProjectedSonarImage::name, RawSonarImage::name,
                                                              Image::name, ImagingSonar::name};
 
-/// "sensor_msgs/Image" is meant by "sensor_msgs/msg/Image", too.
+/// Returns whether a name means a known type; "sensor_msgs/Image" also means "sensor_msgs/msg/Image".
 inline bool is_type(std::string_view said, std::string_view known) {
   const std::size_t package = known.find('/');
   return said == known ||
@@ -159,7 +159,7 @@ inline bool is_type(std::string_view said, std::string_view known) {
           said.substr(package) == known.substr(package + 4));
 }
 
-/// An empty message of a type, to be filled; throws std::logic_error for one that is not known.
+/// Returns an empty message of a type. Throws std::logic_error for an unknown type.
 inline Message message_of(std::string_view type) {
   if (is_type(type, ProjectedSonarImage::name)) return ProjectedSonarImage{};
   if (is_type(type, RawSonarImage::name)) return RawSonarImage{};

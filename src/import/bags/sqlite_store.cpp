@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Reads .db3 files of rosbag2_storage_sqlite3. Tables: topics (id, name, type, serialization_format, ...),
+// messages (id, topic_id, timestamp, data) and, since ROS 2 Iron, message_definitions.
 #include "import/bags/sqlite_store.hpp"
 
 #include <fmt/format.h>
@@ -15,15 +17,14 @@ namespace {
 const SqliteWords words{"rosbag2 recording", "a recording is plain tables: write it anew (ros2 bag convert)",
                         "let ros2 bag record end, or open the file once with sqlite3 and close it"};
 
-/// rosbag2_storage_sqlite3: topics (id, name, type, serialization_format, ...), messages (id, topic_id,
-/// timestamp, data) and, since Iron, message_definitions.
+/// A .db3 file of rosbag2_storage_sqlite3.
 class SqliteStore : public MessageStore {
  public:
   explicit SqliteStore(SqliteFile database) : database_(std::move(database)) {
     std::map<std::int64_t, std::size_t> by_id;
     database_.ask("SELECT id, name, type, serialization_format FROM topics", {},
                   [&](const SqliteFile::Row& row) {
-                    constexpr std::size_t most_topics = 65535;  // as MCAP numbers them
+                    constexpr std::size_t most_topics = 65535;  // the limit of MCAP
                     if (topics_.size() == most_topics) database_.fail("it has more than 65535 topics");
                     if (!by_id.emplace(row.integer(0), topics_.size()).second)
                       database_.fail(fmt::format("topics: two have the number {}", row.integer(0)));
@@ -81,7 +82,8 @@ class SqliteStore : public MessageStore {
   }
 
  private:
-  /// Pages that stand in several tables are rows without end; each takes a few bytes of the file.
+  /// Checks the number of rows. In a damaged file, pages that belong to several tables produce rows without
+  /// end; each valid row takes a few bytes.
   void count(std::uint64_t rows) const {
     constexpr std::uint64_t least_row = 4;
     if (rows > database_.bytes() / least_row)

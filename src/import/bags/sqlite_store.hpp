@@ -9,9 +9,9 @@
 
 namespace tubefoot {
 
-/// A .db3 file as rosbag2 writes it. Throws InputError at the file.
+/// Opens a .db3 file written by rosbag2. Throws InputError at the file.
 std::unique_ptr<MessageStore> open_sqlite_store(const std::filesystem::path& file);
-/// The same, unpacked from `file`.
+/// Opens the decompressed bytes of a .db3 file. `file` is their origin.
 std::unique_ptr<MessageStore> open_sqlite_store(const std::filesystem::path& file,
                                                 std::vector<std::uint8_t> bytes);
 

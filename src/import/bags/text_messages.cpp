@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Reads messages as YAML text, as `ros2 topic echo` prints them. Fields that only one type has identify the
+// type. The text is read message by message, with a check of the memory that each message needs.
 #include "import/bags/text_messages.hpp"
 
 #include <fmt/format.h>
@@ -98,7 +100,7 @@ class YamlReader {
   const char* name_ = "";
 };
 
-/// Types are resolved by what only one of them has.
+/// Identifies the type by a field that only one type has.
 std::string type_of(const YAML::Node& node, const SourcePlace& place) {
   if (node.IsMap()) {
     if (node["beam_directions"]) return std::string(ros::ProjectedSonarImage::name);
@@ -113,13 +115,13 @@ std::string type_of(const YAML::Node& node, const SourcePlace& place) {
 
 void read_one(const std::string& text, const SourcePlace& begin, const std::optional<std::string>& type,
               const std::function<void(const ros::Message&)>& take) {
-  // Measured: a list of numbers, a line each, takes some 70 bytes of memory for each of its own.
+  // Measured: for a list with one number per line, YAML needs about 70 bytes of memory per byte of text.
   constexpr double memory_a_byte = 80;
   require_memory(memory_a_byte * static_cast<double>(text.size()), begin, "a message as text",
                  "record a bag (ros2 bag record) instead");
   try {
     const YAML::Node node = YAML::Load(text);
-    if (node.IsNull()) return;  // behind the last ---
+    if (node.IsNull()) return;  // nothing follows the last ---
     ros::Message message = ros::message_of(type ? *type : type_of(node, begin));
     YamlReader reader(node, begin);
     std::visit([&reader](auto& any) { fields(reader, any); }, message);

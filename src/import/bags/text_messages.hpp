@@ -10,9 +10,9 @@
 
 namespace tubefoot {
 
-/// Messages as `ros2 topic echo --full-length` prints them (YAML, --- behind each). Their type is `type`, or
-/// the one whose fields they have. Throws InputError with the line; for what `take` throws as MessageError,
-/// with that of the message.
+/// Reads messages as `ros2 topic echo --full-length` prints them (YAML, each followed by ---). Their type
+/// is `type`, or the type that has their fields. Throws InputError with the line of the error. If `take`
+/// throws MessageError, the line is that of the message.
 void read_message_text(const std::filesystem::path& file, const std::optional<std::string>& type,
                        const std::function<void(const ros::Message&)>& take);
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decompresses zstd and lz4 frames piece by piece. Memory grows with the output, not with the sizes that
+// headers claim.
 #include "import/bags/unpacking.hpp"
 
 #include <fmt/format.h>
@@ -23,8 +25,8 @@ constexpr std::string_view smaller = "cut the recording with ros2 bag convert";
   throw InputError(place, fmt::format("{}: its {} is damaged or cut off ({})", what, kind, reason));
 }
 
-/// Frames behind each other, `step` at a time: it is given what is left of the input and room for output,
-/// moves both on, and says how much a frame still expects (0 at its end).
+/// Decompresses consecutive frames. `step` receives the remaining input and an output buffer and advances
+/// both. It returns how much input the frame still expects, or 0 at its end.
 template <class Step>
 std::vector<std::uint8_t> unpack(std::span<const std::uint8_t> packed, std::uint64_t most,
                                  std::uint64_t expected, const SourcePlace& place, const std::string& what,
@@ -35,7 +37,7 @@ std::vector<std::uint8_t> unpack(std::span<const std::uint8_t> packed, std::uint
     constexpr std::uint64_t piece = std::uint64_t{1} << 20;
     if (filled >= most)
       throw InputError(place, fmt::format("{}: unpacks to more than {} bytes: {}", what, most, smaller));
-    // Never far beyond what has come out of it, whatever a header claims.
+    // The buffer is at most twice the output so far, whatever a header claims.
     const std::uint64_t size =
         std::min({most, expected, std::max<std::uint64_t>(piece, 2 * std::uint64_t{filled})});
     const std::uint64_t next = size > filled ? size : std::min<std::uint64_t>(most, filled + piece);

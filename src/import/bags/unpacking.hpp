@@ -11,13 +11,13 @@
 
 namespace tubefoot {
 
-/// How much the packed parts of one recording unpack to, in all. A recording of a few megabytes that unpacks
-/// to terabytes ends here, and not after hours.
+/// Total decompressed size of the compressed parts of one recording. It stops a recording of a few
+/// megabytes that decompresses to terabytes early.
 class UnpackedBytes {
  public:
-  /// `packed`: of all files of the recording.
+  /// `packed`: size of all files of the recording.
   explicit UnpackedBytes(std::uint64_t packed);
-  /// Throws InputError at `place` ("`what`: ...") where `bytes` more are too many.
+  /// Throws InputError at `place` ("`what`: ...") if `bytes` more exceed the limit.
   void add(std::uint64_t bytes, const SourcePlace& place, const std::string& what);
   std::uint64_t left() const { return most_ - taken_; }
 
@@ -27,12 +27,14 @@ class UnpackedBytes {
 
 bool is_zstd(std::span<const std::uint8_t> bytes);
 
-/// What frames of zstd hold, at most `most` bytes. Throws InputError at `place` ("`what`: ...") for damage,
-/// and for what is more than that or than the memory at hand, before it is unpacked further.
+/// Decompresses zstd frames to at most `most` bytes. Throws InputError at `place` ("`what`: ...") for
+/// damaged data. It also throws, before it decompresses further, if the output exceeds `most` or the
+/// available memory.
 std::vector<std::uint8_t> unpack_zstd(std::span<const std::uint8_t> packed, std::uint64_t most,
                                       const SourcePlace& place, const std::string& what);
 
-/// What frames of "lz4" or "zstd", or for "" the bytes themselves, hold: exactly `size` bytes.
+/// Decompresses "lz4" or "zstd" frames, or copies the bytes for "". The result must have exactly `size`
+/// bytes.
 std::vector<std::uint8_t> unpack_chunk(std::string_view compression, std::span<const std::uint8_t> packed,
                                        std::uint64_t size, const SourcePlace& place, const std::string& what);
 

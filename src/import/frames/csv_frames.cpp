@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Reads a matrix of real or complex numbers from text. Commas, semicolons, tabs or blanks separate the
+// numbers of a row. It also accepts the complex numbers of DAVE, which may lack the sign of a zero
+// imaginary part.
 #include "import/frames/csv_frames.hpp"
 
 #include <fmt/format.h>
@@ -17,7 +20,7 @@ namespace {
 
 constexpr std::string_view blanks = " \t\r";
 
-/// A number at the beginning of a text, which it is taken off; a plus before it is allowed.
+/// Removes a number from the beginning of a text; a plus sign may precede it.
 bool take_number(std::string_view& text, double& value) {
   std::string_view rest = text;
   if (rest.starts_with('+')) rest.remove_prefix(1);
@@ -27,8 +30,9 @@ bool take_number(std::string_view& text, double& value) {
   return true;
 }
 
-/// "1.5", or "1.5-2.5i" and "1.5-2.5j" by their magnitude. C++ that writes the parts one after the other,
-/// with a plus where the second is above 0, leaves "1.50i" where it is 0: the last 0 is that part then.
+/// Parses "1.5", or "1.5-2.5i" and "1.5-2.5j" as their magnitudes. Some C++ programs write both parts one
+/// after the other and write a plus sign only for a positive imaginary part. A zero imaginary part then
+/// results in "1.50i". Its last 0 is the imaginary part.
 bool number_in(std::string_view text, double& value, bool& complex) {
   if (!text.empty() && (text.back() == 'i' || text.back() == 'j')) {
     complex = true;

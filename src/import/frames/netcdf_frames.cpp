@@ -6,7 +6,7 @@
 namespace tubefoot {
 namespace {
 
-/// A number among a variable's attributes.
+/// Returns a numeric attribute of a variable, if it exists.
 std::optional<double> number_of(const NetcdfInput& file, int variable, const char* attribute) {
   std::size_t length = 0;
   nc_type type = 0;

@@ -7,8 +7,8 @@
 
 namespace tubefoot {
 
-/// Pictures of a netCDF file's root group, whatever its variables are called; packed ones (scale_factor,
-/// add_offset) are unpacked. Throws InputError.
+/// Reads the pictures in the root group of a netCDF file, whatever the names of its variables are. Applies
+/// scale_factor and add_offset. Throws InputError.
 ForeignData read_netcdf_frames(const std::filesystem::path& file, const WantedArrays& wanted);
 
 }  // namespace tubefoot

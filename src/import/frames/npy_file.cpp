@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Reads NPY files of NumPy: a header with a Python literal (type, order and shape), then the values.
+// Format: https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html
 #include "import/frames/npy_file.hpp"
 
 #include <fmt/format.h>
@@ -23,14 +25,14 @@ using namespace std::string_view_literals;
 constexpr std::string_view magic = "\x93NUMPY"sv;
 constexpr std::size_t longest_header = 1 << 16, most_axes = 8;
 
-/// What the header's literal of Python says.
+/// Contents of the Python literal in the header.
 struct Header {
   std::string type;
   bool fortran_order = false;
   std::vector<std::size_t> shape;
 };
 
-/// The literal is a dictionary of three keys, as NumPy writes it and checks it.
+/// Parses the literal, a dictionary with exactly the three keys that NumPy writes.
 class HeaderText {
  public:
   HeaderText(std::string_view text, const SourcePlace& place) : text_(text), place_(place) {}
@@ -103,7 +105,7 @@ class HeaderText {
       const auto [end, error] = std::from_chars(first, last, value);
       if (error != std::errc{}) fail("has a 'shape' that is no list of lengths");
       at_ += static_cast<std::size_t>(end - first);
-      take('L');  // Python 2
+      take('L');  // Python 2 writes an L after long integers
       values.push_back(value);
       if (values.size() > most_axes) fail(fmt::format("has more than {} axes", most_axes));
       if (!take(',') && peek() != ')') fail("has a 'shape' that is no list of lengths");
@@ -124,7 +126,7 @@ Stored stored_at(const char* bytes, bool swapped) {
   return std::bit_cast<Stored>(own);
 }
 
-/// IEEE 754 binary16.
+/// Converts IEEE 754 binary16 to double.
 double half(std::uint16_t bits) {
   const int exponent = bits >> 10 & 31;
   const double fraction = bits & 1023, sign = bits >> 15 ? -1 : 1;
@@ -181,7 +183,7 @@ const NumberType& type_of(const std::string& descr, const SourcePlace& place) {
   return *found;
 }
 
-/// Axes of a file in Fortran's order run the other way.
+/// Reorders values of Fortran order, in which the first axis varies fastest.
 std::vector<double> last_axis_fastest(const std::vector<std::size_t>& shape,
                                       const std::vector<double>& values) {
   std::vector<double> turned(values.size());

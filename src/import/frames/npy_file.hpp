@@ -6,15 +6,15 @@
 
 #include "import/frames/number_array.hpp"
 
-// NumPy's files. https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html
+// Files of NumPy: https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html
 namespace tubefoot {
 
-/// An NPY file's bytes: real, whole or complex numbers (of which the magnitude is taken), in either order of
-/// bytes and axes. Throws InputError at `place`, also for what is cut off, too long, or holds Python's own
-/// objects, which would have to be run to be read.
+/// Reads the bytes of an NPY file: real, integer or complex numbers (the latter as magnitudes), in either
+/// order of bytes and axes. Throws InputError at `place`, also for data that is truncated or too long, and
+/// for pickled Python objects. Reading the latter would execute code.
 NumberArray read_npy(std::string_view bytes, const SourcePlace& place);
 
-/// All NPY files in an NPZ archive, by their names there, without ".npy".
+/// Reads all NPY files of an NPZ archive. Their names are those of the archive without ".npy".
 std::vector<NumberArray> read_npz(std::string_view bytes, const SourcePlace& place);
 
 }  // namespace tubefoot

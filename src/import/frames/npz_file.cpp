@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Reads NPZ archives, which are ZIP files of NPY files. It rejects archives that claim an impossible
+// compression ratio or a too large decompressed size.
 #include <fmt/format.h>
 #include <zip.h>
 
@@ -12,11 +14,11 @@
 namespace tubefoot {
 namespace {
 
-/// Deflate makes nothing smaller than this: what claims more is made to burst.
+/// Largest compression ratio of deflate. An archive that claims a larger ratio is malicious.
 constexpr std::uint64_t densest = 1032;
 constexpr std::int64_t most_members = 10'000;
-/// Of all members, unpacked: so many bytes, and so many more per byte of the archive. Members may share what
-/// they are packed in.
+/// Limit of the decompressed size of all members: a base, and so many bytes per byte of the archive. The
+/// limit is on the sum, because members may share compressed bytes.
 constexpr std::uint64_t unpacked_base_bytes = std::uint64_t{5} << 28, unpacked_per_byte = 200;
 
 struct CloseArchive {
@@ -62,7 +64,7 @@ class Archive {
     return found;
   }
 
-  /// All of its bytes; libzip compares their checksum when it has come to their end.
+  /// Returns all bytes of a member. libzip checks the checksum when it reaches the end.
   std::string bytes_of(const zip_stat_t& member) const {
     require_memory(3.0 * static_cast<double>(member.size), place_,
                    fmt::format("the values of '{}'", member.name), "write fewer a file");

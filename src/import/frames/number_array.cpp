@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Selects the picture and its axes among the arrays of a file and converts them to frames. It handles
+// stacks of pictures, grey colours and the point maps of OceanSim.
 #include "import/frames/number_array.hpp"
 
 #include <fmt/format.h>
@@ -19,12 +21,13 @@ std::string in_words(const NumberArray& array) {
   return array.name.empty() ? shape : fmt::format("'{}' {}", array.name, shape);
 }
 
-/// Values of an axis of such pictures. Which axis, the order tells later; a two-sided picture has two beams,
-/// and half of its columns are ranges. Each picture gets them, so one that is longer is refused here.
+/// Returns the values of an axis of such pictures. The order of the picture later determines which axis it
+/// is. A two-sided picture has two beams, and its ranges are half of its columns. Each picture gets a copy,
+/// so that a longer array is rejected here.
 std::vector<double> line_of(const NumberArray* array, std::size_t rows, std::size_t columns,
                             const SourcePlace& place) {
   if (!array) return {};
-  // A table of ranges for every bin is no axis.
+  // A table with a range for every bin is not an axis.
   if (std::ranges::count_if(array->shape, [](std::size_t n) { return n != 1; }) > 1)
     throw InputError(
         place, fmt::format("array {} is no axis: expected one value a row or a column", in_words(*array)));
@@ -37,7 +40,8 @@ std::vector<double> line_of(const NumberArray* array, std::size_t rows, std::siz
   return array->values;
 }
 
-/// Colours that are all alike are a grey; others are a colour map, which is no measure.
+/// Returns the grey values of a picture whose colour channels are equal. Other colours are a colour map and
+/// no measurement; they are rejected.
 NumberArray without_colours(const NumberArray& picture, const SourcePlace& place) {
   const std::size_t colours = picture.shape.back();
   NumberArray grey{picture.name, {picture.shape[0], picture.shape[1]}, {}, true};
@@ -55,7 +59,7 @@ NumberArray without_colours(const NumberArray& picture, const SourcePlace& place
   return grey;
 }
 
-/// OceanSim's map: x (starboard), y (ahead) and the intensity of each bin, rows one range each.
+/// Reads the map of OceanSim: x (starboard), y (ahead) and intensity of each bin; a row is one range.
 ForeignData of_points(const NumberArray& map, const SourcePlace& place) {
   const std::size_t rows = map.shape[0], columns = map.shape[1];
   ForeignFrame frame{rows, columns, {}, map.eight_bits, {}, {}, {}};

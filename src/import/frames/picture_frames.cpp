@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Reads PNG, TIFF and OpenEXR pictures with OpenImageIO as stored, without colour conversion. Each page of
+// a TIFF and each part of an EXR is a frame.
 #include "import/frames/picture_frames.hpp"
 
 #include <OpenImageIO/filesystem.h>
@@ -27,9 +29,9 @@ class PictureFile {
  public:
   PictureFile(const std::filesystem::path& file, std::string_view bytes, const std::string& channel)
       : place_{file.string()}, channel_(channel), memory_(bytes.data(), bytes.size()) {
-    const std::string name(picture_format(bytes));  // of a file, OpenImageIO would look for it
+    const std::string name(picture_format(bytes));  // given a file name, OpenImageIO would open the file
     OIIO::ImageSpec config;
-    config.attribute("oiio:UnassociatedAlpha", 1);  // or colours are multiplied by it
+    config.attribute("oiio:UnassociatedAlpha", 1);  // otherwise OpenImageIO multiplies colours by alpha
     input_ = OIIO::ImageInput::create(name);
     if (!input_) fail(OIIO::geterror());
     OIIO::Filesystem::IOProxy* bytes_in_memory = &memory_;

@@ -9,13 +9,13 @@
 
 namespace tubefoot {
 
-/// What OpenImageIO calls the format of a file that begins so, of a PNG, a TIFF or an OpenEXR file; else
-/// empty.
+/// Returns the OpenImageIO name of the format of a PNG, TIFF or OpenEXR file from its first bytes, or an
+/// empty string for other files.
 std::string_view picture_format(std::string_view head);
 
-/// A picture's numbers as they are stored (8 bits: 0 to 255), the top row first; each page of a TIFF, or part
-/// of an EXR, is a frame. `channel`: that one by its name; empty: the only one, or colours that are all
-/// alike. `bytes`: of the whole file. Throws InputError.
+/// Reads the numbers of a picture as stored (8 bits: 0 to 255), the top row first. Each page of a TIFF and
+/// each part of an EXR is a frame. `channel` is the name of a channel; empty: the only one, or equal colour
+/// channels. `bytes` is the whole file. Throws InputError.
 ForeignData read_picture(const std::filesystem::path& file, std::string_view bytes,
                          const std::string& channel);
 

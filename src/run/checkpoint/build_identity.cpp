@@ -12,7 +12,7 @@
 
 namespace tubefoot {
 
-// In a file that is made anew whenever they change (cmake/built_from.cmake).
+// Defined in a generated file that is written again whenever they change (cmake/built_from.cmake).
 extern const char built_from_sources[], built_from_revision[], built_with[];
 
 namespace {
@@ -35,7 +35,7 @@ Json build_identity() {
   Json identity;
   identity["sources"] = std::string(built_from_sources);
   identity.update(Json::parse(built_with));
-  // Those that are at hand now may be others than those it was built with.
+  // Versions of the libraries at run time, which may differ from those at build time.
   identity["gdal"] = GDALVersionInfo("RELEASE_NAME");
   identity["proj"] = proj_version();
   identity["assimp"] = assimp_version();

@@ -6,19 +6,20 @@
 
 namespace tubefoot {
 
-/// What decides a result's bits beside scene and settings: the sources, the compiler and its flags, the
-/// mathematical functions, the libraries that energies pass through, the byte order. Ranks work together, and
-/// a kept run is gone on with, only where it is the same.
+/// Returns everything except scene and settings that determines the bits of a result. The entries are the
+/// sources, the compiler and its flags, the mathematical functions, the libraries that process energies, and
+/// the byte order. Ranks work together only if their build identities are equal. A run continues a
+/// checkpoint only if the identity is equal.
 nlohmann::ordered_json build_identity();
 
-/// The revision that it was built from, for people, with a mark for uncommitted changes; empty: from an
-/// archive.
+/// Returns the source revision of the build for people to read, with a mark for uncommitted changes. The
+/// text is empty if the sources came from an archive.
 std::string build_revision();
 
-/// What `theirs` has otherwise than `ours`, in words.
+/// Returns a text that lists the entries in which `theirs` differs from `ours`.
 std::string difference_of_builds(const nlohmann::ordered_json& theirs, const nlohmann::ordered_json& ours);
 
-/// What `--version` says below the version.
+/// Returns the text that `--version` prints below the version.
 std::string build_in_words();
 
 }  // namespace tubefoot

@@ -10,6 +10,10 @@
 
 #include "files/hdf5_chunks.hpp"
 
+// This file packs the energies, bounds and counts of a finished ping into bytes, and unpacks and checks
+// them. The bytes consist of a PackedHead with checksums, the counts, the lengths of the chunks, and the
+// chunks.
+
 namespace tubefoot {
 namespace {
 
@@ -23,7 +27,8 @@ std::uint32_t checksum_of(const PackedHead& head) {
 
 std::size_t values_a_chunk(const StoreLayout::Sensor& sensor) { return sensor.cells / sensor.channels; }
 
-/// The chunks of a group's pings, in their order: a sensor's energies by channel, then its bounds.
+/// Calls `each` for the chunks of a group's pings in their order: by sensor, first the energies by channel,
+/// then the bounds by channel.
 template <class Each>
 void each_chunk(const StoreLayout& layout, std::size_t group, const Each& each) {
   for (const std::size_t sensor : layout.groups.at(group).sensors)

@@ -11,64 +11,67 @@
 #include "run/checkpoint/ping_counts.hpp"
 #include "run/checkpoint/ping_values.hpp"
 
-// A finished ping in few bytes, in one form for all who carry pings about: a run keeps it until its files are
-// written, ranks send it to each other, parts of a run keep it in their files. Each channel of each sensor is
-// a chunk of echoes.nc (files/hdf5_chunks.hpp), packed by who made the ping. The same bytes on any thread of
-// the same build.
+// This header declares the compact form of a finished ping. A run keeps this form until its files are
+// written. Ranks send it to each other, and shards store it in their files. Each channel of each sensor is a
+// chunk of echoes.nc (files/hdf5_chunks.hpp); the process that computed the ping packs it. Every thread of
+// the same build produces the same bytes.
 namespace tubefoot {
 
-/// Bytes that are no packed ping of this run.
+/// Error for bytes that are not a packed ping of this run.
 struct DamagedPing : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What goes before a ping's counts and chunks.
+/// Header that precedes the counts and the chunks of a ping.
 struct PackedHead {
   PingUnit unit;
-  std::uint64_t bytes = 0;  ///< of what follows
+  std::uint64_t bytes = 0;  ///< number of bytes after the header
   std::uint32_t values_checksum = 0, head_checksum = 0;
 };
 
-/// One of a ping's values: energies, or the bounds of a reference.
+/// Name of one array of a ping's values: energies, or the bounds of a reference.
 struct ChunkName {
   std::size_t sensor = 0, channel = 0;
   bool bound = false;
 };
 
-/// A PackedHead, a ping's counts, the lengths of its chunks, then these. Throws std::bad_alloc.
+/// Returns a PackedHead, the counts of the ping, the lengths of its chunks, and the chunks. Throws
+/// std::bad_alloc.
 std::string packed_ping(const StoreLayout& layout, const PingUnit& unit, const PingCounts& counts,
                         const PingValues& values);
 
-/// The head that some bytes begin with. Throws DamagedPing where there is none, or one of a ping that the
-/// layout has not, or of more bytes than such a ping can be packed into.
+/// Returns the header at the start of `bytes`. Throws DamagedPing if there is no header or if the layout
+/// does not contain the ping. Also throws DamagedPing if the ping has more bytes than such a ping can have
+/// when packed.
 PackedHead head_of_packed(std::string_view bytes, const StoreLayout& layout);
-/// Whether packed values are those that their head belongs to.
+/// Returns whether the packed values belong to the header, by their checksum.
 bool belongs_to(const PackedHead& head, std::string_view values);
 
-/// The most bytes of a packed ping of a group, head included.
+/// Returns the largest possible number of bytes of a packed ping of a group, header included.
 std::size_t most_packed(const StoreLayout& layout, std::size_t group);
-/// Those before its first chunk, of any ping of the group.
+/// Returns the number of bytes before the first chunk, which is the same for all pings of the group.
 std::size_t before_chunks(const StoreLayout& layout, std::size_t group);
-/// How many chunks of its group's pings come before this one.
+/// Returns the number of chunks of the group's pings that precede this chunk.
 std::size_t chunk_number(const StoreLayout& layout, std::size_t group, const ChunkName& name);
 
-/// What a packed ping says of itself before its chunks.
+/// Contents of a packed ping, apart from its chunks.
 struct PackedContents {
   PingUnit unit;
   PingCounts counts;
   struct Place {
     std::size_t first = 0, bytes = 0;
   };
-  std::vector<Place> chunks;  ///< where they lie in the ping's bytes
+  std::vector<Place> chunks;  ///< positions of the chunks in the bytes of the ping
 };
-/// `beginning`: before_chunks() bytes, or more. Throws DamagedPing where the lengths are not those of such a
-/// ping. What its chunks hold is found out as they are unpacked.
+/// Returns the contents of a packed ping. `beginning` contains at least before_chunks() bytes. Throws
+/// DamagedPing if the chunk lengths do not fit the layout. Errors in the chunks themselves appear when they
+/// are unpacked.
 PackedContents contents_of_packed(std::string_view beginning, const StoreLayout& layout);
-/// The same of a whole ping, whose sums must fit.
+/// Returns the contents of a complete packed ping, and checks its checksums.
 PackedContents checked_contents(std::string_view packed, const StoreLayout& layout);
 
-/// Leaves a packed ping's energies and bounds in `values`, for a store's finish(), to which the counts go.
-/// Takes no memory beyond what such a ping has unpacked. Throws DamagedPing.
+/// Unpacks the energies and bounds of a ping into `values`, for finish() of a store, and returns its counts.
+/// Needs no memory beyond the unpacked values of such a ping. Throws DamagedPing.
 PingCounts unpack_ping(std::string_view packed, const StoreLayout& layout, PingValues& values);
 
 }  // namespace tubefoot

@@ -14,18 +14,21 @@
 #include "files/absolute_path.hpp"
 #include "files/durable.hpp"
 
+// This file reads and writes the file of one shard. It consists of a header, the identity of the run as
+// text, and packed pings in the order of completion.
+
 namespace tubefoot {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// The start of a file; the identity's text follows, then the pings.
+/// Start of a file. The text of the identity follows, and then the pings.
 struct Header {
   char magic[16] = {'t', 'u', 'b', 'e', 'f', 'o', 'o', 't', ' ', 'p', 'a', 'r', 't', ' ', ' ', '1'};
   std::uint64_t identity_bytes = 0, identity_checksum = 0;
 };
 
-// Far more than any scene's settings are.
+// Much more than the settings of any scene.
 constexpr std::uint64_t most_identity_bytes = std::uint64_t{1} << 20;
 
 std::uint64_t checksum_of(const std::string& text) { return libdeflate_crc32(0, text.data(), text.size()); }
@@ -34,7 +37,7 @@ std::uint64_t checksum_of(const std::string& text) { return libdeflate_crc32(0, 
   throw std::runtime_error(fmt::format("{}: cannot {}: {}", file.string(), task, std::strerror(error)));
 }
 
-/// Whether so many bytes are there.
+/// Returns whether the file contains `count` bytes at the offset, and reads them.
 bool read_at(const Descriptor& file, std::uint64_t offset, void* bytes, std::size_t count) {
   for (auto* to = static_cast<char*>(bytes); count > 0;) {
     const ssize_t got = pread(file.number(), to, count, static_cast<off_t>(offset));
@@ -66,7 +69,8 @@ PartFile::PartFile(fs::path file) : path_(std::move(file)), file_(take_ping_file
       std::memcmp(header.magic, Header{}.magic, sizeof header.magic) != 0)
     throw unusable("is not a part of a run, of this version");
   if (header.identity_bytes > most_identity_bytes) throw unusable("is damaged");
-  if (header.identity_bytes > size - sizeof header) return;  // killed as it began
+  // the run was killed before it wrote the identity
+  if (header.identity_bytes > size - sizeof header) return;
   identity_.resize(header.identity_bytes);
   if (!read_at(file_, sizeof header, identity_.data(), identity_.size())) throw unusable("cannot be read");
   if (checksum_of(identity_) != header.identity_checksum) throw unusable("is damaged");
@@ -86,7 +90,8 @@ void PartFile::begin(const std::string& identity) {
       fs::remove(path_);
       throw;
     }
-  } else if (ftruncate(file_.number(), static_cast<off_t>(end_)) != 0) {  // a ping that was cut off
+    // removes a ping that was only partly written
+  } else if (ftruncate(file_.number(), static_cast<off_t>(end_)) != 0) {
     fail(path_, "write the part", errno);
   }
 }
@@ -121,7 +126,7 @@ void PartFile::look_through(const StoreLayout& layout) {
     try {
       head = head_of_packed(bytes, layout);
     } catch (const DamagedPing&) {
-      return;  // where the next one begins is not known
+      return;  // the position of the next ping is unknown
     }
     if (head.bytes > size - end_ - sizeof head) return;
     values.resize(head.bytes);
@@ -143,7 +148,7 @@ void PartFile::write(const std::string& bytes) {
     if (put < 0 && errno == EINTR) continue;
     if (put <= 0) {
       const int cause = put < 0 ? errno : ENOSPC;
-      // Half of a ping would be found out as such, too.
+      // The result does not matter, because a partly written ping is also detected when the file is read.
       [[maybe_unused]] const int ignored = ftruncate(file_.number(), static_cast<off_t>(end_));
       fail(path_, "write the part", cause);
     }

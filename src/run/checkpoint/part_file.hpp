@@ -15,38 +15,42 @@
 
 namespace tubefoot {
 
-/// The pings of a part of a run, packed, one behind the other as they were finished. A killed program leaves
-/// those before the one that it was writing. While it is open no other run gets it.
+/// File with the pings of one shard of a run. The pings are packed and follow each other in the order in
+/// which they finished. If the program is killed, the file keeps all pings except the one that was being
+/// written. While the file is open, no other run can open it.
 class PartFile {
  public:
-  /// Takes the file, if there is one. Throws UnusableStore for what is none, is damaged, or is in use.
+  /// Opens and locks the file if it exists. Throws UnusableStore if the file is not a shard, is damaged, or
+  /// is in use.
   explicit PartFile(std::filesystem::path file);
   PartFile(const PartFile&) = delete;
   PartFile& operator=(const PartFile&) = delete;
 
-  /// What the pings belong to; empty: there is no file, or one of a run that was killed as it began.
+  /// Returns the identity of the run to which the pings belong. The identity is empty if there is no file,
+  /// or if the run was killed before it wrote the identity.
   const std::string& identity() const { return identity_; }
-  /// Whether anything follows the identity.
+  /// Returns whether any bytes follow the identity.
   bool has_pings() const;
-  /// From now on it is as if there were no identity.
+  /// Discards the identity, as if the file had none.
   void forget() { identity_.clear(); }
-  /// Begins a file, in place of the one that was taken if one was, or goes on with it behind its last ping.
-  /// Throws std::runtime_error naming it.
+  /// Starts a new file, which replaces any opened file without an identity, or continues an opened file
+  /// after its last ping. Throws std::runtime_error naming the file.
   void begin(const std::string& identity);
-  /// Finds the pings that are in it, and looks whether they are whole. Until then there are none.
+  /// Finds the pings in the file and checks that each is complete. Before this call, no ping counts as
+  /// present.
   void look_through(const StoreLayout& layout);
 
   bool has(const PingUnit& unit) const { return place(unit).state == State::whole; }
-  /// Whether it was there, and is damaged.
+  /// Returns whether the ping is in the file but damaged.
   bool has_damaged(const PingUnit& unit) const { return place(unit).state == State::damaged; }
   std::uint64_t bytes() const { return end_; }
 
-  /// Adds a ping of packed_ping(). From any thread. Now and then it brings what is there to the disk. Throws
-  /// std::runtime_error naming the file; what was there before stays whole.
+  /// Appends a ping of packed_ping(). Thread-safe. From time to time, flushes the file to the disk. Throws
+  /// std::runtime_error naming the file; the pings already in the file stay intact.
   void append(const std::string& packed);
-  /// A ping that it has, packed. Throws DamagedPing where it no longer is what it was.
+  /// Returns a packed ping of the file. Throws DamagedPing if its bytes have changed.
   std::string read(const PingUnit& unit) const;
-  /// Brings all of it to the disk. Throws std::runtime_error naming it.
+  /// Flushes the whole file to the disk. Throws std::runtime_error naming the file.
   void sync() const;
   const std::filesystem::path& path() const { return path_; }
 
@@ -63,7 +67,7 @@ class PartFile {
   std::filesystem::path path_;
   Descriptor file_;
   std::string identity_;
-  std::uint64_t end_ = 0;                ///< behind the last ping
+  std::uint64_t end_ = 0;                ///< offset after the last ping
   std::vector<std::size_t> first_unit_;  ///< by group
   std::vector<Place> places_;            ///< by unit
   std::mutex mutex_;

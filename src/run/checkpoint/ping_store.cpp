@@ -23,13 +23,17 @@
 #include "files/hdf5_chunks.hpp"
 #include "files/staging.hpp"
 
+// This file implements the store of a run's pings. A file consists of a header, the identity of the run as
+// text, a table of units, and packed pings in the order of completion. A unit contains the checksum,
+// position, length and counts of a ping. Header and table are mapped into memory.
+
 namespace tubefoot {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// The start of a file. What follows: the identity's text, the units, and packed pings as they were finished,
-/// these three at multiples of `alignment`.
+/// Start of a file. The text of the identity, the units, and the packed pings follow. The units and the
+/// first packed ping start at multiples of `alignment`.
 struct Header {
   char magic[16] = {'t', 'u', 'b', 'e', 'f', 'o', 'o', 't', ' ', 'p', 'i', 'n', 'g', 's', ' ', '4'};
   std::uint64_t identity_bytes = 0, identity_checksum = 0, units = 0, bytes = 0;
@@ -44,7 +48,7 @@ std::uint64_t checksum_of(std::uint64_t first, std::uint64_t bytes, const PingCo
   return std::uint64_t{sum} | std::uint64_t{1} << 32;  // never 0
 }
 
-/// In memory, what is silent takes no pages.
+/// Copies only pages with non-zero values, so that pages of zeros take no memory.
 void put_in_memory(std::span<const double> values, std::span<double> place) {
   constexpr std::size_t page = 4096 / sizeof(double);
   for (std::size_t first = 0; first < values.size(); first += page) {
@@ -54,7 +58,7 @@ void put_in_memory(std::span<const double> values, std::span<double> place) {
   }
 }
 
-// Of what the file says of a ping: sum, place, length, counts.
+// Size of a ping's entry in the file: checksum, position, length and counts.
 constexpr std::size_t unit_bytes = 3 * sizeof(std::uint64_t) + sizeof(PingCounts);
 constexpr std::size_t alignment = 4096;
 constexpr std::size_t aligned(std::size_t bytes) { return (bytes + alignment - 1) / alignment * alignment; }
@@ -63,7 +67,7 @@ constexpr std::size_t aligned(std::size_t bytes) { return (bytes + alignment - 1
   throw std::runtime_error(fmt::format("{}: cannot {}: {}", file.string(), task, std::strerror(error)));
 }
 
-/// Reads the header and the identity; checks what can be checked without the scene.
+/// Reads the header and the identity, and checks everything that does not depend on the scene.
 StoreSummary read_summary(const Descriptor& opened, const fs::path& path, Header& header) {
   const int file = opened.number();
   struct stat status {};
@@ -72,11 +76,12 @@ StoreSummary read_summary(const Descriptor& opened, const fs::path& path, Header
   };
   if (fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) throw unusable("is not a file of pings");
   const auto size = static_cast<std::uint64_t>(status.st_size);
-  if (size == 0) return {};  // of a run that was killed as it began
+  if (size == 0) return {};  // the run was killed before it wrote the header
   if (pread(file, &header, sizeof header, 0) != sizeof header ||
       std::memcmp(header.magic, Header{}.magic, sizeof header.magic) != 0)
     throw unusable("is not a file of pings of this version");
-  const bool begun = header.identity_bytes == size - sizeof header;  // killed before it took its space
+  // the run was killed before it reserved its disk space
+  const bool begun = header.identity_bytes == size - sizeof header;
   if ((header.bytes != size && !begun) || header.identity_bytes > size - sizeof header)
     throw unusable("is cut short");
   StoreSummary summary;
@@ -89,15 +94,16 @@ StoreSummary read_summary(const Descriptor& opened, const fs::path& path, Header
   return summary;
 }
 
-/// Whose a file is that this process makes in a folder: not always its own, on disks of a server.
+/// Returns the owner of files that this process creates in a folder. On a file server this may be another
+/// user.
 uid_t owner_of_new_files(const fs::path& beside) {
   const Staging probe(beside, 0700);
   struct stat status {};
   return lstat(probe.path().c_str(), &status) == 0 ? status.st_uid : geteuid();
 }
 
-/// Throws UnusableStore unless it may be written: what is planted under the name of a run's pings would lead
-/// it to write over another file, or give it pings that others can change under it.
+/// Throws UnusableStore unless this run may write to the file. A file that somebody else placed under this
+/// name could make the run overwrite another file, or let others change its pings.
 void require_own(const Descriptor& file, const fs::path& path) {
   struct stat status {};
   const char* foreign =
@@ -114,7 +120,7 @@ StoreInUse::StoreInUse(const fs::path& file)
     : UnusableStore(fmt::format("another run is writing '{}': choose another -o, or wait", file.string())) {}
 
 Descriptor take_ping_file(const fs::path& path, bool make) {
-  constexpr int most_trials = 10;  // another run may just be giving the file up
+  constexpr int most_trials = 10;  // another run may be about to remove the file
   for (int trial = 0; trial < most_trials; ++trial) {
     Descriptor file = open_own(path, O_RDWR | (make ? O_CREAT | O_EXCL : 0));
     if (!file) {
@@ -136,20 +142,20 @@ Descriptor take_ping_file(const fs::path& path, bool make) {
   throw StoreInUse(path);
 }
 
-/// What was unpacked last, for who asks next: several products are made of a ping at about the same time.
-/// Memory is taken up again, since fresh memory costs as much as unpacking.
+/// Cache of recently unpacked values, because several products read a ping at about the same time. It reuses
+/// its memory, because new memory costs as much time as unpacking.
 class PingStore::Unpacked {
  public:
   using Key = std::tuple<std::size_t, std::size_t, std::size_t, bool>;
   using Values = std::shared_ptr<std::vector<double>>;
 
-  /// Null where it has to be unpacked.
+  /// Returns null if the values have to be unpacked.
   Values find(const Key& key) {
     const std::lock_guard lock(mutex_);
     const auto found = std::ranges::find(recent_, key, &std::pair<Key, Values>::first);
     return found == recent_.end() ? nullptr : found->second;
   }
-  /// Memory for so many values.
+  /// Returns memory for `count` values.
   Values room(std::size_t count) {
     std::vector<double> values = spare_->take();
     values.resize(count);
@@ -159,7 +165,7 @@ class PingStore::Unpacked {
             }};
   }
   void keep(const Key& key, const Values& values) {
-    std::vector<Values> old;  // let go of without the lock
+    std::vector<Values> old;  // freed after the lock is released
     const std::lock_guard lock(mutex_);
     recent_.emplace_back(key, values);
     bytes_ += values->size() * sizeof(double);
@@ -218,7 +224,7 @@ PingStore::PingStore(const StoreLayout& layout, fs::path path, std::size_t ident
     for (const std::size_t sensor : layout_.groups[group].sensors) group_of_.at(sensor) = group;
   }
   bytes_ = aligned(first_unit_byte_ + unit * sizeof(Unit));
-  // A scene of many large sensors may ask for more than a number of bytes tells.
+  // A scene with many large sensors may request more bytes than an integer can count.
   double requested = 0;
   for (const StoreLayout::Sensor& sensor : layout_.sensors)
     requested += static_cast<double>(sensor.pings) * static_cast<double>(sensor.cells) * sizeof(double);
@@ -257,7 +263,7 @@ PingStore::PingStore(const StoreLayout& layout, const fs::path& file, Descriptor
                      const std::string& identity)
     : PingStore(layout, file, identity.size()) {
   file_ = std::move(taken);
-  const auto abandon = [&](int error) {  // the destructor closes it
+  const auto abandon = [&](int error) {  // the destructor closes the file
     fs::remove(file);
     fail(file, fmt::format("set {:.1f} MB aside for the pings", double(bytes_) / 1e6).c_str(), error);
   };
@@ -266,11 +272,12 @@ PingStore::PingStore(const StoreLayout& layout, const fs::path& file, Descriptor
   header.identity_checksum = checksum_of(identity);
   header.units = layout_.units();
   header.bytes = bytes_;
-  // Not every file system refuses at once: some fill the disk first.
+  // Some file systems do not fail at once, but fill the disk first.
   std::error_code unknown;
   if (const fs::space_info disk = fs::space(file, unknown); !unknown && disk.available < bytes_)
     abandon(ENOSPC);
-  // Killed between any two of these calls, it leaves a file that read_summary() takes for one without pings.
+  // If the program is killed between any two of these calls, read_summary() treats the file as one without
+  // pings.
   std::string head(reinterpret_cast<const char*>(&header), sizeof header);
   head += identity;
   if (ftruncate(file_.number(), 0) != 0) abandon(errno);
@@ -309,7 +316,7 @@ std::unique_ptr<PingStore> PingStore::reopen(const StoreLayout& layout, const fs
   return store;
 }
 
-/// Which of the pings that are said to be done are there as they were.
+/// Checks that the pings marked as done are intact.
 void PingStore::look_through() {
   std::string packed;
   for (std::size_t group = 0; group < layout_.groups.size(); ++group)
@@ -413,13 +420,13 @@ void PingStore::keep(std::string_view packed) {
   }
   const PackedContents contents = checked_contents(packed, layout_);
   const std::uint64_t first = end_.fetch_add(packed.size());
-  // There is room for all pings at their longest; only pings that were damaged, and are made again, take
+  // The file has space for all pings at their largest size. Only damaged pings that are computed again need
   // more.
   if (first + packed.size() > bytes_) fail(path_, "keep a ping", ENOSPC);
   write(first, packed);
   mark_done(contents.unit, first, packed.size(), contents.counts);
-  // One thread at a time, and no ping waits for it: which of its pages are on the disk already does not
-  // matter.
+  // One thread at a time flushes, and no ping waits for it. It does not matter which pages are already on
+  // the disk.
   constexpr std::chrono::seconds between_syncs{5};
   const auto now = std::chrono::steady_clock::now();
   if (auto due = next_sync_.load();
@@ -433,7 +440,8 @@ void PingStore::mark_done(const PingUnit& at, std::uint64_t first, std::uint64_t
   finished.first = first;
   finished.bytes = bytes;
   finished.counts = counts;
-  // A killed program's pages reach the file in any order: only sums that fit make a ping count.
+  // The pages of a killed program reach the file in any order. A ping therefore counts only if its checksums
+  // match.
   std::atomic_ref(finished.checksum).store(checksum_of(first, bytes, counts), std::memory_order_release);
 }
 
@@ -480,7 +488,7 @@ void PingStore::sync() const {
   if (!file_) return;
   int status = 0;
   do {
-    status = fdatasync(file_.number());  // of a mapped file its pages, too
+    status = fdatasync(file_.number());  // for a mapped file, this also writes its pages
   } while (status != 0 && errno == EINTR);
   if (status != 0) fail(path_, "bring the pings to the disk", errno);
 }

@@ -18,38 +18,42 @@
 #include "run/checkpoint/ping_counts.hpp"
 #include "run/checkpoint/ping_values.hpp"
 
+// This header declares the store of a run's pings: energies, bounds and counts, in memory or in a checkpoint
+// file that survives the program.
+
 namespace tubefoot {
 
-/// A file of pings that cannot be gone on with.
+/// Error for a file of pings that a run cannot continue.
 struct UnusableStore : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
-/// One that another run has.
+/// Error for a file of pings that another run has open.
 struct StoreInUse : UnusableStore {
   explicit StoreInUse(const std::filesystem::path& file);
 };
 
-/// Opens a file of pings, or makes it where there must be none yet, so that no other run gets it while it is
-/// open. No descriptor if there is none and none is made. Throws UnusableStore for what is not a run's own
-/// file (a link, a file with a second name or of somebody else), and std::runtime_error naming the file.
+/// Opens and locks a file of pings, so that no other run can open it. With `make`, creates the file, which
+/// must not exist yet. Without `make`, returns an empty descriptor if there is no file. Throws UnusableStore
+/// if the file is not the run's own: a link, a file with a second name, or a file of another user. Throws
+/// std::runtime_error naming the file.
 Descriptor take_ping_file(const std::filesystem::path& file, bool make);
 
-/// The energies of a run, ping by ping in any order: in memory as they are, or packed in a file that survives
-/// the program. The file is as large as it will ever be from the start, so that a full disk is met before
-/// anything is computed; packed pings lie in it one behind the other, so that the disk has little to write,
-/// and nothing of them stays in memory.
+/// The energies of a run, by ping, in any order of completion. They lie in memory unpacked, or packed in a
+/// file that survives the program. The file has its final size from the start, so that a full disk is
+/// detected before any computation. Packed pings follow each other in the file, so that little is written.
+/// With a file, no ping stays in memory.
 class PingStore {
  public:
-  /// Zeroed, in memory.
+  /// Creates a store in memory, with all values 0.
   explicit PingStore(const StoreLayout& layout);
-  /// A new file in place of any that is there. `identity` says what the pings belong to. Throws
-  /// std::runtime_error naming the file and the reason, such as a full disk.
+  /// Creates a new file, which replaces any existing one. `identity` describes the run to which the pings
+  /// belong. Throws std::runtime_error naming the file and the reason, such as a full disk.
   PingStore(const StoreLayout& layout, const std::filesystem::path& file, const std::string& identity);
-  /// The same in a file that was taken.
+  /// Creates the store in a file that take_ping_file() opened.
   PingStore(const StoreLayout& layout, const std::filesystem::path& file, Descriptor taken,
             const std::string& identity);
-  /// Goes on with a file. Pings that were cut off while they were written count as not done. Throws
-  /// UnusableStore for a file of another layout, one that is cut short, in use, or no such file at all.
+  /// Continues a file. A ping that was only partly written counts as not done. Throws UnusableStore if the
+  /// file has another layout, is truncated, is in use, or is not a file of pings.
   static std::unique_ptr<PingStore> reopen(const StoreLayout& layout, const std::filesystem::path& file);
   static std::unique_ptr<PingStore> reopen(const StoreLayout& layout, const std::filesystem::path& file,
                                            Descriptor taken);
@@ -59,35 +63,35 @@ class PingStore {
 
   bool done(std::size_t group, std::size_t ping) const { return unit(group, ping).checksum != 0; }
   std::size_t done_units() const;
-  /// Keeps a ping of a group, which is done with that. From several threads. Now and then it brings what is
-  /// done to the disk: throws std::runtime_error where that fails.
+  /// Stores a ping of a group and marks it as done. Thread-safe. From time to time, flushes finished pings
+  /// to the disk, and throws std::runtime_error if that fails.
   void finish(std::size_t group, std::size_t ping, const PingCounts& counts, const PingValues& values);
-  /// The same of a ping that another process packed. Throws DamagedPing for what is none of this run.
+  /// Stores a ping that another process packed. Throws DamagedPing if the bytes are not a ping of this run.
   void keep(std::string_view packed);
   const PingCounts& counts(std::size_t group, std::size_t ping) const { return unit(group, ping).counts; }
 
   bool is_packed() const { return static_cast<bool>(file_); }
   bool has_bounds() const { return layout_.with_bounds; }
-  /// Values of a channel.
+  /// Returns the number of values of one channel.
   std::size_t values_a_chunk(std::size_t sensor) const {
     return layout_.sensors.at(sensor).cells / layout_.sensors[sensor].channels;
   }
-  /// In memory: [ping][channel][beam][sample].
+  /// Returns the energies of a store in memory: [ping][channel][beam][sample].
   std::span<const double> energy(std::size_t sensor) const { return block(sensor, 0); }
-  /// Empty without bounds.
+  /// Returns the bounds of a store in memory. Empty if the store has no bounds.
   std::span<const double> bound(std::size_t sensor) const { return block(sensor, 1); }
-  /// The values of a channel of a ping, [beam][sample], for as long as somebody has them. From several
-  /// threads. Throws std::runtime_error where the file no longer has what it had.
+  /// Returns the values of one channel of a ping, [beam][sample]. They stay valid while the returned pointer
+  /// exists. Thread-safe. Throws std::runtime_error if the file has changed.
   std::shared_ptr<const double> values(std::size_t ping, const ChunkName& name) const;
-  /// Of a file: the same as they are packed.
+  /// Returns the packed values of one channel of a ping. Only for a store with a file.
   std::vector<unsigned char> chunk(std::size_t ping, const ChunkName& name) const;
-  /// Brings all of a file to the disk. Throws std::runtime_error naming it.
+  /// Flushes the whole file to the disk. Throws std::runtime_error naming the file.
   void sync() const;
 
  private:
   struct Unit {
     std::uint64_t checksum = 0;          ///< 0: not done
-    std::uint64_t first = 0, bytes = 0;  ///< of a file: where the packed ping lies
+    std::uint64_t first = 0, bytes = 0;  ///< for a file: position of the packed ping
     PingCounts counts;
   };
   class Unpacked;
@@ -103,27 +107,28 @@ class PingStore {
   explicit PingStore(const StoreLayout& layout, std::filesystem::path path, std::size_t identity_bytes);
 
   StoreLayout layout_;
-  std::filesystem::path path_;           ///< empty: in memory
-  std::size_t first_unit_byte_ = 0;      ///< after the header
+  std::filesystem::path path_;           ///< empty for a store in memory
+  std::size_t first_unit_byte_ = 0;      ///< offset after the header and the identity
   std::vector<std::size_t> first_unit_;  ///< by group
   std::vector<std::size_t> group_of_;    ///< by sensor
-  std::vector<std::size_t> first_byte_;  ///< in memory, by sensor: of its energies; its bounds follow
-  std::size_t bytes_ = 0;                ///< of all of it
-  std::size_t mapped_bytes_ = 0;         ///< of a file: up to the first packed ping
-  std::atomic<std::uint64_t> end_ = 0;   ///< of a file: of the packed pings
+  /// for a store in memory, by sensor: offset of its energies, which its bounds follow
+  std::vector<std::size_t> first_byte_;
+  std::size_t bytes_ = 0;               ///< size of the whole store
+  std::size_t mapped_bytes_ = 0;        ///< for a file: bytes before the first packed ping
+  std::atomic<std::uint64_t> end_ = 0;  ///< for a file: offset after the last packed ping
   unsigned char* data_ = nullptr;
   Descriptor file_;
   std::unique_ptr<Unpacked> unpacked_;
   std::atomic<std::chrono::steady_clock::time_point> next_sync_;
 };
 
-/// What a file of pings says of itself, without going on with it.
+/// Summary of a file of pings, which is read without continuing the file.
 struct StoreSummary {
   std::string identity;
   std::size_t units = 0, done = 0;
-  bool in_use = false;  ///< another process writes to it
+  bool in_use = false;  ///< true while another process writes to the file
 };
-/// Throws UnusableStore.
+/// Reads the summary of a file of pings. Throws UnusableStore.
 StoreSummary summary_of(const std::filesystem::path& file);
 StoreSummary summary_of(const std::filesystem::path& name, const Descriptor& file);
 

@@ -61,7 +61,7 @@ void PingBufferPool::give_back(PingValues& values) noexcept {
     const std::lock_guard lock(mutex_);
     spare_.push_back(std::move(values));
   } catch (const std::exception&) {
-    // Then the next ping takes memory anew.
+    // The next ping then allocates memory again.
   }
 }
 

@@ -5,7 +5,7 @@
 
 #include <string>
 
-// Amounts in units that keep them readable.
+// This header formats durations and file sizes in readable units.
 namespace tubefoot {
 
 inline std::string duration_text(double seconds) {

@@ -13,6 +13,10 @@
 
 #include "files/memory_at_hand.hpp"
 
+// This file recognises errors that mean that memory or threads are exhausted, and replaces their text by a
+// message that names the limit. It also checks the address space before the initializers of the libraries
+// run.
+
 namespace tubefoot {
 namespace {
 
@@ -23,8 +27,8 @@ constexpr std::string_view no_threads =
     "a container)";
 
 constexpr rlim_t mb = rlim_t{1} << 20;
-/// What initializers of libraries take, with a reserve: 31 MB on Debian 12, and stacks of the threads that
-/// one of them (log4cplus, under OpenVDB and OpenImageIO) starts.
+/// Memory and threads that the initializers of libraries need, with a reserve. They need 31 MB on Debian 12,
+/// and stacks for the threads that log4cplus starts (a dependency of OpenVDB and OpenImageIO).
 constexpr rlim_t library_bytes = 96 * mb, library_threads = 4;
 
 bool addresses_are_limited() {
@@ -34,7 +38,7 @@ bool addresses_are_limited() {
 
 std::terminate_handler otherwise = nullptr;
 
-/// Takes no memory.
+/// Allocates no memory.
 [[noreturn]] void end_in_words() {
   std::string_view words;
   try {
@@ -64,7 +68,7 @@ std::string_view exhaustion_in_words(const std::exception& error) {
     if (system->code() == std::errc::not_enough_memory) return out_of_memory;
     if (system->code() == std::errc::resource_unavailable_try_again) return no_threads;
   }
-  // oneTBB's words.
+  // Text of oneTBB's exception.
   if (text.starts_with("pthread_create")) return no_threads;
   return {};
 }
@@ -74,7 +78,8 @@ void before_libraries_start() {
   rlimit addresses{}, stack{};
   if (getrlimit(RLIMIT_AS, &addresses) != 0 || addresses.rlim_cur == RLIM_INFINITY) return;
   if (getrlimit(RLIMIT_STACK, &stack) != 0 || stack.rlim_cur == RLIM_INFINITY) stack.rlim_cur = 2 * mb;
-  // Nothing of the C++ library is initialized yet.
+  // The C++ library is not initialized at this point, so that this code uses system calls and the C library
+  // only.
   char text[256]{};
   const int file = open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
   if (file < 0) return;

@@ -6,21 +6,20 @@
 
 namespace tubefoot {
 
-/// In place of an error that means that memory or threads have run out, in whichever words a library said so.
-/// Empty for other errors.
+/// Returns a message to print instead of an error that means that memory or threads are exhausted, whichever
+/// library reports it. Empty for other errors.
 std::string_view exhaustion_in_words(const std::exception& error);
 
-/// For .preinit_array of a program: the loader calls it before the initializers of the libraries, some of
-/// which start threads and do not look at what they are refused.
-/// - Ends the program with a message and exit code 1 where a limit of addresses (`ulimit -v`) leaves less
-/// than
-///   they take.
-/// - From then on an exception that nobody can catch, because a library throws it on a thread of its own or
-///   before main(), ends the program in the same way if memory or threads have run out.
+/// Hook for .preinit_array of a program. The loader calls it before the initializers of the libraries, some
+/// of which start threads without checking for errors.
+/// * If the address space (`ulimit -v`) is too small for the libraries, this function ends the program with a
+/// message and exit code 1.
+/// * From then on, an uncaught exception ends the program with a message if memory or threads are exhausted.
+/// A library may throw such an exception on its own thread or before main().
 void before_libraries_start();
 
-/// Once, as main() starts. Where the space of addresses is limited, threads share one heap, because each heap
-/// of their own would take 64 MB of it.
+/// Call once at the start of main(). If the address space is limited, all threads share one heap, because a
+/// heap of its own takes 64 MB of address space per thread.
 void save_addresses();
 
 }  // namespace tubefoot

@@ -17,7 +17,7 @@ namespace {
 void set(int signal, void (*handler)(int)) {
   struct sigaction action {};
   action.sa_handler = handler;
-  action.sa_flags = SA_RESTART;  // libraries do not expect calls that end early
+  action.sa_flags = SA_RESTART;  // libraries do not expect interrupted system calls
   sigemptyset(&action.sa_mask);
   sigaction(signal, &action, nullptr);
 }
@@ -27,19 +27,19 @@ bool is_ignored(int signal) {
   return sigaction(signal, nullptr, &now) == 0 && now.sa_handler == SIG_IGN;
 }
 
-/// How long work may take to stop before the program ends where it stands.
+/// Time in which work must stop before the program ends immediately.
 constexpr unsigned patience_s = 5;
-/// The signal that asked first.
+/// The first signal that requested a stop.
 volatile std::sig_atomic_t requested_by = 0;
 
-/// Leaves the words out where a stopped terminal or a full pipe would have the program wait.
+/// Omits the message if a stopped terminal or a full pipe would block the program.
 void say_without_waiting(std::string_view words) {
   pollfd terminal{STDERR_FILENO, POLLOUT, 0};
   if (poll(&terminal, 1, 0) != 1 || (terminal.revents & POLLOUT) == 0) return;
   [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, words.data(), words.size());
 }
 
-/// Ends the program as `signal` ends one that does not know it.
+/// Ends the program by `signal` with its default action.
 void end_by(int signal) {
   set(signal, SIG_DFL);
   sigset_t only;
@@ -49,7 +49,7 @@ void end_by(int signal) {
   raise(signal);
 }
 
-/// Of alarm(): the time to stop is over.
+/// Handler of alarm(): the time to stop has passed.
 void end_now(int) {
   say_without_waiting("\nending: the work did not stop within 5 s\n");
   end_by(requested_by);
@@ -61,7 +61,7 @@ void note(int signal) {
     requested_by = signal;
     for (const int other : {SIGINT, SIGTERM})
       if (!is_ignored(other)) set(other, SIG_DFL);
-    // Work that waits in a library or for the system looks at no flag.
+    // Work that waits in a library or in a system call does not check the flag.
     set(SIGALRM, end_now);
     if (const unsigned left = alarm(patience_s); left != 0 && left < patience_s) alarm(left);
     say_without_waiting("\nstopping; once more: stopping at once\n");

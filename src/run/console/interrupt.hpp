@@ -3,14 +3,15 @@
 
 namespace tubefoot {
 
-/// What signals do to the program, set once, as it starts. What it finds ignored (nohup) stays so.
-/// - SIGINT (Ctrl-C), SIGTERM, SIGHUP (a closed terminal) and SIGXCPU (`ulimit -t`) ask all work to stop
-///   (stop_wanted() of geometry/steps/stop.hpp); SIGINT or SIGTERM after that ends the program where it
-///   stands. A closed terminal and a used up limit come more than once of themselves: they do not count
-///   twice. After 5 s the program ends where it stands without a second signal, because a library or a call
-///   of the system that waits does not look at the request.
-/// - SIGPIPE and SIGXFSZ (`ulimit -f`) are ignored: a write that fails says so.
-/// - SIGQUIT is left alone: it is for who wants the program dead, and a core of it.
+/// Installs the signal handlers of the program, once, at its start. A signal that is ignored at the start
+/// (nohup) stays ignored.
+/// * SIGINT (Ctrl-C), SIGTERM, SIGHUP (a closed terminal) and SIGXCPU (`ulimit -t`) request that all work
+/// stops (stop_wanted() of geometry/steps/stop.hpp). A later SIGINT or SIGTERM ends the program immediately.
+/// The system may repeat SIGHUP and SIGXCPU on its own, so that a repetition of these has no effect. After 5
+/// s the program ends without a second signal, because a waiting library or system call does not check the
+/// request.
+/// * SIGPIPE and SIGXFSZ (`ulimit -f`) are ignored, because a failed write reports its own error.
+/// * SIGQUIT keeps its default action, which ends the program with a core dump.
 void take_signals();
 
 }  // namespace tubefoot

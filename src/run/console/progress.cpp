@@ -12,15 +12,18 @@
 #include "geometry/steps/steps.hpp"
 #include "run/console/say.hpp"
 
+// This file draws the progress of a run on stderr, as a bar with the remaining time on a terminal or as
+// plain lines elsewhere. A thread of its own updates the bar during long steps.
+
 namespace tubefoot {
 namespace {
 
 using namespace std::chrono_literals;
 
-/// A step that takes longer is looked into.
+/// Time after which the progress within a step is shown.
 constexpr auto patience = 1s;
 constexpr auto between_bars = 250ms;
-/// Without a step; each further line waits twice as long.
+/// Time without a step until the first plain line. Each further line waits twice as long.
 constexpr auto first_plain_line = 2s;
 
 std::string duration(double seconds) {
@@ -53,7 +56,7 @@ Progress::Progress(std::string what, std::size_t total, bool quiet, double after
   try {
     within_ = std::thread([this] { look_within(); });
   } catch (const std::system_error&) {
-    // Without threads to spare, steps alone are reported.
+    // If no thread is available, only finished steps are reported.
   }
 }
 

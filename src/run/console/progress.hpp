@@ -14,20 +14,22 @@
 
 namespace tubefoot {
 
-/// Between a run and somebody who waits for it on another thread, and may stop it (geometry/steps/stop.hpp).
+/// Connection between a run and another thread that waits for it and may stop it (geometry/steps/stop.hpp).
 struct RunWatch {
-  std::atomic<std::size_t> pings{0}, total{0};  ///< finished, and to do
+  std::atomic<std::size_t> pings{0}, total{0};  ///< pings that are finished, and pings in total
 };
 
-/// Progress on stderr: a bar with an estimate of the time left on a terminal, a plain line every tenth
-/// otherwise, nothing if quiet. There is no estimate before a tenth is done (TimeLeft). Where one step takes
-/// long, also how far the work within it is (Steps of geometry/steps/steps.hpp): at the bar's end, or in
-/// plain lines that come ever less often. Thread-safe.
+/// Shows progress on stderr. On a terminal it draws a bar with an estimate of the remaining time. Otherwise
+/// it prints a line after every tenth of the steps. It prints nothing if quiet. The estimate starts after a
+/// tenth of the steps (TimeLeft). During a long step it also shows the progress within the step (Steps of
+/// geometry/steps/steps.hpp). This progress stands at the end of the bar, or in lines at increasing
+/// intervals. Thread-safe.
 class Progress {
  public:
-  /// `afterwards_s`: what is done after the last step takes about so long, and is left, too.
+  /// `afterwards_s`: approximate duration of the work after the last step, which the remaining time
+  /// includes.
   Progress(std::string what, std::size_t total, bool quiet, double afterwards_s = 0);
-  /// Of work whose steps are reported by others: of those at hand.
+  /// Shows the progress of work that other code reports as Steps.
   Progress(std::string what, bool quiet);
   ~Progress();
   Progress(const Progress&) = delete;

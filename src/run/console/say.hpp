@@ -11,21 +11,21 @@
 
 #include "files/shown.hpp"
 
-// All that the program says. What comes from input is made harmless() here, once for all.
+// This header defines all output of the program to stdout and stderr. The functions apply harmless() to text
+// from input files.
 namespace tubefoot {
 
-/// Prints to stderr. What cannot be told is left untold: no run ends because its terminal was closed, or
-/// because the disk under its log is full.
+/// Prints to stderr. Ignores failures: a closed terminal or a full disk under the log must not end a run.
 template <class... T>
 void say(fmt::format_string<T...> format, T&&... parts) {
   const std::string text = harmless(fmt::format(format, std::forward<T>(parts)...));
   std::fwrite(text.data(), 1, text.size(), stderr);
 }
 
-/// errno of what tell() could not print; 0: it could.
+/// errno of a failed tell(), or 0.
 inline int tell_error = 0;
 
-/// Prints to stdout what a command was asked for. Throws std::runtime_error if it cannot.
+/// Prints the requested output of a command to stdout. Throws std::runtime_error on failure.
 template <class... T>
 void tell(fmt::format_string<T...> format, T&&... parts) {
   const std::string text = harmless(fmt::format(format, std::forward<T>(parts)...));
@@ -35,7 +35,8 @@ void tell(fmt::format_string<T...> format, T&&... parts) {
   }
 }
 
-/// Draws on the terminal that stderr is: `parts` are our own, control characters and all.
+/// Draws on the terminal to which stderr writes. `parts` come from the program itself and may contain
+/// control characters.
 template <class... T>
 void draw_on_terminal(fmt::format_string<T...> format, T&&... parts) {
   const std::string text = fmt::format(format, std::forward<T>(parts)...);

@@ -34,7 +34,7 @@ std::optional<double> TimeLeft::seconds(double now_s) const {
       after_half == times_.begin() ? std::pair<std::size_t, double>{0, 0.0} : *std::prev(after_half);
   if (done_ - half < 2 * threads_ && last_s_ - half_s < first_s_) return std::nullopt;
   const double a_step_s = (last_s_ - half_s) / static_cast<double>(done_ - half);
-  // The next step is in progress since the last one ended.
+  // The next step has been in progress since the end of the last one.
   const double under_way_s = std::min(now_s - last_s_, a_step_s);
   return std::max(0.0, a_step_s * static_cast<double>(total_ - done_) - under_way_s) + afterwards_s_;
 }

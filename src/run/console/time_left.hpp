@@ -8,16 +8,16 @@
 
 namespace tubefoot {
 
-/// Estimates how long work of equal steps still takes, from the times at which its steps ended. Times are in
-/// seconds since the work began.
+/// Estimates the remaining time of work in equal steps from the times at which its steps ended. Times are in
+/// seconds since the start of the work.
 ///
-/// The second half of the steps so far counts, so that what happens once before the first step does not.
-/// There is no estimate before a tenth of the steps is done, nor before that half has two steps of each
-/// thread, or lasted as long as it took to end the first step: until then several threads, which may end
-/// their steps together, or what happens once hide how long a step takes.
+/// The estimate uses the second half of the finished steps, so that single work before the first step does
+/// not count. There is no estimate before a tenth of the steps is finished. That half must also contain two
+/// steps per thread, or last as long as the first step took. Until then the duration of a step is not
+/// visible, because several threads may finish their steps together.
 class TimeLeft {
  public:
-  /// `afterwards_s`: what is to be done after the last step takes about so long.
+  /// `afterwards_s`: approximate duration of the work after the last step.
   TimeLeft(std::size_t total, int threads, double afterwards_s = 0)
       : total_(total), threads_(static_cast<std::size_t>(threads)), afterwards_s_(afterwards_s) {}
 
@@ -27,10 +27,12 @@ class TimeLeft {
  private:
   std::size_t total_, threads_, done_ = 0, stride_ = 1;
   double afterwards_s_, first_s_ = 0, last_s_ = 0;
-  std::vector<std::pair<std::size_t, double>> times_;  ///< of every stride-th step, with its number from 1
+  /// end times of every stride-th step, with its number from 1
+  std::vector<std::pair<std::size_t, double>> times_;
 };
 
-/// The same of work of which only the whole is known. Nothing before a tenth is done, and of one step.
+/// Estimates the remaining time from the total duration only. Returns nothing before a tenth of the work is
+/// finished, or if there is only one step.
 std::optional<double> time_left(std::size_t done, std::size_t total, double seconds);
 
 }  // namespace tubefoot

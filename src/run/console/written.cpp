@@ -12,7 +12,8 @@ namespace {
 
 constexpr std::size_t told_one_by_one = 2;
 
-/// The name with its last number of two digits or more left out; the name itself where it has none.
+/// Returns the name without its last number of two or more digits, or the name itself if it has no such
+/// number.
 std::string without_number(const std::string& name) {
   const auto digit = [](unsigned char c) { return std::isdigit(c) != 0; };
   auto end = name.size();

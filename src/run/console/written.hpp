@@ -7,8 +7,8 @@
 
 namespace tubefoot {
 
-/// A line for each of `files` in their order; where names differ in the number before their last word only
-/// (camera-0000.png, camera-0001.png ...) and are three or more, one line at the first tells them all.
+/// Returns one line per file of `files`, in their order. Three or more names that differ only in the number
+/// before their last word (camera-0000.png, camera-0001.png ...) share the line of the first.
 std::vector<std::string> written_lines(const std::filesystem::path& folder,
                                        const std::vector<std::filesystem::path>& files);
 

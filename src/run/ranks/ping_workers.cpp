@@ -8,12 +8,16 @@
 
 #include "geometry/steps/stop.hpp"
 
+// This file implements the threads of a rank that simulate pings. The size of their stock follows from the
+// average duration of a ping.
+
 namespace tubefoot {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Much longer than a request and its answer take, much shorter than anybody waits at the end of a run.
+// Work in stock, in seconds. It is much longer than a request and its answer take, and much shorter than a
+// noticeable wait at the end of a run.
 constexpr double ahead_s = 0.1;
 constexpr std::size_t most_ahead = 1000;
 
@@ -73,7 +77,8 @@ void PingWorkers::work() {
   const auto take_turns = [this](int) {
     while (const std::optional<PingUnit> unit = take()) {
       try {
-        // A thread that waits for others' share of its ping must not begin a turn: it would not come back.
+        // A thread that waits for parts of its ping must not start another ping. Its own ping would then
+        // wait until the end of the run.
         tbb::this_task_arena::isolate([&] { run_(*unit); });
       } catch (const Interrupted&) {
         stop();

@@ -17,30 +17,30 @@
 
 namespace tubefoot {
 
-/// The threads of a rank that simulate pings from a small stock, while the caller's thread sees to messages.
+/// The threads of a rank that simulate pings from a small stock, while the calling thread handles messages.
 class PingWorkers {
  public:
-  /// `run` is called by `threads` threads at once, for one ping each.
+  /// `threads` threads call `run` concurrently, each for one ping.
   PingWorkers(int threads, std::function<void(const PingUnit&)> run);
-  /// Waits for the pings that were begun.
+  /// Waits for the pings in progress.
   ~PingWorkers();
   PingWorkers(const PingWorkers&) = delete;
   PingWorkers& operator=(const PingWorkers&) = delete;
 
-  /// How many pings to add now: as many as keep all busy for about as long as it may take until more come, so
-  /// one at a time where pings are slow; 0: enough are there.
+  /// Returns the number of pings to add now. This number keeps all threads busy for about the time until the
+  /// next pings can arrive. Slow pings are therefore requested one at a time. It is 0 if the stock suffices.
   std::size_t wanted() const;
   void add(std::span<const PingUnit> units);
-  /// No more will be added.
+  /// Announces that no more pings follow.
   void close();
-  /// Leaves out those that were not begun.
+  /// Discards the pings that were not started.
   void stop();
-  /// Whether nothing is left to do, or a ping failed.
+  /// Returns whether no work is left, or a ping failed.
   bool finished() const { return finished_; }
   bool failed() const { return failed_; }
-  /// Waits for the pings that were begun; throws what one of them threw.
+  /// Waits for the pings in progress, and throws the exception of a failed ping.
   void join();
-  /// Sleeps until a ping is finished, no longer than `longest`.
+  /// Sleeps until a ping is finished, but no longer than `longest`.
   void rest(std::chrono::microseconds longest);
 
  private:

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// MPI counts in int: longer messages go in portions.
+// MPI counts bytes in int, so that longer messages are sent in portions.
 constexpr std::size_t most_at_once = std::size_t{1} << 30;
 
 std::optional<int> number_in(const char* variable) {
@@ -51,7 +51,7 @@ std::unique_ptr<RankLink> join_ranks() {
   std::string why;
   for (const fs::path& place : {folder / "libtubefoot_mpi.so",
                                 (folder / TUBEFOOT_MPI_FOLDER / "libtubefoot_mpi.so").lexically_normal()}) {
-    // Global, for the parts that Open MPI loads in turn.
+    // Global symbols, for the components that Open MPI loads itself.
     if (void* library = dlopen(place.c_str(), RTLD_NOW | RTLD_GLOBAL)) {
       using Join = RankLink* (*)(std::size_t);
       if (const auto join = reinterpret_cast<Join>(dlsym(library, "tubefoot_link_ranks")))

@@ -9,52 +9,53 @@
 
 namespace tubefoot {
 
-/// Bytes from another rank.
+/// Message from another rank.
 struct RankMessage {
   int from = 0;
   std::string bytes;
 };
 
-/// Messages between the processes ("ranks") that mpirun or srun started as one. Used by one thread. Messages
-/// from one rank to another arrive whole and in order. Nothing but leave() waits for another rank: bytes
-/// move, both ways, while receive() is called. A library of its own (src/mpi) makes it, so that the program
-/// itself needs no MPI.
+/// Messages between the processes ("ranks") of one run that mpirun or srun started. One thread uses the
+/// link. Messages from one rank to another arrive complete and in order. Only leave() waits for another
+/// rank. Bytes move in both directions during calls of receive(). A separate library (src/mpi) implements
+/// the link, so that the program itself needs no MPI.
 class RankLink {
  public:
   virtual ~RankLink() = default;
   virtual int rank() const = 0;
   virtual int ranks() const = 0;
-  /// Ranks on this machine, this one included.
+  /// Returns the number of ranks on this machine, including this one.
   virtual int local_ranks() const = 0;
-  /// The machine.
+  /// Returns the name of the machine.
   virtual std::string host() const = 0;
-  /// Keeps the message until it has left.
+  /// Sends a message. The link keeps the message until all its bytes have left.
   virtual void send(int to, std::string bytes) = 0;
-  /// A message that has arrived; nothing if there is none yet.
+  /// Returns a message that has arrived; empty if there is none yet.
   virtual std::optional<RankMessage> receive() = 0;
-  /// Bytes of messages that have not left.
+  /// Returns the number of bytes that have not left.
   virtual std::size_t unsent() const = 0;
-  /// Whether a message is on its way out or in: then receive() should be called again soon.
+  /// Returns whether a message is being sent or received. The caller should then soon call receive() again.
   virtual bool moving() const = 0;
-  /// How long to rest before receive() is called again.
+  /// Returns the time to wait before the next call of receive().
   std::chrono::microseconds pause() const { return std::chrono::microseconds(moving() ? 50 : 1000); }
-  /// Waits until all messages have left and all ranks leave, and ends the link. Messages to this rank must
-  /// have been received. Without it MPI takes the end of the program for a fault.
+  /// Waits until all messages have left and all ranks call leave(), and closes the link. All messages to
+  /// this rank must have been received before. Without this call, MPI treats the end of the program as an
+  /// error.
   virtual void leave() = 0;
 };
 
-/// The link of a process that mpirun or srun started together with others; null for one that is alone. Throws
-/// UsageError where the library that speaks MPI is missing, or another MPI started the program.
+/// Returns the link of a process that mpirun or srun started together with others; null for a single
+/// process. Throws UsageError if the MPI library is missing, or if another MPI started the program.
 std::unique_ptr<RankLink> join_ranks();
 
-/// Whether this is not the first of several processes, by what their starter told them: known before
-/// join_ranks(), for what only one of them shall say.
+/// Returns whether this process is not the first of several, according to the environment of its launcher.
+/// The result is known before join_ranks(). Only the first process prints certain messages.
 bool is_later_rank();
-/// Whether others were started together with this one.
+/// Returns whether other processes were started together with this one.
 bool is_one_of_several_ranks();
 
-/// Threads for a rank that was given no number: its share of the machine's cores, or those it is bound to if
-/// they are fewer.
+/// Returns the number of threads of a rank if the user sets none. It is the rank's share of the machine's
+/// cores, but at most the number of cores to which the rank is bound.
 int threads_of_rank(int local_ranks);
 
 }  // namespace tubefoot

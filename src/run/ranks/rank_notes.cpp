@@ -11,6 +11,9 @@
 #include "files/input_error.hpp"
 #include "files/usage_error.hpp"
 
+// This file encodes and decodes the messages between ranks (docs/cluster.md). A letter is followed by JSON,
+// by numbers in the byte order of the machine, or by a packed ping.
+
 namespace tubefoot {
 namespace {
 

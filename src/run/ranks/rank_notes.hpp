@@ -9,21 +9,22 @@
 #include "run/checkpoint/ping_store.hpp"
 #include "run/ranks/ping_workers.hpp"
 
-// What ranks tell each other (docs/cluster.md): a letter, then what belongs to it.
+// This header declares the messages between ranks (docs/cluster.md). A message is one letter, followed by
+// its contents.
 namespace tubefoot {
 
 enum class Note : char {
-  start = 's',       ///< from rank 0: what is run, JSON
-  pings = 'p',       ///< from rank 0: units to simulate; none: there are no more
-  stop = 'x',        ///< from rank 0, once to each: leave
-  wanted = 'w',      ///< to rank 0: how many pings
+  start = 's',       ///< from rank 0: the run, as JSON
+  pings = 'p',       ///< from rank 0: units to simulate; an empty list means that no more follow
+  stop = 'x',        ///< from rank 0, once to each rank: leave
+  wanted = 'w',      ///< to rank 0: number of requested pings
   result = 'r',      ///< to rank 0: a packed ping
-  failed = 'f',      ///< to rank 0, the last but stop: an error
-  done = 'd',        ///< to rank 0, the last but stop
-  interrupted = 'i'  ///< in place of done: the user asked this rank to stop
+  failed = 'f',      ///< to rank 0, the last message before stop: an error
+  done = 'd',        ///< to rank 0, the last message before stop
+  interrupted = 'i'  ///< in place of done: the user interrupted this rank
 };
 
-/// Throws std::runtime_error for an empty message.
+/// Returns the kind of a message. Throws std::runtime_error for an empty message.
 Note note_of(std::string_view message);
 
 std::string note(Note kind, std::string_view text = {});
@@ -34,11 +35,11 @@ std::vector<PingUnit> units_in(std::string_view message);
 
 std::string result_note(const StoreLayout& layout, const PingUnit& unit, const PingCounts& counts,
                         const PingValues& values);
-/// Keeps a ping as it was packed. Throws std::runtime_error if it is none of this run. Returns whether it is
-/// new.
+/// Stores a ping as it was packed. Throws std::runtime_error if the ping does not belong to this run.
+/// Returns whether the ping is new.
 bool take_result(std::string_view message, const StoreLayout& layout, PingStore& store);
 
-/// What is being thrown, for rank 0 to throw it again.
+/// Returns a message with the error, which rank 0 throws again.
 std::string failed_note(const std::exception& error);
 [[noreturn]] void rethrow(std::string_view failed_message);
 

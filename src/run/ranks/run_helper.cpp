@@ -17,19 +17,23 @@
 #include "run/settings.hpp"
 #include "run/simulation.hpp"
 
+// This file implements all ranks except rank 0. Such a rank requests pings from rank 0, simulates them, and
+// sends the packed results back.
+
 namespace tubefoot {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 using Json = nlohmann::ordered_json;
 
-// Then rank 0 is no more.
+// After this time, rank 0 no longer exists.
 constexpr std::chrono::seconds patience_when_interrupted{2};
 
-// Of results that wait for rank 0.
+// Limit of bytes of results that wait for rank 0.
 constexpr std::size_t most_unsent = std::size_t{8} << 20;
 
-/// However it ends, the workers's threads do not wait for room: the workers waits for them.
+/// Removes the limit of the queue on every exit, because the destructor of the workers waits for their
+/// threads.
 struct OpenedAtExit {
   SendQueue& send_queue;
   ~OpenedAtExit() { send_queue.open(); }
@@ -69,7 +73,7 @@ class HelpingRank {
     simulate(*survey, request, limit.threads());
   }
 
-  /// Says the last word, and leaves with rank 0.
+  /// Sends the last message, and leaves together with rank 0.
   void leave(const std::string& last) {
     link_.send(0, last);
     std::optional<Clock::time_point> stop_seen;
@@ -87,7 +91,7 @@ class HelpingRank {
  private:
   bool over() const { return stopped_ || stop_wanted(); }
 
-  /// A message other than the one that says stop.
+  /// Returns a message, except the one that requests a stop.
   std::optional<std::string> next() {
     std::optional<RankMessage> message = link_.receive();
     if (!message) return std::nullopt;
@@ -110,14 +114,14 @@ class HelpingRank {
     const OpenedAtExit opened{send_queue};
     bool has_requested = false;
     for (bool last = false; !last;) {
-      last = workers.finished();  // before the results are looked at
+      last = workers.finished();  // must precede the handling of the results
       while (const auto message = next()) {
         const std::vector<PingUnit> units = units_in(*message);
         if (units.empty()) workers.close();
         workers.add(units);
         has_requested = false;
       }
-      if (stopped_) stop_requested = true;  // also the pings in progress: nobody waits for them
+      if (stopped_) stop_requested = true;  // also stops the pings in progress, whose results no rank needs
       if (over()) {
         workers.stop();
         send_queue.open();

@@ -11,22 +11,27 @@
 #include "run/ranks/run_ranks.hpp"
 #include "run/simulation.hpp"
 
+// This file implements rank 0 of a run on several ranks. It distributes pings on request, simulates pings
+// itself, and stores all results.
+
 namespace tubefoot {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// mpirun kills a second after it has asked: by then the message about what is kept must be out.
+// mpirun kills the processes a second after its signal. The message about the checkpoint must be printed
+// before.
 constexpr std::chrono::milliseconds patience_when_interrupted{500};
 constexpr std::chrono::seconds patience{5};
 
-/// The pings that nobody has yet, in order.
+/// The pings that no rank has yet, in order.
 class Deal {
  public:
   Deal(const StoreLayout& layout, const PingStore& store) : order_(ping_order_of(layout)), store_(store) {
     left_ = layout.units() - store.done_units();
   }
-  /// Up to `wanted`, and no more than a fair part of what is left, so that nobody ends with many.
+  /// Returns at most `wanted` pings, and no more than a fair share of the remaining ones. No rank then has
+  /// many left at the end.
   std::vector<PingUnit> next(std::size_t wanted, int ranks) {
     std::vector<PingUnit> units;
     const std::size_t most =
@@ -57,9 +62,9 @@ LeadRank::LeadRank(std::unique_ptr<RankLink> link)
 LeadRank::~LeadRank() {
   stop_all();
   while (!all_over()) {
-    if (Clock::now() - *stopped_ > patience) return;  // of a rank that died there is nothing to wait for
-    // mpirun, being interrupted, lets nobody leave in order, and kills who waits for that: the message about
-    // what is kept comes first.
+    if (Clock::now() - *stopped_ > patience) return;  // does not wait for a rank that died
+    // An interrupted mpirun lets no rank leave in order, and kills ranks that wait. The message about the
+    // checkpoint therefore comes first.
     if (stop_wanted()) return;
     while (const std::optional<RankMessage> message = link_->receive()) note_end(*message);
     std::this_thread::sleep_for(link_->pause());
@@ -101,7 +106,8 @@ void LeadRank::simulate(const Survey& survey, const RunRequest& request, PingSto
     progress.step();
   });
   while (!workers.finished() || !all_over()) {
-    // A few at a time: its own threads, and who wants to stop, have their turn however many ranks there are.
+    // Handles a limited number of messages per turn. Its own threads and requests to stop then have their
+    // turn for any number of ranks.
     int received = 0;
     for (; received < ranks(); ++received) {
       const std::optional<RankMessage> message = link_->receive();

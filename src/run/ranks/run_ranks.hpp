@@ -17,30 +17,31 @@ namespace tubefoot {
 
 class PingStore;
 
-/// Rank 0 of a run on several: it deals pings, simulates some itself, and keeps and writes what all found
-/// (docs/cluster.md).
+/// Rank 0 of a run on several ranks. It distributes the pings, simulates some of them, and stores and writes
+/// the results of all ranks (docs/cluster.md).
 class LeadRank {
  public:
   explicit LeadRank(std::unique_ptr<RankLink> link);
-  /// Lets the others go, and leaves with them.
+  /// Sends stop to the other ranks, and leaves together with them.
   ~LeadRank();
   LeadRank(const LeadRank&) = delete;
   LeadRank& operator=(const LeadRank&) = delete;
 
   int ranks() const { return link_->ranks(); }
   int local_ranks() const { return link_->local_ranks(); }
-  /// Tells the others what is run: as what they were asked must be, and the settings, which a tolerance may
-  /// have chosen.
+  /// Sends the run to the other ranks. `requested` must equal their own request. `run` contains the
+  /// settings, which a tolerance may have chosen.
   void start(const nlohmann::ordered_json& requested, const nlohmann::ordered_json& run);
-  /// As simulate() in run/simulation.hpp, on all ranks. Throws what any of them throws.
-  /// `afterwards_s`: what is done after the last ping takes about so long.
+  /// Simulates all pings, as simulate() in run/simulation.hpp does, on all ranks. Throws the exception of
+  /// any rank.
+  /// `afterwards_s`: approximate duration of the work after the last ping.
   void simulate(const Survey& survey, const RunRequest& request, PingStore& store, bool quiet, int threads,
                 double afterwards_s);
 
  private:
   void stop_all();
   bool all_over() const;
-  /// Notes that the sender does no more, if that is what a message says.
+  /// Records the end of the sender's work if the message reports it.
   void note_end(const RankMessage& message);
 
   std::unique_ptr<RankLink> link_;
@@ -49,8 +50,8 @@ class LeadRank {
   std::optional<std::chrono::steady_clock::time_point> stopped_;
 };
 
-/// A run's part on another rank: simulates what rank 0 deals, prints nothing, writes nothing. Errors are rank
-/// 0's to report. Returns 0.
+/// Simulates the pings that rank 0 assigns to this rank. Prints nothing and writes nothing; rank 0 reports
+/// all errors. Returns 0.
 int help_run(const RunOptions& options, std::unique_ptr<RankLink> link);
 
 }  // namespace tubefoot

@@ -14,7 +14,7 @@ void SendQueue::put(std::string result) {
 
 std::vector<std::string> SendQueue::take(std::size_t unsent) {
   const std::lock_guard lock(mutex_);
-  // The link takes over what was held.
+  // The link takes over the queued results.
   unsent_bytes_ = unsent + std::exchange(held_bytes_, 0);
   if (unsent_bytes_ < most_bytes_) room_.notify_all();
   return std::exchange(results_, {});

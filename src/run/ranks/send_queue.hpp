@@ -9,18 +9,19 @@
 
 namespace tubefoot {
 
-/// Results of a rank's threads on their way to its link. Where the link is slower than the threads these
-/// wait, so that what is not sent yet takes no more memory than the send queue was given, and one result a
+/// Results of a rank's threads that wait to be sent. If the link is slower than the threads, the threads
+/// wait. Unsent results therefore take no more memory than the limit of the queue, and one result per
 /// thread.
 class SendQueue {
  public:
   explicit SendQueue(std::size_t most_bytes) : most_bytes_(most_bytes) {}
 
-  /// Waits for room. Called by the threads.
+  /// Adds a result. Waits for free capacity. Called by the worker threads.
   void put(std::string result);
-  /// What was put since, in order. `unsent`: bytes that the link still holds of what was taken before.
+  /// Returns the results since the last call, in order. `unsent`: number of bytes of earlier results that
+  /// the link still holds.
   std::vector<std::string> take(std::size_t unsent);
-  /// Nobody waits from now on.
+  /// Removes the limit: from now on no thread waits.
   void open();
 
  private:

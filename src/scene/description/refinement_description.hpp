@@ -6,20 +6,20 @@
 
 #include "files/input_error.hpp"
 
-// What a scene file says: scene/description/scene_description.hpp.
+// Part of the description of a scene file: scene/description/scene_description.hpp.
 namespace tubefoot {
 
-/// How the materials' relief gets into facets.
+/// Conversion of the relief of materials to facets.
 struct RefinementDescription {
   SourcePlace place;
   std::string mode = "online";        ///< online | offline | off
-  std::optional<double> cell_m;       ///< else the finest detail of all relief
+  std::optional<double> cell_m;       ///< by default the finest detail of all relief
   std::string displace = "vertical";  ///< vertical | normal
-  /// Online: RMS change of a range sample's energy, relative; 0: cells everywhere; none: 0.01, unless a run
-  /// is asked for a tolerance.
+  /// Online: relative RMS change of a range sample's energy. 0 means cells everywhere. The default is 0.01,
+  /// unless a run requests a tolerance.
   std::optional<double> tolerance;
   std::optional<std::string>
-      file;  ///< offline: of 'tubefoot refine', resolved; it is no part of the scene hash
+      file;  ///< offline: resolved path of a file by 'tubefoot refine'; it is not part of the scene hash
   SourcePlace file_place;
 };
 

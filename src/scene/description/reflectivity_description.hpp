@@ -10,18 +10,18 @@
 
 #include "files/input_error.hpp"
 
-// What a scene file says: scene/description/scene_description.hpp.
+// Part of the description of a scene file: scene/description/scene_description.hpp.
 namespace tubefoot {
 
 /// Micro-texture: octaves of improved Perlin noise.
 struct PerlinReflectivityKeys {
-  double wavelength_m = 0.5;  ///< the longest
+  double wavelength_m = 0.5;  ///< longest wavelength
   int octaves = 3;
   double persistence = 0.5;
   double depth = 0.25;
   std::uint64_t seed = 1;
 };
-/// Micro-texture: a raster, over and over from the frame's origin on, or where it lies on Earth.
+/// Micro-texture: a raster, repeated from the origin of the frame, or at its position on Earth.
 struct MapReflectivityKeys {
   std::filesystem::path file;
   std::string values = "factor";                ///< factor | db

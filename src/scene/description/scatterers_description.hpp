@@ -6,14 +6,14 @@
 
 #include "files/input_error.hpp"
 
-// What a scene file says: scene/description/scene_description.hpp.
+// Part of the description of a scene file: scene/description/scene_description.hpp.
 namespace tubefoot {
 
-/// The scatterers that signals come from (kind "array"): one field that belongs to the surface, whoever
-/// looks.
+/// The scatterers that produce signals (kind "array"). Their field is fixed to the surface and independent
+/// of the sensor.
 struct ScatterersDescription {
   SourcePlace place;
-  std::optional<double> spacing_m;  ///< none: as close as the scene's arrays can tell scatterers apart
+  std::optional<double> spacing_m;  ///< by default as close as the resolution of the scene's arrays requires
   std::string texture = "none";     ///< none | gamma | log_normal
   double texture_shape = 1;         ///< 1 / variance of the texture
   double texture_cell_m = 0.1;

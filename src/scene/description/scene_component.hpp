@@ -9,16 +9,17 @@
 
 namespace tubefoot {
 
-/// Facets of one component before they are put on the world grid: what every source of geometry returns.
+/// Facets of one component before they are placed on the world grid. Every source of geometry returns this
+/// type.
 struct ComponentMesh {
   std::vector<glm::dvec3> points_m;
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::vector<std::uint16_t> materials;  ///< per triangle; empty: the component's own
-  std::size_t hole_cells = 0;  ///< rasters: cells left wholly or partly open because a corner has no data
-  std::vector<std::string> warnings;  ///< what the user should know about the source
+  std::vector<std::uint16_t> materials;  ///< by triangle; empty for the component's own material
+  std::size_t hole_cells = 0;  ///< rasters: cells that are partly or wholly open because a corner has no data
+  std::vector<std::string> warnings;  ///< warnings about the source for the user
 };
 
-/// Leaves out the points that no triangle uses: they would only stretch the scene's extent.
+/// Removes the points that no triangle uses, because they would enlarge the extent of the scene.
 void drop_unused_points(ComponentMesh& mesh);
 
 }  // namespace tubefoot

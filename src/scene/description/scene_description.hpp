@@ -18,18 +18,19 @@
 #include "scene/description/trajectory_description.hpp"
 #include "scene/description/water_description.hpp"
 
-// What a scene file says, key by key, in the file's own units (degrees, metres, kHz). Nothing is loaded yet.
-// docs/scene-file.md documents every key with unit, default and range. Each section has a header of its own,
-// to be included where no other is needed: this one changes with each of them.
+// Description of a scene file, key by key, in the units of the file (degrees, metres, kHz). No further file
+// is loaded. docs/scene-file.md documents every key with unit, default and range.
+// Each section has its own header. Include that header alone where possible, because this one changes with
+// every section.
 namespace tubefoot {
 
 struct SceneDescription {
   std::filesystem::path file;
-  std::string sha256;  ///< of the scene file's text and of every file it names, in order: the scene hash
-  /// What that hash is of, the scene file first, then every file that it names, with those that are read
-  /// along.
+  std::string
+      sha256;  ///< scene hash: SHA-256 of the scene file's text and of every file that it names, in order
+  /// The hashed files: the scene file first, then every file that it names and its companions.
   std::vector<std::filesystem::path> inputs;
-  /// Those of them that lie outside of its folder, as messages; refused if it is `confined`.
+  /// Messages about hashed files outside of the scene file's folder. Such files are an error if `confined`.
   std::vector<std::string> outside;
   bool confined = false;
   std::string title;
@@ -47,14 +48,14 @@ struct SceneDescription {
   RunDescription run;
 };
 
-/// Reads and checks a scene file: keys, types, ranges, names that refer to each other, files that must exist.
-/// `kinds`: of its sensors (sensors/kinds/scene_file.hpp has all that there are). Throws InputError
-/// "scene.toml:12:5: ..." that says what was expected. `confined`: what lies outside of the scene file's
-/// folder, links followed, is refused; else it is noted.
+/// Reads and checks a scene file: keys, types, ranges, references between names, and existence of files.
+/// `kinds` are the kinds of sensors (sensors/kinds/scene_file.hpp has all of them).
+/// If `confined`, files outside of the scene file's folder (links followed) are an error; otherwise they
+/// are recorded. Throws InputError "scene.toml:12:5: ..." that states what was expected.
 SceneDescription read_scene_file(const std::filesystem::path& file, const SensorSections& kinds,
                                  bool confined = false);
-/// The same from a text, as if it stood in `file`: relative paths start from that one's folder, and messages
-/// name it. It need not exist.
+/// Reads a scene from a text as if it were in `file`. Relative paths start from the folder of `file`, and
+/// messages name it. The file need not exist.
 SceneDescription read_scene_text(const std::string& text, const std::filesystem::path& file,
                                  const SensorSections& kinds, bool confined = false);
 

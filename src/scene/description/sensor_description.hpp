@@ -13,14 +13,15 @@
 #include "files/input_error.hpp"
 #include "scene/description/sensor_section.hpp"
 
-// What a scene file says of a sensor: what all have, and the keys of its kind. docs/scene-file.md
+// Describes a sensor of a scene file: the keys of all sensors, the keys of its kind, its beam patterns and
+// its signal processing. docs/scene-file.md documents all keys.
 namespace tubefoot {
 
-/// The keys of a sensor's kind, as a value of the kind's own type. That type says which kind it is of, by a
-/// static function `kind()`. Copies share the value.
+/// The keys of a sensor's kind, as a value of the kind's own type. The static function `kind()` of that
+/// type returns the kind. Copies share the value.
 class SensorKeys {
  public:
-  SensorKeys() = default;  ///< of no kind
+  SensorKeys() = default;  ///< without a kind
   template <class Own>
   requires requires {
     { Own::kind() } -> std::convertible_to<const SensorSection&>;
@@ -28,15 +29,15 @@ class SensorKeys {
   SensorKeys(Own own)
       : section_(&Own::kind()), type_(&typeid(Own)), own_(std::make_shared<Own>(std::move(own))) {}
 
-  /// Throws std::logic_error where there is none.
+  /// Throws std::logic_error if there is no kind.
   const SensorSection& section() const;
-  /// Throws std::logic_error for keys of another type.
+  /// Throws std::logic_error if the keys have another type.
   template <class Own>
   const Own& as() const {
     check(typeid(Own));
     return *static_cast<const Own*>(own_.get());
   }
-  /// To change them: a value of its own from here on, that copies do not see. Throws as as() does.
+  /// Returns the keys for changes, which copies do not see. Throws under the same conditions as as().
   template <class Own>
   Own& edit() {
     if (own_.use_count() != 1) own_ = std::make_shared<Own>(as<Own>());
@@ -52,7 +53,7 @@ class SensorKeys {
   std::shared_ptr<void> own_;
 };
 
-/// As a section of the scene file fills it (toml_reader.hpp).
+/// Sets the kind. The sections of a scene file call this function (toml_reader.hpp).
 template <class Own>
 void set_kind(SensorKeys& keys) {
   keys = Own();
@@ -64,51 +65,52 @@ Own& kind_as(SensorKeys& keys) {
 
 /// Beam pattern (power) of a transmitter or a receiver.
 struct PatternDescription {
-  std::string pattern = "none";      ///< none | line | piston | gaussian | table
-  std::string angle = "azimuth";     ///< azimuth | elevation | off_axis: what all but piston depend on
-  std::optional<double> aperture_m;  ///< line: length; piston: diameter
-  std::optional<double> width_deg;   ///< gaussian: full one-way width at -3 dB
-  std::optional<std::filesystem::path> file;  ///< table
+  std::string pattern = "none";   ///< none | line | piston | gaussian | table
+  std::string angle = "azimuth";  ///< azimuth | elevation | off_axis: argument of all patterns except piston
+  std::optional<double> aperture_m;           ///< length of a line, diameter of a piston
+  std::optional<double> width_deg;            ///< gaussian: full one-way width at -3 dB
+  std::optional<std::filesystem::path> file;  ///< of a table
   SourcePlace file_place;
 };
 
-/// What the receiver makes of the echoes in the files that a sonar would write; echoes.nc keeps the energies.
+/// Processing of echoes by the receiver, for files in the formats of sonars. echoes.nc contains the
+/// energies.
 struct SignalDescription {
   double source_level_db = 210;          ///< dB re 1 uPa at 1 m
   std::optional<double> noise_level_db;  ///< dB re 1 uPa in the receiver's band
   std::string speckle = "none";          ///< none | rayleigh | k
   int speckle_looks = 1;
-  double speckle_shape = 1;             ///< nu of the K law
-  std::optional<double> tvg_spreading;  ///< Sp of the gain Sp log10 R + 2 alpha R + G; none: no gain
-  std::optional<double> tvg_absorption_db_per_km;  ///< alpha; else the water's own
+  double speckle_shape = 1;             ///< nu of the K distribution
+  std::optional<double> tvg_spreading;  ///< Sp of the gain Sp log10 R + 2 alpha R + G; if empty, no gain
+  std::optional<double> tvg_absorption_db_per_km;  ///< alpha; by default the water's absorption
   double tvg_gain_db = 0;
-  double tvg_fixed_below_m = 10;          ///< nearer than this the gain stays what it is here
-  double display_gain_db = 0;             ///< by which pictures are brighter; files keep their values
-  std::optional<double> pulse_length_us;  ///< echoes are spread over c tau / 2; none: not spread
+  double tvg_fixed_below_m = 10;          ///< at shorter range the gain has its value at this range
+  double display_gain_db = 0;             ///< increases the brightness of pictures; files keep their values
+  std::optional<double> pulse_length_us;  ///< echoes are spread over c tau / 2; if empty, not spread
 };
 
 struct SensorDescription {
   SourcePlace place;
   std::string name;
-  std::string preset = "none";  ///< of sensor_presets(); its keys are in here already
-  std::string trajectory;       ///< may be empty when the scene has just one
+  std::string preset = "none";  ///< name in sensor_presets(); its keys are already included
+  std::string trajectory;       ///< may be empty if the scene has only one
   SourcePlace trajectory_place;
   std::array<double, 3> lever_arm_m{0, 0, 0};  ///< starboard, forward, up from the carrier's reference point
-  std::optional<std::array<double, 3>> receiver_arm_m;  ///< of a separate receiver from the transmitter
+  std::optional<std::array<double, 3>> receiver_arm_m;  ///< arm of a separate receiver, from the transmitter
   double yaw_deg = 0, tilt_deg = 0, roll_deg = 0;       ///< mounting: yaw to starboard, tilt downwards, roll
   std::optional<std::array<double, 3>>
-      look_at_m;  ///< east, north, up of what it is turned to, whatever carries it
+      look_at_m;  ///< east, north, up of the point that the sensor faces, independent of the carrier
   double first_ping_s = 0;
-  std::optional<int> pings;  ///< else 1; on the lines of a survey, all that fit them
+  std::optional<int> pings;  ///< default 1; on the lines of a survey, all that fit
   double ping_interval_s = 0.1;
-  /// How far off a beam's height may be, relative, as its cones are cut by planes (angles.hpp).
+  /// Permitted relative error of a beam's height, as planes approximate its cones (angles.hpp).
   double cone_tolerance = 4.5e-5;
   PatternDescription transmit, receive;
   SignalDescription signal;
-  SensorKeys kind;  ///< what only sensors of its kind have
+  SensorKeys kind;  ///< keys that only sensors of its kind have
 };
 
-/// What its kind makes of a sensor's keys.
+/// Returns the figures that the kind of a sensor computes from its keys.
 SensorFigures figures_of(const SensorDescription& sensor);
 
 }  // namespace tubefoot

@@ -13,33 +13,33 @@ struct TomlTable;
 template <class S>
 class TomlSection;
 
-/// What a scene has to know of a sensor, whatever its kind.
+/// Figures of a sensor that a scene needs, independent of its kind.
 struct SensorFigures {
   double frequency_khz = 0;
-  std::int64_t beams = 1, samples = 1;  ///< of a ping
-  std::int64_t transmissions = 1;       ///< of a ping
-  double sample_m = 0;                  ///< range that a sample covers
+  std::int64_t beams = 1, samples = 1;  ///< per ping
+  std::int64_t transmissions = 1;       ///< per ping
+  double sample_m = 0;                  ///< range interval of a sample
   double beam_deg = 0;                  ///< width of the narrowest beam
-  double farthest_m = 0;                ///< range
+  double farthest_m = 0;                ///< largest range
 };
 
-/// A kind of sensor as scene files know it: `kind = "name"` in [[sensors]], and the keys that go with it.
-/// What such a sensor does is not the scene's business (sensors/recordings/sensor_kind.hpp).
+/// A kind of sensor in scene files: `kind = "name"` in [[sensors]], and its keys. The function of such a
+/// sensor is defined elsewhere (sensors/recordings/sensor_kind.hpp).
 class SensorSection {
  public:
   explicit SensorSection(std::string name) : name_(std::move(name)) {}
   virtual ~SensorSection() = default;
-  SensorSection(const SensorSection&) = delete;  // descriptions point to it
+  SensorSection(const SensorSection&) = delete;  // descriptions point to the object
   SensorSection& operator=(const SensorSection&) = delete;
 
   const std::string& name() const { return name_; }
   /// Adds the kind with its keys: section.kind<Own>("kind", name(), ...).
   virtual void add_keys(TomlSection<SensorDescription>& section) const = 0;
-  /// What no single key can tell. Throws InputError at a key's place.
+  /// Checks conditions on several keys. Throws InputError at the place of a key.
   virtual void check(const SensorDescription&, const TomlTable&) const {}
-  /// Whether its beams lie about the sensor's forward axis, so that it can be turned to look at something.
+  /// Returns whether the beams lie about the sensor's forward axis, so that the sensor can face a point.
   virtual bool looks_ahead() const { return false; }
-  /// Whether it keeps signals with phase, which smooth materials return.
+  /// Returns whether the sensor records signals with phase, which smooth materials return.
   virtual bool receives_phases() const { return false; }
   virtual SensorFigures figures(const SensorDescription& sensor) const = 0;
 

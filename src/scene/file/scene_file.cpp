@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Reads a scene file (TOML, docs/scene-file.md): it parses the text, applies presets, reads all sections,
+// resolves references between them, and computes the scene hash. The hash is the SHA-256 of the text and of
+// the hashes of all named files.
+
 #include <toml++/toml.h>
 
 #include <algorithm>
@@ -34,14 +39,14 @@ std::string scene_text(const fs::path& file) {
   return read_whole(file, place, limits::scene_file_bytes, "a scene file (TOML text)");
 }
 
-/// Takes the scene hash, and notes every file that it is of: what the scene is made of, and nothing else is
-/// read.
+/// Computes the scene hash and records every hashed file. A scene consists of these files, and no other
+/// file is read.
 class InputHash {
  public:
   InputHash(SceneDescription& scene, const std::string& text)
       : scene_(scene), folder_(scene.file.parent_path()) {
     hash_.update(text);
-    // A description may be of a text that is in no file.
+    // The text of a description need not be in a file.
     if (std::error_code ignored; fs::is_regular_file(scene.file, ignored)) scene.inputs.push_back(scene.file);
   }
 
@@ -66,7 +71,7 @@ class InputHash {
   std::string hash() const { return hash_.hex_digest(); }
 
  private:
-  /// Of what lies outside of the scene's folder.
+  /// Rejects or records a file outside of the scene's folder.
   void refuse_or_note(const fs::path& file, const SourcePlace& place, const std::string& who) {
     const auto real = place_outside(folder_, file);
     if (!real) return;
@@ -86,8 +91,8 @@ class InputHash {
       if (through_gdal) words.feed(piece);
     });
     if (!words.met().empty()) throw InputError({file.string(), 0, 0}, names_grids(words.met()));
-    // Its own hash and not its bytes, so that none can be moved to the next file unseen; and its name, by
-    // which it is read. As sha256sum prints it.
+    // The hash covers each file's own digest instead of its bytes, so that bytes cannot move to the next
+    // file unnoticed. It also covers the name, by which the file is read. The format is that of sha256sum.
     hash_.update(fmt::format("{}  {}\n", own.hex_digest(), file.filename().string()));
     scene_.inputs.push_back(file);
   }
@@ -105,12 +110,13 @@ void refuse_preset_as_kind(const toml::table& sensor, const TomlSource& source) 
         fmt::format("\"{0}\" is a preset and no kind: write preset = \"{0}\" in its place", *kind));
 }
 
-/// Adds the keys of a sensor's preset that the sensor does not give itself. A pattern that it gives replaces
-/// all that the preset says of that pattern.
+/// Adds the keys of a sensor's preset that the sensor does not have. If the sensor has a pattern, that
+/// pattern replaces all keys of the preset for this side.
 void apply_preset(toml::table& sensor, const TomlSource& source) {
   refuse_preset_as_kind(sensor, source);
   const toml::node* named = sensor.get("preset");
-  if (named == nullptr || !named->is_string()) return;  // the section's reader refuses what is no text
+  if (named == nullptr || !named->is_string())
+    return;  // the section's reader rejects a value that is not text
   const std::string name = **named->as_string();
   for (const SensorPreset& preset : sensor_presets()) {
     if (preset.name != name) continue;
@@ -147,7 +153,7 @@ void apply_presets(toml::table& root, const TomlSource& source) {
     if (toml::table* table = sensor.as_table()) apply_preset(*table, source);
 }
 
-/// A description and the table it comes from, for what is checked across tables.
+/// A description and its table, for checks across tables.
 template <class S>
 struct Entry {
   S description;
@@ -175,7 +181,7 @@ void read_section(const TomlEntry& entry, const TomlSection<S>& section, TomlSou
 }
 
 struct SceneEntries {
-  SceneDescription scene;  ///< what stands above all sections
+  SceneDescription scene;  ///< keys before all sections
   std::vector<Entry<GeoreferenceDescription>> georeference;
   std::vector<Entry<WaterDescription>> water;
   std::vector<Entry<SeaSurfaceDescription>> sea_surface;
@@ -228,7 +234,7 @@ SceneEntries read_entries(const toml::table& root, const TomlSection<SensorDescr
   return all;
 }
 
-/// Names of a section's entries, and the place of each. They refer to the entries.
+/// Names of a section's entries with their places. The names refer to the entries.
 using Names = std::map<std::string_view, SourcePlace>;
 
 template <class S>
@@ -247,7 +253,7 @@ Names unique_names(const std::vector<Entry<S>>& entries, const TomlSection<S>& s
   return taken;
 }
 
-/// Resolves a key that names an entry of another section; left out, it means the only entry there is.
+/// Resolves a key that names an entry of another section. Without the key, the only entry is meant.
 void resolve(std::string& name, SourcePlace& place, const TomlTable& table, std::string_view key,
              const Names& names, std::string_view section) {
   place = table.place_of(key);
@@ -314,7 +320,7 @@ std::vector<S> descriptions(std::vector<Entry<S>>& entries) {
   return result;
 }
 
-/// The one description there is, or the default one, placed at the whole file.
+/// Returns the only description, or the default one with the whole file as its place.
 template <class S>
 S only(const std::vector<Entry<S>>& entries, const fs::path& file) {
   if (!entries.empty()) return entries.front().description;
@@ -384,7 +390,7 @@ SceneDescription read_scene_text(const std::string& text, const fs::path& file, 
   scene.confined = confined;
   InputHash inputs(scene, text);
   for (const TomlSource::NamedFile& named : source.named_files) inputs.add(named);
-  // `tubefoot refine` may be about to write it.
+  // `tubefoot refine` may be about to write this file.
   if (std::error_code ignored; scene.refinement.file && fs::exists(*scene.refinement.file, ignored))
     inputs.add({*scene.refinement.file, *scene.refinement.file, scene.refinement.file_place});
   scene.sha256 = inputs.hash();

@@ -16,7 +16,8 @@ TomlField<PatchMaterialMap> shares_field() {
   return table_field<PatchMaterialMap>(
       "shares", {.required = true}, [](const toml::table& table, TomlSource& source, PatchMaterialMap& map) {
         constexpr ValueRange share{.lo = 0, .hi = 1e6, .lo_excluded = true};
-        for (const auto& [name, node] : table) {  // sorted by name: their order in the file tells nothing
+        for (const auto& [name, node] :
+             table) {  // sorted by name, because their order in the file has no meaning
           MaterialShare& s = map.shares.emplace_back();
           s.material = name.str();
           s.place = source.place(name.source());

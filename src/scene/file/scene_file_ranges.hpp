@@ -6,7 +6,8 @@
 // Ranges of values that several keys of a scene file share.
 namespace tubefoot {
 
-/// Coordinates and sizes: more than the Earth's radius is a slip, and the world grid ends at 2^30 m.
+/// Coordinates and sizes. A value above the Earth's radius is probably an error, and the world grid ends at
+/// 2^30 m.
 inline constexpr double far_m = 1e7;
 inline constexpr ValueRange coordinate{.lo = -far_m, .hi = far_m};
 inline constexpr ValueRange size{.lo = 0, .hi = far_m, .lo_excluded = true};
@@ -19,7 +20,7 @@ inline constexpr ValueRange longitude{.lo = -180, .hi = 180};
 inline constexpr ValueRange not_negative{.lo = 0};
 inline constexpr ValueRange index{.lo = 0, .hi = 1000000};
 inline constexpr ValueRange count_of_two{.lo = 2, .hi = 1000000};
-/// Of the world grid's unit, 2^-k m.
+/// Largest k of the world grid's unit 2^-k m.
 inline constexpr int finest_grid_exponent = 30;
 
 }  // namespace tubefoot

@@ -2,7 +2,7 @@
 #include "scene/file/scene_file_ranges.hpp"
 #include "scene/file/scene_file_sections.hpp"
 
-// [relief]
+// The section [relief] of a scene file.
 namespace tubefoot {
 namespace {
 

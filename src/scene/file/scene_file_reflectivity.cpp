@@ -8,7 +8,7 @@ namespace tubefoot {
 const TomlSection<ReflectivityDescription>& reflectivity_section() {
   using Perlin = PerlinReflectivityKeys;
   using Map = MapReflectivityKeys;
-  // 1 / PerlinLattice::largest, rounded towards less.
+  // 1 / PerlinLattice::largest, rounded down.
   constexpr ValueRange depth{.lo = 0, .hi = 0.9649, .if_above = "a bed cannot scatter less than nothing"};
   static const auto section =
       TomlSection<ReflectivityDescription>("[[materials.reflectivity]]")

@@ -2,7 +2,7 @@
 #include "scene/file/scene_file_ranges.hpp"
 #include "scene/file/scene_file_sections.hpp"
 
-// [scatterers]
+// The section [scatterers] of a scene file.
 namespace tubefoot {
 namespace {
 

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Keys of a material for its scattering model (Lambert, GSAB, table, sediment; docs/scattering.md) and for
+// its smooth surface (docs/smooth-surfaces.md), with the conditions between them.
+
 #include "scene/file/scene_file_scattering.hpp"
 
 #include <algorithm>
@@ -33,7 +37,7 @@ void check_pair(const TomlTable& table, std::string_view one, std::string_view o
 
 std::vector<TomlField<MaterialDescription>> scattering_fields() {
   using M = MaterialDescription;
-  // 10 log10(1 / pi), rounded towards less energy (physics: Lambert, pi mu <= 1).
+  // 10 log10(1 / pi), rounded down. Energy conservation requires pi mu <= 1 for Lambert's law.
   constexpr ValueRange lambert{
       .lo = -120, .hi = -4.9715, .if_above = "a surface cannot scatter more than it receives"};
   constexpr ValueRange level{.lo = -120, .hi = 40}, width{.lo = 0.1, .hi = 90}, exponent{.lo = 0, .hi = 10},

@@ -4,17 +4,18 @@
 #include "scene/description/material_description.hpp"
 #include "scene/file/toml_reader.hpp"
 
-// The keys of a material that say how it scatters, and what of it is smooth.
+// Keys of a material for its scattering model and its smooth surface.
 namespace tubefoot {
 
 std::vector<TomlField<MaterialDescription>> scattering_fields();
 
-/// Which keys go with which law.
+/// Checks which keys the chosen scattering model permits and requires.
 void check_scattering(const MaterialDescription& material, const TomlTable& table);
 
 std::vector<TomlField<MaterialDescription>> smooth_fields();
 
-/// Keys of smooth materials are theirs alone, and one of them says what is reflected.
+/// Checks that only smooth materials have the keys of smooth materials, and that one of these keys states
+/// the reflection.
 void check_smooth(const MaterialDescription& material, const TomlTable& table);
 
 }  // namespace tubefoot

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Defines the sections of a scene file with their keys, ranges and checks: [georeference], [[materials]],
+// [[terrain]], [[objects]], [[trajectories]], [run] and others (docs/scene-file.md).
+
 #include "scene/file/scene_file_sections.hpp"
 
 #include <algorithm>
@@ -32,7 +36,8 @@ void check_georeference(const GeoreferenceDescription& g, const TomlTable& table
 void check_material(const MaterialDescription& material, const TomlTable& table) {
   check_scattering(material, table);
   check_smooth(material, table);
-  if (!material.specular_loss_db || material.model != "lambert") return;  // other laws: load_scattering()
+  if (!material.specular_loss_db || material.model != "lambert")
+    return;  // load_scattering() checks other models
   const double scattered = std::numbers::pi * std::pow(10, material.lambert_db / 10);
   if (scattered + std::pow(10, -*material.specular_loss_db / 10) > 1)
     throw InputError(

@@ -4,7 +4,7 @@
 #include "scene/description/scene_description.hpp"
 #include "scene/file/toml_reader.hpp"
 
-// The sections of a scene file: every key with its rule, and what holds among the keys of one table.
+// The sections of a scene file: every key with its rule, and the conditions between the keys of one table.
 namespace tubefoot {
 
 const TomlField<SceneDescription>& title_field();
@@ -13,17 +13,17 @@ const TomlSection<WaterDescription>& water_section();
 const TomlSection<SeaSurfaceDescription>& sea_surface_section();
 const TomlSection<PathsDescription>& paths_section();
 const TomlSection<MaterialDescription>& material_section();
-const TomlSection<ReflectivityDescription>& reflectivity_section();  // of a material
+const TomlSection<ReflectivityDescription>& reflectivity_section();  // within a material
 const TomlSection<ReliefDescription>& relief_section();
 const TomlSection<TerrainDescription>& terrain_section();
 const TomlSection<MaterialMapDescription>& material_map_section();
-/// The key of [[terrain]] that holds such a section.
+/// Returns the key of [[terrain]] that holds a material map.
 TomlField<TerrainDescription> material_map_field();
-/// Throws InputError at the first name that the map gives and that is no material.
+/// Throws InputError at the first name in the map that is not a material.
 void check_materials(const MaterialMapDescription& map, const std::vector<std::string>& materials);
 const TomlSection<ObjectDescription>& object_section();
 const TomlSection<TrajectoryDescription>& trajectory_section();
-/// With the keys of those kinds.
+/// Returns the section with the keys of the given kinds.
 TomlSection<SensorDescription> sensor_section(const SensorSections& kinds);
 const TomlSection<RefinementDescription>& refinement_section();
 const TomlSection<ScatterersDescription>& scatterers_section();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The [[sensors]] section of a scene file.
+// Defines the section [[sensors]] of a scene file: keys of all sensors, of their patterns and of their
+// receivers. Each kind of sensor adds its own keys (docs/scene-file.md).
 #include <algorithm>
 
 #include "files/limits.hpp"
@@ -10,7 +11,8 @@
 namespace tubefoot {
 namespace {
 
-/// Of a sensor's transmit or receive pattern: each pattern needs its own measure and takes no other.
+/// Checks a transmit or receive pattern of a sensor. Each pattern needs its own measure and permits no
+/// other.
 void check_pattern(const PatternDescription& pattern, const std::string& side, const TomlTable& table) {
   const struct {
     const char* measure;
@@ -61,7 +63,7 @@ void check_signal(const SignalDescription& signal, const TomlTable& table) {
                        fmt::format("'{}' needs {}: add it, or remove the key", key, wanted));
 }
 
-/// A ping's energies are held whole, and all poses of a sensor.
+/// Limits the energies of a ping and the poses of a sensor, because memory holds all of them.
 void check_amounts(const SensorDescription& sensor, const TomlTable& table) {
   const SensorFigures figures = figures_of(sensor);
   const std::int64_t cells = figures.beams * figures.samples;
@@ -110,7 +112,7 @@ void check_sensor(const SensorDescription& sensor, const TomlTable& table) {
   check_amounts(sensor, table);
 }
 
-/// The keys of a transmit or receive pattern, as keys of the sensor.
+/// Returns the keys of a transmit or receive pattern as keys of the sensor.
 std::vector<TomlField<SensorDescription>> pattern_fields(const std::string& side,
                                                          PatternDescription SensorDescription::*pattern) {
   using P = PatternDescription;
@@ -134,7 +136,7 @@ std::vector<TomlField<SensorDescription>> pattern_fields(const std::string& side
   return fields;
 }
 
-/// The keys of the receiver, as keys of the sensor.
+/// Returns the keys of the receiver as keys of the sensor.
 std::vector<TomlField<SensorDescription>> signal_fields() {
   using G = SignalDescription;
   constexpr ValueRange level{.lo = -300, .hi = 300};
@@ -164,8 +166,8 @@ std::vector<TomlField<SensorDescription>> signal_fields() {
 TomlSection<SensorDescription> sensor_section(const SensorSections& kinds) {
   using S = SensorDescription;
   constexpr ValueRange lever_arm{.lo = -1000, .hi = 1000};
-  // Instruments' files tell times from 1970 in doubles, a quarter of a microsecond apart: of shorter
-  // intervals two pings would be at one time.
+  // Files of instruments contain times since 1970 as doubles, with a resolution of a quarter of a
+  // microsecond. With a shorter interval, two pings would have the same time.
   constexpr ValueRange ping_interval{.lo = 1e-6, .hi = 1e6};
   TomlSection<S> section("[[sensors]]");
   section

@@ -4,13 +4,13 @@
 #include "scene/description/material_map_description.hpp"
 #include "scene/file/toml_reader.hpp"
 
-// Keys of a scene file whose values are tables of names that the user chooses.
+// Keys of a scene file whose values are tables with names that the user chooses.
 namespace tubefoot {
 
-/// Throws InputError for what is no table, and for one without entries.
+/// Throws InputError for a value that is not a table, and for a table without entries.
 const toml::table& table_with_entries(const toml::node& node, const TomlKey& key, const TomlSource& source);
 
-/// A key whose value is a table, which `read(entry, source, s)` reads.
+/// Returns a key whose value is a table. `read(entry, source, s)` reads the table.
 template <class S, class Read>
 TomlField<S> table_field(std::string_view name, KeyRule rule, Read read) {
   const TomlKey key = make_key(name, "table", "none", std::move(rule));
@@ -19,7 +19,7 @@ TomlField<S> table_field(std::string_view name, KeyRule rule, Read read) {
           }};
 }
 
-/// A table of materials by what another file calls them.
+/// Returns a key whose value is a table of materials by their names in another file.
 template <class S>
 TomlField<S> classes_field(std::string_view name, std::vector<MaterialClass> S::*classes, KeyRule rule = {}) {
   return table_field<S>(name, std::move(rule), [classes](const toml::table& table, TomlSource& source, S& s) {
@@ -32,7 +32,7 @@ TomlField<S> classes_field(std::string_view name, std::vector<MaterialClass> S::
   });
 }
 
-/// Throws InputError at `place` if `name` is none of the scene's materials.
+/// Throws InputError at `place` if `name` is not a material of the scene.
 void check_material_name(const std::string& name, const SourcePlace& place,
                          const std::vector<std::string>& materials);
 

@@ -4,11 +4,12 @@
 #include "scene/file/scene_file_ranges.hpp"
 #include "scene/file/scene_file_sections.hpp"
 
-// [water]: one body of water, even or layered.
+// Defines the section [water] of a scene file: isovelocity or stratified water. The checks test which keys
+// a profile permits and requires, and whether the formula for sound speed is valid.
 namespace tubefoot {
 namespace {
 
-/// Keys that only some profiles read, and whether those need them.
+/// A key that only some profiles read, and the profiles that require it.
 struct ProfileKey {
   const char* name;
   std::vector<const char*> profiles, needed_by{};
@@ -72,12 +73,12 @@ void check_profile(const WaterDescription& water, const TomlTable& table) {
   }
 }
 
-/// Where a formula gives the sound speed, it must hold there.
+/// Checks that the values are within the validity of the formula for sound speed, if one is used.
 void check_formula(const WaterDescription& water, const TomlTable& table) {
   if (water.sound_speed_m_s || water.profile != "constant") return;
   const bool leroy = water.sound_speed_formula == "leroy";
   const double saltless = leroy ? 0 : 25, deepest = leroy ? 12000 : 8000;
-  // The temperature's own range is narrow enough.
+  // The range of the temperature's key is narrow enough.
   if (water.salinity_psu < saltless) {
     throw InputError(
         table.place_of("salinity_psu"),

@@ -7,7 +7,8 @@
 namespace tubefoot {
 namespace {
 
-/// Units that scene files use, and others that a person may try. Longer endings before their own endings.
+/// Units in scene files, and others that a person may try. Longer endings precede endings that they
+/// contain.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 33> units{{
     {"db_per_km", "dB/km"},
     {"db_per_m", "dB/m"},

@@ -5,10 +5,10 @@
 
 namespace tubefoot {
 
-/// A key's name, cut into what it measures and the unit it ends in: "heading_deg" is "heading" in "degrees".
+/// A key's name, split into the quantity and its unit: "heading_deg" is "heading" in "degrees".
 struct MeasuredName {
-  std::string_view stem;  ///< the whole name where it ends in no unit
-  std::string_view unit;  ///< in words; empty where it ends in no unit
+  std::string_view stem;  ///< the whole name if it ends in no unit
+  std::string_view unit;  ///< in words; empty if the name ends in no unit
 };
 MeasuredName measured_name(std::string_view key);
 

@@ -4,7 +4,7 @@
 namespace tubefoot {
 namespace {
 
-/// The lines of the comment that a text begins with, without their marks.
+/// Returns the lines of the leading comment of a text, without comment marks.
 std::vector<std::string> head_of(std::string_view text) {
   std::vector<std::string> lines;
   while (text.starts_with("# ")) {

@@ -8,18 +8,18 @@
 
 namespace tubefoot {
 
-/// A sonar that exists, as the keys of a [[sensors]] section that say so: a file of scenes/presets, which the
-/// program carries with it. Its first comment says which sonar that is, the rest of the comment where the
-/// figures come from ("source: ").
+/// An existing sonar as the keys of a [[sensors]] section: a file of scenes/presets that is embedded in the
+/// program. The first line of its comment names the sonar. The rest of the comment names the source of the
+/// figures ("source: ").
 struct SensorPreset {
-  std::string_view name;  ///< of the file, without ".toml"
-  std::string_view text;  ///< TOML, with its comments
+  std::string_view name;  ///< name of the file without ".toml"
+  std::string_view text;  ///< TOML text with its comments
 
   std::string title() const;
   std::string source() const;
 };
 
-/// All of them, by name.
+/// Returns all presets, sorted by name.
 std::span<const SensorPreset> sensor_presets();
 std::vector<std::string> sensor_preset_names();
 

@@ -6,7 +6,7 @@
 
 #include "scene/file/toml_reader.hpp"
 
-// Ranges of values that sensors' keys share, and what holds between two keys.
+// Ranges of values that keys of several kinds of sensors share, and conditions between two keys.
 namespace tubefoot {
 
 inline constexpr ValueRange pitch{.lo = -90, .hi = 90};
@@ -27,12 +27,12 @@ constexpr ValueRange sector(double hi, bool hi_excluded) {
           .if_above = too_wide};
 }
 
-/// The place of the later key, or of the earlier one where the later is left to its default.
+/// Returns the place of the later key, or that of the earlier key if the later has its default.
 inline SourcePlace place_of_pair(const TomlTable& table, std::string_view earlier, std::string_view later) {
   return table.place_of(table.has(later) ? later : earlier);
 }
 
-/// Of a sensor's range window.
+/// Checks a sensor's range gate.
 inline void check_ranges(double range_min_m, double range_max_m, const TomlTable& table) {
   if (range_min_m >= range_max_m)
     throw InputError(
@@ -40,7 +40,7 @@ inline void check_ranges(double range_min_m, double range_max_m, const TomlTable
         fmt::format("'range_min_m' ({}) must be less than 'range_max_m' ({})", range_min_m, range_max_m));
 }
 
-/// Of beams' angles that are listed, which the keys `instead` would say otherwise.
+/// Checks listed beam angles. The keys in `instead` would describe the same beams and are not permitted.
 inline void check_beam_angles(const std::vector<double>& angles_deg,
                               std::initializer_list<const char*> instead, const TomlTable& table) {
   if (angles_deg.empty()) return;

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Reads and checks values of a scene file: types, ranges, texts, files and arrays. Errors name the place
+// and the expected value, and suggest the most similar key, unit or file.
+
 #include "scene/file/toml_reader.hpp"
 
 #include <fmt/ranges.h>
@@ -18,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The type of a node in words: "a text", "an integer".
+/// Returns the type of a node in words: "a text", "an integer".
 std::string type_in_words(const toml::node& node) {
   switch (node.type()) {
     case toml::node_type::string:
@@ -63,7 +67,7 @@ void check_range(double value, const std::string& as_written, const toml::node& 
                                                             as_written, why.empty() ? "" : ": ", why));
 }
 
-/// Of a file that is not there.
+/// Returns a hint at the probable name of a file that does not exist.
 std::string other_name(const fs::path& file) {
   if (file.string().find('\\') != std::string::npos) return ": folders are parted by / here, not by \\";
   std::vector<std::string> names;
@@ -165,7 +169,7 @@ std::vector<TomlTable> tables_of(const toml::node& node, const std::string& sect
 
 void read_value(const toml::node& node, const TomlKey& key, TomlSource& source, double& value) {
   if (!node.is_number()) fail_type(node, key, source);
-  // A whole number that no double has: toml++ would answer with nothing.
+  // toml++ returns nothing for a whole number that a double cannot represent.
   const std::optional<double> number = node.value<double>();
   if (!number)
     throw InputError(source.place(node.source()),

@@ -21,37 +21,38 @@
 #include "scene/file/scene_file_keys.hpp"
 #include "scene/file/toml_names.hpp"
 
-// A section of a scene file as a table of keys: each key knows its struct member, its type, unit, default and
-// range, and the same table reads the file, words the messages and checks the documentation.
+// A section of a scene file as a table of keys. Each key knows its struct member, type, unit, default and
+// range. The same table reads the file, creates the messages and checks the documentation.
 namespace tubefoot {
 
-/// What a number must lie in, ends included unless said otherwise.
+/// Permitted interval of a number, with its ends unless they are excluded.
 struct ValueRange {
   double lo = -std::numeric_limits<double>::infinity();
   double hi = std::numeric_limits<double>::infinity();
   bool lo_excluded = false, hi_excluded = false;
-  const char* if_below = "";  ///< why there is such a bound, where the numbers alone do not say it
+  const char* if_below = "";  ///< reason of the bound, if the numbers do not explain it
   const char* if_above = "";
 
   bool contains(double value) const;
 };
-/// "0 to 14", "> 0, <= 170", empty for any.
+/// Returns "0 to 14", "> 0, <= 170", or an empty text for an unrestricted range.
 std::string to_string(const ValueRange& range);
 
-/// What a key's value must obey. One range holds for every element of an array, else one a element.
+/// Conditions on the value of a key. A single range holds for every element of an array; otherwise there is
+/// one range per element.
 struct KeyRule {
   std::vector<ValueRange> ranges{};
   std::vector<std::string> choices{};
   bool required = false;
-  std::size_t longest = limits::text_bytes;  ///< of a text
-  std::string default_value{};  ///< for the documentation, where the struct's own default does not tell
+  std::size_t longest = limits::text_bytes;  ///< largest length of a text
+  std::string default_value{};  ///< for the documentation, if the struct's default does not show it
 };
 
 /// A key with its rule.
 struct TomlKey : SceneKey, KeyRule {
   using SceneKey::default_value;
 
-  // Not inline: every key of every section makes and copies some.
+  // Not inline, because every key of every section creates and copies some.
   TomlKey();
   TomlKey(const TomlKey&);
   TomlKey(TomlKey&&) noexcept;
@@ -59,59 +60,61 @@ struct TomlKey : SceneKey, KeyRule {
   TomlKey& operator=(TomlKey&&) noexcept;
   ~TomlKey();
 
-  /// "a number in metres (0 to 10000)", for "expected ...".
+  /// Returns "a number in metres (0 to 10000)", for "expected ...".
   std::string expected() const;
 };
 
-/// The file being read.
+/// The file that is being read.
 struct TomlSource {
-  /// A name of a file in the text, resolved against the scene file's folder.
+  /// The name of a file in the text, resolved against the scene file's folder.
   struct NamedFile {
     std::filesystem::path file;
-    std::string name;  ///< as it stands there
+    std::string name;  ///< as written in the text
     SourcePlace place;
   };
   std::filesystem::path file;          ///< as the user gave it
-  std::vector<NamedFile> named_files;  ///< met so far
+  std::vector<NamedFile> named_files;  ///< files found up to now
 
   SourcePlace place(const toml::source_region& region) const;
   SourcePlace place(const toml::node& value) const;
 };
 
-/// One table of the file and where it stands.
+/// One table of the file with its place.
 struct TomlTable {
   const toml::table* table;
   SourcePlace place;
   const TomlSource* source;
 
-  /// The place of a key's value, or of the table where the key is left to its default.
+  /// Returns the place of a key's value, or that of the table if the key has its default.
   SourcePlace place_of(std::string_view key) const;
   bool has(std::string_view key) const { return value(key) != nullptr; }
-  const toml::node* value(std::string_view key) const;  ///< null: the table has no such key
+  const toml::node* value(std::string_view key) const;  ///< null if the table has no such key
 };
 
 struct TomlEntry {
   std::string_view key;
   const toml::node* node;
-  SourcePlace place;  ///< of the key
+  SourcePlace place;  ///< place of the key
 };
-/// A table's entries as they follow one another in the file (toml++ sorts them by name).
+/// Returns the entries of a table in the order of the file (toml++ sorts them by name).
 std::vector<TomlEntry> entries_in_file_order(const toml::table& table, const TomlSource& source);
 
-/// One table, or an array of them; throws InputError for anything else. `section` is for the message.
+/// Returns one table or the tables of an array. Throws InputError for any other value. `section` is for the
+/// message.
 std::vector<TomlTable> tables_of(const toml::node& node, const std::string& section,
                                  const TomlSource& source);
 
-/// Values of every type; they throw InputError at the value's place.
+/// Read values of each type. They throw InputError at the place of the value.
 /// @{
 void read_value(const toml::node& node, const TomlKey& key, TomlSource& source, double& value);
 void read_value(const toml::node& node, const TomlKey& key, TomlSource& source, std::int64_t& value);
 void read_value(const toml::node& node, const TomlKey& key, TomlSource& source, bool& value);
 void read_value(const toml::node& node, const TomlKey& key, TomlSource& source, std::string& value);
-/// A file that must exist: relative paths start from the scene file's folder. Noted in `source.named_files`.
+/// Reads a file that must exist and adds it to `source.named_files`. Relative paths start from the scene
+/// file's folder.
 void read_value(const toml::node& node, const TomlKey& key, TomlSource& source, std::filesystem::path& value);
 
-/// Smaller or unsigned integers: the key's range keeps the value within the type.
+/// Reads smaller or unsigned integers. The range of the key keeps the value within the type.
 template <std::integral T>
 void read_value(const toml::node& node, const TomlKey& key, TomlSource& source, T& value) {
   std::int64_t whole = 0;
@@ -124,10 +127,10 @@ void read_value(const toml::node& node, const TomlKey& key, TomlSource& source, 
   read_value(node, key, source, value.emplace());
 }
 
-/// The elements of an array of the length that the key wants.
+/// Returns the elements of an array that has the length of the key.
 std::vector<const toml::node*> array_of_length(const toml::node& node, const TomlKey& key,
                                                const TomlSource& source, std::size_t length);
-/// The key as it holds for one element of its array.
+/// Returns the key for one element of its array.
 TomlKey element_key(const TomlKey& key, std::size_t index);
 
 template <class T, std::size_t n>
@@ -136,7 +139,7 @@ void read_value(const toml::node& node, const TomlKey& key, TomlSource& source, 
   for (std::size_t i = 0; i < n; ++i) read_value(*elements[i], element_key(key, i), source, value[i]);
 }
 
-/// The elements of an array of any length but 0.
+/// Returns the elements of a non-empty array.
 std::vector<const toml::node*> array_of_any_length(const toml::node& node, const TomlKey& key,
                                                    const TomlSource& source);
 
@@ -149,11 +152,11 @@ void read_value(const toml::node& node, const TomlKey& key, TomlSource& source, 
 }
 /// @}
 
-/// "[0, 1, 2]".
+/// Returns "[0, 1, 2]".
 std::string array_text(const std::vector<std::string>& elements);
 std::string number_text(double value);
 
-/// The type's name in the documentation, and a default as TOML writes it.
+/// The type's name in the documentation, and a default in TOML notation.
 template <class T>
 struct TomlType;
 template <>
@@ -211,14 +214,14 @@ struct TomlType<std::optional<T>> {
   }
 };
 
-/// A key of struct S and how its value gets there.
+/// A key of struct S, and the function that reads its value.
 template <class S>
 struct TomlField {
   TomlKey key;
   std::function<void(const toml::node&, TomlSource&, S&)> read;
 };
 
-/// Name, type, unit and default of a key; the unit is what the name ends in.
+/// Returns a key with name, type, unit and default. The end of the name determines the unit.
 TomlKey make_key(std::string_view name, std::string type, std::string default_value, KeyRule rule);
 
 template <class S, class T>
@@ -229,7 +232,7 @@ TomlField<S> field(std::string_view name, T S::*member, KeyRule rule = {}) {
           }};
 }
 
-/// The fields of what Own is derived from, as fields of Own.
+/// Returns the fields of a base class as fields of Own.
 template <class Own, class Base>
 std::vector<TomlField<Own>> inherited(const std::vector<TomlField<Base>>& fields) {
   std::vector<TomlField<Own>> own;
@@ -240,8 +243,8 @@ std::vector<TomlField<Own>> inherited(const std::vector<TomlField<Base>>& fields
   return own;
 }
 
-/// What a section's S::kind has to offer: to become a kind, and to be filled as one. A variant does; what
-/// else holds kinds has such functions of its own.
+/// Functions that a section's S::kind needs: set_kind() selects a kind, and kind_as() accesses it. A
+/// variant has them here. Other types define their own.
 /// @{
 template <class K, class... Ks>
 void set_kind(std::variant<Ks...>& kind) {
@@ -253,17 +256,17 @@ K& kind_as(std::variant<Ks...>& kind) {
 }
 /// @}
 
-/// A section: the keys of S, and those that only one kind of it has (in S::kind then).
+/// A section: the keys of S, and keys of single kinds (then in S::kind).
 template <class S>
 class TomlSection {
  public:
-  /// `name` is "[water]", given at most once, or "[[terrain]]", given any number of times.
+  /// `name` is "[water]" for a section that occurs at most once, or "[[terrain]]" for any number of tables.
   explicit TomlSection(std::string name) : name_(std::move(name)) {}
 
   TomlSection& keys(const std::vector<TomlField<S>>& fields) { return add(fields, {}); }
 
-  /// The kinds: K with `kind_key = "name"` has `own` keys, and `more` keys of S that the other kinds have
-  /// not.
+  /// Adds a kind: `kind_key = "name"` selects K, with the keys `own` of K. The keys `more` of S exist only
+  /// for this kind.
   template <class K>
   TomlSection& kind(std::string_view kind_key, std::string_view name, const std::vector<TomlField<K>>& own,
                     const std::vector<TomlField<S>>& more = {}) {
@@ -279,8 +282,8 @@ class TomlSection {
     return add(lifted, kind).add(more, kind);
   }
 
-  /// Tables of another section inside this one: [[materials.relief]] for `key` "relief". A single one may be
-  /// written [materials.relief].
+  /// Adds tables of another section inside this one: [[materials.relief]] for `key` "relief". A single
+  /// table may be written as [materials.relief].
   template <class T>
   TomlSection& tables(std::string_view key, std::vector<T> S::*member, const TomlSection<T>& section) {
     TomlKey known;
@@ -294,14 +297,14 @@ class TomlSection {
     return *this;
   }
 
-  /// What no single key can tell, checked after all keys of a table are read.
+  /// Sets a check of conditions between keys, which runs after all keys of a table are read.
   TomlSection& check(std::function<void(const S&, const TomlTable&)> check) {
     check_ = std::move(check);
     return *this;
   }
 
   const std::string& name() const { return name_; }
-  /// The key that tells the kind first, then all others.
+  /// Returns the key that selects the kind, then all others.
   std::vector<TomlKey> all_keys() const;
   S read(const TomlTable& table, TomlSource& source) const;
 
@@ -322,13 +325,12 @@ class TomlSection {
   std::function<void(const S&, const TomlTable&)> check_;
 };
 
-/// The key that tells a section's kinds apart.
+/// Returns the key that selects the kind of a section.
 TomlKey make_kind_key(const std::string& section, std::string_view name, std::vector<std::string> kinds);
-/// Throws InputError at the first key that no kind of the section has (names the nearest one, or the unit
-/// that is wanted).
+/// Throws InputError at the first key that no kind of the section has. The message names the most similar
+/// key, or the expected unit.
 void check_key_names(const TomlTable& table, const std::vector<TomlKey>& keys);
-/// Throws InputError where a key belongs to another kind than the chosen one, or where a required key is
-/// missing.
+/// Throws InputError for a key of a kind that is not selected, and for a missing required key.
 void check_kind_of_keys(const TomlTable& table, const std::vector<TomlKey>& keys, const std::string& kind);
 
 template <class S>

@@ -10,8 +10,9 @@
 namespace tubefoot {
 namespace {
 
-/// toml++ nests a table for every dot of a key and overflows the stack somewhere above 20000 of them; inside
-/// brackets it nests at most 256 deep. So a line's dots bound the depth. Dots in a row are text, not keys.
+/// Limits the dots in a line. toml++ nests a table for every dot of a key, and more than about 20000 dots
+/// overflow the stack. Inside brackets it nests at most 256 deep, so that the dots of a line bound the
+/// depth. Consecutive dots are text, not keys.
 void check_dots(std::string_view text, const std::filesystem::path& file) {
   constexpr int most_dots = 64;
   SourcePlace place{file.string(), 1, 0};
@@ -29,7 +30,7 @@ void check_dots(std::string_view text, const std::filesystem::path& file) {
   }
 }
 
-/// What is meant by a line that TOML has no meaning for.
+/// Returns a hint at the probable meaning of a line that is not TOML.
 std::string toml_hint(std::string_view text, std::size_t number) {
   for (; number > 1 && text.find('\n') != text.npos; --number) text.remove_prefix(text.find('\n') + 1);
   const std::string line(text.substr(0, std::min<std::size_t>(text.find('\n'), 1000)));

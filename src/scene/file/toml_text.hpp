@@ -7,8 +7,8 @@
 
 namespace tubefoot {
 
-/// A TOML text as a table. Throws InputError at its line for what is no TOML, saying what may be meant, and
-/// for keys nested so deep that the parser's stack would not hold them.
+/// Parses a TOML text. Throws InputError at the line of a syntax error, with a hint at the probable
+/// meaning. Keys that are nested too deeply for the parser's stack are an error as well.
 toml::table parse_toml(std::string_view text, const TomlSource& source);
 
 }  // namespace tubefoot

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Reads mesh files: it determines the format, reads the polygons, divides them into triangles, and converts
+// the result to metres with z up.
+
 #include "scene/meshes/mesh_file.hpp"
 
 #include <fmt/core.h>
@@ -33,7 +37,7 @@ bool is_model_name(const std::string& extension) {
          extension == ".fbx";
 }
 
-/// Of Unicode in 16 bits, with a mark in front or, of letters as numbers and words begin with, without.
+/// Returns whether a text is UTF-16: with a byte order mark, or with every second byte 0 at its beginning.
 bool is_utf16(std::string_view text) {
   if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) return true;
   if (text.size() < 4) return false;
@@ -45,7 +49,7 @@ bool is_utf16(std::string_view text) {
 std::string mesh_text(const std::filesystem::path& file) {
   const SourcePlace place{file.string(), 0, 0};
   const InputFile input(file);
-  // The text, and what is made of it.
+  // Memory for the text and for the data from it.
   require_memory(3 * static_cast<double>(input.size()), place, fmt::format("its {} bytes", input.size()),
                  "give a coarser mesh, or one cut to the scene");
   std::string content = read_whole(file, place, input.size(), "a mesh that nobody is writing to");
@@ -58,7 +62,7 @@ std::string mesh_text(const std::filesystem::path& file) {
   return content;
 }
 
-/// Turned by 90 degrees about the axis that stays, so that `up` becomes z, and in metres.
+/// Rotates by 90 degrees about the axis that stays, so that `up` becomes z, and scales to metres.
 void to_metres_z_up(NamedMesh& mesh, const std::string& up, double unit_m) {
   for (glm::dvec3& p : mesh.points_m) {
     if (up == "y") p = {p.x, -p.z, p.y};
@@ -67,7 +71,7 @@ void to_metres_z_up(NamedMesh& mesh, const std::string& up, double unit_m) {
   }
 }
 
-/// Numbers of 24 bits are all that Assimp keeps.
+/// Warns of rounding, because Assimp keeps only 24 bits of a number.
 void warn_of_rounding(NamedMesh& mesh, const std::string& file) {
   double largest_m = 0;
   for (const glm::dvec3& p : mesh.points_m) {

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Runs work in a forked process with limits of processor time, memory and open files, and reads its result
+// through a pipe.
+
 #include "scene/meshes/mesh_file_apart.hpp"
 
 #include <fcntl.h>
@@ -32,7 +36,7 @@ void limit(__rlimit_resource resource, double most) {
   setrlimit(resource, &limits);
 }
 
-/// False where nobody reads any more.
+/// Returns false if the reader has closed the pipe.
 bool send(int to, std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t sent = write(to, bytes.data(), bytes.size());
@@ -42,9 +46,9 @@ bool send(int to, std::string_view bytes) {
   return true;
 }
 
-/// Bytes of memory of its own that this process has already, which limits of a child count as the child's.
+/// Returns the bytes of memory that this process already owns. Limits of a child include these bytes.
 double own_memory() {
-  constexpr double untold = 1e15;  // where there is no /proc, there is no such limit
+  constexpr double untold = 1e15;  // without /proc, there is no such limit
   try {
     const std::string numbers = InputFile("/proc/self/statm").head(256);
     unsigned long data = 0;
@@ -55,18 +59,17 @@ double own_memory() {
   return untold;
 }
 
-/// The whole life of the child. No destructor and no handler of the parent's runs in it.
+/// Runs the child from start to end. No destructor and no handler of the parent runs in it.
 [[noreturn]] void live_apart(int to, const std::function<std::string()>& work, double most_seconds,
                              double most_memory) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   for (const int number : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT, SIGXCPU, SIGPIPE, SIGTERM})
     std::signal(number, SIG_DFL);
-  std::signal(SIGINT, SIG_IGN);  // the parent's business, which ends this process
+  std::signal(SIGINT, SIG_IGN);  // the parent handles SIGINT and ends this process
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_FSIZE, 0);
   limit(RLIMIT_CPU, std::ceil(most_seconds));
-#ifndef TUBEFOOT_SANITIZED  // sanitizers take terabytes of address space, and read files to tell what they
-                            // found
+#ifndef TUBEFOOT_SANITIZED  // sanitizers reserve terabytes of address space and read files for their reports
   limit(RLIMIT_DATA, most_memory);
   limit(RLIMIT_NOFILE, 0);
 #else

@@ -6,16 +6,17 @@
 
 namespace tubefoot {
 
-/// What became of work in a process of its own.
+/// Result of work in a separate process.
 struct ApartResult {
   enum class End { done, refused, crashed, too_long } end = End::crashed;
-  std::string bytes;  ///< done: what the work returned; refused: what its exception says
+  std::string bytes;  ///< done: the result of the work; refused: the text of its exception
 };
 
-/// Does work on what a stranger wrote with a library that may crash, hang or take all memory on it, in a
-/// process of its own that can open no file and ends with this one. The work sees the memory of this process
-/// as it is now. `most_seconds` of processor time, `most_memory` bytes
-/// beyond what this process has. Throws std::system_error where no process can be started.
+/// Runs work on untrusted data in a separate process, for a library that may crash, hang or take all
+/// memory. The process cannot open files and ends with this one. The work sees the present memory of this
+/// process.
+/// `most_seconds` limits processor time, and `most_memory` limits the bytes in addition to those of this
+/// process. Throws std::system_error if no process can be started.
 ApartResult done_apart(const std::function<std::string()>& work, double most_seconds, double most_memory);
 
 }  // namespace tubefoot

@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Reads COLLADA, glTF, 3DS and FBX with Assimp from bytes in memory, and serialises the model, because the
+// code runs in a separate process (mesh_file_apart.hpp). It places all meshes by the transformations of
+// their nodes.
+
 #include <assimp/MemoryIOWrapper.h>
 #include <assimp/config.h>
 #include <assimp/importerdesc.h>
@@ -24,7 +29,7 @@
 namespace tubefoot {
 namespace {
 
-/// Gives Assimp the bytes that were read for it, and nothing else.
+/// A file system that gives Assimp only the bytes that were read for it.
 class GivenFiles final : public Assimp::IOSystem {
  public:
   explicit GivenFiles(const ModelBytes& bytes) : bytes_(bytes) {}
@@ -61,7 +66,7 @@ std::string_view importer_of(FileFormat format) {
   }
 }
 
-/// All importers but one are taken out, so that no other ever sees the bytes. The list does not own them.
+/// Removes all importers except one, so that no other sees the bytes. The list does not own the importers.
 void keep_only(Assimp::Importer& importer, std::string_view name) {
   for (std::size_t i = importer.GetImporterCount(); i-- > 0;)
     if (importer.GetImporterInfo(i)->mName != name) importer.UnregisterLoader(importer.GetImporter(i));
@@ -79,7 +84,7 @@ glm::dmat4 matrix(const aiMatrix4x4& m) {
 
 class Gathered {
  public:
-  /// Of a model of so many bytes.
+  /// `bytes` is the size of the model.
   Gathered(const aiScene& scene, std::uint64_t bytes)
       : scene_(scene), most_(bytes + limits::model_repeated), size_of_(scene.mNumMeshes) {
     for (unsigned i = 0; i < scene.mNumMeshes; ++i) {
@@ -89,7 +94,8 @@ class Gathered {
     }
   }
 
-  /// `own_root`: the root's transformation is Assimp's, which turns and scales to its liking, not the file's.
+  /// `own_root` states that Assimp itself chose the rotation and scale of the root, so that they are
+  /// ignored.
   Model gather(bool own_root) {
     struct Visit {
       const aiNode* node;
@@ -152,12 +158,12 @@ class Gathered {
     std::vector<std::string> names;
     const auto add = [&names](const aiString& name) {
       const std::string text(name.data, std::min<std::size_t>(name.length, sizeof name.data));
-      // Nodes that Assimp makes of an FBX's pivots are none of the file's.
+      // Assimp creates these nodes for the pivots of an FBX.
       if (text.find("_$AssimpFbx$") == text.npos && !text.empty() &&
           std::ranges::find(names, text) == names.end())
         names.push_back(text);
     };
-    // What has no material, Assimp gives one of its own.
+    // Assimp gives its own material to meshes without one.
     if (mesh.mMaterialIndex < scene_.mNumMaterials)
       if (const aiString name = scene_.mMaterials[mesh.mMaterialIndex]->GetName();
           std::strcmp(name.C_Str(), AI_DEFAULT_MATERIAL_NAME) != 0)
@@ -171,7 +177,7 @@ class Gathered {
 
   const aiScene& scene_;
   std::uint64_t most_, placed_ = 0;
-  std::vector<std::uint64_t> size_of_;  ///< by mesh: vertices and corners
+  std::vector<std::uint64_t> size_of_;  ///< vertices and corners, by mesh
   Model model_;
   std::size_t deformed_ = 0;
 };
@@ -183,10 +189,12 @@ std::optional<T> told(const aiScene& scene, const char* key) {
   return std::nullopt;
 }
 
-/// Assimp tells defaults as if the file had said them: whether it has is asked of its bytes.
+/// Returns whether the file states a property. Assimp reports defaults as if the file contained them, so
+/// that the bytes decide.
 bool says(std::string_view content, std::string_view property) {
   for (std::size_t at = content.find(property); at != content.npos; at = content.find(property, at + 1)) {
-    // "OriginalUpAxis" is another, and "UpAxisSign"; before a name stand its length or a quote.
+    // "OriginalUpAxis" and "UpAxisSign" are other properties. The length of a name, or a quote, precedes
+    // the name.
     const auto is_letter = [&](std::size_t i) {
       return i < content.size() && std::isalpha(static_cast<unsigned char>(content[i])) != 0;
     };
@@ -242,7 +250,7 @@ class Taken {
     const std::vector<char> letters = all<char>();
     return {letters.begin(), letters.end()};
   }
-  /// As many as a count says, each of 8 bytes at least.
+  /// Reads as many items as a count states. Each item has at least 8 bytes.
   template <typename Read>
   void each(Read read) {
     const auto count = one<std::size_t>();
@@ -296,7 +304,7 @@ Model model_from(const std::string& bytes) {
     taken.each([&] { names.push_back(taken.text()); });
   });
   taken.each([&] { polygons.warnings.push_back(taken.text()); });
-  // Who wrote the bytes may have gone wrong after reading.
+  // The process that wrote the bytes may have failed after reading.
   std::size_t before = 0;
   for (const std::size_t end : polygons.end) {
     if (end < before || end > polygons.corners.size()) throw std::runtime_error("polygons out of order");

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #ifndef __clang__
-// g++ 12 takes an empty object inside OpenMesh's headers for an uninitialised value when sanitizers are
-// on.
+// With sanitizers, g++ 12 reports an empty object inside OpenMesh's headers as an uninitialised value.
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #endif
 
@@ -25,7 +24,7 @@ struct BareTraits : OpenMesh::DefaultTraits {
 }  // namespace
 
 std::size_t facets_outside_halfedge(const FacetMesh& mesh, FacetId first, FacetId last) {
-  ::omerr().disable();  // it prints a line for each face that it refuses
+  ::omerr().disable();  // OpenMesh prints a line for each face that it rejects
   OpenMesh::TriMesh_ArrayKernelT<BareTraits> halfedges;
   std::vector<OpenMesh::VertexHandle> handle(mesh.vertices.size());
   std::size_t refused = 0;
@@ -33,7 +32,7 @@ std::size_t facets_outside_halfedge(const FacetMesh& mesh, FacetId first, FacetI
     stop_if_wanted();
     const auto& corners = mesh.facets[facet];
     if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) {
-      ++refused;  // OpenMesh takes it for granted that corners differ
+      ++refused;  // OpenMesh requires different corners
       continue;
     }
     OpenMesh::VertexHandle v[3];

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Reads models of other programs: it checks their size, nesting and buffers, and runs Assimp in a separate
+// process with limits. Failures become errors for the user.
+
 #include "scene/meshes/mesh_file_model.hpp"
 
 #include <fmt/core.h>
@@ -23,7 +27,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* remedy = "export it again, or as another format (OBJ, PLY, STL)";
 
-/// A text without its <!-- remarks -->.
+/// Returns a text without its comments <!-- ... -->.
 std::string without_remarks(std::string_view text) {
   std::string result;
   for (;;) {
@@ -36,7 +40,7 @@ std::string without_remarks(std::string_view text) {
   }
 }
 
-/// What stands between a text and the next of another; empty without them.
+/// Returns the text between `from` and the next `to`; empty if either is missing.
 std::string_view between(std::string_view text, std::string_view from, std::string_view to) {
   const std::size_t begin = text.find(from);
   if (begin == text.npos) return {};
@@ -45,7 +49,7 @@ std::string_view between(std::string_view text, std::string_view from, std::stri
   return end == text.npos ? std::string_view() : text.substr(0, end);
 }
 
-/// Whether elements of XML lie in each other deeper than `most`: Assimp follows them by recursion.
+/// Returns whether XML elements are nested deeper than `most`, because Assimp visits them recursively.
 bool nests_deeper(std::string_view xml, std::size_t most) {
   std::size_t depth = 0, steps = 0;
   for (std::size_t at = xml.find('<'); at != xml.npos; at = xml.find('<', at + 1)) {
@@ -58,7 +62,7 @@ bool nests_deeper(std::string_view xml, std::size_t most) {
       depth -= depth > 0 ? 1 : 0;
     } else if (!rest.starts_with('?') && !rest.starts_with('!')) {
       const std::size_t end = xml.find('>', at);
-      if (end == xml.npos) return false;  // nor is this an element
+      if (end == xml.npos) return false;  // not an element either
       if (xml[end - 1] != '/' && ++depth > most) return true;
       at = end;
     }
@@ -66,13 +70,13 @@ bool nests_deeper(std::string_view xml, std::size_t most) {
   return false;
 }
 
-/// "./numbers.bin" is "numbers.bin".
+/// "./numbers.bin" becomes "numbers.bin".
 std::string without_dots(std::string name) {
   while (name.starts_with("./")) name.erase(0, 2);
   return name;
 }
 
-/// What Assimp is reported that the file is called: it goes by the ending here and there.
+/// Returns the file name for Assimp, which selects its behaviour by the extension.
 std::string name_for(FileFormat format) {
   switch (format) {
     case FileFormat::collada:
@@ -127,7 +131,7 @@ class ModelReader {
   }
 
   Model from_assimp() const {
-    // Some 20 times what Assimp takes for models that are what they seem.
+    // About 20 times Assimp's time for ordinary models.
     constexpr double seconds = 2, seconds_a_byte = 4e-7;
     ApartResult result;
     try {
@@ -135,7 +139,7 @@ class ModelReader {
                           seconds + seconds_a_byte * total_,
                           std::min(memory_at_hand(), 1e9 + 20 * memory_a_byte * total_));
     } catch (const std::system_error& error) {
-      // Of the machine, not of the file.
+      // These errors are due to the machine, not to the file.
       if (error.code() == std::errc::resource_unavailable_try_again ||
           error.code() == std::errc::not_enough_memory)
         throw;
@@ -160,7 +164,7 @@ class ModelReader {
     }
   }
 
-  /// Of what Assimp and we make of a byte of a model.
+  /// Memory per byte of a model, for Assimp and for the result.
   static constexpr double memory_a_byte = 8;
   fs::path file_;
   FileFormat format_;
@@ -173,7 +177,7 @@ class ModelReader {
 }  // namespace
 
 DeclaredAxes collada_axes(std::string_view content) {
-  // The first <asset> is the file's own; those of its parts come later.
+  // The first <asset> belongs to the file; those of its parts follow later.
   const std::string head =
       without_remarks(content.substr(0, std::min(content.find("</asset>"), content.size())));
   const std::size_t begin = head.find("<asset");

@@ -10,20 +10,21 @@
 #include "scene/meshes/mesh_file_polygons.hpp"
 #include "scene/meshes/mesh_file_text.hpp"
 
-// Wavefront OBJ: `v x y z`, `f a b c ...` with a = vertex[/texture[/normal]], from 1, negative counts
-// backwards.
+// Reads Wavefront OBJ: `v x y z`, and `f a b c ...` with a = vertex[/texture[/normal]]. Indices count from
+// 1; negative indices count backwards.
 namespace tubefoot {
 namespace {
 
-// Statements that hold no facet of a polygonal mesh. Any other is an error: a misspelt f would lose a facet.
+// Statements without a facet of a polygonal mesh. Any other statement is an error, because a misspelt f
+// would lose a facet.
 constexpr std::array<std::string_view, 14> kPassed = {"vt",     "vn",     "vp",       "s",       "mg",
                                                       "mtllib", "usemap", "maplib",   "l",       "p",
                                                       "lod",    "bevel",  "c_interp", "d_interp"};
 
 std::uint32_t vertex_index(std::string_view word, std::size_t vertices, const TextLines& text) {
   const std::int64_t value = text.parse_integer(word.substr(0, word.find('/')), "a face's vertex index");
-  // Relative indices count back from the vertices read so far; others may point ahead and are checked at the
-  // end.
+  // Relative indices count back from the vertices read up to now. Others may refer to later vertices;
+  // triangulate() checks them.
   const std::int64_t index = value < 0 ? static_cast<std::int64_t>(vertices) + value : value - 1;
   if (index < 0 || index >= std::numeric_limits<std::uint32_t>::max()) {
     throw InputError(
@@ -33,7 +34,7 @@ std::uint32_t vertex_index(std::string_view word, std::size_t vertices, const Te
   return static_cast<std::uint32_t>(index);
 }
 
-/// What faces are called from some line on: by usemtl, by g, by o.
+/// The names of faces from a line on, by usemtl, by g and by o.
 class FaceNames {
  public:
   static bool is_keyword(std::string_view keyword) {
@@ -42,7 +43,7 @@ class FaceNames {
   void read(std::string_view keyword, TextLines& text) {
     std::vector<std::string>& names = keyword == "usemtl" ? material_ : keyword == "g" ? groups_ : object_;
     names.clear();
-    // Groups are several names, the others one, which may have blanks.
+    // A line g has several names. The other lines have one name, which may contain blanks.
     for (std::string_view word = text.word(); !word.empty() && word[0] != '#'; word = text.word()) {
       if (keyword == "g" || names.empty())
         names.emplace_back(word);
@@ -51,7 +52,7 @@ class FaceNames {
     }
     current_.reset();
   }
-  /// The index in `random triangles.names` of the names of a face that follows.
+  /// Returns the index in `polygons.names` of the names of the next face.
   std::uint32_t index(UncheckedPolygons& polygons) {
     if (current_) return *current_;
     std::vector<std::string> names = material_;
@@ -89,7 +90,7 @@ UncheckedPolygons parse_obj(std::string_view content, const std::string& file) {
       for (std::string_view word = text.word(); !word.empty() && word[0] != '#'; word = text.word()) {
         polygons.corners.push_back(vertex_index(word, polygons.points.size(), text));
       }
-      // Left out by triangulate, unless it is what is left of a file that is cut off.
+      // triangulate() leaves such a face out, unless it is the end of a truncated file.
       if (polygons.corners.size() - begin < 3 && text.rest().empty() && !content.ends_with('\n') &&
           !content.ends_with('\r'))
         throw InputError(

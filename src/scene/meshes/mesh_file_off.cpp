@@ -8,8 +8,8 @@
 #include "scene/meshes/mesh_file_polygons.hpp"
 #include "scene/meshes/mesh_file_text.hpp"
 
-// Object File Format (Geomview), ASCII: [ST][C][N]OFF, counts of vertices, faces and edges, then one line
-// each.
+// Reads the Object File Format (Geomview), ASCII: [ST][C][N]OFF, the counts of vertices, faces and edges,
+// then one line per vertex and face.
 namespace tubefoot {
 namespace {
 
@@ -53,7 +53,8 @@ UncheckedPolygons parse_off(std::string_view content, const std::string& file) {
   const std::int64_t vertices = count(text, "the number of vertices"),
                      faces = count(text, "the number of faces");
 
-  // A wrong count must not ask for more memory than the file can fill: a line has at least 6 characters.
+  // A wrong count must not cause an allocation larger than the file can fill. A line has at least 6
+  // characters.
   const std::size_t most_lines = content.size() / 6;
   polygons.points.reserve(std::min<std::size_t>(vertices, most_lines));
   polygons.corners.reserve(3 * std::min<std::size_t>(faces, most_lines));

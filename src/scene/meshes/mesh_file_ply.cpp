@@ -11,9 +11,9 @@
 #include "scene/meshes/mesh_file_polygons.hpp"
 #include "scene/meshes/mesh_file_text.hpp"
 
-// Polygon File Format (Stanford): a text header that lists elements and their properties, then the elements
-// as text or as little- or big-endian binary. Wanted: x, y, z of `vertex` and the list vertex_indices of
-// `face`.
+// Reads the Polygon File Format (Stanford): a text header that lists elements and their properties, then
+// the elements. They are text, or little-endian or big-endian binary. Required are x, y, z of `vertex` and
+// the list vertex_indices of `face`.
 namespace tubefoot {
 namespace {
 
@@ -24,7 +24,7 @@ struct Type {
 
 struct Property {
   std::string name;
-  Type type, count;  // count: of a list's length
+  Type type, count;  // count: type of a list's length
   bool is_list = false;
 };
 
@@ -172,7 +172,7 @@ class PlyReader {
 
   std::int64_t list_length(const Property& property) {
     const double length = value(property.count, property.name);
-    // As text, it need not keep to its type.
+    // In a text file, the value need not fit its type.
     if (!(length >= 0 && length <= std::numeric_limits<std::uint32_t>::max()))
       throw InputError(place(),
                        fmt::format("the length of {} is {}, expected 0 to 2^32 - 1", property.name, length));
@@ -183,7 +183,7 @@ class PlyReader {
     const std::int64_t count = property.is_list ? list_length(property) : 1;
     for (std::int64_t i = 0; i < count; ++i) {
       if (encoding_ == Encoding::kText)
-        text_.skip(property.name);  // not a number, in what is not used, is no fault
+        text_.skip(property.name);  // an unused value need not be a number
       else
         value(property.type, property.name);
     }
@@ -262,7 +262,7 @@ class PlyReader {
   std::string_view bytes_;
   Encoding encoding_ = Encoding::kText;
   std::vector<Element> elements_;
-  const Element* element_ = nullptr;  // what is being read, for errors
+  const Element* element_ = nullptr;  // element that is being read, for errors
   std::int64_t index_ = 0;
   UncheckedPolygons polygons_;
 };

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Checks the polygons of a mesh file, divides them into triangles, removes points without a face, and
+// counts conspicuous faces in warnings.
+
 #include "scene/meshes/mesh_file_polygons.hpp"
 
 #include <fmt/core.h>

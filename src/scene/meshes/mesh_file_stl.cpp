@@ -12,8 +12,9 @@
 #include "scene/meshes/mesh_file_polygons.hpp"
 #include "scene/meshes/mesh_file_text.hpp"
 
-// Stereolithography: facets with their own three vertices, as text, or as 80 bytes of comment, a count of 32
-// bits and 50 bytes a facet, little-endian. Equal vertices are recognised later, on the world grid.
+// Reads Stereolithography (STL): facets with three vertices of their own. The format is text, or binary
+// with 80 bytes of comment, a count of 32 bits and 50 bytes per facet, little-endian. Equal vertices are
+// merged later, on the world grid.
 namespace tubefoot {
 namespace {
 
@@ -26,14 +27,14 @@ std::uint64_t facets_announced(std::string_view content) {
   return facets;
 }
 
-/// Some writers shout.
+/// Returns a word in lower case, because some writers use capitals.
 std::string small(std::string_view word) {
   std::string text(word);
   std::ranges::transform(text, text.begin(), [](unsigned char c) { return char(std::tolower(c)); });
   return text;
 }
 
-// Many binary files begin with "solid" too: the length decides, then bytes that no text holds.
+// Many binary files begin with "solid" as well. The length decides, then bytes that no text contains.
 bool is_binary(std::string_view content) {
   if (content.size() >= kHeaderBytes &&
       content.size() == kHeaderBytes + kFacetBytes * facets_announced(content)) {
@@ -93,7 +94,7 @@ void expect(TextLines& text, std::string_view expected) {
   if (small(text.word()) != expected) throw InputError(text.place(), fmt::format("expected '{}'", expected));
 }
 
-/// "end solid" is "endsolid", and so on.
+/// Returns the next word, and joins "end solid" to "endsolid" and similar pairs.
 std::string word_or_end(TextLines& text) {
   std::string word = small(text.word());
   if (word == "end") word += small(text.word());

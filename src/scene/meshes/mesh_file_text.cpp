@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Splits a text mesh file into lines and words, and converts words to numbers with errors that name file,
+// line and column.
+
 #include "scene/meshes/mesh_file_text.hpp"
 
 #include <fmt/core.h>
@@ -14,14 +18,15 @@ namespace {
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\v' || c == '\f'; }
 
-// What a message quotes of a word: enough to find it, nothing that upsets a terminal.
+// Returns the quotation of a word in a message: long enough to find it, without characters that affect a
+// terminal.
 std::string quoted(std::string_view word) {
   std::string text;
   for (const char c : word.substr(0, 40)) text += c >= ' ' && c <= '~' ? c : '?';
   return text;
 }
 
-// std::from_chars knows no plus sign, writers do.
+// Removes a plus sign, which some programs write and std::from_chars rejects.
 std::string_view without_plus(std::string_view text) {
   return text.size() > 1 && text[0] == '+' && text[1] != '-' ? text.substr(1) : text;
 }
@@ -85,7 +90,7 @@ double TextLines::number(std::string_view what) {
   double value = 0;
   const auto [rest, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (error == std::errc::result_out_of_range && rest == digits.data() + digits.size()) {
-    // Too small for a double is as good as zero; too large falls through to the error.
+    // A value below the range of a double counts as zero. A value above the range is an error below.
     const std::size_t exponent = digits.find_first_of("eE");
     if (exponent != digits.npos && exponent + 1 < digits.size() && digits[exponent + 1] == '-') return 0.0;
   }

@@ -25,7 +25,7 @@ void refuse_unmet(const std::vector<MaterialClass>& table, const std::vector<boo
   const auto unmet = std::ranges::find(met, false);
   if (unmet == met.end()) return;
   const MaterialClass& entry = table[static_cast<std::size_t>(unmet - met.begin())];
-  std::vector<std::string> names;  // each once, in their order
+  std::vector<std::string> names;  // each once, in order
   std::unordered_set<std::string_view> known;
   for (const auto& together : mesh.names)
     for (const std::string& name : together)
@@ -57,7 +57,8 @@ std::vector<NamedFacets> apply_mesh_materials(NamedMesh& mesh, const ObjectDescr
     for (const std::string& name : names) {
       const auto at = std::ranges::find(table, name, &MaterialClass::value);
       if (at == table.end()) continue;
-      // Names that follow are met as well: an entry for a group is no mistake where materials go first.
+      // Later names count as used, too. An entry for a group is no error if an entry for a material
+      // precedes it.
       met[static_cast<std::size_t>(at - table.begin())] = true;
       if (found == nullptr) found = &*at;
     }

@@ -11,15 +11,15 @@
 
 namespace tubefoot {
 
-/// Facets of a mesh file that go by the same name in it.
+/// Facets of a mesh file with the same name in the file.
 struct NamedFacets {
-  std::string name, material;  ///< in the file, in the scene
+  std::string name, material;  ///< name in the file, material in the scene
   std::size_t facets = 0;
 };
 
-/// Gives each facet of an object's mesh file the material that the object's table has for the first of its
-/// names that is in the table, else the object's own. Returns what the facets go by, in the order of the
-/// file. Throws InputError at an entry whose name no facet has.
+/// Assigns materials to the facets of an object's mesh file. A facet gets the material of the first of its
+/// names that the object's table contains, otherwise the object's own material. Returns the names of the
+/// facets, in the order of the file. Throws InputError at an entry whose name no facet has.
 std::vector<NamedFacets> apply_mesh_materials(NamedMesh& mesh, const ObjectDescription& object,
                                               const std::vector<MaterialDescription>& materials);
 

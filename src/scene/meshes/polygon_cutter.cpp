@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Triangulates polygons exactly with CGAL's constrained Delaunay triangulation. The winding number of each
+// face decides whether it lies inside; a polygon with winding numbers other than 0 and 1 is rejected.
+
 #include "scene/meshes/polygon_cutter.hpp"
 
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
@@ -22,7 +26,7 @@ namespace {
 
 using Corners = std::span<const std::uint32_t>;
 
-/// Twice the vector area of a polygon (Newell).
+/// Returns twice the vector area of a polygon (Newell).
 glm::dvec3 vector_area(const std::vector<glm::dvec3>& points, Corners polygon) {
   glm::dvec3 area(0);
   for (std::size_t i = 1; i + 1 < polygon.size(); ++i)
@@ -48,7 +52,8 @@ using Triangulation =
 using Vertex = Triangulation::Vertex_handle;
 
 bool on_one_line(const std::vector<glm::dvec3>& points, Corners polygon) {
-  // From the corner that is farthest from the first: what is within rounding of the line counts as on it.
+  // The line leads from the first corner to the farthest one. Points within rounding of the line count as
+  // on it.
   const glm::dvec3 first = points[polygon[0]];
   const auto farther = [&](std::uint32_t a, std::uint32_t b) {
     return glm::distance(points[a], first) < glm::distance(points[b], first);
@@ -64,11 +69,11 @@ bool on_one_line(const std::vector<glm::dvec3>& points, Corners polygon) {
 }  // namespace
 
 struct PolygonCutter::Plane {
-  std::vector<std::uint32_t> corners;  ///< of the polygon, without those that stand still
+  std::vector<std::uint32_t> corners;  ///< corners of the polygon, without repeated ones
   std::vector<Point> places;           ///< by corner
   Triangulation triangulation;
   std::vector<Vertex> vertices;  ///< by corner
-  /// How often the border runs from one vertex to the next along an edge.
+  /// Number of times that the border runs from one vertex to the next along an edge.
   std::map<std::pair<Vertex, Vertex>, int> runs;
   std::vector<Triangle> found;
 
@@ -78,7 +83,7 @@ struct PolygonCutter::Plane {
     const int axis = largest_axis(area);
     for (const std::uint32_t corner : polygon) {
       const glm::dvec3& p = points[corner];
-      // Seen from the side that the polygon faces, so that it turns left.
+      // The view is from the side that the polygon faces, so that it is counter-clockwise.
       Point place(p[(axis + 1) % 3], p[(axis + 2) % 3]);
       if (area[axis] < 0) place = Point(place.y(), place.x());
       if (!corners.empty() && points[corners.back()] == p) continue;
@@ -95,7 +100,7 @@ struct PolygonCutter::Plane {
     return CGAL::orientation(places[a], places[b], places[c]) == CGAL::LEFT_TURN;
   }
 
-  /// Three corners, and most fours: by far the most polygons.
+  /// Divides triangles and most quadrilaterals, which are by far the most frequent polygons.
   bool cut_few(std::vector<Triangle>& triangles) const {
     const auto add = [&](std::size_t a, std::size_t b, std::size_t c) {
       triangles.push_back({corners[a], corners[b], corners[c]});
@@ -107,12 +112,12 @@ struct PolygonCutter::Plane {
     return false;
   }
 
-  /// False where two edges cross, or two corners lie behind one another.
+  /// Returns false if two edges cross, or if two different corners project to one point.
   bool insert(const std::vector<glm::dvec3>& points) {
     triangulation.clear();
     vertices.clear();
     runs.clear();
-    Triangulation::Face_handle beside;  // corners that follow each other are not far
+    Triangulation::Face_handle beside;  // consecutive corners are close together
     for (std::size_t i = 0; i < corners.size(); ++i) {
       stop_if_wanted();
       const std::size_t known = triangulation.number_of_vertices();
@@ -134,7 +139,7 @@ struct PolygonCutter::Plane {
     return true;
   }
 
-  /// Along an edge of the polygon, from vertex to vertex of those that lie on it.
+  /// Follows an edge of the polygon through all vertices that lie on it.
   void run(Vertex from, Vertex to) {
     while (from != to) {
       stop_if_wanted();
@@ -157,7 +162,8 @@ struct PolygonCutter::Plane {
     return known == runs.end() ? 0 : known->second;
   }
 
-  /// How often the border goes around each face, from the outside in; false where that is not once or never.
+  /// Computes the winding number of each face, from the outside in. Returns false if one is neither 0 nor
+  /// 1.
   bool wind() {
     std::vector<Triangulation::Face_handle> left;
     const auto set = [&](Triangulation::Face_handle face, int winding) {
@@ -173,7 +179,7 @@ struct PolygonCutter::Plane {
       const int winding = *face->info();
       if (winding != 0 && winding != 1) return false;
       for (int k = 0; k < 3; ++k) {
-        // The face is on the left of this edge.
+        // The face is to the left of this edge.
         const Vertex a = face->vertex(Triangulation::ccw(k)), b = face->vertex(Triangulation::cw(k));
         set(face->neighbor(k), winding - runs_along(a, b) + runs_along(b, a));
       }
@@ -191,7 +197,7 @@ struct PolygonCutter::Plane {
       std::rotate(t.begin(), std::ranges::min_element(t), t.end());
       found.push_back(t);
     }
-    // CGAL's order is CGAL's business.
+    // The result does not depend on CGAL's order.
     std::ranges::sort(found);
     triangles.insert(triangles.end(), found.begin(), found.end());
     return true;
@@ -232,7 +238,7 @@ double unevenness(const std::vector<glm::dvec3>& points, Corners polygon) {
   double farthest = 0;
   for (const std::uint32_t corner : polygon)
     farthest = std::max(farthest, std::abs(glm::dot(points[corner] - middle, area / length)));
-  // Of single precision in each of three coordinates, and in the plane through them; and of texts of some
+  // Rounding of single precision in three coordinates and in the plane through them, and of texts with few
   // digits.
   constexpr double rounding = 4 * 0x1p-24, of_size = 1e-3;
   return farthest > std::max(rounding * largest, of_size * std::sqrt(length)) ? farthest : 0;

@@ -10,18 +10,19 @@
 
 namespace tubefoot {
 
-/// Cuts polygons in space into triangles. A polygon is looked at along the axis that it faces most, so that
-/// what is decided about it is decided exactly, on its own coordinates; its triangles are those of the
-/// constrained Delaunay triangulation of its edges that lie inside. So they have the area of the polygon, do
-/// not overlap, and have all of its corners, those on a line with their neighbours too. A ring within may
-/// hang on the border by an edge there and back, as writers of OBJ make holes.
+/// Divides polygons in space into triangles. The polygon is projected along the coordinate axis closest to
+/// its normal, so that all decisions are exact on its own coordinates.
+/// The triangles are those of the constrained Delaunay triangulation of its edges that lie inside. They
+/// have the area of the polygon, do not overlap, and contain all corners, including collinear ones.
+/// An inner ring may be connected to the border by an edge in both directions, as writers of OBJ create
+/// holes.
 class PolygonCutter {
  public:
   using Triangle = std::array<std::uint32_t, 3>;
   enum class Result {
     cut,
-    no_area,  ///< all corners on one line: its triangles have no area either
-    crossed   ///< it crosses or covers itself: there are no triangles
+    no_area,  ///< all corners are collinear, so that the triangles have no area either
+    crossed   ///< the polygon intersects or covers itself; there are no triangles
   };
 
   PolygonCutter();
@@ -29,7 +30,8 @@ class PolygonCutter {
   PolygonCutter(const PolygonCutter&) = delete;
   PolygonCutter& operator=(const PolygonCutter&) = delete;
 
-  /// Appends the triangles of a polygon of three corners or more, which turn as it does.
+  /// Appends the triangles of a polygon with at least three corners. The triangles have the orientation of
+  /// the polygon.
   Result cut(const std::vector<glm::dvec3>& points, std::span<const std::uint32_t> polygon,
              std::vector<Triangle>& triangles);
 
@@ -38,8 +40,9 @@ class PolygonCutter {
   std::unique_ptr<Plane> plane_;
 };
 
-/// How far a polygon's corners lie from the plane through their middle that has its side, at most; 0 where
-/// that is no more than the rounding of single-precision numbers, or a thousandth of its size.
+/// Returns the largest distance of a polygon's corners from the plane through their centre with the
+/// polygon's normal. It is 0 if the distance does not exceed the rounding of single-precision numbers, or a
+/// thousandth of the polygon's size.
 double unevenness(const std::vector<glm::dvec3>& points, std::span<const std::uint32_t> polygon);
 
 }  // namespace tubefoot

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Creates spheres, cylinders, cones and boxes as closed triangle meshes with the area of the true surface
+// and a bounded chord error. A sphere is a geodesic subdivision of an icosahedron.
+
 #include "scene/meshes/primitives.hpp"
 
 #include <fmt/core.h>
@@ -31,27 +35,29 @@ void check_facets(double facets, double chord_error_m, const SourcePlace& place)
                  "give a larger chord_error_m");
 }
 
-// Sides of the regular polygon in a circle whose sagitta radius (1 - cos(pi / n)) keeps the chord error.
+// Returns the number of sides of a regular polygon in a circle. Its sagitta radius (1 - cos(pi / n)) is at
+// most the chord error.
 double polygon_sides(double radius_m, double chord_error_m) {
-  // 1 - cos a = 2 sin^2(a/2) keeps its digits for small errors.
+  // 1 - cos a = 2 sin^2(a/2) is accurate for small errors.
   const double half_angle = 2 * std::asin(std::min(1.0, std::sqrt(chord_error_m / (2 * radius_m))));
   return std::max(3.0, std::ceil(std::numbers::pi / half_angle));
 }
 
-// How much wider a prism, a pyramid or a frustum on a regular polygon has to be for its side to have the area
-// of the cylinder's or cone's that it stands for.
+// Returns the factor by which a prism, pyramid or frustum must be wider than the cylinder or cone for equal
+// areas of the sides.
 double widening(const ConePrimitive& cone, double sides) {
   const double half_angle = std::numbers::pi / sides, sum = cone.radius_m + cone.top_radius_m,
                lean = std::abs(cone.radius_m - cone.top_radius_m);
   const double wanted = std::numbers::pi * sum * std::hypot(cone.height_m, lean);
-  // n sin(pi / n) (R + r) k sqrt(h^2 + (lean k cos(pi / n))^2) grows with k: area^2 is quadratic in k^2.
+  // n sin(pi / n) (R + r) k sqrt(h^2 + (lean k cos(pi / n))^2) grows with k, and its square is quadratic in
+  // k^2.
   const double a = std::pow(sides * std::sin(half_angle) * sum, 2), h2 = cone.height_m * cone.height_m,
                l2 = std::pow(lean * std::cos(half_angle), 2);
   const double root = std::sqrt(h2 * h2 + 4 * l2 * wanted * wanted / a);
   return std::sqrt(2 * wanted * wanted / a / (h2 + root));
 }
 
-// Regular icosahedron in the unit sphere: poles on z, two rings of five.
+// Regular icosahedron in the unit sphere, with poles on z and two rings of five vertices.
 struct Icosahedron {
   std::array<glm::dvec3, 12> corner;
   std::array<std::array<int, 3>, 20> face;
@@ -85,13 +91,13 @@ struct Icosahedron {
   }
 };
 
-// The icosahedron with its edges cut into `parts`, on the unit sphere. All its faces are alike up to
-// rotation.
+// The icosahedron with its edges divided into `parts`, projected to the unit sphere. All its faces are
+// congruent.
 class Geodesic {
  public:
   explicit Geodesic(int parts) : parts_(parts) {}
 
-  // Point of a face at barycentric integers (parts - j - k, j, k).
+  // Returns the point of a face with barycentric integers (parts - j - k, j, k).
   glm::dvec3 point(int face, int j, int k) const {
     const auto& f = ico_.face[face];
     return glm::normalize(static_cast<double>(parts_ - j - k) * ico_.corner[f[0]] +
@@ -99,7 +105,8 @@ class Geodesic {
                           static_cast<double>(k) * ico_.corner[f[2]]);
   }
 
-  // Shared number of the point: corners first, then edges, then the inside of faces.
+  // Returns the shared number of the point. Corners come first, then points on edges, then points inside
+  // faces.
   std::uint32_t number(int face, int j, int k) const {
     const auto& f = ico_.face[face];
     const std::array<int, 3> weight = {parts_ - j - k, j, k};
@@ -117,7 +124,7 @@ class Geodesic {
     return static_cast<std::uint32_t>(12 + 30 * (parts_ - 1) + face * inside + before + j - 1);
   }
 
-  template <typename Visit>  // visit(j, k, j, k, j, k) of each triangle of a face
+  template <typename Visit>  // visit(j, k, j, k, j, k) for each triangle of a face
   void for_each_triangle(Visit visit) const {
     for (int k = 0; k < parts_; ++k) {
       for (int j = 0; j + k < parts_; ++j) {
@@ -127,8 +134,8 @@ class Geodesic {
     }
   }
 
-  // Largest distance between the unit sphere and the facets: a facet is deepest where the normal of its plane
-  // meets the sphere.
+  // Returns the largest distance between the unit sphere and the facets. A facet is deepest where the
+  // normal of its plane meets the sphere.
   double chord_error() const {
     double error = 0;
     for_each_triangle([&](int j0, int k0, int j1, int k1, int j2, int k2) {
@@ -138,7 +145,7 @@ class Geodesic {
     return error;
   }
 
-  // Of all facets on the unit sphere.
+  // Returns the area of all facets on the unit sphere.
   double area() const {
     double face = 0;
     for_each_triangle([&](int j0, int k0, int j1, int k1, int j2, int k2) {
@@ -175,8 +182,9 @@ ComponentMesh sphere_facets(const SpherePrimitive& sphere, double chord_error_m,
   check_size(sphere.radius_m, "radius_m", place);
   check_size(chord_error_m, "chord_error_m", place);
   const double wanted = chord_error_m / sphere.radius_m;
-  // The largest facets lie in the middle of the icosahedron's faces. There an edge of 1.0515 is cut into f
-  // parts and stretched from 0.7947 to 1; a triangle of edge e is e^2 / 6 deep: 0.2918 / f^2.
+  // The largest facets lie in the middle of the icosahedron's faces. There an edge of 1.0515 is divided
+  // into f parts and stretched from 0.7947 to 1. A triangle of edge e has the depth e^2 / 6, which gives
+  // 0.2918 / f^2.
   const double estimate = std::sqrt(0.2918 / wanted);
   check_facets(20 * estimate * estimate, chord_error_m, place);
   int parts = std::max(1, static_cast<int>(0.9 * estimate));
@@ -199,7 +207,7 @@ ComponentMesh cone_facets(const ConePrimitive& cone, double chord_error_m, const
   const double sides = polygon_sides(std::max(cone.radius_m, cone.top_radius_m), chord_error_m);
   check_facets(4 * sides, chord_error_m, place);
 
-  // Points: the middle of the base, of the top (or the tip), the ring of the base, the ring of the top.
+  // Points: centre of the base, centre of the top (or the tip), ring of the base, ring of the top.
   const auto n = static_cast<std::uint32_t>(sides);
   const double wider = widening(cone, sides);
   ComponentMesh mesh;

@@ -24,8 +24,8 @@ glm::dvec3 EarthPlace::direction(glm::dvec3 local) const {
 
 std::vector<EarthPlace> on_earth(const LocalFrame& frame, std::span<const glm::dvec3> points,
                                  const SourcePlace& place) {
-  // Central differences: the map's curvature leaves (step / R)^2 of a direction, 2e-10, and what digits a
-  // double has for degrees 1e-11.
+  // Central differences. The map's curvature causes an error of (step / R)^2 = 2e-10 of a direction, the
+  // digits of degrees in a double one of 1e-11.
   constexpr double step_m = 100;
   constexpr glm::dvec3 around[] = {
       {0, 0, 0}, {step_m, 0, 0}, {-step_m, 0, 0}, {0, step_m, 0}, {0, -step_m, 0}};
@@ -38,7 +38,7 @@ std::vector<EarthPlace> on_earth(const LocalFrame& frame, std::span<const glm::d
   std::vector<EarthPlace> places;
   places.reserve(points.size());
   for (auto at = all.begin(); at != all.end(); at += std::size(around)) {
-    // A tangent frame is rigid, wherever; a map has no heights.
+    // A tangent frame is rigid everywhere. A map has no heights.
     const auto height_m = [&](glm::dvec3 p) { return frame.is_tangent() ? p.z : 0; };
     const GeographicLib::LocalCartesian here(at->y, at->x, height_m(*at));
     const auto seen_from_here = [&](glm::dvec3 p) {
@@ -66,7 +66,7 @@ std::optional<std::string> scale_warning(const LocalFrame& frame) {
     const glm::dvec3 zero(0);
     origin = on_earth(frame, {&zero, 1}, {}).front();
   } catch (const InputError&) {
-    return std::nullopt;  // whatever needs a place there says so
+    return std::nullopt;  // other functions report the error when they need a place there
   }
   constexpr double tolerated = 0.01;
   const double east = 1 / glm::length(origin.to_east_north_up[0]),

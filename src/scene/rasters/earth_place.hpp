@@ -11,32 +11,34 @@
 
 namespace tubefoot {
 
-/// A local point on Earth, and how the axes of its frame lie there.
+/// A local point on Earth, and the orientation of its frame's axes there.
 struct EarthPlace {
-  glm::dvec3 lon_lat_height{0};  ///< as LocalFrame::to_lon_lat
-  /// Turns a local vector into one to the true east, to the true north and up, which is where headings count
-  /// from. In a tangent frame a rotation: its axes lean away from the Earth's with the distance from the
-  /// origin. In a projected one the derivative of its map at the point, in metres on the ellipsoid per metre
-  /// of the map: meridians converge on it, and lengths (and, on maps that are not conformal, angles) are not
-  /// the Earth's. Up is up.
+  glm::dvec3 lon_lat_height{0};  ///< as LocalFrame::to_lon_lat()
+  /// Maps a local vector to true east, true north and up, from which headings count. In a tangent frame it
+  /// is a rotation, because the axes of the frame deviate from the Earth's with the distance from the
+  /// origin.
+  /// In a projected frame it is the derivative of the map at the point, in metres on the ellipsoid per
+  /// metre of the map. There meridians converge, and lengths (on maps that are not conformal also angles)
+  /// differ from those on Earth. Up is unchanged.
   glm::dmat3 to_east_north_up{1};
 
-  /// A local direction (of length 1) as one of length 1 on Earth: as far above the horizon on any map.
+  /// Returns a local unit vector as a unit vector on Earth, with the same elevation on any map.
   glm::dvec3 direction(glm::dvec3 local) const;
 };
 
-/// Of each point, with one transformation set up for all. Throws InputError at `place` where
-/// LocalFrame::to_lon_lat does, also for points 100 m around those that are given.
+/// Returns the places of points with one transformation for all. Throws InputError at `place` where
+/// LocalFrame::to_lon_lat() does, also for positions 100 m around the points.
 std::vector<EarthPlace> on_earth(const LocalFrame& frame, std::span<const glm::dvec3> points,
                                  const SourcePlace& place);
 
-/// What to say of a frame whose map draws a metre at its origin more than a hundredth longer or shorter than
-/// it is: all that a sonar receives there is of a world too large or too small.
+/// Returns a warning for a frame whose map changes lengths at its origin by more than a hundredth. A sonar
+/// there would receive echoes of a world that is too large or too small.
 std::optional<std::string> scale_warning(const LocalFrame& frame);
 
-/// The way from one place (longitude, latitude, height) to another: along the shortest line on the ellipsoid
-/// [m], as far to the east and north as the direction in which it leaves says; and the difference of heights.
-/// A reader that goes so far along a heading and to its starboard arrives where it should, whatever the map.
+/// Returns the displacement between two places (longitude, latitude, height). East and north are the length
+/// of the geodesic on the ellipsoid [m] in its initial direction; up is the difference of heights.
+/// A reader that moves so far along a heading and to starboard arrives at the second place, whatever the
+/// map is.
 glm::dvec3 east_north_up_between(glm::dvec3 from_lon_lat_height, glm::dvec3 to_lon_lat_height);
 
 }  // namespace tubefoot

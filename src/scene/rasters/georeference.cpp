@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Transforms points between geographic or projected coordinate reference systems and the local frame, with
+// GDAL, PROJ and GeographicLib. It rejects a CRS that refers to files, and origins in degrees for a
+// projected CRS.
+
 #include "scene/rasters/georeference.hpp"
 
 #include <fmt/core.h>
@@ -20,8 +25,8 @@ namespace {
 
 constexpr const char* kWgs84 = "EPSG:4326";
 
-// PROJ takes a CRS apart by itself, and opens the files of corrections that one names, wherever they lie:
-// what they do to a scene would be in no hash.
+// Rejects a CRS text that names files of corrections. PROJ parses the text itself and would open these
+// files, whose effect on a scene would not be part of any hash.
 void refuse_files_in(const std::string& crs, const SourcePlace& place) {
   std::string text;
   for (const char c : crs)
@@ -35,12 +40,12 @@ void refuse_files_in(const std::string& crs, const SourcePlace& place) {
   };
   constexpr std::size_t longest = 100'000;
   if (text.size() > longest) refuse("too long");
-  if (text.starts_with('{')) refuse("{");  // PROJJSON: says nothing that WKT does not
+  if (text.starts_with('{')) refuse("{");  // PROJJSON contains nothing that WKT cannot express
   for (const std::string_view word : {"dict:", "init=", "grids", "gridshift", "parameterfile", "defmodel",
                                       "tinshift", "model=", "file=", "catalog=", "pipeline", "+step"})
     for (std::size_t at = text.find(word); at != text.npos; at = text.find(word, at + 1)) {
       const std::string_view behind = std::string_view(text).substr(at);
-      // Of Web Mercator, and no grid at all.
+      // Part of Web Mercator, and not a grid.
       if (!behind.starts_with("grids=@null") ||
           (behind.size() > 11 && behind[11] != '"' && behind[11] != '+'))
         refuse(word);
@@ -54,14 +59,14 @@ void refuse_rejected(const ProjConfinement& confinement, const std::string& crs,
                                         crs.substr(0, 200), confinement.rejected()));
 }
 
-// A CRS with x = east or longitude, y = north or latitude, whatever order its authority prescribes, without
-// a vertical part: heights are not touched.
+// Returns a CRS with x = east or longitude and y = north or latitude, whatever order its authority
+// prescribes. It has no vertical part, because heights are not converted.
 OGRSpatialReference crs_from(const std::string& text, const SourcePlace& place) {
   refuse_files_in(text, place);
   const ProjConfinement confinement;
   const GdalMessages messages;
   OGRSpatialReference crs;
-  // A scene that comes from somebody else must not make GDAL open files or addresses on the network.
+  // A scene of another person must not make GDAL open files or network addresses.
   const OGRErr outcome =
       crs.SetFromUserInput(text.c_str(), OGRSpatialReference::SET_FROM_USER_INPUT_LIMITATIONS_get());
   refuse_rejected(confinement, text, place);
@@ -84,9 +89,9 @@ std::string wkt_of(const OGRSpatialReference& crs) {
   return wkt;
 }
 
-// In place, x and y only. GDAL recognises equal systems, whatever their names and axis orders (a BAG's
-// "unnamed" UTM zone 2N is EPSG:32602), and leaves their points as they are, to the last bit; a test holds it
-// to that.
+// Transforms x and y in place. GDAL recognises equal systems with different names and axis orders (a BAG's
+// "unnamed" UTM zone 2N is EPSG:32602). It then leaves the points unchanged, to the last bit; a test checks
+// this.
 void transform(std::span<glm::dvec3> points, const OGRSpatialReference& from, const OGRSpatialReference& to,
                const SourcePlace& place) {
   const ProjConfinement confinement;
@@ -127,7 +132,8 @@ void check_lat_lon(double latitude_deg, double longitude_deg, const SourcePlace&
   }
 }
 
-// An origin in degrees is a place near the projection's own origin, where hardly any such system is used.
+// Rejects an origin in degrees, which would be close to the projection's own origin. Such systems are
+// hardly used there.
 void refuse_degrees_for_metres(const std::string& crs, double easting, double northing,
                                const SourcePlace& place) {
   const OGRSpatialReference known = crs_from(crs, place);
@@ -168,7 +174,7 @@ LocalFrame LocalFrame::projected(const std::string& crs, double easting, double 
   }
   OGRAxisOrientation axes[2] = {OAO_Other, OAO_Other};
   for (int axis = 0; axis < 2; ++axis) known.GetAxis(nullptr, axis, &axes[axis]);
-  // Of a map of a pole both axes leave towards the same side of the compass, along two of its meridians.
+  // On a polar map, both axes leave in the same compass direction, along two meridians.
   const bool polar = axes[0] == axes[1];
   for (const OGRAxisOrientation axis : axes)
     if (!polar && (axis == OAO_West || axis == OAO_South))

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Converts a raster of heights to facets between the centres of its cells, or between the nodes of a BAG of
+// variable resolution.
+
 #include "scene/rasters/raster.hpp"
 
 #include <fmt/core.h>
@@ -21,7 +25,7 @@ void require_cells(const RasterReader& reader, double cells, const std::string& 
   require_memory(2 * bytes_a_facet * cells, reader.file().place(), "facets between " + what, remedy);
 }
 
-/// Between the centres of the cells of one grid.
+/// Returns the facets between the centres of the cells of one grid.
 ComponentMesh facets_of_grid(RasterReader& reader) {
   const RasterWindow& window = reader.window();
   require_cells(reader, window.cells(),
@@ -42,7 +46,7 @@ ComponentMesh facets_of_grid(RasterReader& reader) {
   return mesh;
 }
 
-/// Between all nodes of the supergrids in the window, or at one resolution.
+/// Returns the facets between all nodes of the supergrids in the window, or those at one resolution.
 ComponentMesh facets_of_supergrids(const RasterReader& reader, double resolution_m) {
   const RasterFile& file = reader.file();
   if (resolution_m > 0 && reader.is_in_degrees())

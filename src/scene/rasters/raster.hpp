@@ -9,17 +9,18 @@
 
 namespace tubefoot {
 
-/// Reads a raster of heights (GeoTIFF, BAG, ESRI ASCII grid, netCDF; band 1) as facets: a vertex at the
-/// centre of every cell that has data, a triangle between neighbouring centres where all three have it. Cells
-/// without data, NaN or masked, are holes. The band's scale, offset and unit are applied.
+/// Reads a raster of heights (GeoTIFF, BAG, ESRI ASCII grid, netCDF; band 1) as facets. Every cell with
+/// data has a vertex at its centre. Triangles join neighbouring centres if all three have data. Cells
+/// without data (NaN or masked) are holes. The scale, offset and unit of the band are applied.
 ///
-/// `frame` is the scene's local frame. Unset (the scene has no [georeference], and no raster before this one
-/// settled it), the raster sets it and says so in a warning: about the window's centre along the axes of the
-/// raster's own CRS if that is projected, tangent there if it is geographic, local metres as they stand if it
-/// has none.
+/// `frame` is the scene's local frame. It is empty if the scene has no [georeference] and no earlier raster
+/// determined it. The raster then sets the frame about the window's centre and states this in a warning. A
+/// projected CRS gives a frame along its axes, a geographic CRS a tangent frame, and a raster without CRS
+/// local metres.
 ///
-/// Throws InputError with the raster's file name, and GDAL's message: a file that GDAL cannot read whole, a
-/// raster that is rotated, has no geotransform, no data in the window, or no CRS in a georeferenced scene.
+/// Throws InputError with the raster's file name and GDAL's message. Errors are a file that GDAL cannot
+/// read completely, a rotated raster, no geotransform, and no data in the window. In a georeferenced scene,
+/// a raster without CRS is an error, too.
 ComponentMesh read_raster(const RasterTerrain& terrain, std::optional<LocalFrame>& frame);
 
 }  // namespace tubefoot

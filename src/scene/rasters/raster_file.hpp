@@ -12,8 +12,8 @@
 
 namespace tubefoot {
 
-/// Band 1 of a raster of heights, opened: GeoTIFF, BAG, ESRI ASCII grid, netCDF or VRT. As GdalInput, for the
-/// thread that made it.
+/// An open raster of heights (band 1): GeoTIFF, BAG, ESRI ASCII grid, netCDF or VRT. Only the thread that
+/// created it may use it, as for GdalInput.
 class RasterFile {
  public:
   explicit RasterFile(const std::filesystem::path& file,
@@ -25,15 +25,16 @@ class RasterFile {
   int columns() const { return input_.dataset().GetRasterXSize(); }
   int rows() const { return input_.dataset().GetRasterYSize(); }
   std::string crs() const { return input_.crs(); }
-  /// Of a north-up raster. Throws where there is none, or it is rotated or upside down.
+  /// Returns the geotransform of a north-up raster. Throws if there is none, or if the raster is rotated or
+  /// upside down.
   std::array<double, 6> geotransform() const;
-  /// From the band's values to metres, by its scale, offset and unit.
+  /// Converts values of the band to metres, by its scale, offset and unit.
   struct Metres {
     double scale = 1, offset = 0, metres_per_unit = 1;
     double operator()(double value) const { return (value * scale + offset) * metres_per_unit; }
   };
   Metres metres() const;
-  /// Part of a row: its values, and which of them are data (not 0).
+  /// Reads a part of a row: its values, and flags of the values that are data (not 0).
   void read_row(int row, int column, int columns, double* values, unsigned char* has_data) const;
 
   std::string advised(std::string_view command) const { return input_.advised(command); }

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Reads windows of a raster of heights as points, and determines the local frame from the first raster of a
+// scene. It warns of implausible extents and values.
+
 #include "scene/rasters/raster_reader.hpp"
 
 #include <fmt/core.h>
@@ -42,10 +46,10 @@ RasterWindow window_of(const RasterTerrain& terrain, const RasterFile& file) {
   return w;
 }
 
-// A terrain this many times higher than wide is none.
+// Largest plausible ratio of a terrain's height to its width.
 constexpr double steepest = 10;
 
-// The frame of a scene without [georeference], from its first raster; and what to tell the user.
+// Returns the frame of a scene without [georeference] from its first raster, and a warning for the user.
 LocalFrame frame_about(glm::dvec3 centre, const std::string& crs, const SourcePlace& place,
                        std::string& warning) {
   if (crs.empty()) {
@@ -53,7 +57,7 @@ LocalFrame frame_about(glm::dvec3 centre, const std::string& crs, const SourcePl
         "{}: has no coordinate reference system; its coordinates are taken for local metres", place.file);
     return {};
   }
-  // Origins are rounded so that the message gives them exactly.
+  // Origins are rounded, so that the message gives them exactly.
   if (is_geographic(crs, place)) {
     const double latitude = std::round(centre.y * 1e6) / 1e6, longitude = std::round(centre.x * 1e6) / 1e6;
     warning = fmt::format(
@@ -121,7 +125,7 @@ double RasterReader::metres_per_unit() const {
 }
 
 std::vector<std::string> RasterReader::odd_extent(glm::dvec3 lo, glm::dvec3 hi) const {
-  // What cells without data often hold in files that do not say so.
+  // Values that programs often write into cells without data, without declaring them.
   for (const double value : {-9999.0, -99999.0, -32768.0, -32767.0, 9999.0, 99999.0})
     if (const double height = height_m(value); lo.z < hi.z && (height == lo.z || height == hi.z))
       return {fmt::format(

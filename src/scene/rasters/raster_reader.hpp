@@ -14,11 +14,11 @@
 #include "scene/rasters/georeference.hpp"
 #include "scene/rasters/raster_file.hpp"
 
-// What reading a raster whole (raster.hpp) and by tiles (terrain_tiles.hpp) share.
+// Functions for reading a raster completely (raster.hpp) and by tiles (terrain_tiles.hpp).
 namespace tubefoot {
 
-/// The part of a raster that a terrain is made of: every step-th row and column of a window. The cells that
-/// are kept are counted from its north-west corner.
+/// The part of a raster that a terrain uses: every step-th row and column of a window. The used cells count
+/// from its north-west corner.
 struct RasterWindow {
   int column = 0, row = 0, columns = 0, rows = 0;  ///< in the file
   int step = 1;
@@ -27,39 +27,39 @@ struct RasterWindow {
   double cells() const { return static_cast<double>(kept_columns()) * kept_rows(); }
 };
 
-/// Centres of cells as points, in the raster's CRS: degrees stay degrees until settled into the scene's
-/// frame.
+/// Reads the centres of cells as points in the raster's CRS. Degrees stay degrees until carry() transforms
+/// the points into the scene's frame.
 class RasterReader {
  public:
   /// The number of a cell without data.
   static constexpr std::uint32_t hole = std::numeric_limits<std::uint32_t>::max();
 
-  /// Throws InputError for a file that is no raster of heights, or a window outside of it.
+  /// Throws InputError for a file that is not a raster of heights, and for a window outside of it.
   explicit RasterReader(const RasterTerrain& terrain);
 
   const RasterFile& file() const { return file_; }
-  /// Of the file.
+  /// Returns the geotransform of the file.
   const std::array<double, 6>& geotransform() const { return geotransform_; }
-  /// From the band's values to metres upwards.
+  /// Converts a value of the band to metres upwards.
   double height_m(double value) const { return up_ * metres_(value); }
   bool is_in_degrees() const { return !crs_.empty() && is_geographic(crs_, file_.place()); }
-  /// Of a projected CRS; 1 without one.
+  /// Returns the unit of a projected CRS; 1 without one.
   double metres_per_unit() const;
   const RasterWindow& window() const { return window_; }
 
-  /// Settles the frame of a scene without one, or checks that the raster has a place in it. Returns what the
-  /// user should know. Throws InputError.
+  /// Determines the frame of a scene without one, or checks that the raster has a position in it. Returns
+  /// warnings for the user. Throws InputError.
   std::vector<std::string> settle(std::optional<LocalFrame>& frame) const;
-  /// From the raster's CRS into the frame, in place.
+  /// Transforms points from the raster's CRS into the frame, in place.
   void carry(std::span<glm::dvec3> points, const LocalFrame& frame) const;
-  /// What is odd about the extent of its points. Throws InputError for a raster without CRS whose extent,
-  /// taken for metres, can only be degrees.
+  /// Returns warnings about the extent of the points. Throws InputError for a raster without CRS whose
+  /// extent in metres is only plausible in degrees.
   std::vector<std::string> odd_extent(glm::dvec3 lo, glm::dvec3 hi) const;
-  /// Also what GDAL warns of.
+  /// Returns the warnings, including those of GDAL.
   std::vector<std::string> warnings() const;
 
-  /// Appends the points of `count` kept cells of a kept row from a kept column on; `numbers` says, of each
-  /// cell, the index of its point or hole.
+  /// Appends the points of `count` used cells of a used row, from a used column on. `numbers` receives the
+  /// index of the point of each cell, or hole.
   void read_row(int row, int column, int count, std::vector<glm::dvec3>& points, std::uint32_t* numbers);
 
  private:
@@ -73,7 +73,8 @@ class RasterReader {
   std::vector<unsigned char> has_data_;
 };
 
-/// Two triangles between four centres that have data, one between three. Returns whether one has none.
+/// Adds two triangles if all four centres have data, and one if three have. Returns whether a centre has no
+/// data.
 template <class Add>
 bool join_centres(std::uint32_t nw, std::uint32_t ne, std::uint32_t sw, std::uint32_t se, const Add& add) {
   constexpr std::uint32_t hole = RasterReader::hole;

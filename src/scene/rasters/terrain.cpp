@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Creates flat and fractal terrains on regular grids. Fractal relief is a sum of octaves of gradient noise
+// (Perlin 1985, with his quintic fade of 2002). Heights are the same on every machine.
+
 #include "scene/rasters/terrain.hpp"
 
 #include <fmt/core.h>
@@ -20,19 +24,19 @@ void check_positive(double value, const char* what, const SourcePlace& place) {
   }
 }
 
-// Cells along one side: none longer than cell_m.
+// Returns the number of cells along one side, none longer than cell_m.
 double cells_along(double extent_m, double cell_m) {
   return std::max(1.0,
                   std::ceil(extent_m / cell_m * (1 - 1e-12)));  // 50 m in cells of 0.1 m are 500, not 501
 }
 
-// The library's last bit differs between machines; single precision of its result does not, but for a rare
-// tie.
+// Rounds a result to single precision. The last bit of library functions differs between machines; single
+// precision removes the difference except for rare ties.
 double portable(double value) { return static_cast<double>(static_cast<float>(value)); }
 
-// A slope, as heights above a terrain's middle.
+// A slope, as heights above the centre of a terrain.
 struct Slope {
-  double east = 0, north = 0;  // rise a metre
+  double east = 0, north = 0;  // rise per metre
   template <class Terrain>
   static Slope of(const Terrain& terrain, const SourcePlace& place) {
     if (terrain.slope_deg == 0) return {};
@@ -44,7 +48,7 @@ struct Slope {
   }
 };
 
-// A plane grid of columns x rows cells, row by row from the south-west, facets facing up.
+// Returns a plane grid of columns x rows cells, row by row from the south-west, with facets that face up.
 template <class Terrain>
 ComponentMesh grid_facets(const Terrain& terrain, double cell_m, const SourcePlace& place) {
   const double width_m = terrain.width_m, length_m = terrain.length_m;
@@ -86,8 +90,8 @@ ComponentMesh grid_facets(const Terrain& terrain, double cell_m, const SourcePla
   return mesh;
 }
 
-// A number that depends on its arguments only (SplitMix64's finaliser), so that no order of evaluation
-// matters.
+// Returns a number that depends only on the arguments (SplitMix64's finaliser), so that the order of
+// evaluation does not matter.
 std::uint64_t hash(std::uint64_t seed, std::uint64_t octave, std::int64_t x, std::int64_t y) {
   std::uint64_t h = seed;
   for (const std::uint64_t part : {octave, static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y)}) {
@@ -107,7 +111,7 @@ Pair pair(std::uint64_t h) {
   return {static_cast<double>(h >> 32) * 0x1p-31 - 1, static_cast<double>(h & 0xffffffffu) * 0x1p-31 - 1};
 }
 
-// Gradient noise of lattice constant 1 (Perlin 1985, with his quintic fade of 2002).
+// Returns gradient noise of lattice constant 1 (Perlin 1985, with his quintic fade of 2002).
 double gradient_noise(std::uint64_t seed, std::uint64_t octave, double x, double y) {
   const double x0 = std::floor(x), y0 = std::floor(y), fx = x - x0, fy = y - y0;
   const auto ix = static_cast<std::int64_t>(x0), iy = static_cast<std::int64_t>(y0);
@@ -121,7 +125,7 @@ double gradient_noise(std::uint64_t seed, std::uint64_t octave, double x, double
   return mix(mix(slope(0, 0), slope(1, 0), u), mix(slope(0, 1), slope(1, 1), u), v);
 }
 
-// Sum of the octaves at a place; not normalised.
+// The sum of the octaves at a position, without normalisation.
 class FractalNoise {
  public:
   FractalNoise(std::uint64_t seed, double hurst, double largest_m, double smallest_m)
@@ -133,13 +137,14 @@ class FractalNoise {
   double operator()(double x_m, double y_m) const {
     double sum = 0, amplitude = 1, x = x_m / largest_m_, y = y_m / largest_m_;
     for (std::uint64_t octave = 0; octave < octaves_; ++octave) {
-      // Gradient noise is 0 at its lattice points: each octave's lattice is shifted and turned, or they would
-      // line up.
+      // Gradient noise is 0 at its lattice points. Shift and rotation of each octave's lattice keep these
+      // points apart.
       const Pair shift = pair(hash(seed_, octave, std::int64_t{1} << 62, 0));
       sum += amplitude * gradient_noise(seed_, octave, x + 64 * shift.u, y + 64 * shift.v);
       amplitude *= gain_;
       const double turned =
-          0.8 * x - 0.6 * y;  // by the 3-4-5 triangle's angle: no trigonometry, no rounding mode
+          0.8 * x -
+          0.6 * y;  // rotation by an angle of the 3-4-5 triangle, without trigonometry and rounding modes
       y = 2 * (0.6 * x + 0.8 * y);
       x = 2 * turned;
     }

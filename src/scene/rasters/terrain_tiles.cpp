@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Reads a raster terrain by tiles. A first pass counts the facets and vertices of every tile and computes
+// its bounding box. Facets of chosen tiles then get the numbers of read_raster() (docs/big-terrain.md).
+
 #include "scene/rasters/terrain_tiles.hpp"
 
 #include <fmt/core.h>
@@ -19,11 +23,12 @@ namespace tubefoot {
 namespace {
 
 constexpr int side = TerrainTiles::cells_a_side;
-/// The survey goes by squares of so many tiles: large against a file's blocks, small against memory.
+/// Side in tiles of a square of the first pass: large against the blocks of a file, small against memory.
 constexpr int tiles_a_part = 16;
-/// More cells than a scene should hold whole unasked: some 4 GB of facets, vertices and tree.
+/// Largest number of cells that a scene loads as a whole by default: about 4 GB of facets, vertices and
+/// tree.
 constexpr double most_cells_whole = 20e6;
-/// Of blocks that GDAL keeps; its own default is a share of all memory.
+/// Size of GDAL's cache of blocks. Its default is a fraction of all memory.
 constexpr std::int64_t gdal_cache_bytes = 128 << 20;
 
 std::uint32_t tiles_of(int cells) { return static_cast<std::uint32_t>((cells + side - 1) / side); }
@@ -49,11 +54,11 @@ bool is_read_by_tiles(const TerrainDescription& terrain) {
   return !reader.file().has_variable_resolution() && reader.window().cells() > most_cells_whole;
 }
 
-/// What one square of the survey finds.
+/// Results for one square of the first pass.
 struct TerrainTiles::Part {
-  std::uint32_t first_row, first_column, rows, columns;  // tiles of its own, and one more all round
+  std::uint32_t first_row, first_column, rows, columns;  // the tiles of the square, and one more on each side
   std::vector<Tile> tiles;                               // [row][column]
-  std::vector<std::uint8_t> row_facets;                  // [row of its cells][column of its tiles]
+  std::vector<std::uint8_t> row_facets;  // [row of the square's cells][column of the square's tiles]
   glm::dvec3 lo_m{std::numeric_limits<double>::infinity()}, hi_m{-std::numeric_limits<double>::infinity()};
   std::uint64_t vertices = 0;
   std::size_t hole_cells = 0;
@@ -112,7 +117,7 @@ TerrainTiles::Part TerrainTiles::survey_part(int part_row, int part_column) cons
       if (facets == 0) continue;
       part.lo_m = glm::min(part.lo_m, lo);
       part.hi_m = glm::max(part.hi_m, hi);
-      // Of the tiles that share one of its corners, too.
+      // Tiles that share a corner of the cell get its bounds, too.
       const int south = row % side == side - 1 ? 1 : 0, east = column % side == side - 1 ? 1 : 0,
                 up = row % side == 0 ? 1 : 0, west = column % side == 0 ? 1 : 0;
       for (int r = tile_row - up; r <= tile_row + south; ++r)
@@ -123,7 +128,7 @@ TerrainTiles::Part TerrainTiles::survey_part(int part_row, int part_column) cons
         }
     }
   }
-  // A vertex on the border is counted with the squares to its south and east, or by who is last.
+  // A vertex on a border counts with the square to its south or east, or with the last square.
   for (int row = 0; row < rows + (row0 + rows == cell_rows_ ? 1 : 0); ++row)
     for (int column = 0; column < columns + (column0 + columns == cell_columns_ ? 1 : 0); ++column) {
       const std::uint32_t number = numbers[static_cast<std::size_t>(row) * width + column];
@@ -148,12 +153,12 @@ TerrainTiles::TerrainTiles(const RasterTerrain& terrain, std::optional<LocalFram
     reader.file().fail(fmt::format("{} x {} cells are more than {:.3g}: give a window or decimate",
                                    cell_columns_ + 1, cell_rows_ + 1, limits::tiled_cells));
   tiles_.resize(tile_columns_ * tile_rows_);
-  // 128 at most in a row of a tile, so that a byte holds their number.
+  // A row of cells in a tile has at most 128 facets, so that a byte holds their number.
   row_facets_.resize(static_cast<std::size_t>(cell_rows_) * tile_columns_);
 
   const int part_rows = (cell_rows_ + side * tiles_a_part - 1) / (side * tiles_a_part),
             part_columns = (cell_columns_ + side * tiles_a_part - 1) / (side * tiles_a_part);
-  // Each square takes some 40 MB.
+  // Each square takes about 40 MB.
   tbb::task_arena arena(std::min(tbb::this_task_arena::max_concurrency(), 8));
   for (int part_row = 0; part_row < part_rows; ++part_row) {
     std::vector<Part> parts(static_cast<std::size_t>(part_columns));
@@ -253,7 +258,7 @@ ComponentMesh TerrainTiles::read(std::span<const std::uint32_t> tiles) const {
   std::vector<Run> both;
   std::vector<Interval> intervals;
   for (int row = 0; row <= cell_rows_; ++row) {
-    // The points of a row of tiles, and those that the row of tiles above it ends with.
+    // The points of a row of tiles, and those at the end of the row of tiles above.
     const auto below = static_cast<std::size_t>(row / side);
     const bool ends = row > 0 && (row % side == 0 || row == cell_rows_);
     const std::size_t above = static_cast<std::size_t>(row - 1) / side;
@@ -262,7 +267,7 @@ ComponentMesh TerrainTiles::read(std::span<const std::uint32_t> tiles) const {
     if (ends) both.insert(both.end(), runs[above].begin(), runs[above].end());
     if (both.empty()) {
       if (row % side != 0) continue;
-      row += side - 1;  // nothing in this row of tiles
+      row += side - 1;  // no tile of this row is chosen
       continue;
     }
     std::sort(both.begin(), both.end(), [](const Run& a, const Run& b) { return a.first < b.first; });

@@ -15,31 +15,32 @@
 
 namespace tubefoot {
 
-/// Whether a raster terrain is read by tiles: as it says, or, if it leaves that open, because it is large.
+/// Returns whether a raster terrain is read by tiles: as its description states, or because it is large.
 /// Throws InputError as read_raster() does.
 bool is_read_by_tiles(const TerrainDescription& terrain);
 
-/// A raster terrain of which only some tiles are in memory at a time: squares of cells, counted row by row
-/// from the north-west corner. A cell lies between four centres of the raster's pixels, and holds the facets
-/// that read_raster() would make of them. docs/big-terrain.md
+/// A raster terrain with only some tiles in memory at a time. Tiles are squares of cells and count row by
+/// row from the north-west corner. A cell lies between the centres of four pixels and holds the facets that
+/// read_raster() would create there. docs/big-terrain.md
 class TerrainTiles {
  public:
   static constexpr int cells_a_side = 64;
 
   struct Tile {
-    /// About its facets and all that share a vertex with them; empty (lo above hi) without any.
+    /// Bounding box of its facets and of all facets that share a vertex with them; empty (lo above hi) if
+    /// there are none.
     glm::dvec3 lo_m{std::numeric_limits<double>::infinity()}, hi_m{-std::numeric_limits<double>::infinity()};
     std::uint32_t facets = 0;
-    bool has_holes = false;  ///< a cell that is not whole
+    bool has_holes = false;  ///< whether a cell is incomplete
   };
 
-  /// Reads all of the raster once, by windows. `frame` as in read_raster(). Throws InputError.
+  /// Reads the whole raster once, by windows. `frame` is as in read_raster(). Throws InputError.
   TerrainTiles(const RasterTerrain& terrain, std::optional<LocalFrame>& frame);
 
   const std::vector<Tile>& tiles() const { return tiles_; }
   std::size_t columns() const { return tile_columns_; }
   std::size_t rows() const { return tile_rows_; }
-  /// Of all tiles.
+  /// Returns the number of facets of all tiles.
   std::uint64_t facets() const { return facets_; }
   std::uint64_t vertices() const { return vertices_; }
   std::size_t hole_cells() const { return hole_cells_; }
@@ -48,15 +49,16 @@ class TerrainTiles {
   glm::dvec3 hi_m() const { return hi_m_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
 
-  /// The tiles that may have a facet above or below a place.
+  /// Returns the tiles that may have a facet above or below a position.
   std::vector<std::uint32_t> at(double east_m, double north_m) const;
 
-  /// The facets of some tiles (increasing numbers), in the order that read_raster() has. Thread-safe. Throws
-  /// InputError for a file that can no longer be read.
+  /// Returns the facets of some tiles (increasing numbers), in the order of read_raster(). Thread-safe.
+  /// Throws InputError for a file that can no longer be read.
   ComponentMesh read(std::span<const std::uint32_t> tiles) const;
-  /// The numbers that read_raster() gives the facets that read() returns, in its order.
+  /// Returns the numbers that read_raster() gives to the facets of read(), in its order.
   std::vector<std::uint64_t> numbers_of(std::span<const std::uint32_t> tiles) const;
-  /// The number of the first facet of a row of tiles; beyond the last row, of all facets.
+  /// Returns the number of the first facet of a row of tiles; beyond the last row, the number of all
+  /// facets.
   std::uint64_t first_of_row(std::size_t row) const;
 
  private:

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Joins the supergrids of a BAG of variable resolution to one surface without cracks, and samples such a
+// surface at one resolution.
+
 #include "scene/rasters/variable_grid.hpp"
 
 #include <fmt/format.h>
@@ -18,13 +22,13 @@ namespace {
 using Supergrid = BagRefinements::Supergrid;
 constexpr std::uint32_t hole = RasterReader::hole;
 
-/// A node that a facet may use: where it lies, data or not, and its vertex (or hole).
+/// A node for facets: its position, which exists without data as well, and its vertex (or hole).
 struct Node {
   glm::dvec2 place;
   std::uint32_t vertex;
 };
 
-/// Twice the area of a triangle, positive counter-clockwise.
+/// Returns twice the area of a triangle, positive if counter-clockwise.
 double turn(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
@@ -72,7 +76,7 @@ class Joiner {
       ++mesh_.hole_cells;
       return;
     }
-    // The joints lean on this: they lie between the nodes of two cells.
+    // Strips lie between the nodes of two cells. They require that nodes lie within their cells.
     if (!(s.first_x + (s.columns - 1) * s.step_x < grid_.cell_x) ||
         !(s.first_y + (s.rows - 1) * s.step_y < grid_.cell_y))
       throw InputError(
@@ -103,7 +107,7 @@ class Joiner {
                          [this](std::uint32_t a, std::uint32_t b, std::uint32_t c) { add(a, b, c); });
   }
 
-  // The nodes along a side of a supergrid, from the south or the west on.
+  // Returns the nodes along a side of a supergrid, from the south or the west.
   using Side = std::vector<Node>;
   Side side(std::size_t row, std::size_t column, bool upright, bool last) const {
     const Supergrid& s = at(row, column);
@@ -116,8 +120,8 @@ class Joiner {
     return nodes;
   }
 
-  /// Between two parallel rows of nodes that run the same way, one to the left and one to the right. Any
-  /// order of steps is a triangulation; the shorter of the two next joints keeps the triangles fat.
+  /// Joins two parallel rows of nodes with the same direction, one on the left and one on the right. Any
+  /// order of steps gives a triangulation. The shorter of the two next edges avoids narrow triangles.
   void join_strip(const Side& left, const Side& right) {
     if (left.empty() || right.empty()) return;
     for (std::size_t l = 0, r = 0; l + 1 < left.size() || r + 1 < right.size();) {
@@ -136,7 +140,7 @@ class Joiner {
     }
   }
 
-  /// Of a cell, those to its east and north, and the one between: their corners.
+  /// Joins the corners of a cell and of the cells to its east, north and north-east.
   void join_corner(std::size_t row, std::size_t column) {
     std::array<Node, 4> around{};  // counter-clockwise from the south-west
     std::size_t count = 0, missing = 0;
@@ -157,7 +161,7 @@ class Joiner {
     };
     if (count == 3) take(a, b, c);
     if (count < 4) return;
-    // Their quadrilateral is simple, and one diagonal at least lies in it.
+    // The quadrilateral is simple, and at least one diagonal lies inside.
     const bool by_ac = turn(a.place, b.place, c.place) > 0 && turn(a.place, c.place, d.place) > 0,
                by_bd = turn(a.place, b.place, d.place) > 0 && turn(b.place, c.place, d.place) > 0;
     if (by_ac && (!by_bd || glm::distance(a.place, c.place) <= glm::distance(b.place, d.place))) {
@@ -172,8 +176,8 @@ class Joiner {
   const VariableGrid& grid_;
   const SourcePlace& place_;
   ComponentMesh mesh_;
-  std::vector<std::size_t> first_;       // of each cell, its south-west node in vertices_
-  std::vector<std::uint32_t> vertices_;  // of each node
+  std::vector<std::size_t> first_;       // index in vertices_ of the south-west node, by cell
+  std::vector<std::uint32_t> vertices_;  // by node
 };
 
 }  // namespace
@@ -198,8 +202,8 @@ ComponentMesh resampled(const ComponentMesh& surface, const VariableGrid& grid, 
   const auto x_of = [&](std::size_t i) { return west + (static_cast<double>(i) + 0.5) * step; };
   const auto y_of = [&](std::size_t j) { return south + (static_cast<double>(j) + 0.5) * step; };
   std::vector<double> heights(columns * rows, std::numeric_limits<double>::quiet_NaN());
-  // Nodes are where single precision puts them: by that much a cell's centre may lie beside the outermost
-  // ones.
+  // Nodes are rounded to single precision, so that the centre of a cell may lie slightly outside of the
+  // outermost nodes.
   constexpr double rounding = 1e-6;
   const auto first_from = [step](double from, double lo, std::size_t count) {
     return static_cast<std::size_t>(
@@ -214,7 +218,7 @@ ComponentMesh resampled(const ComponentMesh& surface, const VariableGrid& grid, 
            i < columns && x_of(i) <= std::max({a.x, b.x, c.x}) + rounding * step; ++i) {
         const glm::dvec2 p{x_of(i), y_of(j)};
         const double of_a = turn(p, b, c) / area, of_b = turn(a, p, c) / area, of_c = turn(a, b, p) / area;
-        // Places on an edge are of either side, whichever way they are rounded.
+        // Positions on an edge belong to both sides, independent of rounding.
         if (std::min({of_a, of_b, of_c}) >= -rounding)
           heights[j * columns + i] = of_a * a.z + of_b * b.z + of_c * c.z;
       }

@@ -7,15 +7,16 @@ namespace tubefoot {
 
 struct SceneDescription;
 
-/// How finely a curved object is cut into facets.
+/// Fineness of the facets of a curved object.
 struct FacetFineness {
   double chord_error_m = 0;  ///< largest distance between the surface and its facets
-  std::string from;          ///< what it follows from, for people
+  std::string from;          ///< reason for this value, for the user
 };
 
-/// What the object says, or a sixteenth of what the scene's sensors tell apart: the shortest of their range
-/// samples and of their beams' widths at a quarter of their farthest range. Of the largest radius at least
-/// 3/10000 (about 20 000 facets a sphere) and at most a fiftieth.
+/// Returns the chord error of the object's description, or a sixteenth of the best resolution of the
+/// scene's sensors. The resolution is the minimum of the range samples and of the beam widths at a quarter
+/// of the largest range. The error is at least 3/10000 of the largest radius (about 20 000 facets per
+/// sphere) and at most a fiftieth.
 FacetFineness facet_fineness(const SceneDescription& scene, const ObjectDescription& object);
 
 }  // namespace tubefoot

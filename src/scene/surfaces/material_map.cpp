@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Assigns materials to facets: it divides facets along the borders of a map and finds the region of each
+// part. Ray crossing (even-odd rule) finds the region, with borders sorted into strips.
+
 #include "scene/surfaces/material_map.hpp"
 
 #include <fmt/core.h>
@@ -58,13 +62,14 @@ std::size_t MaterialMap::row(double y) const {
   const std::size_t rows = first_.size() - 1;
   if (!(hi_y_ > lo_y_)) return 0;
   const double part = (y - lo_y_) / (hi_y_ - lo_y_) * static_cast<double>(rows);
-  // In this order: borders that reach over more than a double holds make it no number.
+  // The order of min and max matters: if the extent of the borders exceeds the range of a double, `part` is
+  // NaN.
   return static_cast<std::size_t>(std::min(std::max(0.0, part), static_cast<double>(rows - 1)));
 }
 
 std::uint16_t MaterialMap::at(glm::dvec2 place_m) const {
   if (borders_.empty() || !(place_m.y >= lo_y_ && place_m.y <= hi_y_)) return default_material_;
-  thread_local std::vector<std::uint32_t> crossed;  // regions, once a crossing
+  thread_local std::vector<std::uint32_t> crossed;  // regions, once per crossing
   crossed.clear();
   const std::size_t r = row(place_m.y);
   for (std::uint32_t k = first_[r]; k < first_[r + 1]; ++k) {
@@ -72,7 +77,7 @@ std::uint16_t MaterialMap::at(glm::dvec2 place_m) const {
     const glm::dvec2 &a = border.a, &b = border.b;
     const bool upwards = b.y > place_m.y;
     if ((a.y > place_m.y) == upwards) continue;
-    // The ray runs east: it is crossed where the place lies west of the border.
+    // The ray leads east. It crosses the border if the position lies to the west of the border.
     const double side = (b.x - a.x) * (place_m.y - a.y) - (b.y - a.y) * (place_m.x - a.x);
     if ((side > 0) != upwards) continue;
     crossed.push_back(border.region);
@@ -118,7 +123,7 @@ MaterialMap make_map(const MaterialMapDescription& map, const MaterialMapSetting
       return raster_material_map(*raster, setting);
     return polygon_material_map(std::get<PolygonMaterialMap>(map.kind), setting);
   } catch (const InputError& error) {
-    throw InputError(map.place, error.what());  // both places are reported
+    throw InputError(map.place, error.what());  // reports both places
   }
 }
 
@@ -139,7 +144,7 @@ TerrainMap::TerrainMap(const TerrainDescription& terrain, const std::vector<Mate
                                      "its coordinate reference system right?",
                                      p.x, p.y));
   segments_.reserve(map_.borders().size());
-  // Neighbours share borders: once is enough.
+  // Neighbouring regions share borders, of which one copy is enough.
   const auto key = [](const PlanSegment& s) { return std::array{s.a.x, s.a.y, s.b.x, s.b.y}; };
   for (const MaterialBorder& border : map_.borders()) {
     const bool forwards = std::pair(border.a.x, border.a.y) < std::pair(border.b.x, border.b.y);
@@ -174,7 +179,7 @@ std::size_t apply_material_map(ComponentMesh& mesh, const TerrainDescription& te
   glm::dvec3 lo = mesh.points_m.front(), hi = lo;
   for (const glm::dvec3& p : mesh.points_m) lo = glm::min(lo, p), hi = glm::max(hi, p);
   const std::vector<std::uint32_t> facet = TerrainMap(terrain, materials, frame, lo, hi).apply(mesh);
-  std::size_t cut = 0;  // facets of which there is a second part
+  std::size_t cut = 0;  // number of facets with a second part
   for (std::size_t k = 1; k < facet.size(); ++k)
     cut += facet[k] == facet[k - 1] && (k == 1 || facet[k - 2] != facet[k]);
   return cut;

@@ -9,8 +9,8 @@
 
 namespace tubefoot {
 
-/// Carries points of a CRS (empty: local metres) into the frame; where only one of the two is georeferenced,
-/// throws InputError that says `remedy`.
+/// Transforms points of a CRS (empty for local metres) into the frame. If only one of them is
+/// georeferenced, it throws InputError with the text `remedy`.
 void carry_map_points(std::span<glm::dvec3> points, const std::string& crs, const LocalFrame& frame,
                       const SourcePlace& place, const char* remedy);
 

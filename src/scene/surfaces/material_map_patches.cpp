@@ -11,15 +11,15 @@
 namespace tubefoot {
 namespace {
 
-std::uint64_t mixed(std::uint64_t h) {  // Steele, Lea and Flood's SplitMix64
+std::uint64_t mixed(std::uint64_t h) {  // SplitMix64 by Steele, Lea and Flood
   h += 0x9e3779b97f4a7c15u;
   h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9u;
   h = (h ^ (h >> 27)) * 0x94d049bb133111ebu;
   return h ^ (h >> 31);
 }
 
-/// A number in 0 .. 1 of a square of the lattice: three a square are wanted. Whole-number arithmetic and one
-/// exact product: the same on every machine.
+/// Returns a number in [0, 1) for a square of the lattice; each square needs three. Integer arithmetic and
+/// one exact product give the same result on every machine.
 double fraction(std::uint64_t seed, std::int64_t i, std::int64_t j, std::uint64_t which) {
   const std::uint64_t square =
       mixed(mixed(mixed(seed) ^ static_cast<std::uint64_t>(i)) ^ static_cast<std::uint64_t>(j));
@@ -29,8 +29,9 @@ double fraction(std::uint64_t seed, std::int64_t i, std::int64_t j, std::uint64_
 }  // namespace
 
 MaterialMap patch_material_map(const PatchMaterialMap& map, const MaterialMapSetting& setting) {
-  // Every square of the lattice holds a loaded scene, so that no place is further than a square's diagonal
-  // from its nearest site: that lies at most two squares away, and what bounds its cell five.
+  // Every square of the lattice holds one site, so that the nearest site of a position is at most one
+  // diagonal of a square away. That site lies at most two squares away, and the sites that bound its cell
+  // at most five.
   constexpr std::int64_t covered = 2, margin = 5;
   const double size = map.patch_size_m;
   const glm::dvec2 lo = glm::floor(glm::dvec2(setting.lo_m) / size),
@@ -43,7 +44,7 @@ MaterialMap patch_material_map(const PatchMaterialMap& map, const MaterialMapSet
                     "larger 'patch_size_m'",
                     size, setting.hi_m.x - setting.lo_m.x, setting.hi_m.y - setting.lo_m.y,
                     squares.x * squares.y, most_material_patches));
-  constexpr double far_squares = 0x1p50;  // beyond, a loaded scene's place within its square is lost
+  constexpr double far_squares = 0x1p50;  // beyond, rounding loses a site's position within its square
   if (std::max({-lo.x, -lo.y, hi.x, hi.y}) > far_squares)
     throw InputError(setting.place,
                      fmt::format("patches of {} m are too small this far from the origin", size));
@@ -55,7 +56,7 @@ MaterialMap patch_material_map(const PatchMaterialMap& map, const MaterialMapSet
     all_shares += share.share;
   }
   std::vector<glm::dvec2> sites;
-  std::vector<std::uint32_t> region;  // per site: its material, none where the default does
+  std::vector<std::uint32_t> region;  // material by site; none for the default material
   const auto lo_i = static_cast<std::int64_t>(lo.x), lo_j = static_cast<std::int64_t>(lo.y),
              hi_i = static_cast<std::int64_t>(hi.x), hi_j = static_cast<std::int64_t>(hi.y);
   for (std::int64_t j = lo_j - margin; j <= hi_j + margin; ++j)

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Reads a material map from polygons of a vector file: one region per polygon, in the local frame. The
+// order of regions decides where polygons overlap.
+
 #include <fmt/ranges.h>
 #include <ogrsf_frmts.h>
 

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Reads a material map from the classes of a raster: one region per material, with borders along the edges
+// of cells. The borders are transformed into the local frame.
+
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -15,7 +19,7 @@
 namespace tubefoot {
 namespace {
 
-/// Regions of a raster's cells, row by row from the north-west; kNone where the default material lies.
+/// Regions of a raster's cells, row by row from the north-west; kNone for the default material.
 struct Classes {
   static constexpr std::uint16_t kNone = 0xffff;
   int columns = 0, rows = 0;
@@ -72,14 +76,14 @@ Classes read_classes(const GdalInput& input, const RasterMaterialMap& map, const
   return classes;
 }
 
-/// From the north-west corner of one cell to that of another, with the regions at its sides.
+/// A line from the north-west corner of one cell to that of another, with the regions on its sides.
 struct Run {
   int column, row, to_column, to_row;
   std::uint16_t region, other;
 };
 
-/// The edges of cells between regions; where the same two regions go on to face each other straight ahead,
-/// one long run. Nothing meets a run between its ends.
+/// Returns the edges of cells between regions. Consecutive edges between the same two regions form one long
+/// run. No other run ends between the ends of a run.
 std::vector<Run> runs_between(const Classes& classes, bool merge, const SourcePlace& place) {
   std::vector<Run> runs;
   const auto follow = [&](int lines, int steps, auto beside, auto make) {
@@ -106,7 +110,7 @@ std::vector<Run> runs_between(const Classes& classes, bool merge, const SourcePl
   return runs;
 }
 
-/// Places of the corners of cells, carried into the frame.
+/// Positions of the corners of cells in the frame.
 class Corners {
  public:
   Corners(const GdalInput& input, const RasterMaterialMap& map, const MaterialMapSetting& setting,
@@ -141,7 +145,7 @@ class Corners {
           "give 'origin_m' and 'cell_m' in local metres, or write a copy with a coordinate reference "
           "system by `gdal_translate -a_srs EPSG:... IN OUT`");
   }
-  /// Whether straight lines along the cells stay straight in the frame, to a micrometre.
+  /// Returns whether straight lines along the cells stay straight in the frame to a micrometre.
   bool stay_straight(int columns, int rows) const {
     std::vector<glm::dvec3> p;
     for (int j = 0; j <= 2; ++j)

@@ -8,24 +8,26 @@
 
 namespace tubefoot {
 
-/// What every source of a material map is reported.
+/// Data for all sources of a material map.
 struct MaterialMapSetting {
   const std::vector<MaterialDescription>& materials;
   std::uint16_t default_material;
   glm::dvec3 lo_m, hi_m;  ///< extent of the terrain in the local frame
   const LocalFrame& frame;
-  SourcePlace place;  ///< of the map in the scene file
+  SourcePlace place;  ///< place of the map in the scene file
 };
 
-/// Classes of a raster: a region a material, borders along the edges of cells. Throws InputError with the
-/// raster's name; one that lists the classes that have no material.
+/// Reads the classes of a raster: one region per material, with borders along the edges of cells. Throws
+/// InputError with the raster's name. One error lists the classes without a material.
 MaterialMap raster_material_map(const RasterMaterialMap& map, const MaterialMapSetting& setting);
-/// Polygons: a region each, in the order of the file or against it. Throws InputError with the file's name.
+/// Reads polygons: one region each, in the order of the file or in reverse. Throws InputError with the
+/// file's name.
 MaterialMap polygon_material_map(const PolygonMaterialMap& map, const MaterialMapSetting& setting);
-/// Patches that depend on the place and the seed alone. Throws InputError at the map's place.
+/// Creates patches that depend only on position and seed. Throws InputError at the map's place.
 MaterialMap patch_material_map(const PatchMaterialMap& map, const MaterialMapSetting& setting);
 
-/// Index of a material by its name; throws InputError at `place`, with `who` in front.
+/// Returns the index of a material by its name. Throws InputError at `place`, with `who` before the
+/// message.
 std::uint16_t material_named(const std::string& name, const std::vector<MaterialDescription>& materials,
                              const SourcePlace& place, const std::string& who);
 /// Throws InputError for more than most_material_borders.

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Loads the micro-texture of materials: layers of Perlin noise, and maps from rasters that are repeated
+// from the origin or lie at their georeferenced position.
+
 #include "scene/surfaces/reflectivity.hpp"
 
 #include <fmt/format.h>
@@ -44,7 +48,7 @@ class MapReader {
     }
   }
 
-  /// Of a tile, whose rows have no coordinates.
+  /// Returns a message for a repeated map whose rows have no coordinates.
   std::optional<std::string> unknown_row_order() const {
     return keys_.tile_m ? input_.unknown_row_order() : std::nullopt;
   }
@@ -74,7 +78,7 @@ class MapReader {
     return values;
   }
 
-  /// North up, the south-west corner at the frame's origin.
+  /// Returns the placement with north up and the south-west corner at the frame's origin.
   MapReflectivity::Placing tiled() const {
     const double width = (*keys_.tile_m)[0] / columns_, height = (*keys_.tile_m)[1] / rows_;
     return {{width / 2, (*keys_.tile_m)[1] - height / 2}, {width, 0}, {0, -height}, true};
@@ -94,7 +98,7 @@ class MapReader {
                       "copy with one by {}, "
                       "or give 'tile_m'",
                       input_.advised("gdal_translate -a_srs EPSG:...")));
-    // Corners' and edges' middles and the centre, as pixels' centres are counted.
+    // Corners, midpoints of edges and the centre, in coordinates of pixel centres.
     const double w = columns_, h = rows_;
     std::vector<glm::dvec3> points;
     for (const double row : {0.0, h / 2, h})
@@ -148,7 +152,7 @@ std::shared_ptr<const ReflectivityField> load_reflectivity(const MaterialDescrip
       continue;
     }
     const auto& keys = std::get<PerlinReflectivityKeys>(layer.kind);
-    // The first layer has the seed's own lattice.
+    // The first layer uses the lattice of the seed itself.
     const std::uint64_t seed = keys.seed + 0x9e3779b97f4a7c15u * layers.size();
     layers.push_back(std::make_shared<PerlinReflectivity>(
         PerlinReflectivity::Settings{keys.wavelength_m, keys.octaves, keys.persistence, keys.depth, seed}));

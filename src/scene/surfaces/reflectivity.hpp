@@ -11,10 +11,11 @@
 
 namespace tubefoot {
 
-/// The micro-texture of a material, null for none. Layers multiply; noise in layer k is that of its seed and
-/// of k, so that no two layers are alike. Throws InputError for a second map, with the raster's file name for
-/// one that cannot be read or placed: no georeference in a scene that is georeferenced, or the other way
-/// round; a CRS in which it is no parallelogram in the frame to within half a pixel.
+/// Returns the micro-texture of a material, or null. Layers multiply. The noise in layer k depends on its
+/// seed and on k, so that all layers differ.
+/// Throws InputError for a second map, and with the raster's file name for a map that cannot be read or
+/// placed. Map and scene must both have a georeference, or neither. The map must be a parallelogram in the
+/// frame to within half a pixel.
 std::shared_ptr<const ReflectivityField> load_reflectivity(const MaterialDescription& material,
                                                            const LocalFrame& frame,
                                                            std::vector<std::string>& warnings);

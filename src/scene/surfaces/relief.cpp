@@ -44,7 +44,7 @@ class Reliefs {
                                        ripples.rms_height_m});
     } catch (const std::invalid_argument& error) {
       throw InputError(relief.place, error.what());
-    } catch (const InputError& error) {  // in the map: both places are reported
+    } catch (const InputError& error) {  // error in the map: both places are reported
       throw InputError(relief.place, error.what());
     }
   }

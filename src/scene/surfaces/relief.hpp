@@ -11,9 +11,10 @@
 
 namespace tubefoot {
 
-/// The relief of every material: the sum of its entries, null where it has none. What several materials say
-/// alike is made once. Throws InputError at the entry: a tile of too many nodes, ripples that the tile cannot
-/// hold or show, a map that cannot be read or placed.
+/// Returns the relief of every material: the sum of its entries, or null without entries. Equal entries of
+/// several materials are computed once. Throws InputError at the entry for a tile with too many nodes, and
+/// for a map that cannot be read or placed. Ripples that the tile cannot contain or resolve are an error,
+/// too.
 std::vector<std::shared_ptr<const ElevationField>> load_relief(
     const std::vector<MaterialDescription>& materials, const LocalFrame& frame,
     std::vector<std::string>& warnings);

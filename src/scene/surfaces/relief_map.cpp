@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Reads a measured relief map from a raster and places it on a lattice along the frame's axes. A map that
+// is not aligned is resampled: Newton's method finds the cell of each node, and heights are interpolated
+// bilinearly.
+
 #include "scene/surfaces/relief_map.hpp"
 
 #include <fmt/core.h>
@@ -18,7 +23,7 @@
 namespace tubefoot {
 namespace {
 
-// Where the centres of a raster's cells lie in the local frame. Cells count from the north-west, from 0.
+// Positions of the centres of a raster's cells in the local frame. Cells count from the north-west, from 0.
 class CellPlaces {
  public:
   CellPlaces(const RasterFile& raster, const LocalFrame& frame)
@@ -37,7 +42,7 @@ class CellPlaces {
     }
   }
 
-  // Columns and rows, with fractions, to places in the frame.
+  // Transforms columns and rows, with fractions, to positions in the frame.
   std::vector<glm::dvec2> operator()(const std::vector<glm::dvec2>& cells) const {
     std::vector<glm::dvec3> points;
     points.reserve(cells.size());
@@ -55,7 +60,7 @@ class CellPlaces {
   std::array<double, 6> transform_;
 };
 
-// Row by row from the north-west, as in the file; no data: 0.
+// Returns heights row by row from the north-west, as in the file; 0 where there is no data.
 std::vector<double> read_heights(const RasterFile& raster, double scale) {
   const int columns = raster.columns(), rows = raster.rows();
   if (columns < 2 || rows < 2)
@@ -87,7 +92,7 @@ void turn_south_up(std::vector<double>& heights, std::size_t columns) {
   for (std::size_t j = 0; j < rows / 2; ++j) std::swap_ranges(row(j), row(j + 1), row(rows - 1 - j));
 }
 
-// Cells along the raster's border, evenly.
+// Returns equally spaced cells along the raster's border.
 std::vector<glm::dvec2> border_cells(double columns, double rows) {
   std::vector<glm::dvec2> cells;
   constexpr int steps = 16;
@@ -98,7 +103,7 @@ std::vector<glm::dvec2> border_cells(double columns, double rows) {
   return cells;
 }
 
-// Steps of a column and of a row in the frame, and its inverse, at the raster's middle.
+// Steps of a column and of a row in the frame at the raster's centre, and their inverse.
 struct Steps {
   glm::dvec2 column, row;
   glm::dvec2 cells(glm::dvec2 way) const {
@@ -120,8 +125,8 @@ double bilinear(const std::vector<double>& heights, std::ptrdiff_t columns, std:
          v * ((1 - u) * at(i, j + 1) + u * at(i + 1, j + 1));
 }
 
-// Onto a lattice along the frame's axes: each node's cell is found by Newton's method with the steps at the
-// raster's middle.
+// Resamples the heights on a lattice along the frame's axes. Newton's method with the steps at the raster's
+// centre finds the cell of each node.
 HeightMap resampled(const RasterFile& raster, const CellPlaces& places, const std::vector<double>& heights,
                     const Steps& steps) {
   const double columns = raster.columns(), rows = raster.rows();
@@ -142,7 +147,7 @@ HeightMap resampled(const RasterFile& raster, const CellPlaces& places, const st
                 {}};
   const glm::dvec2 middle_cell{(columns - 1) / 2, (rows - 1) / 2}, middle = places({middle_cell}).front();
   map.height_m.reserve(map.columns * map.rows);
-  // Many at a time: to carry any costs the setting up of a transformation.
+  // Nodes are transformed in large groups, because each call creates a transformation.
   const std::size_t rows_at_once = std::max<std::size_t>(1, (std::size_t{1} << 18) / map.columns);
   std::vector<glm::dvec2> nodes, cells;
   for (std::size_t first = 0; first < map.rows; first += rows_at_once) {
@@ -171,7 +176,7 @@ HeightMap placed(const RasterFile& raster, std::vector<double> heights, const Lo
   const glm::dvec2 middle{(columns - 1) / 2, (rows - 1) / 2};
   const std::vector<glm::dvec2> around = places({middle - glm::dvec2(0.5, 0), middle + glm::dvec2(0.5, 0),
                                                  middle - glm::dvec2(0, 0.5), middle + glm::dvec2(0, 0.5)});
-  // Along the axes: the corner and the far corner tell where all cells are.
+  // If the map is aligned, one corner and the opposite corner determine all cells.
   const std::vector<glm::dvec2> corners = places({{0, rows - 1}, {columns - 1, 0}});
   const glm::dvec2 spacing = (corners[1] - corners[0]) / glm::dvec2(columns - 1, rows - 1);
   const std::vector<glm::dvec2> border = border_cells(columns, rows), reached = places(border);
@@ -194,9 +199,9 @@ HeightMap placed(const RasterFile& raster, std::vector<double> heights, const Lo
           std::move(heights)};
 }
 
-// What is left out of a map is reported by its spectrum, a wave at a time: as many as the shorter side of a
-// cell goes into the longer side of the map. However long and thin the cells are, these must not take
-// minutes.
+// Limits the number of waves. The spectrum reports the removed part of a map wave by wave. The number of
+// waves is the longer side of the map divided by the shorter side of a cell. Long narrow cells must not
+// take minutes.
 void check_spacing(const RasterFile& raster, const HeightMap& map) {
   constexpr double least_m = 1e-6, most_waves = 1e6;
   const double shortest = std::min(map.spacing_x_m, map.spacing_y_m),
@@ -219,7 +224,8 @@ std::shared_ptr<const ElevationField> read_relief_map(const MapReliefDescription
   std::vector<double> heights = read_heights(raster, map.scale);
   HeightMap lattice;
   if (map.tile_m) {
-    // Its south-west corner at the frame's origin: the first node is the centre of the cell there.
+    // The south-west corner is at the frame's origin, so that the first node is the centre of the cell
+    // there.
     turn_south_up(heights, raster.columns());
     const double cell_m = *map.tile_m / raster.columns();
     lattice = {static_cast<std::size_t>(raster.columns()),

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+
+// Creates the scattering models of materials (docs/scattering.md): GSAB, tables of angles and levels, and
+// sediments. It checks that a model scatters no more energy than it receives.
+
 #include "scene/surfaces/scattering.hpp"
 
 #include <fmt/format.h>
@@ -34,7 +38,7 @@ struct Table {
   std::vector<double> grazing_deg, strength_db;
 };
 
-/// Rows "grazing angle in degrees, level in dB"; blank lines and those from # on are left out.
+/// Reads rows "grazing angle in degrees, level in dB". Blank lines and text from # on are left out.
 Table read_table(const std::filesystem::path& file) {
   SourcePlace place{file.string(), 0, 0};
   InputFile input(file);

@@ -11,10 +11,10 @@ namespace tubefoot {
 
 struct SceneDescription;
 
-/// The scattering models of a scene by material; null where it is Lambert's, which needs no more than its mu.
-/// Throws InputError for a table that cannot be read and for a law that scatters more than it receives from
-/// some angle, unless the material is `unbounded`. Warns of sensors whose frequency a sediment's table is not
-/// meant for, and of laws that are unbounded because they were allowed to be.
+/// Returns the scattering models of a scene by material; null for Lambert's law, which needs only its mu.
+/// Throws InputError for a table that cannot be read. A model that scatters more than it receives at some
+/// angle is an error, too, unless the material is `unbounded`. Adds warnings for sensors whose frequency is
+/// outside of a sediment's table, and for models that are unbounded by permission.
 std::vector<std::shared_ptr<const ScatteringModel>> load_scattering(const SceneDescription& scene,
                                                                     std::vector<std::string>& warnings);
 

@@ -11,9 +11,9 @@ namespace tubefoot {
 
 struct SceneDescription;
 
-/// What smooth materials reflect, by material; none where it is rough. Warns of smooth materials in scenes
-/// without a sensor that receives phases: energies go by the scattering model; and of scatterers, which
-/// nothing reads there.
+/// Returns the smooth surfaces by material; empty for a rough material. It warns of smooth materials in
+/// scenes whose sensors record no phases, because energies follow the scattering model. It also warns of
+/// scatterers, which nothing reads there.
 std::vector<std::optional<SmoothSurface>> load_smooth_surfaces(const SceneDescription& scene,
                                                                std::vector<std::string>& warnings);
 
