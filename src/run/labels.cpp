@@ -17,7 +17,7 @@
 
 // This file computes the labels of energies. Each owner (object and material) has an echo model in which all
 // other owners scatter nothing. Mean height and mean range use a weight as a further factor of the
-// reflectivity texture (docs/truth.md).
+// reflectivity texture (docs/labels.md).
 
 namespace tubefoot {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// Writes the benchmark suite (docs/reference-pack.md): scene files, meshes, scenes in numbers, reference
+// Writes the benchmark suite (docs/benchmark-suite.md): scene files, meshes, scenes in numbers, reference
 // answers with certified bounds where they are possible, and SHA-256 sums.
 
 #include "suite/write_suite.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Conversion of reference energies to the units of another engine. It is a chain of steps, each of which
-// propagates the certified bounds of the energies. See docs/recipes.md for the formulas.
+// propagates the certified bounds of the energies. See docs/output-models.md for the formulas.
 #pragma once
 
 #include <cstdint>
