@@ -41,9 +41,9 @@ int suite_command(const SuiteOptions& options) {
                     options.output.string()));
   OutputFolder output(options.output, {});
   const ThreadLimit limit(options.threads.value_or(0));
-  const std::vector<WrittenScene> scenes = write_suite(output.staging(), request, write_forms);
+  const std::vector<WrittenSuiteScene> scenes = write_suite(output.staging(), request, write_forms);
   output.commit();
-  for (const WrittenScene& scene : scenes) {
+  for (const WrittenSuiteScene& scene : scenes) {
     if (options.quiet) break;
     const std::string answer = options.without_answers
                                    ? std::string()

@@ -53,7 +53,7 @@ void write_inputs(const fs::path& folder, const SuiteScene& scene) {
 }
 
 void write_answer(const fs::path& folder, const SuiteScene& scene, const Survey& survey,
-                  WrittenScene& packed) {
+                  WrittenSuiteScene& packed) {
   RunRequest request = request_of(survey.scene.description.run);
   request.reference_tolerance = scene.certified;
   SimulationStats stats;
@@ -148,10 +148,10 @@ std::vector<const Aspect*> aspects_named(const std::string& names) {
   return found;
 }
 
-std::vector<WrittenScene> write_suite(const fs::path& folder, const SuiteRequest& request,
-                                      const OtherForms& other_forms) {
+std::vector<WrittenSuiteScene> write_suite(const fs::path& folder, const SuiteRequest& request,
+                                           const OtherForms& other_forms) {
   using Clock = std::chrono::steady_clock;
-  std::vector<WrittenScene> all;
+  std::vector<WrittenSuiteScene> all;
   write_frame(folder, request);
   const fs::path answers = folder / answers_name;
   Progress progress("packing", request.scenes.size(), request.quiet);
@@ -164,7 +164,7 @@ std::vector<WrittenScene> write_suite(const fs::path& folder, const SuiteRequest
     const std::unique_ptr<const Survey> survey = open_survey(read_scene_file(place / "scene.toml"));
     write_json(place / "scene.json", scene_numbers(*aspect, scene, *survey));
     if (other_forms) other_forms(*survey, place);
-    WrittenScene packed{aspect, survey->scene.mesh.facets.size()};
+    WrittenSuiteScene packed{aspect, survey->scene.mesh.facets.size()};
     if (request.answers) write_answer(answers / aspect->name, scene, *survey, packed);
     packed.seconds = std::chrono::duration<double>(Clock::now() - start).count();
     all.push_back(packed);

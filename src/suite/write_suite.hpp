@@ -25,7 +25,7 @@ struct SuiteRequest {
 std::vector<const Aspect*> aspects_named(const std::string& names);
 
 /// Summary of one written scene.
-struct WrittenScene {
+struct WrittenSuiteScene {
   const Aspect* aspect = nullptr;
   std::size_t facets = 0;
   double energy_j = 0;        ///< sum of the reference energies
@@ -37,7 +37,7 @@ struct WrittenScene {
 using OtherForms = std::function<void(const Survey& survey, const std::filesystem::path& folder)>;
 
 /// Writes a pack into an existing empty folder. Throws write_error(), and Interrupted on a stop request.
-std::vector<WrittenScene> write_suite(const std::filesystem::path& folder, const SuiteRequest& request,
-                                      const OtherForms& other_forms = {});
+std::vector<WrittenSuiteScene> write_suite(const std::filesystem::path& folder, const SuiteRequest& request,
+                                           const OtherForms& other_forms = {});
 
 }  // namespace tubefoot

@@ -11,7 +11,7 @@ namespace tubefoot {
 
 /// Audit of an image.
 /// Law C1 (closure) is tested in rational numbers for each window, in the scene beyond the window.
-/// Law I4 (windows) says that the windows fill the visible part of the mirror, within the rounding of their
+/// Law I4 (windows): the windows fill the visible part of the mirror, within the rounding of their
 /// corners.
 struct ImageAudit {
   bool of_receiver = false;
